@@ -1,0 +1,72 @@
+// A curve or field along a side: vectors that are polynomials of t on each piece of [0, 1].
+// Every source of side data (plain mesh, subdivision limit, Bezier, NURBS, functions) is turned into this one form, so that
+// evaluation is the same fast loop for all, with exact derivatives of any order and no call back into the source.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+class PiecewisePolynomial {
+public:
+  PiecewisePolynomial() = default;
+  /// breaks: pieces + 1 increasing values from 0 to 1. coefficients: for piece p, power k (of t - middle of the piece) and
+  /// component x: coefficients[(p * (degree + 1) + k) * dimension + x].
+  PiecewisePolynomial(std::vector<double> breaks, int degree, int dimension, std::vector<double> coefficients);
+
+  static PiecewisePolynomial constant(std::span<const double> value);
+  /// a polynomial of t from Bernstein coefficients, (degree + 1) x dimension, row by row.
+  static PiecewisePolynomial bezier(std::span<const double> net, int dimension);
+  /// C2 cubic spline through values (n x dimension, row by row) at increasing parameters from 0 to 1; not-a-knot ends, or the
+  /// given end derivatives (each `dimension` long; empty: not-a-knot). Fewer than four values: the polynomial through them.
+  static PiecewisePolynomial spline(std::span<const double> parameters, std::span<const double> values, int dimension,
+                                    std::span<const double> start_derivative = {}, std::span<const double> end_derivative = {});
+  /// Cubic Hermite pieces through values with the given derivatives.
+  static PiecewisePolynomial hermite(std::span<const double> parameters, std::span<const double> values,
+                                     std::span<const double> derivatives, int dimension);
+  /// Adaptive Chebyshev fit of a function sampled in batches: f(t, out) with out |t| x dimension. Pieces are halved until the
+  /// error at check points is under tolerance times the largest value, or the pieces are shorter than 2^-max_depth.
+  static PiecewisePolynomial fit(const std::function<void(std::span<const double>, std::span<double>)>& f, int dimension,
+                                 double tolerance = 1e-13, int degree = 9, int max_depth = 9);
+
+  int dimension() const { return dimension_; }
+  int degree() const { return degree_; }
+  Index pieces() const { return static_cast<Index>(breaks_.size()) - 1; }
+  const std::vector<double>& breaks() const { return breaks_; }
+  bool empty() const { return breaks_.size() < 2; }
+
+  /// Taylor coefficients at t up to `order`: out[k * dimension + x] is the k-th derivative over k!. Outside [0, 1] the end
+  /// pieces are continued.
+  void taylor(double t, int order, double* out) const;
+  /// Three-dimensional fields: value and derivatives.
+  Vec3 operator()(double t) const;
+  Vec3 derivative_at(double t, int order = 1) const;
+
+  PiecewisePolynomial derivative() const;
+  PiecewisePolynomial reversed() const;  ///< t -> 1 - t
+  /// The part from t0 to t1 (t0 < t1), as a field over [0, 1] again.
+  PiecewisePolynomial part(double t0, double t1) const;
+  /// The same field on more pieces (breaks of both) and of at least this degree.
+  PiecewisePolynomial refined(const std::vector<double>& more_breaks, int degree) const;
+  friend PiecewisePolynomial operator+(const PiecewisePolynomial& a, const PiecewisePolynomial& b);
+  friend PiecewisePolynomial operator-(const PiecewisePolynomial& a, const PiecewisePolynomial& b);
+  friend PiecewisePolynomial operator*(double s, PiecewisePolynomial a);
+  /// Scalar field (dimension 1) times field.
+  friend PiecewisePolynomial operator*(const PiecewisePolynomial& scalar, const PiecewisePolynomial& field);
+
+private:
+  Index piece(double t) const;
+  void build_lookup();
+
+  std::vector<double> breaks_;
+  int degree_ = 0;
+  int dimension_ = 0;
+  std::vector<double> coefficients_;
+  std::vector<std::int32_t> lookup_;  // first candidate piece for floor(t * lookup size)
+};
+
+}  // namespace tripatch

@@ -1,0 +1,26 @@
+// A side of the hole and what surrounds it. Conventions: side i is opposite corner i and runs, t from 0 to 1, from corner
+// i + 1 to corner i + 2 (mod 3), in the direction in which the new faces traverse the rim.
+#pragma once
+
+#include <array>
+
+#include "tripatch/boundary/piecewise_polynomial.h"
+
+namespace tripatch {
+
+struct Side {
+  PiecewisePolynomial c;  ///< position, scene units
+  PiecewisePolynomial r;  ///< derivative of the surrounding surface across the side, away from the hole, units per parameter
+  PiecewisePolynomial q;  ///< optional (empty: unknown): second derivative of the surrounding surface in the direction of r
+
+  /// Unit normal on the outer side of the mesh, r x c' (zero where they are parallel).
+  Vec3 normal(double t) const;
+};
+
+using Sides = std::array<Side, 3>;
+
+/// Sides must meet: the end of each is the start of the next, within 1e-6 of the size; throws a Refusal that names the corner
+/// and the gap otherwise. Returns the size: the largest distance between two corners or side points.
+double check_sides(const Sides& sides);
+
+}  // namespace tripatch

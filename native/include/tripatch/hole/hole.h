@@ -1,0 +1,35 @@
+// The hole: its rim as an ordered loop, its three corners, and the loops that a mesh has.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// Rim vertices from corner 0 on, without repeat, in the direction in which new faces traverse it: the new faces are on its left,
+/// seen from the mesh's outer side; the surrounding faces hold the edges reversed.
+struct Hole {
+  std::vector<Index> rim;
+  /// Places of the corners in `rim`; corners[0] == 0. Corner 1 and 2 follow along the rim.
+  std::array<Index, 3> corners = {0, 0, 0};
+
+  /// Vertices of side i (opposite corner i), from corner i + 1 to corner i + 2, both included.
+  std::vector<Index> side(int i) const;
+};
+
+/// Every border loop, shortest first (then by lowest index), each from its lowest index on, in the direction that new faces take.
+std::vector<std::vector<Index>> find_holes(const Faces& faces);
+
+/// The hole of a given rim (any start, either direction) and corners (vertex indices of the rim; the first stays corner 0,
+/// the others are sorted along the rim; none: detected where the rim turns, read in the tangent plane of the surface).
+/// `replaced`: faces that count as not there (a region to be replaced). Throws a Refusal.
+Hole make_hole(const Mesh& mesh, const std::vector<Index>& rim, const std::optional<std::array<Index, 3>>& corners,
+               const std::vector<Index>& replaced = {});
+
+/// The mesh's only border loop with three corners; else a Refusal that lists the candidates.
+Hole find_hole(const Mesh& mesh);
+
+}  // namespace tripatch

@@ -1,0 +1,146 @@
+// Jet<N>: a truncated Taylor series of order N in the two free barycentric coordinates (b0, b1), b2 = 1 - b0 - b1.
+// Arithmetic on jets gives exact derivatives of every construction from one formula, without finite differences.
+// Coefficient of db0^i db1^j stands at index(i, j); a derivative is the coefficient times i! j!.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace tripatch {
+
+constexpr int jet_index(int i, int j) { return (i + j) * (i + j + 1) / 2 + j; }
+constexpr int jet_size(int order) { return (order + 1) * (order + 2) / 2; }
+
+template <int N>
+struct Jet {
+  static constexpr int order = N;
+  static constexpr int size = jet_size(N);
+  std::array<double, size> c{};
+
+  Jet() = default;
+  Jet(double value) { c[0] = value; }  // NOLINT(google-explicit-constructor): a number is a jet
+  double value() const { return c[0]; }
+
+  /// value + a db0 + b db1: barycentric coordinates and everything linear in them.
+  static Jet linear(double value, double a, double b) {
+    Jet r(value);
+    if constexpr (N > 0) {
+      r.c[1] = a;
+      r.c[2] = b;
+    }
+    return r;
+  }
+
+  Jet& operator+=(const Jet& o) {
+    for (int k = 0; k < size; ++k) c[k] += o.c[k];
+    return *this;
+  }
+  Jet& operator-=(const Jet& o) {
+    for (int k = 0; k < size; ++k) c[k] -= o.c[k];
+    return *this;
+  }
+  Jet& operator*=(double s) {
+    for (int k = 0; k < size; ++k) c[k] *= s;
+    return *this;
+  }
+  friend Jet operator+(Jet a, const Jet& b) { return a += b; }
+  friend Jet operator-(Jet a, const Jet& b) { return a -= b; }
+  friend Jet operator-(Jet a) { return a *= -1.0; }
+  friend Jet operator*(Jet a, double s) { return a *= s; }
+  friend Jet operator*(double s, Jet a) { return a *= s; }
+  friend Jet operator+(Jet a, double s) { a.c[0] += s; return a; }
+  friend Jet operator+(double s, Jet a) { a.c[0] += s; return a; }
+  friend Jet operator-(Jet a, double s) { a.c[0] -= s; return a; }
+  friend Jet operator-(double s, const Jet& a) { Jet r = -a; r.c[0] += s; return r; }
+  friend Jet operator*(const Jet& a, const Jet& b) {
+    Jet r;
+    for (int d = 0; d <= N; ++d)
+      for (int j = 0; j <= d; ++j)
+        for (int e = 0; d + e <= N; ++e)
+          for (int k = 0; k <= e; ++k) r.c[jet_index(d - j + e - k, j + k)] += a.c[jet_index(d - j, j)] * b.c[jet_index(e - k, k)];
+    return r;
+  }
+  Jet& operator*=(const Jet& b) { return *this = *this * b; }
+};
+
+template <int N>
+Jet<N> square(const Jet<N>& a) {
+  return a * a;
+}
+
+/// f(t) for a jet t and the Taylor coefficients f, f', f''/2, ... (order N) of f at t.value().
+template <int N>
+Jet<N> compose(const double* taylor, std::ptrdiff_t stride, const Jet<N>& t) {
+  Jet<N> h = t;
+  h.c[0] = 0;
+  Jet<N> r(taylor[N * stride]);
+  for (int k = N - 1; k >= 0; --k) r = r * h + taylor[k * stride];
+  return r;
+}
+
+template <int N>
+Jet<N> reciprocal(const Jet<N>& a) {
+  std::array<double, N + 1> f{};
+  f[0] = 1.0 / a.c[0];
+  for (int k = 1; k <= N; ++k) f[k] = -f[k - 1] * f[0];
+  return compose<N>(f.data(), 1, a);
+}
+template <int N>
+Jet<N> operator/(const Jet<N>& a, const Jet<N>& b) {
+  return a * reciprocal(b);
+}
+template <int N>
+Jet<N> operator/(double a, const Jet<N>& b) {
+  return a * reciprocal(b);
+}
+
+/// Square root of a positive jet.
+template <int N>
+Jet<N> sqrt(const Jet<N>& a) {
+  std::array<double, N + 1> f{};
+  f[0] = std::sqrt(a.c[0]);
+  for (int k = 1; k <= N; ++k) f[k] = f[k - 1] * (1.5 - k) / (k * a.c[0]);
+  return compose<N>(f.data(), 1, a);
+}
+
+/// A point in space as three jets.
+template <int N>
+struct JetPoint {
+  std::array<Jet<N>, 3> x;
+
+  JetPoint() = default;
+  JetPoint(const Eigen::Vector3d& p) : x{Jet<N>(p[0]), Jet<N>(p[1]), Jet<N>(p[2])} {}  // NOLINT(google-explicit-constructor)
+
+  JetPoint& operator+=(const JetPoint& o) {
+    for (int k = 0; k < 3; ++k) x[k] += o.x[k];
+    return *this;
+  }
+  JetPoint& operator-=(const JetPoint& o) {
+    for (int k = 0; k < 3; ++k) x[k] -= o.x[k];
+    return *this;
+  }
+  friend JetPoint operator+(JetPoint a, const JetPoint& b) { return a += b; }
+  friend JetPoint operator-(JetPoint a, const JetPoint& b) { return a -= b; }
+  friend JetPoint operator*(const Jet<N>& s, JetPoint a) {
+    for (int k = 0; k < 3; ++k) a.x[k] = s * a.x[k];
+    return a;
+  }
+  friend JetPoint operator*(double s, JetPoint a) {
+    for (int k = 0; k < 3; ++k) a.x[k] *= s;
+    return a;
+  }
+};
+
+/// Barycentric coordinates as jets.
+template <int N>
+struct Barycentric {
+  std::array<Jet<N>, 3> b;
+  Barycentric() = default;
+  explicit Barycentric(const double* p) : b{Jet<N>::linear(p[0], 1, 0), Jet<N>::linear(p[1], 0, 1), Jet<N>::linear(p[2], -1, -1)} {}
+  const Jet<N>& operator[](int i) const { return b[i]; }
+  Jet<N>& operator[](int i) { return b[i]; }
+};
+
+}  // namespace tripatch

@@ -1,0 +1,12 @@
+// Side-vertex patch: three rays from the vertices to the opposite sides, blended by the side weights.
+// Nielson 1979 (J. Approx. Theory 25, 318-336), vector-valued Hagen 1986. G1 along all sides; reproduces cubics.
+#pragma once
+
+#include "tripatch/boundary/ribbon.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+SurfacePtr side_vertex(Boundary boundary);
+
+}  // namespace tripatch

@@ -1,0 +1,36 @@
+// The numbers that a user is shown: how well the fill meets its surroundings, from exact derivatives by atan2.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tripatch/boundary/side.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+struct Report {
+  double seam_angle_max = 0;  ///< degrees, fill against the surroundings used
+  double seam_angle_rms = 0;
+  std::array<double, 3> seam_angle_max_by_side = {0, 0, 0};
+  std::array<double, 3> seam_angle_rms_by_side = {0, 0, 0};
+  double surroundings_error = 0;  ///< degrees; 0 where the surroundings are known exactly
+  std::string fairing;            ///< name of the energy used, empty: none
+  double energy_before = 0;
+  double energy_after = 0;
+  Index folds = 0;  ///< on a 64 x 64 grid
+  std::array<Index, 3> corners = {0, 0, 0};  ///< vertex indices
+  std::vector<std::string> warnings;
+  double seconds = 0;
+};
+
+/// Seam angles of a patch against its sides, `samples` points a side, ends included where the two planes of the corner agree to
+/// 1e-6 degrees, else outside 1% of the side.
+void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples = 200);
+
+/// Folds on a 64 x 64 grid: (P_1 x P_2) . n <= 0 with n the side-weight blend of the rim's normals, or neighbouring normals
+/// 60 degrees or more apart.
+Index count_folds(const Surface& patch, const Sides& sides);
+
+}  // namespace tripatch

@@ -1,0 +1,111 @@
+#include "tripatch/boundary/ribbon.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace tripatch {
+namespace {
+
+double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+
+double arc_length(const PiecewisePolynomial& c) {
+  constexpr int steps = 32;
+  double length = 0;
+  Vec3 last = c(0);
+  for (int k = 1; k <= steps; ++k) {
+    const Vec3 p = c(static_cast<double>(k) / steps);
+    length += (p - last).norm();
+    last = p;
+  }
+  return length;
+}
+
+PiecewisePolynomial linear(double a, double b) {
+  const std::array<double, 2> net = {a, b};
+  return PiecewisePolynomial::bezier(net, 1);
+}
+
+/// How much of the floor a corner takes: all where the rim turns by 5 degrees or less (or backwards), none from 25 on.
+double floor_share(double turn_deg) {
+  const double x = std::clamp((25 - turn_deg) / 20, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+/// max(a, b) with a corner rounded over a width of b / 2; a itself where b is 0.
+double smooth_max(double a, double b) { return 0.5 * (a + b + std::sqrt((a - b) * (a - b) + 0.25 * b * b)); }
+
+struct CornerSlope {
+  double alpha, beta;
+  Vec3 lifted;  ///< what the floor added, as a vector
+};
+
+/// The corrected corner equations: (alpha, beta) such that alpha r + beta c' is nearest to tau; alpha kept above a floor.
+CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share) {
+  Eigen::Matrix<double, 3, 2> a;
+  a << r, dc;
+  const double rn = r.norm();
+  if (!(rn > 0)) return {0, 0, Vec3::Zero()};
+  Eigen::Vector2d x;
+  if (dc.norm() > 1e-12 * height) {
+    x = a.colPivHouseholderQr().solve(tau);
+  } else {
+    x << tau.dot(r) / (rn * rn), 0;
+  }
+  const double whole = height / rn;  // what an equilateral patch of this size has
+  const double kept = share > 0 ? smooth_max(x[0], share * whole) : x[0];
+  const double alpha = std::max(kept, 1e-3 * whole);  // never zero or backwards: G1 keeps its sign
+  return {alpha, x[1], (alpha - x[0]) * r};
+}
+
+}  // namespace
+
+Boundary make_boundary(const Sides& sides, const RibbonOptions& options) {
+  Boundary boundary;
+  boundary.size = check_sides(sides);
+  double length = 0;
+  for (const Side& side : sides) length += arc_length(side.c) / 3;
+  const double height = 0.5 * std::sqrt(3.0) * length;
+
+  for (int k = 0; k < 3; ++k) {
+    const Side& out = sides[(k + 2) % 3];  // starts at corner k
+    const Side& in = sides[(k + 1) % 3];   // ends at corner k
+    const Vec3 before = in.c.derivative_at(1), after = out.c.derivative_at(0);
+    const Vec3 n_in = in.normal(1), n_out = out.normal(0);
+    boundary.corner_mismatch_deg[k] = degrees_between(n_in, n_out);
+    const double turn = degrees_between(before, after);
+    boundary.turn_deg[k] = before.cross(after).dot(n_in + n_out) < 0 && turn < 179 ? -turn : turn;
+  }
+
+  for (int i = 0; i < 3; ++i) {
+    const Side& side = sides[i];
+    const int first = (i + 1) % 3, second = (i + 2) % 3;
+    const Vec3 r0 = side.r(0), r1 = side.r(1);
+    const Vec3 c0 = side.c.derivative_at(0), c1 = side.c.derivative_at(1);
+    Ribbon& ribbon = boundary.ribbons[i];
+    ribbon.c = side.c;
+    if (options.cross_boundary == CrossBoundary::given) {
+      ribbon.alpha = linear(1, 1);
+      ribbon.beta = linear(0, 0);
+    } else {
+      // the derivative in the direction -delta_i, from the two curve tangents at each corner (eqs. 9 and 11)
+      const Vec3 tau0 = sides[second].c.derivative_at(1) + 0.5 * c0;
+      const Vec3 tau1 = -sides[first].c.derivative_at(0) - 0.5 * c1;
+      const CornerSlope a = corner_slope(r0, c0, tau0, height, floor_share(boundary.turn_deg[first]));
+      const CornerSlope b = corner_slope(r1, c1, tau1, height, floor_share(boundary.turn_deg[second]));
+      if (floor_share(boundary.turn_deg[first]) > 0) boundary.inward[first] -= 0.5 * a.lifted;
+      if (floor_share(boundary.turn_deg[second]) > 0) boundary.inward[second] -= 0.5 * b.lifted;
+      ribbon.alpha = linear(a.alpha, b.alpha);
+      ribbon.beta = linear(a.beta, b.beta);
+    }
+    if (options.bulge[i] != 1) {
+      const double e = (options.bulge[i] - 1) * 16 / 6;  // 16 t^2 (1 - t)^2 in Bernstein form
+      const std::array<double, 5> net = {1, 1, 1 + e, 1, 1};
+      ribbon.alpha = PiecewisePolynomial::bezier(net, 1) * ribbon.alpha;
+    }
+    ribbon.d = ribbon.alpha * side.r + ribbon.beta * side.c.derivative();
+  }
+  return boundary;
+}
+
+}  // namespace tripatch
