@@ -84,17 +84,19 @@ Boundary make_boundary(const Sides& sides, const RibbonOptions& options) {
     const Vec3 c0 = side.c.derivative_at(0), c1 = side.c.derivative_at(1);
     Ribbon& ribbon = boundary.ribbons[i];
     ribbon.c = side.c;
+    std::array<Vec3, 2> lifted = {Vec3::Zero(), Vec3::Zero()};
+    // the derivative in the direction -delta_i, from the two curve tangents at each corner (eqs. 9 and 11)
+    const Vec3 tau0 = sides[second].c.derivative_at(1) + 0.5 * c0;
+    const Vec3 tau1 = -sides[first].c.derivative_at(0) - 0.5 * c1;
     if (options.cross_boundary == CrossBoundary::given) {
       ribbon.alpha = linear(1, 1);
       ribbon.beta = linear(0, 0);
     } else {
-      // the derivative in the direction -delta_i, from the two curve tangents at each corner (eqs. 9 and 11)
-      const Vec3 tau0 = sides[second].c.derivative_at(1) + 0.5 * c0;
-      const Vec3 tau1 = -sides[first].c.derivative_at(0) - 0.5 * c1;
       const CornerSlope a = corner_slope(r0, c0, tau0, height, floor_share(boundary.turn_deg[first]));
       const CornerSlope b = corner_slope(r1, c1, tau1, height, floor_share(boundary.turn_deg[second]));
       if (floor_share(boundary.turn_deg[first]) > 0) boundary.inward[first] -= 0.5 * a.lifted;
       if (floor_share(boundary.turn_deg[second]) > 0) boundary.inward[second] -= 0.5 * b.lifted;
+      lifted = {a.lifted, b.lifted};
       ribbon.alpha = linear(a.alpha, b.alpha);
       ribbon.beta = linear(a.beta, b.beta);
     }
@@ -103,7 +105,13 @@ Boundary make_boundary(const Sides& sides, const RibbonOptions& options) {
       const std::array<double, 5> net = {1, 1, 1 + e, 1, 1};
       ribbon.alpha = PiecewisePolynomial::bezier(net, 1) * ribbon.alpha;
     }
-    ribbon.d = ribbon.alpha * side.r + ribbon.beta * side.c.derivative();
+    if (options.tangent[i]) {
+      ribbon.d = ribbon.alpha * side.r + ribbon.beta * side.c.derivative();
+    } else {  // linear between the corners' own derivatives, kept open at smooth corners
+      const Vec3 d0 = tau0 + lifted[0], d1 = tau1 + lifted[1];
+      const std::array<double, 6> net = {d0[0], d0[1], d0[2], d1[0], d1[1], d1[2]};
+      ribbon.d = PiecewisePolynomial::bezier(net, 3);
+    }
   }
   return boundary;
 }
