@@ -14,31 +14,31 @@
 namespace tripatch {
 
 struct FillOptions {
-  std::optional<std::vector<Index>> rim;               ///< none: the only border loop with three corners
-  std::optional<std::array<Index, 3>> corners;         ///< vertex indices; none: detected
-  std::vector<Index> replaced;                         ///< faces of a region to be replaced: the rim is around them
-  std::string method = "side_vertex";                  ///< a name in methods() that fills holes
+  std::optional<std::vector<Index>> rim;                             ///< none: the only border loop with three corners
+  std::optional<std::array<Index, 3>> corners;                       ///< vertex indices; none: detected
+  std::vector<Index> replaced;                                       ///< faces of a region to be replaced: the rim is around them
+  std::string method = "side_vertex";                                ///< a name in methods() that fills holes
   std::array<std::string, 3> continuity = {"auto", "auto", "auto"};  ///< auto, G0, G1, G2
   CrossBoundary cross_boundary = CrossBoundary::consistent;
-  std::string fairing = "auto";                        ///< none, auto, thin_plate, third_derivative, minimum_variation
-  std::string output = "triangles";                    ///< triangles, quads, cage
-  std::optional<int> resolution;                       ///< triangles: edges per side inside the fill; none: follow the rim
-  std::array<double, 3> bulge = {1, 1, 1};             ///< > 0, scales the slopes inside each side
-  std::array<double, 3> shape = {0.5, 0.5, 0.5};       ///< lambda of the Szilvasi-Nagy methods, by side
-  bool optimal_shape = false;                          ///< lambda by the least thin-plate energy instead
-  bool as_printed = false;                             ///< the papers' printed readings, mistakes included
+  std::string fairing = "auto";                   ///< none, auto, thin_plate, third_derivative, minimum_variation
+  std::string output = "triangles";               ///< triangles, quads, cage
+  std::optional<int> resolution;                  ///< triangles: edges per side inside the fill; none: follow the rim
+  std::array<double, 3> bulge = {1, 1, 1};        ///< > 0, scales the slopes inside each side
+  std::array<double, 3> shape = {0.5, 0.5, 0.5};  ///< lambda of the Szilvasi-Nagy methods, by side
+  bool optimal_shape = false;                     ///< lambda by the least thin-plate energy instead
+  bool as_printed = false;                        ///< the papers' printed readings, mistakes included
 };
 
 struct Fill {
-  Points vertices;                   ///< the new vertices only
-  Faces faces;                       ///< 0 .. n-1 are the mesh's own vertices, n .. are `vertices`
-  Points normals;                    ///< exact unit normals of the patch at `vertices`
-  Points barycentric;                ///< of `vertices`
-  std::vector<Index> rim;            ///< from corner 0 on
-  Points rim_normals;                ///< exact one-sided normals of the fill at the rim
+  Points vertices;         ///< the new vertices only
+  Faces faces;             ///< 0 .. n-1 are the mesh's own vertices, n .. are `vertices`
+  Points normals;          ///< exact unit normals of the patch at `vertices`
+  Points barycentric;      ///< of `vertices`
+  std::vector<Index> rim;  ///< from corner 0 on
+  Points rim_normals;      ///< exact one-sided normals of the fill at the rim
   Points rim_barycentric;
   SurfacePtr patch;
-  Sides sides;                       ///< the surroundings used
+  Sides sides;  ///< the surroundings used
   Report report;
 };
 

@@ -8,8 +8,13 @@ namespace tripatch {
 
 std::span<const Method> methods() {
   static const std::vector<Method> all = {
-      {"side_vertex", "Three rays from the corners to the opposite sides, blended", "Nielson 1979; Hagen 1986", true, "G1",
-       [](const Boundary& boundary, const MethodOptions&) { return side_vertex(boundary); }, {}},
+      {"side_vertex",
+       "Three rays from the corners to the opposite sides, blended",
+       "Nielson 1979; Hagen 1986",
+       true,
+       "G1",
+       [](const Boundary& boundary, const MethodOptions&) { return side_vertex(boundary); },
+       {}},
   };
   return all;
 }

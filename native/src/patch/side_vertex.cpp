@@ -37,8 +37,8 @@ private:
     compose_with_derivative(ribbon.c, t, c, dc);
     // d/ds = -delta_i + (t - 1/2) (along the side)
     const JetPoint<N> side_slope = compose(ribbon.d, t) + (t - 0.5) * dc;
-    const JetPoint<N> vertex_slope = (1.0 - t) * JetPoint<N>(to_next_[i]) + t * JetPoint<N>(to_previous_[i]) +
-                                     JetPoint<N>(boundary_.inward[i]);
+    const JetPoint<N> vertex_slope =
+        (1.0 - t) * JetPoint<N>(to_next_[i]) + t * JetPoint<N>(to_previous_[i]) + JetPoint<N>(boundary_.inward[i]);
     const Jet<N> ss = square(s), u = 1.0 - s;
     return (square(u) * (1.0 + 2.0 * s)) * JetPoint<N>(corner_[i]) + (s * square(u)) * vertex_slope + (ss * (3.0 - 2.0 * s)) * c -
            (ss * u) * side_slope;

@@ -23,7 +23,7 @@ struct Ribbon {
 struct Boundary {
   std::array<Ribbon, 3> ribbons;
   std::array<Vec3, 3> inward = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  std::array<double, 3> turn_deg = {0, 0, 0};            ///< how much the rim turns at corner i, degrees
+  std::array<double, 3> turn_deg = {0, 0, 0};             ///< how much the rim turns at corner i, degrees
   std::array<double, 3> corner_mismatch_deg = {0, 0, 0};  ///< angle between the tangent planes of the two sides at corner i
   double size = 0;
 };

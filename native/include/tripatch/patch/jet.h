@@ -50,16 +50,30 @@ struct Jet {
   friend Jet operator-(Jet a) { return a *= -1.0; }
   friend Jet operator*(Jet a, double s) { return a *= s; }
   friend Jet operator*(double s, Jet a) { return a *= s; }
-  friend Jet operator+(Jet a, double s) { a.c[0] += s; return a; }
-  friend Jet operator+(double s, Jet a) { a.c[0] += s; return a; }
-  friend Jet operator-(Jet a, double s) { a.c[0] -= s; return a; }
-  friend Jet operator-(double s, const Jet& a) { Jet r = -a; r.c[0] += s; return r; }
+  friend Jet operator+(Jet a, double s) {
+    a.c[0] += s;
+    return a;
+  }
+  friend Jet operator+(double s, Jet a) {
+    a.c[0] += s;
+    return a;
+  }
+  friend Jet operator-(Jet a, double s) {
+    a.c[0] -= s;
+    return a;
+  }
+  friend Jet operator-(double s, const Jet& a) {
+    Jet r = -a;
+    r.c[0] += s;
+    return r;
+  }
   friend Jet operator*(const Jet& a, const Jet& b) {
     Jet r;
     for (int d = 0; d <= N; ++d)
       for (int j = 0; j <= d; ++j)
         for (int e = 0; d + e <= N; ++e)
-          for (int k = 0; k <= e; ++k) r.c[jet_index(d - j + e - k, j + k)] += a.c[jet_index(d - j, j)] * b.c[jet_index(e - k, k)];
+          for (int k = 0; k <= e; ++k)
+            r.c[jet_index(d - j + e - k, j + k)] += a.c[jet_index(d - j, j)] * b.c[jet_index(e - k, k)];
     return r;
   }
   Jet& operator*=(const Jet& b) { return *this = *this * b; }
@@ -138,7 +152,8 @@ template <int N>
 struct Barycentric {
   std::array<Jet<N>, 3> b;
   Barycentric() = default;
-  explicit Barycentric(const double* p) : b{Jet<N>::linear(p[0], 1, 0), Jet<N>::linear(p[1], 0, 1), Jet<N>::linear(p[2], -1, -1)} {}
+  explicit Barycentric(const double* p)
+      : b{Jet<N>::linear(p[0], 1, 0), Jet<N>::linear(p[1], 0, 1), Jet<N>::linear(p[2], -1, -1)} {}
   const Jet<N>& operator[](int i) const { return b[i]; }
   Jet<N>& operator[](int i) { return b[i]; }
 };

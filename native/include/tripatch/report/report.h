@@ -19,7 +19,7 @@ struct Report {
   std::string fairing;            ///< name of the energy used, empty: none
   double energy_before = 0;
   double energy_after = 0;
-  Index folds = 0;  ///< on a 64 x 64 grid
+  Index folds = 0;                           ///< on a 64 x 64 grid
   std::array<Index, 3> corners = {0, 0, 0};  ///< vertex indices
   std::vector<std::string> warnings;
   double seconds = 0;
