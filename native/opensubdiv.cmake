@@ -1,0 +1,25 @@
+# Defines the target tripatch_opensubdiv: the CPU parts far, vtr, sdc and bfr of OpenSubdiv, by TRIPATCH_OPENSUBDIV.
+if(TRIPATCH_OPENSUBDIV STREQUAL "system")
+  # Not find_package: Debian's OpenSubdivConfig.cmake names a static library that the package does not contain.
+  find_path(OPENSUBDIV_INCLUDE_DIR opensubdiv/version.h REQUIRED)
+  find_library(OPENSUBDIV_LIBRARY osdCPU REQUIRED)
+  add_library(tripatch_opensubdiv INTERFACE)
+  target_include_directories(tripatch_opensubdiv SYSTEM INTERFACE ${OPENSUBDIV_INCLUDE_DIR})
+  target_link_libraries(tripatch_opensubdiv INTERFACE ${OPENSUBDIV_LIBRARY})
+elseif(TRIPATCH_OPENSUBDIV STREQUAL "static")
+  if(NOT EXISTS ${TRIPATCH_OPENSUBDIV_SOURCE}/opensubdiv/version.h)
+    message(FATAL_ERROR "TRIPATCH_OPENSUBDIV=static wants TRIPATCH_OPENSUBDIV_SOURCE, a source tree of OpenSubdiv; \
+'${TRIPATCH_OPENSUBDIV_SOURCE}' holds no opensubdiv/version.h. scripts/setup opensubdiv gets one")
+  endif()
+  set(sources "")
+  foreach(part IN ITEMS far vtr sdc bfr)
+    file(GLOB part_sources ${TRIPATCH_OPENSUBDIV_SOURCE}/opensubdiv/${part}/*.cpp)
+    list(APPEND sources ${part_sources})
+  endforeach()
+  add_library(tripatch_opensubdiv STATIC ${sources})
+  target_include_directories(tripatch_opensubdiv SYSTEM PUBLIC ${TRIPATCH_OPENSUBDIV_SOURCE})
+  target_compile_options(tripatch_opensubdiv PRIVATE -w)  # another project's code: its warnings are not ours to mend
+  set_property(TARGET tripatch_opensubdiv PROPERTY CXX_CLANG_TIDY "")
+else()
+  message(FATAL_ERROR "TRIPATCH_OPENSUBDIV must be 'system' or 'static', not '${TRIPATCH_OPENSUBDIV}'")
+endif()

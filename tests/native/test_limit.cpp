@@ -1,0 +1,74 @@
+#include <catch2/catch.hpp>
+#include <vector>
+
+#include "tripatch/boundary/limit.h"
+
+using namespace tripatch;
+
+namespace {
+
+struct Cage {
+  Points vertices;
+  Faces faces;
+  Mesh mesh() const { return {vertices, faces}; }
+};
+
+/// The cube from -1 to 1, vertex v at the signs of its three bits; with or without its last face (z = 1).
+Cage cube(bool closed) {
+  Cage cage;
+  cage.vertices.resize(8, 3);
+  for (int v = 0; v < 8; ++v) cage.vertices.row(v) << (v & 1 ? 1 : -1), (v & 2 ? 1 : -1), (v & 4 ? 1 : -1);
+  const std::vector<std::vector<Index>> faces = {{0, 2, 3, 1}, {0, 1, 5, 4}, {1, 3, 7, 5},
+                                                 {3, 2, 6, 7}, {2, 0, 4, 6}, {4, 5, 7, 6}};
+  for (std::size_t f = 0; f < (closed ? 6 : 5); ++f) cage.faces.add(faces[f]);
+  return cage;
+}
+
+double largest_difference(const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCoeff(); }
+
+}  // namespace
+
+TEST_CASE("limit points of a cube: the mask (n^2 v + 4 sum e + sum f) / (n (n + 5)) at valence 3 halves it") {
+  const Cage cage = cube(true);
+  CHECK(largest_difference(limit_points(cage.mesh()), 0.5 * cage.vertices) < 1e-15);
+}
+
+TEST_CASE("limit points on a border: the cubic B-spline mask (a + 4 v + b) / 6") {
+  const Cage cage = cube(false);
+  const Points limit = limit_points(cage.mesh());
+  const auto border = {std::array{4, 5, 6}, std::array{5, 7, 4}, std::array{7, 6, 5}, std::array{6, 4, 7}};
+  for (const auto& [v, a, b] : border) {
+    const Vec3 expected = (cage.vertices.row(a) + 4 * cage.vertices.row(v) + cage.vertices.row(b)) / 6;
+    CHECK((limit.row(v).transpose() - expected).norm() < 1e-15);
+  }
+}
+
+TEST_CASE("limit points are invariant under affine maps, with triangles and a loose vertex in the cage") {
+  Cage cage = cube(true);
+  cage.vertices.conservativeResize(10, 3);
+  cage.vertices.row(8) << 0.2, -0.1, 2.5;  // an apex over the top face
+  cage.vertices.row(9) << 7, 8, 9;         // in no face
+  Faces faces;
+  for (Index f = 0; f < 5; ++f) faces.add(cage.faces[f]);
+  for (const std::vector<Index>& roof : {std::vector<Index>{4, 5, 8}, {5, 7, 8}, {7, 6, 8}, {6, 4, 8}}) faces.add(roof);
+  cage.faces = faces;
+  const Points limit = limit_points(cage.mesh());
+  CHECK((limit.row(9) - cage.vertices.row(9)).norm() == 0);
+
+  Eigen::Matrix3d a;
+  a << 1, 2, -0.5, 0.3, 1, 4, -1, 0, 2;
+  const Eigen::RowVector3d shift(10, -20, 30);
+  const Points mapped = (cage.vertices * a.transpose()).rowwise() + shift;
+  CHECK(largest_difference(limit_points({mapped, cage.faces}), (limit * a.transpose()).rowwise() + shift) < 1e-13);
+}
+
+TEST_CASE("limit points refuse faces that are none") {
+  Cage cage = cube(true);
+  const std::vector<Index> outside = {0, 1, 8};
+  cage.faces.add(outside);
+  CHECK_THROWS_AS(limit_points(cage.mesh()), InvalidArgument);
+  cage = cube(true);
+  const std::vector<Index> edge = {0, 1};
+  cage.faces.add(edge);
+  CHECK_THROWS_AS(limit_points(cage.mesh()), InvalidArgument);
+}
