@@ -63,7 +63,8 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   check_options(options);
   const Method& method = find_method(options.method);
-  if (!method.fills_holes) throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
+  if (!method.fills_holes)
+    throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
 
   const Hole hole = hole_of(mesh, options);
   const MeshSides surroundings = mesh_sides(mesh, hole, options.replaced);
@@ -78,8 +79,8 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const Boundary boundary = make_boundary(result.sides, ribbon_options);
   result.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
 
-  const TriangleMesh triangles = triangulate(surroundings.parameters, options.resolution,
-                                             [&](const PointsRef& b) { return result.patch->positions(b); });
+  const TriangleMesh triangles =
+      triangulate(surroundings.parameters, options.resolution, [&](const PointsRef& b) { return result.patch->positions(b); });
   const Index inside = triangles.barycentric.rows() - triangles.rim, n = mesh.vertices.rows();
   result.rim = hole.rim;
   result.rim_barycentric = triangles.barycentric.topRows(triangles.rim);

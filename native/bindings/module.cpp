@@ -1,0 +1,266 @@
+// The Python module: arrays in, arrays out, the GIL released around every computation. Names and shapes are checked in
+// python/tripatch; here only what C++ needs.
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "tripatch/boundary/limit.h"
+#include "tripatch/boundary/ribbon.h"
+#include "tripatch/fill.h"
+#include "tripatch/patch/methods.h"
+
+namespace py = pybind11;
+using namespace tripatch;
+
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using IndexArray = py::array_t<Index, py::array::c_style | py::array::forcecast>;
+
+Faces faces_from(const IndexArray& offsets, const IndexArray& corners) {
+  Faces faces;
+  faces.offsets.assign(offsets.data(), offsets.data() + offsets.size());
+  faces.corners.assign(corners.data(), corners.data() + corners.size());
+  return faces;
+}
+
+Points points_from(const Array& a) { return Eigen::Map<const Points>(a.data(), a.shape(0), 3); }
+
+Array array_from(const Points& p) {
+  Array a({p.rows(), Index{3}});
+  std::copy_n(p.data(), p.size(), a.mutable_data());
+  return a;
+}
+
+IndexArray array_from(const std::vector<Index>& v) { return IndexArray(static_cast<Index>(v.size()), v.data()); }
+
+py::object refusal_object(const std::string& reason, const std::vector<Index>& where) {
+  return py::module_::import("tripatch.errors").attr("Refusal")(reason, where);
+}
+
+/// P, or the tuple (P, D1 (k,2,3), D2 (k,3,3), D3 (k,4,3)) up to `derivatives`.
+py::object evaluate(const Surface& surface, const Array& b, int derivatives) {
+  const Index n = b.shape(0);
+  const int size = jet_size(derivatives);
+  std::vector<double> jets(n * size * 3);
+  {
+    py::gil_scoped_release release;
+    surface.evaluate(b.data(), n, derivatives, jets.data());
+  }
+  const std::array<double, 5> factorial = {1, 1, 2, 6, 24};
+  py::tuple parts(derivatives + 1);
+  for (int d = 0; d <= derivatives; ++d) {
+    Array a(d == 0 ? std::vector<Index>{n, 3} : std::vector<Index>{n, d + 1, 3});
+    double* out = a.mutable_data();
+    for (Index k = 0; k < n; ++k)
+      for (int j = 0; j <= d; ++j)
+        for (int x = 0; x < 3; ++x) *out++ = factorial[d - j] * factorial[j] * jets[(k * size + jet_index(d - j, j)) * 3 + x];
+    parts[d] = a;
+  }
+  return derivatives == 0 ? py::object(parts[0]) : py::object(parts);
+}
+
+/// A Python callable of t (k,) -> (k, 3) as a field of the side.
+PiecewisePolynomial sampled(const py::function& f, const char* name) {
+  return PiecewisePolynomial::fit(
+      [&](std::span<const double> t, std::span<double> out) {
+        Array parameters(static_cast<Index>(t.size()));
+        std::copy(t.begin(), t.end(), parameters.mutable_data());
+        const Array values = Array::ensure(f(parameters));
+        if (!values) throw py::type_error(std::string(name) + "(t) must return an array of numbers");
+        if (values.ndim() != 2 || values.shape(0) != static_cast<Index>(t.size()) || values.shape(1) != 3)
+          throw InvalidArgument(std::string(name) + "(t) must return an array of shape (k, 3) for t of shape (k,)");
+        std::copy_n(values.data(), values.size(), out.begin());
+      },
+      3);
+}
+
+Side side_from_functions(const py::function& c, const py::function& dc, const py::function& r) {
+  Side side{sampled(c, "c"), sampled(r, "r"), {}};
+  // The side's own derivative is that of c, exactly; dc only has to agree.
+  const PiecewisePolynomial given = sampled(dc, "dc");
+  double scale = 0, off = 0;
+  for (int k = 0; k <= 16; ++k) {
+    const Vec3 mine = side.c.derivative_at(k / 16.0), theirs = given(k / 16.0);
+    scale = std::max({scale, mine.norm(), theirs.norm()});
+    off = std::max(off, (mine - theirs).norm());
+  }
+  if (off > 1e-5 * scale) throw InvalidArgument("dc is not the derivative of c");
+  return side;
+}
+
+py::tuple evaluate_side(const Side& side, const Array& t) {
+  const Index n = t.size();
+  Array c({n, Index{3}}), dc({n, Index{3}}), r({n, Index{3}}), normal({n, Index{3}});
+  for (Index k = 0; k < n; ++k) {
+    std::array<double, 6> series;
+    side.c.taylor(t.data()[k], 1, series.data());
+    std::copy_n(series.data(), 3, c.mutable_data(k));
+    std::copy_n(series.data() + 3, 3, dc.mutable_data(k));
+    side.r.taylor(t.data()[k], 0, r.mutable_data(k));
+    const Vec3 v = side.normal(t.data()[k]);
+    std::copy_n(v.data(), 3, normal.mutable_data(k));
+  }
+  return py::make_tuple(c, dc, r, normal);
+}
+
+FillOptions options_from(const py::dict& d) {
+  FillOptions o;
+  const auto has = [&](const char* key) { return d.contains(key) && !d[key].is_none(); };
+  if (has("rim")) o.rim = d["rim"].cast<std::vector<Index>>();
+  if (has("corners")) o.corners = d["corners"].cast<std::array<Index, 3>>();
+  if (has("resolution")) o.resolution = d["resolution"].cast<int>();
+  o.replaced = d["replaced"].cast<std::vector<Index>>();
+  o.method = d["method"].cast<std::string>();
+  o.continuity = d["continuity"].cast<std::array<std::string, 3>>();
+  o.cross_boundary = d["cross_boundary"].cast<CrossBoundary>();
+  o.fairing = d["fairing"].cast<std::string>();
+  o.output = d["output"].cast<std::string>();
+  o.bulge = d["bulge"].cast<std::array<double, 3>>();
+  o.shape = d["shape"].cast<std::array<double, 3>>();
+  o.optimal_shape = d["optimal_shape"].cast<bool>();
+  o.as_printed = d["as_printed"].cast<bool>();
+  return o;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_native, m) {
+  m.doc() = "Compiled core of tripatch";
+  py::register_exception_translator([](std::exception_ptr p) {
+    try {
+      if (p) std::rethrow_exception(p);
+    } catch (const Refusal& refusal) {
+      const py::object error = refusal_object(refusal.what(), refusal.where());
+      PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+    }
+  });
+
+  py::enum_<CrossBoundary>(m, "CrossBoundary")
+      .value("given", CrossBoundary::given)
+      .value("consistent", CrossBoundary::consistent)
+      .value("as_printed", CrossBoundary::as_printed);
+
+  py::class_<Surface, std::shared_ptr<Surface>>(m, "Patch", "A surface over the triangle.")
+      .def("_evaluate", &evaluate)
+      .def("_normal", [](const Surface& surface, const Array& b) {
+        const Points points = points_from(b);
+        Points normals;
+        {
+          py::gil_scoped_release release;
+          normals = surface.normals(points);
+        }
+        return array_from(normals);
+      });
+
+  py::class_<Side>(m, "Side", "A side of the hole: position and the derivative of the surroundings across it.")
+      .def_static("_from_functions", &side_from_functions)
+      .def("_evaluate", &evaluate_side);
+
+  py::class_<Method>(m, "Method", "A construction of the registry.")
+      .def_readonly("name", &Method::name)
+      .def_readonly("description", &Method::description)
+      .def_readonly("citation", &Method::citation)
+      .def_readonly("fills_holes", &Method::fills_holes)
+      .def_readonly("continuity", &Method::continuity)
+      .def("__repr__", [](const Method& method) { return std::string("<tripatch method ") + method.name + ">"; });
+  m.def("_methods", [] {
+    py::dict all;
+    for (const Method& method : methods()) all[method.name] = py::cast(&method, py::return_value_policy::reference);
+    return all;
+  });
+
+  py::class_<Report>(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.")
+      .def_readonly("seam_angle_max", &Report::seam_angle_max)
+      .def_readonly("seam_angle_rms", &Report::seam_angle_rms)
+      .def_readonly("seam_angle_max_by_side", &Report::seam_angle_max_by_side)
+      .def_readonly("seam_angle_rms_by_side", &Report::seam_angle_rms_by_side)
+      .def_readonly("surroundings_error", &Report::surroundings_error)
+      .def_readonly("fairing", &Report::fairing)
+      .def_readonly("energy_before", &Report::energy_before)
+      .def_readonly("energy_after", &Report::energy_after)
+      .def_readonly("folds", &Report::folds)
+      .def_readonly("corners", &Report::corners)
+      .def_readonly("warnings", &Report::warnings)
+      .def_readonly("seconds", &Report::seconds);
+
+  py::class_<Fill>(m, "Fill")
+      .def_property_readonly("vertices", [](const Fill& f) { return array_from(f.vertices); })
+      .def_property_readonly("normals", [](const Fill& f) { return array_from(f.normals); })
+      .def_property_readonly("barycentric", [](const Fill& f) { return array_from(f.barycentric); })
+      .def_property_readonly("rim_normals", [](const Fill& f) { return array_from(f.rim_normals); })
+      .def_property_readonly("rim_barycentric", [](const Fill& f) { return array_from(f.rim_barycentric); })
+      .def_property_readonly("rim", [](const Fill& f) { return array_from(f.rim); })
+      .def_property_readonly("face_offsets", [](const Fill& f) { return array_from(f.faces.offsets); })
+      .def_property_readonly("face_corners", [](const Fill& f) { return array_from(f.faces.corners); })
+      .def_property_readonly("patch", [](const Fill& f) { return std::const_pointer_cast<Surface>(f.patch); })
+      .def_readonly("sides", &Fill::sides)
+      .def_readonly("report", &Fill::report);
+
+  m.def("limit_points", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
+    const Faces faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    py::gil_scoped_release release;
+    const Points limit = limit_points({points, faces});
+    py::gil_scoped_acquire acquire;
+    return array_from(limit);
+  });
+
+  m.def("_find_holes", [](const IndexArray& offsets, const IndexArray& corners) {
+    const Faces faces = faces_from(offsets, corners);
+    std::vector<std::vector<Index>> loops;
+    {
+      py::gil_scoped_release release;
+      loops = find_holes(faces);
+    }
+    py::list out;
+    for (const std::vector<Index>& loop : loops) out.append(array_from(loop));
+    return out;
+  });
+  m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options) {
+    const FillOptions o = options_from(options);
+    const Faces faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    py::gil_scoped_release release;
+    return fill({points, faces}, o);
+  });
+  m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                        const std::vector<std::vector<Index>>& rims, const py::dict& options) {
+    const FillOptions o = options_from(options);
+    const Faces faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::vector<std::variant<Fill, Refused>> results;
+    {
+      py::gil_scoped_release release;
+      results = fill_all({points, faces}, rims, o);
+    }
+    py::list out;
+    for (auto& result : results) {
+      if (auto* filled = std::get_if<Fill>(&result)) {
+        out.append(std::move(*filled));
+      } else {
+        const Refused& refused = std::get<Refused>(result);
+        out.append(refusal_object(refused.reason, refused.where));
+      }
+    }
+    return out;
+  });
+  m.def("_patch",
+        [](const Sides& sides, const std::string& method, CrossBoundary cross_boundary, const std::array<double, 3>& bulge,
+           const std::array<bool, 3>& tangent, const std::array<double, 3>& shape, bool optimal_shape, bool as_printed) {
+          py::gil_scoped_release release;
+          const Method& chosen = find_method(method);
+          if (!chosen.from_boundary) throw InvalidArgument(method + " joins three surfaces; use tripatch.blend");
+          const Boundary boundary = make_boundary(sides, {cross_boundary, bulge, tangent});
+          return std::const_pointer_cast<Surface>(chosen.from_boundary(boundary, {shape, optimal_shape, as_printed}));
+        });
+  m.def("_blend", [](const std::array<std::shared_ptr<Surface>, 3>& surfaces, const std::string& method,
+                     const std::array<double, 3>& shape, bool optimal_shape, bool as_printed) {
+    py::gil_scoped_release release;
+    const Method& chosen = find_method(method);
+    if (!chosen.from_surfaces) throw InvalidArgument(method + " is made from three sides; use tripatch.patch");
+    return std::const_pointer_cast<Surface>(
+        chosen.from_surfaces({surfaces[0], surfaces[1], surfaces[2]}, {shape, optimal_shape, as_printed}));
+  });
+}

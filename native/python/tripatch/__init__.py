@@ -1,0 +1,304 @@
+"""TriPatch fills three-sided holes with patches that continue the surrounding surface exactly.
+
+Corners are 0, 1, 2 in rim order, the direction in which the new faces traverse the rim. Side i is opposite corner i and runs, t
+from 0 to 1, from corner i + 1 to corner i + 2. Lengths are in the units of the input, angles in degrees.
+"""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from . import _arrays, _native
+from ._native import Patch, Report, Side
+from .errors import Refusal
+
+__version__ = "0.1.0"
+__all__ = ["METHODS", "Fill", "Patch", "Refusal", "Report", "Side", "blend", "fill", "fill_all", "find_holes", "patch"]
+
+#: name -> construction, with .description, .citation, .fills_holes, .continuity
+METHODS = _native._methods()
+
+_CROSS_BOUNDARY = {name: getattr(_native.CrossBoundary, name) for name in ("given", "consistent", "as_printed")}
+_CONTINUITY = ("auto", "G0", "G1", "G2")
+_FAIRING = (None, "auto", "thin_plate", "third_derivative", "minimum_variation")
+_REPORT = (
+    "seam_angle_max seam_angle_rms seam_angle_max_by_side seam_angle_rms_by_side surroundings_error fairing energy_before "
+    "energy_after folds corners warnings seconds"
+).split()
+
+
+class Fill:
+    """A filled hole.
+
+    Attributes:
+        vertices: (k, 3) the new vertices only.
+        faces: index lists; 0 .. n-1 are the mesh's own vertices (the rim's are reused), n .. are `vertices`.
+        normals: (k, 3) exact unit normals of the patch at `vertices`.
+        barycentric: (k, 3) of `vertices`.
+        rim: (r,) vertex indices from corner 0 on, no repeat.
+        rim_normals: (r, 3) exact one-sided normals of the fill at the rim.
+        rim_barycentric: (r, 3).
+        moved, split_edges, creases: what a cage option changed outside the fill, as (indices, positions), (edges, t),
+            (edges, values); empty where unused.
+        border: indices into `vertices` of a fill that is a mesh of its own; empty where the rim is reused.
+        sides: the three `Side` objects of the surroundings used.
+        patch: the `Patch`.
+        report: the `Report`.
+    """
+
+    def __init__(self, native) -> None:
+        self.vertices = native.vertices
+        offsets, corners = native.face_offsets.tolist(), native.face_corners.tolist()
+        self.faces = [corners[a:b] for a, b in zip(offsets, offsets[1:])]
+        self.normals = native.normals
+        self.barycentric = native.barycentric
+        self.rim = native.rim
+        self.rim_normals = native.rim_normals
+        self.rim_barycentric = native.rim_barycentric
+        self.moved = (np.zeros(0, np.int64), np.zeros((0, 3)))
+        self.split_edges = (np.zeros((0, 2), np.int64), np.zeros(0))
+        self.creases = (np.zeros((0, 2), np.int64), np.zeros(0))
+        self.border = np.zeros(0, np.int64)
+        self.sides = tuple(native.sides)
+        self.patch = native.patch
+        self.report = native.report
+
+    def __repr__(self) -> str:
+        return (
+            f"<tripatch.Fill: {len(self.vertices)} new vertices, {len(self.faces)} faces, "
+            f"seam within {self.report.seam_angle_max:.2g} deg>"
+        )
+
+
+def _name(value, name: str, allowed: Sequence):
+    if value is not None and not isinstance(value, str):
+        raise TypeError(f"{name} must be a name, not {type(value).__name__}")
+    if value not in allowed:
+        raise ValueError(f"{name} must be one of {', '.join(str(a) for a in allowed)}, not {value!r}")
+    return value
+
+
+def _method_options(shape, reading) -> tuple[tuple[float, float, float], bool, bool]:
+    """lambda by side, whether it is to be optimal, whether the printed formulas are asked for."""
+    printed = _name(reading, "reading", ("corrected", "as_printed")) == "as_printed"
+    if isinstance(shape, str):
+        _name(shape, "shape", ("optimal",))
+        return (0.5, 0.5, 0.5), True, printed
+    values = tuple(float(s) for s in _arrays.three(shape, "shape", numbers.Real))
+    for i, s in enumerate(values):
+        if not 0 < s < 1:
+            raise ValueError(f"shape[{i}] must lie between 0 and 1, ends excluded, not {s}")
+    return values, False, printed
+
+
+def _bulge(bulge) -> tuple[float, float, float]:
+    values = tuple(float(s) for s in _arrays.three(bulge, "bulge", numbers.Real))
+    for i, s in enumerate(values):
+        if not (s > 0 and np.isfinite(s)):
+            raise ValueError(f"bulge[{i}] must be greater than 0, not {s}")
+    return values
+
+
+def _continuity(continuity) -> tuple[str, str, str]:
+    return tuple(_name(c, "continuity", _CONTINUITY) for c in _arrays.three(continuity, "continuity", str))
+
+
+def _options(
+    *,
+    method="side_vertex",
+    surroundings="mesh",
+    continuity="auto",
+    cross_boundary="consistent",
+    fairing="auto",
+    output="triangles",
+    resolution=None,
+    bulge=1.0,
+    shape=(0.5, 0.5, 0.5),
+    reading="corrected",
+    replaced=(),
+) -> dict:
+    """The options of `fill`, checked, as the core reads them."""
+    _name(surroundings, "surroundings", ("mesh",))
+    if resolution is not None:
+        if isinstance(resolution, bool) or not isinstance(resolution, numbers.Integral):
+            raise TypeError("resolution must be a whole number of edges, or None")
+        if not 1 <= resolution <= 10000:
+            raise ValueError(f"resolution must be from 1 to 10000, not {resolution}")
+    values, optimal, printed = _method_options(shape, reading)
+    return {
+        "method": _name(method, "method", tuple(METHODS)),
+        "continuity": _continuity(continuity),
+        "cross_boundary": _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))],
+        "fairing": _name(fairing, "fairing", _FAIRING) or "",
+        "output": _name(output, "output", ("triangles",)),
+        "resolution": None if resolution is None else int(resolution),
+        "bulge": _bulge(bulge),
+        "shape": values,
+        "optimal_shape": optimal,
+        "as_printed": printed,
+        "replaced": _arrays.indices(replaced, "replaced"),
+    }
+
+
+def find_holes(faces) -> list[np.ndarray]:
+    """Every border loop of a mesh.
+
+    Args:
+        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+
+    Returns:
+        An int array for each loop, shortest first, each starting at its lowest index, in the direction that new faces take.
+    """
+    offsets, corners = _arrays.faces(faces)
+    if corners.size and corners.min() < 0:
+        raise ValueError("faces must hold vertex indices from 0 on")
+    return _native._find_holes(offsets, corners)
+
+
+def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
+    """Fills one three-sided hole.
+
+    Args:
+        vertices: (n, 3) positions.
+        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        rim: vertex indices of the hole's border, any start, either direction. None: the only border loop with three corners.
+        corners: three vertex indices of the rim; the first stays corner 0, the others are sorted along the rim. None: detected.
+        method: a name in METHODS that fills holes.
+        surroundings: "mesh": tangent planes estimated from the faces around.
+        continuity: "auto", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own.
+        cross_boundary: "consistent" (Liu, Ma and Cheng 2008, corrected), "given" or "as_printed".
+        fairing: None, "auto", "thin_plate", "third_derivative" or "minimum_variation".
+        output: "triangles".
+        resolution: edges per side inside the fill; None follows the rim.
+        bulge: > 0, one or three: scales the slopes inside each side, corners kept.
+        shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
+        reading: "corrected", or "as_printed" for the papers' own formulas.
+        replaced: indices of faces that count as not there: a region to be replaced, with `rim` around it.
+
+    Returns:
+        A `Fill`. The input is never changed.
+
+    Raises:
+        Refusal: the hole cannot be filled; says why and where.
+        TypeError, ValueError: wrong types, shapes, ranges or names.
+    """
+    checked = _options(**options)
+    v, offsets, face_corners = _arrays.mesh(vertices, faces)
+    checked["rim"] = None if rim is None else _arrays.indices(rim, "rim")
+    if corners is not None:
+        checked["corners"] = _arrays.indices(corners, "corners")
+        if len(checked["corners"]) != 3:
+            raise ValueError(f"corners must be three vertex indices, not {len(checked['corners'])}")
+    return Fill(_native._fill(v, offsets, face_corners, checked))
+
+
+def fill_all(vertices, faces, rims=None, **options) -> list[Fill | Refusal]:
+    """Fills several holes of one mesh. The options are those of `fill`.
+
+    Args:
+        rims: a list of rims; None: every border loop.
+
+    Returns:
+        A `Fill` or a `Refusal` for each rim, in their order. A refusal of one does not stop the others. Every fill counts its
+        new vertices from n on its own.
+    """
+    checked = _options(**options)
+    v, offsets, face_corners = _arrays.mesh(vertices, faces)
+    loops = _native._find_holes(offsets, face_corners) if rims is None else rims
+    loops = [_arrays.indices(loop, "rim") for loop in loops]
+    results = _native._fill_all(v, offsets, face_corners, loops, checked)
+    return [r if isinstance(r, Refusal) else Fill(r) for r in results]
+
+
+def patch(
+    sides: Sequence[Side],
+    method: str = "side_vertex",
+    cross_boundary: str = "consistent",
+    *,
+    continuity="auto",
+    bulge=1.0,
+    shape=(0.5, 0.5, 0.5),
+    reading: str = "corrected",
+) -> Patch:
+    """A patch from three sides that meet at the corners; side i is opposite corner i. The options are those of `fill`.
+
+    Raises:
+        Refusal: the sides do not meet.
+    """
+    sides = tuple(sides)
+    if len(sides) != 3 or not all(isinstance(side, Side) for side in sides):
+        raise TypeError("sides must be three Side objects")
+    own = METHODS[_name(method, "method", tuple(METHODS))].continuity
+    asked = [own if c == "auto" else c for c in _continuity(continuity)]
+    if max(asked) > own:
+        raise Refusal(f"The method {method} keeps {own} along the rim, not {max(asked)}")
+    slopes = _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))]
+    return _native._patch(sides, method, slopes, _bulge(bulge), [c != "G0" for c in asked], *_method_options(shape, reading))
+
+
+def blend(
+    r0: Patch, r1: Patch, r2: Patch, method: str = "szilvasi_nagy_c1", shape=(0.5, 0.5, 0.5), reading: str = "corrected"
+) -> Patch:
+    """A patch from three surfaces over one triangle; r_i carries side i.
+
+    Args:
+        shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
+        reading: "corrected", or "as_printed" for the paper's own formula.
+    """
+    if not all(isinstance(r, Patch) for r in (r0, r1, r2)):
+        raise TypeError("a blend needs three patches")
+    return _native._blend((r0, r1, r2), _name(method, "method", tuple(METHODS)), *_method_options(shape, reading))
+
+
+def _evaluate(self: Patch, b, derivatives: int = 0):
+    """Position and derivatives with respect to (b0, b1), b2 = 1 - b0 - b1.
+
+    Args:
+        b: (k, 3) barycentric coordinates.
+        derivatives: 0 to 3.
+
+    Returns:
+        P (k, 3); with derivatives the tuple (P, D1 (k, 2, 3), D2 (k, 3, 3) in the order 00, 01, 11, D3 (k, 4, 3)).
+    """
+    if isinstance(derivatives, bool) or not isinstance(derivatives, numbers.Integral):
+        raise TypeError("derivatives must be a whole number")
+    if not 0 <= derivatives <= 3:
+        raise ValueError(f"derivatives must be from 0 to 3, not {derivatives}")
+    return self._evaluate(_arrays.barycentric(b), int(derivatives))
+
+
+def _normal(self: Patch, b) -> np.ndarray:
+    """(k, 3) unit normals at barycentric coordinates b (k, 3), on the mesh's outer side."""
+    return self._normal(_arrays.barycentric(b))
+
+
+def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Position c, derivative c', derivative across r and unit normal n, (k, 3) each, at t (k,) in [0, 1]."""
+    t = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    if t.ndim != 1:
+        raise ValueError(f"t must have shape (k,), not {t.shape}")
+    if not ((t >= 0) & (t <= 1)).all():
+        raise ValueError("t must lie in [0, 1]")
+    return self._evaluate(np.ascontiguousarray(t))
+
+
+def _from_functions(c: Callable, dc: Callable, r: Callable) -> Side:
+    """A side from three functions of t (k,) -> (k, 3): position, its derivative, the derivative across, away from the hole."""
+    if not all(callable(f) for f in (c, dc, r)):
+        raise TypeError("c, dc and r must be functions of t")
+    return Side._from_functions(c, dc, r)
+
+
+def _as_dict(self: Report) -> dict:
+    """The report as plain values, ready for JSON."""
+    return {name: getattr(self, name) for name in _REPORT}
+
+
+Patch.evaluate = _evaluate
+Patch.normal = _normal
+Side.evaluate = _side_evaluate
+Side.from_functions = staticmethod(_from_functions)
+Report.as_dict = _as_dict

@@ -1,0 +1,105 @@
+"""Checks at the border: what a caller gives becomes the arrays that the compiled core reads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import chain
+
+import numpy as np
+
+
+def points(value, name: str = "vertices", finite: bool = False) -> np.ndarray:
+    """An (n, 3) float64 array; TypeError for what is no array of numbers, ValueError for another shape."""
+    try:
+        a = np.asarray(value)
+    except ValueError:
+        raise ValueError(f"{name} must have shape (n, 3); its rows differ in length") from None
+    if a.size == 0 and a.ndim < 2:
+        a = np.zeros((0, 3))
+    if a.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must be an array of numbers, not of {a.dtype}")
+    if a.ndim != 2 or a.shape[1] != 3:
+        raise ValueError(f"{name} must have shape (n, 3), not {a.shape}")
+    a = np.ascontiguousarray(a, dtype=np.float64)
+    if finite and not np.isfinite(a).all():
+        row = int(np.nonzero(~np.isfinite(a).all(axis=1))[0][0])
+        raise ValueError(f"{name}[{row}] is not finite")
+    return a
+
+
+def faces(value) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets (m + 1,) and corners of an (m, 3), (m, 4), ... index array or of lists of index lists."""
+    if isinstance(value, np.ndarray) and value.dtype != object:
+        if value.size == 0:
+            return np.zeros(1, np.int64), np.zeros(0, np.int64)
+        if value.dtype.kind not in "iu":
+            raise TypeError(f"faces must hold vertex indices (integers), not {value.dtype}")
+        if value.ndim != 2 or value.shape[1] < 3:
+            raise ValueError(f"faces must have shape (m, 3), (m, 4) or be lists of indices, not {value.shape}")
+        corners = np.ascontiguousarray(value, dtype=np.int64).reshape(-1)
+        return np.arange(0, corners.size + 1, value.shape[1], dtype=np.int64), corners
+    wrong = TypeError("faces must be an index array or a sequence of index lists")
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        raise wrong
+    rows = list(value)
+    if not rows:
+        return np.zeros(1, np.int64), np.zeros(0, np.int64)
+    try:
+        sizes = np.fromiter((len(row) for row in rows), np.int64, len(rows))
+        corners = np.asarray(list(chain.from_iterable(rows)))
+    except TypeError:
+        raise wrong from None
+    if (sizes < 3).any():
+        row = int(np.argmax(sizes < 3))
+        raise ValueError(f"face {row} has {sizes[row]} corners; a face needs three or more")
+    if corners.dtype.kind not in "iu":
+        raise TypeError("faces must hold vertex indices (integers)")
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), corners.astype(np.int64)
+
+
+def mesh(vertices, face_list) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices, offsets and corners; ValueError when a face names a vertex that does not exist."""
+    v = points(vertices)
+    offsets, corners = faces(face_list)
+    if corners.size and (corners.min() < 0 or corners.max() >= len(v)):
+        place = int(np.argmax((corners < 0) | (corners >= len(v))))
+        face = int(np.searchsorted(offsets, place, "right")) - 1
+        raise ValueError(f"face {face} names vertex {corners[place]}, but there are {len(v)} vertices")
+    return v, offsets, corners
+
+
+def indices(value, name: str) -> list[int]:
+    """A list of whole numbers."""
+    a = np.asarray(value)
+    if a.ndim != 1:
+        raise ValueError(f"{name} must be a list of indices, not of shape {a.shape}")
+    if a.size and a.dtype.kind not in "iu":
+        raise TypeError(f"{name} must hold indices (integers), not {a.dtype}")
+    return a.tolist()
+
+
+def barycentric(value) -> np.ndarray:
+    """(k, 3) rows inside the triangle that sum to 1; one row may be given flat."""
+    a = np.asarray(value)
+    b = points(a[None] if a.shape == (3,) else a, "b", finite=True)
+    off = (np.abs(b.sum(axis=1) - 1) > 1e-9) | (b.min(axis=1, initial=0) < -1e-9)
+    if off.any():
+        row = int(np.argmax(off))
+        raise ValueError(f"b[{row}] is no point of the triangle: barycentric coordinates are from 0 to 1 and sum to 1")
+    return b
+
+
+def three(value, name: str, kind: type) -> tuple:
+    """One value for all sides, or three."""
+    if isinstance(value, kind) and not isinstance(value, bool):
+        return (value,) * 3
+    try:
+        items = tuple(value)
+    except TypeError:
+        raise TypeError(f"{name} must be one value or three, not {type(value).__name__}") from None
+    if len(items) != 3:
+        raise ValueError(f"{name} must be one value or three, not {len(items)}")
+    for item in items:
+        if not isinstance(item, kind) or isinstance(item, bool):
+            raise TypeError(f"{name} cannot hold {item!r}")
+    return items
