@@ -76,6 +76,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
 
   Fill result;
   result.sides = surroundings.sides;
+  for (int i = 0; i < 3; ++i) result.sides[i].rim = surroundings.parameters[i];
   const Boundary boundary = make_boundary(result.sides, ribbon_options);
   result.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
 

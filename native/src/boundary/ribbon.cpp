@@ -84,6 +84,7 @@ Boundary make_boundary(const Sides& sides, const RibbonOptions& options) {
     const Vec3 c0 = side.c.derivative_at(0), c1 = side.c.derivative_at(1);
     Ribbon& ribbon = boundary.ribbons[i];
     ribbon.c = side.c;
+    ribbon.rim = side.rim;
     std::array<Vec3, 2> lifted = {Vec3::Zero(), Vec3::Zero()};
     // the derivative in the direction -delta_i, from the two curve tangents at each corner (eqs. 9 and 11)
     const Vec3 tau0 = sides[second].c.derivative_at(1) + 0.5 * c0;

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "tripatch/patch/coons_bezier.h"
 #include "tripatch/patch/side_vertex.h"
 
 namespace tripatch {
@@ -14,6 +15,27 @@ std::span<const Method> methods() {
        true,
        "G1",
        [](const Boundary& boundary, const MethodOptions&) { return side_vertex(boundary); },
+       {}},
+      {"coons_bezier",
+       "Discrete Coons net: a Bezier triangle that is the Coons patch of the three sides",
+       "Arnal and Lluch, Definition 1",
+       true,
+       "G0",
+       [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::discrete); },
+       {}},
+      {"coons_extremal",
+       "Bezier triangle with the least integral of |x_uv|^2 between the three sides",
+       "Arnal and Lluch, Propositions 2 and 3",
+       true,
+       "G0",
+       [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::extremal); },
+       {}},
+      {"coons_mask",
+       "Bezier triangle whose net satisfies the mask of the cubic extremals",
+       "Arnal and Lluch, eq. 11",
+       true,
+       "G0",
+       [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::mask); },
        {}},
   };
   return all;

@@ -16,6 +16,7 @@ struct Ribbon {
   PiecewisePolynomial d;
   PiecewisePolynomial alpha;  ///< scalar
   PiecewisePolynomial beta;   ///< scalar
+  std::vector<double> rim;    ///< parameters of the rim vertices, as in Side
 };
 
 /// Three ribbons and, at smooth corners (the rim turns by less than about 25 degrees), the inward part of the derivative at the
