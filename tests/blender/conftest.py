@@ -1,0 +1,46 @@
+"""These tests run in a Blender: `bpy` as a module (pytest), or Debian's (blender --background --python tests/blender/run.py).
+
+TRIPATCH_ZIP names the packaged add-on, which is then installed as a user would install it, into a user folder of its own: that is
+what scripts/test does. Without it, while developing, the add-on and the package come from the source tree.
+"""
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+if "bpy" not in sys.modules and not os.environ.get("BLENDER_USER_RESOURCES"):
+    os.environ["BLENDER_USER_RESOURCES"] = tempfile.mkdtemp(prefix="tripatch-blender-")  # never the user's own settings
+
+import bpy  # makes Blender's own modules importable
+
+import addon_utils  # isort: skip
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def _install(archive: str) -> str:
+    """Installs and enables a packaged add-on; returns the name of its Python module."""
+    if bpy.app.version >= (4, 2):
+        bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
+        return "bl_ext.user_default.tripatch_blender"
+    bpy.ops.preferences.addon_install(filepath=archive, overwrite=True)
+    bpy.ops.preferences.addon_enable(module="tripatch_blender")
+    return "tripatch_blender"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def addon():
+    """The enabled add-on: its Python module."""
+    archive = os.environ.get("TRIPATCH_ZIP")
+    if archive:
+        name = _install(archive)
+    else:
+        sys.path[:0] = [str(ROOT / "native" / "python"), str(ROOT / "addon")]
+        name = "tripatch_blender"
+        addon_utils.enable(name)
+    assert addon_utils.check(name)[1], f"{name} could not be enabled"
+    yield sys.modules[name]
+    addon_utils.disable(name)  # a class that is still registered hangs bpy 4.5 at exit
