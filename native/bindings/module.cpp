@@ -218,6 +218,14 @@ PYBIND11_MODULE(_native, m) {
     for (const std::vector<Index>& loop : loops) out.append(array_from(loop));
     return out;
   });
+  m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                            const std::vector<Index>& rim, const std::vector<Index>& replaced) {
+    const Faces faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    py::gil_scoped_release release;
+    const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
+    return std::array<Index, 3>{hole.rim[hole.corners[0]], hole.rim[hole.corners[1]], hole.rim[hole.corners[2]]};
+  });
   m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options) {
     const FillOptions o = options_from(options);
     const Faces faces = faces_from(offsets, corners);

@@ -16,7 +16,7 @@ from ._native import Patch, Report, Side
 from .errors import Refusal
 
 __version__ = "0.1.0"
-__all__ = ["METHODS", "Fill", "Patch", "Refusal", "Report", "Side", "blend", "fill", "fill_all", "find_holes", "patch"]
+__all__ = ["METHODS", "Fill", "Patch", "Refusal", "Report", "Side", "blend", "fill", "fill_all", "find_corners", "find_holes", "patch"]
 
 #: name -> construction, with .description, .citation, .fills_holes, .continuity
 METHODS = _native._methods()
@@ -156,6 +156,26 @@ def find_holes(faces) -> list[np.ndarray]:
     if corners.size and corners.min() < 0:
         raise ValueError("faces must hold vertex indices from 0 on")
     return _native._find_holes(offsets, corners)
+
+
+def find_corners(vertices, faces, rim, *, replaced=()) -> np.ndarray:
+    """The three corners of a rim, detected as `fill` does: where the rim turns, read in the tangent plane of the faces around.
+
+    Args:
+        vertices: (n, 3) positions.
+        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        rim: vertex indices of the hole's border, any start, either direction.
+        replaced: indices of faces that count as not there.
+
+    Returns:
+        (3,) vertex indices, in the direction in which new faces traverse the rim.
+
+    Raises:
+        Refusal: the rim has not three clear corners, or is none.
+    """
+    checked = _arrays.mesh(vertices, faces)
+    corners = _native._find_corners(*checked, _arrays.indices(rim, "rim"), _arrays.indices(replaced, "replaced"))
+    return np.array(corners, np.int64)
 
 
 def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fills three-sided holes so that the surface continues smoothly."""
+
+bl_info = {
+    "name": "TriPatch",
+    "author": "TriPatch contributors",
+    "version": (0, 1, 0),
+    "blender": (3, 4, 0),
+    "location": "Edit Mode > Face > Fill Three-Sided Hole",
+    "description": "Fill three-sided holes so that the surface continues smoothly",
+    "category": "Mesh",
+}
+
+from . import command_line, library, operators, ui  # noqa: E402
+
+_modules = (operators, ui, command_line)
+
+
+def register():
+    if library.missing:
+        print(library.missing)
+    for module in _modules:
+        module.register()
+
+
+def unregister():
+    for module in reversed(_modules):
+        module.unregister()

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What new vertices, faces and face corners take over from the rim: UVs, colours, weights, material, shading."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from .library import np
+from .selection import pairs
+
+# Layers of floats that are blended, by kind of element, and how a value is written.
+_VERTEX_LAYERS = ("float", "float_vector", "float_color", "color", "paint_mask")
+_LOOP_LAYERS = ("float", "float_vector", "float_color", "color", "uv")
+# Values that are picked from the nearest rim vertex or corner.
+_PICKED = ("int", "bool", "string")
+# The selection of UVs, and normals: not the rim's to give.
+_OWN = (".", "custom_normal")
+# Creases and bevel weights are 0 inside a fill.
+_ZERO = ("crease_vert", "bevel_weight_vert")
+
+
+class Blend:
+    """Transfinite side-vertex interpolation in the parameter triangle, of values at the two ends of each rim edge.
+
+    Along a side the values are linear between the ends of each rim edge, so that two edges may disagree at their common
+    vertex, as at a UV seam. With S_i the segment from corner i through b to side i, the value is the mean of S_0, S_1, S_2
+    weighted by (b_j b_k)^2 (Nielson 1979): it takes the rim's values on all three sides and reproduces linear functions.
+    """
+
+    def __init__(self, rim_barycentric, barycentric):
+        """rim_barycentric (r, 3) from corner 0 on; barycentric (k, 3) of the points inside."""
+        count = len(rim_barycentric)
+        corner = [int(np.argmax(rim_barycentric[:, i])) for i in range(3)]
+        b = barycentric
+        others = np.stack([b[:, 1] * b[:, 2], b[:, 2] * b[:, 0], b[:, 0] * b[:, 1]], axis=1) ** 2
+        share = others / others.sum(axis=1, keepdims=True)
+        ends, weights = [], []
+        for i in range(3):
+            first, last = corner[(i + 1) % 3], corner[(i + 2) % 3] or count
+            along = rim_barycentric[np.arange(first, last + 1) % count, (i + 2) % 3]
+            t = b[:, (i + 2) % 3] / (b[:, (i + 1) % 3] + b[:, (i + 2) % 3])
+            edge = np.clip(np.searchsorted(along, t, side="right") - 1, 0, len(along) - 2)
+            u = (t - along[edge]) / (along[edge + 1] - along[edge])
+            on_side = share[:, i] * (1 - b[:, i])
+            at_corner = share[:, i] * b[:, i] / 2
+            edge = edge + first
+            ends += [
+                2 * edge,
+                2 * edge + 1,
+                np.full_like(edge, 2 * corner[i]),
+                np.full_like(edge, (2 * corner[i] - 1) % (2 * count)),
+            ]
+            weights += [on_side * (1 - u), on_side * u, at_corner, at_corner]
+        self._ends = np.stack(ends, axis=1)  # (k, 12): 2 e is the start of rim edge e, 2 e + 1 its end
+        self._weights = np.stack(weights, axis=1)
+        self.nearest = self._ends[np.arange(len(b)), np.argmax(self._weights, axis=1)]
+
+    def __call__(self, values):
+        """Values (k, d) inside from values (2 r, d) at the ends of the rim edges."""
+        return np.einsum("ke,ked->kd", self._weights, values[self._ends])
+
+
+def _read(value, kind):
+    if kind == "uv":
+        return tuple(value.uv)
+    return tuple(value) if hasattr(value, "__len__") else (value,)
+
+
+def _write(element, layer, kind, value):
+    if kind == "uv":
+        element[layer].uv = value
+    else:
+        element[layer] = value if len(value) > 1 else value[0]
+
+
+def _layers(access, kinds):
+    for kind in kinds:
+        for name, layer in getattr(access, kind, {}).items() if hasattr(access, kind) else ():
+            if not name.startswith(_OWN):
+                yield kind, name, layer
+
+
+def blend_vertices(bm, rim, inside, blend):
+    """Gives the new vertices `inside` the vertex data of the rim (vertices from corner 0 on)."""
+    ends = [v for pair in pairs(rim) for v in pair]
+    layers = bm.verts.layers
+    for kind, name, layer in _layers(layers, _VERTEX_LAYERS):
+        values = blend(np.array([_read(v[layer], kind) for v in ends], dtype=np.float64))
+        for vertex, value in zip(inside, values.tolist(), strict=True):
+            _write(vertex, layer, kind, value if name not in _ZERO else [0.0])
+    for kind in ("crease", "bevel_weight"):  # Blender 3
+        for layer in getattr(layers, kind).values() if hasattr(layers, kind) else ():
+            for vertex in inside:
+                vertex[layer] = 0.0
+    for layer in layers.deform.values():
+        weights = [dict(v[layer].items()) for v in ends]
+        groups = sorted({g for w in weights for g in w})
+        if not groups:
+            continue
+        values = blend(np.array([[w.get(g, 0.0) for g in groups] for w in weights], dtype=np.float64))
+        for vertex, value in zip(inside, values.tolist(), strict=True):
+            vertex[layer].clear()
+            for group, weight in zip(groups, value, strict=True):
+                if weight > 0:
+                    vertex[layer][group] = weight
+
+
+def rim_loops(edges, replaced):
+    """For each rim edge the face corners of the surrounding face at its start and end, in rim direction."""
+    ends = []
+    for edge in edges:
+        loop = next(corner for corner in edge.link_loops if corner.face not in replaced)
+        # The surrounding face runs along the edge against the rim.
+        ends += [loop.link_loop_next, loop]
+    return ends
+
+
+def ends_of_corner(place, count, owned):
+    """The ends of rim edges, as `rim_loops` counts them, that a new face's corner at rim vertex `place` continues.
+
+    count: of rim vertices; owned: places of the rim edges that belong to the new face.
+    """
+    before, after = (place - 1) % count, place
+    if before in owned and after not in owned:
+        return (2 * before + 1,)
+    if after in owned and before not in owned:
+        return (2 * after,)
+    return (2 * before + 1, 2 * after)
+
+
+def blend_corners(bm, ends, corners, blend):
+    """Gives face corners the corner data of the rim.
+
+    ends: face corners of the surroundings at the ends of the rim edges; corners: (new face corner, number of the vertex inside,
+    ends that it continues, none inside). Where two surrounding faces disagree at their vertex, as at a UV seam, the later
+    one counts.
+    """
+    for kind, _name, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
+        at_rim = np.array([_read(loop[layer], kind) for loop in ends], dtype=np.float64)
+        inside = blend(at_rim).tolist()
+        at_rim = at_rim.tolist()
+        for corner, vertex, continued in corners:
+            _write(corner, layer, kind, at_rim[continued[-1]] if continued else inside[vertex])
+    for _kind, _name, layer in _layers(bm.loops.layers, _PICKED):
+        for corner, vertex, continued in corners:
+            corner[layer] = ends[continued[-1] if continued else blend.nearest[vertex]][layer]
+
+
+def model_faces(surrounding, sides):
+    """For each side the surrounding face whose material and shading most of its rim edges have."""
+    models = []
+    for edges in sides:
+        faces = [surrounding[e] for e in edges]
+        most = Counter((f.material_index, f.smooth) for f in faces).most_common(1)[0][0]
+        models.append(next(f for f in faces if (f.material_index, f.smooth) == most))
+    return models

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Filling holes without a window: scripts/fill_holes.py, and `blender --command tripatch` from Blender 4.2 on."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+
+import bmesh
+import bpy
+
+from . import filling, library, selection
+
+EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
+
+_EPILOG = "Exit status: 0 all filled; 3 some were refused, OUT is written; 1 nothing filled, OUT is not written; 2 bad usage."
+
+
+def _indices(text):
+    return [int(part) for part in text.split(",")]
+
+
+def _three(text):
+    corners = _indices(text)
+    if len(corners) != 3:
+        raise argparse.ArgumentTypeError("three vertex indices are needed")
+    return corners
+
+
+def _parser(prog):
+    methods = [name for name, method in library.tripatch.METHODS.items() if method.fills_holes]
+    parser = argparse.ArgumentParser(prog=prog, description="Fills three-sided holes in the meshes of a .blend.", epilog=_EPILOG)
+    parser.add_argument("file", nargs="?", help=".blend to be opened first (default: the one that Blender has open)")
+    parser.add_argument("--out", required=True, help=".blend to be written")
+    parser.add_argument("--object", action="append", default=[], metavar="NAME", help="may be repeated (default: every mesh)")
+    parser.add_argument("--all", action="store_true", help="fill every hole with three corners, not only a mesh's only one")
+    parser.add_argument("--outer", action="store_true", help="with --all: also the longest border of each connected part")
+    parser.add_argument("--rim", type=_indices, metavar="V,V,...", help="vertex indices along the rim (one object)")
+    parser.add_argument("--corners", type=_three, metavar="A,B,C", help="vertex indices of the three corners (one object)")
+    parser.add_argument("--method", choices=methods, default="side_vertex")
+    parser.add_argument("--output", choices=["triangles"], default="triangles")
+    parser.add_argument("--resolution", type=int, help="edges per side inside the fill (default: follow the rim)")
+    parser.add_argument("--continuity", choices=["auto", "G0", "G1"], default="auto")
+    parser.add_argument("--surroundings", choices=["mesh"], default="mesh")
+    parser.add_argument("--bulge", type=float, default=1.0)
+    parser.add_argument("--corner-offset", type=int, default=0, help="slide the corners along the rim by so many vertices")
+    parser.add_argument("--shading", choices=["neighbors", "smooth", "flat"], default="neighbors")
+    parser.add_argument("--report", metavar="FILE.json")
+    return parser
+
+
+def _objects(names):
+    """The mesh objects to work on, one for each mesh."""
+    if names:
+        for name in names:
+            ob = bpy.context.scene.objects.get(name)
+            if ob is None or ob.type != "MESH":
+                raise _UsageError(f"there is no mesh object '{name}' in the scene '{bpy.context.scene.name}'")
+        objects = [bpy.context.scene.objects[name] for name in names]
+    else:
+        objects = [ob for ob in bpy.context.scene.objects if ob.type == "MESH"]
+    first = {}
+    for ob in objects:
+        first.setdefault(ob.data, ob)
+    return list(first.values())
+
+
+class _UsageError(Exception):
+    """A mistake in the command, not in a mesh."""
+
+
+def _inner(bm, rims, matrix):
+    """The rims without the longest of each connected part of the mesh."""
+    part, parts = {}, 0
+    for seed in bm.verts:
+        if seed in part:
+            continue
+        part[seed], stack = parts, [seed]
+        while stack:
+            for edge in stack.pop().link_edges:
+                for v in edge.verts:
+                    if v not in part:
+                        part[v] = parts
+                        stack.append(v)
+        parts += 1
+
+    def length(rim):
+        points = library.np.array([v.co for v in rim.loop]) @ matrix[:3, :3].T
+        return library.np.linalg.norm(points - library.np.roll(points, 1, axis=0), axis=1).sum()
+
+    longest = {}
+    for rim in sorted(rims, key=length):
+        longest[part[rim.loop[0]]] = rim
+    return [rim for rim in rims if rim is not longest[part[rim.loop[0]]]]
+
+
+def _vertices(bm, numbers, option):
+    for number in numbers:
+        if not 0 <= number < len(bm.verts):
+            raise _UsageError(f"--{option} names vertex {number}; the mesh has {len(bm.verts)} vertices")
+    return [bm.verts[number] for number in numbers]
+
+
+def _rims(bm, matrix, arguments):
+    """The rims that the arguments mean in one mesh."""
+    bm.verts.ensure_lookup_table()
+    corners = _vertices(bm, arguments.corners or [], "corners")
+    if arguments.rim:
+        return [selection.Rim(_vertices(bm, arguments.rim, "rim"), corners=corners)]
+    if corners:
+        loops = selection.border_loops(v for v in corners if v.is_boundary)
+        around = [loop for loop in loops if set(corners) <= set(loop)]
+        if len(around) != 1:
+            raise selection.UnusableError("The three corners do not lie on one border of the mesh")
+        return [selection.Rim(around[0], corners=corners)]
+    if arguments.all:
+        rims = selection.all_rims(bm)
+        return rims if arguments.outer else _inner(bm, rims, matrix)
+    if arguments.object:
+        return filling.only_hole(bm, matrix)
+    found = filling.three_sided(bm, matrix, selection.all_rims(bm))
+    if len(found) > 1:
+        raise selection.UnusableError(
+            f"{len(found)} holes have three corners; name one by --rim or --corners, or fill them by --all"
+        )
+    return found
+
+
+def _fill(ob, arguments, options):
+    """The Outcome for one object."""
+    mesh = ob.data
+    if ob.library or mesh.library or mesh.override_library:
+        raise selection.UnusableError(f"The mesh '{mesh.name}' is linked from another file; make it local first")
+    matrix = filling.world_matrix(ob.name, ob.matrix_world)
+    bm = bmesh.new()
+    try:
+        bm.from_mesh(mesh)
+        rims = _rims(bm, matrix, arguments)
+        keys = mesh.shape_keys
+        outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, keys.reference_key.name if keys else None)
+        if new_faces:
+            bm.to_mesh(mesh)
+            mesh.update()
+        return outcome
+    finally:
+        bm.free()
+
+
+def _run(arguments):
+    if arguments.file:
+        try:
+            bpy.ops.wm.open_mainfile(filepath=os.path.abspath(arguments.file))
+        except RuntimeError as error:
+            raise _UsageError(str(error).strip()) from None
+    if not bpy.data.filepath:
+        raise _UsageError("no .blend is open")
+    if not os.path.isdir(os.path.dirname(os.path.abspath(arguments.out))):
+        raise _UsageError(f"the folder of '{arguments.out}' does not exist")
+    objects = _objects(arguments.object)
+    if (arguments.rim or arguments.corners) and len(objects) != 1:
+        raise _UsageError("--rim and --corners need one --object")
+    if bpy.context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    names = ("method", "output", "resolution", "continuity", "surroundings", "bulge")
+    settings = {name: getattr(arguments, name) for name in names}
+    options = filling.Options(settings, arguments.corner_offset, arguments.shading)
+
+    total, reports = filling.Outcome(), []
+    for ob in objects:
+        try:
+            outcome = _fill(ob, arguments, options)
+        except selection.UnusableError as reason:
+            if str(reason) == "The mesh has no hole" and not arguments.object:
+                continue
+            outcome = filling.Outcome(refused=[str(reason)])
+        if outcome.reports:
+            print(f"{ob.name}: {outcome.sentence()}")
+        for sentence in outcome.notes:
+            print(f"{ob.name}: {sentence}")
+        for sentence in outcome.refused:
+            print(f"{ob.name}: {sentence}", file=sys.stderr)
+        holes = [report.as_dict() for report in outcome.reports]
+        reports.append({"object": ob.name, "filled": holes, "refused": outcome.refused})
+        total.add(outcome, ob.name)
+    if arguments.report:
+        with open(arguments.report, "w", encoding="utf-8") as file:
+            json.dump(reports, file, indent=1)
+    if not total.reports:
+        if not total.refused:
+            print("Nothing to fill: no mesh has a three-sided hole", file=sys.stderr)
+        return EXIT_NONE
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
+    return EXIT_SOME if total.refused else EXIT_ALL
+
+
+def main(argv, prog="blender --command tripatch"):
+    """Runs the command line; returns the exit status."""
+    if library.missing:
+        print(library.missing, file=sys.stderr)
+        return EXIT_NONE
+    try:
+        return _run(_parser(prog).parse_args(argv))
+    except SystemExit as done:  # argparse: usage or help
+        return done.code or EXIT_ALL
+    except (_UsageError, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_USAGE
+
+
+_command = None
+
+
+def register():
+    global _command
+    if hasattr(bpy.utils, "register_cli_command"):
+        _command = bpy.utils.register_cli_command("tripatch", main)
+
+
+def unregister():
+    global _command
+    if _command is not None:
+        bpy.utils.unregister_cli_command(_command)
+        _command = None

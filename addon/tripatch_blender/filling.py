@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From rims of a BMesh to faces in it: everything is computed first, so that what is refused leaves the mesh untouched."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from . import selection, writeback
+from .library import np, tripatch
+from .selection import Surroundings, UnusableError
+
+
+@dataclass
+class Options:
+    """Options of a fill: those of tripatch.fill, and what only Blender has."""
+
+    arguments: dict = field(default_factory=dict)  # of tripatch.fill
+    corner_offset: int = 0  # steps along the rim
+    shading: str = "neighbors"  # "neighbors", "smooth", "flat"
+
+
+@dataclass
+class Outcome:
+    """What became of the holes of one mesh or of several."""
+
+    reports: list = field(default_factory=list)  # tripatch.Report of each filled hole
+    refused: list = field(default_factory=list)  # sentences
+    notes: list = field(default_factory=list)  # sentences on holes that were filled
+    faces: int = 0
+
+    def add(self, other, name=""):
+        prefix = f"{name}: " if name else ""
+        self.reports += other.reports
+        self.refused += [prefix + sentence for sentence in other.refused]
+        self.notes += [prefix + sentence for sentence in other.notes]
+        self.faces += other.faces
+
+    def sentence(self):
+        """'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'"""
+        count = len(self.reports)
+        if not count:
+            return "No hole filled"
+        known = max(report.surroundings_error for report in self.reports)
+        seam = max(known, *(report.seam_angle_max for report in self.reports))
+        holes = "1 hole" if count == 1 else f"{count} holes"
+        return f"Filled {holes}; seam within {seam:.2g} deg (surroundings known to {known:.2g} deg)"
+
+
+def world_matrix(name, matrix):
+    """The (4, 4) array of an object's matrix; UnusableError if it cannot be inverted."""
+    world = np.array(matrix, dtype=np.float64)
+    if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < 1e7:
+        raise UnusableError(f"{name} is scaled to nothing along an axis; apply or correct its scale")
+    return world
+
+
+def _place(refusal):
+    """The reason, with the place if it does not name one."""
+    where = list(refusal.where)
+    if not where or any(str(v) in refusal.reason for v in where[:3]):
+        return refusal.reason
+    names = ", ".join(map(str, where[:5])) + (", ..." if len(where) > 5 else "")
+    return f"{refusal.reason} ({'vertex' if len(where) == 1 else 'vertices'} {names})"
+
+
+def _corners(rim, loop, mesh, replaced, offset):
+    """The corners to fill with, as vertex indices, or None for the library to find them."""
+    first = rim.first.index if rim.first else None
+    if rim.corners:
+        corners = [v.index for v in rim.corners]
+    elif first is None and not offset:
+        return None
+    else:
+        corners = tripatch.find_corners(*mesh, loop, replaced=replaced).tolist()
+    places = [loop.index(v) for v in corners]
+    if first is not None:
+        # The active vertex is the first corner: one of the three, or it takes the place of the nearest.
+        count, active = len(loop), loop.index(first)
+        steps = [min((p - active) % count, (active - p) % count) for p in places]
+        nearest = steps.index(min(steps))
+        places = [active] + [p for k, p in enumerate(places) if k != nearest]
+    return [loop[(p + offset) % len(loop)] for p in places]
+
+
+def _plan(bm, rim, world, keys, options, around):
+    """A `Planned` fill and notes on it. around: Surroundings in the shape that the vertices have now."""
+    loop = [v.index for v in rim.loop]
+    positions, faces, replaced = around.around(rim)
+    corners = _corners(rim, loop, (positions, faces), replaced, options.corner_offset)
+    arguments = dict(options.arguments, rim=loop, replaced=replaced)
+    fill = tripatch.fill(positions, faces, corners=corners, **arguments)
+
+    inverse, notes = np.linalg.inv(world[:3, :3]), []
+    turn = world[:3, :3] * np.sign(np.linalg.det(world[:3, :3]))
+
+    def to_object(points):
+        return (points - world[:3, 3]) @ inverse.T
+
+    def normals_to_object(n):
+        n = n @ turn
+        return n / np.linalg.norm(n, axis=1, keepdims=True)
+
+    vertex = {v.index: v for v in rim.loop}
+    planned = writeback.Planned(
+        rim,
+        fill,
+        [vertex[v] for v in fill.rim.tolist()],
+        to_object(fill.vertices),
+        normals_to_object(fill.normals),
+        normals_to_object(fill.rim_normals),
+        arguments.get("continuity") != "G0" and tripatch.METHODS[arguments.get("method", "side_vertex")].continuity != "G0",
+    )
+    obstacle = writeback.obstacle(bm, planned, len(positions))
+    if obstacle:
+        raise tripatch.Refusal(obstacle, [])
+    for name, shape in keys.items():
+        try:
+            in_key = tripatch.fill(*shape.around(rim)[:2], corners=fill.report.corners, **arguments)
+            planned.in_shape_keys[name] = to_object(in_key.patch.evaluate(fill.barycentric))
+        except tripatch.Refusal as refusal:
+            notes.append(f"Shape key '{name}' follows its rim only: {_place(refusal)}")
+            planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
+    return planned, notes
+
+
+def _follow_rim(planned, layer):
+    """New vertices in a shape in which no patch can be built: moved as the rim is."""
+    moved = np.array([v[layer] - v.co for v in planned.loop])
+    blend = writeback.attributes.Blend(planned.fill.rim_barycentric, planned.fill.barycentric)
+    ends = np.stack([moved, np.roll(moved, -1, axis=0)], axis=1).reshape(-1, 3)
+    return planned.positions + blend(ends)
+
+
+def fill_rims(bm, mesh, matrix, rims, options, active_shape=None):
+    """Fills rims of a BMesh; returns (Outcome, new faces).
+
+    active_shape: name of the shape key whose shape the vertices have now.
+    """
+    bm.verts.index_update()
+    bm.faces.index_update()
+    outcome, planned = Outcome(), []
+    around = Surroundings(bm, matrix)
+    shapes = [(name, layer) for name, layer in bm.verts.layers.shape.items() if name != active_shape]
+    keys = {name: Surroundings(bm, matrix, layer) for name, layer in shapes}
+    for rim in rims:
+        try:
+            plan, notes = _plan(bm, rim, matrix, keys, options, around)
+        except tripatch.Refusal as refusal:
+            outcome.refused.append(_place(refusal))
+        else:
+            planned.append(plan)
+            outcome.reports.append(plan.fill.report)
+            outcome.notes += [*plan.fill.report.warnings, *notes]
+    new_faces = writeback.write(bm, mesh, planned, options.shading) if planned else []
+    outcome.faces = len(new_faces)
+    return outcome, new_faces
+
+
+def three_sided(bm, matrix, rims):
+    """Those of some rims that have three corners."""
+    bm.verts.index_update()
+    bm.faces.index_update()
+    around, found = Surroundings(bm, matrix), []
+    for rim in rims:
+        positions, faces, _ = around.around(rim)
+        try:
+            tripatch.find_corners(positions, faces, [v.index for v in rim.loop])
+        except tripatch.Refusal:
+            continue
+        found.append(rim)
+    return found
+
+
+def only_hole(bm, matrix):
+    """The mesh's only three-sided hole; UnusableError if there is none, or a choice."""
+    rims = selection.all_rims(bm)
+    if not rims:
+        raise UnusableError("The mesh has no hole")
+    found = three_sided(bm, matrix, rims)
+    if len(found) == 1:
+        return found
+    if found:
+        places = ", ".join(str(rim.loop[0].index) for rim in found[:5]) + (", ..." if len(found) > 5 else "")
+        raise UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); select the rim of one")
+    if len(rims) == 1:
+        return rims  # the library says how many corners it has
+    raise UnusableError(f"None of the {len(rims)} holes has three corners; select the rim of one, or three of its vertices")

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The geometry: NumPy and the tripatch package, or the sentence that says what is missing."""
+
+import os
+import sys
+
+# The classic zip carries the unpacked wheel; an extension's wheel is installed by Blender.
+_unpacked = os.path.join(os.path.dirname(__file__), "_vendor")
+if os.path.isdir(_unpacked) and _unpacked not in sys.path:
+    sys.path.append(_unpacked)
+
+#: One sentence for the user, empty when all is there.
+missing = ""
+np = tripatch = None
+try:
+    import numpy as np  # noqa: F401
+except ImportError:
+    missing = "TriPatch needs NumPy: install the package python3-numpy (apt install python3-numpy) and restart Blender"
+else:
+    try:
+        import tripatch  # noqa: F401
+    except ImportError as error:
+        missing = f"TriPatch cannot load its library: {error}"

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Custom normals of a BMesh, read and written as vectors.
+
+Blender stores a custom normal relative to the fan of face corners around its vertex, so the faces of a fill would turn the
+normals of their neighbours. Python cannot reach that encoding in a BMesh, but a small mesh with the same fans can decode and
+encode it, and corners can be copied from one BMesh to another. Corners elsewhere keep their bits.
+"""
+
+from __future__ import annotations
+
+import bmesh
+import bpy
+
+from .library import np
+
+_LAYERS = ("uv", "color", "float_color", "float_vector", "float", "int", "bool", "string")
+
+
+def has_custom_normals(bm, mesh):
+    return mesh.has_custom_normals or free_layer(bm) is not None
+
+
+def free_layer(bm):
+    """The layer of custom normals that are plain vectors (Blender 4.5 and newer), or None."""
+    return bm.loops.layers.float_vector.get("custom_normal")
+
+
+def _encoded_template():
+    """A mesh with the layer of encoded custom normals, of one triangle."""
+    mesh = bpy.data.meshes.new("TriPatch")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    mesh.normals_split_custom_set([(0, 0, 1)] * 3)
+    return mesh
+
+
+def _copy_of(bm, faces, template):
+    """A BMesh of these faces with the same fans: vertices, sharp edges, smooth faces, encoded normals."""
+    copy = bmesh.new()
+    copy.from_mesh(template)
+    bmesh.ops.delete(copy, geom=copy.verts, context="VERTS")
+    # A corner copied back brings a default for every layer that its own BMesh lacks.
+    for kind in _LAYERS:
+        for name in getattr(bm.loops.layers, kind).keys() if hasattr(bm.loops.layers, kind) else ():
+            if name not in getattr(copy.loops.layers, kind):
+                getattr(copy.loops.layers, kind).new(name)
+    vertices = {}
+    for face in faces:
+        for v in face.verts:
+            if v not in vertices:
+                vertices[v] = copy.verts.new(v.co)
+        twin = copy.faces.new([vertices[v] for v in face.verts])
+        twin.smooth = face.smooth
+        for loop, other in zip(face.loops, twin.loops, strict=True):
+            other.copy_from(loop)
+            other.edge.smooth = loop.edge.smooth
+    copy.normal_update()
+    return copy
+
+
+class _Scratch:
+    """A mesh for decoding or encoding, removed again."""
+
+    def __init__(self, bm, faces):
+        self._template = _encoded_template()
+        self.bm = _copy_of(bm, faces, self._template)
+        self.mesh = bpy.data.meshes.new("TriPatch")
+
+    def __enter__(self):
+        self.bm.to_mesh(self.mesh)
+        if hasattr(self.mesh, "use_auto_smooth"):  # to 4.0; the angle does not count where there are custom normals
+            self.mesh.use_auto_smooth = True
+        return self
+
+    def __exit__(self, *_):
+        self.bm.free()
+        bpy.data.meshes.remove(self.mesh)
+        bpy.data.meshes.remove(self._template)
+
+    def decoded(self):
+        values = np.empty(3 * len(self.mesh.loops), np.float32)
+        if hasattr(self.mesh, "corner_normals"):
+            self.mesh.corner_normals.foreach_get("vector", values)
+        else:
+            self.mesh.calc_normals_split()
+            self.mesh.loops.foreach_get("normal", values)
+        return values.reshape(-1, 3).astype(np.float64)
+
+
+def corner_normals(bm, vertices):
+    """{face corner: unit normal} for all corners at these vertices."""
+    free = free_layer(bm)
+    if free is not None:
+        return {loop: np.array(loop[free]) for v in vertices for loop in v.link_loops}
+    faces = sorted({f for v in vertices for f in v.link_faces}, key=lambda f: f.index)
+    with _Scratch(bm, faces) as scratch:
+        values = scratch.decoded()
+    at, normals = set(vertices), {}
+    for loop, normal in zip((corner for f in faces for corner in f.loops), values, strict=True):
+        if loop.vert in at:
+            normals[loop] = normal
+    return normals
+
+
+def set_corner_normals(bm, normals):
+    """Sets custom normals at all corners of some vertices: {face corner: unit normal}."""
+    free = free_layer(bm)
+    if free is not None:
+        for loop, normal in normals.items():
+            loop[free] = normal
+        return
+    faces = list(dict.fromkeys(f for loop in normals for f in loop.vert.link_faces))
+    with _Scratch(bm, faces) as scratch:
+        corners = [corner for f in faces for corner in f.loops]
+        scratch.mesh.normals_split_custom_set([tuple(normals.get(corner, (0.0, 0.0, 0.0))) for corner in corners])
+        encoded = bmesh.new()
+        encoded.from_mesh(scratch.mesh)
+        for loop, other in zip(corners, (corner for f in encoded.faces for corner in f.loops), strict=True):
+            if loop in normals:
+                loop.copy_from(other)
+                # Different normals within one fan part it, as Blender does it: by a sharp edge.
+                if not other.edge.smooth:
+                    loop.edge.smooth = False
+        encoded.free()

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which holes of a BMesh the user means: selection -> rims -> arrays around them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .library import np, tripatch
+
+# Rings of faces around a rim that are handed to the library: one more than its largest stencil reads.
+RINGS = 7
+
+
+class UnusableError(ValueError):
+    """Nothing that is selected can be filled; the message says why."""
+
+
+@dataclass
+class Rim:
+    """A hole to be filled, by vertices of the BMesh."""
+
+    loop: list  # BMVert, in the direction in which new faces traverse the rim
+    corners: list = field(default_factory=list)  # three BMVert that the user gave, or none
+    first: object = None  # BMVert that is to be the first corner
+    replaced: set = field(default_factory=set)  # BMFace of a region that the fill replaces
+
+
+def pairs(loop):
+    """Each element of a closed list with the next."""
+    return zip(loop, loop[1:] + loop[:1], strict=True)
+
+
+def edges_of(bm, loop):
+    """The edges of a loop of vertices, from each vertex to the next."""
+    return [bm.edges.get((a, b)) for a, b in pairs(loop)]
+
+
+def _by_index(elements):
+    return sorted(elements, key=lambda element: element.index)
+
+
+def _loops(faces):
+    """The border loops of some faces as lists of vertices."""
+    vertices = _by_index({v for f in faces for v in f.verts})
+    number = {v: k for k, v in enumerate(vertices)}
+    return [[vertices[k] for k in loop] for loop in tripatch.find_holes([[number[v] for v in f.verts] for f in faces])]
+
+
+def border_loops(seeds):
+    """The border loops of the mesh through the vertices `seeds`."""
+    loops, done = [], set()
+    for seed in _by_index(seeds):
+        if seed in done:
+            continue
+        border, stack = {seed}, [seed]
+        while stack:
+            vertex = stack.pop()
+            for edge in vertex.link_edges:
+                other = edge.other_vert(vertex)
+                if edge.is_boundary and other not in border:
+                    border.add(other)
+                    stack.append(other)
+        done |= border
+        # All faces around the border: where they end on their other side there are loops too, but none through these vertices.
+        faces = _by_index({f for v in border for f in v.link_faces})
+        loops += [loop for loop in _loops(faces) if border.issuperset(loop)]
+    return loops
+
+
+def is_hidden(bm, loop):
+    return any(v.hide for v in loop) or any(e is not None and e.hide for e in edges_of(bm, loop))
+
+
+def all_rims(bm):
+    """Every visible border loop of the mesh, the shortest first."""
+    border = {v for e in bm.edges if e.is_boundary for v in e.verts}
+    loops = [loop for loop in border_loops(border) if not is_hidden(bm, loop)]
+    return [Rim(loop) for loop in sorted(loops, key=lambda loop: (len(loop), min(v.index for v in loop)))]
+
+
+def _regions(faces):
+    """Faces, parted into regions that hang together by edges."""
+    left = set(faces)
+    for seed in faces:
+        if seed not in left:
+            continue
+        left.discard(seed)
+        region, stack = [seed], [seed]
+        while stack:
+            for edge in stack.pop().edges:
+                for face in edge.link_faces:
+                    if face in left:
+                        left.discard(face)
+                        region.append(face)
+                        stack.append(face)
+        yield _by_index(region)
+
+
+def _region_to_replace(region, holes, by_faces):
+    """The rim of a region that is to be replaced, or None for one that only lies around selected holes."""
+    held = {v for hole in holes for v in hole.loop}
+    border = [e for f in region for e in f.edges if e.is_boundary]
+    if border and all(v in held for e in border for v in e.verts):
+        return None
+    # Selecting the vertices of a rim selects the faces that have no other vertices.
+    if holes and not by_faces and all(v in held for f in region for v in f.verts):
+        return None
+    place = f"near vertex {region[0].verts[0].index}"
+    if border:
+        raise UnusableError(f"The selected faces {place} reach the border of the mesh without going round a hole")
+    loops = _loops(region)
+    if len(loops) != 1:
+        count = "no border" if not loops else f"{len(loops)} borders"
+        raise UnusableError(f"The selected faces {place} have {count}; a region to be replaced has one")
+    return Rim(loops[0][::-1], replaced=set(region))
+
+
+def _no_hole(edges, vertices):
+    """Why the selection holds no rim."""
+    if not edges:
+        return f"No hole at the selected vertices (vertex {vertices[0].index} is not on a border of the mesh)"
+    for edge in edges:
+        a, b = (v.index for v in edge.verts)
+        count = len(edge.link_faces)
+        if count != 1:
+            sides = {0: "no face beside it", 2: "a face on both sides"}.get(count, f"{count} faces")
+            return f"The selected edges are not the rim of a hole: the edge between vertices {a} and {b} has {sides}"
+    return "The selected edges are not the rim of a hole"
+
+
+def selected_rims(bm):
+    """The rims that the selection means, and a sentence for each selected part that means none.
+
+    Whole border loops are holes. Three selected vertices of a loop are its corners. Faces: each connected region by itself;
+    one without mesh border in it is to be replaced. Else whatever border loop the selection touches.
+    """
+    vertices = [v for v in bm.verts if v.select]
+    edges = [e for e in bm.edges if e.select]
+    faces = [f for f in bm.faces if f.select]
+    active = bm.select_history.active
+    selected = set(vertices)
+    loops = border_loops(v for v in vertices if v.is_boundary)
+    visible = [loop for loop in loops if not is_hidden(bm, loop)]
+
+    rims, touched = [], []
+    for loop in visible:
+        given = [v for v in loop if v in selected]
+        if all(e is not None and e.select for e in edges_of(bm, loop)):
+            rims.append(Rim(loop))
+        elif len(given) == 3 and "VERT" in bm.select_mode and not any(f.select for v in given for f in v.link_faces):
+            rims.append(Rim(loop, corners=given))
+        else:
+            touched.append(Rim(loop))
+    refused = []
+    for region in _regions(faces):
+        try:
+            rim = _region_to_replace(region, rims, "FACE" in bm.select_mode)
+        except UnusableError as reason:
+            refused.append(str(reason))
+        else:
+            rims += [rim] if rim else []
+    if not rims and not refused:
+        if not touched or not all(e.is_boundary for e in edges):
+            hidden = loops and not visible
+            raise UnusableError("The rim is hidden; reveal it first" if hidden else _no_hole(edges, vertices))
+        rims = touched
+    for rim in rims:
+        if active in rim.loop:
+            rim.first = active
+    return rims, refused
+
+
+class Surroundings:
+    """World positions of what lies around rims, in the vertex numbers of the BMesh, so that refusals name its vertices."""
+
+    def __init__(self, bm, matrix, shape=None):
+        self._count, self._matrix, self._shape = len(bm.verts), matrix, shape
+        self.positions = np.zeros((self._count, 3))
+
+    def around(self, rim):
+        """(positions (n, 3), faces as index lists, indices of the replaced ones) for the faces around a rim."""
+        seen, faces, front = set(rim.loop), set(), rim.loop
+        for _ in range(RINGS):
+            ring = {f for v in front for f in v.link_faces} - faces
+            faces |= ring
+            front = {v for f in ring for v in f.verts} - seen
+            seen |= front
+        ordered, near = _by_index(faces), list(seen)
+        here = np.array([v.co if self._shape is None else v[self._shape] for v in near], dtype=np.float64)
+        self.positions[[v.index for v in near]] = here @ self._matrix[:3, :3].T + self._matrix[:3, 3]
+        replaced = [k for k, f in enumerate(ordered) if f in rim.replaced]
+        return self.positions, [[v.index for v in f.verts] for f in ordered], replaced
