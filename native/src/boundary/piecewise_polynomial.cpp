@@ -231,6 +231,26 @@ PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<
   return {breaks, degree, dimension, coefficients};
 }
 
+PiecewisePolynomial PiecewisePolynomial::joined(const std::vector<PiecewisePolynomial>& parts) {
+  if (parts.empty()) throw InvalidArgument("nothing to join");
+  const double n = static_cast<double>(parts.size());
+  int degree = 0;
+  for (const PiecewisePolynomial& part : parts) degree = std::max(degree, part.degree_);
+  std::vector<double> breaks = {0}, coefficients;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const PiecewisePolynomial part = parts[k].refined({}, degree);
+    for (Index p = 1; p <= part.pieces(); ++p) breaks.push_back((static_cast<double>(k) + part.breaks_[p]) / n);
+    for (Index p = 0; p < part.pieces(); ++p) {
+      double scale = 1;
+      for (int power = 0; power <= degree; ++power, scale *= n)
+        for (int x = 0; x < part.dimension_; ++x)
+          coefficients.push_back(scale * part.coefficients_[(p * (degree + 1) + power) * part.dimension_ + x]);
+    }
+  }
+  breaks.back() = 1;
+  return {breaks, degree, parts[0].dimension_, coefficients};
+}
+
 void PiecewisePolynomial::taylor(double t, int order, double* out) const {
   const Index p = piece(t);
   const double u = t - 0.5 * (breaks_[p] + breaks_[p + 1]);

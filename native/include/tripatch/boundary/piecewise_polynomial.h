@@ -33,6 +33,9 @@ public:
   static PiecewisePolynomial fit(const std::function<void(std::span<const double>, std::span<double>)>& f, int dimension,
                                  double tolerance = 1e-13, int degree = 9, int max_depth = 9);
 
+  /// Fields end to end: each takes an equal share of [0, 1].
+  static PiecewisePolynomial joined(const std::vector<PiecewisePolynomial>& parts);
+
   int dimension() const { return dimension_; }
   int degree() const { return degree_; }
   Index pieces() const { return static_cast<Index>(breaks_.size()) - 1; }

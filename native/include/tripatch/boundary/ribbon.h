@@ -33,7 +33,7 @@ enum class CrossBoundary { given, consistent, as_printed };
 
 struct RibbonOptions {
   CrossBoundary cross_boundary = CrossBoundary::consistent;
-  std::array<double, 3> bulge = {1, 1, 1};         ///< > 0; scales the slopes inside each side, corners kept
+  std::array<double, 3> bulge = {1, 1, 1};           ///< > 0; scales the slopes inside each side, corners kept
   std::array<bool, 3> tangent = {true, true, true};  ///< false: position only (G0); the slope follows from the three curves
 };
 

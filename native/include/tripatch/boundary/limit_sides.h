@@ -1,0 +1,22 @@
+// The surroundings of a hole in a subdivision cage, known exactly: three sides on the limit surface of the cage.
+#pragma once
+
+#include "tripatch/boundary/limit_surface.h"
+#include "tripatch/boundary/mesh_sides.h"
+
+namespace tripatch {
+
+struct LimitSides {
+  Sides sides;
+  /// Parameter on its side of every point that a Subdivision modifier of the level makes along the rim, 2^level an edge: the
+  /// limit rim is a spline over the cage's edges, so each edge takes an equal share of t.
+  std::array<std::vector<double>, 3> parameters;
+  std::vector<std::string> warnings;
+  double surroundings_error = 0;  ///< degrees; 0 but for refined points without limit
+  Points border;                  ///< those points, from corner 0 along side 2, 0 and 1, without repeat
+};
+
+/// Faces in `replaced` stay in place: the surroundings' limit is that of the whole cage. The rim must be one of make_hole.
+LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced = {});
+
+}  // namespace tripatch

@@ -1,0 +1,60 @@
+// The limit surface of a Catmull-Clark cage as Blender draws it: OpenSubdiv's adaptive patches at the modifier's quality, or the
+// true limit. Position, first and second derivatives along the edges of faces.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// The settings of a Subdivision modifier, in Blender's own terms.
+struct Subdivision {
+  bool preserve_corners = false;   ///< boundary_smooth: false "All", true "Keep Corners"
+  std::optional<int> quality = 3;  ///< how far irregular places are isolated; none: the true limit
+  bool use_limit_surface = true;   ///< false: the refined points of `level`, not their limit
+  int level = 2;                   ///< of the modifier
+  std::vector<std::array<Index, 2>> crease_edges;
+  std::vector<double> edge_creases;  ///< 0 .. 1; sharpness is crease^2 x 10
+  std::vector<Index> crease_vertices;
+  std::vector<double> vertex_creases;  ///< 0 .. 1
+  std::vector<Index> loose_vertices;   ///< vertices that a loose edge touches: Blender makes them infinitely sharp
+};
+
+/// Position and derivatives, u along the edge in the direction of the face, v into the face, one unit the whole edge.
+struct LimitJet {
+  Vec3 p, pu, pv, puu, puv, pvv;
+};
+
+class LimitSurface {
+public:
+  /// around: only the rings around these vertices are refined (empty: the whole cage). Throws a Refusal with OpenSubdiv's own
+  /// message for a cage that it cannot take.
+  LimitSurface(const Mesh& cage, const Subdivision& settings, std::span<const Index> around = {});
+  ~LimitSurface();
+  LimitSurface(LimitSurface&&) noexcept;
+
+  /// Along edge `edge` (from its corner `edge` to the next) of face `face`, which must touch one of `around`; t in [0, 1].
+  void evaluate_edge(Index face, int edge, std::span<const double> t, std::span<LimitJet> out) const;
+  /// Points of a (steps + 1)^2 grid on every quad face refined; n-gons: on each of their quarters.
+  Points grid(int steps) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The cage refined `settings.level` times, without limit: vertices, faces, and for every vertex of the rim (cage vertices) the
+/// refined vertices from it (included) to the next (excluded).
+struct RefinedCage {
+  Points vertices;
+  Faces faces;
+  std::vector<std::vector<Index>> along_rim;
+};
+RefinedCage refine_cage(const Mesh& cage, const Subdivision& settings, std::span<const Index> rim);
+
+}  // namespace tripatch

@@ -1,0 +1,136 @@
+#include "tripatch/boundary/limit_sides.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace tripatch {
+namespace {
+
+struct FaceEdge {
+  Index face = -1;
+  int edge = 0;
+};
+
+/// For every rim edge a -> b (new faces' direction) the surrounding face, which holds b -> a.
+std::map<std::pair<Index, Index>, FaceEdge> surrounding_faces(const Mesh& cage, const Hole& hole,
+                                                              const std::vector<Index>& replaced) {
+  std::map<std::pair<Index, Index>, FaceEdge> found;
+  const std::size_t n = hole.rim.size();
+  for (std::size_t k = 0; k < n; ++k) found[{hole.rim[k], hole.rim[(k + 1) % n]}] = {};
+  const std::set<Index> gone(replaced.begin(), replaced.end());
+  for (Index f = 0; f < cage.faces.size(); ++f) {
+    const auto face = cage.faces[f];
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const auto rim_edge = found.find({face[(k + 1) % face.size()], face[k]});
+      if (rim_edge != found.end() && !gone.contains(f)) rim_edge->second = {f, static_cast<int>(k)};
+    }
+  }
+  for (const auto& [edge, place] : found)
+    if (place.face < 0) throw Refusal("A rim edge has no face beside it", {edge.first, edge.second});
+  return found;
+}
+
+/// Normal of the limit surface; at a place where its two derivatives are parallel, the one beside it.
+Vec3 unit_normal(const LimitSurface& surface, const FaceEdge& place, double t, const LimitJet& jet) {
+  const Vec3 n = jet.pu.cross(jet.pv);
+  if (n.norm() > 1e-6 * jet.pu.norm() * jet.pv.norm()) return n.normalized();
+  LimitJet beside;
+  const double inside = t < 0.5 ? t + 1e-4 : t - 1e-4;
+  surface.evaluate_edge(place.face, place.edge, {&inside, 1}, {&beside, 1});
+  return beside.pu.cross(beside.pv).stableNormalized();
+}
+
+/// Second derivative in the direction of r, its normal part: the second fundamental form of (r, r) along n.
+Vec3 second_across(const LimitJet& j, const Vec3& n, const Vec3& r) {
+  Eigen::Matrix<double, 3, 2> frame;
+  frame << j.pu, j.pv;
+  const Eigen::Vector2d a = frame.colPivHouseholderQr().solve(r);
+  return n * n.dot(a[0] * a[0] * j.puu + 2 * a[0] * a[1] * j.puv + a[1] * a[1] * j.pvv);
+}
+
+double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+
+void refined_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, LimitSides& result) {
+  const RefinedCage refined = refine_cage(cage, settings, hole.rim);
+  Hole fine;
+  for (std::size_t k = 0; k < hole.rim.size(); ++k) {
+    for (int corner = 0; corner < 3; ++corner)
+      if (static_cast<std::size_t>(hole.corners[corner]) == k) fine.corners[corner] = static_cast<Index>(fine.rim.size());
+    fine.rim.insert(fine.rim.end(), refined.along_rim[k].begin(), refined.along_rim[k].end());
+  }
+  MeshSides estimated = mesh_sides({refined.vertices, refined.faces}, fine);
+  result.sides = std::move(estimated.sides);
+  result.parameters = std::move(estimated.parameters);
+  result.surroundings_error = estimated.surroundings_error;
+  result.border.resize(static_cast<Index>(fine.rim.size()), 3);
+  for (std::size_t k = 0; k < fine.rim.size(); ++k) result.border.row(static_cast<Index>(k)) = refined.vertices.row(fine.rim[k]);
+  result.warnings.push_back("The modifier does not use the limit surface: the slopes are those of its points, estimated");
+}
+
+}  // namespace
+
+LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced) {
+  LimitSides result;
+  if (!settings.use_limit_surface) {
+    refined_sides(cage, hole, settings, result);
+    return result;
+  }
+  const auto around = surrounding_faces(cage, hole, replaced);
+  const LimitSurface surface(cage, settings, hole.rim);
+  const int steps = 1 << settings.level;
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<Index> rim = hole.side(i);
+    const int edges = static_cast<int>(rim.size()) - 1;
+    std::vector<FaceEdge> places;
+    for (int e = 0; e < edges; ++e) places.push_back(around.at({rim[e], rim[e + 1]}));
+    for (int e = 0; e < edges; ++e)
+      for (int k = 0; k < steps; ++k) result.parameters[i].push_back((e + static_cast<double>(k) / steps) / edges);
+    result.parameters[i].push_back(1.0);
+
+    std::vector<PiecewisePolynomial> c, r, q;
+    for (const FaceEdge& place : places) {
+      // the face runs against the side: t of the side is 1 - t of the face's edge, and d/dt is -edges d/du
+      const auto field = [&](const std::function<Vec3(double, const LimitJet&)>& value) {
+        return PiecewisePolynomial::fit(
+            [&](std::span<const double> t, std::span<double> out) {
+              std::vector<double> face_t(t.size());
+              std::vector<LimitJet> jets(t.size());
+              for (std::size_t k = 0; k < t.size(); ++k) face_t[k] = 1 - t[k];
+              surface.evaluate_edge(place.face, place.edge, face_t, jets);
+              for (std::size_t k = 0; k < t.size(); ++k) {
+                const Vec3 v = value(face_t[k], jets[k]);
+                std::copy_n(v.data(), 3, &out[3 * k]);
+              }
+            },
+            3);
+      };
+      const auto across = [&](double t, const LimitJet& j) {
+        return Vec3(-edges * j.pu.cross(unit_normal(surface, place, t, j)));
+      };
+      c.push_back(field([](double, const LimitJet& j) { return j.p; }));
+      r.push_back(field(across));
+      q.push_back(
+          field([&](double t, const LimitJet& j) { return second_across(j, unit_normal(surface, place, t, j), across(t, j)); }));
+    }
+    result.sides[i] = {PiecewisePolynomial::joined(c), PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
+
+    for (int e = 1; e < edges; ++e) {
+      const double kink = degrees_between(c[e - 1].derivative_at(1), c[e].derivative_at(0));
+      if (kink > 0.1)
+        result.warnings.push_back("The limit rim has a kink inside side " + std::to_string(i) + " at vertex " +
+                                  std::to_string(rim[e]));
+    }
+  }
+  std::vector<Vec3> border;
+  for (int i : {2, 0, 1})
+    for (std::size_t k = 0; k + 1 < result.parameters[i].size(); ++k)
+      border.push_back(result.sides[i].c(result.parameters[i][k]));
+  result.border.resize(static_cast<Index>(border.size()), 3);
+  for (std::size_t k = 0; k < border.size(); ++k) result.border.row(static_cast<Index>(k)) = border[k];
+  return result;
+}
+
+}  // namespace tripatch

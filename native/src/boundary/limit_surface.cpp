@@ -1,0 +1,350 @@
+#include "tripatch/boundary/limit_surface.h"
+
+#include <opensubdiv/bfr/refinerSurfaceFactory.h>
+#include <opensubdiv/bfr/surface.h>
+#include <opensubdiv/far/error.h>
+#include <opensubdiv/far/patchMap.h>
+#include <opensubdiv/far/patchTableFactory.h>
+#include <opensubdiv/far/primvarRefiner.h>
+#include <opensubdiv/far/ptexIndices.h>
+#include <opensubdiv/far/topologyDescriptor.h>
+#include <opensubdiv/far/topologyRefinerFactory.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+namespace tripatch {
+namespace {
+
+namespace far = OpenSubdiv::Far;
+namespace bfr = OpenSubdiv::Bfr;
+namespace sdc = OpenSubdiv::Sdc;
+
+// NOLINTBEGIN(readability-identifier-naming): the names that OpenSubdiv's templates call
+struct Vertex {
+  Vec3 position = Vec3::Zero();
+  void Clear() { position.setZero(); }
+  void AddWithWeight(const Vertex& p, double weight) { position += weight * p.position; }
+};
+// NOLINTEND(readability-identifier-naming)
+
+double sharpness(double crease) { return crease <= 0 ? 0 : crease >= 1 ? 10 : crease * crease * 10; }
+
+/// The faces within three rings of the given vertices: the limit on the faces of the first ring depends on two.
+std::vector<Index> faces_around(const Mesh& cage, std::span<const Index> around) {
+  std::vector<Index> faces;
+  if (around.empty()) {
+    for (Index f = 0; f < cage.faces.size(); ++f) faces.push_back(f);
+    return faces;
+  }
+  std::vector<char> in(cage.vertices.rows(), 0), taken(cage.faces.size(), 0);
+  for (Index v : around) in[v] = 1;
+  for (int ring = 0; ring < 3; ++ring) {
+    std::vector<Index> found;
+    for (Index f = 0; f < cage.faces.size(); ++f) {
+      if (taken[f]) continue;
+      for (Index v : cage.faces[f])
+        if (in[v]) {
+          taken[f] = 1;
+          found.push_back(f);
+          break;
+        }
+    }
+    for (Index f : found)
+      for (Index v : cage.faces[f]) in[v] = 1;
+    faces.insert(faces.end(), found.begin(), found.end());
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+/// The part of a cage that is refined, with its own numbering, and OpenSubdiv's description of it.
+struct LocalCage {
+  std::vector<Index> face_of;                 ///< local -> cage
+  std::unordered_map<Index, int> local_face;  ///< cage -> local
+  std::unordered_map<Index, int> local_vertex;
+  std::vector<Vertex> vertices;
+  std::vector<int> sizes, corners, offsets;
+  std::unique_ptr<far::TopologyRefiner> refiner;
+
+  LocalCage(const Mesh& cage, const Subdivision& settings, std::span<const Index> around) {
+    face_of = faces_around(cage, around);
+    if (face_of.empty()) throw Refusal("The cage has no faces around the hole");
+    std::vector<Index> vertex_of;
+    for (Index f : face_of) {
+      local_face[f] = static_cast<int>(sizes.size());
+      offsets.push_back(static_cast<int>(corners.size()));
+      sizes.push_back(static_cast<int>(cage.faces[f].size()));
+      for (Index v : cage.faces[f]) {
+        const auto [place, fresh] = local_vertex.try_emplace(v, static_cast<int>(vertices.size()));
+        if (fresh) {
+          if (!cage.vertices.row(v).allFinite()) throw Refusal("Vertex " + std::to_string(v) + " is not finite", {v});
+          vertices.push_back({cage.vertices.row(v)});
+          vertex_of.push_back(v);
+        }
+        corners.push_back(place->second);
+      }
+    }
+    describe(settings, vertex_of);
+  }
+
+  int edge_face_corner(Index face, int edge, int& local) const {
+    const auto found = local_face.find(face);
+    if (found == local_face.end()) throw InvalidArgument("face " + std::to_string(face) + " is not around the hole");
+    local = found->second;
+    if (edge < 0 || edge >= sizes[local])
+      throw InvalidArgument("face " + std::to_string(face) + " has no edge " + std::to_string(edge));
+    return offsets[local] + edge;
+  }
+
+private:
+  void describe(const Subdivision& settings, const std::vector<Index>& vertex_of) {
+    std::map<std::pair<int, int>, double> edge_sharpness;
+    std::map<int, double> vertex_sharpness;
+    for (std::size_t k = 0; k < settings.crease_edges.size(); ++k) {
+      const auto a = local_vertex.find(settings.crease_edges[k][0]), b = local_vertex.find(settings.crease_edges[k][1]);
+      const double s = sharpness(settings.edge_creases[k]);
+      if (s > 0 && a != local_vertex.end() && b != local_vertex.end()) edge_sharpness[std::minmax(a->second, b->second)] = s;
+    }
+    for (std::size_t k = 0; k < settings.crease_vertices.size(); ++k) {
+      const auto v = local_vertex.find(settings.crease_vertices[k]);
+      if (v != local_vertex.end()) vertex_sharpness[v->second] = sharpness(settings.vertex_creases[k]);
+    }
+    add_blender_extras(settings, edge_sharpness, vertex_sharpness);
+
+    std::vector<int> crease_pairs, corner_vertices;
+    std::vector<float> crease_weights, corner_weights;
+    for (const auto& [edge, s] : edge_sharpness) {
+      crease_pairs.insert(crease_pairs.end(), {edge.first, edge.second});
+      crease_weights.push_back(static_cast<float>(s));
+    }
+    for (const auto& [v, s] : vertex_sharpness) {
+      if (s <= 0) continue;
+      corner_vertices.push_back(v);
+      corner_weights.push_back(static_cast<float>(s));
+    }
+    far::TopologyDescriptor topology;
+    topology.numVertices = static_cast<int>(vertices.size());
+    topology.numFaces = static_cast<int>(sizes.size());
+    topology.numVertsPerFace = sizes.data();
+    topology.vertIndicesPerFace = corners.data();
+    topology.numCreases = static_cast<int>(crease_weights.size());
+    topology.creaseVertexIndexPairs = crease_pairs.data();
+    topology.creaseWeights = crease_weights.data();
+    topology.numCorners = static_cast<int>(corner_weights.size());
+    topology.cornerVertexIndices = corner_vertices.data();
+    topology.cornerWeights = corner_weights.data();
+
+    sdc::Options options;
+    options.SetVtxBoundaryInterpolation(settings.preserve_corners ? sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
+                                                                  : sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+    using Factory = far::TopologyRefinerFactory<far::TopologyDescriptor>;
+    Factory::Options factory(sdc::SCHEME_CATMARK, options);
+    factory.validateFullTopology = true;
+    // OpenSubdiv says what is wrong through a global callback
+    static thread_local std::string message;
+    message.clear();
+    far::SetErrorCallback([](far::ErrorType, const char* text) { message = text; });
+    far::SetWarningCallback([](const char*) {});
+    refiner.reset(Factory::Create(topology, factory));
+    far::SetErrorCallback(nullptr);
+    far::SetWarningCallback(nullptr);
+    if (!refiner)
+      throw Refusal("The cage cannot be subdivided: " + (message.empty() ? "its topology is not valid" : message), vertex_of);
+  }
+
+  /// Blender's own: a border corner of one face whose two edges are creased is sharpened by the lesser of the two; a vertex on a
+  /// loose edge is infinitely sharp.
+  void add_blender_extras(const Subdivision& settings, const std::map<std::pair<int, int>, double>& edge_sharpness,
+                          std::map<int, double>& vertex_sharpness) {
+    std::map<int, std::pair<int, int>> only;  // vertex of one face: its neighbours
+    std::vector<int> count(vertices.size(), 0);
+    for (std::size_t f = 0; f < sizes.size(); ++f)
+      for (int k = 0; k < sizes[f]; ++k) {
+        const int v = corners[offsets[f] + k];
+        ++count[v];
+        only[v] = {corners[offsets[f] + (k + sizes[f] - 1) % sizes[f]], corners[offsets[f] + (k + 1) % sizes[f]]};
+      }
+    for (const auto& [v, neighbours] : only) {
+      if (count[v] != 1) continue;
+      const auto a = edge_sharpness.find(std::minmax(v, neighbours.first)),
+                 b = edge_sharpness.find(std::minmax(v, neighbours.second));
+      if (a != edge_sharpness.end() && b != edge_sharpness.end()) vertex_sharpness[v] += std::min(a->second, b->second);
+    }
+    for (Index v : settings.loose_vertices) {
+      const auto local = local_vertex.find(v);
+      if (local != local_vertex.end()) vertex_sharpness[local->second] = 10;
+    }
+  }
+};
+
+}  // namespace
+
+struct LimitSurface::Impl {
+  LocalCage cage;
+  // adaptive patches (quality given)
+  std::unique_ptr<far::PatchTable> table;
+  std::unique_ptr<far::PatchMap> map;
+  std::unique_ptr<far::PtexIndices> ptex;
+  std::vector<Vertex> points;
+  // the true limit
+  std::unique_ptr<bfr::RefinerSurfaceFactory<>> factory;
+
+  Impl(const Mesh& mesh, const Subdivision& settings, std::span<const Index> around) : cage(mesh, settings, around) {
+    if (!settings.quality) {
+      bfr::SurfaceFactory::Options options;
+      options.SetApproxLevelSmooth(10).SetApproxLevelSharp(10);
+      factory = std::make_unique<bfr::RefinerSurfaceFactory<>>(*cage.refiner, options);
+      return;
+    }
+    far::PatchTableFactory::Options options(static_cast<unsigned>(*settings.quality));
+    options.SetEndCapType(far::PatchTableFactory::Options::ENDCAP_GREGORY_BASIS);
+    options.SetPatchPrecision<double>();
+    cage.refiner->RefineAdaptive(options.GetRefineAdaptiveOptions());
+    table.reset(far::PatchTableFactory::Create(*cage.refiner, options));
+    map = std::make_unique<far::PatchMap>(*table);
+    ptex = std::make_unique<far::PtexIndices>(*cage.refiner);
+    points = cage.vertices;
+    const int all = cage.refiner->GetNumVerticesTotal(), local = table->GetNumLocalPoints();
+    points.resize(all + local);
+    const far::PrimvarRefinerReal<double> primvars(*cage.refiner);
+    Vertex* from = points.data();
+    for (int level = 1; level <= cage.refiner->GetMaxLevel(); ++level) {
+      Vertex* to = from + cage.refiner->GetLevel(level - 1).GetNumVertices();
+      primvars.Interpolate(level, from, to);
+      from = to;
+    }
+    if (local > 0) table->GetLocalPointStencilTable<double>()->UpdateValues(points.data(), points.data() + all);
+  }
+
+  /// Derivatives with respect to the ptex face's own u, v.
+  LimitJet at(int ptex_face, double u, double v) const {
+    const far::PatchTable::PatchHandle* handle = map->FindPatch(ptex_face, u, v);
+    if (!handle) throw Refusal("The cage has a face without a limit surface");
+    std::array<double, 20> w, wu, wv, wuu, wuv, wvv;
+    table->EvaluateBasis(*handle, u, v, w.data(), wu.data(), wv.data(), wuu.data(), wuv.data(), wvv.data());
+    const far::ConstIndexArray cvs = table->GetPatchVertices(*handle);
+    LimitJet j{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+    for (int k = 0; k < cvs.size(); ++k) {
+      const Vec3& p = points[cvs[k]].position;
+      j.p += w[k] * p;
+      j.pu += wu[k] * p;
+      j.pv += wv[k] * p;
+      j.puu += wuu[k] * p;
+      j.puv += wuv[k] * p;
+      j.pvv += wvv[k] * p;
+    }
+    return j;
+  }
+
+  /// The same turned and scaled: e along the edge, f into the face, in the ptex face's coordinates.
+  static LimitJet turned(const LimitJet& j, const Eigen::Vector2d& e, const Eigen::Vector2d& f) {
+    const auto second = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      return Vec3(a[0] * b[0] * j.puu + (a[0] * b[1] + a[1] * b[0]) * j.puv + a[1] * b[1] * j.pvv);
+    };
+    return {j.p, e[0] * j.pu + e[1] * j.pv, f[0] * j.pu + f[1] * j.pv, second(e, e), second(e, f), second(f, f)};
+  }
+
+  LimitJet on_edge(int local, int edge, double t) const {
+    const int size = cage.sizes[local];
+    const int first = ptex->GetFaceId(local);
+    if (size == 4) {
+      const std::array<Eigen::Vector2d, 4> start = {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}, {0, 1}};
+      const Eigen::Vector2d e = start[(edge + 1) % 4] - start[edge], f(-e[1], e[0]);
+      const Eigen::Vector2d p = start[edge] + t * e;
+      return turned(at(first, p[0], p[1]), e, f);
+    }
+    // an n-gon is a fan of quarters, each with its origin at a corner and u along the edge that leaves it
+    if (t <= 0.5) return turned(at(first + edge, 2 * t, 0), {2, 0}, {0, 2});
+    return turned(at(first + (edge + 1) % size, 0, 2 - 2 * t), {0, -2}, {2, 0});
+  }
+
+  void on_edge_true(int local, int edge, std::span<const double> t, std::span<LimitJet> out) const {
+    const std::unique_ptr<bfr::Surface<double>> surface(factory->CreateVertexSurface<double>(local));
+    if (!surface || !surface->IsValid()) throw Refusal("The cage has a face without a limit surface");
+    std::vector<double> patch(3 * surface->GetNumPatchPoints());
+    surface->PreparePatchPoints(cage.vertices[0].position.data(), {3, sizeof(Vertex) / sizeof(double)}, patch.data(), 3);
+    const bfr::Parameterization parameterization = surface->GetParameterization();
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      Eigen::Vector2d uv, from, to;
+      parameterization.GetEdgeCoord(edge, t[k], uv.data());
+      // the direction of the edge in the (sub)face that the point lies in
+      const double low = t[k] < 0.5 ? 0.0 : 0.5;
+      parameterization.GetEdgeCoord(edge, low + 0.125, from.data());
+      parameterization.GetEdgeCoord(edge, low + 0.375, to.data());
+      const Eigen::Vector2d e = 4 * (to - from), f(-e[1], e[0]);
+      LimitJet j;
+      surface->Evaluate(uv.data(), patch.data(), 3, j.p.data(), j.pu.data(), j.pv.data(), j.puu.data(), j.puv.data(),
+                        j.pvv.data());
+      out[k] = turned(j, e, f);
+    }
+  }
+};
+
+LimitSurface::LimitSurface(const Mesh& cage, const Subdivision& settings, std::span<const Index> around)
+    : impl_(std::make_unique<Impl>(cage, settings, around)) {}
+LimitSurface::~LimitSurface() = default;
+LimitSurface::LimitSurface(LimitSurface&&) noexcept = default;
+
+void LimitSurface::evaluate_edge(Index face, int edge, std::span<const double> t, std::span<LimitJet> out) const {
+  int local = 0;
+  impl_->cage.edge_face_corner(face, edge, local);
+  if (impl_->factory) return impl_->on_edge_true(local, edge, t, out);
+  for (std::size_t k = 0; k < t.size(); ++k) out[k] = impl_->on_edge(local, edge, t[k]);
+}
+
+Points LimitSurface::grid(int steps) const {
+  std::vector<Vec3> all;
+  if (impl_->factory) throw InvalidArgument("grid needs a quality");
+  const int faces = impl_->ptex->GetNumFaces();
+  for (int f = 0; f < faces; ++f)
+    for (int i = 0; i <= steps; ++i)
+      for (int j = 0; j <= steps; ++j)
+        all.push_back(impl_->at(f, static_cast<double>(i) / steps, static_cast<double>(j) / steps).p);
+  Points points(static_cast<Index>(all.size()), 3);
+  for (std::size_t k = 0; k < all.size(); ++k) points.row(static_cast<Index>(k)) = all[k];
+  return points;
+}
+
+RefinedCage refine_cage(const Mesh& cage, const Subdivision& settings, std::span<const Index> rim) {
+  const LocalCage local(cage, settings, rim);
+  far::TopologyRefiner& refiner = *local.refiner;
+  far::TopologyRefiner::UniformOptions options(settings.level);
+  options.fullTopologyInLastLevel = true;
+  refiner.RefineUniform(options);
+  std::vector<Vertex> points = local.vertices;
+  const far::PrimvarRefinerReal<double> primvars(refiner);
+  for (int level = 1; level <= settings.level; ++level) {
+    std::vector<Vertex> next(refiner.GetLevel(level).GetNumVertices());
+    primvars.Interpolate(level, points, next);
+    points = std::move(next);
+  }
+  RefinedCage refined;
+  const far::TopologyLevel last = refiner.GetLevel(settings.level);
+  refined.vertices.resize(static_cast<Index>(points.size()), 3);
+  for (std::size_t k = 0; k < points.size(); ++k) refined.vertices.row(static_cast<Index>(k)) = points[k].position;
+  for (int f = 0; f < last.GetNumFaces(); ++f) {
+    const far::ConstIndexArray corners = last.GetFaceVertices(f);
+    refined.faces.add(std::vector<Index>(corners.begin(), corners.end()));
+  }
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    std::vector<int> path = {local.local_vertex.at(rim[k]), local.local_vertex.at(rim[(k + 1) % rim.size()])};
+    for (int level = 0; level < settings.level; ++level) {
+      const far::TopologyLevel topology = refiner.GetLevel(level);
+      std::vector<int> finer;
+      for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+        finer.push_back(topology.GetVertexChildVertex(path[i]));
+        finer.push_back(topology.GetEdgeChildVertex(topology.FindEdge(path[i], path[i + 1])));
+      }
+      finer.push_back(topology.GetVertexChildVertex(path.back()));
+      path = std::move(finer);
+    }
+    refined.along_rim.emplace_back(path.begin(), path.end() - 1);
+  }
+  return refined;
+}
+
+}  // namespace tripatch
