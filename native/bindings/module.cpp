@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 
 #include "tripatch/boundary/limit.h"
+#include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/fill.h"
 #include "tripatch/patch/methods.h"
@@ -121,6 +122,8 @@ FillOptions options_from(const py::dict& d) {
   o.shape = d["shape"].cast<std::array<double, 3>>();
   o.optimal_shape = d["optimal_shape"].cast<bool>();
   o.as_printed = d["as_printed"].cast<bool>();
+  o.limit = d["limit"].cast<bool>();
+  if (o.limit) o.subdivision = d["subdivision"].cast<Subdivision>();
   return o;
 }
 
@@ -158,6 +161,35 @@ PYBIND11_MODULE(_native, m) {
       .def_static("_from_functions", &side_from_functions)
       .def("_evaluate", &evaluate_side);
 
+  py::class_<Subdivision>(m, "Subdivision")
+      .def(py::init<>())
+      .def_readwrite("preserve_corners", &Subdivision::preserve_corners)
+      .def_readwrite("quality", &Subdivision::quality)
+      .def_readwrite("use_limit_surface", &Subdivision::use_limit_surface)
+      .def_readwrite("level", &Subdivision::level)
+      .def_readwrite("crease_edges", &Subdivision::crease_edges)
+      .def_readwrite("edge_creases", &Subdivision::edge_creases)
+      .def_readwrite("crease_vertices", &Subdivision::crease_vertices)
+      .def_readwrite("vertex_creases", &Subdivision::vertex_creases)
+      .def_readwrite("loose_vertices", &Subdivision::loose_vertices);
+  py::class_<LimitSurface>(m, "LimitSurface")
+      .def(py::init([](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const Subdivision& settings,
+                       const std::vector<Index>& around) {
+        const Faces faces = faces_from(offsets, corners);
+        const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+        return LimitSurface({points, faces}, settings, around);
+      }))
+      .def("grid", [](const LimitSurface& surface, int steps) { return array_from(surface.grid(steps)); })
+      .def("evaluate_edge", [](const LimitSurface& surface, Index face, int edge, const std::vector<double>& t) {
+        std::vector<LimitJet> jets(t.size());
+        surface.evaluate_edge(face, edge, t, jets);
+        Array out({static_cast<Index>(t.size()), Index{6}, Index{3}});
+        double* to = out.mutable_data();
+        for (const LimitJet& j : jets)
+          for (const Vec3* v : {&j.p, &j.pu, &j.pv, &j.puu, &j.puv, &j.pvv}) to = std::copy_n(v->data(), 3, to);
+        return out;
+      });
+
   py::class_<Method>(m, "Method", "A construction of the registry.")
       .def_readonly("name", &Method::name)
       .def_readonly("description", &Method::description)
@@ -191,6 +223,7 @@ PYBIND11_MODULE(_native, m) {
       .def_property_readonly("barycentric", [](const Fill& f) { return array_from(f.barycentric); })
       .def_property_readonly("rim_normals", [](const Fill& f) { return array_from(f.rim_normals); })
       .def_property_readonly("rim_barycentric", [](const Fill& f) { return array_from(f.rim_barycentric); })
+      .def_property_readonly("border", [](const Fill& f) { return array_from(f.border); })
       .def_property_readonly("rim", [](const Fill& f) { return array_from(f.rim); })
       .def_property_readonly("face_offsets", [](const Fill& f) { return array_from(f.faces.offsets); })
       .def_property_readonly("face_corners", [](const Fill& f) { return array_from(f.faces.corners); })

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "tripatch/boundary/limit_sides.h"
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/output/triangulate.h"
 #include "tripatch/patch/methods.h"
@@ -50,6 +51,62 @@ Hole hole_of(const Mesh& mesh, const FillOptions& options) {
   throw Refusal("The corner is not on the border of the mesh", {(*options.corners)[0]});
 }
 
+/// What the two sources of surroundings have in common.
+struct Surroundings {
+  Sides sides;
+  std::array<std::vector<double>, 3> parameters;
+  std::vector<std::string> warnings;
+  double error = 0;
+  Points border;  ///< empty: the rim's own vertices are reused
+};
+
+Surroundings surroundings_of(const Mesh& mesh, const Hole& hole, const FillOptions& options) {
+  if (options.limit) {
+    LimitSides limit = limit_sides(mesh, hole, options.subdivision, options.replaced);
+    return {std::move(limit.sides), std::move(limit.parameters), std::move(limit.warnings), limit.surroundings_error,
+            std::move(limit.border)};
+  }
+  MeshSides estimated = mesh_sides(mesh, hole, options.replaced);
+  return {std::move(estimated.sides), std::move(estimated.parameters), {}, estimated.surroundings_error, {}};
+}
+
+/// Barycentric coordinates of the rim's own vertices: a border has several points an edge.
+Points rim_barycentric(const Hole& hole, const Surroundings& surroundings) {
+  std::vector<Vec3> rows;
+  for (int i : {2, 0, 1}) {
+    const std::vector<double>& t = surroundings.parameters[i];
+    const std::size_t edges = hole.side(i).size() - 1, stride = (t.size() - 1) / edges;
+    for (std::size_t e = 0; e < edges; ++e) {
+      Vec3 b = Vec3::Zero();
+      b[(i + 1) % 3] = 1 - t[e * stride];
+      b[(i + 2) % 3] = t[e * stride];
+      rows.push_back(b);
+    }
+  }
+  Points out(static_cast<Index>(rows.size()), 3);
+  for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Index>(k)) = rows[k];
+  return out;
+}
+
+/// The triangles as faces of the mesh (the rim's vertices reused) or, with a border, as a mesh of their own.
+void take(const TriangleMesh& triangles, const Points& border, const std::vector<Index>& rim, Index n, Fill& fill) {
+  const bool own = border.rows() > 0;
+  const Index rows = triangles.barycentric.rows(), first = own ? 0 : triangles.rim;
+  fill.rim = rim;
+  fill.barycentric = triangles.barycentric.bottomRows(rows - first);
+  fill.vertices = fill.patch->positions(fill.barycentric);
+  fill.normals = fill.patch->normals(fill.barycentric);
+  if (own) {
+    fill.vertices.topRows(border.rows()) = border;
+    for (Index k = 0; k < border.rows(); ++k) fill.border.push_back(k);
+  }
+  for (const std::array<Index, 3>& triangle : triangles.triangles) {
+    std::array<Index, 3> face;
+    for (int k = 0; k < 3; ++k) face[k] = triangle[k] < first ? rim[triangle[k]] : n + triangle[k] - first;
+    fill.faces.add(face);
+  }
+}
+
 std::string degrees(double angle) {
   std::ostringstream text;
   text.precision(2);
@@ -67,7 +124,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
 
   const Hole hole = hole_of(mesh, options);
-  const MeshSides surroundings = mesh_sides(mesh, hole, options.replaced);
+  const Surroundings surroundings = surroundings_of(mesh, hole, options);
   RibbonOptions ribbon_options;
   ribbon_options.cross_boundary = options.cross_boundary;
   ribbon_options.bulge = options.bulge;
@@ -82,23 +139,15 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
 
   const TriangleMesh triangles =
       triangulate(surroundings.parameters, options.resolution, [&](const PointsRef& b) { return result.patch->positions(b); });
-  const Index inside = triangles.barycentric.rows() - triangles.rim, n = mesh.vertices.rows();
-  result.rim = hole.rim;
-  result.rim_barycentric = triangles.barycentric.topRows(triangles.rim);
-  result.barycentric = triangles.barycentric.bottomRows(inside);
+  take(triangles, surroundings.border, hole.rim, mesh.vertices.rows(), result);
+  result.rim_barycentric = rim_barycentric(hole, surroundings);
   result.rim_normals = result.patch->normals(result.rim_barycentric);
-  result.normals = result.patch->normals(result.barycentric);
-  result.vertices = result.patch->positions(result.barycentric);
-  for (const std::array<Index, 3>& triangle : triangles.triangles) {
-    std::array<Index, 3> face;
-    for (int k = 0; k < 3; ++k) face[k] = triangle[k] < triangles.rim ? hole.rim[triangle[k]] : n + triangle[k] - triangles.rim;
-    result.faces.add(face);
-  }
 
   Report& report = result.report;
   measure_seam(*result.patch, result.sides, report);
   report.folds = count_folds(*result.patch, result.sides);
-  report.surroundings_error = surroundings.surroundings_error;
+  report.surroundings_error = surroundings.error;
+  report.warnings = surroundings.warnings;
   for (int k = 0; k < 3; ++k) {
     report.corners[k] = hole.rim[hole.corners[k]];
     if (boundary.corner_mismatch_deg[k] > 1)

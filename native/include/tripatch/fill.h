@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/report/report.h"
@@ -14,10 +15,12 @@
 namespace tripatch {
 
 struct FillOptions {
-  std::optional<std::vector<Index>> rim;                             ///< none: the only border loop with three corners
-  std::optional<std::array<Index, 3>> corners;                       ///< vertex indices; none: detected
-  std::vector<Index> replaced;                                       ///< faces of a region to be replaced: the rim is around them
-  std::string method = "side_vertex";                                ///< a name in methods() that fills holes
+  std::optional<std::vector<Index>> rim;        ///< none: the only border loop with three corners
+  std::optional<std::array<Index, 3>> corners;  ///< vertex indices; none: detected
+  std::vector<Index> replaced;                  ///< faces of a region to be replaced: the rim is around them
+  std::string method = "side_vertex";           ///< a name in methods() that fills holes
+  bool limit = false;                           ///< the surroundings are the limit surface of the cage, not an estimate
+  Subdivision subdivision;                      ///< of the cage
   std::array<std::string, 3> continuity = {"auto", "auto", "auto"};  ///< auto, G0, G1, G2
   CrossBoundary cross_boundary = CrossBoundary::consistent;
   std::string fairing = "auto";                   ///< none, auto, thin_plate, third_derivative, minimum_variation
@@ -37,6 +40,9 @@ struct Fill {
   std::vector<Index> rim;  ///< from corner 0 on
   Points rim_normals;      ///< exact one-sided normals of the fill at the rim
   Points rim_barycentric;
+  /// Limit surroundings: a cage's vertices do not lie on its surface, so the fill is a mesh of its own (faces use n .. only);
+  /// indices into `vertices` of its border, which takes the points that the modifier makes.
+  std::vector<Index> border;
   SurfacePtr patch;
   Sides sides;  ///< the surroundings used
   Report report;

@@ -61,7 +61,7 @@ class Fill:
         self.moved = (np.zeros(0, np.int64), np.zeros((0, 3)))
         self.split_edges = (np.zeros((0, 2), np.int64), np.zeros(0))
         self.creases = (np.zeros((0, 2), np.int64), np.zeros(0))
-        self.border = np.zeros(0, np.int64)
+        self.border = native.border
         self.sides = tuple(native.sides)
         self.patch = native.patch
         self.report = native.report
@@ -106,10 +106,55 @@ def _continuity(continuity) -> tuple[str, str, str]:
     return tuple(_name(c, "continuity", _CONTINUITY) for c in _arrays.three(continuity, "continuity", str))
 
 
+def _creases(value, name: str, width: int) -> tuple[list, list[float]]:
+    """(indices, values) of creases as lists, checked."""
+    if value is None:
+        return [], []
+    places, values = (np.asarray(part) for part in value)
+    if places.size == 0:
+        return [], []
+    if places.dtype.kind not in "iu":
+        raise TypeError(f"{name} must hold vertex indices (integers), not {places.dtype}")
+    if places.shape[1:] != (() if width == 1 else (width,)) or values.shape != places.shape[:1]:
+        raise ValueError(f"{name} must be indices and one value each, not of shapes {places.shape} and {values.shape}")
+    if not ((values >= 0) & (values <= 1)).all():
+        raise ValueError(f"{name} must be from 0 to 1")
+    return places.tolist(), values.astype(float).tolist()
+
+
+def _whole(value, name: str, low: int, high: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        raise TypeError(f"{name} must be a whole number, not {value!r}")
+    if not low <= value <= high:
+        raise ValueError(f"{name} must be from {low} to {high}, not {value}")
+    return int(value)
+
+
+def _subdivision(settings: dict | None, level) -> _native.Subdivision:
+    """The settings of a Subdivision modifier, as the core reads them."""
+    given = {} if settings is None else dict(settings)
+    s = _native.Subdivision()
+    _name(given.pop("scheme", "catmull_clark"), "scheme", ("catmull_clark",))
+    smooth = _name(given.pop("boundary_smooth", "all"), "boundary_smooth", ("all", "preserve_corners"))
+    s.preserve_corners = smooth == "preserve_corners"
+    quality = given.pop("quality", 3)
+    s.quality = None if quality is None else _whole(quality, "quality", 1, 10)
+    s.use_limit_surface = bool(given.pop("use_limit_surface", True))
+    s.level = _whole(level, "level", 0, 8)
+    s.crease_edges, s.edge_creases = _creases(given.pop("edge_creases", None), "edge_creases", 2)
+    s.crease_vertices, s.vertex_creases = _creases(given.pop("vertex_creases", None), "vertex_creases", 1)
+    s.loose_vertices = _arrays.indices(given.pop("loose_vertices", ()), "loose_vertices")
+    if given:
+        raise ValueError(f"subdivision has no setting {', '.join(map(repr, given))}")
+    return s
+
+
 def _options(
     *,
     method="side_vertex",
     surroundings="mesh",
+    subdivision=None,
+    level=2,
     continuity="auto",
     cross_boundary="consistent",
     fairing="auto",
@@ -121,12 +166,9 @@ def _options(
     replaced=(),
 ) -> dict:
     """The options of `fill`, checked, as the core reads them."""
-    _name(surroundings, "surroundings", ("mesh",))
+    limit = _name(surroundings, "surroundings", ("mesh", "limit")) == "limit"
     if resolution is not None:
-        if isinstance(resolution, bool) or not isinstance(resolution, numbers.Integral):
-            raise TypeError("resolution must be a whole number of edges, or None")
-        if not 1 <= resolution <= 10000:
-            raise ValueError(f"resolution must be from 1 to 10000, not {resolution}")
+        resolution = _whole(resolution, "resolution", 1, 10000)
     values, optimal, printed = _method_options(shape, reading)
     return {
         "method": _name(method, "method", tuple(METHODS)),
@@ -134,12 +176,14 @@ def _options(
         "cross_boundary": _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))],
         "fairing": _name(fairing, "fairing", _FAIRING) or "",
         "output": _name(output, "output", ("triangles",)),
-        "resolution": None if resolution is None else int(resolution),
+        "resolution": resolution,
         "bulge": _bulge(bulge),
         "shape": values,
         "optimal_shape": optimal,
         "as_printed": printed,
         "replaced": _arrays.indices(replaced, "replaced"),
+        "limit": limit,
+        "subdivision": _subdivision(subdivision, level) if limit else None,
     }
 
 
@@ -187,7 +231,11 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         rim: vertex indices of the hole's border, any start, either direction. None: the only border loop with three corners.
         corners: three vertex indices of the rim; the first stays corner 0, the others are sorted along the rim. None: detected.
         method: a name in METHODS that fills holes.
-        surroundings: "mesh": tangent planes estimated from the faces around.
+        surroundings: "mesh": tangent planes estimated from the faces around; "limit": the subdivision surface of the cage.
+        subdivision: with "limit": dict(scheme="catmull_clark", boundary_smooth="all" | "preserve_corners", quality=3 (None: the
+            true limit), use_limit_surface=True, edge_creases=((e, 2) int, (e,) 0..1), vertex_creases=((k,) int, (k,) 0..1),
+            loose_vertices=(k,) int), all as in Blender.
+        level: with "limit": the modifier's level, 2^level border edges a rim edge.
         continuity: "auto", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own.
         cross_boundary: "consistent" (Liu, Ma and Cheng 2008, corrected), "given" or "as_printed".
         fairing: None, "auto", "thin_plate", "third_derivative" or "minimum_variation".
