@@ -16,7 +16,20 @@ from ._native import Patch, Report, Side
 from .errors import Refusal
 
 __version__ = "0.1.0"
-__all__ = ["METHODS", "Fill", "Patch", "Refusal", "Report", "Side", "blend", "fill", "fill_all", "find_corners", "find_holes", "patch"]
+__all__ = [
+    "METHODS",
+    "Fill",
+    "Patch",
+    "Refusal",
+    "Report",
+    "Side",
+    "blend",
+    "fill",
+    "fill_all",
+    "find_corners",
+    "find_holes",
+    "patch",
+]
 
 #: name -> construction, with .description, .citation, .fills_holes, .continuity
 METHODS = _native._methods()
@@ -24,10 +37,20 @@ METHODS = _native._methods()
 _CROSS_BOUNDARY = {name: getattr(_native.CrossBoundary, name) for name in ("given", "consistent", "as_printed")}
 _CONTINUITY = ("auto", "G0", "G1", "G2")
 _FAIRING = (None, "auto", "thin_plate", "third_derivative", "minimum_variation")
-_REPORT = (
-    "seam_angle_max seam_angle_rms seam_angle_max_by_side seam_angle_rms_by_side surroundings_error fairing energy_before "
-    "energy_after folds corners warnings seconds"
-).split()
+_REPORT = [
+    "seam_angle_max",
+    "seam_angle_rms",
+    "seam_angle_max_by_side",
+    "seam_angle_rms_by_side",
+    "surroundings_error",
+    "fairing",
+    "energy_before",
+    "energy_after",
+    "folds",
+    "corners",
+    "warnings",
+    "seconds",
+]
 
 
 class Fill:

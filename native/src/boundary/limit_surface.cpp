@@ -203,6 +203,7 @@ struct LimitSurface::Impl {
     far::PatchTableFactory::Options options(static_cast<unsigned>(*settings.quality));
     options.SetEndCapType(far::PatchTableFactory::Options::ENDCAP_GREGORY_BASIS);
     options.SetPatchPrecision<double>();
+    options.useInfSharpPatch = true;
     cage.refiner->RefineAdaptive(options.GetRefineAdaptiveOptions());
     table.reset(far::PatchTableFactory::Create(*cage.refiner, options));
     map = std::make_unique<far::PatchMap>(*table);
@@ -257,9 +258,10 @@ struct LimitSurface::Impl {
       const Eigen::Vector2d p = start[edge] + t * e;
       return turned(at(first, p[0], p[1]), e, f);
     }
-    // an n-gon is a fan of quarters, each with its origin at a corner and u along the edge that leaves it
-    if (t <= 0.5) return turned(at(first + edge, 2 * t, 0), {2, 0}, {0, 2});
-    return turned(at(first + (edge + 1) % size, 0, 2 - 2 * t), {0, -2}, {2, 0});
+    // an n-gon is a fan of quarters, each with its origin at a corner and u along the edge that leaves it; the derivatives that
+    // OpenSubdiv gives there are already those of the whole face, twice those of the quarter
+    if (t <= 0.5) return turned(at(first + edge, 2 * t, 0), {1, 0}, {0, 1});
+    return turned(at(first + (edge + 1) % size, 0, 2 - 2 * t), {0, -1}, {1, 0});
   }
 
   void on_edge_true(int local, int edge, std::span<const double> t, std::span<LimitJet> out) const {

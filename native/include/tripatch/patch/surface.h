@@ -29,7 +29,7 @@ using SurfacePtr = std::shared_ptr<const Surface>;
 /// One formula for all orders: a construction derives from this with itself as Derived and defines
 ///   template <int N> JetPoint<N> at(const Barycentric<N>& b) const;   (never called at a vertex, where rays and weights are 0/0)
 ///   Vec3 corner(int i) const;
-/// At a vertex the position is the corner and the derivatives are those beside it on the bisector.
+/// At a vertex the position is the corner and the derivatives are the mean of those beside it on the two sides.
 template <class Derived>
 class JetSurface : public Surface {
 public:
@@ -54,12 +54,17 @@ private:
       if (vertex < 0) {
         p = self.template at<N>(Barycentric<N>(b + 3 * k));
       } else {
-        // far enough for the rounding of the highest derivative, near enough for the tangent plane
+        // The mean of the two sides close by, where the weights are exact: far enough for the rounding of the highest
+        // derivative, near enough for the tangent plane.
         constexpr std::array<double, 5> distance = {1e-8, 1e-8, 1e-5, 1e-4, 1e-3};
-        const double h = 0.5 * distance[N];
-        std::array<double, 3> beside = {h, h, h};
-        beside[vertex] = 1 - 2 * h;
-        if constexpr (N > 0) p = self.template at<N>(Barycentric<N>(beside.data()));
+        if constexpr (N > 0) {
+          for (int side = 1; side < 3; ++side) {
+            std::array<double, 3> beside = {0, 0, 0};
+            beside[vertex] = 1 - distance[N];
+            beside[(vertex + side) % 3] = distance[N];
+            p += 0.5 * self.template at<N>(Barycentric<N>(beside.data()));
+          }
+        }
         const Vec3 corner = self.corner(vertex);
         for (int x = 0; x < 3; ++x) p.x[x].c[0] = corner[x];
       }

@@ -1,0 +1,174 @@
+"""Fills on the limit surface of a cage."""
+
+import numpy as np
+import pytest
+import tripatch
+from tripatch import _arrays, _native
+
+
+def cube_sphere(n):
+    """A cube of n x n quads a side, blown up to the unit sphere."""
+    vertices, index, faces = [], {}, []
+
+    def vertex(p):
+        key = tuple(np.round(p, 9))
+        if key not in index:
+            index[key] = len(vertices)
+            vertices.append(np.asarray(p) / np.linalg.norm(p))
+        return index[key]
+
+    grid = np.linspace(-1, 1, n + 1)
+    for axis in range(3):
+        for sign in (-1, 1):
+            u, v = (axis + 1) % 3, (axis + 2) % 3
+            for i in range(n):
+                for j in range(n):
+                    quad = []
+                    for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                        p = np.zeros(3)
+                        p[axis], p[u], p[v] = sign, grid[a], grid[b]
+                        quad.append(vertex(p))
+                    faces.append(quad if sign > 0 else quad[::-1])
+    return np.array(vertices), faces
+
+
+def corner_removed(vertices, faces, rings):
+    """The faces within some rings of the cube corner (1, 1, 1) taken out; they are returned as indices too."""
+    corner = int(np.argmax(vertices @ np.ones(3)))
+    near, gone = {corner}, set()
+    for _ in range(rings):
+        gone |= {f for f, face in enumerate(faces) if near & set(face)}
+        near = {v for f in gone for v in faces[f]}
+    return [face for f, face in enumerate(faces) if f not in gone], sorted(gone)
+
+
+def unsigned_angle(a, b):
+    return np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.abs((a * b).sum(-1))))
+
+
+def surface(vertices, faces, **settings):
+    return _native.LimitSurface(*_arrays.mesh(vertices, faces), tripatch._subdivision(settings, 2), [])
+
+
+def noisy_cage():
+    rng = np.random.default_rng(3)
+    vertices, faces = cube_sphere(4)
+    vertices = vertices + 0.05 * rng.normal(size=vertices.shape)
+    q = faces.pop(0)
+    return vertices, faces + [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
+
+
+def test_adaptive_patches_approach_the_true_limit():
+    """Where they differ: at a smooth border corner, whose patch is isolated as far as the quality says."""
+    n = 5
+    vertices = np.array([(i, j, 0.3 * np.sin(1.3 * i) * np.cos(0.9 * j)) for j in range(n) for i in range(n)])
+    faces = [[j * n + i, j * n + i + 1, (j + 1) * n + i + 1, (j + 1) * n + i] for j in range(n - 1) for i in range(n - 1)]
+    true = surface(vertices, faces, quality=None)
+    t = np.linspace(0, 1, 33).tolist()
+    errors = []
+    for quality in (2, 4, 8):
+        drawn = surface(vertices, faces, quality=quality)
+        errors.append(np.abs(drawn.evaluate_edge(0, 0, t)[:, 0] - true.evaluate_edge(0, 0, t)[:, 0]).max())
+    assert errors[2] < 1e-5
+    assert errors[0] > 4 * errors[1] > 16 * errors[2]
+
+
+def test_derivatives_are_those_of_the_position():
+    vertices, faces = noisy_cage()
+    drawn = surface(vertices, faces, quality=3)
+    h = 1e-5
+    for f in (0, 7, len(faces) - 1):
+        for e in range(len(faces[f])):
+            j = drawn.evaluate_edge(f, e, [0.3 - h, 0.3, 0.3 + h])
+            assert np.allclose((j[2, 0] - j[0, 0]) / (2 * h), j[1, 1], atol=1e-7)
+            assert np.allclose((j[2, 1] - j[0, 1]) / (2 * h), j[1, 3], atol=1e-5)
+            assert np.allclose((j[2, 2] - j[0, 2]) / (2 * h), j[1, 4], atol=1e-5)
+
+
+def test_only_the_rings_around_matter():
+    vertices, faces = noisy_cage()
+    whole = surface(vertices, faces)
+    v, offsets, corners = _arrays.mesh(vertices, faces)
+    some = _native.LimitSurface(v, offsets, corners, tripatch._subdivision({}, 2), [faces[5][0]])
+    t = np.linspace(0, 1, 7).tolist()
+    for e in range(4):
+        assert np.abs(whole.evaluate_edge(5, e, t) - some.evaluate_edge(5, e, t)).max() < 1e-13
+
+
+@pytest.mark.parametrize("replaced", [False, True])
+@pytest.mark.parametrize("rings", [2, 3])
+def test_cube_sphere_corner(rings, replaced):
+    vertices, faces = cube_sphere(8)
+    left, gone = corner_removed(vertices, faces, rings)
+    if replaced:
+        rim = [r for r in tripatch.find_holes(left) if len(r) == 6 * rings][0]
+        fill = tripatch.fill(vertices, faces, rim=rim, replaced=gone, surroundings="limit", level=2)
+    else:
+        fill = tripatch.fill(vertices, left, surroundings="limit", level=2)
+    assert fill.report.seam_angle_max < 1e-5
+    assert fill.report.folds == 0
+    assert len(fill.border) == 4 * len(fill.rim)
+    assert min(min(face) for face in fill.faces) >= len(vertices)
+    # against the surface itself: normals along the border from its own derivatives
+    t = (np.arange(100) + 0.5) / 100
+    for i, side in enumerate(fill.sides):
+        c, dc, r, n = side.evaluate(t)
+        b = np.zeros((100, 3))
+        b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+        assert np.abs(fill.patch.evaluate(b) - c).max() < 1e-12
+        assert unsigned_angle(fill.patch.normal(b), n).max() < 1e-5
+
+
+def test_smallest_area_element_of_a_smooth_rim():
+    vertices, faces = cube_sphere(8)
+    left, _ = corner_removed(vertices, faces, 2)
+    fill = tripatch.fill(vertices, left, surroundings="limit")
+    n = 60
+    b = np.array([(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]) / n
+    b = b[b.max(axis=1) < 0.98]
+    _, d = fill.patch.evaluate(b, 1)
+    area = np.linalg.norm(np.cross(d[:, 0], d[:, 1]), axis=1)
+    assert area.min() > 1e-3 * area.mean()
+
+
+def test_creases_reach_the_surface():
+    vertices, faces = cube_sphere(4)
+    left, _ = corner_removed(vertices, faces, 1)
+    rim = tripatch.find_holes(left)[0]
+    edges = np.stack([rim, np.roll(rim, -1)], axis=1)
+    smooth = tripatch.fill(vertices, left, surroundings="limit", level=0)
+    sharp = tripatch.fill(vertices, left, surroundings="limit", level=0, subdivision={"vertex_creases": (rim, np.ones(len(rim)))})
+    assert np.abs(sharp.vertices[sharp.border] - vertices[sharp.rim]).max() < 1e-6  # sharp vertices stay in place
+    assert np.abs(smooth.vertices[smooth.border] - vertices[smooth.rim]).max() > 1e-3
+    kept = tripatch.fill(vertices, left, surroundings="limit", subdivision={"edge_creases": (edges, np.ones(len(edges)))})
+    assert kept.report.seam_angle_max < 1e-5
+
+
+def test_without_the_limit_surface_the_refined_points_serve():
+    vertices, faces = cube_sphere(8)
+    left, _ = corner_removed(vertices, faces, 3)
+    fill = tripatch.fill(vertices, left, surroundings="limit", level=3, subdivision={"use_limit_surface": False})
+    limit = tripatch.fill(vertices, left, surroundings="limit", level=3)
+    assert any("limit surface" in w for w in fill.report.warnings)
+    gap = np.abs(fill.vertices[fill.border] - limit.vertices[limit.border]).max()
+    assert 1e-5 < gap < 1e-2
+
+
+@pytest.mark.parametrize(
+    ("settings", "error"),
+    [
+        ({"quality": 0}, ValueError),
+        ({"quality": 2.5}, TypeError),
+        ({"scheme": "butterfly"}, ValueError),
+        ({"boundary_smooth": "none"}, ValueError),
+        ({"sharp": 1}, ValueError),
+        ({"edge_creases": ([[0, 1]], [2.0])}, ValueError),
+        ({"edge_creases": ([[0, 1, 2]], [1.0])}, ValueError),
+        ({"vertex_creases": ([0.5], [1.0])}, TypeError),
+    ],
+)
+def test_wrong_settings(settings, error):
+    vertices, faces = cube_sphere(4)
+    left, _ = corner_removed(vertices, faces, 1)
+    with pytest.raises(error):
+        tripatch.fill(vertices, left, surroundings="limit", subdivision=settings)
