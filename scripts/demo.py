@@ -1,5 +1,5 @@
-"""Run by scripts/demo in Debian's Blender: fills two real holes with the installed add-on, prints the reports, and saves a .blend and a
-before/after picture.
+"""Run by scripts/demo in Debian's Blender: fills two real holes with the installed add-on, prints the reports, and saves a .blend
+and a before/after picture.
 
     blender --background --factory-startup --python scripts/demo.py -- ADDON.zip OUT.blend OUT.png
 """
@@ -13,84 +13,66 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 ADDON_ZIP, BLEND, PICTURE = sys.argv[sys.argv.index("--") + 1 :]
+RESOLUTION, SAMPLES = (1400, 1160), 48
 
 
 # ---------------------------------------------------------------- the two meshes
 
 
-def rounded_box(size, radius, n):
-    """Vertices, faces and exact vertex normals of a box whose edges are rounded with n faces a quarter turn, the corner at
-    (+, +, +) missing. It is the surface of the points `radius` away from a smaller box, the core."""
+def rounded_box(size, radius, n, along=6):
+    """Vertices, faces and exact vertex normals of a box of unit directions x, y, z whose edges are rounded with n faces a quarter
+    turn, the corner at (+, +, +) missing. A point of it is a point of a smaller box, the core, plus `radius` times the normal."""
     core = np.asarray(size) / 2 - radius
     points, normals, faces = [], [], []
 
-    def grid(at, normal, nu, nv):
-        """(nu + 1) x (nv + 1) points at(u, v), faces outward for u, v, normal right-handed."""
-        first = len(points)
-        for u in np.linspace(0, 1, nu + 1):
-            for v in np.linspace(0, 1, nv + 1):
-                points.append(at(u, v))
-                normals.append(normal(u, v))
-        for i in range(nu):
-            for j in range(nv):
-                a = first + i * (nv + 1) + j
-                faces.append((a, a + nv + 1, a + nv + 2, a + 1))
+    def add(on_core, normal, quads):
+        """Points (k, 3) of the core with normals (k, 3); faces by index into them, turned outward here."""
+        first, new = sum(map(len, points)), on_core + radius * normal
+        points.append(new)
+        normals.append(normal)
+        for face in quads:
+            around = np.cross(new[face[1]] - new[face[0]], new[face[2]] - new[face[0]])
+            faces.append([first + v for v in (face if around @ normal[face[0]] > 0 else face[::-1])])
 
-    along = 6  # faces along an edge of the core
-    for axis in range(3):
-        a, b, c = np.roll(np.eye(3), axis, axis=0)
-        ca, cb, cc = core @ a, core @ b, core @ c
-        for s in (-1, 1):  # the flat faces across `a`, then the rounded edges along it
-            order = (b, c, cb, cc) if s > 0 else (c, b, cc, cb)
-            x, y, cx, cy = order
-            grid(
-                lambda u, v, s=s, x=x, y=y, cx=cx, cy=cy: s * (ca + radius) * a + (2 * u - 1) * cx * x + (2 * v - 1) * cy * y,
-                lambda u, v, s=s: s * a,
-                along,
-                along,
-            )
-        for quarter in range(4):
-            sb, sc = (1, -1, -1, 1)[quarter], (1, 1, -1, -1)[quarter]
+    def grid(nu, nv):
+        """Two parameters from 0 to 1 at (nu + 1) (nv + 1) points, and their quads."""
+        u, v = np.meshgrid(np.linspace(0, 1, nu + 1), np.linspace(0, 1, nv + 1), indexing="ij")
+        at = np.arange(u.size).reshape(u.shape)
+        return u.ravel(), v.ravel(), np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]], -1).reshape(-1, 4).tolist()
 
-            def normal(u, v, quarter=quarter):
-                angle = (quarter + u) * math.pi / 2
-                return math.cos(angle) * b + math.sin(angle) * c
-
-            grid(
-                lambda u, v, sb=sb, sc=sc, normal=normal: (2 * v - 1) * ca * a + sb * cb * b + sc * cc * c + radius * normal(u, v),
-                normal,
-                n,
-                along,
-            )
-    for signs in np.ndindex(2, 2, 2):  # the corners: rows of an octant of a sphere, k + 1 points in row k
-        s = 1 - 2 * np.array(signs)
-        if s.min() > 0:
-            continue
-        first = len(points)
-        for k in range(n + 1):
-            for j in range(k + 1):
-                polar, turn = k / n * math.pi / 2, (j / k if k else 0) * math.pi / 2
-                d = s * (math.sin(polar) * math.cos(turn), math.sin(polar) * math.sin(turn), math.cos(polar))
-                points.append(s * core + radius * d)
-                normals.append(d)
-        row = [first + k * (k + 1) // 2 for k in range(n + 1)]
-        new = []
-        for k in range(n):
-            for j in range(k + 1):
-                new.append((row[k] + j, row[k + 1] + j, row[k + 1] + j + 1))
-                if j < k:
-                    new.append((row[k] + j, row[k + 1] + j + 1, row[k] + j + 1))
-        faces.extend(new if s.prod() > 0 else [f[::-1] for f in new])
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        for side in (-1, 1):  # the flat faces across axis a
+            u, v, quads = grid(along, along)
+            on_core, normal = np.zeros((2, u.size, 3))
+            on_core[:, a], on_core[:, b], on_core[:, c] = side * core[a], (2 * u - 1) * core[b], (2 * v - 1) * core[c]
+            normal[:, a] = side
+            add(on_core, normal, quads)
+        for sb, sc in ((1, 1), (1, -1), (-1, 1), (-1, -1)):  # the rounded edges along axis a
+            u, v, quads = grid(n, along)
+            on_core, normal = np.zeros((2, u.size, 3))
+            on_core[:, a], on_core[:, b], on_core[:, c] = (2 * v - 1) * core[a], sb * core[b], sc * core[c]
+            normal[:, b], normal[:, c] = sb * np.cos(u * math.pi / 2), sc * np.sin(u * math.pi / 2)
+            add(on_core, normal, quads)
+    k, j = np.array([(k, j) for k in range(n + 1) for j in range(k + 1)]).T  # an octant of a sphere: k + 1 points in row k
+    polar, turn = k / n * math.pi / 2, j / np.maximum(k, 1) * math.pi / 2
+    octant = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], -1)
+    at = {(k, j): i for i, (k, j) in enumerate(zip(k.tolist(), j.tolist()))}
+    triangles = [[at[k, j], at[k + 1, j], at[k + 1, j + 1]] for k in range(n) for j in range(k + 1)]
+    triangles += [[at[k, j], at[k + 1, j + 1], at[k, j + 1]] for k in range(n) for j in range(k)]
+    for signs in [s for s in np.ndindex(2, 2, 2) if any(s)]:
+        add(np.where(signs, -core, core), np.where(signs, -octant, octant), triangles)
 
     # the pieces share their border points
-    _, keep, index = np.unique(np.round(np.array(points), 9), axis=0, return_index=True, return_inverse=True)
-    return np.array(points)[keep], [[int(index[v]) for v in f] for f in faces], np.array(normals)[keep]
+    points, normals = np.concatenate(points), np.concatenate(normals)
+    _, keep, index = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)
+    return points[keep], [[int(index[v]) for v in f] for f in faces], normals[keep]
 
 
 def monkey(levels, n):
-    """Suzanne, her Subdivision modifier applied, and on the forehead a three-sided hole: its lowest corner on the line between the
-    eyes, two sides of n edges along diagonals of the quads, the third of 2 n edges above. Returns vertices, faces, vertex normals
-    from before the cut, and the rim."""
+    """Suzanne, her Subdivision modifier applied, and on the forehead a three-sided hole: its lowest corner between the eyes, two
+    sides of n edges along diagonals of the quads, the third of 2 n edges above. Returns vertices, faces, vertex normals from
+    before the cut, and the rim."""
     bpy.ops.mesh.primitive_monkey_add()
     suzanne = bpy.context.object
     modifier = suzanne.modifiers.new("Subdivision", "SUBSURF")
@@ -123,7 +105,7 @@ def monkey(levels, n):
     inside = {half[k][j] for half in (right, left) for k in range(n + 1) for j in range(k + 1)}
     rim = {half[k][j] for half in (right, left) for k in range(n + 1) for j in range(k + 1) if j == k or k == n}
     bmesh.ops.delete(bm, geom=[f for f in bm.faces if set(f.verts) <= inside], context="FACES_ONLY")
-    bmesh.ops.delete(bm, geom=[v for v in inside - rim], context="VERTS")
+    bmesh.ops.delete(bm, geom=list(inside - rim), context="VERTS")
     bm.verts.index_update()
     result = (
         np.array([v.co for v in bm.verts]),
@@ -172,39 +154,44 @@ def fill(thing, rim=()):
 # ---------------------------------------------------------------- the picture
 
 
-def zebra(name, dark, light):
-    """Stripes of the reflected direction: they break where the normal jumps and bend where its change does."""
+def zebra(name, dark, light, along, count):
+    """Stripes of the reflected direction, `count` over the sphere of directions: they break where the normal jumps, and bend
+    where the curvature does."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     nodes, link = material.node_tree.nodes, material.node_tree.links.new
+
+    def math_node(operation, value, other=0.0):
+        node = nodes.new("ShaderNodeMath")
+        node.operation = operation
+        link(value, node.inputs[0])
+        node.inputs[1].default_value = other
+        return node.outputs["Value"]
+
+    def mix(factor, color1, color2):
+        node = nodes.new("ShaderNodeMixRGB")
+        link(factor, node.inputs["Fac"])
+        for socket, color in (("Color1", color1), ("Color2", color2)):
+            if isinstance(color, tuple):
+                node.inputs[socket].default_value = (*color, 1)
+            else:
+                link(color, node.inputs[socket])
+        return node.outputs["Color"]
+
+    dot = nodes.new("ShaderNodeVectorMath")
+    dot.operation = "DOT_PRODUCT"
+    dot.inputs[1].default_value = Vector(along).normalized()
+    link(nodes.new("ShaderNodeTexCoord").outputs["Reflection"], dot.inputs[0])
+    wave = math_node("SINE", math_node("MULTIPLY", dot.outputs["Value"], count * math.pi))
+    edge = nodes.new("ShaderNodeMapRange")
+    edge.interpolation_type = "SMOOTHSTEP"
+    edge.inputs["From Min"].default_value, edge.inputs["From Max"].default_value = -0.15, 0.15
+    link(wave, edge.inputs["Value"])
+    stripes = mix(edge.outputs["Result"], dark, light)
+    inside = nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"]  # seen through the open hole: plain
     shader = nodes["Principled BSDF"]
-    shader.inputs["Roughness"].default_value = 0.45
-    reflected = nodes.new("ShaderNodeTexCoord").outputs["Reflection"]
-    along = nodes.new("ShaderNodeVectorMath")
-    along.operation = "DOT_PRODUCT"
-    along.inputs[1].default_value = Vector((0.30, -0.25, 0.92)).normalized()
-    link(reflected, along.inputs[0])
-    wave = nodes.new("ShaderNodeMath")
-    wave.operation = "MULTIPLY"
-    wave.inputs[1].default_value = 15.0
-    link(along.outputs["Value"], wave.inputs[0])
-    sine = nodes.new("ShaderNodeMath")
-    sine.operation = "SINE"
-    link(wave.outputs[0], sine.inputs[0])
-    stripes = nodes.new("ShaderNodeMapRange")
-    stripes.interpolation_type = "SMOOTHSTEP"
-    stripes.inputs["From Min"].default_value, stripes.inputs["From Max"].default_value = -0.15, 0.15
-    link(sine.outputs[0], stripes.inputs["Value"])
-    color = nodes.new("ShaderNodeMixRGB")
-    color.inputs["Color1"].default_value, color.inputs["Color2"].default_value = (*dark, 1), (*light, 1)
-    link(stripes.outputs["Result"], color.inputs["Fac"])
-    # the inside, seen through an open hole, is plain
-    side = nodes.new("ShaderNodeNewGeometry")
-    outside = nodes.new("ShaderNodeMixRGB")
-    outside.inputs["Color2"].default_value = (0.015, 0.016, 0.02, 1)
-    link(side.outputs["Backfacing"], outside.inputs["Fac"])
-    link(color.outputs["Color"], outside.inputs["Color1"])
-    link(outside.outputs["Color"], shader.inputs["Base Color"])
+    shader.inputs["Roughness"].default_value = 0.4
+    link(mix(inside, stripes, (0.01, 0.01, 0.012)), shader.inputs["Base Color"])
     return material
 
 
@@ -219,25 +206,21 @@ def plain(name, color):
     return material
 
 
-def label(text, x, z, size, color, align="CENTER"):
+def label(text, x, z, size, color):
     curve = bpy.data.curves.new(text, "FONT")
-    curve.body, curve.size, curve.align_x, curve.align_y = text, size, align, "CENTER"
+    curve.body, curve.size, curve.align_x, curve.align_y = text, size, "CENTER", "CENTER"
     curve.materials.append(color)
     thing = bpy.data.objects.new(f"Label {text}", curve)
-    thing.matrix_world = Matrix.Translation((x, 0, z)) @ Matrix.Rotation(math.pi / 2, 4, "X")
+    thing.matrix_world = Matrix.Translation((x, -3, z)) @ Matrix.Rotation(math.pi / 2, 4, "X")
     bpy.context.collection.objects.link(thing)
 
 
-def sun(direction, strength, angle):
+def sun(direction, strength):
     light = bpy.data.lights.new("Sun", "SUN")
-    light.energy, light.angle = strength, angle
+    light.energy, light.angle = strength, 0
     thing = bpy.data.objects.new("Sun", light)
     thing.rotation_euler = Vector(direction).to_track_quat("-Z", "Y").to_euler()
     bpy.context.collection.objects.link(thing)
-
-
-def place(thing, x, z, scale, turn):
-    thing.matrix_world = Matrix.Translation((x, 0, z)) @ Matrix.Scale(scale, 4) @ turn
 
 
 def render(path):
@@ -248,19 +231,22 @@ def render(path):
     eye.matrix_world = Matrix.Translation((0, -10, 0)) @ Matrix.Rotation(math.pi / 2, 4, "X")
     bpy.context.collection.objects.link(eye)
     scene.camera = eye
-    world = scene.world or bpy.data.worlds.new("World")
-    scene.world = world
-    world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
-    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.45
-    sun((0.6, 1.0, -1.1), 2.4, 0.0)
-    sun((-1.2, 0.8, 0.3), 0.7, 0.0)
+    # the camera sees white; the things are lit by less
+    scene.world = scene.world or bpy.data.worlds.new("World")
+    scene.world.use_nodes = True
+    nodes, link = scene.world.node_tree.nodes, scene.world.node_tree.links.new
+    strength = nodes.new("ShaderNodeMapRange")
+    strength.inputs["To Min"].default_value = 0.45
+    link(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], strength.inputs["Value"])
+    nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    link(strength.outputs["Result"], nodes["Background"].inputs["Strength"])
+    sun((0.6, 1.0, -1.1), 2.3)
+    sun((-1.2, 0.8, 0.3), 0.6)
     scene.render.engine = "CYCLES"
-    scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CPU", 24, False
-    scene.cycles.max_bounces = 2
-    scene.render.film_transparent = False
+    scene.cycles.use_denoising = False  # Debian's Blender is built without it
+    scene.cycles.device, scene.cycles.samples, scene.cycles.max_bounces = "CPU", SAMPLES, 1
     scene.view_settings.view_transform = "Standard"
-    scene.render.resolution_x, scene.render.resolution_y = 1400, 1160
+    scene.render.resolution_x, scene.render.resolution_y = RESOLUTION
     scene.render.filepath = path
     bpy.ops.render.render(write_still=True)
 
@@ -269,25 +255,43 @@ def main():
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.preferences.addon_install(filepath=ADDON_ZIP, overwrite=True)
     bpy.ops.preferences.addon_enable(module="tripatch_blender")
-    materials = (zebra("Surroundings", (0.02, 0.05, 0.11), (0.86, 0.88, 0.90)), zebra("Fill", (0.50, 0.10, 0.01), (1.0, 0.80, 0.42)))
-    corner_view = Matrix.Rotation(math.radians(28), 4, "X") @ Matrix.Rotation(math.radians(-135 + 8), 4, "Z")
-    face_view = Matrix.Rotation(math.radians(14), 4, "X") @ Matrix.Rotation(math.radians(24), 4, "Z")
-    box, face = rounded_box((2.0, 2.0, 2.0), 0.62, 12), monkey(levels=3, n=10)
-    rows = (("CAD corner", box, (), corner_view, 0.60, 1.0), ("Suzanne", face[:3], face[3], face_view, 0.86, -1.15))
-    for name, arrays, rim, view, scale, z in rows:
+
+    blue, orange = ((0.02, 0.05, 0.11), (0.86, 0.88, 0.90)), ((0.50, 0.10, 0.01), (1.0, 0.80, 0.42))
+    rows = (
+        # name, mesh and rim, stripes, view, size, height in the picture
+        (
+            "CAD corner",
+            (*rounded_box((2.0, 2.0, 2.0), 0.62, 12), ()),
+            ((0.30, -0.25, 0.92), 7),
+            Matrix.Rotation(math.radians(30), 4, "X") @ Matrix.Rotation(math.radians(-135 + 8), 4, "Z"),
+            0.68,
+            0.90,
+        ),
+        (
+            "Suzanne",
+            monkey(levels=3, n=10),
+            ((0.85, -0.2, 0.45), 9),
+            Matrix.Rotation(math.radians(30), 4, "X") @ Matrix.Rotation(math.radians(18), 4, "Z"),
+            0.88,
+            -1.12,
+        ),
+    )
+    for name, (vertices, faces, normals, rim), (along, count), view, scale, z in rows:
+        materials = [
+            zebra(f"{name} {part}", *colors, along, count) for part, colors in (("surroundings", blue), ("fill", orange))
+        ]
         for when, x in (("before", -1.3), ("after", 1.3)):
-            thing = make_object(f"{name} {when}", *arrays)
+            thing = make_object(f"{name} {when}", vertices, faces, normals)
             for material in materials:
                 thing.data.materials.append(material)
-            place(thing, x, z, scale, view)
+            thing.matrix_world = Matrix.Translation((x, 0, z)) @ Matrix.Scale(scale, 4) @ view
             if when == "after":
                 fill(thing, rim)
     ink = plain("Ink", (0.03, 0.03, 0.035))
-    label("before", -1.3, 2.03, 0.17, ink)
-    label("after", 1.3, 2.03, 0.17, ink)
-    bpy.ops.wm.save_as_mainfile(filepath=BLEND)
+    label("before", -1.3, 2.0, 0.17, ink)
+    label("after", 1.3, 2.0, 0.17, ink)
     render(PICTURE)
-    bpy.ops.wm.save_as_mainfile(filepath=BLEND)  # with the camera and the lights
+    bpy.ops.wm.save_as_mainfile(filepath=BLEND)
 
 
 main()
