@@ -58,11 +58,25 @@ CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double 
   return {alpha, x[1], (alpha - x[0]) * r};
 }
 
+/// Sides that meet to the last bits: a gap, however small, would be divided by the distance from the corner in the derivatives.
+Sides closed(Sides sides) {
+  std::array<Vec3, 3> corner;
+  for (int k = 0; k < 3; ++k) corner[k] = 0.5 * (sides[(k + 1) % 3].c(1) + sides[(k + 2) % 3].c(0));
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 start = corner[(i + 1) % 3] - sides[i].c(0), end = corner[(i + 2) % 3] - sides[i].c(1);
+    if (start.isZero(0) && end.isZero(0)) continue;
+    const std::array<double, 6> net = {start[0], start[1], start[2], end[0], end[1], end[2]};
+    sides[i].c = sides[i].c + PiecewisePolynomial::bezier(net, 3);
+  }
+  return sides;
+}
+
 }  // namespace
 
-Boundary make_boundary(const Sides& sides, const RibbonOptions& options) {
+Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
   Boundary boundary;
-  boundary.size = check_sides(sides);
+  boundary.size = check_sides(given);
+  const Sides sides = closed(given);
   double length = 0;
   for (const Side& side : sides) length += arc_length(side.c) / 3;
   const double height = 0.5 * std::sqrt(3.0) * length;
