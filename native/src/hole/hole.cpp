@@ -309,7 +309,7 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
   const std::string advice = " turned against its neighbours; make the normals consistent first";
   if (!along.empty() && !against.empty()) {
     Loop where;
-    for (const auto& edge : std::min(along, against, [](auto&x, auto&y) { return x.size() < y.size(); }))
+    for (const auto& edge : std::min(along, against, [](auto& x, auto& y) { return x.size() < y.size(); }))
       where.insert(where.end(), edge.begin(), edge.end());
     std::sort(where.begin(), where.end());
     where.erase(std::unique(where.begin(), where.end()), where.end());
