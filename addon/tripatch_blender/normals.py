@@ -51,8 +51,8 @@ def _copy_of(bm, faces, template):
         twin = copy.faces.new([vertices[v] for v in face.verts])
         twin.smooth = face.smooth
         for loop, other in zip(face.loops, twin.loops, strict=True):
-            other.copy_from(loop)
             other.edge.smooth = loop.edge.smooth
+            other.copy_from(loop)  # from Blender 4 on this ends the validity of `other` in Python
     copy.normal_update()
     return copy
 
@@ -116,8 +116,8 @@ def set_corner_normals(bm, normals):
         encoded.from_mesh(scratch.mesh)
         for loop, other in zip(corners, (corner for f in encoded.faces for corner in f.loops), strict=True):
             if loop in normals:
-                loop.copy_from(other)
                 # Different normals within one fan part it, as Blender does it: by a sharp edge.
                 if not other.edge.smooth:
                     loop.edge.smooth = False
+                loop.copy_from(other)
         encoded.free()

@@ -72,8 +72,8 @@ def _write_one(bm, planned, count, shading, custom):
         for vertex, co in zip(inside, planned.in_shape_keys.get(name, planned.positions).tolist(), strict=True):
             vertex[layer] = co
 
-    place = {v.index: k for k, v in enumerate(loop)}
-    place_of_edge = {frozenset((place[a.index], place[b.index])): k for k, (a, b) in enumerate(pairs(loop))}
+    place = {v: k for k, v in enumerate(fill.rim.tolist())}  # deleting has changed the indices in the BMesh
+    place_of_edge = {frozenset(pair): k for k, pair in enumerate(pairs(list(range(len(loop)))))}
     barycentric = np.vstack([fill.rim_barycentric, fill.barycentric])
     new_faces, corners = [], []
     for face in fill.faces:

@@ -19,6 +19,7 @@ import bpy  # makes Blender's own modules importable
 import addon_utils  # isort: skip
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(Path(__file__).parent))  # for scenes.py
 
 
 def _install(archive: str) -> str:
@@ -44,3 +45,13 @@ def addon():
     assert addon_utils.check(name)[1], f"{name} could not be enabled"
     yield sys.modules[name]
     addon_utils.disable(name)  # a class that is still registered hangs bpy 4.5 at exit
+
+
+@pytest.fixture(autouse=True)
+def empty_scene(addon):
+    """Nothing is left of the test before."""
+    if bpy.context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    for data in (bpy.data.objects, bpy.data.meshes, bpy.data.materials, bpy.data.libraries):
+        for block in list(data):
+            data.remove(block)

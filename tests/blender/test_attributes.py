@@ -1,0 +1,253 @@
+"""What new faces take over from their surroundings."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+fill = bpy.ops.mesh.fill_three_sided
+
+
+def fill_in_edit_mode(ob):
+    """The number of vertices and faces before; the object is in object mode again."""
+    before = len(ob.data.vertices), len(ob.data.polygons)
+    scenes.edit(ob)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not ob.data.validate(verbose=True)
+    return before
+
+
+def test_material_and_smooth_shading_follow_the_nearest_side():
+    points, faces = scenes.lattice()
+    ob = scenes.add_mesh(scenes.bowl(points), faces, smooth=False)
+    for name in "AB":
+        ob.data.materials.append(bpy.data.materials.new(name))
+    low = np.array([v.co.y for v in ob.data.vertices]).min()
+    rim_low = min(p.y for p in rim_points(ob))
+    for p in ob.data.polygons:
+        if low <= p.center.y < rim_low:
+            p.material_index, p.use_smooth = 1, True
+    _, old = fill_in_edit_mode(ob)
+    new = list(ob.data.polygons)[old:]
+    assert {(p.material_index, p.use_smooth) for p in new} == {(0, False), (1, True)}
+    lowest = min(new, key=lambda p: p.center.y)
+    highest = max(new, key=lambda p: p.center.y)
+    assert lowest.material_index == 1
+    assert highest.material_index == 0
+
+
+def rim_points(ob):
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    points = [v.co.copy() for v in scenes.border_loops(bm)[0]]
+    bm.free()
+    return points
+
+
+def test_uvs_that_are_linear_stay_linear_and_go_through_the_seam():
+    """Side-vertex interpolation reproduces linear functions of the parameter; over a flat hole that is position."""
+    points, faces = scenes.lattice()
+    ob = scenes.add_mesh(scenes.flat(points), faces)
+    layer = ob.data.uv_layers.new(name="UV")
+    for loop, uv in zip(ob.data.loops, layer.data, strict=True):
+        x, y, _ = ob.data.vertices[loop.vertex_index].co
+        uv.uv = 0.3 + x + 2 * y, 0.1 - x + y
+    fill_in_edit_mode(ob)
+    layer = ob.data.uv_layers["UV"]
+    for loop, uv in zip(ob.data.loops, layer.data, strict=True):
+        x, y, _ = ob.data.vertices[loop.vertex_index].co
+        np.testing.assert_allclose(uv.uv, [0.3 + x + 2 * y, 0.1 - x + y], atol=1e-3)
+
+
+def test_uvs_of_a_side_are_those_of_the_faces_beside_it():
+    """Where UV islands meet in a corner of the hole, a new face at one side has the island of that side."""
+    ob = scenes.add_hole()
+    layer = ob.data.uv_layers.new(name="UV")
+    rim = rim_points(ob)
+    low = min(p.y for p in rim)
+    for p in ob.data.polygons:
+        for k in p.loop_indices:
+            layer.data[k].uv = (5, 5) if p.center.y < low else (0, 0)
+    _, old = fill_in_edit_mode(ob)
+    mesh, seen = ob.data, 0
+    for p in list(mesh.polygons)[old:]:
+        at_low = [k for k in p.loop_indices if mesh.vertices[mesh.loops[k].vertex_index].co.y < low + 1e-6]
+        if len(at_low) == 2:  # the face has an edge of the low side
+            seen += 1
+            assert any(tuple(mesh.uv_layers["UV"].data[k].uv) == (5, 5) for k in at_low)
+    assert seen == 4
+
+
+def test_vertex_groups_and_point_attributes_are_blended():
+    points, faces = scenes.lattice()
+    ob = scenes.add_mesh(scenes.flat(points), faces)
+    group = ob.vertex_groups.new(name="G")
+    mesh = ob.data
+    mesh.attributes.new("V", "FLOAT", "POINT")
+    mesh.attributes.new("N", "INT", "POINT")
+    for k, (x, y) in enumerate(points):
+        group.add([k], 0.5 + 0.5 * x, "REPLACE")
+    mesh.attributes["V"].data.foreach_set("value", points[:, 0] - points[:, 1])
+    mesh.attributes["N"].data.foreach_set("value", [7] * len(points))
+    old, _ = fill_in_edit_mode(ob)
+    mesh = ob.data
+    assert len(mesh.vertices) > old
+    for v in list(mesh.vertices)[old:]:
+        assert v.groups[0].weight == pytest.approx(0.5 + 0.5 * v.co.x, abs=1e-3)
+        assert mesh.attributes["V"].data[v.index].value == pytest.approx(v.co.x - v.co.y, abs=1e-3)
+        assert mesh.attributes["N"].data[v.index].value == 7
+
+
+def test_creases_seams_and_sharp_edges_stay_and_do_not_spread():
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    layers = bm.edges.layers
+    crease = layers.crease.verify() if hasattr(layers, "crease") else layers.float.new("crease_edge")
+    loop = scenes.border_loops(bm)[0]
+    edges = [bm.edges.get(pair) for pair in zip(loop, loop[1:] + loop[:1], strict=True)]
+    edges[0].seam = True
+    edges[1].smooth = False
+    for e in edges:
+        e[crease] = 0.75
+    old = len(bm.edges)
+    scenes.select(bm, edges=edges)
+    assert fill() == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(ob.data)
+    crease = bm.edges.layers.crease.verify() if hasattr(layers, "crease") else bm.edges.layers.float["crease_edge"]
+    everything = list(bm.edges)
+    assert sum(e.seam for e in everything) == 1
+    assert sum(not e.smooth for e in everything) == 1
+    assert sum(e[crease] == 0.75 for e in everything) == len(edges)
+    assert all(e[crease] == 0 and e.smooth and not e.seam for e in everything[old:])
+
+
+@pytest.mark.parametrize("active", [0, 1])
+def test_new_vertices_have_their_place_in_every_shape_key(active):
+    """Each shape is filled as a mesh of that shape alone would be."""
+    points, faces = scenes.lattice()
+    shapes = {"Basis": scenes.bowl(points), "Deep": scenes.bowl(points) * [1, 1, 3], "Moved": scenes.bowl(points) + [0, 0, 2]}
+    alone = {}
+    for name, vertices in shapes.items():
+        ob = scenes.add_mesh(vertices, faces)
+        old, _ = fill_in_edit_mode(ob)
+        alone[name] = np.array([v.co for v in ob.data.vertices])
+    ob = scenes.add_mesh(shapes["Basis"], faces)
+    for name, vertices in shapes.items():
+        key = ob.shape_key_add(name=name, from_mix=False)
+        key.data.foreach_set("co", vertices.astype(np.float32).ravel())
+    ob.active_shape_key_index = active
+    fill_in_edit_mode(ob)
+    keys = ob.data.shape_keys.key_blocks
+    built = {name: np.array([d.co for d in keys[name].data]) for name in shapes}
+    filled_in = list(shapes)[active]
+    np.testing.assert_allclose(built[filled_in], alone[filled_in], atol=1e-6)
+    for name, vertices in shapes.items():
+        np.testing.assert_array_equal(built[name][:old], vertices.astype(np.float32))
+    # The moved bowl is the first one moved: the same parameters on the same patch.
+    np.testing.assert_allclose(built["Moved"][old:], built["Basis"][old:] + [0, 0, 2], atol=1e-5)
+    # On a bowl the fill comes close to it in every shape.
+    for name, depth in {"Basis": 0.6, "Deep": 1.8}.items():
+        x, y, z = built[name][old:].T
+        np.testing.assert_allclose(z, depth * (x**2 + y**2), atol=5e-3)
+
+
+def test_a_shape_that_cannot_be_filled_follows_its_rim(capfd):
+    points, faces = scenes.lattice()
+    ob = scenes.add_mesh(scenes.bowl(points), faces)
+    ob.shape_key_add(name="Basis", from_mix=False)
+    key = ob.shape_key_add(name="Point", from_mix=False)
+    key.data.foreach_set("co", np.tile(np.float32([1, 2, 3]), len(points)))
+    ob.active_shape_key_index = 0
+    old, _ = fill_in_edit_mode(ob)
+    place = np.array([d.co for d in ob.data.shape_keys.key_blocks["Point"].data])
+    np.testing.assert_allclose(place[old:], np.tile([1, 2, 3], (len(place) - old, 1)), atol=0.1)
+    assert "Shape key 'Point' follows its rim only" in capfd.readouterr().out
+
+
+def custom_normals(ob, tilt=0.0):
+    """Gives a bowl its true normals, tilted, as custom normals."""
+    mesh = ob.data
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
+    normals = []
+    for v in mesh.vertices:
+        x, y, _ = v.co
+        n = np.array([-1.2 * x + tilt, -1.2 * y, 1])
+        normals.append(n / np.linalg.norm(n))
+    mesh.normals_split_custom_set_from_vertices(np.array(normals).tolist())
+
+
+def angle(a, b):
+    """Degrees, row by row."""
+    return np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1)))
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+def test_custom_normals_stay_and_those_of_the_fill_are_exact(smooth):
+    points, faces = scenes.lattice(size=24, holes=((6, 6, 8),))
+    ob = scenes.add_mesh(scenes.bowl(points), faces, smooth=smooth)
+    uv = ob.data.uv_layers.new(name="UV").data
+    rng = np.random.default_rng(1)
+    uv.foreach_set("uv", rng.random(2 * len(uv)))
+    custom_normals(ob)
+    uvs = np.array([d.uv for d in ob.data.uv_layers["UV"].data])
+    before = scenes.corner_normals(ob.data)
+    at_rim = {v for v in rim_indices(ob)}
+    vertex = np.array([loop.vertex_index for loop in ob.data.loops])
+    fill_in_edit_mode(ob)
+    assert ob.data.has_custom_normals
+    after = scenes.corner_normals(ob.data)
+    away = ~np.isin(vertex, list(at_rim))
+    np.testing.assert_array_equal(after[: len(before)][away], before[away])
+    assert angle(after[: len(before)], before).max() < 0.1  # Blender's own encoding
+    np.testing.assert_array_equal(np.array([d.uv for d in ob.data.uv_layers["UV"].data])[: len(uvs)], uvs)
+    new = np.array([loop.vertex_index for loop in ob.data.loops])[len(before) :]
+    x, y, _ = np.array([v.co for v in ob.data.vertices])[new].T
+    true = np.column_stack([-1.2 * x, -1.2 * y, np.ones(len(x))])
+    assert angle(after[len(before) :], true).max() < 0.3
+    assert not any(e.use_edge_sharp for e in ob.data.edges)
+
+
+def rim_indices(ob):
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    indices = [v.index for v in scenes.border_loops(bm)[0]]
+    bm.free()
+    return indices
+
+
+def test_no_custom_normals_where_the_mesh_has_none():
+    ob = scenes.add_hole()
+    fill_in_edit_mode(ob)
+    assert not ob.data.has_custom_normals
+
+
+def test_custom_normals_of_a_mirrored_stretched_object():
+    """Normals go back into object space as normals, not as directions."""
+    points, faces = scenes.lattice(size=24, holes=((6, 6, 8),))
+    ob = scenes.add_mesh(scenes.bowl(points), faces)
+    ob.scale = (-1, 1, 2.5)
+    bpy.context.view_layer.update()
+    custom_normals(ob)
+    before = len(ob.data.loops)
+    fill_in_edit_mode(ob)
+    new = np.array([loop.vertex_index for loop in ob.data.loops])[before:]
+    x, y, _ = np.array([v.co for v in ob.data.vertices])[new].T
+    true = np.column_stack([-1.2 * x, -1.2 * y, np.ones(len(x))])
+    assert angle(scenes.corner_normals(ob.data)[before:], true).max() < 1
+
+
+@pytest.mark.skipif(bpy.app.version < (4, 5), reason="custom normals as plain vectors came with 4.5")
+def test_custom_normals_that_are_plain_vectors():
+    points, faces = scenes.lattice(size=24, holes=((6, 6, 8),))
+    ob = scenes.add_mesh(scenes.bowl(points), faces)
+    before = np.tile(np.float32([0, 0.6, 0.8]), (len(ob.data.loops), 1))
+    layer = ob.data.attributes.new("custom_normal", "FLOAT_VECTOR", "CORNER")
+    layer.data.foreach_set("vector", before.ravel())
+    assert ob.data.has_custom_normals
+    fill_in_edit_mode(ob)
+    after = np.array([d.vector for d in ob.data.attributes["custom_normal"].data])
+    np.testing.assert_array_equal(after[: len(before)], before)
+    np.testing.assert_allclose(np.linalg.norm(after, axis=1), 1, atol=1e-6)

@@ -1,0 +1,281 @@
+"""mesh.fill_three_sided on every kind of selection: what is filled, what is reported, what is left alone."""
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+fill = bpy.ops.mesh.fill_three_sided
+
+
+def rims(ob):
+    """Lengths of the border loops of the mesh, in object mode."""
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bm = scenes.checked(ob)
+    assert all(e.is_manifold or e.is_boundary for e in bm.edges)
+    assert all(e.is_contiguous for e in bm.edges if e.is_manifold), "new faces are turned against their neighbours"
+    lengths = [len(loop) for loop in scenes.border_loops(bm)]
+    bm.free()
+    return lengths
+
+
+def test_nothing_selected_fills_the_only_three_sided_hole():
+    ob = scenes.add_hole()
+    scenes.edit(ob)
+    assert fill() == {"FINISHED"}
+    assert rims(ob) == [36]
+
+
+@pytest.mark.parametrize("mode", ["VERT", "EDGE"])
+def test_selected_rim(mode):
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob, mode=mode)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    assert fill() == {"FINISHED"}
+    assert rims(ob) == [36]
+
+
+def test_one_selected_vertex_means_its_rim():
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob)
+    scenes.select(bm, scenes.border_loops(bm)[0][:1])
+    assert fill() == {"FINISHED"}
+    assert rims(ob) == [36]
+
+
+def test_three_selected_vertices_are_the_corners_of_a_round_rim():
+    ob = scenes.add_mesh(*scenes.ring())
+    (bm,) = scenes.edit(ob)
+    scenes.select(bm, list(bm.verts)[:24:8])
+    assert fill() == {"FINISHED"}
+    assert rims(ob) == [24]
+
+
+def test_selected_faces_around_a_hole():
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob, mode="FACE")
+    scenes.select(bm, faces={f for v in scenes.border_loops(bm)[0] for f in v.link_faces})
+    assert fill() == {"FINISHED"}
+    assert rims(ob) == [36]
+
+
+def test_a_selected_region_is_replaced():
+    points, outside, inside = scenes.lattice_parts()
+    ob = scenes.add_mesh(scenes.bowl(points), outside + inside)
+    filled = scenes.add_hole()
+    (bm,) = scenes.edit(ob, mode="FACE")
+    scenes.select(bm, faces=list(bm.faces)[len(outside) :])
+    assert fill() == {"FINISHED"}
+    assert rims(ob) == [36]
+    # the surroundings are those of the region still in place, which is the same bowl
+    z = np.array([v.co.z - 0.6 * (v.co.x**2 + v.co.y**2) for v in ob.data.vertices])
+    assert np.abs(z).max() < 2e-3
+    assert len(ob.data.polygons) == len(outside) + sum(p.select for p in ob.data.polygons)
+    scenes.edit(filled)
+    assert fill() == {"FINISHED"}
+
+
+def test_two_regions_each_by_itself():
+    points, outside, inside = scenes.lattice_parts(size=18, holes=((2, 2, 4), (9, 3, 4)))
+    ob = scenes.add_mesh(scenes.bowl(points), outside + inside)
+    (bm,) = scenes.edit(ob, mode="FACE")
+    scenes.select(bm, faces=list(bm.faces)[len(outside) :])
+    assert fill(resolution=1) == {"FINISHED"}
+    assert rims(ob) == [54]
+    bm = scenes.checked(ob)
+    assert sum(v.co.z > 1 for v in bm.verts) == 0
+
+
+def test_new_faces_are_selected_and_nothing_else():
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    old = len(bm.faces)
+    fill()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert [p.select for p in ob.data.polygons] == [k >= old for k in range(len(ob.data.polygons))]
+    held = {v for p in ob.data.polygons if p.select for v in p.vertices}
+    assert {v.index for v in ob.data.vertices if v.select} == held
+
+
+def test_the_rim_keeps_its_vertices_bit_for_bit():
+    ob = scenes.add_hole()
+    before = np.array([v.co for v in ob.data.vertices], np.float32)
+    scenes.edit(ob)
+    fill()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after = np.array([v.co for v in ob.data.vertices], np.float32)
+    assert after[: len(before)].tobytes() == before.tobytes()
+
+
+def test_two_holes_in_one_call():
+    points, faces = scenes.lattice(size=18, holes=((2, 2, 4), (9, 3, 4)))
+    ob = scenes.add_mesh(scenes.bowl(points), faces)
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    for loop in scenes.border_loops(bm)[:2]:
+        scenes.select_rim(bm, loop)
+    assert fill() == {"FINISHED"}
+    assert len(rims(ob)) == 1
+
+
+def test_two_objects_in_one_call_and_one_of_them_without_selection():
+    obs = [scenes.add_hole() for _ in range(3)]
+    for k, ob in enumerate(obs):
+        ob.location.x = 3 * k
+    bms = scenes.edit(*obs, mode="EDGE")
+    for bm in bms[:2]:
+        scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    assert fill() == {"FINISHED"}
+    assert [rims(ob) for ob in obs] == [[36], [36], [12, 36]]
+
+
+def test_one_filled_and_one_refused():
+    obs = [scenes.add_hole(), scenes.add_mesh(*scenes.square_hole())]
+    bms = scenes.edit(*obs, mode="EDGE")
+    for bm in bms:
+        scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    assert fill() == {"FINISHED"}
+    assert rims(obs[0]) == [36]
+    assert len(rims(obs[1])) == 2
+
+
+def filled(pick, **options):
+    """Positions after a fill; pick selects, given the BMesh and the rim from its lowest corner on."""
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob)
+    loop = scenes.border_loops(bm)[0]
+    first = loop.index(min(loop, key=lambda v: (round(v.co.y, 5), v.co.x)))
+    pick(bm, loop[first:] + loop[:first])
+    assert fill(**options) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return np.array([v.co for v in ob.data.vertices])
+
+
+def same(a, b):
+    """The same points, in any order."""
+    return len(a) == len(b) and max(np.linalg.norm(b - p, axis=1).min() for p in a) < 1e-6
+
+
+def test_corner_offset_slides_the_corners_along_the_rim():
+    plain = filled(scenes.select_rim)
+    assert same(filled(scenes.select_rim, corner_offset=4), plain)  # each side has four edges
+    moved = filled(scenes.select_rim, corner_offset=1)
+    given = [filled(lambda bm, rim, k=k: scenes.select(bm, [rim[k], rim[k + 4], rim[(k + 8) % 12]])) for k in (1, 3)]
+    assert any(same(moved, points) for points in given)
+    assert not any(same(plain, points) for points in given)
+
+
+def test_active_vertex_is_a_corner():
+    def active(bm, rim):
+        scenes.select_rim(bm, rim)
+        bm.select_history.add(rim[1])
+
+    result = filled(active)
+    given = filled(lambda bm, rim: scenes.select(bm, [rim[1], rim[4], rim[8]]))
+    assert same(result, given)
+
+
+def test_corner_offset_is_not_remembered():
+    properties = fill.get_rna_type().properties
+    assert properties["corner_offset"].is_skip_save
+    assert not properties["bulge"].is_skip_save
+
+
+def test_resolution_and_bulge_do_what_they_say():
+    counts, middles = [], []
+    for options in ({"resolution": 2}, {"resolution": 6}, {"bulge": 0.5}, {"bulge": 2.0}):
+        ob = scenes.add_hole()
+        scenes.edit(ob)
+        fill(**options)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        counts.append(len(ob.data.vertices))
+        middles.append(min(v.co.z for v in ob.data.vertices))
+    assert counts[0] < counts[1]
+    assert middles[2] != middles[3]
+
+
+def world_points(ob):
+    return np.array([ob.matrix_world @ v.co for v in ob.data.vertices])
+
+
+def test_geometry_is_that_of_the_world(addon):
+    """A stretched, sheared and mirrored object is filled as its applied mesh is."""
+    matrix = np.array([[-3, 0.5, 0, 5], [0, 0.2, 0.1, -7], [0, 0, 1.5, 2], [0, 0, 0, 1]])
+    points, faces = scenes.lattice()
+    bent = scenes.bowl(points)
+    inverse = np.linalg.inv(matrix)
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.collection.objects.link(parent)
+    ob = scenes.add_mesh((np.column_stack([bent, np.ones(len(bent))]) @ inverse.T)[:, :3], faces)
+    ob.parent = parent
+    ob.matrix_parent_inverse = matrix.T.tolist()
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(world_points(ob), bent, atol=1e-5)
+    plain = scenes.add_mesh(bent, faces)
+    for each in (ob, plain):
+        scenes.edit(each)
+        assert fill() == {"FINISHED"}
+        assert rims(each) == [36]
+    np.testing.assert_allclose(world_points(ob), world_points(plain), atol=2e-5)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e6])
+def test_any_scale(scale):
+    points, faces = scenes.lattice()
+    ob = scenes.add_mesh(scenes.bowl(points) * scale, faces)
+    plain = scenes.add_mesh(scenes.bowl(points), faces)
+    for each in (ob, plain):
+        scenes.edit(each)
+        assert fill() == {"FINISHED"}
+        bpy.ops.object.mode_set(mode="OBJECT")
+    a, b = (np.array([v.co for v in each.data.vertices]) for each in (ob, plain))
+    np.testing.assert_allclose(a / scale, b, atol=1e-6)
+
+
+def test_undo_brings_back_every_bit_and_redo_the_fill():
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    name = ob.name
+    bpy.ops.ed.undo_push(message="before")
+
+    def state():
+        bpy.ops.object.mode_set(mode="OBJECT")
+        result = scenes.arrays(bpy.data.objects[name])
+        bpy.ops.object.mode_set(mode="EDIT")
+        return result
+
+    before = state()
+    bpy.ops.ed.undo_push(message="before")
+    assert fill("EXEC_DEFAULT", True) == {"FINISHED"}
+    after = state()
+    assert after != before
+    bpy.ops.ed.undo()
+    assert state() == before
+    bpy.ops.ed.redo()
+    assert state() == after
+
+
+def test_hidden_faces_are_surroundings_and_hidden_rims_are_left():
+    results = []
+    for hide in (False, True):
+        ob = scenes.add_hole()
+        (bm,) = scenes.edit(ob, mode="VERT")
+        rim = set(scenes.border_loops(bm)[0])
+        if hide:
+            far = [v for v in bm.verts if not any(w in rim for e in v.link_edges for w in e.verts)]
+            scenes.select(bm, far)
+            bpy.ops.mesh.hide()
+            assert sum(f.hide for f in bm.faces) > 20
+        assert fill() == {"FINISHED"}
+        bpy.ops.object.mode_set(mode="OBJECT")
+        results.append(np.array([v.co for v in ob.data.vertices]))
+    np.testing.assert_array_equal(*results)
+
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob, mode="VERT")
+    scenes.select(bm, scenes.border_loops(bm)[0])
+    bpy.ops.mesh.hide()
+    bpy.ops.mesh.select_all(action="SELECT")
+    assert fill() == {"CANCELLED"}
+    assert rims(ob) == [12, 36]
