@@ -43,7 +43,12 @@ class Outcome:
         known = max(report.surroundings_error for report in self.reports)
         seam = max(known, *(report.seam_angle_max for report in self.reports))
         holes = "1 hole" if count == 1 else f"{count} holes"
-        return f"Filled {holes}; seam within {seam:.2g} deg (surroundings known to {known:.2g} deg)"
+        return f"Filled {holes}; seam within {_degrees(seam)} (surroundings known to {_degrees(known)})"
+
+
+def _degrees(angle):
+    """An upper bound for a person."""
+    return f"{max(angle, 0.001):.2g} deg"
 
 
 def world_matrix(name, matrix):

@@ -41,7 +41,7 @@ def square_hole():
 
 
 def ring(count=24):
-    """A cone strip of quads between a circle and a smaller one, which is the rim of a round hole; the inner circle comes first."""
+    """A cone of quads between a circle and a smaller one, which is the rim of a round hole and comes first."""
     angle = np.arange(count) * 2 * np.pi / count
     circle = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     following = [(k + 1) % count for k in range(count)]
@@ -90,18 +90,20 @@ def edit(*objects, mode="VERT"):
 
 
 def border_loops(bm):
-    """Border loops as lists of vertices, the shortest first."""
-    left, loops = {e for e in bm.edges if e.is_boundary}, []
+    """Border loops as lists of vertices, the shortest first, each from its lowest vertex towards the lower neighbour."""
+    bm.verts.index_update()
+    bm.verts.ensure_lookup_table()
+    left, loops = {tuple(sorted(v.index for v in e.verts)) for e in bm.edges if e.is_boundary}, []
     while left:
-        edge = left.pop()
-        loop = list(edge.verts)
+        loop = list(min(left))
+        left.discard(tuple(loop))
         while True:
-            edge = next((e for e in loop[-1].link_edges if e in left), None)
-            if edge is None:
+            ahead = sorted(e for e in left if loop[-1] in e)
+            if not ahead:
                 break
-            left.discard(edge)
-            loop.append(edge.other_vert(loop[-1]))
-        loops.append(loop[:-1])
+            left.discard(ahead[0])
+            loop.append(sum(ahead[0]) - loop[-1])
+        loops.append([bm.verts[k] for k in loop[:-1]])
     return sorted(loops, key=len)
 
 

@@ -87,7 +87,7 @@ def test_vertex_groups_and_point_attributes_are_blended():
     mesh = ob.data
     mesh.attributes.new("V", "FLOAT", "POINT")
     mesh.attributes.new("N", "INT", "POINT")
-    for k, (x, y) in enumerate(points):
+    for k, (x, _y) in enumerate(points):
         group.add([k], 0.5 + 0.5 * x, "REPLACE")
     mesh.attributes["V"].data.foreach_set("value", points[:, 0] - points[:, 1])
     mesh.attributes["N"].data.foreach_set("value", [7] * len(points))
@@ -194,7 +194,7 @@ def test_custom_normals_stay_and_those_of_the_fill_are_exact(smooth):
     custom_normals(ob)
     uvs = np.array([d.uv for d in ob.data.uv_layers["UV"].data])
     before = scenes.corner_normals(ob.data)
-    at_rim = {v for v in rim_indices(ob)}
+    at_rim = set(rim_indices(ob))
     vertex = np.array([loop.vertex_index for loop in ob.data.loops])
     fill_in_edit_mode(ob)
     assert ob.data.has_custom_normals
