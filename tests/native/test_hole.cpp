@@ -654,12 +654,23 @@ TEST_CASE("no or several holes with three corners") {
   two.vertices(n, 0) = std::nan("");
   CHECK(find_hole(two.mesh()).rim[0] == 0);
 
+  // the outer border is not what is meant
   const Answer none = refusal([&] { find_hole(surround(regular(4, 3)).mesh()); });
-  CHECK(none.reason ==
-        "None of the 2 borders can be filled as they are. The shortest, through vertex 0: Rim has 4 corners; select three");
+  CHECK(none.reason == "Rim has 4 corners; select three");
   CHECK(none.where == Loop{0, 3, 6, 9});
+  const Answer squares = refusal([&] { find_hole(grid(7, 3, {{1, 1}, {3, 1}, {4, 1}}).mesh()); });
+  CHECK(squares.reason ==
+        "None of 2 holes can be filled as they are. The shortest, through vertex 9: Rim has 4 corners; select three");
   const Model disc = model({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}});
   CHECK(refusal([&] { find_hole(disc.mesh()); }).reason == "Rim has no clear corners; select three");
+}
+
+TEST_CASE("the outer border is not filled where the hole cannot be") {
+  // its three edges would do for a rim
+  Model m = triangular(1, 1, 1);
+  CHECK(find_hole(m.mesh()).rim == Loop{0, 1, 2});
+  m.vertices(1, 2) = std::nan("");
+  CHECK(refusal([&] { find_hole(m.mesh()); }).reason == "Vertex 1 at the rim has no finite position");
 }
 
 TEST_CASE("faces that name missing vertices") {

@@ -393,7 +393,6 @@ Points rim_normals(const Mesh& mesh, const FacesAround& around, const Loop& rim,
   // where all faces are needles without area, the next normal along the rim serves
   for (Index k = 2 * normals.rows() - 2; k >= 0; --k)
     if (normals.row(k % normals.rows()).isZero(0)) normals.row(k % normals.rows()) = normals.row((k + 1) % normals.rows());
-  if (normals.row(0).isZero(0)) throw Refusal("The faces around the rim have no area", {rim[0]});
   return normals;
 }
 
@@ -438,6 +437,7 @@ std::vector<double> turns_over_window(const std::vector<double>& turn, const std
 /// Edge lengths (the longest coordinate of an edge is 1) and turns at the vertices, radians.
 struct RimShape {
   std::vector<double> length, turn;
+  bool without_area = false;  ///< the faces around have none, the turns mean nothing
 };
 
 RimShape measure(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
@@ -448,7 +448,9 @@ RimShape measure(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
   edges *= scale;
   RimShape shape;
   for (Index k = 0; k < n; ++k) shape.length.push_back(edges.row(k).norm());
-  shape.turn = turns_at_vertices(edges, rim_normals(mesh, around, rim, scale));
+  const Points normals = rim_normals(mesh, around, rim, scale);
+  shape.turn = turns_at_vertices(edges, normals);
+  shape.without_area = normals.row(0).isZero(0);
   return shape;
 }
 
@@ -456,7 +458,8 @@ RimShape measure(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
 std::vector<Index> detect_corners(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
   const Index n = static_cast<Index>(rim.size());
   if (n == 3) return {0, 1, 2};
-  auto [length, turn] = measure(mesh, around, rim);
+  auto [length, turn, without_area] = measure(mesh, around, rim);
+  if (without_area) throw Refusal("The faces around the rim have no area", {rim[0]});
   const double total = std::accumulate(length.begin(), length.end(), 0.0);
   const double window = window_share * total;
   const std::vector<double> at_vertex = turn;
@@ -594,9 +597,15 @@ Hole find_hole(const Mesh& mesh) {
   for (Index v : mesh.faces.corners)
     if (v >= mesh.vertices.rows())
       throw InvalidArgument("A face has vertex " + name(v) + ": the mesh has " + name(mesh.vertices.rows()) + " vertices");
-  const std::vector<Loop> loops = find_holes(mesh.faces);
+  std::vector<Loop> loops = find_holes(mesh.faces);
   if (loops.empty()) throw Refusal("No hole: the mesh has no border");
   const FacesAround around(mesh, loops);
+  // a hole turns once round one way, the outer border of an open mesh the other; the latter is meant only where it is the only one
+  const auto is_outer = [&](const Loop& loop) {
+    const std::vector<double> turn = measure(mesh, around, loop).turn;
+    return std::accumulate(turn.begin(), turn.end(), 0.0) < -M_PI;
+  };
+  if (loops.size() > 1 && !std::all_of(loops.begin(), loops.end(), is_outer)) std::erase_if(loops, is_outer);
   std::vector<Hole> found;
   std::optional<Refusal> refusal;  // of the shortest
   for (const Loop& loop : loops) {
@@ -606,22 +615,16 @@ Hole find_hole(const Mesh& mesh) {
       if (!refusal) refusal = r;
     }
   }
-  // a hole turns one way round, the outer border of an open mesh the other
-  const auto turns_outwards = [&](const Hole& hole) {
-    const std::vector<double> turn = measure(mesh, around, hole.rim).turn;
-    return std::accumulate(turn.begin(), turn.end(), 0.0) < 0;
-  };
-  if (found.size() > 1 && !std::all_of(found.begin(), found.end(), turns_outwards)) std::erase_if(found, turns_outwards);
   if (found.size() == 1) return found[0];
   if (found.empty()) {
     if (loops.size() == 1) throw *refusal;
-    throw Refusal("None of the " + std::to_string(loops.size()) +
-                      " borders can be filled as they are. The shortest, through vertex " + name(loops[0][0]) + ": " +
-                      refusal->what(),
+    throw Refusal("None of " + std::to_string(loops.size()) + " holes can be filled as they are. The shortest, through vertex " +
+                      name(loops[0][0]) + ": " + refusal->what(),
                   refusal->where());
   }
   Loop where;
   for (const Hole& hole : found) where.push_back(*std::min_element(hole.rim.begin(), hole.rim.end()));
+  std::sort(where.begin(), where.end());
   const bool many = where.size() > 8;
   throw Refusal(std::to_string(found.size()) + " holes have three corners: rims starting at vertex " +
                     (many ? list({where.begin(), where.begin() + 8}) + " and so on" : list(where)) + "; choose one",

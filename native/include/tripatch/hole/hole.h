@@ -24,12 +24,14 @@ struct Hole {
 std::vector<std::vector<Index>> find_holes(const Faces& faces);
 
 /// The hole of a given rim (any start, either direction) and corners (vertex indices of the rim; the first stays corner 0,
-/// the others are sorted along the rim; none: detected where the rim turns, read in the tangent plane of the surface).
+/// the others are sorted along the rim; none: detected where the rim turns, read in the tangent plane of the surface, the lowest
+/// vertex first). A rim of three edges has its vertices as corners.
 /// `replaced`: faces that count as not there (a region to be replaced). Throws a Refusal.
 Hole make_hole(const Mesh& mesh, const std::vector<Index>& rim, const std::optional<std::array<Index, 3>>& corners,
                const std::vector<Index>& replaced = {});
 
-/// The mesh's only border loop with three corners; else a Refusal that lists the candidates.
+/// The mesh's only border loop with three corners; else a Refusal that lists the candidates. Outer borders, which turn the other
+/// way as a whole, count only where the mesh has no other.
 Hole find_hole(const Mesh& mesh);
 
 }  // namespace tripatch

@@ -1,0 +1,262 @@
+"""The command line: `tripatch fill IN OUT` and `tripatch methods`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import tripatch
+from tripatch import files
+
+FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
+
+_DESCRIPTION = """\
+Fills a three-sided hole of the mesh in IN and writes the mesh with the fill to OUT; with --all every three-sided hole.
+OBJ, OFF, PLY and STL files keep everything that is in them; VTK and other files go through meshio. Vertices are counted
+from 0, in the order of the file (STL: of their first use)."""
+_EXIT = """\
+exit status: 0 all filled; 3 some were refused (OUT is written); 1 nothing to fill or all refused (the reason on stderr, OUT is
+not written); 2 bad usage or unreadable input"""
+
+
+def _indices(text: str) -> list[int]:
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no list of vertex indices such as 3,17,42") from None
+
+
+def _three_indices(text: str) -> list[int]:
+    values = _indices(text)
+    if len(values) != 3:
+        raise argparse.ArgumentTypeError(f"three corners are needed, not {len(values)}")
+    return values
+
+
+def _one_or_three(parse):
+    def read(text: str):
+        try:
+            values = tuple(parse(part) for part in text.split(","))
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is neither one value nor three, separated by commas") from None
+        if len(values) not in (1, 3):
+            raise argparse.ArgumentTypeError(f"one value or three are needed, not {len(values)}")
+        return values[0] if len(values) == 1 else values
+
+    return read
+
+
+def _or_none(parse):
+    def read(text: str):
+        return None if text.lower() == "none" else parse(text)
+
+    read.__name__ = parse.__name__
+    return read
+
+
+def _shape(text: str):
+    return text if text == "optimal" else _one_or_three(float)(text)
+
+
+def _json(text: str) -> dict:
+    try:
+        return json.loads(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} is no JSON: {error}") from None
+
+
+#: The options of `tripatch.fill` but for rim and corners: how a text becomes a value, and help. Names are those of `fill`.
+OPTIONS = {
+    "method": (str, "NAME", "construction; `tripatch methods` lists them (side_vertex)"),
+    "surroundings": (str, "NAME", "mesh: estimated from the faces around; limit: the subdivision surface of the cage (mesh)"),
+    "subdivision": (_json, "JSON", 'with limit, as the modifier has it: \'{"scheme": "catmull_clark", "quality": 3}\''),
+    "level": (int, "N", "with limit: of the modifier whose border is met (2)"),
+    "continuity": (_one_or_three(str), "C[,C,C]", "auto, G0, G1 or G2, for all sides or each (auto: the method's own)"),
+    "cross_boundary": (str, "NAME", "slopes across the sides: given, consistent or as_printed (consistent)"),
+    "fairing": (_or_none(str), "NAME", "none, auto, thin_plate, third_derivative or minimum_variation (auto)"),
+    "output": (str, "NAME", "triangles"),
+    "resolution": (_or_none(int), "N", "edges per side inside the fill; none follows the rim (none)"),
+    "bulge": (_one_or_three(float), "B[,B,B]", "scales the slopes inside each side, greater than 0 (1)"),
+    "shape": (_shape, "L[,L,L]", "lambda of the Szilvasi-Nagy methods, from 0 to 1, by side; or optimal (0.5)"),
+    "reading": (str, "NAME", "formulas corrected or as_printed (corrected)"),
+}
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the command line."""
+    main = argparse.ArgumentParser(
+        prog="tripatch", description="Fills three-sided holes with surfaces that continue theirs exactly."
+    )
+    main.add_argument("--version", action="version", version=f"tripatch {tripatch.__version__}")
+    commands = main.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    fill = commands.add_parser(
+        "fill",
+        help="fill holes of a mesh file",
+        description=_DESCRIPTION,
+        epilog=_EXIT,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    fill.add_argument("input", metavar="IN", type=Path, help="mesh file")
+    fill.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
+    fill.add_argument(
+        "--rim", type=_indices, metavar="V,V,...", help="vertices around the hole (the only one with three corners)"
+    )
+    fill.add_argument("--corners", type=_three_indices, metavar="A,B,C", help="three of them (detected where the rim turns)")
+    fill.add_argument("--all", action="store_true", help="fill every three-sided hole")
+    fill.add_argument(
+        "--outer",
+        action="store_true",
+        help="with --all: also the longest border of each connected part of the mesh, which is left out where it has others",
+    )
+    fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
+    for name, (kind, metavar, text) in OPTIONS.items():
+        fill.add_argument(f"--{name.replace('_', '-')}", type=kind, metavar=metavar, default=argparse.SUPPRESS, help=text)
+    commands.add_parser("methods", help="list the constructions", description="Lists the constructions.")
+    return main
+
+
+def _parts(n: int, faces) -> np.ndarray:
+    """For each of n vertices the lowest vertex of the part of the mesh that it is connected with."""
+    corners = np.fromiter((v for face in faces for v in face), np.int64)
+    firsts = np.repeat(np.fromiter((face[0] for face in faces), np.int64), np.fromiter(map(len, faces), np.int64))
+    part = np.arange(n)
+    while True:
+        a, b = part[corners], part[firsts]
+        if (a == b).all():
+            return part
+        np.minimum.at(part, np.maximum(a, b), np.minimum(a, b))
+        while (part[part] != part).any():
+            part = part[part]
+
+
+def holes_to_fill(vertices, faces, outer: bool) -> list[np.ndarray]:
+    """Every border loop; but without `outer` not the longest of a connected part that has several."""
+    loops = tripatch.find_holes(faces)
+    if outer or not loops:
+        return loops
+    part = _parts(len(vertices), faces)
+    length = [float(np.linalg.norm(vertices[loop] - vertices[np.roll(loop, -1)], axis=1).sum()) for loop in loops]
+    of_part: dict[int, list[int]] = {}
+    for k, loop in enumerate(loops):
+        of_part.setdefault(int(part[loop[0]]), []).append(k)
+    left_out = {max(ks, key=lambda k: (length[k], k)) for ks in of_part.values() if len(ks) > 1}
+    return [loop for k, loop in enumerate(loops) if k not in left_out]
+
+
+def _say(text: str) -> None:
+    print(f"tripatch: {text}", file=sys.stderr)
+
+
+def _refused(refusal: tripatch.Refusal, rim=None) -> None:
+    shown = refusal.where[:8]
+    place = (
+        f" (vertex {shown[0]})"
+        if len(shown) == 1
+        else f" (vertices {', '.join(map(str, shown))}{', ...' * (len(refusal.where) > 8)})"
+    )
+    hole = "" if rim is None else f"Hole through vertex {min(rim)}: "
+    _say(f"{hole}{refusal.reason}{place if shown else ''}")
+
+
+def _degrees(value: float) -> str:
+    return f"{value:.1f}" if value >= 0.05 else f"{value:.1g}"
+
+
+def _plain(value):
+    """What JSON can hold; numbers that are not finite become null."""
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(v) for v in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _write_report(path: Path, holes: list) -> None:
+    entries = []
+    for rim, result in holes:
+        if isinstance(result, tripatch.Refusal):
+            entries.append({"rim": rim, "refused": result.reason, "where": result.where})
+        else:
+            added = {"rim": result.rim, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
+            entries.append({**added, **result.report.as_dict()})
+    try:
+        path.write_text(json.dumps({"holes": _plain(entries)}, indent=2) + "\n")
+    except OSError as error:
+        raise files.FileError(f"{path} cannot be written: {error.strerror or error}") from error
+
+
+def _fill(args: argparse.Namespace) -> int:
+    if args.all and (args.rim or args.corners):
+        raise ValueError("--all chooses the rims and corners itself; leave out --rim and --corners")
+    if args.outer and not args.all:
+        raise ValueError("--outer goes with --all")
+    options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
+    mesh = files.read(args.input)
+    out = mesh if args.out.suffix.lower() == args.input.suffix.lower() else files.converted(mesh, args.out.suffix)
+
+    holes: list[tuple] = []
+    if args.all:
+        rims = holes_to_fill(mesh.vertices, mesh.faces, args.outer)
+        holes = list(zip(rims, tripatch.fill_all(mesh.vertices, mesh.faces, rims, **options), strict=True))
+        if not holes:
+            _say("Nothing to fill: the mesh has no border")
+    else:
+        try:
+            holes = [(args.rim, tripatch.fill(mesh.vertices, mesh.faces, rim=args.rim, corners=args.corners, **options))]
+        except tripatch.Refusal as refusal:
+            holes = [(args.rim, refusal)]
+    for rim, result in holes:
+        if isinstance(result, tripatch.Refusal):
+            _refused(result, rim if args.all else None)
+    if args.report:
+        _write_report(args.report, holes)
+
+    fills = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
+    if not fills:
+        return NOTHING
+    for fill in fills:
+        out.append(fill)
+        for warning in fill.report.warnings:
+            _say(warning)
+    out.write(args.out)
+    if out is not mesh:
+        _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
+    seam = max(fill.report.seam_angle_max for fill in fills)
+    known = max(fill.report.surroundings_error for fill in fills)
+    filled = "1 hole" if len(fills) == 1 else f"{len(fills)} holes"
+    print(f"Filled {filled}; seam within {_degrees(seam)} deg (surroundings known to {_degrees(known)} deg)")
+    return FILLED if len(fills) == len(holes) else SOME
+
+
+def _methods() -> int:
+    for name, method in tripatch.METHODS.items():
+        fills = "" if method.fills_holes else "; blends surfaces, does not fill holes"
+        print(f"{name}\n    {method.description}\n    {method.continuity}{fills}\n    {method.citation}")
+    return FILLED
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs the command line and returns the exit status."""
+    try:
+        args = parser().parse_args(argv)
+    except SystemExit as end:  # --help, --version, bad usage: already said
+        return int(end.code or 0)
+    try:
+        return _methods() if args.command == "methods" else _fill(args)
+    except tripatch.Refusal as refusal:  # of what is asked for, not of a hole
+        _refused(refusal)
+        return NOTHING
+    except (ValueError, TypeError) as error:  # a FileError, or an option that `fill` does not take
+        _say(str(error))
+        return USAGE
+
+
+if __name__ == "__main__":
+    sys.exit(main())

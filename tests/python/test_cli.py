@@ -1,0 +1,257 @@
+"""`tripatch fill` and `tripatch methods`, run as a shell runs them."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import tripatch
+from tripatch import __main__ as cli
+from tripatch import files
+
+
+def sphere_hole(n=6, rings=3, centre=0.0):
+    """A unit sphere around an octant hole: vertices, faces; the rim is 0 .. 3n - 1, its corners 0, n, 2n."""
+    axes = np.eye(3)
+    s = np.arange(n) / n * np.pi / 2
+    rim = np.concatenate([np.outer(np.cos(s), axes[i]) + np.outer(np.sin(s), axes[(i + 1) % 3]) for i in range(3)])
+    middle = np.ones(3) / np.sqrt(3)
+    vertices, faces = [], []
+    for j in range(rings + 1):
+        p = middle + (1 + 0.15 * j) * (rim / (rim @ middle)[:, None] - middle)
+        vertices.append(p / np.linalg.norm(p, axis=1, keepdims=True))
+    m = 3 * n
+    for j in range(rings):
+        for k in range(m):
+            a, b = j * m + k, j * m + (k + 1) % m
+            faces += [[b, a, b + m], [a, a + m, b + m]]
+    return np.concatenate(vertices) + [centre, 0, 0], faces
+
+
+def write_obj(path, *meshes):
+    text, n = "# test\n", 0
+    for vertices, faces in meshes:
+        text += "".join("v {!r} {!r} {!r}\n".format(*map(float, p)) for p in vertices)
+        text += "".join("f " + " ".join(str(v + n + 1) for v in f) + "\n" for f in faces)
+        n += len(vertices)
+    path.write_text(text)
+    return path
+
+
+@pytest.fixture
+def one(tmp_path):
+    return write_obj(tmp_path / "in.obj", sphere_hole())
+
+
+@pytest.fixture
+def two(tmp_path):
+    return write_obj(tmp_path / "in.obj", sphere_hole(), sphere_hole(5, centre=5))
+
+
+def square():
+    """A plane frame around a square hole."""
+    v = [[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [1, 1, 0], [2, 1, 0], [2, 2, 0], [1, 2, 0]]
+    return np.array(v, float) - [9, 0, 0], [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+
+
+def run(capsys, *args):
+    code = cli.main([str(a) for a in args])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def borders(path):
+    return tripatch.find_holes(files.read(path).faces)
+
+
+def test_fills_the_only_hole(one, tmp_path, capsys):
+    out = tmp_path / "out.obj"
+    code, text, err = run(capsys, "fill", one, out, "--report", tmp_path / "r.json")
+    assert (code, err) == (0, "")
+    assert text.startswith("Filled 1 hole; seam within ")
+    assert text.endswith(" deg)\n")
+    assert out.read_bytes().startswith(one.read_bytes())
+    assert [len(loop) for loop in borders(out)] == [18]  # the outer one
+    (hole,) = json.loads((tmp_path / "r.json").read_text())["holes"]
+    assert hole["corners"] == [0, 6, 12]
+    assert hole["rim"] == list(range(18))
+    assert hole["seam_angle_max"] < 1e-4
+    assert hole["new_faces"] == len(files.read(out).faces) - len(files.read(one).faces)
+
+
+def test_the_same_as_the_library(one, tmp_path, capsys):
+    out = tmp_path / "out.obj"
+    rim = ",".join(map(str, range(17, -1, -1)))
+    code, _, _ = run(
+        capsys,
+        "fill",
+        one,
+        out,
+        "--rim",
+        rim,
+        "--corners",
+        "6,0,12",
+        "--resolution",
+        "4",
+        "--bulge",
+        "1,1.2,0.8",
+        "--fairing",
+        "none",
+    )
+    assert code == 0
+    mesh, filled = files.read(one), files.read(out)
+    fill = tripatch.fill(
+        mesh.vertices, mesh.faces, rim=range(18), corners=[6, 0, 12], resolution=4, bulge=(1, 1.2, 0.8), fairing=None
+    )
+    assert filled.faces == mesh.faces + fill.faces
+    assert (filled.vertices[len(mesh.vertices) :] == fill.vertices).all()
+
+
+def test_in_place(one, capsys):
+    assert run(capsys, "fill", one, one)[0] == 0
+    assert len(borders(one)) == 1
+
+
+@pytest.mark.parametrize("suffix", [".off", ".ply", ".stl", ".vtk"])
+def test_other_formats(one, suffix, tmp_path, capsys):
+    if suffix == ".vtk":
+        pytest.importorskip("meshio")
+    code, _, err = run(capsys, "fill", one, tmp_path / f"a{suffix}")
+    assert code == 0
+    assert "was left behind" in err
+    assert [len(loop) for loop in borders(tmp_path / f"a{suffix}")] == [18]
+
+
+def test_two_holes(two, tmp_path, capsys):
+    out = tmp_path / "out.obj"
+    code, _, err = run(capsys, "fill", two, out)
+    assert code == 1
+    assert "2 holes have three corners: rims starting at vertex 0 and 72; choose one" in err
+    assert not out.exists()
+    code, text, err = run(capsys, "fill", two, out, "--all", "--report", tmp_path / "r.json")
+    assert (code, err) == (0, "")
+    assert text.startswith("Filled 2 holes; seam within ")
+    assert sorted(len(loop) for loop in borders(out)) == [15, 18]
+    assert [h["corners"] for h in json.loads((tmp_path / "r.json").read_text())["holes"]] == [[72, 77, 82], [0, 6, 12]]
+
+
+def test_some_refused(tmp_path, capsys):
+    path, out = write_obj(tmp_path / "in.obj", sphere_hole(), square()), tmp_path / "out.obj"
+    code, text, err = run(capsys, "fill", path, out, "--all", "--report", tmp_path / "r.json")
+    assert code == 3
+    assert text.startswith("Filled 1 hole;")
+    assert err == "tripatch: Hole through vertex 76: Rim has 4 corners; select three (vertices 76, 77, 78, 79)\n"
+    assert out.exists()
+    first, second = json.loads((tmp_path / "r.json").read_text())["holes"]
+    assert first["refused"] == "Rim has 4 corners; select three"
+    assert first["where"] == [76, 77, 78, 79]
+    assert second["corners"] == [0, 6, 12]
+
+
+def test_all_refused(tmp_path, capsys):
+    path, out = write_obj(tmp_path / "in.obj", square()), tmp_path / "out.obj"
+    for more in ([], ["--all"], ["--rim", "4,5,6,7"]):
+        code, text, err = run(capsys, "fill", path, out, *more)
+        assert (code, text) == (1, "")
+        assert "Rim has 4 corners; select three" in err
+        assert not out.exists()
+
+
+def test_nothing_to_fill(tmp_path, capsys):
+    closed = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float), [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    path, out = write_obj(tmp_path / "in.obj", closed), tmp_path / "out.obj"
+    for more in ([], ["--all"]):
+        code, _, err = run(capsys, "fill", path, out, *more)
+        assert code == 1
+        assert "the mesh has no border" in err
+        assert not out.exists()
+
+
+def test_outer_borders(tmp_path):
+    vertices, faces = sphere_hole()
+    assert [len(loop) for loop in cli.holes_to_fill(vertices, faces, outer=False)] == [18]
+    assert [len(loop) for loop in cli.holes_to_fill(vertices, faces, outer=True)] == [18, 18]
+    assert cli.holes_to_fill(vertices, faces, outer=False)[0][0] == 0  # the shorter
+    # a part of the mesh with one border only: that is a hole
+    closed = [*faces, [*range(54, 72)]]
+    assert [len(loop) for loop in cli.holes_to_fill(vertices, closed, outer=False)] == [18]
+
+
+def test_parts_of_a_mesh():
+    faces = [[0, 1, 2], [2, 3, 4, 5], [6, 7, 8], [9, 8, 10], [11, 13, 12]]
+    assert cli._parts(15, faces).tolist() == [0] * 6 + [6] * 5 + [11] * 3 + [14]
+    path = np.random.default_rng(5).permutation(3000)
+    assert set(cli._parts(3001, [path[k : k + 3].tolist() for k in range(2998)]).tolist()) == {0, 3000}
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["--method", "none_such"], "method must be one of"),
+        (["--resolution", "0"], "resolution must be from 1"),
+        (["--resolution", "x"], "invalid int value"),
+        (["--bulge", "1,2"], "one value or three"),
+        (["--bulge", "-1"], "bulge"),
+        (["--shape", "a"], "neither one value nor three"),
+        (["--corners", "1,2"], "three corners are needed"),
+        (["--corners", "0,6,6"], "three different vertices"),
+        (["--rim", "0,1,two"], "no list of vertex indices"),
+        (["--rim", "0,1,5000"], "5000"),
+        (["--all", "--corners", "0,6,12"], "--all chooses"),
+        (["--outer"], "--outer goes with --all"),
+        (["--frobnicate"], "unrecognized arguments"),
+        (["--report", "/none/such/r.json"], "cannot be written"),
+    ],
+)
+def test_bad_usage(args, said, one, tmp_path, capsys):
+    code, _, err = run(capsys, "fill", one, tmp_path / "out.obj", *args)
+    assert code == 2
+    assert said in err
+    assert not (tmp_path / "out.obj").exists()
+
+
+def test_unreadable_input(tmp_path, capsys):
+    code, _, err = run(capsys, "fill", tmp_path / "none.obj", tmp_path / "out.obj")
+    assert code == 2
+    assert err == f"tripatch: {tmp_path / 'none.obj'} cannot be read: No such file or directory\n"
+    (tmp_path / "bad.obj").write_text("v 1 2\n")
+    code, _, err = run(capsys, "fill", tmp_path / "bad.obj", tmp_path / "out.obj")
+    assert code == 2
+    assert "Line 1 cannot be understood" in err
+    assert run(capsys)[0] == 2
+    assert run(capsys, "none_such")[0] == 2
+
+
+def test_more_than_the_method_keeps_is_refused(one, tmp_path, capsys):
+    code, _, err = run(capsys, "fill", one, tmp_path / "out.obj", "--continuity", "G2", "--method", "side_vertex")
+    assert code == 1
+    assert "G2" in err
+
+
+def test_every_option_of_fill_is_there():
+    options = {name for name in inspect.signature(tripatch._options).parameters if name != "replaced"}
+    assert options == set(cli.OPTIONS)
+
+
+def test_methods(capsys):
+    code, text, _ = run(capsys, "methods")
+    assert code == 0
+    for name, method in tripatch.METHODS.items():
+        assert f"{name}\n" in text
+        assert method.citation in text
+
+
+def test_as_a_program(one, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "tripatch", "fill", str(one), str(tmp_path / "out.obj")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("Filled 1 hole")
+    assert subprocess.run([sys.executable, "-m", "tripatch"], capture_output=True, check=False).returncode == 2

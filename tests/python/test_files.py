@@ -1,0 +1,420 @@
+"""Mesh files: what is in them stays in them, and the fills are added."""
+
+from __future__ import annotations
+
+import re
+import struct
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tripatch import files
+from tripatch.files import FileError
+
+# A square frame in the plane: outer vertices 0-3, inner 4-7, and four quads around the hole 4, 5, 6, 7.
+FRAME = np.array([[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [1, 1, 0], [2, 1, 0], [2, 2, 0], [1, 2, 0]], float)
+QUADS = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+TRIANGLES = [t for a, b, c, d in QUADS for t in ([a, b, c], [a, c, d])]
+
+
+def fan(rim, n, place=(1.5, 1.25, 0.1)):
+    """A fill of triangles around one new vertex, nearest to the first two of the rim."""
+    up = np.array([[0.0, 0.0, 1.0]])
+    return SimpleNamespace(
+        vertices=np.array([place]),
+        normals=up,
+        faces=[[a, b, n] for a, b in zip(rim, rim[1:] + rim[:1])],
+        rim=np.array(rim),
+        rim_normals=np.repeat(up, len(rim), axis=0),
+    )
+
+
+def filled(data: bytes, name: str, tmp_path, fills=None) -> bytes:
+    path, out = tmp_path / name, tmp_path / ("out_" + name)
+    path.write_bytes(data)
+    mesh = files.read(path)
+    for fill in fills or [fan([4, 5, 6, 7], 8)]:
+        mesh.append(fill)
+    mesh.write(out)
+    return out.read_bytes()
+
+
+def reread(data: bytes, name: str, tmp_path):
+    path = tmp_path / name
+    path.write_bytes(data)
+    return files.read(path)
+
+
+def refused(data: bytes, name: str, tmp_path) -> str:
+    with pytest.raises(FileError) as error:
+        reread(data, name, tmp_path)
+    return str(error.value)
+
+
+# ---------------------------------------------------------------------------------------------------- OBJ
+
+OBJ_V = b"".join(b"v %d %d %d\n" % tuple(p) for p in FRAME.astype(int))
+OBJ = OBJ_V + b"".join(b"f " + b" ".join(b"%d" % (v + 1) for v in q) + b"\n" for q in QUADS)
+
+
+def test_obj_plain(tmp_path):
+    out = filled(OBJ, "a.obj", tmp_path)
+    assert out == OBJ + b"v 1.5 1.25 0.1\nf 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n"
+
+
+def test_obj_keeps_comments_groups_materials_texture_coordinates(tmp_path):
+    data = (
+        b"# made by hand \xff\xfe\nmtllib a.mtl\no Thing\n" + OBJ_V + b"vt 0 0\nvt 1 0\nvt 0.5 1\nvn 0 0 1\n"
+        b"g frame\nusemtl red\ns 1\nf 1/1/1 2/2/1 6/3/1 5/1/1\nf 2//1 3//1 7//1 6//1\nl 1 2\nf -6/1/-1 -5/2/-1 -1/3/-1 -2/1/-1\n"
+        b"f 4/1/1 \\\n 1/2/1 5/3/1 8/1/1 # the last\nusemtl blue\ng other\nv 9 9 9\nf 1 2 3\nunknown 1 2 3"
+    )
+    mesh = reread(data, "a.obj", tmp_path)
+    assert mesh.faces == [*QUADS, [0, 1, 2]]
+    assert len(mesh.vertices) == 9
+    out = filled(data, "a.obj", tmp_path, [fan([4, 5, 6, 7], 9)])
+    assert out.startswith(data + b"\n")
+    added = out[len(data) + 1 :].decode().splitlines()
+    assert added[0] == "v 1.5 1.25 0.1"
+    assert added[1:6] == ["vn 0.0 0.0 1.0"] * 5  # four at the rim, one inside
+    assert added[6:8] == ["g frame", "usemtl red"]  # those of the faces around
+    assert added[8:] == ["f 5//2 6//3 10//6", "f 6//3 7//4 10//6", "f 7//4 8//5 10//6", "f 8//5 5//2 10//6"]
+
+
+def test_obj_line_ends_and_a_missing_last_one(tmp_path):
+    data = OBJ.replace(b"\n", b"\r\n")[:-2]
+    out = filled(data, "a.obj", tmp_path)
+    assert out.startswith(data + b"\r\nv 1.5 ")
+    assert out.count(b"\n") == out.count(b"\r\n") == 12 + 5
+    assert reread(out, "b.obj", tmp_path).faces[-1] == [7, 4, 8]
+
+
+def test_obj_vertex_colours_come_from_the_rim(tmp_path):
+    data = re.sub(rb"(?m)^(v 2 1 0)$", rb"\1 0.25 0.5 1", OBJ)
+    data = re.sub(rb"(?m)^(v \d \d \d)$", rb"\1 1 1 1", data)
+    out = filled(data, "a.obj", tmp_path, [fan([4, 5, 6, 7], 8, (1.9, 1.2, 0))])
+    assert b"\nv 1.9 1.2 0.0 0.25 0.5 1\n" in out
+
+
+def test_obj_several_fills(tmp_path):
+    out = filled(OBJ, "a.obj", tmp_path, [fan([4, 5, 6, 7], 8), fan([4, 5, 6, 7], 8)])
+    assert reread(out, "b.obj", tmp_path).faces[-8:] == fan([4, 5, 6, 7], 8).faces + fan([4, 5, 6, 7], 9).faces
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (b"v 1 2\n", "Line 1 cannot be understood: v 1 2"),
+        (b"v 1 2 x\n", "Line 1 cannot be understood"),
+        (b"v 0 0 0\nf 1 1 0\n", "Line 2 cannot be understood"),
+        (b"v 0 0 0\nf 1 1 2\n", "Face 0 names a vertex that does not exist; there are 1"),
+        (b"v 0 0 0\nf -1 -1 -2\n", "Face 0 names a vertex that does not exist"),
+        (b"v 0 0 0\nf 1 a 1\n", "Line 2 cannot be understood"),
+    ],
+)
+def test_obj_errors(line, said, tmp_path):
+    assert said in refused(line, "a.obj", tmp_path)
+
+
+coordinate = st.floats(allow_nan=False, allow_infinity=False).map(lambda x: repr(x))
+space = st.sampled_from([" ", "  ", "\t"])
+line_ends = "\r\n\\\x0b\x0c\x1c\x1d\x1e\x85\u2028\u2029"
+junk = st.one_of(
+    st.text(st.characters(codec="utf-8", exclude_characters=line_ends), max_size=20).map("# {}".format),
+    st.sampled_from(["", "   ", "vt 0.5 0.5", "vp 1 2", "l 1 2", "p 1", "g a b", "s off", "s 3", "usemtl m", "o thing", "end"]),
+)
+
+
+@st.composite
+def obj_files(draw):
+    """Lines of an OBJ, with the vertices and faces that are in it."""
+    lines, vertices, faces = [], [], []
+    for _ in range(draw(st.integers(0, 25))):
+        kind = draw(st.sampled_from("vvfj"))
+        if kind == "v":
+            p = [draw(coordinate) for _ in range(3)]
+            vertices.append([float(x) for x in p])
+            lines.append(draw(space).join(["v", *p]) + draw(st.sampled_from(["", " ", " 1 0 0"])))
+        elif kind == "f" and vertices:
+            face = draw(st.lists(st.integers(0, len(vertices) - 1), min_size=3, max_size=6))
+            faces.append(face)
+            suffix = draw(st.sampled_from(["", "/7", "//8", "/7/8", "/"]))
+            words = [str(v + 1 if draw(st.booleans()) else v - len(vertices)) + suffix for v in face]
+            gap = draw(st.sampled_from([" ", "\t", " \\\n "]))
+            lines.append(gap.join(["f", *words]))
+        else:
+            lines.append(draw(junk))
+    end = draw(st.sampled_from(["\n", "\r\n", "\r"]))
+    data = end.join(lines).replace("\n", end if end != "\r" else "\n") if end != "\r" else "\n".join(lines)
+    return (data + draw(st.sampled_from(["", "\n"]))).encode(), vertices, faces
+
+
+@settings(max_examples=200, deadline=None)
+@given(obj_files())
+def test_obj_round_trip(tmp_path_factory, case):
+    data, vertices, faces = case
+    folder = tmp_path_factory.mktemp("obj")
+    mesh = reread(data, "a.obj", folder)
+    assert mesh.vertices.tolist() == vertices
+    assert mesh.faces == faces
+    mesh.write(folder / "same.obj")
+    assert (folder / "same.obj").read_bytes() == data
+    if len(vertices) < 3:
+        return
+    fill = fan([0, 1, 2], len(vertices))
+    mesh.append(fill)
+    mesh.write(folder / "out.obj")
+    out = (folder / "out.obj").read_bytes()
+    assert out.startswith(data)
+    again = files.read(folder / "out.obj")
+    assert again.vertices.tolist() == [*vertices, list(fill.vertices[0])]
+    assert again.faces == faces + fill.faces
+
+
+# ---------------------------------------------------------------------------------------------------- OFF
+
+OFF = (
+    b"OFF # a frame\n# counts follow\n8 4 12\n\n"
+    + b"".join(b"%d %d %d\n" % tuple(p) for p in FRAME.astype(int))
+    + b"# faces\n"
+    + b"".join(b"4 %d %d %d %d 255 0 0\n" % tuple(q) for q in QUADS)
+    + b"# end\n"
+)
+
+
+def test_off_keeps_all_lines_but_the_counts(tmp_path):
+    out = filled(OFF, "a.off", tmp_path)
+    expected = OFF.replace(b"8 4 12\n", b"9 8 16\n").replace(b"# faces", b"1.5 1.25 0.1\n# faces")
+    new = b"".join(b"3 %d %d %d 255 0 0\n" % tuple(f) for f in fan([4, 5, 6, 7], 8).faces)
+    assert out == expected.replace(b"# end", new + b"# end")
+    mesh = reread(out, "b.off", tmp_path)
+    assert mesh.faces == QUADS + fan([4, 5, 6, 7], 8).faces
+    assert (mesh.vertices[:8] == FRAME).all()
+
+
+def test_off_colours_and_normals(tmp_path):
+    rows = b"".join(b"%d %d %d 0 0 -1 %d 0 0 255\n" % (*p, k) for k, p in enumerate(FRAME.astype(int)))
+    data = b"CNOFF 8 4 0\r\n" + rows + b"".join(b"4 %d %d %d %d\n" % tuple(q) for q in QUADS)[:-1]
+    out = filled(data, "a.off", tmp_path)
+    assert b"CNOFF 9 8 0\r\n" in out  # edges were not counted
+    assert b"\n1.5 1.25 0.1 0.0 0.0 1.0 4 0 0 255\r\n" in out
+    assert len(reread(out, "b.off", tmp_path).faces) == 8
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"", "The file is empty"),
+        (b"PLY\n", "must start with OFF"),
+        (b"OFF BINARY\n\0\0", "Binary OFF"),
+        (b"4OFF\n0 0 0\n", "three dimensions"),
+        (b"OFF\n9 4 0\n0 0 0\n", "announces 9 vertices and 4 faces"),
+        (b"OFF\n1 1 0\n0 0 0\n3 0 0\n", "vertex or face on each line"),
+        (b"OFF\n1 1 0\n0 0 x\n3 0 0 0\n", "vertex or face on each line"),
+        (b"OFF\n1 1 0\n0 0 0\n3 0 0 7\n", "names a vertex that does not exist"),
+    ],
+)
+def test_off_errors(data, said, tmp_path):
+    assert said in refused(data, "a.off", tmp_path)
+
+
+# ---------------------------------------------------------------------------------------------------- PLY
+
+
+def ply(form: str, index: str = "vertex_indices", triangles: bool = False) -> bytes:
+    """A frame with normals, colours, face flags, another element and comments."""
+    faces = (
+        [[a, b, c] for a, b, c, d in QUADS for a, b, c in ([a, b, c], [a, c, d])]
+        if triangles
+        else [*QUADS[:3], [3, 0, 4], [3, 4, 7]]
+    )
+    head = f"ply\nformat {form} 1.0\ncomment keep me\nobj_info and me\nelement vertex 8\n"
+    head += "".join(f"property float {c}\n" for c in ("x", "y", "z", "nx", "ny", "nz"))
+    head += "property uchar red\nproperty double weight\n"
+    head += f"element face {len(faces)}\nproperty uchar flag\nproperty list uchar int {index}\n"
+    head += "property list uchar float texcoord\n"
+    head += "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+    if form == "ascii":
+        rows = [f"{x:g} {y:g} {z:g} 0 0 1 {200 + k} 0.1" for k, (x, y, z) in enumerate(FRAME)]
+        rows += [f"7 {len(f)} {' '.join(map(str, f))} 2 0.5 0.5" for f in faces] + ["0 1"]
+        return (head + "\n".join(rows) + "\n").encode()
+    o = "<" if "little" in form else ">"
+    body = b"".join(struct.pack(o + "6fBd", *p, 0, 0, 1, 200 + k, 0.1) for k, p in enumerate(FRAME))
+    body += b"".join(struct.pack(f"{o}BB{len(f)}iBff", 7, len(f), *f, 2, 0.5, 0.5) for f in faces)
+    return head.encode() + body + struct.pack(o + "ii", 0, 1)
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+@pytest.mark.parametrize("index", ["vertex_indices", "vertex_index"])
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_ply_keeps_everything(form, index, triangles, tmp_path):
+    data = ply(form, index, triangles)
+    count = 8 if triangles else 5
+    old = reread(data, "a.ply", tmp_path)
+    assert (old.vertices == FRAME).all()
+    assert len(old.faces) == count
+    out = filled(data, "a.ply", tmp_path)
+    head, body = data.split(b"end_header\n")
+    new_head, new_body = out.split(b"end_header\n")
+    assert new_head == head.replace(b"vertex 8", b"vertex 9").replace(b"face %d" % count, b"face %d" % (count + 4))
+    fill = fan([4, 5, 6, 7], 8)
+    o = "<" if "little" in form else ">"
+    if form == "ascii":
+        lines = body.splitlines()
+        expected = lines[:8] + [b"1.5 1.25 0.1 0.0 0.0 1.0 204 0.1"] + lines[8 : 8 + count]
+        expected += [b"7 3 %d %d %d 0" % tuple(f) for f in fill.faces] + lines[8 + count :]
+        assert new_body.splitlines() == expected
+    else:
+        cut = 8 * 33
+        vertex = struct.pack(o + "6fBd", 1.5, 1.25, 0.1, 0, 0, 1, 204, 0.1)
+        faces = b"".join(struct.pack(o + "BB3iB", 7, 3, *f, 0) for f in fill.faces)
+        assert new_body == body[:cut] + vertex + body[cut:-8] + faces + body[-8:]
+    again = reread(out, "b.ply", tmp_path)
+    assert again.faces == old.faces + fill.faces
+    assert np.allclose(again.vertices[8], [1.5, 1.25, 0.1], atol=1e-7)
+
+
+def test_ply_index_type_too_small(tmp_path):
+    data = ply("ascii").replace(b"list uchar int vertex", b"list uchar uchar vertex")
+    fill = fan([4, 5, 6, 7], 8)
+    fill.faces = [[4, 5, 300]]
+    with pytest.raises(FileError, match="new face rows need larger numbers"):
+        filled(data, "a.ply", tmp_path, [fill])
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
+def test_ply_errors(form, tmp_path):
+    data = ply(form)
+    assert "damaged" in refused(data[:-30] if form != "ascii" else data[:-60], "a.ply", tmp_path)
+    assert "no vertices or no faces" in refused(data.replace(b"element face", b"element fate"), "a.ply", tmp_path)
+    assert "without x, y, z" in refused(data.replace(b"float x", b"float u"), "a.ply", tmp_path)
+    assert "cannot be understood" in refused(data.replace(b"property float x", b"property half x"), "a.ply", tmp_path)
+    assert "is not known" in refused(data.replace(b"format ", b"format x"), "a.ply", tmp_path)
+    assert "no PLY file" in refused(b"plx", "a.ply", tmp_path)
+
+
+# ---------------------------------------------------------------------------------------------------- STL
+
+
+def stl_binary(header=b"solid of my own"):
+    records = b"".join(struct.pack("<12fH", 0, 0, 1, *FRAME[t].reshape(-1), 77) for t in TRIANGLES)
+    return header.ljust(80, b"\0") + struct.pack("<I", 8) + records
+
+
+def test_stl_binary(tmp_path):
+    data = stl_binary()
+    mesh = reread(data, "a.stl", tmp_path)
+    assert len(mesh.vertices) == 8  # by place
+    rim = [int(np.nonzero((mesh.vertices == p).all(axis=1))[0][0]) for p in FRAME[4:]]
+    out = filled(data, "a.stl", tmp_path, [fan(rim, 8)])
+    assert out[:80] == data[:80]
+    assert out[80:84] == struct.pack("<I", 12)
+    assert out[84 : len(data)] == data[84:]
+    again = reread(out, "b.stl", tmp_path)
+    assert len(again.vertices) == 9  # the rim's places are met to the bit
+    assert again.faces == mesh.faces + fan(rim, 8).faces
+    assert struct.unpack_from("<3f", out, len(data))[2] > 0.8  # the normal of the new triangle
+
+
+def test_stl_text(tmp_path):
+    text = "solid  my part\n"
+    for t in TRIANGLES:
+        text += (
+            "facet normal 0 0 1\nouter loop\n"
+            + "".join("vertex {:.1e} {:g} {:g}\n".format(*FRAME[v]) for v in t)
+            + "endloop\nendfacet\n"
+        )
+    data = (text + "endsolid my part\n").encode()
+    mesh = reread(data, "a.stl", tmp_path)
+    rim = [int(np.nonzero((mesh.vertices == p).all(axis=1))[0][0]) for p in FRAME[4:]]
+    out = filled(data, "a.stl", tmp_path, [fan(rim, 8)])
+    assert out.startswith(text.encode())
+    assert out.endswith(b"  endfacet\nendsolid my part\n")
+    again = reread(out, "b.stl", tmp_path)
+    assert len(again.vertices) == 9
+    assert again.faces == mesh.faces + fan(rim, 8).faces
+
+
+def test_stl_errors(tmp_path):
+    assert "no STL file" in refused(b"hello", "a.stl", tmp_path)
+    assert "no STL file" in refused(stl_binary()[:-3], "a.stl", tmp_path)
+    solid = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
+    assert "several solids" in refused(solid + solid, "a.stl", tmp_path)
+    assert "three numbers" in refused(solid.replace(b"vertex 1 0 0", b"vertex 1 a 0"), "a.stl", tmp_path)
+
+
+# ---------------------------------------------------------------------------------------------------- meshio
+
+
+@pytest.mark.parametrize("binary", [True, False])
+@pytest.mark.parametrize("version", ["vtk42", "vtk"])
+def test_vtk_keeps_points_cells_and_data(version, binary, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    path, out = tmp_path / "a.vtk", tmp_path / "b.vtk"
+    mesh = meshio.Mesh(
+        FRAME,
+        [("quad", np.array(QUADS[:3])), ("line", np.array([[0, 1]])), ("triangle", np.array([[3, 0, 4], [3, 4, 7]]))],
+        point_data={"heat": np.arange(8.0), "Normals": np.repeat([[0.0, 0, -1]], 8, axis=0)},
+        cell_data={"id": [np.array([5, 5, 5]), np.array([9]), np.array([6, 6])]},
+    )
+    meshio.write(path, mesh, file_format=version, binary=binary)
+    before = files.read(path)
+    assert len(before.faces) == 5
+    before.append(fan([4, 5, 6, 7], 8))
+    before.append(fan([4, 5, 6, 7], 8))
+    before.write(out)
+    assert out.read_bytes().splitlines()[0] == path.read_bytes().splitlines()[0]
+    assert out.read_bytes().splitlines()[2] == (b"BINARY" if binary else b"ASCII")
+    after = meshio.read(out)
+    assert (after.points[:8] == FRAME).all()
+    assert after.points.shape == (10, 3)
+    assert after.point_data["heat"].tolist() == [*range(8), 4, 4]
+    assert after.point_data["Normals"][8:].tolist() == [[0, 0, 1], [0, 0, 1]]
+    assert after.cells_dict["line"].tolist() == [[0, 1]]
+    assert len(after.cells_dict["triangle"]) == 2 + 8
+    assert np.concatenate(after.cell_data["id"]).tolist()[:6] == [5, 5, 5, 9, 6, 6]
+    assert set(np.concatenate(after.cell_data["id"])[6:]) == {5}  # three of the five faces around
+
+
+def test_without_meshio(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    assert "For .vtk files meshio is needed: pip install tripatch[files]" in refused(
+        b"# vtk DataFile Version 3.0\n", "a.vtk", tmp_path
+    )
+
+
+def test_vtk_errors(tmp_path):
+    pytest.importorskip("meshio")
+    assert "cannot be read. meshio cannot read it" in refused(b"nonsense\n", "a.vtk", tmp_path)
+    assert "cannot be read" in refused(b"nonsense\n", "a.xyz", tmp_path)
+
+
+# ---------------------------------------------------------------------------------------------------- all
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".off", ".ply", ".stl", ".vtk"])
+def test_converted(suffix, tmp_path):
+    if suffix == ".vtk":
+        pytest.importorskip("meshio")
+    mesh = files.converted(reread(OBJ, "a.obj", tmp_path), suffix)
+    assert (mesh.vertices == FRAME).all()
+    mesh.append(fan([4, 5, 6, 7], 8))
+    mesh.write(tmp_path / ("b" + suffix))
+    again = files.read(tmp_path / ("b" + suffix))
+    assert len(again.vertices) == 9
+    places = sorted(sorted(map(tuple, again.vertices[f])) for f in again.faces)
+    assert len(places) == (12 if suffix == ".stl" else 8)  # STL has triangles only
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(FileError, match=r"none\.obj cannot be read: No such file"):
+        files.read(tmp_path / "none.obj")
+
+
+def test_writing_where_one_cannot(tmp_path):
+    mesh = reread(OBJ, "a.obj", tmp_path)
+    with pytest.raises(FileError, match="cannot be written: No such file"):
+        mesh.write(tmp_path / "none" / "a.obj")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.obj"]
