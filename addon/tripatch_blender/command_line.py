@@ -120,7 +120,7 @@ def _rims(bm, matrix, arguments):
         return rims if arguments.outer else _inner(bm, rims, matrix)
     if arguments.object:
         return filling.only_hole(bm, matrix)
-    found = filling.three_sided(bm, matrix, selection.all_rims(bm))
+    found, _ = filling.three_sided(bm, matrix, selection.all_rims(bm))
     if len(found) > 1:
         raise selection.UnusableError(
             f"{len(found)} holes have three corners; name one by --rim or --corners, or fill them by --all"

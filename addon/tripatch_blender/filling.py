@@ -162,18 +162,20 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None):
 
 
 def three_sided(bm, matrix, rims):
-    """Those of some rims that have three corners."""
+    """Those of some rims that have three corners, and why the others have not: [(vertex, sentence)]."""
     bm.verts.index_update()
     bm.faces.index_update()
-    around, found = Surroundings(bm, matrix), []
+    around, found, others = Surroundings(bm, matrix), [], []
     for rim in rims:
         positions, faces, _ = around.around(rim)
+        loop = [v.index for v in rim.loop]
         try:
-            tripatch.find_corners(positions, faces, [v.index for v in rim.loop])
-        except tripatch.Refusal:
-            continue
-        found.append(rim)
-    return found
+            tripatch.find_corners(positions, faces, loop)
+        except tripatch.Refusal as refusal:
+            others.append((min(loop), refusal.reason))
+        else:
+            found.append(rim)
+    return found, others
 
 
 def only_hole(bm, matrix):
@@ -181,12 +183,13 @@ def only_hole(bm, matrix):
     rims = selection.all_rims(bm)
     if not rims:
         raise UnusableError("The mesh has no hole")
-    found = three_sided(bm, matrix, rims)
+    if len(rims) == 1:
+        return rims  # the library says what is wrong with it
+    found, others = three_sided(bm, matrix, rims)
     if len(found) == 1:
         return found
     if found:
-        places = ", ".join(str(rim.loop[0].index) for rim in found[:5]) + (", ..." if len(found) > 5 else "")
+        places = ", ".join(str(min(v.index for v in rim.loop)) for rim in found[:5]) + (", ..." if len(found) > 5 else "")
         raise UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); select the rim of one")
-    if len(rims) == 1:
-        return rims  # the library says how many corners it has
-    raise UnusableError(f"None of the {len(rims)} holes has three corners; select the rim of one, or three of its vertices")
+    reasons = "; ".join(f"at vertex {vertex}: {reason}" for vertex, reason in others[:3]) + ("; ..." if len(others) > 3 else "")
+    raise UnusableError(f"None of the {len(rims)} holes has three corners: {reasons}")

@@ -1,0 +1,236 @@
+"""Holes filled without a window: exit codes, messages, and what is written."""
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "fill_holes.py"
+
+
+@pytest.fixture
+def run(addon, tmp_path, capsys):
+    """run(*objects, "--option", ...) saves the scene, fills it, and returns (exit status, stdout, stderr); OUT is out.blend."""
+    command_line = importlib.import_module(addon.__name__ + ".command_line")
+
+    def fill(*arguments):
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
+        capsys.readouterr()
+        status = command_line.main([*arguments, "--out", str(tmp_path / "out.blend")])
+        text = capsys.readouterr()
+        return status, text.out, text.err
+
+    fill.out = tmp_path / "out.blend"
+    return fill
+
+
+def rims(name):
+    bm = scenes.checked(bpy.data.objects[name])
+    lengths = [len(loop) for loop in scenes.border_loops(bm)]
+    bm.free()
+    return lengths
+
+
+def test_all_filled(run):
+    scenes.add_hole().name = "A"
+    scenes.add_hole().name = "B"
+    status, out, err = run()
+    assert (status, err) == (0, "")
+    assert "A: Filled 1 hole; seam within" in out
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert rims("A") == rims("B") == [36]
+
+
+def test_named_objects_only(run):
+    scenes.add_hole().name = "A"
+    scenes.add_hole().name = "B"
+    status, _, _ = run("--object", "B")
+    assert status == 0
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert rims("A") == [12, 36]
+    assert rims("B") == [36]
+
+
+def test_some_refused(run):
+    scenes.add_hole().name = "A"
+    scenes.add_mesh(*scenes.square_hole()).name = "B"
+    report = run.out.with_suffix(".json")
+    status, _, err = run("--all", "--report", str(report))
+    assert status == 3
+    assert "B: Rim has 4 corners; select three" in err
+    assert run.out.exists()
+    a, b = json.loads(report.read_text())
+    assert (a["object"], len(a["filled"]), a["refused"]) == ("A", 1, [])
+    assert a["filled"][0]["seam_angle_max"] < 1e-4
+    assert (b["object"], b["filled"], len(b["refused"])) == ("B", [], 1)
+
+
+def test_nothing_to_fill(run):
+    bpy.ops.mesh.primitive_cube_add()
+    status, _, err = run()
+    assert status == 1
+    assert "Nothing to fill" in err
+    assert not run.out.exists()
+
+
+def test_all_refused(run):
+    scenes.add_mesh(*scenes.square_hole()).name = "B"
+    status, _, err = run("--object", "B", "--corners", "0,1,11")
+    assert status == 1
+    assert "B: The three corners do not lie on one border" in err
+    assert not run.out.exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--object", "Nobody"], "Nobody"),
+        (["--method", "magic"], "magic"),
+        (["--bulge", "-1"], "bulge"),
+        (["--rim", "0,1,x"], "--rim"),
+        (["--rim", "0,1,99999"], "99999"),
+        (["--corners", "1,2"], "three"),
+        (["no such file.blend"], "no such file"),
+    ],
+)
+def test_bad_usage(run, arguments, word):
+    scenes.add_hole()
+    status, out, err = run(*arguments)
+    assert status == 2
+    assert word in out + err
+    assert not run.out.exists()
+
+
+def test_given_corners_and_rim(run):
+    ob = scenes.add_mesh(*scenes.ring())
+    ob.name = "Ring"
+    assert run("--object", "Ring", "--corners", "0,8,16")[0] == 0
+    rim = ",".join(str(k) for k in range(23, -1, -1))
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert rims("Ring") == [24]
+    first = np.array([v.co for v in bpy.data.objects["Ring"].data.vertices])
+    bpy.ops.wm.open_mainfile(filepath=str(run.out.with_name("in.blend")))
+    assert run("--object", "Ring", "--rim", rim, "--corners", "0,8,16")[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    np.testing.assert_array_equal(first, [v.co for v in bpy.data.objects["Ring"].data.vertices])
+
+
+def test_all_leaves_the_outer_border_unless_asked(run):
+    points, faces = scenes.lattice(size=18, holes=((2, 2, 4), (9, 3, 4)))
+    scenes.add_mesh(scenes.bowl(points), faces).name = "A"
+    status, out, err = run()
+    assert status == 1
+    assert "2 holes have three corners" in err
+    status, out, _ = run("--all")
+    assert status == 0
+    assert "Filled 2 holes" in out
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert rims("A") == [54]
+    bpy.ops.wm.open_mainfile(filepath=str(run.out.with_name("in.blend")))
+    assert run("--all", "--outer")[0] == 3  # seen from outside, the border turns the wrong way round
+
+
+def test_the_same_fill_as_in_edit_mode(run):
+    """Shape keys, custom normals and the rest go the same way."""
+    ob = scenes.add_hole()
+    ob.name, ob.scale = "A", (1, 2, 1)
+    ob.shape_key_add(name="Basis", from_mix=False)
+    ob.shape_key_add(name="Key", from_mix=False).data[0].co.z += 0.1
+    ob.active_shape_key_index = 1
+    if hasattr(ob.data, "use_auto_smooth"):
+        ob.data.use_auto_smooth = True
+    ob.data.normals_split_custom_set_from_vertices([(0.6, 0, 0.8)] * len(ob.data.vertices))
+    assert run()[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    without = scenes.arrays(bpy.data.objects["A"])
+    bpy.ops.wm.open_mainfile(filepath=str(run.out.with_name("in.blend")))
+    ob = bpy.data.objects["A"]
+    ob.active_shape_key_index = 0
+    scenes.edit(ob)
+    bpy.ops.mesh.fill_three_sided()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    within = scenes.arrays(ob)
+    for name in ("vertices", "edges", "shapes", "normals"):
+        assert without[name] == within[name], name
+
+
+def test_hidden_objects_and_objects_in_edit_mode_are_filled(run):
+    hidden, editing = scenes.add_hole(), scenes.add_hole()
+    hidden.name, editing.name = "Hidden", "Editing"
+    hidden.hide_set(True)
+    hidden.hide_viewport = True
+    scenes.edit(editing)
+    assert run()[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert rims("Hidden") == rims("Editing") == [36]
+
+
+def test_linked_meshes_are_refused(run, tmp_path):
+    scenes.add_hole().name = "Far"
+    bpy.data.objects["Far"].data.name = "Far"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"))
+    bpy.data.objects.remove(bpy.data.objects["Far"])
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.objects = ["Far"]
+    bpy.context.collection.objects.link(wanted.objects[0])
+    status, _, err = run("--object", "Far")
+    assert status == 1
+    assert "linked" in err
+    assert "Far" in err
+
+
+def blender(blend, *arguments, script=SCRIPT, setup=""):
+    """Runs a script as a program would: in Debian's Blender, or in a Python with bpy that opens the file first."""
+    if bpy.app.binary_path and Path(bpy.app.binary_path).name.startswith("blender"):
+        command = [bpy.app.binary_path, "--background", str(blend), "--python", str(script), "--", *arguments]
+        if setup:
+            command[3:3] = ["--python-expr", setup]
+    else:
+        start = f"{setup}\nimport bpy, sys, runpy\nbpy.ops.wm.open_mainfile(filepath={str(blend)!r})\n"
+        start += f"sys.argv = ['blender', '--', *{list(arguments)!r}]\nrunpy.run_path({str(script)!r}, run_name='__main__')"
+        command = [sys.executable, "-c", start]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100, env=dict(os.environ), check=False)
+
+
+def test_the_script_as_a_program(tmp_path):
+    scenes.add_hole().name = "A"
+    scenes.add_mesh(*scenes.square_hole()).name = "B"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
+    out = tmp_path / "out.blend"
+    done = blender(tmp_path / "in.blend", "--object", "A", "--out", str(out))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "A: Filled 1 hole" in done.stdout
+    assert out.exists()
+    done = blender(tmp_path / "in.blend", "--all", "--out", str(out))
+    assert done.returncode == 3, done.stdout + done.stderr
+    done = blender(tmp_path / "in.blend", "--object", "B", "--out", str(tmp_path / "never.blend"))
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "select three" in done.stderr
+    assert not (tmp_path / "never.blend").exists()
+    done = blender(tmp_path / "in.blend")
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert "--out" in done.stderr
+
+
+def test_without_numpy_one_sentence_names_the_package(tmp_path):
+    scenes.add_hole()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
+    hide = "import sys; sys.modules['numpy'] = None"
+    done = blender(tmp_path / "in.blend", "--out", str(tmp_path / "out.blend"), setup=hide)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "python3-numpy" in done.stderr
+    assert "Traceback" not in done.stdout + done.stderr
+
+
+@pytest.mark.skipif(bpy.app.version < (4, 2), reason="blender --command came with 4.2")
+def test_the_command_is_registered(addon):
+    command_line = importlib.import_module(addon.__name__ + ".command_line")
+    assert command_line._command is not None
