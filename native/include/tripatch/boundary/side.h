@@ -14,7 +14,7 @@ struct Side {
   PiecewisePolynomial q;  ///< optional (empty: unknown): second derivative of the surrounding surface in the direction of r
   /// Parameters of the rim vertices on the side, from 0 to 1; empty where the side comes from no mesh. Methods that replace c by
   /// a curve of their own keep it at these.
-  std::vector<double> rim;
+  std::vector<double> rim = {};
 
   /// Unit normal on the outer side of the mesh, r x c' (zero where they are parallel).
   Vec3 normal(double t) const;
