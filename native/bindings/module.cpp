@@ -118,6 +118,9 @@ FillOptions options_from(const py::dict& d) {
   o.cross_boundary = d["cross_boundary"].cast<CrossBoundary>();
   o.fairing = d["fairing"].cast<std::string>();
   o.output = d["output"].cast<std::string>();
+  if (has("tolerance")) o.tolerance = d["tolerance"].cast<double>();
+  o.odd = d["odd"].cast<std::string>();
+  o.pole_offset = d["pole_offset"].cast<std::array<double, 2>>();
   o.bulge = d["bulge"].cast<std::array<double, 3>>();
   o.shape = d["shape"].cast<std::array<double, 3>>();
   o.optimal_shape = d["optimal_shape"].cast<bool>();
@@ -223,6 +226,8 @@ PYBIND11_MODULE(_native, m) {
       .def_property_readonly("barycentric", [](const Fill& f) { return array_from(f.barycentric); })
       .def_property_readonly("rim_normals", [](const Fill& f) { return array_from(f.rim_normals); })
       .def_property_readonly("rim_barycentric", [](const Fill& f) { return array_from(f.rim_barycentric); })
+      .def_readonly("split_edges", &Fill::split_edges)
+      .def_readonly("split_t", &Fill::split_t)
       .def_property_readonly("border", [](const Fill& f) { return array_from(f.border); })
       .def_property_readonly("rim", [](const Fill& f) { return array_from(f.rim); })
       .def_property_readonly("face_offsets", [](const Fill& f) { return array_from(f.faces.offsets); })

@@ -223,3 +223,33 @@ def test_the_core_gives_the_interpreter_back_and_the_same_bits():
     with ThreadPoolExecutor(4) as pool:
         fills = list(pool.map(lambda _: tripatch.fill(vertices, faces, rim=rim), range(8)))
     assert all(np.array_equal(f.vertices, fills[0].vertices) for f in fills)
+
+
+def quad_counts(fill):
+    return sorted(len(face) for face in fill.faces)
+
+
+@pytest.mark.parametrize("resolution", [None, 0, 2])
+def test_quads(resolution):
+    vertices, faces, rim = octant()
+    fill = tripatch.fill(vertices, faces, rim=rim, output="quads", resolution=resolution)
+    assert set(quad_counts(fill)) == {4}
+    assert not any(set(loop) & set(rim) for loop in tripatch.find_holes(list(faces) + fill.faces))
+    assert np.allclose(fill.patch.evaluate(fill.barycentric), fill.vertices, atol=1e-14)
+    if resolution == 0:
+        assert len(fill.faces) == 48
+
+
+def test_quads_round_an_odd_rim():
+    vertices, faces, rim = octant(5)
+    split = tripatch.fill(vertices, faces, rim=rim, output="quads", resolution=0)
+    assert set(quad_counts(split)) == {4}
+    (edge,), (t,) = split.split_edges
+    assert t == 0.5
+    assert {*edge} <= set(rim)
+    assert not any({*edge} <= set(face) and abs(face.index(edge[0]) - face.index(edge[1])) in (1, 3) for face in split.faces)
+    middle = split.vertices[0]
+    assert np.linalg.norm(middle - vertices[edge].mean(axis=0)) < 0.1 * np.linalg.norm(np.diff(vertices[edge], axis=0))
+    triangle = tripatch.fill(vertices, faces, rim=rim, output="quads", odd="triangle", resolution=0)
+    assert quad_counts(triangle).count(3) == 1
+    assert len(triangle.split_edges[0]) == 0

@@ -255,3 +255,12 @@ def test_as_a_program(one, tmp_path):
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("Filled 1 hole")
     assert subprocess.run([sys.executable, "-m", "tripatch"], capture_output=True, check=False).returncode == 2
+
+
+def test_quads_of_an_odd_rim_leave_every_face_of_the_file(one, tmp_path, capsys):
+    code, _, errors = run(capsys, "fill", str(one), str(tmp_path / "out.obj"), "--output", "quads", "--odd", "split")
+    assert code == 2
+    assert "triangle" in errors
+    code, _, _ = run(capsys, "fill", str(one), str(tmp_path / "out.obj"), "--output", "quads", "--resolution", "0")
+    assert code == 0
+    assert (tmp_path / "out.obj").read_bytes().startswith(one.read_bytes())

@@ -25,7 +25,12 @@ struct FillOptions {
   CrossBoundary cross_boundary = CrossBoundary::consistent;
   std::string fairing = "auto";                   ///< none, auto, thin_plate, third_derivative, minimum_variation
   std::string output = "triangles";               ///< triangles, quads, cage
-  std::optional<int> resolution;                  ///< triangles: edges per side inside the fill; none: follow the rim
+  std::optional<int> resolution;                  ///< triangles: edges per side inside the fill; none: follow the rim. quads:
+                                                  ///< extra rows round the pole(s); none: the fewest under `tolerance`
+  std::optional<double> tolerance;                ///< quads, resolution none: deviation from the patch, scene units; none: 1e-3
+                                                  ///< of the hole's diameter
+  std::string odd = "split";                      ///< quads round an odd rim: split the longest rim edge, or triangle at the pole
+  std::array<double, 2> pole_offset = {0, 0};     ///< moves the pole, in fractions of the hole
   std::array<double, 3> bulge = {1, 1, 1};        ///< > 0, scales the slopes inside each side
   std::array<double, 3> shape = {0.5, 0.5, 0.5};  ///< lambda of the Szilvasi-Nagy methods, by side
   bool optimal_shape = false;                     ///< lambda by the least thin-plate energy instead
@@ -43,6 +48,9 @@ struct Fill {
   /// Limit surroundings: a cage's vertices do not lie on its surface, so the fill is a mesh of its own (faces use n .. only);
   /// indices into `vertices` of its border, which takes the points that the modifier makes.
   std::vector<Index> border;
+  /// Rim edges that were split, and where; the k-th takes vertices[k].
+  std::vector<std::array<Index, 2>> split_edges;
+  std::vector<double> split_t;
   SurfacePtr patch;
   Sides sides;  ///< the surroundings used
   Report report;

@@ -82,7 +82,7 @@ class Fill:
         self.rim_normals = native.rim_normals
         self.rim_barycentric = native.rim_barycentric
         self.moved = (np.zeros(0, np.int64), np.zeros((0, 3)))
-        self.split_edges = (np.zeros((0, 2), np.int64), np.zeros(0))
+        self.split_edges = (np.array(native.split_edges, np.int64).reshape(-1, 2), np.array(native.split_t))
         self.creases = (np.zeros((0, 2), np.int64), np.zeros(0))
         self.border = native.border
         self.sides = tuple(native.sides)
@@ -183,22 +183,37 @@ def _options(
     fairing="auto",
     output="triangles",
     resolution=None,
+    tolerance=None,
+    odd="split",
+    pole_offset=(0.0, 0.0),
     bulge=1.0,
     shape=(0.5, 0.5, 0.5),
     reading="corrected",
     replaced=(),
 ) -> dict:
     """The options of `fill`, checked, as the core reads them."""
+    _name(output, "output", ("triangles", "quads"))
     limit = _name(surroundings, "surroundings", ("mesh", "limit")) == "limit"
     if resolution is not None:
-        resolution = _whole(resolution, "resolution", 1, 10000)
+        resolution = _whole(resolution, "resolution", *((1, 10000) if output == "triangles" else (0, 100)))
+    if tolerance is not None:
+        if isinstance(tolerance, bool) or not isinstance(tolerance, numbers.Real):
+            raise TypeError("tolerance must be a length, or None")
+        if not (tolerance > 0 and np.isfinite(tolerance)):
+            raise ValueError(f"tolerance must be greater than 0, not {tolerance}")
+    offset = np.asarray(pole_offset, dtype=float)
+    if offset.shape != (2,) or not np.isfinite(offset).all():
+        raise ValueError("pole_offset must be two numbers")
     values, optimal, printed = _method_options(shape, reading)
     return {
         "method": _name(method, "method", tuple(METHODS)),
         "continuity": _continuity(continuity),
         "cross_boundary": _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))],
         "fairing": _name(fairing, "fairing", _FAIRING) or "",
-        "output": _name(output, "output", ("triangles",)),
+        "output": output,
+        "tolerance": tolerance,
+        "odd": _name(odd, "odd", ("split", "triangle")),
+        "pole_offset": offset.tolist(),
         "resolution": resolution,
         "bulge": _bulge(bulge),
         "shape": values,
@@ -262,8 +277,12 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         continuity: "auto", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own.
         cross_boundary: "consistent" (Liu, Ma and Cheng 2008, corrected), "given" or "as_printed".
         fairing: None, "auto", "thin_plate", "third_derivative" or "minimum_variation".
-        output: "triangles".
-        resolution: edges per side inside the fill; None follows the rim.
+        output: "triangles" or "quads".
+        resolution: triangles: edges per side inside the fill, None follows the rim; quads: extra rows round the pole(s), None the
+            fewest, 0 to 4, whose deviation from the patch is under `tolerance`.
+        tolerance: scene units; None: 1e-3 of the hole's diameter.
+        odd: quads round an odd rim: "split" splits the longest rim edge, "triangle" leaves a triangle at the pole.
+        pole_offset: two fractions of the hole that move the pole, along side 2 and towards corner 2.
         bulge: > 0, one or three: scales the slopes inside each side, corners kept.
         shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
         reading: "corrected", or "as_printed" for the papers' own formulas.

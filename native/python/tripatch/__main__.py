@@ -59,6 +59,20 @@ def _or_none(parse):
     return read
 
 
+def _odd(text: str) -> str:
+    if text == "split":
+        raise argparse.ArgumentTypeError("split changes a face of the mesh, which a file keeps as it is; use triangle")
+    return text
+
+
+def _two(text: str) -> tuple[float, float]:
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no pair of numbers such as 0.1,0") from None
+    return x, y
+
+
 def _shape(text: str):
     return text if text == "optimal" else _one_or_three(float)(text)
 
@@ -79,8 +93,15 @@ OPTIONS = {
     "continuity": (_one_or_three(str), "C[,C,C]", "auto, G0, G1 or G2, for all sides or each (auto: the method's own)"),
     "cross_boundary": (str, "NAME", "slopes across the sides: given, consistent or as_printed (consistent)"),
     "fairing": (_or_none(str), "NAME", "none, auto, thin_plate, third_derivative or minimum_variation (auto)"),
-    "output": (str, "NAME", "triangles"),
-    "resolution": (_or_none(int), "N", "edges per side inside the fill; none follows the rim (none)"),
+    "output": (str, "NAME", "triangles or quads (triangles)"),
+    "resolution": (
+        _or_none(int),
+        "N",
+        "triangles: edges per side inside the fill, none follows the rim; quads: extra rows round the pole, none the fewest (none)",
+    ),
+    "tolerance": (_or_none(float), "D", "quads: distance from the patch that decides on the rows (1e-3 of the hole's diameter)"),
+    "odd": (_odd, "NAME", "quads round an odd rim: triangle leaves one at the pole (triangle)"),
+    "pole_offset": (_two, "X,Y", "moves the pole, in fractions of the hole (0,0)"),
     "bulge": (_one_or_three(float), "B[,B,B]", "scales the slopes inside each side, greater than 0 (1)"),
     "shape": (_shape, "L[,L,L]", "lambda of the Szilvasi-Nagy methods, from 0 to 1, by side; or optimal (0.5)"),
     "reading": (str, "NAME", "formulas corrected or as_printed (corrected)"),
@@ -197,7 +218,7 @@ def _fill(args: argparse.Namespace) -> int:
         raise ValueError("--all chooses the rims and corners itself; leave out --rim and --corners")
     if args.outer and not args.all:
         raise ValueError("--outer goes with --all")
-    options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
+    options = {"odd": "triangle"} | {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
     mesh = files.read(args.input)
     out = mesh if args.out.suffix.lower() == args.input.suffix.lower() else files.converted(mesh, args.out.suffix)
 
