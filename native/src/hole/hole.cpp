@@ -369,30 +369,47 @@ void check_positions(const Mesh& mesh, const FacesAround& around, const Loop& ri
 // Seen over the window, a round rim turns by 15 degrees, the ten test holes by 65 to 155 at their corners and by no more than 27
 // elsewhere.
 constexpr double window_share = 1.0 / 24;       ///< of the rim's length, to either side
+constexpr double normal_share = 1.0 / 3;        ///< of the window: where the tangent plane is read
 constexpr double clear_turn = 40 * M_PI / 180;  ///< a corner turns by at least this
 constexpr double sure_turn = 55 * M_PI / 180;   ///< and is one whatever the number of edges (a hexagon has six corners)
 constexpr double over_round = 1.5;              ///< less sure ones: by this many times what a round rim of such edges turns,
 constexpr double over_neighbours = 2;           ///< or by this many times what it turns at the vertices next to it
-constexpr double crisp_turn = 60 * M_PI / 180;  ///< a single vertex that turns by this is never part of another corner
-constexpr std::size_t most_corners = 12;        ///< counted; a rim with more has none that is clear
+constexpr double crisp_turn = 75 * M_PI / 180;  ///< a single vertex that turns by this is never part of another corner,
+constexpr double crisp_share = 1.0 / 12;  ///< given that its edges are this long, in windows: those of no length turn by noise
+constexpr std::size_t most_corners = 12;  ///< counted; a rim with more has none that is clear
 
-/// Angle-weighted normals of the faces around each rim vertex.
-Points rim_normals(const Mesh& mesh, const FacesAround& around, const Loop& rim, double scale) {
-  Points normals(rim.size(), 3);
-  for (std::size_t k = 0; k < rim.size(); ++k) {
-    Vec3 sum = Vec3::Zero();
+/// Normals along the rim: those of the vector area of the faces around, summed over the window. That is linear in the vertices, so that
+/// noise cancels even where it turns faces over.
+Points rim_normals(const Mesh& mesh, const FacesAround& around, const Loop& rim, const std::vector<double>& length,
+                   double scale) {
+  const Index n = static_cast<Index>(rim.size());
+  const double window = normal_share * window_share * std::accumulate(length.begin(), length.end(), 0.0);
+  Points area = Points::Zero(n, 3);
+  for (Index k = 0; k < n; ++k)
     for (const auto& c : around.at(rim[k])) {
       const auto p = mesh.vertices.row(rim[k]);
       const Vec3 a = (mesh.vertices.row(around.next(c)) - p).transpose() * scale;
       const Vec3 b = (mesh.vertices.row(around.previous(c)) - p).transpose() * scale;
-      const Vec3 n = a.cross(b);
-      sum += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
+      area.row(k) += a.cross(b);
     }
-    normals.row(k) = sum.stableNormalized();
+  // running sums over three rounds
+  std::vector<double> s(3 * n, 0);
+  Points sum = Points::Zero(3 * n + 1, 3);
+  for (Index k = 0; k < 3 * n; ++k) {
+    if (k > 0) s[k] = s[k - 1] + length[(k - 1) % n];
+    sum.row(k + 1) = sum.row(k) + area.row(k % n);
+  }
+  Points normals(n, 3);
+  Index first = 0, last = 0;
+  for (Index k = n; k < 2 * n; ++k) {
+    while (s[k] - s[first] >= window) ++first;
+    last = std::max(last, k);
+    while (s[last + 1] - s[k] < window) ++last;
+    normals.row(k - n) = (sum.row(last + 1) - sum.row(first)).transpose().stableNormalized();
   }
   // where all faces are needles without area, the next normal along the rim serves
-  for (Index k = 2 * normals.rows() - 2; k >= 0; --k)
-    if (normals.row(k % normals.rows()).isZero(0)) normals.row(k % normals.rows()) = normals.row((k + 1) % normals.rows());
+  for (Index k = 2 * n - 2; k >= 0; --k)
+    if (normals.row(k % n).isZero(0)) normals.row(k % n) = normals.row((k + 1) % n);
   return normals;
 }
 
@@ -448,7 +465,7 @@ RimShape measure(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
   edges *= scale;
   RimShape shape;
   for (Index k = 0; k < n; ++k) shape.length.push_back(edges.row(k).norm());
-  const Points normals = rim_normals(mesh, around, rim, scale);
+  const Points normals = rim_normals(mesh, around, rim, shape.length, scale);
   shape.turn = turns_at_vertices(edges, normals);
   shape.without_area = normals.row(0).isZero(0);
   return shape;
@@ -489,7 +506,8 @@ std::vector<Index> detect_corners(const Mesh& mesh, const FacesAround& around, c
       for (Index k = best; way < window;) {
         way += length[step > 0 ? k : (k + n - 1) % n];
         k = (k + step + n) % n;
-        if (way < window && std::abs(turn[k]) < crisp_turn) turn[k] = 0;
+        const bool long_enough = 0.5 * (length[k] + length[(k + n - 1) % n]) >= crisp_share * window;
+        if (way < window && !(std::abs(turn[k]) >= crisp_turn && long_enough)) turn[k] = 0;
       }
     }
   }
