@@ -621,7 +621,7 @@ Hole find_hole(const Mesh& mesh) {
   // a hole turns once round one way, the outer border of an open mesh the other; the latter is meant only where it is the only one
   const auto is_outer = [&](const Loop& loop) {
     const std::vector<double> turn = measure(mesh, around, loop).turn;
-    return std::accumulate(turn.begin(), turn.end(), 0.0) < -M_PI;
+    return std::accumulate(turn.begin(), turn.end(), 0.0) < -M_PI / 2;
   };
   if (loops.size() > 1 && !std::all_of(loops.begin(), loops.end(), is_outer)) std::erase_if(loops, is_outer);
   std::vector<Hole> found;
