@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "tripatch/boundary/rectangle_surface.h"
+
 namespace tripatch {
 namespace {
 
@@ -100,6 +102,18 @@ Points elevated_curve(const Points& curve) {
     out.row(k) = s * curve.row(k - 1) + (1 - s) * curve.row(k);
   }
   return out;
+}
+
+Side side_of(const BezierTriangle& triangle, int i, bool reversed) {
+  if (i < 0 || i > 2) throw InvalidArgument("A triangle has edges 0 to 2, not " + std::to_string(i));
+  Vec3 inward = Vec3::Constant(-0.5);
+  inward[i] = 1;
+  const BezierTriangle r = triangle.derivative(inward), q = r.derivative(inward);
+  const auto along = [&](const BezierTriangle& s) {
+    const Points curve = s.side(i);
+    return PiecewisePolynomial::bezier({curve.data(), static_cast<std::size_t>(curve.size())}, 3);
+  };
+  return checked_edge({along(triangle), along(r), along(q)}, i, reversed);
 }
 
 }  // namespace tripatch

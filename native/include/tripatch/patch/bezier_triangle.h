@@ -1,6 +1,7 @@
 // Bezier triangle: a polynomial surface over the triangle, given by its control net.
 #pragma once
 
+#include "tripatch/boundary/side.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
@@ -38,5 +39,9 @@ Index side_row(int degree, int i, int k);
 
 /// The same Bezier curve, one degree higher.
 Points elevated_curve(const Points& curve);
+
+/// Side i of a Bezier triangle that surrounds a hole, from corner i + 1 to corner i + 2 (reversed: back, where the side's normal is
+/// the triangle's own): r and q are its first and second derivative in the direction delta_i, into the triangle. Exact.
+Side side_of(const BezierTriangle& triangle, int i, bool reversed);
 
 }  // namespace tripatch
