@@ -108,7 +108,9 @@ def set_corner_normals(bm, normals):
         for loop, normal in normals.items():
             loop[free] = normal
         return
-    faces = list(dict.fromkeys(f for loop in normals for f in loop.vert.link_faces))
+    # A closed fan is counted from its first face on, so the order of the faces matters.
+    bm.faces.index_update()
+    faces = sorted({f for loop in normals for f in loop.vert.link_faces}, key=lambda f: f.index)
     with _Scratch(bm, faces) as scratch:
         corners = [corner for f in faces for corner in f.loops]
         scratch.mesh.normals_split_custom_set([tuple(normals.get(corner, (0.0, 0.0, 0.0))) for corner in corners])

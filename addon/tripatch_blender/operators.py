@@ -99,7 +99,7 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
         layout.use_property_decorate = False
         layout.prop(self, "output")
         layout.prop(self, "resolution")
-        tangent = library.tripatch.METHODS[self.method].continuity != "G0"
+        tangent = self._keeps_tangents()
         row = layout.row()
         row.active = tangent
         row.prop(self, "continuity")
@@ -110,9 +110,14 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
         layout.prop(self, "corner_offset")
         layout.prop(self, "shading")
 
+    def _keeps_tangents(self):
+        return library.tripatch.METHODS[self.method].continuity != "G0"
+
     def _options(self):
         names = ("output", "continuity", "method", "bulge", "surroundings")
         arguments = {name: getattr(self, name) for name in names}
+        if not self._keeps_tangents():
+            arguments["continuity"] = "auto"  # the row is greyed out
         return filling.Options(dict(arguments, resolution=self.resolution or None), self.corner_offset, self.shading)
 
     def execute(self, context):
