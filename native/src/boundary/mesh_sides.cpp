@@ -1,5 +1,6 @@
-// Tangent planes of a plain mesh along a rim: local polynomials of degree 4 whose noise, truncation and coefficient sizes are
-// estimated from the hole itself (empirical Bayes), see docs/mathematics/surroundings.md.
+// Tangent planes of a plain mesh along a rim: local polynomials of degree 5 whose noise, truncation and coefficient sizes are
+// estimated from the hole itself (empirical Bayes: MacKay 1992, Bayesian interpolation). docs/mathematics/surroundings.md has the
+// formulas and what they reach.
 #include "tripatch/boundary/mesh_sides.h"
 
 #include <Eigen/Dense>
@@ -10,23 +11,28 @@
 namespace tripatch {
 namespace {
 
-constexpr int terms = 15;             // polynomials of degree 4 in (x, y)
-constexpr int max_rings = 6;          // rings of faces around a rim vertex
-constexpr int enough_points = 50;     // a stencil stops growing at this size
-constexpr double same_sheet = 0.5;    // cosine: faces turned further from the vertex's own are another sheet (a cube's edge)
-constexpr double least_noise = 1e-7;  // of the stencil radius: keeps the normal equations solvable
-using Row = Eigen::Matrix<double, 1, terms>;
+constexpr int degree = 5;  // of the local polynomials
+constexpr int terms = 21;
+constexpr int max_rings = 6;        // rings of faces around a rim vertex
+constexpr int enough_points = 50;   // a stencil stops growing at this size
+constexpr double same_sheet = 0.5;  // cosine: faces turned further from the vertex's own are another sheet (a cube's edge)
+constexpr double sharp_bend = 8 * M_PI / 180;  // radians: edges that bend less are never sharp
+constexpr double least_noise = 1e-7;           // of the stencil radius: keeps the normal equations solvable
 using Square = Eigen::Matrix<double, terms, terms>;
 using Column = Eigen::Matrix<double, terms, 1>;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, terms, Eigen::RowMajor>;
 
-constexpr std::array<int, terms> degree_of = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4};
+constexpr std::array<int, terms> degree_of = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 5, 5, 5, 5, 5, 5};
 
 /// Taylor monomials x^i y^j / (i! j!), so that the coefficients are the derivatives of the height.
-Row monomials(double x, double y) {
-  const double xx = x * x, xy = x * y, yy = y * y;
-  Row a;
-  a << 1, x, y, xx / 2, xy, yy / 2, xx * x / 6, xx * y / 2, x * yy / 2, yy * y / 6, xx * xx / 24, xx * xy / 6, xx * yy / 4,
-      xy * yy / 6, yy * yy / 24;
+Column monomials(double x, double y) {
+  Column a;
+  a[0] = 1;
+  for (int d = 1, k = 1; d <= degree; k += ++d) {
+    // x^(d-j) y^j / ((d-j)! j!) from the terms of degree d - 1
+    for (int j = 0; j < d; ++j) a[k + j] = a[k - d + j] * x / (d - j);
+    a[k + d] = a[k - 1] * y / d;
+  }
   return a;
 }
 
@@ -42,6 +48,7 @@ struct Patchwork {
   std::vector<int> fan_offsets, fan;  // faces at each vertex
   std::vector<int> rim;               // local
   std::vector<int> beside;            // face that holds rim edge k reversed
+  std::vector<int> across;            // face beyond the edge that starts at a corner; -1: none, or the edge is sharp
   Vec3 origin = Vec3::Zero();
   double scale = 1;  // mean rim edge
 };
@@ -165,72 +172,137 @@ Patchwork take_out(const Mesh& mesh, const Hole& hole, const std::vector<Index>&
   return w;
 }
 
-/// Sizes of what the heights are made of, in units of `scale`: everything that decides between smoothing and precision.
+/// Neighbours of the faces within the rings. An edge is sharp if it bends by more than 8 degrees and twice as much as any
+/// edge near it that runs its way: a chamfer's edge is, the edges of a coarse sphere or cylinder are not.
+void find_neighbours(Patchwork& w) {
+  const int faces = static_cast<int>(w.area.size());
+  std::vector<char> reached(faces, 0), seen(w.vertex.size(), 0);
+  std::vector<int> near, front = w.rim, next;
+  for (int v : front) seen[v] = 1;
+  for (int ring = 0; ring < max_rings; ++ring, front = std::move(next)) {
+    next.clear();
+    for (int v : front)
+      for (int e = w.fan_offsets[v]; e < w.fan_offsets[v + 1]; ++e) {
+        const int f = w.fan[e];
+        if (reached[f]) continue;
+        reached[f] = 1;
+        near.push_back(f);
+        for (int c = w.offsets[f]; c < w.offsets[f + 1]; ++c)
+          if (!seen[w.corners[c]]) {
+            seen[w.corners[c]] = 1;
+            next.push_back(w.corners[c]);
+          }
+      }
+  }
+  std::vector<int> across(w.corners.size(), -1);  // the face beyond the edge that starts at a corner
+  std::vector<double> bend(w.corners.size(), 0);  // radians
+  const auto after = [&](int f, int c) { return c + 1 < w.offsets[f + 1] ? c + 1 : w.offsets[f]; };
+  for (int f : near)
+    for (int c = w.offsets[f]; c < w.offsets[f + 1]; ++c) {
+      const int a = w.corners[c], b = w.corners[after(f, c)];
+      for (int e = w.fan_offsets[a]; e < w.fan_offsets[a + 1] && across[c] < 0; ++e) {
+        const int g = w.fan[e];
+        if (g == f || !reached[g]) continue;
+        for (int d = w.offsets[g]; d < w.offsets[g + 1]; ++d)
+          if (w.corners[d] == b) across[c] = g;
+      }
+      if (across[c] >= 0) bend[c] = std::atan2(w.area[f].cross(w.area[across[c]]).norm(), w.area[f].dot(w.area[across[c]]));
+    }
+  w.across = across;
+  for (int f : near)
+    for (int c = w.offsets[f]; c < w.offsets[f + 1]; ++c) {
+      if (bend[c] <= sharp_bend) continue;
+      const int a = w.corners[c], b = w.corners[after(f, c)];
+      std::vector<int> around = {f, across[c]};
+      for (std::size_t k = 0, round = 0, end = 2; round < 2; ++round, end = around.size())
+        for (; k < end; ++k)
+          for (int d = w.offsets[around[k]]; d < w.offsets[around[k] + 1]; ++d)
+            if (across[d] >= 0 && std::find(around.begin(), around.end(), across[d]) == around.end()) around.push_back(across[d]);
+      double others = -1;  // the largest bend of those edges
+      const Vec3 way = w.position[b] - w.position[a];
+      for (int g : around)
+        for (int d = w.offsets[g]; d < w.offsets[g + 1]; ++d) {
+          const int p = w.corners[d], q = w.corners[after(g, d)];
+          if (p == a || p == b || q == a || q == b || across[d] < 0) continue;
+          const Vec3 direction = w.position[q] - w.position[p];
+          if (std::abs(direction.dot(way)) > 0.7 * direction.norm() * way.norm()) others = std::max(others, bend[d]);
+        }
+      if (others >= 0 && bend[c] > sharp_bend + 2 * others) w.across[c] = -1;
+    }
+}
+
+/// Sizes of what the heights, in units of `scale`: everything that decides between smoothing and precision.
 struct Sizes {
-  double noise = 1e-6;                             // variance of a height
-  double truncation = 1;                           // variance over radius^10: what degree 4 leaves out
-  std::array<double, 5> term = {1, 100, 1, 1, 1};  // variances of the derivatives of each degree
+  double noise = 1e-6;    // variance of a height
+  double truncation = 1;  // variance over radius^(2 degree + 2): what the polynomial leaves out
+  std::array<double, degree + 1> term = {1, 100, 1, 1, 1, 1};  // variances of the derivatives of each degree
 };
 
 /// The heights around one rim vertex over its first guess of a tangent plane.
 struct Stencil {
   Vec3 e1, e2, e3;  // along the rim, outward, normal
-  std::vector<Row> a;
-  std::vector<double> z, share, g;  // height, weight of the wedge, radius^10
-  double slope_noise = 1;           // of the rim's own direction: variance over that of the noise,
-  int slope_order = 4;              // and what its interpolation leaves out: (derivative of this degree x slope_truncation)
+  Rows a;
+  Eigen::VectorXd z, share, g;  // height, weight by place, radius^(2 degree + 2)
+  double slope_noise = 1;       // of the rim's own direction: variance over that of the noise,
+  int slope_order = 4;          // and what its interpolation leaves out: (derivative of this degree x slope_truncation)
   double slope_truncation = 0;
 };
 
 struct Solution {
   Column mean;
-  Square covariance;
+  Eigen::LLT<Square, Eigen::Lower> factor;  // of the inverse covariance
 };
 
-Solution solve(const Stencil& s, const Sizes& sizes, double radius10 = INFINITY) {
-  Square p = Square::Zero();
-  Column b = Column::Zero();
-  for (std::size_t i = 0; i < s.a.size(); ++i) {
-    if (s.g[i] > radius10) continue;
-    const double w = s.share[i] / (sizes.noise + sizes.truncation * s.g[i]);
-    p.selfadjointView<Eigen::Lower>().rankUpdate(s.a[i].transpose(), w);
-    b += (w * s.z[i]) * s.a[i].transpose();
-  }
+Solution solve(const Stencil& s, const Sizes& sizes) {
+  const Eigen::VectorXd w = s.share.array() / (sizes.noise + sizes.truncation * s.g.array());
+  const Rows wa = w.asDiagonal() * s.a;
+  Square p = s.a.transpose() * wa;
   for (int j = 0; j < terms; ++j) p(j, j) += 1 / sizes.term[degree_of[j]];
   p(1, 1) += 1 / (sizes.noise * s.slope_noise + sizes.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
-  const Eigen::LLT<Square, Eigen::Lower> llt(p.selfadjointView<Eigen::Lower>());
-  return {llt.solve(b), llt.solve(Square::Identity())};
+  Solution r;
+  r.factor.compute(p);
+  r.mean = r.factor.solve(Column(wa.transpose() * s.z));
+  return r;
 }
 
-/// Expectation maximisation over the stencils, each step lengthened; see docs/mathematics/surroundings.md.
-Sizes estimate_sizes(const std::vector<Stencil>& stencils, double least) {
+/// Sizes that make the heights of all stencils likeliest (MacKay 1992, eqs. 4.9 to 4.11: each size is the mean square of what it
+/// explains over the number of its well-determined parameters). `radius`: mean distance of the points;
+/// `bend`: squared curvature that the faces show. Starts from no noise, so that coarse but clean meshes are not smoothed.
+Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double bend) {
   Sizes sizes;
-  for (int iteration = 0; iteration < 25; ++iteration) {
-    std::array<double, 5> sum = {}, count = {};
+  const double least = least_noise * radius;
+  // the variance of a term of this degree that makes heights of `least` at the radius
+  const auto floor = [&](int d) { return std::pow(least / std::pow(radius, d), 2); };
+  const double least_bend = 0.3 * bend;
+  bend = std::max(bend, 0.01 / (radius * radius));
+  sizes.term = {1, 100, bend, bend * bend, std::pow(bend, 3), std::pow(bend, 4)};
+  sizes.noise = least * least;
+  sizes.truncation = std::pow(bend, 5) / 720 / 720;
+  for (int iteration = 0; iteration < 14; ++iteration) {
+    std::array<double, degree + 1> sum = {}, count = {};
     double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0;
     for (const Stencil& s : stencils) {
       const Solution fit = solve(s, sizes);
+      const Column variance = fit.factor.matrixL().solve(Square::Identity()).colwise().squaredNorm().transpose();
       for (int j = 0; j < terms; ++j) {
-        sum[degree_of[j]] += fit.mean[j] * fit.mean[j] + fit.covariance(j, j);
-        count[degree_of[j]] += 1;
+        const int d = degree_of[j];
+        sum[d] += fit.mean[j] * fit.mean[j];
+        count[d] += std::max(1 - variance[j] / sizes.term[d], 1e-3);
       }
-      for (std::size_t i = 0; i < s.a.size(); ++i) {
-        const double residual = s.z[i] - s.a[i].dot(fit.mean);
-        const double second = residual * residual + (s.a[i] * fit.covariance).dot(s.a[i]);
-        const double t = sizes.truncation * s.g[i], v = sizes.noise + t;
-        const double part = sizes.noise / v;
-        noise += s.share[i] * (part * part * second + part * t);
-        noise_count += s.share[i];
-        if (s.g[i] > 0) {
-          truncation += s.share[i] * ((1 - part) * (1 - part) * second + (1 - part) * sizes.noise) / s.g[i];
-          truncation_count += s.share[i];
-        }
-      }
+      const Eigen::ArrayXd v = sizes.noise + sizes.truncation * s.g.array(), part = sizes.noise / v;
+      const Eigen::MatrixXd half = fit.factor.matrixL().solve(s.a.transpose());
+      const Eigen::ArrayXd freedom = s.share.array() * (1 - half.colwise().squaredNorm().transpose().array() / v).max(1e-3);
+      const Eigen::ArrayXd square = s.share.array() * (s.z - s.a * fit.mean).array().square();
+      noise += (part.square() * square).sum();
+      noise_count += (part * freedom).sum();
+      truncation += (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
+      truncation_count += ((1 - part) * freedom).sum();
     }
-    const auto step = [&](double old, double next) { return std::max(old * std::pow(next / old, 1.7), least * least); };
-    sizes.noise = step(sizes.noise, noise / noise_count);
-    sizes.truncation = step(sizes.truncation, truncation / truncation_count);
-    for (int d = 2; d <= 4; ++d) sizes.term[d] = step(sizes.term[d], sum[d] / count[d]);
+    const auto ratio = [](double above, double below) { return below > 0 ? above / below : 0; };
+    sizes.noise = std::max(ratio(noise, noise_count), least * least);
+    sizes.truncation = std::max(ratio(truncation, truncation_count), 1e-6 * floor(degree + 1));
+    for (int d = 2; d <= degree; ++d) sizes.term[d] = std::max(ratio(sum[d], count[d]), floor(d));
+    sizes.term[2] = std::max(sizes.term[2], least_bend);
   }
   return sizes;
 }
@@ -242,15 +314,21 @@ struct Draft {
   double length = 0;          // of the chords, in scaled units
   std::vector<Vec3> tangent;  // unit, of the curve as it stands
   std::vector<Vec3> guess;    // normal
+  std::vector<int> face;      // beside the edges
   std::vector<Vec3> normal;
-  std::vector<double> curvature;  // across, n . II
+  std::vector<Eigen::Matrix3d> second;  // second fundamental form, of tangent vectors
 };
 
-PiecewisePolynomial curve(const Patchwork& w, const Draft& side, const std::vector<double>& start = {},
-                          const std::vector<double>& end = {}) {
-  std::vector<double> values;
-  for (int v : side.vertex) values.insert(values.end(), w.position[v].data(), w.position[v].data() + 3);
-  return PiecewisePolynomial::spline(side.t, values, 3, start, end);
+PiecewisePolynomial spline(const std::vector<double>& t, const std::vector<Vec3>& values) {
+  std::vector<double> flat;
+  for (const Vec3& p : values) flat.insert(flat.end(), p.data(), p.data() + 3);
+  return PiecewisePolynomial::spline(t, flat, 3);
+}
+
+PiecewisePolynomial curve(const Patchwork& w, const Draft& side) {
+  std::vector<Vec3> points;
+  for (int v : side.vertex) points.push_back(w.position[v]);
+  return spline(side.t, points);
 }
 
 /// x from 0 (nothing) to 1 (everything), smooth.
@@ -259,7 +337,57 @@ double fade(double x) {
   return u * u * (3 - 2 * u);
 }
 
-Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int i, int k, std::vector<int>& stamp, int mark) {
+/// Second derivatives for a curve through values with first derivatives: those of the two cubic Hermite pieces at each parameter,
+/// averaged, the shorter piece counting more.
+std::vector<Vec3> second_derivatives(const std::vector<double>& t, const std::vector<Vec3>& value,
+                                     const std::vector<Vec3>& first) {
+  std::vector<Vec3> second(t.size(), Vec3::Zero());
+  std::vector<double> weight(t.size(), 0);
+  for (std::size_t k = 0; k + 1 < t.size(); ++k) {
+    const double h = t[k + 1] - t[k];
+    const Vec3 slope = (value[k + 1] - value[k]) / h;
+    second[k] += (6 * slope - 4 * first[k] - 2 * first[k + 1]) / (h * h);
+    second[k + 1] += (2 * first[k] + 4 * first[k + 1] - 6 * slope) / (h * h);
+    weight[k] += 1 / h;
+    weight[k + 1] += 1 / h;
+  }
+  for (std::size_t k = 0; k < t.size(); ++k) second[k] /= weight[k];
+  return second;
+}
+
+/// C2 curve of degree 5 through values with first and second derivatives.
+PiecewisePolynomial quintic(const std::vector<double>& t, const std::vector<Vec3>& value, const std::vector<Vec3>& first,
+                            const std::vector<Vec3>& second) {
+  std::vector<double> coefficients;
+  for (std::size_t k = 0; k + 1 < t.size(); ++k) {
+    // about the middle, u from -1 to 1: even and odd parts
+    const double h = 0.5 * (t[k + 1] - t[k]);
+    const Vec3 p0 = (value[k] + value[k + 1]) / 2, m0 = (value[k + 1] - value[k]) / 2;
+    const Vec3 p1 = h * (first[k + 1] - first[k]) / 2, m1 = h * (first[k] + first[k + 1]) / 2;
+    const Vec3 p2 = h * h * (second[k] + second[k + 1]) / 2, m2 = h * h * (second[k + 1] - second[k]) / 2;
+    std::array<Vec3, 6> c;
+    c[4] = (p2 - p1) / 8;
+    c[2] = (p1 - 4 * c[4]) / 2;
+    c[0] = p0 - c[2] - c[4];
+    c[5] = (m2 - 3 * m1 + 3 * m0) / 8;
+    c[3] = (m1 - m0 - 4 * c[5]) / 2;
+    c[1] = m0 - c[3] - c[5];
+    double power = 1;
+    for (const Vec3& v : c) {
+      for (int x = 0; x < 3; ++x) coefficients.push_back(v[x] / power);
+      power *= h;
+    }
+  }
+  return {t, 5, 3, coefficients};
+}
+
+/// What a stencil has reached: the number of the stencil.
+struct Marks {
+  std::vector<int> vertex, face;
+  int now = 0;
+};
+
+Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int i, int k, Marks& marks) {
   Stencil s;
   const Draft &side = drafts[i], &before = drafts[(i + 2) % 3], &after = drafts[(i + 1) % 3];
   const int edges = static_cast<int>(side.vertex.size()) - 1;
@@ -285,43 +413,80 @@ Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int
     for (int v : vertices) d = std::min(d, (w.position[v] - q).squaredNorm());
     return std::sqrt(d);
   };
-  const auto in_front = [&](int v) {
+  const auto is_own = [&](int v) { return std::find(own.begin(), own.end(), v) != own.end(); };
+  const auto in_front = [&](int v, bool between) {
     const Vec3 q = w.position[v];
-    if ((nearest > 0 && farthest < edges) || std::find(own.begin(), own.end(), v) != own.end()) return 1.0;
+    if ((nearest > 0 && farthest < edges) || is_own(v)) return 1.0;
     double share = 1;
-    if (nearest == 0) share *= fade(((q - first).dot(side.tangent[0]) / h_first + 0.35) / 0.25);
-    if (farthest == edges) share *= fade(((last - q).dot(side.tangent[edges]) / h_last + 0.35) / 0.25);
+    if (between && nearest == 0) share *= fade(((q - first).dot(side.tangent[0]) / h_first + 0.35) / 0.25);
+    if (between && farthest == edges) share *= fade(((last - q).dot(side.tangent[edges]) / h_last + 0.35) / 0.25);
     if (share <= 0) return share;
     const double mine = distance(q, own), other = std::min(distance(q, first_other), distance(q, last_other));
     return share * fade((1.3 - mine / std::max(other, 1e-12 * mine)) / 0.25);
   };
-  std::vector<int> front = {side.vertex[k]}, next;
-  stamp[side.vertex[k]] = mark;
-  const auto add = [&](int v) {
-    const double share = in_front(v);
-    if (share <= 0) return;
-    const Vec3 d = w.position[v] - p;
-    s.a.push_back(monomials(d.dot(s.e1), d.dot(s.e2)));
-    s.z.push_back(d.dot(s.e3));
-    s.share.push_back(share);
-    const double r2 = d.squaredNorm();
-    s.g.push_back(r2 * r2 * r2 * r2 * r2);
+  std::vector<std::pair<int, double>> used;
+  std::vector<int> front, next, all;
+  const auto reach = [&](int v) {
+    if (marks.vertex[v] == marks.now) return;
+    marks.vertex[v] = marks.now;
+    next.push_back(v);
+    all.push_back(v);
+    const double share = in_front(v, true);
+    if (share > 0) used.emplace_back(v, share);
   };
-  add(side.vertex[k]);
-  for (int ring = 0; ring < max_rings && static_cast<int>(s.a.size()) < enough_points && !front.empty(); ++ring) {
-    next.clear();
-    for (int v : front)
-      for (int e = w.fan_offsets[v]; e < w.fan_offsets[v + 1]; ++e) {
-        const int f = w.fan[e];
-        if (!(w.area[f].dot(s.e3) > same_sheet * w.area[f].norm())) continue;  // also without area
-        for (int c = w.offsets[f]; c < w.offsets[f + 1]; ++c)
-          if (stamp[w.corners[c]] != mark) {
-            stamp[w.corners[c]] = mark;
-            next.push_back(w.corners[c]);
-          }
+  const auto take = [&](int f) {
+    marks.face[f] = marks.now;
+    for (int c = w.offsets[f]; c < w.offsets[f + 1]; ++c) reach(w.corners[c]);
+  };
+  ++marks.now;
+  reach(side.vertex[k]);
+  front = {side.vertex[k]};
+  next.clear();
+  take(side.face[std::max(k - 1, 0)]);
+  take(side.face[std::min(k, edges - 1)]);
+  for (int ring = 0; ring < max_rings && static_cast<int>(used.size()) < enough_points && !front.empty(); ++ring) {
+    for (int v : front) {
+      // the faces of its fan that smooth edges connect with those taken already
+      bool more = true;
+      while (more) {
+        more = false;
+        for (int e = w.fan_offsets[v]; e < w.fan_offsets[v + 1]; ++e) {
+          const int f = w.fan[e];
+          if (marks.face[f] == marks.now || !(w.area[f].dot(s.e3) > same_sheet * w.area[f].norm())) continue;
+          bool connected = false;
+          for (int c = w.offsets[f]; c < w.offsets[f + 1] && !connected; ++c)
+            connected = w.across[c] >= 0 && marks.face[w.across[c]] == marks.now;
+          if (!connected) continue;
+          take(f);
+          more = true;
+        }
       }
-    for (int v : next) add(v);
-    front = next;
+    }
+    front = std::move(next);
+    next.clear();
+  }
+
+  // Where the rows lean over the end of the side, next to nothing may be left: then what is nearer to this side, then all.
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const auto beyond_rim = std::count_if(used.begin(), used.end(), [&](const auto& u) { return !is_own(u.first); });
+    if (beyond_rim >= 8 || used.size() == all.size()) break;
+    used.clear();
+    for (int v : all) {
+      const double share = attempt == 0 ? in_front(v, false) : 1;
+      if (share > 0) used.emplace_back(v, share);
+    }
+  }
+  const Index size = static_cast<Index>(used.size());
+  s.a.resize(size, terms);
+  s.z.resize(size);
+  s.share.resize(size);
+  s.g.resize(size);
+  for (Index j = 0; j < size; ++j) {
+    const Vec3 d = w.position[used[j].first] - p;
+    s.a.row(j) = monomials(d.dot(s.e1), d.dot(s.e2)).transpose();
+    s.z[j] = d.dot(s.e3);
+    s.share[j] = used[j].second;
+    s.g[j] = std::pow(d.squaredNorm(), degree + 1);
   }
 
   // how well the interpolating curve knows its own direction here
@@ -337,7 +502,8 @@ Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int
 }  // namespace
 
 MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index>& replaced) {
-  const Patchwork w = take_out(mesh, hole, replaced);
+  Patchwork w = take_out(mesh, hole, replaced);
+  find_neighbours(w);
   const int rim_size = static_cast<int>(w.rim.size());
   std::array<Draft, 3> drafts;
   for (int i = 0; i < 3; ++i) {
@@ -353,6 +519,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
       side.length += (w.position[side.vertex[k]] - w.position[side.vertex[k - 1]]).norm();
       side.t.push_back(side.length);
       face.push_back(w.area[w.beside[(from + k - 1) % rim_size]]);
+      side.face.push_back(w.beside[(from + k - 1) % rim_size]);
     }
     for (double& t : side.t) t /= side.length;
     side.t.back() = 1;
@@ -368,21 +535,28 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     }
   }
 
-  std::vector<int> stamp(w.vertex.size(), -1);
-  int mark = 0;
+  Marks marks = {std::vector<int>(w.vertex.size(), 0), std::vector<int>(w.area.size(), 0), 0};
   std::vector<Stencil> samples;
   double radius = 0, points = 0;
   for (int i = 0; i < 3; ++i) {
-    const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / 20);
-    for (int k = 0; k < n; k += step) samples.push_back(make_stencil(w, drafts, i, k, stamp, mark++));
+    const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / 10);
+    for (int k = 0; k < n; k += step) samples.push_back(make_stencil(w, drafts, i, k, marks));
   }
-  for (const Stencil& s : samples)
-    for (double g : s.g) radius += std::pow(g, 0.2), points += 1;
-  const Sizes sizes = estimate_sizes(samples, least_noise * std::sqrt(radius / points));
+  for (const Stencil& s : samples) {
+    radius += s.g.array().pow(1.0 / (2 * degree + 2)).sum();
+    points += static_cast<double>(s.g.size());
+  }
+  // the squared curvature that the faces beside the rim show, to start with
+  double bend = 0;
+  for (int k = 0; k < rim_size; ++k) {
+    const Vec3 a = w.area[w.beside[k]].normalized(), b = w.area[w.beside[(k + 1) % rim_size]].normalized();
+    bend += (a - b).squaredNorm() / rim_size;
+  }
+  const Sizes sizes = estimate_sizes(samples, radius / points, bend);
 
   MeshSides result;
-  double spread = 0;
-  int spread_count = 0;
+  double known = 0;  // variance of the slopes
+  int known_count = 0;
   struct End {
     Vec3 normal;
     Eigen::Matrix3d information;  // of the normal
@@ -393,47 +567,47 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     const int edges = static_cast<int>(side.vertex.size()) - 1;
     for (int k = 0; k <= edges; ++k) {
       const bool end = k == 0 || k == edges;
-      Stencil s = make_stencil(w, drafts, i, k, stamp, mark++);
+      Stencil s = make_stencil(w, drafts, i, k, marks);
       Solution fit = solve(s, sizes);
       // once more over the plane just found
       side.guess[k] = s.e3 - fit.mean[2] * s.e2;
-      s = make_stencil(w, drafts, i, k, stamp, mark++);
+      s = make_stencil(w, drafts, i, k, marks);
       fit = solve(s, sizes);
-      const double fx = end ? fit.mean[1] : 0, fy = fit.mean[2];
+      const double fx = fit.mean[1], fy = fit.mean[2];
       side.normal.push_back((s.e3 - fx * s.e1 - fy * s.e2).normalized());
-      side.curvature.push_back(fit.mean[5] / std::pow(1 + fy * fy, 1.5));
+      Eigen::Matrix<double, 3, 2> frame;
+      frame << s.e1, s.e2;
+      Eigen::Matrix2d hessian;
+      hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
+      side.second.push_back(frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * frame.transpose());
+      const Square covariance = fit.factor.solve(Square::Identity());
+      known += covariance(1, 1) + covariance(2, 2);
+      ++known_count;
       if (end) {
-        const Eigen::Matrix2d information = fit.covariance.block<2, 2>(1, 1).inverse();
-        Eigen::Matrix<double, 3, 2> frame;
-        frame << s.e1, s.e2;
+        const Eigen::Matrix2d information = covariance.block<2, 2>(1, 1).inverse();
         ends[i][k == 0 ? 0 : 1] = {side.normal.back(), frame * information * frame.transpose()};
       }
-      // the same with a smaller stencil
-      std::vector<double> g(s.g);
-      std::nth_element(g.begin(), g.begin() + g.size() / 2, g.end());
-      const Solution small = solve(s, sizes, g[g.size() / 2]);
-      spread += std::pow(small.mean[2] - fit.mean[2], 2);
-      ++spread_count;
     }
   }
-  result.surroundings_error = std::atan(std::sqrt(spread / spread_count)) * 180 / M_PI;
+  result.surroundings_error = std::atan(std::sqrt(known / known_count)) * 180 / M_PI;
 
-  // Corners: one plane where the two estimates agree within what they know.
+  // Corners: one plane, the average weighted by information, unless the two are further apart than 5 degrees and than what
+  // they know of themselves (a cube).
   for (int corner = 0; corner < 3; ++corner) {
     const int in = (corner + 1) % 3, out = (corner + 2) % 3;
     const End &a = ends[in][1], &b = ends[out][0];
-    const Eigen::Matrix3d both = a.information + b.information;
-    const double angle = std::atan2(a.normal.cross(b.normal).norm(), a.normal.dot(b.normal)) * 180 / M_PI;
-    if (angle > 5) continue;
-    // the average weighted by information, in the plane across the mean of the two
+    const double degrees = std::atan2(a.normal.cross(b.normal).norm(), a.normal.dot(b.normal)) * 180 / M_PI;
+    if (degrees > 60) continue;
     const Vec3 mean = (a.normal + b.normal).normalized();
-    Eigen::Matrix<double, 3, 2> frame;
-    frame.col(0) = mean.unitOrthogonal();
-    frame.col(1) = mean.cross(frame.col(0));
-    const Eigen::Matrix2d m = frame.transpose() * both * frame;
-    const Eigen::Vector2d x =
-        m.ldlt().solve(frame.transpose() * (a.information * a.normal + b.information * b.normal - both * mean));
-    const Vec3 n = (mean + frame * x).normalized();
+    Eigen::Matrix<double, 3, 2> across;
+    across.col(0) = mean.unitOrthogonal();
+    across.col(1) = mean.cross(across.col(0));
+    const Eigen::Matrix2d ia = across.transpose() * a.information * across, ib = across.transpose() * b.information * across;
+    const Eigen::Vector2d x = across.transpose() * a.normal, y = across.transpose() * b.normal, d = x - y;
+    const Eigen::Matrix2d weight = (ia + ib).inverse();
+    const double deviations = std::sqrt(d.dot(ia * weight * ib * d));  // of x - y, whose variance is ia^-1 + ib^-1
+    if (degrees > 5 && deviations > 5) continue;
+    const Vec3 n = (mean + across * (weight * (ia * x + ib * y))).normalized();
     drafts[in].normal.back() = n;
     drafts[out].normal.front() = n;
   }
@@ -441,40 +615,43 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
   for (int i = 0; i < 3; ++i) {
     Draft& side = drafts[i];
     const int edges = static_cast<int>(side.vertex.size()) - 1;
-    // End derivatives in their planes.
+    // The spline's derivatives, laid into the planes.
     const PiecewisePolynomial draft = curve(w, side);
-    std::array<std::vector<double>, 2> given;
-    for (int e = 0; e < 2; ++e) {
-      const Vec3 n = e ? side.normal.back() : side.normal.front();
-      Vec3 d = draft.derivative_at(e);
-      Vec3 flat = d - n * n.dot(d);
-      if (edges == 1) {  // the length of d that makes a circular arc of two equal angles: |chord| / cos^2(angle / 2)
-        const double cosine = flat.norm() / d.norm();
-        flat = flat.normalized() * (d.norm() * 2 / (1 + cosine));
-      } else {
-        flat = flat.normalized() * d.norm();
-      }
-      given[e] = {flat[0], flat[1], flat[2]};
-    }
-    const PiecewisePolynomial c = curve(w, side, given[0], given[1]);
-    std::vector<double> r, q;
+    std::vector<Vec3> c, dc, r, dr, q;
     for (int k = 0; k <= edges; ++k) {
-      const Vec3 t = c.derivative_at(side.t[k]).stableNormalized();
-      const Vec3 n = (side.normal[k] - t * t.dot(side.normal[k])).normalized();
-      const Vec3 out = side.length * t.cross(n);
-      const Vec3 bend = side.length * side.length * side.curvature[k] * n;
-      r.insert(r.end(), out.data(), out.data() + 3);
-      q.insert(q.end(), bend.data(), bend.data() + 3);
+      const Vec3& n = side.normal[k];
+      const Eigen::Matrix3d& form = side.second[k];
+      const Vec3 along = draft.derivative_at(side.t[k]);
+      Vec3 flat = along - n * n.dot(along);
+      // one edge: the length that makes a circular arc of two equal angles, |chord| / cos^2(angle / 2)
+      const double cosine = flat.norm() / along.norm();
+      flat *= (edges == 1 ? 2 / (1 + cosine) : 1) / cosine;
+      c.push_back(w.position[side.vertex[k]]);
+      dc.push_back(flat);
+      r.push_back(side.length * flat.cross(n).normalized());
+      q.push_back(r.back().dot(form * r.back()) * n);
     }
-    const auto scaled = [&](PiecewisePolynomial f) { return w.scale * std::move(f); };
-    std::vector<double> positions;
-    for (int v : side.vertex)
-      for (int x = 0; x < 3; ++x) positions.push_back(mesh.vertices(w.vertex[v], x));
-    for (auto& d : given)
-      for (double& x : d) x *= w.scale;
-    result.sides[i].c = PiecewisePolynomial::spline(side.t, positions, 3, given[0], given[1]);
-    result.sides[i].r = scaled(PiecewisePolynomial::spline(side.t, r, 3));
-    result.sides[i].q = scaled(PiecewisePolynomial::spline(side.t, q, 3));
+    const PiecewisePolynomial draft_r = spline(side.t, r);
+    std::vector<Vec3> ddc = second_derivatives(side.t, c, dc);
+    for (int k = 0; k <= edges; ++k) {
+      const Vec3& n = side.normal[k];
+      // Along the normal the curve bends as the surface does, unless the difference is no more than the noise of the vertices
+      // makes: then by twice as much the other way, which wiggles least between points that must be met.
+      const double h = std::min(k > 0 ? side.t[k] - side.t[k - 1] : 1, k < edges ? side.t[k + 1] - side.t[k] : 1);
+      const double wanted = dc[k].dot(side.second[k] * dc[k]), differs = n.dot(ddc[k]) - wanted;
+      const double noisy = sizes.noise * std::pow(15 / (h * h), 2);
+      ddc[k] += n * (differs * (1.9 * noisy / (noisy + differs * differs) - 1));
+      const Vec3 v = draft_r.derivative_at(side.t[k]);
+      dr.push_back(v + n * (r[k].dot(side.second[k] * dc[k]) - n.dot(v)));
+    }
+    for (int k = 0; k <= edges; ++k) {
+      c[k] = mesh.vertices.row(w.vertex[side.vertex[k]]);
+      dc[k] *= w.scale;
+      ddc[k] *= w.scale;
+    }
+    result.sides[i].c = quintic(side.t, c, dc, ddc);
+    result.sides[i].r = w.scale * quintic(side.t, r, dr, second_derivatives(side.t, r, dr));
+    result.sides[i].q = w.scale * spline(side.t, q);
     result.parameters[i] = side.t;
   }
   return result;

@@ -13,11 +13,14 @@ struct MeshSides {
   Sides sides;
   /// Parameter of every rim vertex on its side, by chord length: parameters[i] has one more entry than side i has edges.
   std::array<std::vector<double>, 3> parameters;
-  /// Degrees: rms over the rim of the spread between estimates of the tangent plane from two stencil sizes: how well the mesh
-  /// determines its own tangent planes.
+  /// Degrees: rms over the rim of the standard deviation of the estimated tangent plane: how well the mesh determines its own
+  /// tangent planes, from its noise and from what the local polynomials leave out.
   double surroundings_error = 0;
 };
 
+/// Sides through the rim vertices, c and r twice continuously differentiable, with q; see docs/mathematics/surroundings.md.
+/// `replaced`: faces that count as not there. Throws a Refusal where a vertex within six rings is not finite, a rim edge has no
+/// length or no face beside it, or the faces beside a rim vertex have no area.
 MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index>& replaced = {});
 
 }  // namespace tripatch
