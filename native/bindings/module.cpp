@@ -119,6 +119,7 @@ FillOptions options_from(const py::dict& d) {
   o.fairing = d["fairing"].cast<std::string>();
   o.output = d["output"].cast<std::string>();
   if (has("tolerance")) o.tolerance = d["tolerance"].cast<double>();
+  o.cage_rim = d["cage_rim"].cast<CageRim>();
   o.odd = d["odd"].cast<std::string>();
   o.pole_offset = d["pole_offset"].cast<std::array<double, 2>>();
   o.bulge = d["bulge"].cast<std::array<double, 3>>();
@@ -126,7 +127,7 @@ FillOptions options_from(const py::dict& d) {
   o.optimal_shape = d["optimal_shape"].cast<bool>();
   o.as_printed = d["as_printed"].cast<bool>();
   o.limit = d["limit"].cast<bool>();
-  if (o.limit) o.subdivision = d["subdivision"].cast<Subdivision>();
+  if (has("subdivision")) o.subdivision = d["subdivision"].cast<Subdivision>();
   return o;
 }
 
@@ -164,8 +165,22 @@ PYBIND11_MODULE(_native, m) {
       .def_static("_from_functions", &side_from_functions)
       .def("_evaluate", &evaluate_side);
 
+  py::enum_<CageRim>(m, "CageRim").value("smooth", CageRim::smooth).value("exact", CageRim::exact).value("move", CageRim::move);
+  m.def("_sample_limit", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                            const Subdivision& settings, Index first_face, int level) {
+    const Faces faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    Points limit;
+    Faces limit_faces;
+    {
+      py::gil_scoped_release release;
+      sample_limit({points, faces}, settings, first_face, level, limit, limit_faces);
+    }
+    return py::make_tuple(array_from(limit), array_from(limit_faces.corners));
+  });
   py::class_<Subdivision>(m, "Subdivision")
       .def(py::init<>())
+      .def(py::init<const Subdivision&>())
       .def_readwrite("preserve_corners", &Subdivision::preserve_corners)
       .def_readwrite("quality", &Subdivision::quality)
       .def_readwrite("use_limit_surface", &Subdivision::use_limit_surface)
@@ -217,6 +232,15 @@ PYBIND11_MODULE(_native, m) {
       .def_readonly("energy_after", &Report::energy_after)
       .def_readonly("folds", &Report::folds)
       .def_readonly("corners", &Report::corners)
+      .def_readonly("cage_deviation_max", &Report::cage_deviation_max)
+      .def_readonly("cage_deviation_rms", &Report::cage_deviation_rms)
+      .def_readonly("surroundings_moved_max", &Report::surroundings_moved_max)
+      .def_readonly("surroundings_moved_rms", &Report::surroundings_moved_rms)
+      .def_readonly("surroundings_moved_where", &Report::surroundings_moved_where)
+      .def_readonly("corners_moved_max", &Report::corners_moved_max)
+      .def_readonly("seam_angle_median", &Report::seam_angle_median)
+      .def_readonly("seam_angle_max_inside", &Report::seam_angle_max_inside)
+      .def_readonly("poles", &Report::poles)
       .def_readonly("warnings", &Report::warnings)
       .def_readonly("seconds", &Report::seconds);
 
@@ -226,6 +250,9 @@ PYBIND11_MODULE(_native, m) {
       .def_property_readonly("barycentric", [](const Fill& f) { return array_from(f.barycentric); })
       .def_property_readonly("rim_normals", [](const Fill& f) { return array_from(f.rim_normals); })
       .def_property_readonly("rim_barycentric", [](const Fill& f) { return array_from(f.rim_barycentric); })
+      .def_property_readonly("moved", [](const Fill& f) { return array_from(f.moved); })
+      .def_property_readonly("moved_to", [](const Fill& f) { return array_from(f.moved_to); })
+      .def_readonly("creases", &Fill::creases)
       .def_readonly("split_edges", &Fill::split_edges)
       .def_readonly("split_t", &Fill::split_t)
       .def_property_readonly("border", [](const Fill& f) { return array_from(f.border); })

@@ -7,6 +7,7 @@
 
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/boundary/mesh_sides.h"
+#include "tripatch/output/cage.h"
 #include "tripatch/output/quad_layout.h"
 #include "tripatch/output/triangulate.h"
 #include "tripatch/patch/methods.h"
@@ -39,7 +40,8 @@ void check_options(const FillOptions& options) {
   if (!options.optimal_shape)
     for (double lambda : options.shape)
       if (!(lambda > 0 && lambda < 1)) throw InvalidArgument("shape must lie between 0 and 1, ends excluded");
-  if (options.output != "triangles" && options.output != "quads") throw InvalidArgument("output must be triangles or quads");
+  if (options.output != "triangles" && options.output != "quads" && options.output != "cage")
+    throw InvalidArgument("output must be triangles, quads or cage");
   if (options.odd != "split" && options.odd != "triangle") throw InvalidArgument("odd must be split or triangle");
   const bool triangles = options.output == "triangles";
   if (options.resolution && (*options.resolution < (triangles ? 1 : 0) || *options.resolution > (triangles ? 10000 : 100)))
@@ -91,6 +93,14 @@ Points rim_barycentric(const Hole& hole, const Surroundings& surroundings) {
   Points out(static_cast<Index>(rows.size()), 3);
   for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Index>(k)) = rows[k];
   return out;
+}
+
+RibbonOptions ribbon_options(const FillOptions& options, const std::array<int, 3>& continuity) {
+  RibbonOptions ribbons;
+  ribbons.cross_boundary = options.cross_boundary;
+  ribbons.bulge = options.bulge;
+  for (int i = 0; i < 3; ++i) ribbons.tangent[i] = continuity[i] > 0;
+  return ribbons;
 }
 
 /// What the output room made: rows of barycentric coordinates, the first `rim` of them around, and faces by row.
@@ -196,6 +206,166 @@ std::string degrees(double angle) {
 
 }  // namespace
 
+namespace {
+
+/// The mesh with its longest rim edge split, and the hole in it: the new vertex is the last, a corner of the face beside the rim.
+Hole split_mesh(const Mesh& mesh, const Hole& hole, Points& vertices, Faces& faces, Fill& result) {
+  std::size_t place = 0;
+  const std::size_t n = hole.rim.size();
+  const auto length = [&](std::size_t k) {
+    return (mesh.vertices.row(hole.rim[k]) - mesh.vertices.row(hole.rim[(k + 1) % n])).norm();
+  };
+  for (std::size_t k = 1; k < n; ++k)
+    if (length(k) > (1 + 1e-9) * length(place)) place = k;
+  const Index a = hole.rim[place], b = hole.rim[(place + 1) % n], middle = mesh.vertices.rows();
+  vertices.resize(middle + 1, 3);
+  vertices << Points(mesh.vertices), 0.5 * (mesh.vertices.row(a) + mesh.vertices.row(b));
+  for (Index f = 0; f < mesh.faces.size(); ++f) {
+    std::vector<Index> face(mesh.faces[f].begin(), mesh.faces[f].end());
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const Index from = face[k], to = face[(k + 1) % face.size()];
+      if ((from == a && to == b) || (from == b && to == a)) {
+        face.insert(face.begin() + static_cast<Index>(k) + 1, middle);
+        break;
+      }
+    }
+    faces.add(face);
+  }
+  result.split_edges.push_back({a, b});
+  result.split_t.push_back(0.5);
+  Hole split = hole;
+  split.rim.insert(split.rim.begin() + static_cast<Index>(place) + 1, middle);
+  for (Index& corner : split.corners) corner += corner > static_cast<Index>(place);
+  return split;
+}
+
+/// The fill as a cage; result.report has the seam between the limit surfaces.
+void fill_with_cage(const Mesh& mesh, const Hole& hole, const FillOptions& options, const Method& method, Fill& result) {
+  Points split_vertices;
+  Faces split_faces;
+  const bool split = hole.rim.size() % 2 == 1 && options.odd == "split";
+  const Hole rim = split ? split_mesh(mesh, hole, split_vertices, split_faces, result) : hole;
+  const Points& vertices = split ? split_vertices : (split_vertices = mesh.vertices);
+  const Mesh cage = {vertices, split ? split_faces : mesh.faces};
+
+  const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
+  const auto build = [&](const Sides& sides) {
+    return method.from_boundary(make_boundary(sides, ribbon_options(options, continuity)),
+                                {options.shape, options.optimal_shape, options.as_printed});
+  };
+  std::array<std::vector<double>, 3> parameters;
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t edges = rim.side(i).size() - 1;
+    for (std::size_t k = 0; k <= edges; ++k) parameters[i].push_back(static_cast<double>(k) / static_cast<double>(edges));
+  }
+  Points rim_points(static_cast<Index>(rim.rim.size()), 3);
+  for (std::size_t k = 0; k < rim.rim.size(); ++k) rim_points.row(static_cast<Index>(k)) = vertices.row(rim.rim[k]);
+  const double tolerance = options.tolerance.value_or(1e-3 * diameter(rim_points));
+
+  CageOptions cage_options;
+  cage_options.rim = options.cage_rim;
+  QuadLayout layout;
+  CageFit fit;
+  const int first = options.resolution.value_or(0), last = options.resolution.value_or(4);
+  for (int rows = first; rows <= last; ++rows) {
+    layout = quad_layout(parameters, rows, options.pole_offset);
+    fit = fit_cage(cage, rim, options.subdivision, options.replaced, layout.barycentric, layout.faces, build, cage_options);
+    if (fit.deviation_max <= tolerance) break;
+  }
+  Report& report = result.report;
+  if (!options.resolution && fit.deviation_max > tolerance)
+    report.warnings.push_back("Four extra rows of quads do not reach the tolerance; set the resolution by hand");
+
+  const Index inside = fit.vertices.rows(), around = layout.rim, n = mesh.vertices.rows();
+  result.patch = fit.patch;
+  result.sides = fit.sides;
+  result.rim = hole.rim;
+  result.vertices.resize(inside + split, 3);  // a split edge's vertex comes first
+  result.barycentric.resize(inside + split, 3);
+  std::vector<Index> index(layout.barycentric.rows());
+  Index on_rim = 0;
+  result.rim_barycentric.resize(static_cast<Index>(hole.rim.size()), 3);
+  for (Index k = 0; k < around; ++k) {
+    index[k] = rim.rim[k];
+    if (split && rim.rim[k] == n) {
+      result.vertices.row(0) = vertices.row(n);
+      result.barycentric.row(0) = layout.barycentric.row(k);
+    } else {
+      result.rim_barycentric.row(on_rim++) = layout.barycentric.row(k);
+    }
+  }
+  for (Index k = 0; k < inside; ++k) index[around + k] = n + split + k;
+  result.vertices.bottomRows(inside) = fit.vertices;
+  result.barycentric.bottomRows(inside) = layout.barycentric.bottomRows(inside);
+  result.normals = result.patch->normals(result.barycentric);
+  result.rim_normals = result.patch->normals(result.rim_barycentric);
+  for (Index f = 0; f < layout.faces.size(); ++f) {
+    std::vector<Index> face;
+    for (Index v : layout.faces[f]) face.push_back(index[v]);
+    result.faces.add(face);
+  }
+  for (std::size_t k = 0; k < fit.moved.size(); ++k) {
+    if (fit.moved[k] == n && split) {
+      result.vertices.row(0) = fit.moved_to.row(static_cast<Index>(k));
+    } else {
+      result.moved.push_back(fit.moved[k]);
+    }
+  }
+  result.moved_to.resize(static_cast<Index>(result.moved.size()), 3);
+  for (std::size_t k = 0, row = 0; k < fit.moved.size(); ++k)
+    if (!(fit.moved[k] == n && split)) result.moved_to.row(static_cast<Index>(row++)) = fit.moved_to.row(static_cast<Index>(k));
+  result.creases = fit.creases;
+
+  report.cage_deviation_max = fit.deviation_max;
+  report.cage_deviation_rms = fit.deviation_rms;
+  report.surroundings_moved_max = fit.surroundings_max;
+  report.surroundings_moved_rms = fit.surroundings_rms;
+  report.surroundings_moved_where = fit.surroundings_where;
+  report.corners_moved_max = fit.corners_moved;
+  std::vector<double> all;
+  double squares = 0;
+  for (int i = 0; i < 3; ++i) {
+    double sum = 0;
+    const std::vector<double>& angles = fit.seam_angles[i];
+    const std::size_t edges = parameters[i].size() - 1, per = angles.size() / edges, before = all.size();
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      if (angles[k] < 0) continue;
+      report.seam_angle_max_by_side[i] = std::max(report.seam_angle_max_by_side[i], angles[k]);
+      if (k >= per && k < (edges - 1) * per) report.seam_angle_max_inside = std::max(report.seam_angle_max_inside, angles[k]);
+      sum += angles[k] * angles[k];
+      all.push_back(angles[k]);
+    }
+    squares += sum;
+    report.seam_angle_rms_by_side[i] = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, all.size() - before)));
+    report.seam_angle_max = std::max(report.seam_angle_max, report.seam_angle_max_by_side[i]);
+  }
+  if (!all.empty()) {
+    report.seam_angle_rms = std::sqrt(squares / static_cast<double>(all.size()));
+    std::nth_element(all.begin(), all.begin() + static_cast<Index>(all.size() / 2), all.end());
+    report.seam_angle_median = all[all.size() / 2];
+  }
+  for (Index pole : layout.poles) {
+    Index valence = 0;
+    for (Index v : layout.faces.corners) valence += v == pole;
+    report.poles.push_back({index[pole], valence});
+    if (valence > 5)
+      report.warnings.push_back("Pole of valence " + std::to_string(valence) + " at new vertex " +
+                                std::to_string(index[pole] - n));
+  }
+}
+
+void finish(const Hole& hole, const std::array<double, 3>& corner_mismatch_deg, Report& report) {
+  for (int k = 0; k < 3; ++k) {
+    report.corners[k] = hole.rim[hole.corners[k]];
+    if (corner_mismatch_deg[k] > 1)
+      report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(corner_mismatch_deg[k]) +
+                                " at corner " + std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
+  }
+  if (report.folds > 0) report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) + " places");
+}
+
+}  // namespace
+
 Fill fill(const Mesh& mesh, const FillOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   check_options(options);
@@ -204,17 +374,20 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
 
   const Hole hole = hole_of(mesh, options);
+  if (options.output == "cage") {
+    Fill result;
+    fill_with_cage(mesh, hole, options, method, result);
+    result.report.folds = count_folds(*result.patch, result.sides);
+    finish(hole, {0, 0, 0}, result.report);
+    result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  }
   Surroundings surroundings = surroundings_of(mesh, hole, options);
-  RibbonOptions ribbon_options;
-  ribbon_options.cross_boundary = options.cross_boundary;
-  ribbon_options.bulge = options.bulge;
-  const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
-  for (int i = 0; i < 3; ++i) ribbon_options.tangent[i] = continuity[i] > 0;
-
   Fill result;
   result.sides = surroundings.sides;
   for (int i = 0; i < 3; ++i) result.sides[i].rim = surroundings.parameters[i];
-  const Boundary boundary = make_boundary(result.sides, ribbon_options);
+  const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
+  const Boundary boundary = make_boundary(result.sides, ribbon_options(options, continuity));
   result.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
 
   result.rim_barycentric = rim_barycentric(hole, surroundings);
@@ -241,13 +414,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   report.folds = count_folds(*result.patch, result.sides);
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
-  for (int k = 0; k < 3; ++k) {
-    report.corners[k] = hole.rim[hole.corners[k]];
-    if (boundary.corner_mismatch_deg[k] > 1)
-      report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(boundary.corner_mismatch_deg[k]) +
-                                " at corner " + std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
-  }
-  if (report.folds > 0) report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) + " places");
+  finish(hole, boundary.corner_mismatch_deg, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

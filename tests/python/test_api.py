@@ -7,35 +7,7 @@ import pytest
 import tripatch
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-
-def octant(n=8, rings=3):
-    """A unit sphere's octant open, with rings of triangles around it, and the rim from (1, 0, 0) on."""
-    index, vertices, faces = {}, [], []
-
-    def vertex(i, j, k):
-        if (i, j, k) not in index:
-            p = np.array([i, j, k], float)
-            index[i, j, k] = len(vertices)
-            vertices.append(p / np.linalg.norm(p))
-        return index[i, j, k]
-
-    # barycentric lattice i + j + k = n continued outwards by `rings`: the octant's own triangles are left out
-    low = -rings
-    for i in range(low, n - 2 * low + 1):
-        for j in range(low, n - 2 * low + 1 - (i - low)):
-            k = n - i - j
-            if k < low:
-                continue
-            for tri in (((i, j, k), (i - 1, j + 1, k), (i - 1, j, k + 1)), ((i, j, k), (i - 1, j, k + 1), (i, j - 1, k + 1))):
-                if all(min(p) >= low for p in tri) and not all(min(p) >= 0 for p in tri):
-                    faces.append([vertex(*p) for p in tri])
-    rim = (
-        [vertex(n - m, m, 0) for m in range(n)]
-        + [vertex(0, n - m, m) for m in range(n)]
-        + [vertex(m, 0, n - m) for m in range(n)]
-    )
-    return np.array(vertices), faces, rim
+from shapes import octant
 
 
 def test_shapes_and_reuse_of_the_rim():

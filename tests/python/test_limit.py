@@ -3,43 +3,8 @@
 import numpy as np
 import pytest
 import tripatch
+from shapes import corner_removed, cube_sphere
 from tripatch import _arrays, _native
-
-
-def cube_sphere(n):
-    """A cube of n x n quads a side, blown up to the unit sphere."""
-    vertices, index, faces = [], {}, []
-
-    def vertex(p):
-        key = tuple(np.round(p, 9))
-        if key not in index:
-            index[key] = len(vertices)
-            vertices.append(np.asarray(p) / np.linalg.norm(p))
-        return index[key]
-
-    grid = np.linspace(-1, 1, n + 1)
-    for axis in range(3):
-        for sign in (-1, 1):
-            u, v = (axis + 1) % 3, (axis + 2) % 3
-            for i in range(n):
-                for j in range(n):
-                    quad = []
-                    for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
-                        p = np.zeros(3)
-                        p[axis], p[u], p[v] = sign, grid[a], grid[b]
-                        quad.append(vertex(p))
-                    faces.append(quad if sign > 0 else quad[::-1])
-    return np.array(vertices), faces
-
-
-def corner_removed(vertices, faces, rings):
-    """The faces within some rings of the cube corner (1, 1, 1) taken out; they are returned as indices too."""
-    corner = int(np.argmax(vertices @ np.ones(3)))
-    near, gone = {corner}, set()
-    for _ in range(rings):
-        gone |= {f for f, face in enumerate(faces) if near & set(face)}
-        near = {v for f in gone for v in faces[f]}
-    return [face for f, face in enumerate(faces) if f not in gone], sorted(gone)
 
 
 def unsigned_angle(a, b):

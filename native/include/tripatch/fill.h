@@ -10,6 +10,7 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/hole/hole.h"
+#include "tripatch/output/cage.h"
 #include "tripatch/report/report.h"
 
 namespace tripatch {
@@ -30,6 +31,7 @@ struct FillOptions {
   std::optional<double> tolerance;                ///< quads, resolution none: deviation from the patch, scene units; none: 1e-3
                                                   ///< of the hole's diameter
   std::string odd = "split";                      ///< quads round an odd rim: split the longest rim edge, or triangle at the pole
+  CageRim cage_rim = CageRim::smooth;             ///< cage: what happens along the rim
   std::array<double, 2> pole_offset = {0, 0};     ///< moves the pole, in fractions of the hole
   std::array<double, 3> bulge = {1, 1, 1};        ///< > 0, scales the slopes inside each side
   std::array<double, 3> shape = {0.5, 0.5, 0.5};  ///< lambda of the Szilvasi-Nagy methods, by side
@@ -51,6 +53,9 @@ struct Fill {
   /// Rim edges that were split, and where; the k-th takes vertices[k].
   std::vector<std::array<Index, 2>> split_edges;
   std::vector<double> split_t;
+  std::vector<Index> moved;                   ///< cage, rim `move`: vertices of the mesh
+  Points moved_to = Points(0, 3);             ///< and where they go
+  std::vector<std::array<Index, 2>> creases;  ///< cage, rim `exact`: edges to be creased with 1
   SurfacePtr patch;
   Sides sides;  ///< the surroundings used
   Report report;

@@ -35,22 +35,15 @@ __all__ = [
 METHODS = _native._methods()
 
 _CROSS_BOUNDARY = {name: getattr(_native.CrossBoundary, name) for name in ("given", "consistent", "as_printed")}
+_CAGE_RIM = {name: getattr(_native.CageRim, name) for name in ("smooth", "exact", "move")}
 _CONTINUITY = ("auto", "G0", "G1", "G2")
 _FAIRING = (None, "auto", "thin_plate", "third_derivative", "minimum_variation")
-_REPORT = [
-    "seam_angle_max",
-    "seam_angle_rms",
-    "seam_angle_max_by_side",
-    "seam_angle_rms_by_side",
-    "surroundings_error",
-    "fairing",
-    "energy_before",
-    "energy_after",
-    "folds",
-    "corners",
-    "warnings",
-    "seconds",
-]
+_REPORT = """
+    seam_angle_max seam_angle_rms seam_angle_max_by_side seam_angle_rms_by_side surroundings_error
+    fairing energy_before energy_after folds corners
+    cage_deviation_max cage_deviation_rms surroundings_moved_max surroundings_moved_rms surroundings_moved_where
+    corners_moved_max seam_angle_median seam_angle_max_inside poles warnings seconds
+""".split()
 
 
 class Fill:
@@ -72,7 +65,8 @@ class Fill:
         report: the `Report`.
     """
 
-    def __init__(self, native) -> None:
+    def __init__(self, native, mesh=None) -> None:
+        self._mesh = mesh
         self.vertices = native.vertices
         offsets, corners = native.face_offsets.tolist(), native.face_corners.tolist()
         self.faces = [corners[a:b] for a, b in zip(offsets, offsets[1:])]
@@ -81,19 +75,54 @@ class Fill:
         self.rim = native.rim
         self.rim_normals = native.rim_normals
         self.rim_barycentric = native.rim_barycentric
-        self.moved = (np.zeros(0, np.int64), np.zeros((0, 3)))
+        self.moved = (native.moved, native.moved_to)
         self.split_edges = (np.array(native.split_edges, np.int64).reshape(-1, 2), np.array(native.split_t))
-        self.creases = (np.zeros((0, 2), np.int64), np.zeros(0))
+        self.creases = (np.array(native.creases, np.int64).reshape(-1, 2), np.ones(len(native.creases)))
         self.border = native.border
         self.sides = tuple(native.sides)
         self.patch = native.patch
         self.report = native.report
+
+    def limit(self, level: int = 3) -> tuple[np.ndarray, np.ndarray]:
+        """The limit surface of a fill that is a cage.
+
+        Args:
+            level: 2^level quads along each edge of a face.
+
+        Returns:
+            vertices (k, 3) and faces (m, 4).
+        """
+        if self._mesh is None:
+            raise ValueError("only a fill with output='cage' has a limit surface")
+        vertices, offsets, corners, replaced, settings = self._mesh
+        _whole(level, "level", 1, 8)
+        return _limit_of_cage(self, vertices, offsets, corners, replaced, settings, level)
 
     def __repr__(self) -> str:
         return (
             f"<tripatch.Fill: {len(self.vertices)} new vertices, {len(self.faces)} faces, "
             f"seam within {self.report.seam_angle_max:.2g} deg>"
         )
+
+
+def _limit_of_cage(fill: Fill, vertices, offsets, corners, replaced, settings, level) -> tuple[np.ndarray, np.ndarray]:
+    """The cage with the fill in place, and its limit surface there."""
+    points = np.concatenate([vertices, fill.vertices])
+    points[fill.moved[0]] = fill.moved[1]
+    n, gone = len(vertices), set(replaced)
+    faces = [corners[a:b].tolist() for f, (a, b) in enumerate(zip(offsets, offsets[1:], strict=False)) if f not in gone]
+    for k, edge in enumerate(fill.split_edges[0].tolist()):
+        for face in faces:
+            for place, v in enumerate(face):
+                if {v, face[(place + 1) % len(face)]} == set(edge):
+                    face.insert(place + 1, n + k)
+                    break
+    first = len(faces)
+    subdivision = _native.Subdivision(settings)
+    subdivision.crease_edges = subdivision.crease_edges + fill.creases[0].tolist()
+    subdivision.edge_creases = subdivision.edge_creases + fill.creases[1].tolist()
+    limit, quads = _native._sample_limit(points, *_arrays.faces(faces + fill.faces), subdivision, first, level)
+    return limit, quads.reshape(-1, 4)
 
 
 def _name(value, name: str, allowed: Sequence):
@@ -184,6 +213,7 @@ def _options(
     output="triangles",
     resolution=None,
     tolerance=None,
+    cage_rim="smooth",
     odd="split",
     pole_offset=(0.0, 0.0),
     bulge=1.0,
@@ -192,7 +222,7 @@ def _options(
     replaced=(),
 ) -> dict:
     """The options of `fill`, checked, as the core reads them."""
-    _name(output, "output", ("triangles", "quads"))
+    _name(output, "output", ("triangles", "quads", "cage"))
     limit = _name(surroundings, "surroundings", ("mesh", "limit")) == "limit"
     if resolution is not None:
         resolution = _whole(resolution, "resolution", *((1, 10000) if output == "triangles" else (0, 100)))
@@ -212,6 +242,7 @@ def _options(
         "fairing": _name(fairing, "fairing", _FAIRING) or "",
         "output": output,
         "tolerance": tolerance,
+        "cage_rim": _CAGE_RIM[_name(cage_rim, "cage_rim", tuple(_CAGE_RIM))],
         "odd": _name(odd, "odd", ("split", "triangle")),
         "pole_offset": offset.tolist(),
         "resolution": resolution,
@@ -221,7 +252,7 @@ def _options(
         "as_printed": printed,
         "replaced": _arrays.indices(replaced, "replaced"),
         "limit": limit,
-        "subdivision": _subdivision(subdivision, level) if limit else None,
+        "subdivision": _subdivision(subdivision, level) if limit or output == "cage" else None,
     }
 
 
@@ -270,17 +301,19 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         corners: three vertex indices of the rim; the first stays corner 0, the others are sorted along the rim. None: detected.
         method: a name in METHODS that fills holes.
         surroundings: "mesh": tangent planes estimated from the faces around; "limit": the subdivision surface of the cage.
-        subdivision: with "limit": dict(scheme="catmull_clark", boundary_smooth="all" | "preserve_corners", quality=3 (None: the
-            true limit), use_limit_surface=True, edge_creases=((e, 2) int, (e,) 0..1), vertex_creases=((k,) int, (k,) 0..1),
-            loose_vertices=(k,) int), all as in Blender.
+        subdivision: with "limit" and "cage": dict(scheme="catmull_clark", boundary_smooth="all" | "preserve_corners", quality=3
+            (None: the true limit), use_limit_surface=True, edge_creases=((e, 2) int, (e,) 0..1),
+            vertex_creases=((k,) int, (k,) 0..1), loose_vertices=(k,) int), all as in Blender.
         level: with "limit": the modifier's level, 2^level border edges a rim edge.
         continuity: "auto", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own.
         cross_boundary: "consistent" (Liu, Ma and Cheng 2008, corrected), "given" or "as_printed".
         fairing: None, "auto", "thin_plate", "third_derivative" or "minimum_variation".
-        output: "triangles" or "quads".
-        resolution: triangles: edges per side inside the fill, None follows the rim; quads: extra rows round the pole(s), None the
-            fewest, 0 to 4, whose deviation from the patch is under `tolerance`.
+        output: "triangles", "quads", or "cage": a few quads whose limit surface is the patch.
+        resolution: triangles: edges per side inside the fill, None follows the rim; quads, cage: extra rows round the
+            pole(s), None the fewest, 0 to 4, whose deviation from the patch is under `tolerance`.
         tolerance: scene units; None: 1e-3 of the hole's diameter.
+        cage_rim: "smooth": the whole cage is smooth, the surroundings move as little as possible; "exact": rim edges are creased,
+            the surroundings of an open hole do not move; "move": rim vertices are free too.
         odd: quads round an odd rim: "split" splits the longest rim edge, "triangle" leaves a triangle at the pole.
         pole_offset: two fractions of the hole that move the pole, along side 2 and towards corner 2.
         bulge: > 0, one or three: scales the slopes inside each side, corners kept.
@@ -302,7 +335,8 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         checked["corners"] = _arrays.indices(corners, "corners")
         if len(checked["corners"]) != 3:
             raise ValueError(f"corners must be three vertex indices, not {len(checked['corners'])}")
-    return Fill(_native._fill(v, offsets, face_corners, checked))
+    cage = (v, offsets, face_corners, checked["replaced"], checked["subdivision"]) if checked["output"] == "cage" else None
+    return Fill(_native._fill(v, offsets, face_corners, checked), cage)
 
 
 def fill_all(vertices, faces, rims=None, **options) -> list[Fill | Refusal]:
@@ -320,7 +354,8 @@ def fill_all(vertices, faces, rims=None, **options) -> list[Fill | Refusal]:
     loops = _native._find_holes(offsets, face_corners) if rims is None else rims
     loops = [_arrays.indices(loop, "rim") for loop in loops]
     results = _native._fill_all(v, offsets, face_corners, loops, checked)
-    return [r if isinstance(r, Refusal) else Fill(r) for r in results]
+    cage = (v, offsets, face_corners, checked["replaced"], checked["subdivision"]) if checked["output"] == "cage" else None
+    return [r if isinstance(r, Refusal) else Fill(r, cage) for r in results]
 
 
 def patch(

@@ -7,6 +7,7 @@
 #include <opensubdiv/far/patchTableFactory.h>
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/ptexIndices.h>
+#include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
 
@@ -63,7 +64,7 @@ std::vector<Index> faces_around(const Mesh& cage, std::span<const Index> around)
 
 /// The part of a cage that is refined, with its own numbering, and OpenSubdiv's description of it.
 struct LocalCage {
-  std::vector<Index> face_of;                 ///< local -> cage
+  std::vector<Index> face_of, vertex_of;      ///< local -> cage
   std::unordered_map<Index, int> local_face;  ///< cage -> local
   std::unordered_map<Index, int> local_vertex;
   std::vector<Vertex> vertices;
@@ -73,7 +74,6 @@ struct LocalCage {
   LocalCage(const Mesh& cage, const Subdivision& settings, std::span<const Index> around) {
     face_of = faces_around(cage, around);
     if (face_of.empty()) throw Refusal("The cage has no faces around the hole");
-    std::vector<Index> vertex_of;
     for (Index f : face_of) {
       local_face[f] = static_cast<int>(sizes.size());
       offsets.push_back(static_cast<int>(corners.size()));
@@ -88,7 +88,7 @@ struct LocalCage {
         corners.push_back(place->second);
       }
     }
-    describe(settings, vertex_of);
+    describe(settings);
   }
 
   int edge_face_corner(Index face, int edge, int& local) const {
@@ -101,7 +101,7 @@ struct LocalCage {
   }
 
 private:
-  void describe(const Subdivision& settings, const std::vector<Index>& vertex_of) {
+  void describe(const Subdivision& settings) {
     std::map<std::pair<int, int>, double> edge_sharpness;
     std::map<int, double> vertex_sharpness;
     for (std::size_t k = 0; k < settings.crease_edges.size(); ++k) {
@@ -190,6 +190,7 @@ struct LimitSurface::Impl {
   std::unique_ptr<far::PatchMap> map;
   std::unique_ptr<far::PtexIndices> ptex;
   std::vector<Vertex> points;
+  std::unique_ptr<const far::StencilTableReal<double>> stencils;  // made when first asked for
   // the true limit
   std::unique_ptr<bfr::RefinerSurfaceFactory<>> factory;
 
@@ -239,6 +240,51 @@ struct LimitSurface::Impl {
       j.pvv += wvv[k] * p;
     }
     return j;
+  }
+
+  /// Every refined and local point as weights of the cage's vertices.
+  void make_stencils() {
+    using Factory = far::StencilTableFactoryReal<double>;
+    Factory::Options options;
+    options.generateOffsets = true;
+    options.generateIntermediateLevels = true;
+    options.generateControlVerts = true;
+    std::unique_ptr<const far::StencilTableReal<double>> refined(Factory::Create(*cage.refiner, options));
+    const auto* local = table->GetLocalPointStencilTable<double>();
+    if (local && local->GetNumStencils() > 0) {
+      stencils.reset(Factory::AppendLocalPointStencilTable(*cage.refiner, refined.get(), local));
+    } else {
+      stencils = std::move(refined);
+    }
+  }
+
+  void stencil(int ptex_face, double u, double v, LimitStencil& out) {
+    if (!stencils) make_stencils();
+    const far::PatchTable::PatchHandle* handle = map->FindPatch(ptex_face, u, v);
+    if (!handle) throw Refusal("The cage has a face without a limit surface");
+    std::array<double, 20> w, wu, wv;
+    table->EvaluateBasis(*handle, u, v, w.data(), wu.data(), wv.data());
+    const far::ConstIndexArray cvs = table->GetPatchVertices(*handle);
+    out.vertices.clear();
+    out.p.clear();
+    out.pu.clear();
+    out.pv.clear();
+    for (int k = 0; k < cvs.size(); ++k) {
+      const far::StencilReal<double> s = stencils->GetStencil(cvs[k]);
+      for (int i = 0; i < s.GetSize(); ++i) {
+        const Index vertex = cage.vertex_of[s.GetVertexIndices()[i]];
+        std::size_t place = std::find(out.vertices.begin(), out.vertices.end(), vertex) - out.vertices.begin();
+        if (place == out.vertices.size()) {
+          out.vertices.push_back(vertex);
+          out.p.push_back(0);
+          out.pu.push_back(0);
+          out.pv.push_back(0);
+        }
+        out.p[place] += w[k] * s.GetWeights()[i];
+        out.pu[place] += wu[k] * s.GetWeights()[i];
+        out.pv[place] += wv[k] * s.GetWeights()[i];
+      }
+    }
   }
 
   /// The same turned and scaled: e along the edge, f into the face, in the ptex face's coordinates.
@@ -296,6 +342,13 @@ void LimitSurface::evaluate_edge(Index face, int edge, std::span<const double> t
   impl_->cage.edge_face_corner(face, edge, local);
   if (impl_->factory) return impl_->on_edge_true(local, edge, t, out);
   for (std::size_t k = 0; k < t.size(); ++k) out[k] = impl_->on_edge(local, edge, t[k]);
+}
+
+void LimitSurface::stencil(Index face, int quarter, double u, double v, LimitStencil& out) const {
+  if (impl_->factory) throw InvalidArgument("stencils need a quality");
+  int local = 0;
+  impl_->cage.edge_face_corner(face, 0, local);
+  impl_->stencil(impl_->ptex->GetFaceId(local) + (impl_->cage.sizes[local] == 4 ? 0 : quarter), u, v, out);
 }
 
 Points LimitSurface::grid(int steps) const {

@@ -30,6 +30,12 @@ struct LimitJet {
   Vec3 p, pu, pv, puu, puv, pvv;
 };
 
+/// The same at one place as weights of the cage's vertices: the limit surface is linear in them.
+struct LimitStencil {
+  std::vector<Index> vertices;
+  std::vector<double> p, pu, pv;
+};
+
 class LimitSurface {
 public:
   /// around: only the rings around these vertices are refined (empty: the whole cage). Throws a Refusal with OpenSubdiv's own
@@ -40,6 +46,9 @@ public:
 
   /// Along edge `edge` (from its corner `edge` to the next) of face `face`, which must touch one of `around`; t in [0, 1].
   void evaluate_edge(Index face, int edge, std::span<const double> t, std::span<LimitJet> out) const;
+  /// On a quad face at (u, v) from its first corner, quarter 0; on an n-gon at (u, v) in the quarter at its corner `quarter`.
+  /// Needs a quality.
+  void stencil(Index face, int quarter, double u, double v, LimitStencil& out) const;
   /// Points of a (steps + 1)^2 grid on every quad face refined; n-gons: on each of their quarters.
   Points grid(int steps) const;
 

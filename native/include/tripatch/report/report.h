@@ -21,6 +21,16 @@ struct Report {
   double energy_after = 0;
   Index folds = 0;                           ///< on a 64 x 64 grid
   std::array<Index, 3> corners = {0, 0, 0};  ///< vertex indices
+  // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
+  double cage_deviation_max = 0;  ///< fill's limit surface to the patch
+  double cage_deviation_rms = 0;
+  double surroundings_moved_max = 0;  ///< the old limit surface within the first two rings
+  double surroundings_moved_rms = 0;
+  Index surroundings_moved_where = -1;  ///< a vertex of the face that moved most
+  double corners_moved_max = 0;         ///< the limit at the three corners
+  double seam_angle_median = 0;
+  double seam_angle_max_inside = 0;         ///< without the rim edges that touch a corner
+  std::vector<std::array<Index, 2>> poles;  ///< vertex, valence
   std::vector<std::string> warnings;
   double seconds = 0;
 };

@@ -1,0 +1,68 @@
+"""Meshes and cages that several tests use."""
+
+import numpy as np
+
+
+def cube_sphere(n):
+    """A cube of n x n quads a side, blown up to the unit sphere."""
+    vertices, index, faces = [], {}, []
+
+    def vertex(p):
+        key = tuple(np.round(p, 9))
+        if key not in index:
+            index[key] = len(vertices)
+            vertices.append(np.asarray(p) / np.linalg.norm(p))
+        return index[key]
+
+    grid = np.linspace(-1, 1, n + 1)
+    for axis in range(3):
+        for sign in (-1, 1):
+            u, v = (axis + 1) % 3, (axis + 2) % 3
+            for i in range(n):
+                for j in range(n):
+                    quad = []
+                    for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                        p = np.zeros(3)
+                        p[axis], p[u], p[v] = sign, grid[a], grid[b]
+                        quad.append(vertex(p))
+                    faces.append(quad if sign > 0 else quad[::-1])
+    return np.array(vertices), faces
+
+
+def corner_removed(vertices, faces, rings):
+    """The faces within some rings of the cube corner (1, 1, 1) taken out; they are returned as indices too."""
+    corner = int(np.argmax(vertices @ np.ones(3)))
+    near, gone = {corner}, set()
+    for _ in range(rings):
+        gone |= {f for f, face in enumerate(faces) if near & set(face)}
+        near = {v for f in gone for v in faces[f]}
+    return [face for f, face in enumerate(faces) if f not in gone], sorted(gone)
+
+
+def octant(n=8, rings=3):
+    """A unit sphere's octant open, with rings of triangles around it, and the rim from (1, 0, 0) on."""
+    index, vertices, faces = {}, [], []
+
+    def vertex(i, j, k):
+        if (i, j, k) not in index:
+            p = np.array([i, j, k], float)
+            index[i, j, k] = len(vertices)
+            vertices.append(p / np.linalg.norm(p))
+        return index[i, j, k]
+
+    # barycentric lattice i + j + k = n continued outwards by `rings`: the octant's own triangles are left out
+    low = -rings
+    for i in range(low, n - 2 * low + 1):
+        for j in range(low, n - 2 * low + 1 - (i - low)):
+            k = n - i - j
+            if k < low:
+                continue
+            for tri in (((i, j, k), (i - 1, j + 1, k), (i - 1, j, k + 1)), ((i, j, k), (i - 1, j, k + 1), (i, j - 1, k + 1))):
+                if all(min(p) >= low for p in tri) and not all(min(p) >= 0 for p in tri):
+                    faces.append([vertex(*p) for p in tri])
+    rim = (
+        [vertex(n - m, m, 0) for m in range(n)]
+        + [vertex(0, n - m, m) for m in range(n)]
+        + [vertex(m, 0, n - m) for m in range(n)]
+    )
+    return np.array(vertices), faces, rim

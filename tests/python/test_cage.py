@@ -1,0 +1,137 @@
+"""Fills that stay a subdivision cage."""
+
+import numpy as np
+import pytest
+import tripatch
+from shapes import corner_removed, cube_sphere
+from tripatch import _arrays, _native
+
+
+def closed(vertices, faces, fill, replaced=()):
+    """The mesh with the fill in it."""
+    points = np.concatenate([vertices, fill.vertices])
+    points[fill.moved[0]] = fill.moved[1]
+    gone = set(replaced)
+    kept = [list(face) for f, face in enumerate(faces) if f not in gone]
+    for k, (a, b) in enumerate(fill.split_edges[0]):
+        for face in kept:
+            for place in range(len(face)):
+                if {face[place], face[(place + 1) % len(face)]} == {a, b}:
+                    face.insert(place + 1, len(vertices) + k)
+                    break
+    return points, kept + fill.faces
+
+
+def open_corner(rings=2, n=8):
+    vertices, faces = cube_sphere(n)
+    left, gone = corner_removed(vertices, faces, rings)
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 6 * rings)
+    return vertices, faces, left, gone, rim
+
+
+@pytest.mark.parametrize("rings", [1, 2, 3])
+@pytest.mark.parametrize("cage_rim", ["smooth", "exact", "move"])
+def test_the_cage_closes_the_hole_with_one_pole(rings, cage_rim):
+    vertices, _, left, _, rim = open_corner(rings)
+    fill = tripatch.fill(vertices, left, rim=rim, output="cage", cage_rim=cage_rim, resolution=0)
+    points, faces = closed(vertices, left, fill)
+    assert tripatch.find_holes(faces) == []
+    assert {len(face) for face in fill.faces} == {4}
+    assert len(fill.faces) == 3 * rings * rings
+    assert [valence for _, valence in fill.report.poles] == [3]
+    assert np.isfinite(points).all()
+    r = fill.report
+    if cage_rim != "exact":
+        assert r.seam_angle_max < 1e-4  # one smooth surface
+        assert len(fill.creases[0]) == 0
+    else:
+        assert r.surroundings_moved_max < 1e-12
+        assert len(fill.creases[0]) == len(rim)
+    assert (len(fill.moved[0]) > 0) == (cage_rim == "move")
+
+
+def test_the_report_is_what_an_independent_evaluation_finds():
+    vertices, _, left, _, rim = open_corner()
+    fill = tripatch.fill(vertices, left, rim=rim, output="cage", resolution=0)
+    points, faces = closed(vertices, left, fill)
+    before = _native.limit_points(*_arrays.mesh(vertices, left))
+    after = _native.limit_points(*_arrays.mesh(points, faces))
+    ring = sorted({v for face in left if set(face) & set(rim.tolist()) for v in face})
+    moved = np.linalg.norm(after[ring] - before[ring], axis=1)
+    # cage vertices on the limit lie between the samples of the report, and the corners are where most happens
+    assert moved.max() == pytest.approx(fill.report.corners_moved_max, rel=1e-6)
+    limit, quads = fill.limit(3)
+    assert quads.shape[1] == 4
+    inside = after[len(vertices) :]
+    assert max(np.linalg.norm(limit - p, axis=1).min() for p in inside) < 1e-12
+
+
+def test_a_region_to_be_replaced_stays_near_the_whole_cage():
+    vertices, faces, _, gone, rim = open_corner()
+    fill = tripatch.fill(vertices, faces, rim=rim, replaced=gone, output="cage", resolution=0)
+    diameter = np.linalg.norm(vertices[rim][:, None] - vertices[rim], axis=-1).max()
+    assert fill.report.surroundings_moved_rms < 1e-3 * diameter
+    assert fill.report.corners_moved_max < 1e-3 * diameter
+
+
+def test_exact_meets_its_surroundings_better_on_a_finer_cage():
+    medians = []
+    for n in (6, 12, 24):
+        vertices, _, left, _, rim = open_corner(n // 6 * 2, n)
+        r = tripatch.fill(vertices, left, rim=rim, output="cage", cage_rim="exact", resolution=0).report
+        medians.append(r.seam_angle_median)
+    assert medians[0] > 3 * medians[1] > 9 * medians[2]
+
+
+@pytest.mark.parametrize("odd", ["split", "triangle"])
+def test_an_odd_rim(odd):
+    vertices, faces = cube_sphere(6)
+    left, _ = corner_removed(vertices, faces, 2)
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 12)
+    # one more face of the surroundings taken out and its corner closed off by a triangle: 13 rim edges
+    face = next(f for f in left if len(set(f) & set(rim.tolist())) == 2)
+    pair = [k for k in range(4) if face[k] in set(rim.tolist()) and face[(k + 1) % 4] in set(rim.tolist())][0]
+    turned = face[pair:] + face[:pair]
+    left = [f for f in left if f != face] + [[turned[1], turned[2], turned[3]]]
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 13)
+    corners = [v for v in rim if sum(v in f for f in left) == 2][:3] or list(rim[[0, 4, 8]])
+    corners = list(rim[[0, 4, 8]]) if len(corners) < 3 else corners
+    fill = tripatch.fill(vertices, left, rim=rim, corners=corners, output="cage", odd=odd, resolution=0)
+    points, faces = closed(vertices, left, fill)
+    assert tripatch.find_holes(faces) == []
+    sizes = [len(face) for face in fill.faces]
+    if odd == "split":
+        assert set(sizes) == {4}
+        assert len(fill.split_edges[0]) == 1
+    else:
+        assert sizes.count(3) == 1
+        assert len(fill.split_edges[0]) == 0
+    assert len(fill.limit(2)[0]) > 0
+
+
+def test_more_rows_come_nearer_to_the_patch():
+    vertices, _, left, _, rim = open_corner()
+    deviations = [
+        tripatch.fill(vertices, left, rim=rim, output="cage", cage_rim="exact", resolution=k).report.cage_deviation_rms
+        for k in (0, 1, 3)
+    ]
+    assert deviations[0] > deviations[1] > deviations[2]
+
+
+def test_tolerance_decides_on_the_rows():
+    vertices, _, left, _, rim = open_corner()
+    coarse = tripatch.fill(vertices, left, rim=rim, output="cage", tolerance=1.0)
+    fine = tripatch.fill(vertices, left, rim=rim, output="cage", tolerance=1e-9)
+    assert len(coarse.faces) == 12
+    assert len(fine.faces) == 12 + 4 * 12
+    assert any("tolerance" in w for w in fine.report.warnings)
+
+
+def test_scale_and_motion():
+    vertices, _, left, _, rim = open_corner()
+    q = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    q *= np.sign(np.linalg.det(q))
+    plain = tripatch.fill(vertices, left, rim=rim, output="cage", resolution=0)
+    for scale in (1e-6, 1e6):
+        moved = tripatch.fill(scale * vertices @ q.T, left, rim=rim, output="cage", resolution=0)
+        assert np.abs(moved.vertices @ q / scale - plain.vertices).max() < 1e-6
