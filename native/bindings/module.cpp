@@ -1,8 +1,8 @@
 // The Python module: arrays in, arrays out, the GIL released around every computation. Names and shapes are checked in
 // python/tripatch; here only what C++ needs.
+#include "arrays.h"
+
 #include <pybind11/functional.h>
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include "tripatch/boundary/limit.h"
@@ -14,52 +14,12 @@
 namespace py = pybind11;
 using namespace tripatch;
 
+void bind_bezier(py::module_& m);
+
 namespace {
-
-using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using IndexArray = py::array_t<Index, py::array::c_style | py::array::forcecast>;
-
-Faces faces_from(const IndexArray& offsets, const IndexArray& corners) {
-  Faces faces;
-  faces.offsets.assign(offsets.data(), offsets.data() + offsets.size());
-  faces.corners.assign(corners.data(), corners.data() + corners.size());
-  return faces;
-}
-
-Points points_from(const Array& a) { return Eigen::Map<const Points>(a.data(), a.shape(0), 3); }
-
-Array array_from(const Points& p) {
-  Array a({p.rows(), Index{3}});
-  std::copy_n(p.data(), p.size(), a.mutable_data());
-  return a;
-}
-
-IndexArray array_from(const std::vector<Index>& v) { return IndexArray(static_cast<Index>(v.size()), v.data()); }
 
 py::object refusal_object(const std::string& reason, const std::vector<Index>& where) {
   return py::module_::import("tripatch.errors").attr("Refusal")(reason, where);
-}
-
-/// P, or the tuple (P, D1 (k,2,3), D2 (k,3,3), D3 (k,4,3)) up to `derivatives`.
-py::object evaluate(const Surface& surface, const Array& b, int derivatives) {
-  const Index n = b.shape(0);
-  const int size = jet_size(derivatives);
-  std::vector<double> jets(n * size * 3);
-  {
-    py::gil_scoped_release release;
-    surface.evaluate(b.data(), n, derivatives, jets.data());
-  }
-  const std::array<double, 5> factorial = {1, 1, 2, 6, 24};
-  py::tuple parts(derivatives + 1);
-  for (int d = 0; d <= derivatives; ++d) {
-    Array a(d == 0 ? std::vector<Index>{n, 3} : std::vector<Index>{n, d + 1, 3});
-    double* out = a.mutable_data();
-    for (Index k = 0; k < n; ++k)
-      for (int j = 0; j <= d; ++j)
-        for (int x = 0; x < 3; ++x) *out++ = factorial[d - j] * factorial[j] * jets[(k * size + jet_index(d - j, j)) * 3 + x];
-    parts[d] = a;
-  }
-  return derivatives == 0 ? py::object(parts[0]) : py::object(parts);
 }
 
 /// A Python callable of t (k,) -> (k, 3) as a field of the side.
@@ -150,7 +110,7 @@ PYBIND11_MODULE(_native, m) {
       .value("as_printed", CrossBoundary::as_printed);
 
   py::class_<Surface, std::shared_ptr<Surface>>(m, "Patch", "A surface over the triangle.")
-      .def("_evaluate", &evaluate)
+      .def("_evaluate", &evaluate<Surface>)
       .def("_normal", [](const Surface& surface, const Array& b) {
         const Points points = points_from(b);
         Points normals;
@@ -207,6 +167,8 @@ PYBIND11_MODULE(_native, m) {
           for (const Vec3* v : {&j.p, &j.pu, &j.pv, &j.puu, &j.puv, &j.pvv}) to = std::copy_n(v->data(), 3, to);
         return out;
       });
+
+  bind_bezier(m);
 
   py::class_<Method>(m, "Method", "A construction of the registry.")
       .def_readonly("name", &Method::name)

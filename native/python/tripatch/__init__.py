@@ -14,21 +14,39 @@ import numpy as np
 from . import _arrays, _native
 from ._native import Patch, Report, Side
 from .errors import Refusal
+from .surfaces import (
+    BezierRectangle,
+    BezierTriangle,
+    NurbsSurface,
+    coons_bezier,
+    coons_energy,
+    coons_rectangle,
+    sides_from_normals,
+    smooth_triangles,
+)
 
 __version__ = "0.1.0"
 __all__ = [
     "METHODS",
+    "BezierRectangle",
+    "BezierTriangle",
     "Fill",
+    "NurbsSurface",
     "Patch",
     "Refusal",
     "Report",
     "Side",
     "blend",
+    "coons_bezier",
+    "coons_energy",
+    "coons_rectangle",
     "fill",
     "fill_all",
     "find_corners",
     "find_holes",
     "patch",
+    "sides_from_normals",
+    "smooth_triangles",
 ]
 
 #: name -> construction, with .description, .citation, .fills_holes, .continuity

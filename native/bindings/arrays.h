@@ -1,0 +1,61 @@
+// numpy arrays to and from the core's types.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "tripatch/patch/jet.h"
+#include "tripatch/types.h"
+
+namespace py = pybind11;
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using IndexArray = py::array_t<tripatch::Index, py::array::c_style | py::array::forcecast>;
+
+inline tripatch::Faces faces_from(const IndexArray& offsets, const IndexArray& corners) {
+  tripatch::Faces faces;
+  faces.offsets.assign(offsets.data(), offsets.data() + offsets.size());
+  faces.corners.assign(corners.data(), corners.data() + corners.size());
+  return faces;
+}
+
+inline tripatch::Points points_from(const Array& a) { return Eigen::Map<const tripatch::Points>(a.data(), a.shape(0), 3); }
+
+inline Array array_from(const tripatch::Points& p) {
+  Array a({p.rows(), tripatch::Index{3}});
+  std::copy_n(p.data(), p.size(), a.mutable_data());
+  return a;
+}
+
+inline IndexArray array_from(const std::vector<tripatch::Index>& v) {
+  return IndexArray(static_cast<tripatch::Index>(v.size()), v.data());
+}
+
+/// P, or the tuple (P, D1 (k,2,3), D2 (k,3,3), D3 (k,4,3)) up to `derivatives`, at parameters of any surface.
+template <class AnySurface>
+py::object evaluate(const AnySurface& surface, const Array& at, int derivatives) {
+  using tripatch::Index;
+  const Index n = at.shape(0);
+  const int size = tripatch::jet_size(derivatives);
+  std::vector<double> jets(n * size * 3);
+  {
+    py::gil_scoped_release release;
+    surface.evaluate(at.data(), n, derivatives, jets.data());
+  }
+  const std::array<double, 5> factorial = {1, 1, 2, 6, 24};
+  py::tuple parts(derivatives + 1);
+  for (int d = 0; d <= derivatives; ++d) {
+    Array a(d == 0 ? std::vector<Index>{n, 3} : std::vector<Index>{n, d + 1, 3});
+    double* out = a.mutable_data();
+    for (Index k = 0; k < n; ++k)
+      for (int j = 0; j <= d; ++j)
+        for (int x = 0; x < 3; ++x)
+          *out++ = factorial[d - j] * factorial[j] * jets[(k * size + tripatch::jet_index(d - j, j)) * 3 + x];
+    parts[d] = a;
+  }
+  return derivatives == 0 ? py::object(parts[0]) : py::object(parts);
+}

@@ -1,0 +1,113 @@
+// Bezier and NURBS surfaces, Coons nets, sides from surfaces and from vertex normals, smooth_triangles.
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "tripatch/boundary/bezier_rectangle.h"
+#include "tripatch/boundary/normal_sides.h"
+#include "tripatch/boundary/nurbs_surface.h"
+#include "tripatch/output/smooth_triangles.h"
+#include "tripatch/patch/bezier_triangle.h"
+#include "tripatch/patch/coons_bezier.h"
+#include "tripatch/patch/coons_rectangle.h"
+
+using namespace tripatch;
+
+namespace {
+
+/// (m + 1, n + 1, 3) with the first index u.
+Array net_from(const BezierRectangle& rectangle) {
+  Array a({Index{rectangle.degree_u() + 1}, Index{rectangle.degree_v() + 1}, Index{3}});
+  std::copy_n(rectangle.net().data(), rectangle.net().size(), a.mutable_data());
+  return a;
+}
+
+Points flat(const Array& a) { return Eigen::Map<const Points>(a.data(), a.shape(0) * a.shape(1), 3); }
+
+std::array<Vec3, 3> rows(const Array& a) { return {Vec3::Map(a.data(0, 0)), Vec3::Map(a.data(1, 0)), Vec3::Map(a.data(2, 0))}; }
+
+}  // namespace
+
+void bind_bezier(py::module_& m) {
+  py::class_<BezierTriangle, Surface, std::shared_ptr<BezierTriangle>>(
+      m, "BezierTriangle", "A polynomial surface over the triangle, by its control net.")
+      .def(py::init([](const Array& net) { return std::make_shared<BezierTriangle>(points_from(net)); }))
+      .def_property_readonly("degree", &BezierTriangle::degree)
+      .def_property_readonly("net", [](const BezierTriangle& b) { return array_from(b.net()); })
+      .def("elevated", &BezierTriangle::elevated, "The same surface, one degree higher.")
+      .def("_derivative",
+           [](const BezierTriangle& b, const std::array<double, 3>& d) { return b.derivative(Vec3(d[0], d[1], d[2])); })
+      .def("_side", [](const BezierTriangle& b, int i) { return array_from(b.side(i)); });
+
+  py::class_<RectangleSurface, std::shared_ptr<RectangleSurface>>(m, "RectangleSurface", "A surface over a rectangle (u, v).")
+      .def("_evaluate", &evaluate<RectangleSurface>)
+      .def_property_readonly("domain", &RectangleSurface::domain, "u from, u to, v from, v to.");
+  py::class_<BezierRectangle, RectangleSurface, std::shared_ptr<BezierRectangle>>(m, "BezierRectangle",
+                                                                                  "A Bezier rectangle over the unit square.")
+      .def(py::init([](const Array& net) {
+        return std::make_shared<BezierRectangle>(flat(net), static_cast<int>(net.shape(0)) - 1,
+                                                 static_cast<int>(net.shape(1)) - 1);
+      }))
+      .def_property_readonly("degrees", [](const BezierRectangle& b) { return py::make_tuple(b.degree_u(), b.degree_v()); })
+      .def_property_readonly("net", &net_from);
+  py::class_<NurbsSurface, RectangleSurface, std::shared_ptr<NurbsSurface>>(m, "NurbsSurface",
+                                                                            "A NURBS surface of any degrees, knots and weights.")
+      .def(py::init([](const Array& points, const std::vector<double>& weights, const std::vector<double>& knots_u,
+                       const std::vector<double>& knots_v) {
+        return std::make_shared<NurbsSurface>(flat(points), points.shape(0), points.shape(1), weights, knots_u, knots_v);
+      }))
+      .def_property_readonly("degrees", [](const NurbsSurface& s) { return py::make_tuple(s.degree_u(), s.degree_v()); });
+
+  py::reinterpret_borrow<py::class_<Side>>(m.attr("Side"))
+      .def(py::init([](const BezierTriangle& surface, int edge, bool reversed) { return side_of(surface, edge, reversed); }))
+      .def(py::init([](const RectangleSurface& surface, int edge, bool reversed) { return surface.side(edge, reversed); }));
+
+  py::enum_<NormalCurve>(m, "NormalCurve").value("hermite", NormalCurve::hermite).value("smits", NormalCurve::smits);
+  m.def("_sides_from_normals", [](const Array& points, const Array& normals, NormalCurve curve) {
+    return sides_from_normals(rows(points), rows(normals), curve);
+  });
+
+  py::enum_<CoonsKind>(m, "CoonsKind")
+      .value("discrete", CoonsKind::discrete)
+      .value("extremal", CoonsKind::extremal)
+      .value("extremal_symmetric", CoonsKind::extremal_symmetric)
+      .value("mask", CoonsKind::mask)
+      .value("permanence", CoonsKind::permanence);
+  m.def("_coons_bezier", [](const std::array<Array, 3>& curves, CoonsKind kind, const std::optional<double>& alpha) {
+    BoundaryCurves boundary;
+    for (int i = 0; i < 3; ++i) boundary[i] = points_from(curves[i]);
+    py::gil_scoped_release release;
+    std::vector<std::string> warnings;
+    BezierTriangle triangle = coons_bezier(boundary, kind, alpha, &warnings);
+    return std::pair(std::move(triangle), warnings);
+  });
+  m.def("_coons_energy", [](const BezierTriangle& triangle, bool symmetric) { return coons_energy(triangle, symmetric); });
+  m.def("_coons_energy", [](const BezierRectangle& rectangle, bool) { return coons_energy(rectangle); });
+  m.def("_coons_rectangle", [](const BezierRectangle& boundary, const std::optional<double>& alpha) {
+    return alpha ? permanence_rectangle(boundary, *alpha) : coons_rectangle(boundary);
+  });
+
+  py::class_<SmoothMesh>(m, "SmoothMesh", "A smoothed triangle mesh.")
+      .def_property_readonly("vertices", [](const SmoothMesh& s) { return array_from(s.vertices); })
+      .def_property_readonly("normals", [](const SmoothMesh& s) { return array_from(s.normals); })
+      .def_property_readonly("faces",
+                             [](const SmoothMesh& s) {
+                               IndexArray a({static_cast<Index>(s.faces.size()), Index{3}});
+                               for (std::size_t f = 0; f < s.faces.size(); ++f)
+                                 std::copy_n(s.faces[f].data(), 3, a.mutable_data(f));
+                               return a;
+                             })
+      .def_property_readonly("edges", [](const SmoothMesh& s) {
+        IndexArray a({static_cast<Index>(s.edges.size()), Index{2}});
+        for (std::size_t e = 0; e < s.edges.size(); ++e) std::copy_n(s.edges[e].data(), 2, a.mutable_data(e));
+        return a;
+      });
+  m.def("_smooth_triangles", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                                const std::optional<Array>& normals, int resolution, NormalCurve curve) {
+    const Faces faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::optional<Points> given;
+    if (normals) given = points_from(*normals);
+    py::gil_scoped_release release;
+    return smooth_triangles({points, faces}, given, resolution, curve);
+  });
+}

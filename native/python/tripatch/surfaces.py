@@ -1,0 +1,237 @@
+"""Surfaces given by control points, the sides that they make, Coons nets, and meshes smoothed by their vertex normals."""
+
+from __future__ import annotations
+
+import numbers
+import warnings
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import _arrays, _native
+from ._native import BezierRectangle, BezierTriangle, NurbsSurface, Side
+
+_KINDS = {name: getattr(_native.CoonsKind, name) for name in ("discrete", "extremal", "extremal_symmetric", "mask", "permanence")}
+_CURVES = {name: getattr(_native.NormalCurve, name) for name in ("hermite", "smits")}
+
+
+def _named(value, name: str, allowed: dict):
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a name, not {type(value).__name__}")
+    if value not in allowed:
+        raise ValueError(f"{name} must be one of {', '.join(allowed)}, not {value!r}")
+    return allowed[value]
+
+
+def _whole(value, name: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        raise TypeError(f"{name} must be a whole number, not {value!r}")
+    return int(value)
+
+
+def _number(value, name: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise TypeError(f"{name} must be a number, not {value!r}")
+    return float(value)
+
+
+def _numbers(value, name: str, dimensions: int, last: int | None = None) -> np.ndarray:
+    """A float64 array of so many dimensions, the last of this length."""
+    shape = "(" + ", ".join(["m", "n"][: dimensions - (last is not None)] + ([str(last)] if last else [])) + ")"
+    try:
+        a = np.asarray(value)
+    except ValueError:
+        raise ValueError(f"{name} must have shape {shape}; its rows differ in length") from None
+    if a.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must be an array of numbers, not of {a.dtype}")
+    if a.ndim != dimensions or (last is not None and a.shape[-1] != last):
+        raise ValueError(f"{name} must have shape {shape}, not {a.shape}")
+    return np.ascontiguousarray(a, dtype=np.float64)
+
+
+def _init_with(native_class, convert):
+    native_init = native_class.__init__
+
+    def init(self, *args, **kwargs):
+        native_init(self, *convert(*args, **kwargs))
+
+    init.__doc__ = convert.__doc__
+    native_class.__init__ = init
+
+
+def _triangle(net):
+    """net: (n + 1)(n + 2) / 2 by 3 control points in the order (n,0,0), (n-1,1,0), (n-1,0,1), ..., (0,0,n)."""
+    return (_arrays.points(net, "net"),)
+
+
+def _rectangle(net):
+    """net: (m + 1, n + 1, 3) control points, the first index along u."""
+    return (_numbers(net, "net", 3, 3),)
+
+
+def _nurbs(points, weights, knots_u, knots_v):
+    """A NURBS surface; its degrees are the numbers of knots less those of points less 1.
+
+    Args:
+        points: (m, n, 3), the first index along u.
+        weights: (m, n), greater than 0; None: all 1.
+        knots_u, knots_v: knots that do not decrease. The domain is from knot number `degree` to knot number m (n).
+    """
+    p = _numbers(points, "points", 3, 3)
+    w = [] if weights is None else _numbers(weights, "weights", 2)
+    if weights is not None and w.shape != p.shape[:2]:
+        raise ValueError(f"weights must have shape {p.shape[:2]}, not {w.shape}")
+    return p, np.ravel(w).tolist(), _numbers(knots_u, "knots_u", 1).tolist(), _numbers(knots_v, "knots_v", 1).tolist()
+
+
+def _side(surface, edge, reversed=False):
+    """An edge of a surface as a side of the hole, exact.
+
+    Args:
+        surface: a BezierTriangle, BezierRectangle or NurbsSurface.
+        edge: of a rectangle 0: v lowest, 1: u highest, 2: v highest, 3: u lowest, counter-clockwise in (u, v); of a triangle the
+            edge opposite corner `edge`, from the next corner to the one after.
+        reversed: the other direction along the edge; there the side's normal is the surface's own (S_u x S_v).
+    """
+    if not isinstance(surface, (BezierTriangle, _native.RectangleSurface)):
+        raise TypeError(f"a side is made from a BezierTriangle, BezierRectangle or NurbsSurface, not {type(surface).__name__}")
+    if not isinstance(reversed, (bool, np.bool_)):
+        raise TypeError("reversed must be True or False")
+    return surface, _whole(edge, "edge"), bool(reversed)
+
+
+_init_with(BezierTriangle, _triangle)
+_init_with(BezierRectangle, _rectangle)
+_init_with(NurbsSurface, _nurbs)
+_init_with(Side, _side)
+
+
+def _derivative(self: BezierTriangle, direction) -> BezierTriangle:
+    """The derivative in a direction (d0, d1, d2) of the domain, summing to 0: a Bezier triangle of one degree less."""
+    d = _numbers(direction, "direction", 1)
+    if d.shape != (3,) or abs(d.sum()) > 1e-12 * np.abs(d).max(initial=0):
+        raise ValueError("direction must be three numbers that sum to 0")
+    return self._derivative(d.tolist())
+
+
+def _triangle_side(self: BezierTriangle, i: int) -> np.ndarray:
+    """(n + 1, 3) control points of side i, from corner i + 1 to corner i + 2."""
+    if not 0 <= _whole(i, "i") <= 2:
+        raise ValueError(f"a triangle has sides 0 to 2, not {i}")
+    return self._side(i)
+
+
+def _evaluate(self: _native.RectangleSurface, uv, derivatives: int = 0):
+    """Position and derivatives with respect to (u, v).
+
+    Args:
+        uv: (k, 2) in the domain.
+        derivatives: 0 to 3.
+
+    Returns:
+        P (k, 3); with derivatives the tuple (P, D1 (k, 2, 3), D2 (k, 3, 3) in the order uu, uv, vv, D3 (k, 4, 3)).
+    """
+    if not 0 <= _whole(derivatives, "derivatives") <= 3:
+        raise ValueError(f"derivatives must be from 0 to 3, not {derivatives}")
+    at = _numbers(uv, "uv", 2, 2)
+    u0, u1, v0, v1 = self.domain
+    outside = ~((at >= (u0, v0)) & (at <= (u1, v1))).all(axis=1)
+    if outside.any():
+        raise ValueError(f"uv[{int(np.argmax(outside))}] lies outside the domain [{u0}, {u1}] x [{v0}, {v1}]")
+    return self._evaluate(at, int(derivatives))
+
+
+BezierTriangle.derivative = _derivative
+BezierTriangle.side = _triangle_side
+_native.RectangleSurface.evaluate = _evaluate
+
+
+def sides_from_normals(points, normals, curve: str = "hermite") -> tuple[Side, Side, Side]:
+    """The three sides of a triangle with vertex normals: curves orthogonal to the normals at their ends (Smits 2000).
+
+    Args:
+        points: (3, 3) corners.
+        normals: (3, 3) outer normals there, of any length.
+        curve: "hermite": cubic, end tangents as long as the arc; "smits": equations 4 to 9 as printed.
+
+    Raises:
+        Refusal: a normal that is zero, along an edge, or opposite to its neighbour's.
+    """
+    p, n = _numbers(points, "points", 2, 3), _numbers(normals, "normals", 2, 3)
+    for name, a in (("points", p), ("normals", n)):
+        if len(a) != 3:
+            raise ValueError(f"{name} must have shape (3, 3), not {a.shape}")
+    return tuple(_native._sides_from_normals(p, n, _named(curve, "curve", _CURVES)))
+
+
+def coons_bezier(boundary: Sequence, kind: str = "discrete", alpha: float | None = None) -> BezierTriangle:
+    """A Bezier triangle from three Bezier curves (Arnal and Lluch, Coons triangular Bezier surfaces).
+
+    Args:
+        boundary: three (n + 1, 3) control polygons of one degree n <= 20; curve i along side i (from corner i + 1 to i + 2),
+            the ends shared.
+        kind: "discrete" (Definition 1: the Coons patch itself, of degree n + 1), "extremal" (least integral of |x_uv|^2,
+            Propositions 2 and 3), "extremal_symmetric" (the same over the three pairs of coordinates), "mask" (eq. 11),
+            "permanence" (eq. 9).
+        alpha: of "permanence", 3 alpha + 6 beta = 1. None: -2/3, the paper's.
+
+    Raises:
+        Refusal: the mask's or permanence patch's system is singular and this boundary has no solution.
+        ValueError: curves of different degrees, that do not meet, or that are not finite.
+    """
+    curves = tuple(boundary)
+    if len(curves) != 3:
+        raise ValueError(f"boundary must be three curves, not {len(curves)}")
+    curves = [_numbers(c, f"boundary[{i}]", 2, 3) for i, c in enumerate(curves)]
+    value = None if alpha is None else _number(alpha, "alpha")
+    triangle, notes = _native._coons_bezier(curves, _named(kind, "kind", _KINDS), value)
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    return triangle
+
+
+def coons_rectangle(boundary: BezierRectangle, alpha: float | None = None) -> BezierRectangle:
+    """The rectangular discrete Coons patch of a net's boundary (Farin and Hansford 1999); its interior points are not read.
+
+    Args:
+        alpha: None: the discrete Coons patch; else the permanence patch with 4 alpha + 4 beta = 1 (-1/4: the Coons patch again).
+    """
+    if not isinstance(boundary, BezierRectangle):
+        raise TypeError("boundary must be a BezierRectangle")
+    return _native._coons_rectangle(boundary, None if alpha is None else _number(alpha, "alpha"))
+
+
+def coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool = False) -> float:
+    """Integral of |x_uv|^2 over the unit triangle (eq. 4; symmetric: summed over the three pairs) or unit square (eq. 1)."""
+    if not isinstance(surface, (BezierTriangle, BezierRectangle)):
+        raise TypeError("surface must be a BezierTriangle or a BezierRectangle")
+    return _native._coons_energy(surface, bool(symmetric))
+
+
+def smooth_triangles(vertices, faces, normals=None, resolution: int = 8, curve: str = "hermite") -> _native.SmoothMesh:
+    """A triangle mesh with vertex normals becomes one surface that is smooth (G1) across every edge.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3), or lists of three indices.
+        normals: (n, 3), of any length; None: the faces' normals weighted by their angles.
+        resolution: edges that every edge is cut into, 1 to 256.
+        curve: over the edges: "hermite" (cubic, tangents as long as the arc) or "smits" (equations 4 to 9 of Smits 2000).
+
+    Returns:
+        An object with `vertices` (the given ones first, then resolution - 1 points of every edge, then the faces' inner points),
+        `faces` (resolution^2 triangles for each face, in order), exact unit `normals`, and `edges` (e, 2): point k = 1 .. of edge
+        j, counted from edges[j, 0], is vertex n + j (resolution - 1) + k - 1.
+
+    Raises:
+        Refusal: a face that is no triangle, or has no area; a normal that is zero, along an edge, or not finite.
+    """
+    v, offsets, corners = _arrays.mesh(vertices, faces)
+    given = None
+    if normals is not None:
+        given = _arrays.points(normals, "normals")
+        if len(given) != len(v):
+            raise ValueError(f"normals must have shape ({len(v)}, 3), not {given.shape}")
+    return _native._smooth_triangles(
+        v, offsets, corners, given, _whole(resolution, "resolution"), _named(curve, "curve", _CURVES)
+    )
