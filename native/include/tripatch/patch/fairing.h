@@ -1,0 +1,40 @@
+// The fairest patch among those that meet the surroundings just as well. Whatever patch keeps G1 keeps it with
+//   - the interior term (27 b0 b1 b2)^2 sum_K a_K B_K(b) added, and
+//   - the slopes alpha(t), beta(t) of each side changed between the corners;
+// both are linear. The coefficients minimise a fairness energy.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tripatch/boundary/ribbon.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+struct FairingOptions {
+  /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, auto (see energy.h):
+  /// geometric, by damped Gauss-Newton from the third-derivative solution.
+  std::string energy = "auto";
+  int degree = 6;                              ///< of the interior term's polynomial
+  int slopes = 4;                              ///< coefficients of each of alpha and beta on each side
+  int nodes = 7;                               ///< of the quadrature, per direction
+  int iterations = 8;                          ///< of Gauss-Newton, at most
+  std::function<Index(const Surface&)> folds;  ///< counts folds; empty: none are counted
+};
+
+struct FairResult {
+  SurfacePtr patch;
+  std::string energy;  ///< that was minimised
+  double before = 0;   ///< its value for the patch that was given
+  double after = 0;
+  int iterations = 0;
+  std::vector<std::string> warnings;
+};
+
+/// `base` is any patch of `boundary` that keeps G1 to `sides`. The result has no higher energy and no more folds; if nothing
+/// better is found, it is `base` itself.
+FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options = {});
+
+}  // namespace tripatch

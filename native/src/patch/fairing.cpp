@@ -1,0 +1,488 @@
+#include "tripatch/patch/fairing.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <tuple>
+
+#include "tripatch/patch/energy.h"
+
+namespace tripatch {
+namespace {
+
+double choose(int n, int k) {
+  double r = 1;
+  for (int i = 1; i <= k; ++i) r = r * (n - k + i) / i;
+  return r;
+}
+
+/// What a fairing adds to a patch.
+class Correction final : public JetSurface<Correction> {
+public:
+  /// slopes: on each side, what is added to the derivative across it; interior: coefficients a_K, rows in the order of
+  /// bernstein_exponents.
+  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, Points interior)
+      : slopes_(std::move(slopes)), degree_(degree), interior_(std::move(interior)) {}
+
+  Vec3 corner(int) const { return Vec3::Zero(); }
+
+  template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    JetPoint<N> p;
+    const std::array<Jet<N>, 3> w = side_weights(b);
+    for (int i = 0; i < 3; ++i) p += slope_kernel(b, w, i) * compose(slopes_[i], ray_parameter(b, i));
+    const std::vector<Jet<N>> basis = interior_basis(b, degree_);
+    for (std::size_t k = 0; k < basis.size(); ++k)
+      for (int x = 0; x < 3; ++x) p.x[x] += basis[k] * interior_(k, x);
+    return p;
+  }
+
+  /// The part of a side-vertex patch that multiplies the derivative across side i.
+  template <int N>
+  static Jet<N> slope_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
+    const Jet<N> s = b[(i + 1) % 3] + b[(i + 2) % 3];
+    return -(w[i] * (square(s) * b[i]));
+  }
+
+  /// (27 b0 b1 b2)^2 B_K(b).
+  template <int N>
+  static std::vector<Jet<N>> interior_basis(const Barycentric<N>& b, int degree) {
+    std::array<std::vector<Jet<N>>, 3> power;
+    for (int i = 0; i < 3; ++i) {
+      power[i].assign(degree + 1, Jet<N>(1.0));
+      for (int k = 1; k <= degree; ++k) power[i][k] = power[i][k - 1] * b[i];
+    }
+    const Jet<N> bubble = square(27.0 * (b[0] * b[1] * b[2]));
+    std::vector<Jet<N>> basis;
+    basis.reserve((degree + 1) * (degree + 2) / 2);
+    for (int i = degree; i >= 0; --i) {
+      const Jet<N> first = bubble * power[0][i];
+      for (int j = degree - i; j >= 0; --j)
+        basis.push_back((choose(degree, i) * choose(degree - i, j)) * (first * (power[1][j] * power[2][degree - i - j])));
+    }
+    return basis;
+  }
+
+private:
+  std::array<PiecewisePolynomial, 3> slopes_;
+  int degree_;
+  Points interior_;
+};
+
+class Faired final : public Surface {
+public:
+  Faired(SurfacePtr base, Correction correction) : base_(std::move(base)), correction_(std::move(correction)) {}
+
+  void evaluate(const double* b, Index n, int order, double* out) const override {
+    base_->evaluate(b, n, order, out);
+    std::vector<double> added(n * jet_size(order) * 3);
+    correction_.evaluate(b, n, order, added.data());
+    for (std::size_t k = 0; k < added.size(); ++k) out[k] += added[k];
+  }
+
+private:
+  SurfacePtr base_;
+  Correction correction_;
+};
+
+/// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
+PiecewisePolynomial slope_function(int count, int m) {
+  const std::array<double, 3> arch = {0, 2, 0};
+  std::vector<double> net(count, 0.0);
+  net[m] = 1;
+  return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(net, 1);
+}
+
+template <int N>
+Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
+  Eigen::Matrix<double, 9, 1> d;
+  for (int k = 0; k < 9; ++k) d[k] = f.c[k + 1];
+  for (int k : {2, 4}) d[k] *= 2;
+  for (int k : {5, 8}) d[k] *= 6;
+  for (int k : {6, 7}) d[k] *= 2;
+  return d;
+}
+
+/// What is the same for all holes: nodes, the interior basis and the kernels of the slopes at them.
+struct Shared {
+  using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic>;
+  Quadrature quadrature;
+  std::vector<Basis> interior;                            // at each node
+  std::vector<std::array<Jet<3>, 3>> parameter;           // t_i at each node
+  std::vector<std::array<std::vector<Jet<3>>, 3>> slope;  // kernel times function m, of side i, at each node
+  Eigen::MatrixXd third, second;                          // rows sqrt(w) D^3 and D^2 of the interior basis
+  Eigen::MatrixXd third_normal, second_normal;
+  Eigen::MatrixXd combination;  // of the Bernstein polynomials, one basis function a column
+
+  Shared(int degree, int slopes, int nodes) : quadrature(corner_quadrature(nodes)) {
+    const Index n = quadrature.b.rows(), count = (degree + 1) * (degree + 2) / 2;
+    std::vector<PiecewisePolynomial> functions;
+    for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
+    third.resize(4 * n, count);
+    second.resize(3 * n, count);
+    for (Index k = 0; k < n; ++k) {
+      const Barycentric<3> b = cartesian_barycentric<3>(quadrature.b.row(k).data());
+      const std::vector<Jet<3>> basis = Correction::interior_basis(b, degree);
+      Basis rows(9, count);
+      for (Index c = 0; c < count; ++c) rows.col(c) = derivatives_of(basis[c]);
+      const double w = std::sqrt(quadrature.weights[k]);
+      for (int d = 0; d < 4; ++d) third.row(4 * k + d) = w * third_factor(d) * rows.row(5 + d);
+      for (int d = 0; d < 3; ++d) second.row(3 * k + d) = w * second_factor(d) * rows.row(2 + d);
+      interior.push_back(std::move(rows));
+      const std::array<Jet<3>, 3> weights = side_weights(b);
+      std::array<Jet<3>, 3> t;
+      std::array<std::vector<Jet<3>>, 3> kernels;
+      for (int i = 0; i < 3; ++i) {
+        t[i] = ray_parameter(b, i);
+        const Jet<3> kernel = Correction::slope_kernel(b, weights, i);
+        for (const PiecewisePolynomial& f : functions) {
+          std::array<double, 4> series;
+          f.taylor(t[i].value(), 3, series.data());
+          kernels[i].push_back(kernel * compose<3>(series.data(), 1, t[i]));
+        }
+      }
+      parameter.push_back(t);
+      slope.push_back(std::move(kernels));
+    }
+    // orthonormal in the third-derivative energy: Bernstein polynomials times the squared bubble are nearly dependent
+    const Eigen::MatrixXd r =
+        Eigen::HouseholderQR<Eigen::MatrixXd>(third).matrixQR().topRows(count).triangularView<Eigen::Upper>();
+    combination = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(count, count));
+    third *= combination;
+    second *= combination;
+    for (Basis& rows : interior) rows *= combination;
+    third_normal = third.transpose() * third;
+    second_normal = second.transpose() * second;
+  }
+
+  static double third_factor(int d) { return d == 1 || d == 2 ? std::sqrt(3.0) : 1; }
+  static double second_factor(int d) { return d == 1 ? std::sqrt(2.0) : 1; }
+};
+
+const Shared& shared(int degree, int slopes, int nodes) {
+  static std::mutex mutex;
+  static std::map<std::array<int, 3>, std::unique_ptr<Shared>> all;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::unique_ptr<Shared>& one = all[{degree, slopes, nodes}];
+  if (!one) one = std::make_unique<Shared>(degree, slopes, nodes);
+  return *one;
+}
+
+/// sum of squares |A x + r|^2 = x' normal x + 2 x' gradient + constant.
+struct Quadratic {
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd gradient;
+  double constant = 0;
+  double operator()(const Eigen::VectorXd& x) const { return std::max(0.0, x.dot(normal * x + 2 * gradient) + constant); }
+};
+
+/// The unknowns of one hole: the interior coefficients, component by component, then alpha and beta of each side.
+class Problem {
+public:
+  Problem(const Surface& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options)
+      : shared_(shared(options.degree, options.slopes, options.nodes)),
+        base_(cartesian_derivatives(base, shared_.quadrature.b)),
+        size_(boundary.size),
+        sides_(sides),
+        boundary_(boundary),
+        options_(options) {
+    interior_ = shared_.third_normal.rows();
+    slopes_ = 6 * options.slopes;
+    for (int i = 0; i < 3; ++i) {
+      along_[i] = sides[i].c.derivative();
+      double r = 0, c = 0;
+      for (int k = 0; k <= 16; ++k) {
+        r += sides[i].r(k / 16.0).norm() / 17;
+        c += along_[i](k / 16.0).norm() / 17;
+      }
+      scale_[i] = {r > 0 ? size_ / r : 0, c > 0 ? size_ / c : 0};
+    }
+    basis_.resize(base_.size());
+    for (std::size_t k = 0; k < base_.size(); ++k) {
+      basis_[k].resize(27, slopes_);
+      for (int i = 0; i < 3; ++i) {
+        const JetPoint<3> r = compose(sides_[i].r, shared_.parameter[k][i]), c = compose(along_[i], shared_.parameter[k][i]);
+        for (int m = 0; m < options.slopes; ++m)
+          for (int x = 0; x < 3; ++x) {
+            const Eigen::Matrix<double, 9, 1> dr = scale_[i][0] * derivatives_of(shared_.slope[k][i][m] * r.x[x]);
+            const Eigen::Matrix<double, 9, 1> dc = scale_[i][1] * derivatives_of(shared_.slope[k][i][m] * c.x[x]);
+            for (int d = 0; d < 9; ++d) {
+              basis_[k](3 * d + x, (2 * i) * options.slopes + m) = dr[d];
+              basis_[k](3 * d + x, (2 * i + 1) * options.slopes + m) = dc[d];
+            }
+          }
+      }
+    }
+  }
+
+  Index unknowns() const { return 3 * interior_ + slopes_; }
+  Index interior() const { return 3 * interior_; }
+
+  Derivatives derivatives(std::size_t node, const Eigen::VectorXd& x) const {
+    Derivatives d = base_[node];
+    for (int c = 0; c < 3; ++c) d.col(c) += size_ * (shared_.interior[node] * x.segment(c * interior_, interior_));
+    Eigen::Map<Eigen::Matrix<double, 27, 1>>(d.data()) += basis_[node] * x.tail(slopes_);
+    return d;
+  }
+
+  /// third_derivative or thin_plate, over the size squared.
+  Quadratic quadratic(bool third) const {
+    const int rows = third ? 4 : 3, first = third ? 5 : 2;
+    const Index n = static_cast<Index>(base_.size());
+    const Eigen::MatrixXd& inner = third ? shared_.third : shared_.second;
+    const Eigen::MatrixXd& inner_normal = third ? shared_.third_normal : shared_.second_normal;
+    Quadratic q;
+    q.normal.setZero(unknowns(), unknowns());
+    q.gradient.setZero(unknowns());
+    Eigen::MatrixXd slope(rows * n, slopes_);
+    Eigen::VectorXd value(rows * n);
+    for (int c = 0; c < 3; ++c) {
+      for (Index k = 0; k < n; ++k) {
+        const double w = std::sqrt(shared_.quadrature.weights[k]) / size_;
+        for (int d = 0; d < rows; ++d) {
+          const double f = w * (third ? Shared::third_factor(d) : Shared::second_factor(d));
+          slope.row(rows * k + d) = f * basis_[k].row(3 * (first + d) + c);
+          value[rows * k + d] = f * base_[k](first + d, c);
+        }
+      }
+      const Index at = c * interior_;
+      q.normal.block(at, at, interior_, interior_) = inner_normal;
+      q.normal.block(at, 3 * interior_, interior_, slopes_).noalias() = inner.transpose() * slope;
+      q.normal.bottomRightCorner(slopes_, slopes_).noalias() += slope.transpose() * slope;
+      q.gradient.segment(at, interior_).noalias() = inner.transpose() * value;
+      q.gradient.tail(slopes_).noalias() += slope.transpose() * value;
+      q.constant += value.squaredNorm();
+    }
+    q.normal.bottomLeftCorner(slopes_, 3 * interior_) = q.normal.topRightCorner(3 * interior_, slopes_).transpose();
+    return q;
+  }
+
+  /// minimum_variation and quadric_variation at x.
+  std::pair<double, double> variation(const Eigen::VectorXd& x) const {
+    double whole = 0, quadric = 0;
+    for (std::size_t k = 0; k < base_.size(); ++k) {
+      const CurvatureVariation v = curvature_variation(derivatives(k, x), flat_curvature(size_));
+      const double w = shared_.quadrature.weights[k] * size_ * size_ * v.area;
+      whole += w * v.variation.squaredNorm();
+      quadric += w * v.quadric.squaredNorm();
+    }
+    return {whole, quadric};
+  }
+
+  /// Gauss-Newton matrix and half the gradient of weight[0] minimum_variation + weight[1] quadric_variation.
+  void linearise(const Eigen::VectorXd& x, const std::array<double, 2>& weight, Eigen::MatrixXd& normal,
+                 Eigen::VectorXd& gradient) const {
+    const Index n = static_cast<Index>(base_.size());
+    const int first = weight[0] > 0 ? 0 : 4, count = weight[0] > 0 && weight[1] > 0 ? 8 : 4;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(count * n, unknowns());
+    Eigen::VectorXd value(count * n);
+    for (Index k = 0; k < n; ++k) {
+      const CurvatureVariationRows v = curvature_variation_rows(derivatives(k, x), flat_curvature(size_));
+      const double w = std::sqrt(shared_.quadrature.weights[k]) * size_;
+      for (int r = 0; r < count; ++r) {
+        const double f = w * std::sqrt(weight[(first + r) / 4]);
+        const Eigen::Matrix<double, 1, 27> row = f * v.derivative.row(first + r);
+        const Eigen::Map<const Eigen::Matrix<double, 9, 3, Eigen::RowMajor>> parts(row.data());
+        value[count * k + r] = f * v.value[first + r];
+        for (int c = 0; c < 3; ++c)
+          jacobian.row(count * k + r).segment(c * interior_, interior_).noalias() =
+              size_ * (parts.col(c).transpose() * shared_.interior[k]);
+        jacobian.row(count * k + r).tail(slopes_).noalias() = row * basis_[k];
+      }
+    }
+    normal.setZero(unknowns(), unknowns());
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
+    normal = normal.selfadjointView<Eigen::Lower>();
+    gradient.noalias() = jacobian.transpose() * value;
+  }
+
+  /// Is alpha everywhere above a tenth of what it was?
+  bool open(const Eigen::VectorXd& x) const {
+    for (int i = 0; i < 3; ++i) {
+      const PiecewisePolynomial added = alpha(x, i);
+      for (int k = 1; k < 32; ++k) {
+        double before, change;
+        boundary_.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
+        added.taylor(k / 32.0, 0, &change);
+        if (!(before + change >= 0.1 * before)) return false;
+      }
+    }
+    return true;
+  }
+
+  Correction correction(const Eigen::VectorXd& x) const {
+    std::array<PiecewisePolynomial, 3> slopes;
+    for (int i = 0; i < 3; ++i) slopes[i] = alpha(x, i) * sides_[i].r + beta(x, i) * along_[i];
+    Points a(interior_, 3);
+    for (int c = 0; c < 3; ++c) a.col(c) = size_ * (shared_.combination * x.segment(c * interior_, interior_));
+    return Correction(std::move(slopes), options_.degree, std::move(a));
+  }
+
+private:
+  PiecewisePolynomial combination(const Eigen::VectorXd& x, int i, int which) const {
+    const int m = options_.slopes;
+    std::vector<double> net(m);
+    for (int k = 0; k < m; ++k) net[k] = scale_[i][which] * x[3 * interior_ + (2 * i + which) * m + k];
+    const std::array<double, 3> arch = {0, 2, 0};
+    return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(net, 1);
+  }
+  PiecewisePolynomial alpha(const Eigen::VectorXd& x, int i) const { return combination(x, i, 0); }
+  PiecewisePolynomial beta(const Eigen::VectorXd& x, int i) const { return combination(x, i, 1); }
+
+  const Shared& shared_;
+  std::vector<Derivatives> base_;
+  double size_;
+  const Sides& sides_;
+  const Boundary& boundary_;
+  FairingOptions options_;
+  Index interior_, slopes_;
+  std::array<PiecewisePolynomial, 3> along_;
+  std::array<std::array<double, 2>, 3> scale_;
+  std::vector<Eigen::Matrix<double, 27, Eigen::Dynamic>> basis_;  // of the slopes, at each node
+};
+
+/// The minimum of a quadratic energy, slopes free; with the interior alone where alpha would leave its bound.
+Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
+  for (const Index m : {problem.unknowns(), problem.interior()}) {
+    Eigen::MatrixXd normal = q.normal.topLeftCorner(m, m);
+    normal.diagonal().array() += 1e-12 * normal.trace() / m;
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.unknowns());
+    x.head(m) = -normal.ldlt().solve(q.gradient.head(m));
+    if (x.allFinite() && problem.open(x)) return x;
+  }
+  return Eigen::VectorXd::Zero(problem.unknowns());
+}
+
+/// A geometric energy as the logarithm of its value, so that "auto" weighs its two parts without units.
+class Merit {
+public:
+  Merit(const Problem& problem, const Quadratic& third, const std::string& energy)
+      : problem_(problem), third_(third), quadric_(energy != "minimum_variation"), whole_(energy != "quadric_variation") {}
+
+  struct Value {
+    double log = std::numeric_limits<double>::infinity();
+    double variation = 0, quadric = 0, third = 0;
+    double energy = 0;
+  };
+
+  Value operator()(const Eigen::VectorXd& x) const {
+    Value v;
+    if (!x.allFinite() || !problem_.open(x)) return v;
+    std::tie(v.variation, v.quadric) = problem_.variation(x);
+    v.third = third_(x);
+    v.energy = !quadric_ ? v.variation : !whole_ ? v.quadric : softly_smaller(v.variation, v.quadric);
+    if (std::isfinite(v.energy))
+      v.log = std::log(std::max(v.energy, 1e-300)) + parameterisation * std::log(std::max(v.third, 1e-300));
+    return v;
+  }
+
+  /// Gauss-Newton matrix and gradient, both halved, of the logarithm.
+  void linearise(const Eigen::VectorXd& x, const Value& v, Eigen::MatrixXd& normal, Eigen::VectorXd& gradient) const {
+    double share = quadric_ ? 1 : 0;  // of the quadric energy in the logarithm's derivative
+    if (quadric_ && whole_) {
+      const double ratio = quadric_ratio * v.variation / v.quadric;
+      share = ratio * ratio / (1 + ratio * ratio);
+    }
+    problem_.linearise(x, {(1 - share) / v.variation, share / v.quadric}, normal, gradient);
+    const double keep = parameterisation / v.third;
+    normal += keep * third_.normal;
+    gradient += keep * (third_.normal * x + third_.gradient);
+  }
+
+private:
+  /// The parameterisation is free in these energies. A little of the third-derivative energy settles it: a step may gain on it a
+  /// tenth (relative) of what it loses. Less than 0.05 and the minimiser depends on rounding.
+  static constexpr double parameterisation = 0.1;
+  const Problem& problem_;
+  const Quadratic& third_;
+  bool quadric_, whole_;
+};
+
+/// Levenberg and Marquardt, damped in `metric` so that what the energy leaves open stays put: every step goes down. Stops when a step gains less than `enough` (relative). Returns the steps taken.
+int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& x, Merit::Value& value, int iterations,
+            double enough) {
+  double damping = 1e-4;
+  Eigen::MatrixXd normal, damped;
+  Eigen::VectorXd gradient;
+  for (int step = 0; step < iterations; ++step) {
+    merit.linearise(x, value, normal, gradient);
+    double gain = 0;
+    for (int attempt = 0; attempt < 6 && gain == 0; ++attempt) {
+      damped = normal + damping * (normal.trace() / metric.trace()) * metric;
+      const Eigen::VectorXd y = x - damped.ldlt().solve(gradient);
+      const Merit::Value next = merit(y);
+      if (next.log < value.log) {
+        gain = value.log - next.log;
+        x = y;
+        value = next;
+        damping = std::max(damping / 10, 1e-10);
+      } else {
+        damping *= 10;
+      }
+    }
+    if (gain < enough) return step + (gain > 0 ? 1 : 0);
+  }
+  return iterations;
+}
+
+}  // namespace
+
+FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options) {
+  const std::array<std::string, 5> names = {"thin_plate", "third_derivative", "minimum_variation", "quadric_variation", "auto"};
+  const auto name = std::find(names.begin(), names.end(), options.energy);
+  if (name == names.end())
+    throw InvalidArgument("No energy is called '" + options.energy +
+                          "'; there are: thin_plate, third_derivative, minimum_variation, quadric_variation, auto");
+  const bool quadratic = name < names.begin() + 2;
+
+  FairResult result;
+  result.energy = options.energy;
+  result.patch = base;
+  const Problem problem(*base, sides, boundary, options);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
+  const Quadratic third = problem.quadratic(true);
+  std::vector<std::pair<Eigen::VectorXd, double>> tried;  // best first
+  if (quadratic) {
+    const Quadratic q = options.energy == "thin_plate" ? problem.quadratic(false) : third;
+    const double unit = boundary.size * boundary.size;
+    result.before = unit * q.constant;
+    const Eigen::VectorXd x = minimum(problem, q);
+    tried.emplace_back(x, unit * q(x));
+  } else {
+    const Merit merit(problem, third, options.energy);
+    Eigen::VectorXd x = minimum(problem, third);
+    const Merit::Value before = merit(zero);
+    Merit::Value value = merit(x);
+    result.before = before.energy;
+    if (value.log < before.log)
+      tried.emplace_back(x, value.energy);
+    else
+      x = zero, value = before;
+    result.iterations = descend(merit, third.normal, x, value, options.iterations, 1e-3);
+    if (result.iterations > 0) tried.emplace(tried.begin(), x, value.energy);
+  }
+  result.after = result.before;
+  Index allowed = -1;  // folds of the base, counted only when needed
+  for (const auto& [x, e] : tried) {
+    if (!(e <= result.before)) continue;
+    const SurfacePtr patch = std::make_shared<Faired>(base, problem.correction(x));
+    if (options.folds) {
+      const Index folds = options.folds(*patch);
+      if (folds > 0 && allowed < 0) allowed = options.folds(*base);
+      if (folds > 0 && folds > allowed) {
+        result.warnings.push_back("The fairest patch would fold over itself; a less fair one is used");
+        continue;
+      }
+    }
+    result.patch = patch;
+    result.after = e;
+    break;
+  }
+  return result;
+}
+
+}  // namespace tripatch

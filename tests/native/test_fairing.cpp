@@ -1,0 +1,290 @@
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+
+#include "tripatch/patch/energy.h"
+#include "tripatch/patch/fairing.h"
+#include "tripatch/patch/side_vertex.h"
+
+using namespace tripatch;
+
+namespace {
+
+const std::array<const char*, 5> energies = {"thin_plate", "third_derivative", "minimum_variation", "quadric_variation", "auto"};
+
+/// A surface (u, v) -> space given for jets, so that its exact derivatives are at hand.
+template <class Chart>
+class ChartSurface : public JetSurface<ChartSurface<Chart>> {
+public:
+  explicit ChartSurface(std::array<Eigen::Vector2d, 3> corners) : corners_(corners) {}
+  template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    Jet<N> u, v;
+    for (int i = 0; i < 3; ++i) {
+      u += corners_[i][0] * b[i];
+      v += corners_[i][1] * b[i];
+    }
+    return Chart::at(u, v);
+  }
+  Vec3 corner(int i) const {
+    const JetPoint<0> p = Chart::at(Jet<0>(corners_[i][0]), Jet<0>(corners_[i][1]));
+    return Vec3(p.x[0].value(), p.x[1].value(), p.x[2].value());
+  }
+
+private:
+  std::array<Eigen::Vector2d, 3> corners_;
+};
+
+struct Sphere {
+  template <int N>
+  static JetPoint<N> at(const Jet<N>& u, const Jet<N>& v) {
+    const Jet<N> r = reciprocal(sqrt(square(u) + square(v) + 1.0));
+    JetPoint<N> p;
+    p.x = {u * r, v * r, r};
+    return p;
+  }
+};
+struct Ellipsoid {
+  template <int N>
+  static JetPoint<N> at(const Jet<N>& u, const Jet<N>& v) {
+    JetPoint<N> p = Sphere::at(u, v);
+    p.x[0] *= 1.5;
+    p.x[2] *= 0.7;
+    return p;
+  }
+};
+struct Saddle {
+  template <int N>
+  static JetPoint<N> at(const Jet<N>& u, const Jet<N>& v) {
+    JetPoint<N> p;
+    p.x = {u, v, square(u) - square(v)};
+    return p;
+  }
+};
+struct Cubic {
+  template <int N>
+  static JetPoint<N> at(const Jet<N>& u, const Jet<N>& v) {
+    JetPoint<N> p;
+    p.x = {u, v, 0.5 * (u * u * u) + u * v - 0.3 * square(v)};
+    return p;
+  }
+};
+
+const std::array<Eigen::Vector2d, 3> chart = {Eigen::Vector2d(-0.6, -0.4), Eigen::Vector2d(0.8, -0.3), Eigen::Vector2d(0.1, 0.7)};
+
+/// The great-circle sides of a triangle of the unit sphere, in arc length, with unit conormals; moved by x -> scale turn x + shift.
+Sides sphere_sides(const std::array<Vec3, 3>& corner, const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity(), double scale = 1,
+                   const Vec3& shift = Vec3::Zero()) {
+  Sides sides;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 a = corner[(i + 1) % 3], b = corner[(i + 2) % 3], out = -a.cross(b).normalized();
+    const double angle = std::acos(a.dot(b));
+    sides[i].c = PiecewisePolynomial::fit(
+        [&](std::span<const double> t, std::span<double> values) {
+          for (std::size_t k = 0; k < t.size(); ++k) {
+            const Vec3 p = (std::sin((1 - t[k]) * angle) * a + std::sin(t[k] * angle) * b) / std::sin(angle);
+            Eigen::Map<Vec3>(values.data() + 3 * k) = scale * (turn * p) + shift;
+          }
+        },
+        3, 1e-12);
+    const Vec3 r = scale * (turn * out);
+    sides[i].r = PiecewisePolynomial::constant({r.data(), 3});
+  }
+  return sides;
+}
+
+const std::array<Vec3, 3> octant = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+
+/// The sides of a chart over a triangle, run through unevenly, with unit conormals: little of the chart's parameterisation is left.
+template <class Chart>
+Sides chart_sides(const std::array<Eigen::Vector2d, 3>& corners) {
+  Sides sides;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2d a = corners[(i + 1) % 3], b = corners[(i + 2) % 3], out = a - corners[i];
+    const auto jets = [&](double t) {  // along the side (first direction) and away from the hole (second)
+      const Eigen::Vector2d p = a + t * (1.2 - 0.2 * t) * (b - a);
+      return Chart::at(Jet<1>::linear(p[0], b[0] - a[0], out[0]), Jet<1>::linear(p[1], b[1] - a[1], out[1]));
+    };
+    const auto part = [](const JetPoint<1>& p, int k) { return Vec3(p.x[0].c[k], p.x[1].c[k], p.x[2].c[k]); };
+    const auto field = [&](auto&& f) {
+      return PiecewisePolynomial::fit(
+          [&](std::span<const double> t, std::span<double> values) {
+            for (std::size_t k = 0; k < t.size(); ++k) Eigen::Map<Vec3>(values.data() + 3 * k) = f(jets(t[k]));
+          },
+          3, 1e-12);
+    };
+    sides[i].c = field([&](const JetPoint<1>& p) { return part(p, 0); });
+    sides[i].r = field([&](const JetPoint<1>& p) {
+      const Vec3 along = part(p, 1).normalized(), across = part(p, 2);
+      return (across - across.dot(along) * along).normalized().eval();
+    });
+  }
+  return sides;
+}
+
+Points grid(int n) {
+  Points b((n + 1) * (n + 2) / 2, 3);
+  Index k = 0;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; i + j <= n; ++j) b.row(k++) << double(i) / n, double(j) / n, double(n - i - j) / n;
+  return b;
+}
+
+double rms_to_unit_sphere(const Surface& patch) {
+  const Points p = patch.positions(grid(40));
+  double sum = 0;
+  for (Index k = 0; k < p.rows(); ++k) sum += std::pow(p.row(k).norm() - 1, 2);
+  return std::sqrt(sum / p.rows());
+}
+
+double seam_angle(const Surface& patch, const Sides& sides) {
+  double worst = 0;
+  for (int i = 0; i < 3; ++i) {
+    Points b(199, 3);
+    for (int k = 0; k < 199; ++k) {
+      const double t = (k + 1) / 200.0;
+      b(k, i) = 0;
+      b(k, (i + 1) % 3) = 1 - t;
+      b(k, (i + 2) % 3) = t;
+    }
+    const Points n = patch.normals(b);
+    for (int k = 0; k < 199; ++k) {
+      const Vec3 mine = n.row(k), theirs = sides[i].normal((k + 1) / 200.0);
+      worst = std::max(worst, std::atan2(mine.cross(theirs).norm(), mine.dot(theirs)) * 180 / M_PI);
+    }
+  }
+  return worst;
+}
+
+FairResult faired(const Sides& sides, FairingOptions options = {}) {
+  const Boundary boundary = make_boundary(sides);
+  return fair(side_vertex(boundary), sides, boundary, options);
+}
+
+}  // namespace
+
+TEST_CASE("energies vanish on the surfaces they are made for") {
+  const ChartSurface<Sphere> sphere(chart);
+  CHECK(energy(sphere, "minimum_variation", 1) < 1e-20);
+  CHECK(energy(sphere, "quadric_variation", 1) < 1e-20);
+  const ChartSurface<Ellipsoid> ellipsoid(chart);
+  CHECK(energy(ellipsoid, "minimum_variation", 1) > 0.05);
+  CHECK(energy(ellipsoid, "quadric_variation", 1) < 5e-3 * energy(ellipsoid, "minimum_variation", 1));
+  const ChartSurface<Saddle> saddle(chart);
+  CHECK(energy(saddle, "minimum_variation", 1) > 0.05);
+  CHECK(energy(saddle, "quadric_variation", 1) < 1e-3 * energy(saddle, "minimum_variation", 1));
+  CHECK(energy(saddle, "third_derivative", 1) < 1e-20);
+  const ChartSurface<Cubic> cubic(chart);
+  CHECK(energy(cubic, "quadric_variation", 1) > 0.01 * energy(cubic, "minimum_variation", 1));
+  CHECK_THROWS_AS(energy(sphere, "bending", 1), InvalidArgument);
+}
+
+TEST_CASE("curvature variation has exact derivatives") {
+  const ChartSurface<Cubic> surface(chart);
+  Points b(1, 3);
+  b << 0.2, 0.5, 0.3;
+  const Derivatives d = cartesian_derivatives(surface, b)[0];
+  const double flat = 0.01;
+  const auto energies_of = [&](const Derivatives& x) {
+    const CurvatureVariation v = curvature_variation(x, flat);
+    return Eigen::Vector2d(v.area * v.variation.squaredNorm(), v.area * v.quadric.squaredNorm());
+  };
+  const CurvatureVariationRows rows = curvature_variation_rows(d, flat);
+  CHECK(rows.value.head<4>().squaredNorm() == Approx(energies_of(d)[0]).epsilon(1e-12));
+  CHECK(rows.value.tail<4>().squaredNorm() == Approx(energies_of(d)[1]).epsilon(1e-12));
+  const Eigen::RowVectorXd g0 = 2 * rows.value.head<4>().transpose() * rows.derivative.topRows<4>();
+  const Eigen::RowVectorXd g1 = 2 * rows.value.tail<4>().transpose() * rows.derivative.bottomRows<4>();
+  const double h = 1e-5;
+  for (int k = 0; k < 27; ++k) {
+    Derivatives up = d, down = d;
+    up.data()[k] += h;
+    down.data()[k] -= h;
+    const Eigen::Vector2d slope = (energies_of(up) - energies_of(down)) / (2 * h);
+    CHECK(g0[k] == Approx(slope[0]).margin(1e-6 * g0.norm()));
+    CHECK(g1[k] == Approx(slope[1]).margin(1e-6 * g1.norm()));
+  }
+}
+
+TEST_CASE("every fairing lowers its energy and keeps the seam") {
+  for (const Sides& sides : {sphere_sides(octant), chart_sides<Saddle>(chart), chart_sides<Cubic>(chart)}) {
+    const Boundary boundary = make_boundary(sides);
+    const SurfacePtr base = side_vertex(boundary);
+    for (const char* name : energies) {
+      INFO(name);
+      FairingOptions options;
+      options.energy = name;
+      const FairResult result = fair(base, sides, boundary, options);
+      CHECK(result.after < 0.9 * result.before);
+      CHECK(energy(*result.patch, name, boundary.size, 14) == Approx(result.after).epsilon(0.03));
+      CHECK(seam_angle(*result.patch, sides) < 1e-5);
+    }
+  }
+}
+
+TEST_CASE("the default comes near the truth") {
+  CHECK(rms_to_unit_sphere(*faired(sphere_sides(octant)).patch) / std::sqrt(2.0) < 5e-5);
+  const double a = 10 * M_PI / 180 / std::sqrt(3.0);
+  std::array<Vec3, 3> small;
+  for (int k = 0; k < 3; ++k)
+    small[k] = Vec3(std::sin(a) * std::cos(2 * M_PI * k / 3), std::sin(a) * std::sin(2 * M_PI * k / 3), std::cos(a));
+  CHECK(rms_to_unit_sphere(*faired(sphere_sides(small)).patch) / (small[0] - small[1]).norm() < 1e-7);
+
+  const Points p = faired(chart_sides<Saddle>(chart)).patch->positions(grid(40));
+  double sum = 0;
+  for (Index k = 0; k < p.rows(); ++k) sum += std::pow(p(k, 2) - p(k, 0) * p(k, 0) + p(k, 1) * p(k, 1), 2);
+  CHECK(std::sqrt(sum / p.rows()) < 5e-5 * 1.4);
+}
+
+TEST_CASE("twice the quadrature changes neither the energy nor the minimiser") {
+  const Sides sides = sphere_sides(octant);
+  const Points b = grid(20);
+  for (const char* name : energies) {
+    INFO(name);
+    FairingOptions options;
+    options.energy = name;
+    const FairResult once = faired(sides, options);
+    options.nodes *= 2;
+    const FairResult twice = faired(sides, options);
+    CHECK((once.patch->positions(b) - twice.patch->positions(b)).rowwise().norm().maxCoeff() < 1e-3 * std::sqrt(2.0));
+    CHECK(energy(*once.patch, name, std::sqrt(2.0), 14) == Approx(energy(*once.patch, name, std::sqrt(2.0), 28)).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("fairing moves, turns and scales with the hole") {
+  const Points b = grid(15);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Vec3 shift(3, -1, 2);
+  for (const char* name : energies) {
+    FairingOptions options;
+    options.energy = name;
+    const FairResult plain = faired(sphere_sides(octant), options);
+    for (double scale : {1e-6, 1.0, 1e6}) {
+      INFO(name << " scale " << scale);
+      const FairResult moved = faired(sphere_sides(octant, turn, scale, scale * shift), options);
+      const Points p = plain.patch->positions(b), q = moved.patch->positions(b);
+      double worst = 0;
+      for (Index k = 0; k < b.rows(); ++k)
+        worst = std::max(worst, (q.row(k).transpose() / scale - turn * p.row(k).transpose() - shift).norm());
+      CHECK(worst < 1e-5);
+    }
+  }
+}
+
+TEST_CASE("a fairing that folds is not used") {
+  const Sides sides = sphere_sides(octant);
+  const Boundary boundary = make_boundary(sides);
+  const SurfacePtr base = side_vertex(boundary);
+  FairingOptions options;
+  options.folds = [&](const Surface& surface) { return &surface == base.get() ? Index{0} : Index{1}; };
+  const FairResult result = fair(base, sides, boundary, options);
+  CHECK(result.patch == base);
+  CHECK(result.after == result.before);
+  CHECK(!result.warnings.empty());
+}
+
+TEST_CASE("an energy must have a known name") {
+  FairingOptions options;
+  options.energy = "bending";
+  CHECK_THROWS_AS(faired(sphere_sides(octant), options), InvalidArgument);
+}
