@@ -10,6 +10,7 @@
 #include "tripatch/output/cage.h"
 #include "tripatch/output/quad_layout.h"
 #include "tripatch/output/triangulate.h"
+#include "tripatch/patch/fairing.h"
 #include "tripatch/patch/methods.h"
 
 namespace tripatch {
@@ -195,6 +196,22 @@ void take(const Cover& cover, const Points& border, const std::vector<Index>& ri
     for (Index v : cover.faces[f]) face.push_back(index[v]);
     fill.faces.add(face);
   }
+}
+
+/// Fairing by the energy asked for; "auto" leaves fills alone that meet their surroundings in position only.
+void make_fair(const Boundary& boundary, const std::array<int, 3>& continuity, const FillOptions& options, Fill& fill) {
+  if (options.fairing.empty() || options.fairing == "none") return;
+  if (options.fairing == "auto" && std::find(continuity.begin(), continuity.end(), 0) != continuity.end()) return;
+  FairingOptions fairing;
+  fairing.energy = options.fairing;
+  for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
+  fairing.folds = [&](const Surface& patch) { return count_folds(patch, fill.sides); };
+  FairResult fair_result = fair(fill.patch, fill.sides, boundary, fairing);
+  fill.patch = std::move(fair_result.patch);
+  fill.report.fairing = fair_result.energy;
+  fill.report.energy_before = fair_result.before;
+  fill.report.energy_after = fair_result.after;
+  fill.report.warnings = std::move(fair_result.warnings);
 }
 
 std::string degrees(double angle) {
@@ -389,6 +406,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
   const Boundary boundary = make_boundary(result.sides, ribbon_options(options, continuity));
   result.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
+  make_fair(boundary, continuity, options, result);
 
   result.rim_barycentric = rim_barycentric(hole, surroundings);
   Cover cover;

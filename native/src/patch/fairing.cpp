@@ -194,6 +194,7 @@ public:
     slopes_ = 6 * options.slopes;
     for (int i = 0; i < 3; ++i) {
       along_[i] = sides[i].c.derivative();
+      if (!options.slopes_free[i] || sides[i].r.empty()) continue;
       double r = 0, c = 0;
       for (int k = 0; k <= 16; ++k) {
         r += sides[i].r(k / 16.0).norm() / 17;
@@ -203,8 +204,9 @@ public:
     }
     basis_.resize(base_.size());
     for (std::size_t k = 0; k < base_.size(); ++k) {
-      basis_[k].resize(27, slopes_);
+      basis_[k].setZero(27, slopes_);
       for (int i = 0; i < 3; ++i) {
+        if (scale_[i][0] == 0) continue;
         const JetPoint<3> r = compose(sides_[i].r, shared_.parameter[k][i]), c = compose(along_[i], shared_.parameter[k][i]);
         for (int m = 0; m < options.slopes; ++m)
           for (int x = 0; x < 3; ++x) {
@@ -303,6 +305,7 @@ public:
   /// Is alpha everywhere above a tenth of what it was?
   bool open(const Eigen::VectorXd& x) const {
     for (int i = 0; i < 3; ++i) {
+      if (scale_[i][0] == 0) continue;
       const PiecewisePolynomial added = alpha(x, i);
       for (int k = 1; k < 32; ++k) {
         double before, change;
@@ -316,7 +319,10 @@ public:
 
   Correction correction(const Eigen::VectorXd& x) const {
     std::array<PiecewisePolynomial, 3> slopes;
-    for (int i = 0; i < 3; ++i) slopes[i] = alpha(x, i) * sides_[i].r + beta(x, i) * along_[i];
+    for (int i = 0; i < 3; ++i) {
+      const std::array<double, 3> none = {0, 0, 0};
+      slopes[i] = scale_[i][0] == 0 ? PiecewisePolynomial::constant(none) : alpha(x, i) * sides_[i].r + beta(x, i) * along_[i];
+    }
     Points a(interior_, 3);
     for (int c = 0; c < 3; ++c) a.col(c) = size_ * (shared_.combination * x.segment(c * interior_, interior_));
     return Correction(std::move(slopes), options_.degree, std::move(a));
@@ -341,7 +347,7 @@ private:
   FairingOptions options_;
   Index interior_, slopes_;
   std::array<PiecewisePolynomial, 3> along_;
-  std::array<std::array<double, 2>, 3> scale_;
+  std::array<std::array<double, 2>, 3> scale_ = {};               // 0: the slopes of that side are held
   std::vector<Eigen::Matrix<double, 27, Eigen::Dynamic>> basis_;  // of the slopes, at each node
 };
 
@@ -413,6 +419,7 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
     double gain = 0;
     for (int attempt = 0; attempt < 6 && gain == 0; ++attempt) {
       damped = normal + damping * (normal.trace() / metric.trace()) * metric;
+      damped.diagonal().array() += 1e-14 * normal.trace();  // held slopes have empty rows
       const Eigen::VectorXd y = x - damped.ldlt().solve(gradient);
       const Merit::Value next = merit(y);
       if (next.log < value.log) {

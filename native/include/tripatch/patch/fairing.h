@@ -4,6 +4,7 @@
 // both are linear. The coefficients minimise a fairness energy.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,11 +18,12 @@ struct FairingOptions {
   /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, auto (see energy.h):
   /// geometric, by damped Gauss-Newton from the third-derivative solution.
   std::string energy = "auto";
-  int degree = 6;                              ///< of the interior term's polynomial
-  int slopes = 4;                              ///< coefficients of each of alpha and beta on each side
-  int nodes = 7;                               ///< of the quadrature, per direction
-  int iterations = 8;                          ///< of Gauss-Newton, at most
-  std::function<Index(const Surface&)> folds;  ///< counts folds; empty: none are counted
+  int degree = 6;                                        ///< of the interior term's polynomial
+  int slopes = 4;                                        ///< coefficients of each of alpha and beta on each side
+  int nodes = 7;                                         ///< of the quadrature, per direction
+  int iterations = 8;                                    ///< of Gauss-Newton, at most
+  std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
+  std::function<Index(const Surface&)> folds;            ///< counts folds; empty: none are counted
 };
 
 struct FairResult {
