@@ -6,6 +6,7 @@ from 0 to 1, from corner i + 1 to corner i + 2. Lengths are in the units of the 
 
 from __future__ import annotations
 
+import inspect
 import numbers
 from collections.abc import Callable, Sequence
 
@@ -274,6 +275,14 @@ def _options(
     }
 
 
+def _takes_options(function):
+    """`help` and editors see the options by name where the code passes them on."""
+    own = inspect.signature(function)
+    kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    function.__signature__ = own.replace(parameters=[*kept, *inspect.signature(_options).parameters.values()])
+    return function
+
+
 def find_holes(faces) -> list[np.ndarray]:
     """Every border loop of a mesh.
 
@@ -309,6 +318,7 @@ def find_corners(vertices, faces, rim, *, replaced=()) -> np.ndarray:
     return np.array(corners, np.int64)
 
 
+@_takes_options
 def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
     """Fills one three-sided hole.
 
@@ -357,6 +367,7 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
     return Fill(_native._fill(v, offsets, face_corners, checked), cage)
 
 
+@_takes_options
 def fill_all(vertices, faces, rims=None, **options) -> list[Fill | Refusal]:
     """Fills several holes of one mesh. The options are those of `fill`.
 

@@ -18,5 +18,5 @@ class Refusal(ValueError):
         self.reason = reason
         self.where = [int(v) for v in where]
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[type[Refusal], tuple[str, list[int]]]:
         return (Refusal, (self.reason, self.where))

@@ -1,0 +1,184 @@
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import Refusal as Refusal
+
+__version__: str
+__all__: list[str]
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Faces = NDArray[np.integer[Any]] | Sequence[Sequence[int]]
+Continuity = Literal["auto", "G0", "G1", "G2"]
+CrossBoundary = Literal["given", "consistent", "as_printed"]
+Fairing = Literal["auto", "thin_plate", "third_derivative", "minimum_variation"] | None
+Reading = Literal["corrected", "as_printed"]
+Shape = float | tuple[float, float, float] | Literal["optimal"]
+Curve = Literal["hermite", "smits"]
+
+class Method:
+    name: str
+    description: str
+    citation: str
+    fills_holes: bool
+    continuity: Literal["G0", "G1", "G2"]
+
+METHODS: dict[str, Method]
+
+class Patch:
+    def evaluate(self, b: ArrayLike, derivatives: int = 0) -> Any: ...
+    def normal(self, b: ArrayLike) -> Floats: ...
+
+class BezierTriangle(Patch):
+    degree: int
+    net: Floats
+    elevated: Callable[[], BezierTriangle]
+    def __init__(self, net: ArrayLike) -> None: ...
+    def derivative(self, direction: ArrayLike) -> BezierTriangle: ...
+    def side(self, i: int) -> Floats: ...
+
+class _Rectangle:
+    domain: tuple[float, float, float, float]
+    def evaluate(self, uv: ArrayLike, derivatives: int = 0) -> Any: ...
+
+class BezierRectangle(_Rectangle):
+    net: Floats
+    def __init__(self, net: ArrayLike) -> None: ...
+
+class NurbsSurface(_Rectangle):
+    def __init__(self, points: ArrayLike, weights: ArrayLike, knots_u: ArrayLike, knots_v: ArrayLike) -> None: ...
+
+class Side:
+    def __init__(self, surface: BezierTriangle | BezierRectangle | NurbsSurface, edge: int, reversed: bool = False) -> None: ...
+    @staticmethod
+    def from_functions(c: Callable[[Floats], Floats], dc: Callable[[Floats], Floats], r: Callable[[Floats], Floats]) -> Side: ...
+    def evaluate(self, t: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]: ...
+
+class Report:
+    seam_angle_max: float
+    seam_angle_rms: float
+    seam_angle_max_by_side: list[float]
+    seam_angle_rms_by_side: list[float]
+    surroundings_error: float
+    fairing: str
+    energy_before: float
+    energy_after: float
+    folds: int
+    corners: list[int]
+    cage_deviation_max: float
+    cage_deviation_rms: float
+    surroundings_moved_max: float
+    surroundings_moved_rms: float
+    surroundings_moved_where: int
+    corners_moved_max: float
+    seam_angle_median: float
+    seam_angle_max_inside: float
+    poles: list[list[int]]
+    warnings: list[str]
+    seconds: float
+    def as_dict(self) -> dict[str, Any]: ...
+
+class Fill:
+    vertices: Floats
+    faces: list[list[int]]
+    normals: Floats
+    barycentric: Floats
+    rim: Indices
+    rim_normals: Floats
+    rim_barycentric: Floats
+    moved: tuple[Indices, Floats]
+    split_edges: tuple[Indices, Floats]
+    creases: tuple[Indices, Floats]
+    border: Indices
+    sides: tuple[Side, Side, Side]
+    patch: Patch
+    report: Report
+    def limit(self, level: int = 3) -> tuple[Floats, Indices]: ...
+
+class SmoothMesh:
+    vertices: Floats
+    faces: Indices
+    normals: Floats
+    edges: Indices
+
+def find_holes(faces: Faces) -> list[Indices]: ...
+def find_corners(vertices: ArrayLike, faces: Faces, rim: Sequence[int] | Indices, *, replaced: Sequence[int] = ()) -> Indices: ...
+def fill(
+    vertices: ArrayLike,
+    faces: Faces,
+    *,
+    rim: Sequence[int] | Indices | None = None,
+    corners: Sequence[int] | Indices | None = None,
+    method: str = "side_vertex",
+    surroundings: Literal["mesh", "limit"] = "mesh",
+    subdivision: dict[str, Any] | None = None,
+    level: int = 2,
+    continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
+    cross_boundary: CrossBoundary = "consistent",
+    fairing: Fairing = "auto",
+    output: Literal["triangles", "quads", "cage"] = "triangles",
+    resolution: int | None = None,
+    tolerance: float | None = None,
+    cage_rim: Literal["smooth", "exact", "move"] = "smooth",
+    odd: Literal["split", "triangle"] = "split",
+    pole_offset: tuple[float, float] = (0.0, 0.0),
+    bulge: float | tuple[float, float, float] = 1.0,
+    shape: Shape = (0.5, 0.5, 0.5),
+    reading: Reading = "corrected",
+    replaced: Sequence[int] = (),
+) -> Fill: ...
+def fill_all(
+    vertices: ArrayLike,
+    faces: Faces,
+    rims: Sequence[Sequence[int] | Indices] | None = None,
+    *,
+    method: str = "side_vertex",
+    surroundings: Literal["mesh", "limit"] = "mesh",
+    subdivision: dict[str, Any] | None = None,
+    level: int = 2,
+    continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
+    cross_boundary: CrossBoundary = "consistent",
+    fairing: Fairing = "auto",
+    output: Literal["triangles", "quads", "cage"] = "triangles",
+    resolution: int | None = None,
+    tolerance: float | None = None,
+    cage_rim: Literal["smooth", "exact", "move"] = "smooth",
+    odd: Literal["split", "triangle"] = "split",
+    pole_offset: tuple[float, float] = (0.0, 0.0),
+    bulge: float | tuple[float, float, float] = 1.0,
+    shape: Shape = (0.5, 0.5, 0.5),
+    reading: Reading = "corrected",
+    replaced: Sequence[int] = (),
+) -> list[Fill | Refusal]: ...
+def patch(
+    sides: Sequence[Side],
+    method: str = "side_vertex",
+    cross_boundary: CrossBoundary = "consistent",
+    *,
+    continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
+    bulge: float | tuple[float, float, float] = 1.0,
+    shape: Shape = (0.5, 0.5, 0.5),
+    reading: Reading = "corrected",
+) -> Patch: ...
+def blend(
+    r0: Patch,
+    r1: Patch,
+    r2: Patch,
+    method: str = "szilvasi_nagy_c1",
+    shape: Shape = (0.5, 0.5, 0.5),
+    reading: Reading = "corrected",
+) -> Patch: ...
+def sides_from_normals(points: ArrayLike, normals: ArrayLike, curve: Curve = "hermite") -> tuple[Side, Side, Side]: ...
+def coons_bezier(
+    boundary: Sequence[ArrayLike],
+    kind: Literal["discrete", "extremal", "extremal_symmetric", "mask", "permanence"] = "discrete",
+    alpha: float | None = None,
+) -> BezierTriangle: ...
+def coons_rectangle(boundary: BezierRectangle, alpha: float | None = None) -> BezierRectangle: ...
+def coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool = False) -> float: ...
+def smooth_triangles(
+    vertices: ArrayLike, faces: Faces, normals: ArrayLike | None = None, resolution: int = 8, curve: Curve = "hermite"
+) -> SmoothMesh: ...
