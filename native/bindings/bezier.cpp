@@ -9,6 +9,7 @@
 #include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/coons_bezier.h"
 #include "tripatch/patch/coons_rectangle.h"
+#include "tripatch/patch/smits_patch.h"
 
 using namespace tripatch;
 
@@ -64,6 +65,10 @@ void bind_bezier(py::module_& m) {
   py::enum_<NormalCurve>(m, "NormalCurve").value("hermite", NormalCurve::hermite).value("smits", NormalCurve::smits);
   m.def("_sides_from_normals", [](const Array& points, const Array& normals, NormalCurve curve) {
     return sides_from_normals(rows(points), rows(normals), curve);
+  });
+
+  m.def("_smits_patch", [](const Array& points, const Array& normals) {
+    return std::const_pointer_cast<Surface>(smits_patch(rows(points), rows(normals)));
   });
 
   py::enum_<CoonsKind>(m, "CoonsKind")

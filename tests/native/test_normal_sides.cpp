@@ -5,6 +5,7 @@
 
 #include "tripatch/boundary/normal_sides.h"
 #include "tripatch/patch/side_vertex.h"
+#include "tripatch/patch/smits_patch.h"
 
 using namespace tripatch;
 
@@ -90,6 +91,29 @@ TEST_CASE("a side-vertex patch on sides from normals has their normal field alon
         CHECK(degrees_between(patch->normals(b).row(0), sides[i].normal(t)) < 1e-6);
       }
   }
+}
+
+TEST_CASE("the fill of Smits's page meets his curves, not their normal field") {
+  const SurfacePtr patch = smits_patch(points, normals);
+  const Sides sides = sides_from_normals(points, normals, NormalCurve::smits);
+  double angle = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k <= 10; ++k) {
+      const double t = k / 10.0;
+      Points b = Points::Zero(1, 3);
+      b(0, (i + 1) % 3) = 1 - t;
+      b(0, (i + 2) % 3) = t;
+      CHECK((patch->positions(b).row(0).transpose() - sides[i].c(t)).norm() < 1e-15);
+      angle = std::max(angle, degrees_between(patch->normals(b).row(0), sides[i].normal(t)));
+    }
+  CHECK(angle > 0.1);
+  CHECK(angle < 20);
+  // it does not depend on the numbering
+  Points b(2, 3);
+  b << 0.2, 0.3, 0.5, 0.5, 0.2, 0.3;
+  const SurfacePtr turned = smits_patch({points[2], points[0], points[1]}, {normals[2], normals[0], normals[1]});
+  CHECK((patch->positions(b.row(0)) - turned->positions(b.row(1))).norm() < 1e-15);
+  CHECK_THROWS_AS(smits_patch(points, {normals[0], Vec3::Zero(), normals[2]}), Refusal);
 }
 
 TEST_CASE("normals that determine no curve are refused, with the corner") {

@@ -207,6 +207,15 @@ def test_smooth_triangles(curve):
     assert np.allclose(smooth.normals[rows], n, atol=1e-14)
 
 
+def test_the_fill_of_smits_page():
+    v, f = tetrahedron()
+    patch = tripatch.smits_patch(v[f[0]], v[f[0]])
+    t = np.linspace(0, 1, 5)
+    b = np.stack([np.zeros(5), 1 - t, t], axis=1)
+    side = tripatch.sides_from_normals(v[f[0]], v[f[0]], "smits")[0]
+    assert np.allclose(patch.evaluate(b), side.evaluate(t)[0], atol=1e-14)
+
+
 def test_smooth_triangles_bad_input():
     v, f = tetrahedron()
     with pytest.raises(tripatch.Refusal, match="Face 4 has 4 corners") as error:

@@ -23,6 +23,7 @@ from .surfaces import (
     coons_energy,
     coons_rectangle,
     sides_from_normals,
+    smits_patch,
     smooth_triangles,
 )
 
@@ -47,6 +48,7 @@ __all__ = [
     "find_holes",
     "patch",
     "sides_from_normals",
+    "smits_patch",
     "smooth_triangles",
 ]
 

@@ -146,6 +146,14 @@ BezierTriangle.side = _triangle_side
 _native.RectangleSurface.evaluate = _evaluate
 
 
+def _corners_and_normals(points, normals) -> tuple[np.ndarray, np.ndarray]:
+    p, n = _numbers(points, "points", 2, 3), _numbers(normals, "normals", 2, 3)
+    for name, a in (("points", p), ("normals", n)):
+        if len(a) != 3:
+            raise ValueError(f"{name} must have shape (3, 3), not {a.shape}")
+    return p, n
+
+
 def sides_from_normals(points, normals, curve: str = "hermite") -> tuple[Side, Side, Side]:
     """The three sides of a triangle with vertex normals: curves orthogonal to the normals at their ends (Smits 2000).
 
@@ -157,11 +165,18 @@ def sides_from_normals(points, normals, curve: str = "hermite") -> tuple[Side, S
     Raises:
         Refusal: a normal that is zero, along an edge, or opposite to its neighbour's.
     """
-    p, n = _numbers(points, "points", 2, 3), _numbers(normals, "normals", 2, 3)
-    for name, a in (("points", p), ("normals", n)):
-        if len(a) != 3:
-            raise ValueError(f"{name} must have shape (3, 3), not {a.shape}")
+    p, n = _corners_and_normals(points, normals)
     return tuple(_native._sides_from_normals(p, n, _named(curve, "curve", _CURVES)))
+
+
+def smits_patch(points, normals) -> _native.Patch:
+    """The fill of Smits's page: heights blended from those of his three curves, position only.
+
+    Args:
+        points: (3, 3) corners.
+        normals: (3, 3) outer normals there, of any length.
+    """
+    return _native._smits_patch(*_corners_and_normals(points, normals))
 
 
 def coons_bezier(boundary: Sequence, kind: str = "discrete", alpha: float | None = None) -> BezierTriangle:
