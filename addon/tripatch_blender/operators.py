@@ -127,7 +127,7 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
         for ob in selected or objects:
             prefix = f"{ob.name}: " if len(objects) > 1 else ""
             try:
-                outcome.add(self._fill(ob, bool(selected)), prefix[:-2])
+                outcome.add(self._fill(ob), prefix[:-2])
             except selection.UnusableError as reason:
                 unusable.append(prefix + str(reason))
         refused = outcome.refused + (unusable if selected or not outcome.reports else [])
@@ -143,35 +143,24 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
         self.report({"WARNING" if refused or outcome.notes else "INFO"}, message)
         return {"FINISHED"}
 
-    def _fill(self, ob, by_selection):
+    def _fill(self, ob):
         mesh = ob.data
         bm = bmesh.from_edit_mesh(mesh)
         bm.verts.index_update()
         bm.faces.index_update()
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
-        refused = []
-        if by_selection:
-            rims, refused = selection.selected_rims(bm)
+        selected, refused = selection.Selected(bm), []
+        if selected.vertices:
+            rims, refused = selection.selected_rims(bm, selected)
         else:
             rims = filling.only_hole(bm, matrix)
         active = ob.active_shape_key
         outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, self._options(), active.name if active else None)
         outcome.refused += refused
         if new_faces:
-            _select_only(bm, new_faces)
+            selected.replace(bm, new_faces)
             bmesh.update_edit_mesh(mesh)
         return outcome
-
-
-def _select_only(bm, faces):
-    for elements in (bm.faces, bm.edges, bm.verts):
-        for element in elements:
-            if element.select:
-                element.select = False
-    bm.select_history.clear()
-    for face in faces:
-        face.select = True
-    bm.select_flush_mode()
 
 
 def register():

@@ -128,15 +128,32 @@ def _no_hole(edges, vertices):
     return "The selected edges are not the rim of a hole"
 
 
-def selected_rims(bm):
+class Selected:
+    """What is selected in a BMesh, looked up once: a large mesh takes a while."""
+
+    def __init__(self, bm):
+        self.vertices = [v for v in bm.verts if v.select]
+        self.edges = [e for e in bm.edges if e.select] if self.vertices else []
+        self.faces = [f for f in bm.faces if f.select] if self.edges else []
+
+    def replace(self, bm, faces):
+        """Selects these faces instead."""
+        for element in (*self.faces, *self.edges, *self.vertices):
+            if element.is_valid:
+                element.select = False
+        bm.select_history.clear()
+        for face in faces:
+            face.select = True
+        bm.select_flush_mode()
+
+
+def selected_rims(bm, selection):
     """The rims that the selection means, and a sentence for each selected part that means none.
 
     Whole border loops are holes. Three selected vertices of a loop are its corners. Faces: each connected region by itself;
     one without mesh border in it is to be replaced. Else whatever border loop the selection touches.
     """
-    vertices = [v for v in bm.verts if v.select]
-    edges = [e for e in bm.edges if e.select]
-    faces = [f for f in bm.faces if f.select]
+    vertices, edges, faces = selection.vertices, selection.edges, selection.faces
     active = bm.select_history.active
     selected = set(vertices)
     loops = border_loops(v for v in vertices if v.is_boundary)
