@@ -1,0 +1,43 @@
+"""The corners that a rim has, asked for without filling it."""
+
+import numpy as np
+import pytest
+import tripatch
+
+
+def sheet():
+    """A triangular lattice of 8 edges a side, bent a little, and which of its triangles lie in one of 3 edges a side."""
+    number = {(i, j): k for k, (i, j) in enumerate((i, j) for j in range(9) for i in range(9 - j))}
+    x, y = np.array([(i + j / 2, j * np.sqrt(3) / 2) for i, j in number]).T
+    faces, inside = [], []
+    for i, j in number:
+        for face in ([(i, j), (i + 1, j), (i, j + 1)], [(i + 1, j), (i + 1, j + 1), (i, j + 1)]):
+            if all(corner in number for corner in face):
+                inside.append(all(a >= 2 and b >= 2 and a + b <= 7 for a, b in face))
+                faces.append([number[corner] for corner in face])
+    corners = {number[2, 2], number[5, 2], number[2, 5]}
+    return np.column_stack([x, y, 0.02 * x * y]), faces, np.array(inside), corners
+
+
+def test_corners_are_those_of_the_fill_in_the_direction_of_new_faces():
+    vertices, faces, inside, expected = sheet()
+    faces = [f for f, cut in zip(faces, inside, strict=True) if not cut]
+    rim = tripatch.find_holes(faces)[0]
+    corners = tripatch.find_corners(vertices, faces, rim[::-1])
+    assert set(corners.tolist()) == expected
+    places = [rim.tolist().index(v) for v in corners]
+    assert [(b - a) % 9 for a, b in zip(places, places[1:] + places[:1], strict=True)] == [3, 3, 3]
+    assert list(tripatch.fill(vertices, faces, rim=rim).report.corners) == corners.tolist()
+
+
+def test_a_region_to_be_replaced():
+    vertices, faces, inside, expected = sheet()
+    region = np.nonzero(inside)[0]
+    (rim,) = tripatch.find_holes([faces[k] for k in region])
+    assert set(tripatch.find_corners(vertices, faces, rim, replaced=region).tolist()) == expected
+
+
+def test_what_is_no_rim_is_refused():
+    vertices, faces, _, _ = sheet()
+    with pytest.raises(tripatch.Refusal):
+        tripatch.find_corners(vertices, faces, [0, 1, 2, 3])
