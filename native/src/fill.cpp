@@ -199,12 +199,19 @@ void take(const Cover& cover, const Points& border, const std::vector<Index>& ri
 }
 
 /// Fairing by the energy asked for; "auto" leaves fills alone that meet their surroundings in position only.
-void make_fair(const Boundary& boundary, const std::array<int, 3>& continuity, const FillOptions& options, Fill& fill) {
+void make_fair(const Method& method, const RibbonOptions& ribbons, const Boundary& boundary, const FillOptions& options,
+               Fill& fill) {
   if (options.fairing.empty() || options.fairing == "none") return;
-  if (options.fairing == "auto" && std::find(continuity.begin(), continuity.end(), 0) != continuity.end()) return;
+  const std::array<bool, 3>& tangent = ribbons.tangent;
+  if (options.fairing == "auto" && !(tangent[0] && tangent[1] && tangent[2])) return;
   FairingOptions fairing;
   fairing.energy = options.fairing;
   for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
+  fairing.rebuild = [&](const Sides& sides) {
+    Boundary made = make_boundary(sides, ribbons);
+    SurfacePtr patch = method.from_boundary(made, {options.shape, options.optimal_shape, options.as_printed});
+    return std::pair{std::move(made), std::move(patch)};
+  };
   fairing.folds = [&](const Surface& patch) { return count_folds(patch, fill.sides); };
   FairResult fair_result = fair(fill.patch, fill.sides, boundary, fairing);
   fill.patch = std::move(fair_result.patch);
@@ -404,9 +411,10 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   result.sides = surroundings.sides;
   for (int i = 0; i < 3; ++i) result.sides[i].rim = surroundings.parameters[i];
   const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
-  const Boundary boundary = make_boundary(result.sides, ribbon_options(options, continuity));
+  const RibbonOptions ribbons = ribbon_options(options, continuity);
+  const Boundary boundary = make_boundary(result.sides, ribbons);
   result.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
-  make_fair(boundary, continuity, options, result);
+  make_fair(method, ribbons, boundary, options, result);
 
   result.rim_barycentric = rim_barycentric(hole, surroundings);
   Cover cover;

@@ -317,11 +317,12 @@ public:
     return true;
   }
 
-  Correction correction(const Eigen::VectorXd& x) const {
+  Correction correction(const Eigen::VectorXd& x, const Sides& sides) const {
     std::array<PiecewisePolynomial, 3> slopes;
     for (int i = 0; i < 3; ++i) {
       const std::array<double, 3> none = {0, 0, 0};
-      slopes[i] = scale_[i][0] == 0 ? PiecewisePolynomial::constant(none) : alpha(x, i) * sides_[i].r + beta(x, i) * along_[i];
+      slopes[i] = scale_[i][0] == 0 ? PiecewisePolynomial::constant(none)
+                                    : alpha(x, i) * sides[i].r + beta(x, i) * sides[i].c.derivative();
     }
     Points a(interior_, 3);
     for (int c = 0; c < 3; ++c) a.col(c) = size_ * (shared_.combination * x.segment(c * interior_, interior_));
@@ -436,7 +437,79 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
   return iterations;
 }
 
+/// Polynomial of t by least squares; with_ends: the first and the last value are kept.
+struct FittedPolynomial {
+  int degree;
+  bool with_ends;
+  Eigen::MatrixXd values, coefficients;
+  double residual;  // largest, at the values
+
+  FittedPolynomial(const Eigen::VectorXd& t, const Eigen::MatrixXd& given, int of_degree, bool ends)
+      : degree(of_degree), with_ends(ends), values(given) {
+    const Index n = t.size();
+    Eigen::MatrixXd basis(n, degree + 1), rest = values;
+    for (Index k = 0; k < n; ++k) {
+      basis.row(k) = chebyshev(t[k]);
+      if (with_ends) rest.row(k) -= (1 - t[k]) * values.row(0) + t[k] * values.row(n - 1);
+    }
+    coefficients = basis.householderQr().solve(rest);
+    residual = (basis * coefficients - rest).rowwise().norm().maxCoeff();
+  }
+
+  Eigen::RowVectorXd chebyshev(double t) const {
+    Eigen::RowVectorXd row(degree + 1);
+    const double x = 2 * t - 1;
+    row[0] = 1;
+    if (degree > 0) row[1] = x;
+    for (int d = 2; d <= degree; ++d) row[d] = 2 * x * row[d - 1] - row[d - 2];
+    if (with_ends) row *= t * (1 - t);
+    return row;
+  }
+
+  PiecewisePolynomial field() const {
+    return PiecewisePolynomial::fit(
+        [&](std::span<const double> t, std::span<double> out) {
+          for (std::size_t k = 0; k < t.size(); ++k) {
+            Eigen::RowVector3d v = chebyshev(t[k]) * coefficients;
+            if (with_ends) v += (1 - t[k]) * values.row(0) + t[k] * values.row(values.rows() - 1);
+            std::copy_n(v.data(), 3, out.begin() + static_cast<Index>(3 * k));
+          }
+        },
+        3, 1e-11, degree + 2, 0);
+  }
+};
+
+/// The polynomial of least degree that is nearly as near as that of the highest, or the field itself where that is not near.
+PiecewisePolynomial smoothed(const PiecewisePolynomial& f, bool with_ends) {
+  constexpr Index few = 4;
+  if (f.empty() || f.pieces() <= few) return f;
+  const std::vector<double>& breaks = f.breaks();  // the mesh vertices, or where a function was cut
+  const Eigen::Map<const Eigen::VectorXd> t(breaks.data(), static_cast<Index>(breaks.size()));
+  Eigen::MatrixXd values(t.size(), 3);
+  double scale = 0;
+  for (Index k = 0; k < t.size(); ++k) {
+    values.row(k) = f(t[k]);
+    scale = std::max(scale, (values.row(k) - values.row(0)).norm() + (with_ends ? 0 : values.row(k).norm()));
+  }
+  const int most = static_cast<int>(std::min<Index>(16, (t.size() - 1) / 2));
+  const double best = FittedPolynomial(t, values, most, with_ends).residual;
+  if (best > 1e-3 * scale) return f;
+  for (int degree = std::min(6, most);; degree += 2) {
+    const FittedPolynomial polynomial(t, values, std::min(degree, most), with_ends);
+    if (polynomial.residual <= std::max(2 * best, 2e-5 * scale) || degree >= most) return polynomial.field();
+  }
+}
+
 }  // namespace
+
+Sides smoothed(const Sides& sides) {
+  Sides out = sides;
+  for (Side& side : out) {
+    side.c = smoothed(side.c, true);
+    side.r = smoothed(side.r, false);
+  }
+  return out;
+}
 
 FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options) {
   const std::array<std::string, 5> names = {"thin_plate", "third_derivative", "minimum_variation", "quadric_variation", "auto"};
@@ -449,7 +522,9 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   FairResult result;
   result.energy = options.energy;
   result.patch = base;
-  const Problem problem(*base, sides, boundary, options);
+  const Sides even = options.rebuild ? smoothed(sides) : sides;
+  const auto [even_boundary, even_base] = options.rebuild ? options.rebuild(even) : std::pair{boundary, base};
+  const Problem problem(*even_base, even, even_boundary, options);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
   const Quadratic third = problem.quadratic(true);
   std::vector<std::pair<Eigen::VectorXd, double>> tried;  // best first
@@ -476,7 +551,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   Index allowed = -1;  // folds of the base, counted only when needed
   for (const auto& [x, e] : tried) {
     if (!(e <= result.before)) continue;
-    const SurfacePtr patch = std::make_shared<Faired>(base, problem.correction(x));
+    const SurfacePtr patch = std::make_shared<Faired>(base, problem.correction(x, sides));
     if (options.folds) {
       const Index folds = options.folds(*patch);
       if (folds > 0 && allowed < 0) allowed = options.folds(*base);

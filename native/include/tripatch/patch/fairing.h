@@ -23,7 +23,10 @@ struct FairingOptions {
   int nodes = 7;                                         ///< of the quadrature, per direction
   int iterations = 8;                                    ///< of Gauss-Newton, at most
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
-  std::function<Index(const Surface&)> folds;            ///< counts folds; empty: none are counted
+  /// Makes the patch that is to be faired from other sides. With it the energy is that of smoothed sides (see smoothed): third
+  /// derivatives of splines through mesh vertices are mostly noise. The patch still meets the sides as they are.
+  std::function<std::pair<Boundary, SurfacePtr>(const Sides&)> rebuild;
+  std::function<Index(const Surface&)> folds;  ///< counts folds; empty: none are counted
 };
 
 struct FairResult {
@@ -34,6 +37,10 @@ struct FairResult {
   int iterations = 0;
   std::vector<std::string> warnings;
 };
+
+/// Sides of many pieces (through mesh vertices) as single polynomials of degree 16 or less by least squares, ends kept, where that
+/// comes near; others as they are.
+Sides smoothed(const Sides& sides);
 
 /// `base` is any patch of `boundary` that keeps G1 to `sides`. The result has no higher energy and no more folds; if nothing
 /// better is found, it is `base` itself.
