@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <sstream>
+#include <tuple>
 
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/boundary/mesh_sides.h"
@@ -185,14 +186,14 @@ void take(const Cover& cover, const Points& border, const std::vector<Index>& ri
   }
   fill.barycentric.resize(static_cast<Index>(rows.size()), 3);
   for (std::size_t k = 0; k < rows.size(); ++k) fill.barycentric.row(static_cast<Index>(k)) = cover.barycentric.row(rows[k]);
-  fill.vertices = fill.patch->positions(fill.barycentric);
-  fill.normals = fill.patch->normals(fill.barycentric);
+  std::tie(fill.vertices, fill.normals) = fill.patch->positions_and_normals(fill.barycentric);
   if (own) {
     fill.vertices.topRows(border.rows()) = border;
     for (Index k = 0; k < border.rows(); ++k) fill.border.push_back(k);
   }
+  std::vector<Index> face;
   for (Index f = 0; f < cover.faces.size(); ++f) {
-    std::vector<Index> face;
+    face.clear();
     for (Index v : cover.faces[f]) face.push_back(index[v]);
     fill.faces.add(face);
   }

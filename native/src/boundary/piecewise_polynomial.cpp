@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tripatch {
@@ -12,6 +13,19 @@ void taylor_shift(double* a, int degree, int dimension, double shift) {
   for (int i = 0; i < degree; ++i)
     for (int k = degree - 1; k >= i; --k)
       for (int x = 0; x < dimension; ++x) a[k * dimension + x] += shift * a[(k + 1) * dimension + x];
+}
+
+/// Horner for the value and, in the same sweep, for the derivatives over k!; three components, known order: all in registers.
+template <int order>
+void horner(const double* a, int degree, double u, double* out) {
+  double sum[order + 1][3] = {};
+  for (int k = degree; k >= 0; --k) {
+    for (int j = order; j > 0; --j)
+      for (int x = 0; x < 3; ++x) sum[j][x] = sum[j][x] * u + sum[j - 1][x];
+    for (int x = 0; x < 3; ++x) sum[0][x] = sum[0][x] * u + a[3 * k + x];
+  }
+  for (int j = 0; j <= order; ++j)
+    for (int x = 0; x < 3; ++x) out[3 * j + x] = sum[j][x];
 }
 
 std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b) {
@@ -255,8 +269,16 @@ void PiecewisePolynomial::taylor(double t, int order, double* out) const {
   const Index p = piece(t);
   const double u = t - 0.5 * (breaks_[p] + breaks_[p + 1]);
   const double* a = &coefficients_[p * (degree_ + 1) * dimension_];
+  if (dimension_ == 3) {
+    switch (order) {
+      case 0: return horner<0>(a, degree_, u, out);
+      case 1: return horner<1>(a, degree_, u, out);
+      case 2: return horner<2>(a, degree_, u, out);
+      case 3: return horner<3>(a, degree_, u, out);
+      default: break;
+    }
+  }
   for (int i = 0; i < (order + 1) * dimension_; ++i) out[i] = 0;
-  // Horner for the value and, in the same sweep, for the derivatives over k!
   for (int k = degree_; k >= 0; --k) {
     for (int j = std::min(order, degree_ - k); j > 0; --j)
       for (int x = 0; x < dimension_; ++x) out[j * dimension_ + x] = out[j * dimension_ + x] * u + out[(j - 1) * dimension_ + x];
@@ -271,7 +293,9 @@ Vec3 PiecewisePolynomial::operator()(double t) const {
 }
 
 Vec3 PiecewisePolynomial::derivative_at(double t, int order) const {
-  std::vector<double> v(3 * (order + 1));
+  constexpr int highest = 8;
+  std::array<double, 3 * (highest + 1)> v;
+  if (order < 0 || order > highest) throw InvalidArgument("derivatives of a side must be from 0 to 8");
   taylor(t, order, v.data());
   double factorial = 1;
   for (int k = 2; k <= order; ++k) factorial *= k;

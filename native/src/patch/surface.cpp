@@ -13,15 +13,17 @@ Points Surface::positions(const PointsRef& b) const {
   return out;
 }
 
-Points Surface::normals(const PointsRef& b) const {
+Points Surface::normals(const PointsRef& b) const { return positions_and_normals(b).second; }
+
+std::pair<Points, Points> Surface::positions_and_normals(const PointsRef& b) const {
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(b.rows(), 9);
   evaluate(RowMajorB(b).data(), b.rows(), 1, jets.data());
-  Points out(b.rows(), 3);
+  Points normals(b.rows(), 3);
   for (Index k = 0; k < b.rows(); ++k) {
     const Vec3 d0 = jets.row(k).segment<3>(3), d1 = jets.row(k).segment<3>(6);
-    out.row(k) = d0.cross(d1).stableNormalized();
+    normals.row(k) = d0.cross(d1).stableNormalized();
   }
-  return out;
+  return {jets.leftCols<3>(), normals};
 }
 
 }  // namespace tripatch

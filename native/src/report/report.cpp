@@ -10,18 +10,32 @@ namespace {
 /// Degrees, exact for small angles too (acos loses them).
 double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
 
-/// The side-weight blend of the rim's normals at b: which way a fill without folds faces. Zero at corners whose planes differ and
-/// where the rim's normals cancel.
-Vec3 expected_normal(const Sides& sides, const double* b) {
-  if (const int corner = vertex_of(b); corner >= 0)
-    return (sides[(corner + 1) % 3].normal(1) + sides[(corner + 2) % 3].normal(0)).normalized();
-  const Barycentric<0> at(b);
-  const std::array<Jet<0>, 3> weight = side_weights(at);
-  Vec3 n = Vec3::Zero();
-  for (int i = 0; i < 3; ++i)
-    if (weight[i].value() > 0) n += weight[i].value() * sides[i].normal(std::clamp(ray_parameter(at, i).value(), 0.0, 1.0));
-  return n;
-}
+/// The rim's normals, looked up between samples: near enough to tell the side that a fill faces, and much cheaper than exact ones.
+class RimNormals {
+public:
+  explicit RimNormals(const Sides& sides) {
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k <= samples; ++k) normals_[i][k] = sides[i].normal(static_cast<double>(k) / samples);
+  }
+  /// The side-weight blend of the rim's normals at b: which way a fill without folds faces. Zero where the rim's normals cancel.
+  /// b must not be a vertex.
+  Vec3 at(const double* b) const {
+    const Barycentric<0> jet(b);
+    const std::array<Jet<0>, 3> weight = side_weights(jet);
+    Vec3 n = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      if (!(weight[i].value() > 0)) continue;
+      const double t = samples * std::clamp(ray_parameter(jet, i).value(), 0.0, 1.0);
+      const int k = std::min(static_cast<int>(t), samples - 1);
+      n += weight[i].value() * ((k + 1 - t) * normals_[i][k] + (t - k) * normals_[i][k + 1]);
+    }
+    return n;
+  }
+
+private:
+  static constexpr int samples = 256;
+  std::array<std::array<Vec3, samples + 1>, 3> normals_;
+};
 
 }  // namespace
 
@@ -70,18 +84,21 @@ Index count_folds(const Surface& patch, const Sides& sides) {
     for (Index p = 0; p + q <= rows; ++p) b.row(place(p, q)) << rows - p - q, p, q;
   b /= rows;
   const Points normals = patch.normals(b);
-  Points expected(b.rows(), 3);
-  for (Index k = 0; k < b.rows(); ++k) expected.row(k) = expected_normal(sides, b.row(k).data());
+  const RimNormals rim(sides);
 
   Index folds = 0;
-  for (Index k = 0; k < b.rows(); ++k) folds += vertex_of(b.row(k).data()) < 0 && !(normals.row(k).dot(expected.row(k)) > 0);
+  for (Index k = 0; k < b.rows(); ++k) {
+    const double* at = b.row(k).data();
+    folds += vertex_of(at) < 0 && !(normals.row(k).dot(rim.at(at)) > 0);
+  }
   // Beside a corner whose planes differ every patch turns fast: neighbours there are not compared.
   std::array<bool, 3> clear;
   for (int k = 0; k < 3; ++k) clear[k] = angle(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)) < 1;
   auto far_apart = [&](Index a, Index c) {
     for (int k = 0; k < 3; ++k)
       if (!clear[k] && b(a, k) > 0.85) return false;
-    return angle(normals.row(a), normals.row(c)) >= 60;
+    const Vec3 p = normals.row(a), q = normals.row(c);
+    return p.dot(q) <= 0.5 && p.norm() > 0 && q.norm() > 0;  // 60 degrees
   };
   for (Index q = 0; q < rows; ++q)
     for (Index p = 0; p + q < rows; ++p) {

@@ -22,6 +22,8 @@ public:
   Points positions(const PointsRef& b) const;
   /// Unit normals P_b0 x P_b1 (the mesh's outer side for a patch in a rim).
   Points normals(const PointsRef& b) const;
+  /// Both from one evaluation.
+  std::pair<Points, Points> positions_and_normals(const PointsRef& b) const;
 };
 
 using SurfacePtr = std::shared_ptr<const Surface>;
