@@ -1,0 +1,472 @@
+"""Ten three-sided holes whose true surface or surroundings are known exactly, each meshed at any density.
+
+Every case is a `Hole`: four rings of triangles around an open hole with n edges a side (case `irregular`: 40/10/5 at n = 16).
+Sides run from corner 0 to 1, 1 to 2 and 2 to 0 in this file, in the direction in which new faces traverse the rim.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+RINGS = 4
+SUZANNE_LEVELS = {8: 2, 16: 3, 32: 4}
+SUZANNE_TRUTH = 5
+
+
+@dataclass
+class Hole:
+    name: str
+    vertices: np.ndarray  # (n, 3) of the surroundings
+    faces: np.ndarray  # (m, 3)
+    rim: np.ndarray  # vertex indices from corner 0 on
+    corners: np.ndarray  # vertex indices
+    normals: np.ndarray  # (len(rim), 3) true unit normals
+    nearest: Callable | None = None  # (k, 3) -> nearest points of the true surface; None: no truth inside
+
+    @property
+    def diameter(self) -> float:
+        rim = self.vertices[self.rim]
+        return float(np.linalg.norm(rim[:, None] - rim[None], axis=-1).max())
+
+
+def unit(v):
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+# ------------------------------------------------------------------------------------------------------- meshing the strips
+
+
+def _mesh(name, counts, side, strip, step, *, gap=False, spacing=lambda i, t: t, nearest=None) -> Hole:
+    """The surroundings as three strips.
+
+    side(i, s) -> points and true normals; strip(i, s, d) -> points at distance d (in its own measure) outside side i, in rings of
+    `step`. gap: the strips leave each other at the corners, and a flat quadrant joins them; else they share their ends.
+    """
+    points, names, faces = [], {}, []
+
+    def vertex(key, point):
+        if key not in names:
+            names[key] = len(points)
+            points.append(point)
+        return names[key]
+
+    grids, parameters = [], []
+    for i, m in enumerate(counts):
+        s = spacing(i, np.arange(m + 1) / m)
+        rows = [side(i, s)[0]] + [strip(i, s, np.full(m + 1, j * step)) for j in range(1, RINGS + 1)]
+        grid = np.empty((m + 1, RINGS + 1), int)
+        for k in range(m + 1):
+            for j in range(RINGS + 1):
+                corner = (i + (k == m)) % 3
+                shared = k in (0, m) and (j == 0 or not gap)
+                grid[k, j] = vertex(("corner", corner, j) if shared else ("side", i, k, j), rows[j][k])
+        for k in range(m):
+            middle = strip(i, np.array([(s[k] + s[k + 1]) / 2]), np.array([RINGS * step]))[0]
+            for j in range(RINGS):
+                a, b, c, d = grid[k, j], grid[k + 1, j], grid[k + 1, j + 1], grid[k, j + 1]
+                if j < RINGS - 1:
+                    faces += [(b, a, c), (a, d, c)]
+                else:  # the outer border has edges half as long
+                    e = vertex(("outer", i, k), middle)
+                    faces += [(b, a, e), (c, b, e), (a, d, e)]
+        grids.append(grid)
+        parameters.append(s)
+    if gap:
+        for i in range(3):
+            here, there = grids[i][-1], grids[(i + 1) % 3][0]
+            quadrant = np.empty((RINGS + 1, RINGS + 1), int)
+            for a in range(RINGS + 1):
+                for b in range(RINGS + 1):
+                    if b == 0 or a == 0:
+                        quadrant[a, b] = here[a] if b == 0 else there[b]
+                    else:
+                        point = points[here[a]] + points[there[b]] - points[here[0]]
+                        quadrant[a, b] = vertex(("quadrant", i, a, b), point)
+            for a in range(RINGS):
+                for b in range(RINGS):
+                    p, q, r, t = quadrant[a, b], quadrant[a + 1, b], quadrant[a, b + 1], quadrant[a + 1, b + 1]
+                    faces += [(p, q, r), (r, q, t)]
+    rim = np.concatenate([grid[:-1, 0] for grid in grids])
+    normals = np.concatenate([side(i, parameters[i][:-1])[1] for i in range(3)])
+    corners = np.array([grid[0, 0] for grid in grids])
+    return Hole(name, np.array(points), np.array(faces), rim, corners, normals, nearest)
+
+
+# ------------------------------------------------------------------------------------------- holes in one parametric surface
+
+
+def _with_derivatives(surface, u, v, step=1e-20):
+    """Complex step: exact derivatives of a real analytic surface."""
+    return surface(u, v).real, surface(u + 1j * step, v).imag / step, surface(u, v + 1j * step).imag / step
+
+
+def _nearest_on(surface, guess):
+    """Nearest points by damped Gauss-Newton from guess(points) -> u, v."""
+
+    def nearest(points):
+        u, v = guess(points)
+        for _ in range(60):
+            at, du, dv = _with_derivatives(surface, u, v)
+            away = points - at
+            a, b, c = (du * du).sum(1), (du * dv).sum(1), (dv * dv).sum(1)
+            p, q = (du * away).sum(1), (dv * away).sum(1)
+            det = np.maximum(a * c - b * b, 1e-30)
+            step_u, step_v = (c * p - b * q) / det, (a * q - b * p) / det
+            damping, best = np.ones(len(u)), (away * away).sum(1)
+            for _ in range(8):
+                worse = ((points - surface(u + damping * step_u, v + damping * step_v).real) ** 2).sum(1) > best
+                damping[worse] /= 2
+            damping[worse] = 0
+            u, v = u + damping * step_u, v + damping * step_v
+        return surface(u, v).real
+
+    return nearest
+
+
+def _in_chart(name, n, surface, corners, nearest, *, counts=None, step, along=None, **options) -> Hole:
+    """A triangle of the parameter plane; its sides straight there, or along(i, s) -> (u, v)."""
+    corners = np.array(corners, float)
+    along = along or (lambda i, s: corners[i] + (corners[(i + 1) % 3] - corners[i]) * s[:, None])
+
+    def side(i, s):
+        at, du, dv = _with_derivatives(surface, *along(i, s).T)
+        return at, unit(np.cross(du, dv))
+
+    def strip(i, s, d):
+        centre = corners.mean(0)
+        return surface(*(centre + (along(i, s) - centre) * (1 + d)[:, None]).T).real
+
+    return _mesh(name, counts or (n, n, n), side, strip, step, nearest=nearest, **options)
+
+
+def _stack(*components):
+    return np.stack(np.broadcast_arrays(*components), -1)
+
+
+def _on_sphere(name, n, corners) -> Hole:
+    """Great-circle sides, uniform in arc length; the chart is the central projection."""
+    corners = unit(np.array(corners, float))
+    z = unit(corners.sum(0))
+    x = unit(np.cross([0.3, -0.2, 1.0], z))
+    y = np.cross(z, x)
+
+    def surface(u, v):
+        p = z + np.asarray(u)[..., None] * x + np.asarray(v)[..., None] * y
+        return p / np.sqrt((p * p).sum(-1))[..., None]
+
+    def chart(p):
+        return np.stack([p @ x, p @ y], -1) / (p @ z)[..., None]
+
+    def along(i, s):
+        a, b = corners[i], corners[(i + 1) % 3]
+        angle = np.arccos(a @ b)
+        return chart((np.sin((1 - s) * angle)[:, None] * a + np.sin(s * angle)[:, None] * b) / np.sin(angle))
+
+    return _in_chart(name, n, surface, chart(corners), unit, step=2 / n, along=along)
+
+
+def sphere(n):
+    """An octant of the unit sphere."""
+    return _on_sphere("sphere", n, np.eye(3))
+
+
+def sphere10(n):
+    """A triangle of 10 degrees of the unit sphere."""
+    polar, turn = np.radians(10) / np.sqrt(3), 2 * np.pi * np.arange(3) / 3
+    return _on_sphere("sphere10", n, _stack(np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)))
+
+
+def torus(n):
+    """Radii 2 and 0.8, crossing from positive to negative curvature."""
+
+    def surface(u, v):
+        return _stack((2 + 0.8 * np.cos(v)) * np.cos(u), (2 + 0.8 * np.cos(v)) * np.sin(u), 0.8 * np.sin(v))
+
+    def nearest(points):
+        circle = 2 * unit(points * [1, 1, 0])
+        return circle + 0.8 * unit(points - circle)
+
+    return _in_chart("torus", n, surface, [(-0.5, -0.6), (0.9, 0.1), (-0.1, 1.9)], nearest, step=1.5 / n)
+
+
+def saddle(n):
+    """z = x^2 - y^2."""
+
+    def surface(u, v):
+        return _stack(u, v, u * u - v * v)
+
+    turn = 2 * np.pi * np.arange(3) / 3 + 0.4
+    corners = 0.8 * np.stack([np.cos(turn), np.sin(turn)], 1)
+    return _in_chart("saddle", n, surface, corners, _nearest_on(surface, lambda p: (p[:, 0], p[:, 1])), step=2 / n)
+
+
+def franke(n):
+    """The graph of Franke's first function: a hole as large as its hills, which the rim cannot know."""
+
+    def surface(x, y):
+        z = 0.75 * np.exp(-((9 * x - 2) ** 2 + (9 * y - 2) ** 2) / 4)
+        z = z + 0.75 * np.exp(-((9 * x + 1) ** 2) / 49 - (9 * y + 1) / 10)
+        z = z + 0.5 * np.exp(-((9 * x - 7) ** 2 + (9 * y - 3) ** 2) / 4)
+        return _stack(x, y, z - 0.2 * np.exp(-((9 * x - 4) ** 2) - (9 * y - 7) ** 2))
+
+    nearest = _nearest_on(surface, lambda p: (p[:, 0], p[:, 1]))
+    return _in_chart("franke", n, surface, [(0.1, 0.1), (0.9, 0.15), (0.35, 0.9)], nearest, step=1 / n)
+
+
+def irregular(n):
+    """A twisted helicoid with 40/10/5 edges (at n = 16) of graded length."""
+
+    def surface(u, v):
+        return _stack(u, v * np.cos(1.2 * u), v * np.sin(1.2 * u))
+
+    def guess(p):
+        return p[:, 0], p[:, 1] * np.cos(1.2 * p[:, 0]) + p[:, 2] * np.sin(1.2 * p[:, 0])
+
+    return _in_chart(
+        "irregular",
+        n,
+        surface,
+        [(0, -0.5), (4.0, -0.2), (1.2, 1.0)],
+        _nearest_on(surface, guess),
+        counts=tuple(max(2, round(edges * n / 16)) for edges in (40, 10, 5)),
+        spacing=lambda i, t: t ** (1.6, 1, 0.7)[i],
+        step=1 / n,
+    )
+
+
+# ------------------------------------------------------------------------------------- holes between surfaces of their own
+
+
+def _fillets(name, n, radii, nearest=None) -> Hole:
+    """Three cylinders of these radii along the edges of a cube meet at its corner.
+
+    The fillet along axis a starts tangent to one plane of the cube and ends tangent to another; the hole's corners lie where two
+    fillets end on the same plane.
+    """
+    r = np.array(radii, float)
+    order = [(0, 2, 1), (2, 1, 0), (1, 0, 2)]  # axis, plane at the start, plane at the end
+
+    def side(i, s):
+        axis, start, end = order[i]
+        angle = s * np.pi / 2
+        at, normal = np.zeros((len(s), 3)), np.zeros((len(s), 3))
+        at[:, end], at[:, start] = r[axis] * (1 - np.sin(angle)), r[axis] * (1 - np.cos(angle))
+        at[:, axis] = r[end] + (r[start] - r[end]) * s * s * (3 - 2 * s)
+        normal[:, end], normal[:, start] = -np.sin(angle), -np.cos(angle)
+        return at, normal
+
+    def strip(i, s, d):
+        at = side(i, s)[0]
+        at[:, order[i][0]] += d
+        return at
+
+    return _mesh(name, (n, n, n), side, strip, 1.3 * r.mean() / n, gap=True, nearest=nearest)
+
+
+def suitcase(n):
+    """Three fillets of radius 1: the corner is a sphere octant."""
+    return _fillets("suitcase", n, (1, 1, 1), lambda points: 1 + unit(points - 1))
+
+
+def fillets3(n):
+    """Fillets of radius 1, 0.7 and 0.5."""
+    return _fillets("fillets3", n, (1, 0.7, 0.5))
+
+
+def bezier3(n):
+    """Three bicubic Bezier patches whose planes agree at the corners only."""
+    turn = 2 * np.pi * np.arange(3) / 3
+    corners = _stack(np.cos(turn), np.sin(turn), np.array([0, 0.25, -0.1]))
+    normals = unit(np.array([[-0.35, 0.15, 1], [0.3, 0.25, 1], [-0.1, -0.45, 1]]))
+    outward = corners - corners.mean(0)
+    outward = 1.2 * unit(outward - (outward * normals).sum(1)[:, None] * normals)
+    shared = []  # the curve between neighbouring patches at each corner
+    for p, normal, o, bump in zip(corners, normals, outward, (0.25, -0.15, 0.1)):
+        second = p + 2 * o / 3 - 0.15 * normal
+        shared.append(np.array([p, p + o / 3, second, second + o / 3 + bump * normal]))
+    nets = []
+    for i, tilts in enumerate([(0.35, 0.10), (-0.30, 0.05), (0.05, -0.40)]):
+        a, b = i, (i + 1) % 3
+        chord = corners[b] - corners[a]
+
+        def tangent(k, chord=chord):
+            return unit(chord - (chord @ normals[k]) * normals[k]) * np.linalg.norm(chord) / 3
+
+        net = np.zeros((4, 4, 3))
+        net[0] = corners[a], corners[a] + tangent(a), corners[b] - tangent(b), corners[b]
+        net[:, 0], net[:, 3] = shared[a], shared[b]
+        out = 1.2 * unit(np.array([chord[1], -chord[0], 0])) / 3
+        for k, tilt in zip((1, 2), tilts):
+            for row, height in zip((1, 2, 3), (0.5, -0.3, 0.2)):
+                net[row, k] = net[row - 1, k] + out + [0, 0, tilt * height]
+        nets.append(net)
+
+    def bernstein(t):
+        return np.stack([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t**3], -1)
+
+    def strip(i, s, d):
+        return np.einsum("ka,kb,abx->kx", bernstein(d), bernstein(s), nets[i])
+
+    def side(i, s):
+        slope = 3 * np.stack([-((1 - s) ** 2), (1 - s) * (1 - 3 * s), s * (2 - 3 * s), s * s], -1)
+        along, across = slope @ nets[i][0], 3 * bernstein(s) @ (nets[i][1] - nets[i][0])
+        return bernstein(s) @ nets[i][0], unit(np.cross(across, along))
+
+    return _mesh("bezier3", (n, n, n), side, strip, min(1.5 / n, 0.24))
+
+
+# ------------------------------------------------------------------------------------------------------------------ Suzanne
+
+_EXPORT = """
+import sys
+from array import array
+import bpy
+out, levels = sys.argv[sys.argv.index("--") + 1], sys.argv[sys.argv.index("--") + 2:]
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.mesh.primitive_monkey_add()
+monkey = bpy.context.object
+modifier = monkey.modifiers.new("limit", "SUBSURF")
+for level in levels:
+    modifier.levels = int(level)
+    mesh = monkey.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    points, quads = array("f", [0.0]) * (3 * len(mesh.vertices)), array("i", [0]) * (4 * len(mesh.polygons))
+    mesh.vertices.foreach_get("co", points)
+    mesh.loops.foreach_get("vertex_index", quads)
+    for kind, values in (("points", points), ("quads", quads)):
+        with open(f"{out}/suzanne-{level}.{kind}", "wb") as file:
+            values.tofile(file)
+"""
+
+
+def suzanne_meshes(folder: Path, blender="blender") -> None:
+    """Has Blender write Suzanne on its Catmull-Clark limit surface into `folder`, once."""
+    levels = [*SUZANNE_LEVELS.values(), SUZANNE_TRUTH]
+    if all((folder / f"suzanne-{level}.quads").exists() for level in levels):
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile("w", suffix=".py") as script:
+        script.write(_EXPORT)
+        script.flush()
+        command = [blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", script.name, "--"]
+        subprocess.run(command + [str(folder), *map(str, levels)], check=True, stdout=subprocess.DEVNULL)
+
+
+def suzanne(n, folder: Path):
+    """Half of 2 x 2 faces of Suzanne's forehead, below their diagonal, on the limit surface; n = 8, 16 or 32."""
+
+    def read(level):
+        points = np.fromfile(folder / f"suzanne-{level}.points", np.float32).reshape(-1, 3).astype(float)
+        return points, np.fromfile(folder / f"suzanne-{level}.quads", np.int32).reshape(-1, 4)
+
+    points, quads = read(SUZANNE_LEVELS[n])
+    face_of, neighbours = {}, {}
+    for f, quad in enumerate(quads.tolist()):
+        for a, b in zip(quad, quad[1:] + quad[:1]):
+            face_of[a, b] = f
+            neighbours.setdefault(a, set()).add(b)
+            neighbours.setdefault(b, set()).add(a)
+
+    def towards(v, direction):
+        return max(sorted(neighbours[v]), key=lambda w: unit(points[w] - points[v]) @ direction)
+
+    def straight(before, v):  # across a regular vertex
+        beside = {w for f in (face_of.get((before, v)), face_of.get((v, before))) if f is not None for w in quads[f].tolist()}
+        return (neighbours[v] - beside).pop()
+
+    def opposite(a, b, c):  # the fourth vertex of the quad a, b, c
+        for f in (face_of.get((a, b)), face_of.get((b, a))):
+            if f is not None and c in quads[f]:
+                return next(w for w in quads[f].tolist() if w not in (a, b, c))
+        raise ValueError("not a grid of quads")
+
+    grid = np.zeros((n + 1, n + 1), int)
+    grid[0, 0] = np.linalg.norm(points - [0.4089, 0.0961, 0.8852], axis=1).argmin()
+    grid[1, 0], grid[0, 1] = towards(grid[0, 0], np.array([0, 1, -0.02])), towards(grid[0, 0], np.array([-0.95, -0.12, 0.3]))
+    for k in range(2, n + 1):
+        grid[k, 0], grid[0, k] = straight(grid[k - 2, 0], grid[k - 1, 0]), straight(grid[0, k - 2], grid[0, k - 1])
+    for i in range(1, n + 1):
+        for j in range(1, n + 1):
+            grid[i, j] = opposite(grid[i - 1, j], grid[i - 1, j - 1], grid[i, j - 1])
+
+    rim = np.array([grid[i, 0] for i in range(n)] + [grid[n - i, i] for i in range(n)] + [grid[0, n - i] for i in range(n)])
+    kept = {int(grid[i, j]) for i in range(n + 1) for j in range(n + 1 - i)}
+    block = {frozenset(map(int, grid[i : i + 2, j : j + 2].flat)): (i, j) for i in range(n) for j in range(n)}
+    for _ in range(RINGS):
+        kept |= {w for quad in quads.tolist() if kept.intersection(quad) for w in quad}
+    faces = []
+    for quad in quads.tolist():
+        i, j = block.get(frozenset(quad), (n, n))
+        if not kept.issuperset(quad) or i + j < n - 1:
+            continue
+        if i + j == n - 1:  # the diagonal of the hole cuts it: the outer half stays
+            k = quad.index(grid[i + 1, j + 1])
+            faces.append((quad[k], quad[(k + 1) % 4], quad[k - 1]))
+        else:
+            faces += [(quad[0], quad[1], quad[2]), (quad[0], quad[2], quad[3])]
+    faces = np.array(faces)
+    if ((faces == rim[0]) & (np.roll(faces, -1, axis=1) == rim[1])).any():
+        rim = np.roll(rim[::-1], 1)
+
+    truth, truth_quads = read(SUZANNE_TRUTH)
+    triangles = np.concatenate([truth_quads[:, [0, 1, 2]], truth_quads[:, [0, 2, 3]]])
+    low, high = points[sorted(kept)].min(0) - 0.05, points[sorted(kept)].max(0) + 0.05
+    triangles = triangles[((truth[triangles[:, 0]] > low) & (truth[triangles[:, 0]] < high)).all(1)]
+    a, b, c = truth[triangles].swapaxes(0, 1)
+    normals = np.zeros_like(truth)
+    for k in range(3):
+        np.add.at(normals, triangles[:, k], np.cross(b - a, c - a))
+    near = np.unique(triangles)
+    at_rim = near[[np.linalg.norm(truth[near] - points[v], axis=1).argmin() for v in rim]]
+
+    used = np.unique(faces)
+    index = np.full(len(points), -1)
+    index[used] = np.arange(len(used))
+    return Hole(
+        "suzanne",
+        points[used],
+        index[faces],
+        index[rim],
+        index[rim[[0, n, 2 * n]]],
+        unit(normals[at_rim]),
+        lambda p: _nearest_on_triangles(p, truth, triangles),
+    )
+
+
+def _nearest_on_triangles(points, vertices, triangles):
+    """Nearest points of the triangles around the nearest few triangle centres."""
+    a, b, c = vertices[triangles].swapaxes(0, 1)
+    centres = (a + b + c) / 3
+    out = np.empty_like(points)
+    for k, p in enumerate(points):
+        f = np.argpartition(((centres - p) ** 2).sum(1), 24)[:24]
+        q = _nearest_on_each(p, a[f], b[f], c[f])
+        out[k] = q[((q - p) ** 2).sum(1).argmin()]
+    return out
+
+
+def _nearest_on_each(p, a, b, c):
+    """The nearest point to p on each triangle: its foot in the plane if that lies inside, else the best of the three edges."""
+    u, v, w = b - a, c - a, p - a
+    uu, uv, vv = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
+    det = uu * vv - uv * uv
+    s = ((w * u).sum(1) * vv - (w * v).sum(1) * uv) / det
+    t = ((w * v).sum(1) * uu - (w * u).sum(1) * uv) / det
+    best = a + s[:, None] * u + t[:, None] * v
+    distance = np.where((s >= 0) & (t >= 0) & (s + t <= 1), ((best - p) ** 2).sum(1), np.inf)
+    for start, end in ((a, b), (b, c), (c, a)):
+        e = end - start
+        f = np.clip(((p - start) * e).sum(1) / (e * e).sum(1), 0, 1)
+        q = start + f[:, None] * e
+        d = ((q - p) ** 2).sum(1)
+        nearer = d < distance
+        best[nearer], distance[nearer] = q[nearer], d[nearer]
+    return best
+
+
+ANALYTIC = {f.__name__: f for f in (sphere, sphere10, torus, saddle, franke, suitcase, fillets3, bezier3, irregular)}
