@@ -1,10 +1,9 @@
 // The Python module: arrays in, arrays out, the GIL released around every computation. Names and shapes are checked in
 // python/tripatch; here only what C++ needs.
-#include "arrays.h"
-
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
+#include "arrays.h"
 #include "tripatch/boundary/limit.h"
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/ribbon.h"

@@ -41,7 +41,8 @@ struct CageFit {
   double surroundings_max = 0, surroundings_rms = 0;  ///< movement of the old limit surface, first two rings, scene units
   Index surroundings_where = -1;                      ///< a vertex of the face that moved most
   double corners_moved = 0;                           ///< largest movement of the limit at the three corners
-  std::array<std::vector<double>, 3> seam_angles;     ///< degrees, between the limit normals of the two faces along each rim edge; -1: none there
+  std::array<std::vector<double>, 3>
+      seam_angles;  ///< degrees, between the limit normals of the two faces along each rim edge; -1: none there
 };
 
 /// The cage: `layout` rows (barycentric coordinates, the first hole.rim.size() are the rim's) and faces by row. `build`: the patch on
