@@ -189,15 +189,15 @@ std::map<std::pair<Index, Index>, EdgePlace> directed_edges(const Faces& faces, 
 
 CageFit fit_cage(const Mesh& mesh, const Hole& hole, const Subdivision& given, const std::vector<Index>& replaced,
                  const Points& barycentric, const Faces& layout, const std::function<SurfacePtr(const Sides&)>& build,
-                 const CageOptions& options) {
+                 const CageOptions& options, const CageFit& coarser) {
   CageFit fit;
   Subdivision settings = given;
   if (!settings.quality) settings.quality = 5;  // stencils need patches
   settings.use_limit_surface = true;
   const Index rim = static_cast<Index>(hole.rim.size()), n = mesh.vertices.rows(), inside = barycentric.rows() - rim;
 
-  fit.sides = limit_sides(mesh, hole, settings, replaced).sides;
-  fit.patch = build(fit.sides);
+  fit.sides = coarser.patch ? coarser.sides : limit_sides(mesh, hole, settings, replaced).sides;
+  fit.patch = coarser.patch ? coarser.patch : build(fit.sides);
   Closed closed = close(mesh, hole, replaced, fit.patch->positions(barycentric.bottomRows(inside)), layout);
 
   Subdivision fitted = settings;
@@ -254,7 +254,7 @@ CageFit fit_cage(const Mesh& mesh, const Hole& hole, const Subdivision& given, c
   double size_of_hole = 0;
   for (Index v : hole.rim) size_of_hole = std::max(size_of_hole, (mesh.vertices.row(v) - mesh.vertices.row(hole.rim[0])).norm());
   const auto edges = directed_edges(closed.faces, hole.rim);
-  const bool rebuild = replaced.empty() && options.rim != CageRim::exact;
+  const bool rebuild = replaced.empty() && options.rim != CageRim::exact && !coarser.patch;
   std::vector<Index> fill_faces;
   for (Index f = closed.first_face; f < closed.faces.size(); ++f) fill_faces.push_back(f);
   for (int round = 0; round < (rebuild ? options.rounds : 1); ++round) {

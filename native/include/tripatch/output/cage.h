@@ -24,10 +24,10 @@ enum class CageRim {
 struct CageOptions {
   CageRim rim = CageRim::smooth;
   int samples = 4;          ///< a row of each face, for positions
-  double surroundings = 3;  ///< weight of the old limit surface around the hole against the patch inside
+  double surroundings = 0.5;      ///< weight of the old limit surface around the hole against the patch inside
   double tangential = 0.3;  ///< weight of distances along the patch against those across it
   double seam = 0.5;        ///< exact: weight of the tangent planes along the rim
-  int rounds = 3;           ///< smooth, open hole: how often the patch is rebuilt on the rim that the fitted cage has
+  int rounds = 4;                  ///< smooth, open hole: how often the patch is rebuilt on the rim that the fitted cage has
 };
 
 struct CageFit {
@@ -46,10 +46,10 @@ struct CageFit {
 };
 
 /// The cage: `layout` rows (barycentric coordinates, the first hole.rim.size() are the rim's) and faces by row. `build`: the patch on
-/// given sides. A region to be replaced (`replaced`) has the limit of the whole cage as its truth.
+/// given sides; `coarser`: a fit with fewer rows, whose patch is kept (empty: none). A region to be replaced (`replaced`) has the limit of the whole cage as its truth.
 CageFit fit_cage(const Mesh& mesh, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced,
                  const Points& barycentric, const Faces& layout, const std::function<SurfacePtr(const Sides&)>& build,
-                 const CageOptions& options = {});
+                 const CageOptions& options = {}, const CageFit& coarser = {});
 
 /// The limit surface of a fitted cage's fill: a grid of 2^level quads a side on each face.
 void sample_limit(const Mesh& cage, const Subdivision& settings, Index first_face, int level, Points& vertices, Faces& faces);
