@@ -8,6 +8,8 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/fill.h"
+#include "tripatch/patch/energy.h"
+#include "tripatch/patch/fairing.h"
 #include "tripatch/patch/methods.h"
 
 namespace py = pybind11;
@@ -110,6 +112,9 @@ PYBIND11_MODULE(_native, m) {
 
   py::class_<Surface, std::shared_ptr<Surface>>(m, "Patch", "A surface over the triangle.")
       .def("_evaluate", &evaluate<Surface>)
+      .def(
+          "_energy", [](const Surface& surface, const std::string& name) { return energy(surface, name, size_of(surface)); },
+          py::call_guard<py::gil_scoped_release>())
       .def("_normal", [](const Surface& surface, const Array& b) {
         const Points points = points_from(b);
         Points normals;
@@ -280,15 +285,25 @@ PYBIND11_MODULE(_native, m) {
     }
     return out;
   });
-  m.def("_patch",
-        [](const Sides& sides, const std::string& method, CrossBoundary cross_boundary, const std::array<double, 3>& bulge,
-           const std::array<bool, 3>& tangent, const std::array<double, 3>& shape, bool optimal_shape, bool as_printed) {
-          py::gil_scoped_release release;
-          const Method& chosen = find_method(method);
-          if (!chosen.from_boundary) throw InvalidArgument(method + " joins three surfaces; use tripatch.blend");
-          const Boundary boundary = make_boundary(sides, {cross_boundary, bulge, tangent});
-          return std::const_pointer_cast<Surface>(chosen.from_boundary(boundary, {shape, optimal_shape, as_printed}));
-        });
+  m.def("_patch", [](const Sides& sides, const std::string& method, CrossBoundary cross_boundary,
+                     const std::array<double, 3>& bulge, const std::array<bool, 3>& tangent, const std::array<double, 3>& shape,
+                     bool optimal_shape, bool as_printed, const std::string& fairing) {
+    py::gil_scoped_release release;
+    const Method& chosen = find_method(method);
+    if (!chosen.from_boundary) throw InvalidArgument(method + " joins three surfaces; use tripatch.blend");
+    const RibbonOptions ribbons = {cross_boundary, bulge, tangent};
+    const MethodOptions options = {shape, optimal_shape, as_printed};
+    auto [boundary, patch] = build(chosen, sides, ribbons, options);
+    if (!fairing.empty() && fairing != "none") {
+      FairingOptions wanted;
+      wanted.energy = fairing;
+      for (int i = 0; i < 3; ++i) wanted.slopes_free[i] = bulge[i] == 1;
+      wanted.rebuild = [&](const Sides& even) { return build(chosen, even, ribbons, options); };
+      wanted.folds = [&](const Surface& surface) { return count_folds(surface, sides); };
+      patch = fair(patch, sides, boundary, wanted).patch;
+    }
+    return std::const_pointer_cast<Surface>(patch);
+  });
   m.def("_blend", [](const std::array<std::shared_ptr<Surface>, 3>& surfaces, const std::string& method,
                      const std::array<double, 3>& shape, bool optimal_shape, bool as_printed) {
     py::gil_scoped_release release;

@@ -209,9 +209,7 @@ void make_fair(const Method& method, const RibbonOptions& ribbons, const Boundar
   fairing.energy = options.fairing;
   for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
   fairing.rebuild = [&](const Sides& sides) {
-    Boundary made = make_boundary(sides, ribbons);
-    SurfacePtr patch = method.from_boundary(made, {options.shape, options.optimal_shape, options.as_printed});
-    return std::pair{std::move(made), std::move(patch)};
+    return build(method, sides, ribbons, {options.shape, options.optimal_shape, options.as_printed});
   };
   fairing.folds = [&](const Surface& patch) { return count_folds(patch, fill.sides); };
   FairResult fair_result = fair(fill.patch, fill.sides, boundary, fairing);

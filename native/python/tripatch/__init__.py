@@ -58,7 +58,7 @@ METHODS = _native._methods()
 _CROSS_BOUNDARY = {name: getattr(_native.CrossBoundary, name) for name in ("given", "consistent", "as_printed")}
 _CAGE_RIM = {name: getattr(_native.CageRim, name) for name in ("smooth", "exact", "move")}
 _CONTINUITY = ("auto", "G0", "G1", "G2")
-_FAIRING = (None, "auto", "thin_plate", "third_derivative", "minimum_variation")
+_FAIRING = (None, "auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation")
 _REPORT = """
     seam_angle_max seam_angle_rms seam_angle_max_by_side seam_angle_rms_by_side surroundings_error
     fairing energy_before energy_after folds corners
@@ -337,7 +337,8 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         level: with "limit": the modifier's level, 2^level border edges a rim edge.
         continuity: "auto", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own.
         cross_boundary: "consistent" (Liu, Ma and Cheng 2008, corrected), "given" or "as_printed".
-        fairing: None, "auto", "thin_plate", "third_derivative" or "minimum_variation".
+        fairing: None, "thin_plate", "third_derivative" (quadratic, over the triangle), "minimum_variation" (of curvature),
+            "quadric_variation" (zero on quadrics), or "auto": softly the smaller of the last two.
         output: "triangles", "quads", or "cage": a few quads whose limit surface is the patch.
         resolution: triangles: edges per side inside the fill, None follows the rim; quads, cage: extra rows round the
             pole(s), None the fewest, 0 to 4, whose deviation from the patch is under `tolerance`.
@@ -398,8 +399,10 @@ def patch(
     bulge=1.0,
     shape=(0.5, 0.5, 0.5),
     reading: str = "corrected",
+    fairing: str | None = None,
 ) -> Patch:
-    """A patch from three sides that meet at the corners; side i is opposite corner i. The options are those of `fill`.
+    """A patch from three sides that meet at the corners; side i is opposite corner i. The options are those of `fill`, but nothing
+    is made fair unless `fairing` says how ("auto" and so on).
 
     Raises:
         Refusal: the sides do not meet.
@@ -412,7 +415,9 @@ def patch(
     if max(asked) > own:
         raise Refusal(f"The method {method} keeps {own} along the rim, not {max(asked)}")
     slopes = _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))]
-    return _native._patch(sides, method, slopes, _bulge(bulge), [c != "G0" for c in asked], *_method_options(shape, reading))
+    energy = _name(fairing, "fairing", _FAIRING) or ""
+    tangent = [c != "G0" for c in asked]
+    return _native._patch(sides, method, slopes, _bulge(bulge), tangent, *_method_options(shape, reading), energy)
 
 
 def blend(
@@ -451,6 +456,16 @@ def _normal(self: Patch, b) -> np.ndarray:
     return self._normal(_arrays.barycentric(b))
 
 
+def _patch_energy(self: Patch, name: str) -> float:
+    """A fairness energy, with weights that vanish at the corners.
+
+    Args:
+        name: "thin_plate", "third_derivative" (over the equilateral triangle of unit side; units of length squared),
+            "minimum_variation", "quadric_variation" or "auto" (over the surface, times its size squared; no units).
+    """
+    return self._energy(_name(name, "energy", _FAIRING[1:]))
+
+
 def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Position c, derivative c', derivative across r and unit normal n, (k, 3) each, at t (k,) in [0, 1]."""
     t = np.atleast_1d(np.asarray(t, dtype=np.float64))
@@ -475,6 +490,7 @@ def _as_dict(self: Report) -> dict:
 
 Patch.evaluate = _evaluate
 Patch.normal = _normal
+Patch.energy = _patch_energy
 Side.evaluate = _side_evaluate
 Side.from_functions = staticmethod(_from_functions)
 Report.as_dict = _as_dict

@@ -270,4 +270,19 @@ double energy(const Surface& surface, const std::string& name, double size, int 
                         "'; there are: thin_plate, third_derivative, minimum_variation, quadric_variation, auto");
 }
 
+double size_of(const Surface& surface) {
+  constexpr int steps = 16;
+  Points b(3 * steps, 3);
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < steps; ++k) {
+      b(steps * i + k, i) = 1 - static_cast<double>(k) / steps;
+      b(steps * i + k, (i + 1) % 3) = static_cast<double>(k) / steps;
+      b(steps * i + k, (i + 2) % 3) = 0;
+    }
+  const Points p = surface.positions(b);
+  double size = 0;
+  for (Index k = 0; k < p.rows(); ++k) size = std::max(size, (p.rowwise() - p.row(k)).rowwise().norm().maxCoeff());
+  return size;
+}
+
 }  // namespace tripatch

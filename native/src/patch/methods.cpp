@@ -41,6 +41,13 @@ std::span<const Method> methods() {
   return all;
 }
 
+std::pair<Boundary, SurfacePtr> build(const Method& method, const Sides& sides, const RibbonOptions& ribbons,
+                                      const MethodOptions& options) {
+  Boundary boundary = make_boundary(sides, ribbons);
+  SurfacePtr patch = method.from_boundary(boundary, options);
+  return {std::move(boundary), std::move(patch)};
+}
+
 const Method& find_method(const std::string& name) {
   std::string names;
   for (const Method& method : methods()) {

@@ -69,4 +69,7 @@ double softly_smaller(double variation, double quadric);
 /// (no units). auto: softly_smaller of these.
 double energy(const Surface& surface, const std::string& name, double size, int nodes_per_direction = 16);
 
+/// The largest distance between points of the sides.
+double size_of(const Surface& surface);
+
 }  // namespace tripatch

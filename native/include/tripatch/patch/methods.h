@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/patch/surface.h"
@@ -30,6 +31,9 @@ struct Method {
 };
 
 std::span<const Method> methods();
+/// The patch of a method from three sides, with the boundary that it was made of.
+std::pair<Boundary, SurfacePtr> build(const Method& method, const Sides& sides, const RibbonOptions& ribbons,
+                                      const MethodOptions& options);
 /// Throws InvalidArgument that lists the names.
 const Method& find_method(const std::string& name);
 
