@@ -401,8 +401,8 @@ def patch(
     reading: str = "corrected",
     fairing: str | None = None,
 ) -> Patch:
-    """A patch from three sides that meet at the corners; side i is opposite corner i. The options are those of `fill`, but nothing
-    is made fair unless `fairing` says how ("auto" and so on).
+    """A patch from three sides that meet at the corners; side i is opposite corner i. The options are those of `fill`, but
+    nothing is made fair unless `fairing` says how ("auto" and so on).
 
     Raises:
         Refusal: the sides do not meet.

@@ -14,7 +14,7 @@ Indices = NDArray[np.int64]
 Faces = NDArray[np.integer[Any]] | Sequence[Sequence[int]]
 Continuity = Literal["auto", "G0", "G1", "G2"]
 CrossBoundary = Literal["given", "consistent", "as_printed"]
-Fairing = Literal["auto", "thin_plate", "third_derivative", "minimum_variation"] | None
+Fairing = Literal["auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation"] | None
 Reading = Literal["corrected", "as_printed"]
 Shape = float | tuple[float, float, float] | Literal["optimal"]
 Curve = Literal["hermite", "smits"]
@@ -31,6 +31,7 @@ METHODS: dict[str, Method]
 class Patch:
     def evaluate(self, b: ArrayLike, derivatives: int = 0) -> Any: ...
     def normal(self, b: ArrayLike) -> Floats: ...
+    def energy(self, name: str) -> float: ...
 
 class BezierTriangle(Patch):
     degree: int
@@ -162,6 +163,7 @@ def patch(
     bulge: float | tuple[float, float, float] = 1.0,
     shape: Shape = (0.5, 0.5, 0.5),
     reading: Reading = "corrected",
+    fairing: Fairing = None,
 ) -> Patch: ...
 def blend(
     r0: Patch,
