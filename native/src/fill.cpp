@@ -191,12 +191,8 @@ void take(const Cover& cover, const Points& border, const std::vector<Index>& ri
     fill.vertices.topRows(border.rows()) = border;
     for (Index k = 0; k < border.rows(); ++k) fill.border.push_back(k);
   }
-  std::vector<Index> face;
-  for (Index f = 0; f < cover.faces.size(); ++f) {
-    face.clear();
-    for (Index v : cover.faces[f]) face.push_back(index[v]);
-    fill.faces.add(face);
-  }
+  fill.faces = cover.faces;
+  for (Index& v : fill.faces.corners) v = index[v];
 }
 
 /// Fairing by the energy asked for; "auto" leaves fills alone that meet their surroundings in position only.

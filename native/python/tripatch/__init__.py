@@ -6,7 +6,9 @@ from 0 to 1, from corner i + 1 to corner i + 2. Lengths are in the units of the 
 
 from __future__ import annotations
 
+import functools
 import inspect
+import itertools
 import numbers
 from collections.abc import Callable, Sequence
 
@@ -87,10 +89,8 @@ class Fill:
     """
 
     def __init__(self, native, mesh=None) -> None:
-        self._mesh = mesh
+        self._mesh, self._native = mesh, native
         self.vertices = native.vertices
-        offsets, corners = native.face_offsets.tolist(), native.face_corners.tolist()
-        self.faces = [corners[a:b] for a, b in zip(offsets, offsets[1:])]
         self.normals = native.normals
         self.barycentric = native.barycentric
         self.rim = native.rim
@@ -103,6 +103,11 @@ class Fill:
         self.sides = tuple(native.sides)
         self.patch = native.patch
         self.report = native.report
+
+    @functools.cached_property
+    def faces(self) -> list[list[int]]:  # many Python objects: made when first read
+        offsets, corners = self._native.face_offsets.tolist(), self._native.face_corners.tolist()
+        return [corners[a:b] for a, b in itertools.pairwise(offsets)]
 
     def limit(self, level: int = 3) -> tuple[np.ndarray, np.ndarray]:
         """The limit surface of a fill that is a cage.
@@ -121,7 +126,7 @@ class Fill:
 
     def __repr__(self) -> str:
         return (
-            f"<tripatch.Fill: {len(self.vertices)} new vertices, {len(self.faces)} faces, "
+            f"<tripatch.Fill: {len(self.vertices)} new vertices, {len(self._native.face_offsets) - 1} faces, "
             f"seam within {self.report.seam_angle_max:.2g} deg>"
         )
 

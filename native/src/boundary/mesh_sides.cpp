@@ -13,28 +13,31 @@ namespace {
 
 constexpr int degree = 5;  // of the local polynomials
 constexpr int terms = 21;
-constexpr int max_rings = 6;        // rings of faces around a rim vertex
-constexpr int enough_points = 50;   // a stencil stops growing at this size
-constexpr double same_sheet = 0.5;  // cosine: faces turned further from the vertex's own are another sheet (a cube's edge)
+constexpr int max_rings = 6;          // rings of faces around a rim vertex
+constexpr int enough_points = 50;     // a stencil stops growing at this size
+constexpr int samples_a_side = 10;    // about as many stencils a side tell the sizes
+constexpr int most_iterations = 14;   // of the sizes
+constexpr double settled = 0.03;      // relative change of a variance: no more iterations
+constexpr double flat_enough = 5e-4;  // slope over the guess of a plane: no second fit
+constexpr double same_sheet = 0.5;    // cosine: faces turned further from the vertex's own are another sheet (a cube's edge)
 constexpr double sharp_bend = 8 * M_PI / 180;  // radians: edges that bend less are never sharp
 constexpr double least_noise = 1e-7;           // of the stencil radius: keeps the normal equations solvable
 using Square = Eigen::Matrix<double, terms, terms>;
 using Column = Eigen::Matrix<double, terms, 1>;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, terms, Eigen::RowMajor>;
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2 * degree + 1>;
 
-constexpr std::array<int, terms> degree_of = {0, 1, 1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 5, 5, 5, 5, 5, 5};
-
-/// Taylor monomials x^i y^j / (i! j!), so that the coefficients are the derivatives of the height.
-Column monomials(double x, double y) {
-  Column a;
-  a[0] = 1;
-  for (int d = 1, k = 1; d <= degree; k += ++d) {
-    // x^(d-j) y^j / ((d-j)! j!) from the terms of degree d - 1
-    for (int j = 0; j < d; ++j) a[k + j] = a[k - d + j] * x / (d - j);
-    a[k + d] = a[k - 1] * y / d;
-  }
-  return a;
-}
+/// The term of x^i y^j / (i! j!), so that the coefficients are the derivatives of the height.
+struct Term {
+  int i, j;
+  double over;  // 1 / (i! j!)
+};
+constexpr std::array<Term, terms> term = [] {
+  std::array<Term, terms> all{};
+  constexpr std::array<double, degree + 1> factorial = {1, 1, 2, 6, 24, 120};
+  for (int d = 0, k = 0; d <= degree; ++d)
+    for (int j = 0; j <= d; ++j, ++k) all[k] = {d - j, j, 1 / (factorial[d - j] * factorial[j])};
+  return all;
+}();
 
 std::string name(Index vertex) { return std::to_string(vertex); }
 
@@ -240,29 +243,60 @@ struct Sizes {
 
 /// The heights around one rim vertex over its first guess of a tangent plane.
 struct Stencil {
-  Vec3 e1, e2, e3;  // along the rim, outward, normal
-  Rows a;
+  Vec3 e1, e2, e3;              // along the rim, outward, normal
+  Columns x, y;                 // powers 0 .. 2 degree of the places
   Eigen::VectorXd z, share, g;  // height, weight by place, radius^(2 degree + 2)
   double slope_noise = 1;       // of the rim's own direction: variance over that of the noise,
   int slope_order = 4;          // and what its interpolation leaves out: (derivative of this degree x slope_truncation)
   double slope_truncation = 0;
 };
 
+/// (i, j): sum of w x^i y^j for i + j <= degree.
+template <int Degree>
+Eigen::Matrix<double, Degree + 1, Degree + 1> moments(const Stencil& s, const Eigen::VectorXd& w) {
+  Eigen::Matrix<double, Degree + 1, Degree + 1> m;
+  Eigen::VectorXd wx(w.size());
+  for (int i = 0; i <= Degree; ++i) {
+    wx = w.cwiseProduct(s.x.col(i));
+    m.row(i).head(Degree + 1 - i).noalias() = wx.transpose() * s.y.leftCols(Degree + 1 - i);
+  }
+  return m;
+}
+
+/// The heights of a polynomial.
+Eigen::VectorXd heights(const Stencil& s, const Column& coefficients) {
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(s.z.size());
+  for (int k = 0; k < terms; ++k)
+    z.array() += coefficients[k] * term[k].over * s.x.col(term[k].i).array() * s.y.col(term[k].j).array();
+  return z;
+}
+
 struct Solution {
-  Column mean;
+  Column mean, prior;                       // coefficients, inverse variances
   Eigen::LLT<Square, Eigen::Lower> factor;  // of the inverse covariance
 };
 
-Solution solve(const Stencil& s, const Sizes& sizes) {
-  const Eigen::VectorXd w = s.share.array() / (sizes.noise + sizes.truncation * s.g.array());
-  const Rows wa = w.asDiagonal() * s.a;
-  Square p = s.a.transpose() * wa;
-  for (int j = 0; j < terms; ++j) p(j, j) += 1 / sizes.term[degree_of[j]];
-  p(1, 1) += 1 / (sizes.noise * s.slope_noise + sizes.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
+/// The normal matrix of monomials has 66 different entries, sums of w x^i y^j, for its 231.
+Solution solve(const Stencil& s, const Sizes& sizes, const Eigen::VectorXd& w) {
+  const auto m = moments<2 * degree>(s, w);
+  const auto right = moments<degree>(s, w.cwiseProduct(s.z));
   Solution r;
+  Square p;
+  Column b;
+  for (int k = 0; k < terms; ++k) {
+    for (int l = k; l < terms; ++l) p(l, k) = term[k].over * term[l].over * m(term[k].i + term[l].i, term[k].j + term[l].j);
+    b[k] = term[k].over * right(term[k].i, term[k].j);
+    r.prior[k] = 1 / sizes.term[term[k].i + term[k].j];
+  }
+  r.prior[1] += 1 / (sizes.noise * s.slope_noise + sizes.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
+  p.diagonal() += r.prior;
   r.factor.compute(p);
-  r.mean = r.factor.solve(Column(wa.transpose() * s.z));
+  r.mean = r.factor.solve(b);
   return r;
+}
+
+Solution solve(const Stencil& s, const Sizes& sizes) {
+  return solve(s, sizes, s.share.array() / (sizes.noise + sizes.truncation * s.g.array()));
 }
 
 /// Sizes that make the heights of all stencils likeliest (MacKay 1992, eqs. 4.9 to 4.11: each size is the mean square of what it
@@ -278,31 +312,44 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
   sizes.term = {1, 100, bend, bend * bend, std::pow(bend, 3), std::pow(bend, 4)};
   sizes.noise = least * least;
   sizes.truncation = std::pow(bend, 5) / 720 / 720;
-  for (int iteration = 0; iteration < 14; ++iteration) {
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const Sizes before = sizes;
     std::array<double, degree + 1> sum = {}, count = {};
     double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0;
     for (const Stencil& s : stencils) {
-      const Solution fit = solve(s, sizes);
-      const Column variance = fit.factor.matrixL().solve(Square::Identity()).colwise().squaredNorm().transpose();
+      const Eigen::ArrayXd v = sizes.noise + sizes.truncation * s.g.array(), part = sizes.noise / v, w = s.share.array() / v;
+      const Solution fit = solve(s, sizes, w);
+      const Square half = fit.factor.matrixL().solve(Square::Identity());
+      const Square covariance = half.transpose().lazyProduct(half);  // too small for the blocked product
       for (int j = 0; j < terms; ++j) {
-        const int d = degree_of[j];
+        const int d = term[j].i + term[j].j;
         sum[d] += fit.mean[j] * fit.mean[j];
-        count[d] += std::max(1 - variance[j] / sizes.term[d], 1e-3);
+        count[d] += std::max(1 - covariance(j, j) / sizes.term[d], 1e-3);
       }
-      const Eigen::ArrayXd v = sizes.noise + sizes.truncation * s.g.array(), part = sizes.noise / v;
-      const Eigen::MatrixXd half = fit.factor.matrixL().solve(s.a.transpose());
-      const Eigen::ArrayXd freedom = s.share.array() * (1 - half.colwise().squaredNorm().transpose().array() / v).max(1e-3);
-      const Eigen::ArrayXd square = s.share.array() * (s.z - s.a * fit.mean).array().square();
+      // The points less the parameters that they determine: all, and those whose error is noise.
+      const auto m = moments<2 * degree>(s, w * part);
+      double noisy = 0;
+      for (int k = 0; k < terms; ++k)
+        for (int l = k; l < terms; ++l)
+          noisy +=
+              (k == l ? 1 : 2) * covariance(l, k) * term[k].over * term[l].over * m(term[k].i + term[l].i, term[k].j + term[l].j);
+      const double points = s.share.sum(), noise_points = (s.share.array() * part).sum();
+      const double all = terms - covariance.diagonal().dot(fit.prior);
+      noise_count += std::max(noise_points - noisy, 1e-3 * noise_points);
+      truncation_count += std::max(points - noise_points - (all - noisy), 1e-3 * (points - noise_points));
+      const Eigen::ArrayXd square = s.share.array() * (s.z - heights(s, fit.mean)).array().square();
       noise += (part.square() * square).sum();
-      noise_count += (part * freedom).sum();
       truncation += (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
-      truncation_count += ((1 - part) * freedom).sum();
     }
     const auto ratio = [](double above, double below) { return below > 0 ? above / below : 0; };
     sizes.noise = std::max(ratio(noise, noise_count), least * least);
     sizes.truncation = std::max(ratio(truncation, truncation_count), 1e-6 * floor(degree + 1));
     for (int d = 2; d <= degree; ++d) sizes.term[d] = std::max(ratio(sum[d], count[d]), floor(d));
     sizes.term[2] = std::max(sizes.term[2], least_bend);
+    const auto same = [](double a, double b) { return std::abs(a - b) <= settled * b; };
+    bool done = same(sizes.noise, before.noise) && same(sizes.truncation, before.truncation);
+    for (int d = 2; d <= degree; ++d) done = done && same(sizes.term[d], before.term[d]);
+    if (done) break;
   }
   return sizes;
 }
@@ -477,16 +524,23 @@ Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int
     }
   }
   const Index size = static_cast<Index>(used.size());
-  s.a.resize(size, terms);
+  s.x.resize(size, Eigen::NoChange);
+  s.y.resize(size, Eigen::NoChange);
   s.z.resize(size);
   s.share.resize(size);
   s.g.resize(size);
   for (Index j = 0; j < size; ++j) {
     const Vec3 d = w.position[used[j].first] - p;
-    s.a.row(j) = monomials(d.dot(s.e1), d.dot(s.e2)).transpose();
+    s.x(j, 1) = d.dot(s.e1);
+    s.y(j, 1) = d.dot(s.e2);
     s.z[j] = d.dot(s.e3);
     s.share[j] = used[j].second;
-    s.g[j] = std::pow(d.squaredNorm(), degree + 1);
+    const double square = d.squaredNorm();
+    s.g[j] = square * square * square * square * square * square;
+  }
+  for (Columns* m : {&s.x, &s.y}) {
+    m->col(0).setOnes();
+    for (int k = 2; k <= 2 * degree; ++k) m->col(k) = m->col(k - 1).cwiseProduct(m->col(1));
   }
 
   // how well the interpolating curve knows its own direction here
@@ -539,7 +593,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
   std::vector<Stencil> samples;
   double radius = 0, points = 0;
   for (int i = 0; i < 3; ++i) {
-    const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / 10);
+    const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / samples_a_side);
     for (int k = 0; k < n; k += step) samples.push_back(make_stencil(w, drafts, i, k, marks));
   }
   for (const Stencil& s : samples) {
@@ -565,26 +619,32 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
   for (int i = 0; i < 3; ++i) {
     Draft& side = drafts[i];
     const int edges = static_cast<int>(side.vertex.size()) - 1;
+    double tilt = 0;  // of the plane found last against the faces beside the rim: most likely that of the next one too
     for (int k = 0; k <= edges; ++k) {
       const bool end = k == 0 || k == edges;
+      const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
+      side.guess[k] -= tilt * outward;
       Stencil s = make_stencil(w, drafts, i, k, marks);
       Solution fit = solve(s, sizes);
-      // once more over the plane just found
-      side.guess[k] = s.e3 - fit.mean[2] * s.e2;
-      s = make_stencil(w, drafts, i, k, marks);
-      fit = solve(s, sizes);
+      if (std::abs(fit.mean[2]) > flat_enough) {  // once more over the plane just found
+        side.guess[k] = s.e3 - fit.mean[2] * s.e2;
+        s = make_stencil(w, drafts, i, k, marks);
+        fit = solve(s, sizes);
+      }
       const double fx = fit.mean[1], fy = fit.mean[2];
       side.normal.push_back((s.e3 - fx * s.e1 - fy * s.e2).normalized());
+      tilt = std::clamp(-side.normal.back().dot(outward) / side.normal.back().dot(faces), -0.2, 0.2);
       Eigen::Matrix<double, 3, 2> frame;
       frame << s.e1, s.e2;
       Eigen::Matrix2d hessian;
       hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
       side.second.push_back(frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * frame.transpose());
-      const Square covariance = fit.factor.solve(Square::Identity());
-      known += covariance(1, 1) + covariance(2, 2);
+      const Eigen::Matrix<double, terms, 2> units = Square::Identity().middleCols<2>(1);
+      const Eigen::Matrix2d covariance = fit.factor.solve(units).middleRows<2>(1);
+      known += covariance.trace();
       ++known_count;
       if (end) {
-        const Eigen::Matrix2d information = covariance.block<2, 2>(1, 1).inverse();
+        const Eigen::Matrix2d information = covariance.inverse();
         ends[i][k == 0 ? 0 : 1] = {side.normal.back(), frame * information * frame.transpose()};
       }
     }
