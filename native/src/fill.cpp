@@ -268,12 +268,13 @@ void fill_with_cage(const Mesh& mesh, const Hole& hole, const FillOptions& optio
   const Mesh cage = {vertices, split ? split_faces : mesh.faces};
 
   const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
-  const auto build = [&](const Sides& sides) {
+  const auto fair_patch = [&](const Sides& sides) {
     Fill made;
     made.sides = sides;
-    const Boundary boundary = make_boundary(sides, ribbon_options(options, continuity));
+    const RibbonOptions ribbons = ribbon_options(options, continuity);
+    const Boundary boundary = make_boundary(sides, ribbons);
     made.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
-    make_fair(boundary, continuity, options, made);
+    make_fair(method, ribbons, boundary, options, made);
     result.report.fairing = made.report.fairing;
     result.report.energy_before = made.report.energy_before;
     result.report.energy_after = made.report.energy_after;
@@ -295,7 +296,8 @@ void fill_with_cage(const Mesh& mesh, const Hole& hole, const FillOptions& optio
   const int first = options.resolution.value_or(0), last = options.resolution.value_or(4);
   for (int rows = first; rows <= last; ++rows) {
     layout = quad_layout(parameters, rows, options.pole_offset);
-    fit = fit_cage(cage, rim, options.subdivision, options.replaced, layout.barycentric, layout.faces, build, cage_options, fit);
+    fit = fit_cage(cage, rim, options.subdivision, options.replaced, layout.barycentric, layout.faces, fair_patch, cage_options,
+                   fit);
     if (fit.deviation_max <= tolerance) break;
   }
   Report& report = result.report;
