@@ -11,7 +11,7 @@ import sys
 import bmesh
 import bpy
 
-from . import filling, library, selection
+from . import beside, filling, library, selection, subdivision
 
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 
@@ -40,10 +40,21 @@ def _parser(prog):
     parser.add_argument("--rim", type=_indices, metavar="V,V,...", help="vertex indices along the rim (one object)")
     parser.add_argument("--corners", type=_three, metavar="A,B,C", help="vertex indices of the three corners (one object)")
     parser.add_argument("--method", choices=methods, default="side_vertex")
-    parser.add_argument("--output", choices=["triangles"], default="triangles")
-    parser.add_argument("--resolution", type=int, help="edges per side inside the fill (default: follow the rim)")
+    parser.add_argument("--output", choices=["triangles", "quads", "cage"], help="default: cage with a Subdivision modifier")
+    parser.add_argument(
+        "--resolution",
+        type=int,
+        help="edges per side inside the fill (default: as the rim); quads, cage: extra rows (default: the fewest within TOLERANCE)",
+    )
+    parser.add_argument("--tolerance", type=float, help="quads, cage: largest distance from the patch in scene units")
+    parser.add_argument("--cage-rim", choices=["smooth", "exact", "move"], default="smooth")
+    parser.add_argument("--odd", choices=["split", "triangle"], default="split", help="quads, cage: round an odd rim")
+    parser.add_argument("--pole-offset", type=float, nargs=2, default=(0.0, 0.0), metavar=("U", "V"))
+    parser.add_argument("--add-modifier", action="store_true", help="cage: give the object a Subdivision modifier if it has none")
     parser.add_argument("--continuity", choices=["auto", "G0", "G1"], default="auto")
-    parser.add_argument("--surroundings", choices=["mesh"], default="mesh")
+    parser.add_argument(
+        "--surroundings", choices=["mesh", "limit"], default="mesh", help="limit: as the modifier draws them, the fill beside"
+    )
     parser.add_argument("--bulge", type=float, default=1.0)
     parser.add_argument("--corner-offset", type=int, default=0, help="slide the corners along the rim by so many vertices")
     parser.add_argument("--shading", choices=["neighbors", "smooth", "flat"], default="neighbors")
@@ -128,6 +139,16 @@ def _rims(bm, matrix, arguments):
     return found
 
 
+_OF_FILL = ("method", "continuity", "surroundings", "bulge", "resolution", "tolerance", "cage_rim", "odd", "pole_offset")
+
+
+def _options(ob, arguments):
+    settings = {name: getattr(arguments, name) for name in _OF_FILL}
+    caged = arguments.surroundings == "mesh" and subdivision.modifier_of(ob)
+    settings["output"] = arguments.output or ("cage" if caged else "triangles")
+    return filling.Options(settings, arguments.corner_offset, arguments.shading)
+
+
 def _fill(ob, arguments, options):
     """The Outcome for one object."""
     mesh = ob.data
@@ -138,11 +159,18 @@ def _fill(ob, arguments, options):
     try:
         bm.from_mesh(mesh)
         rims = _rims(bm, matrix, arguments)
+        if options.arguments["surroundings"] == "limit":
+            return beside.fill_rims(ob, bm, matrix, rims, options)[0]
         keys = mesh.shape_keys
-        outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, keys.reference_key.name if keys else None)
+        cage = options.arguments["output"] == "cage"
+        modifier = subdivision.usable(ob) if cage else None
+        active = keys.reference_key.name if keys else None
+        outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, active, modifier)
         if new_faces:
             bm.to_mesh(mesh)
             mesh.update()
+            if cage and modifier is None and arguments.add_modifier:
+                subdivision.add_modifier(ob)
         return outcome
     finally:
         bm.free()
@@ -163,14 +191,11 @@ def _run(arguments):
         raise _UsageError("--rim and --corners need one --object")
     if bpy.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    names = ("method", "output", "resolution", "continuity", "surroundings", "bulge")
-    settings = {name: getattr(arguments, name) for name in names}
-    options = filling.Options(settings, arguments.corner_offset, arguments.shading)
 
     total, reports = filling.Outcome(), []
     for ob in objects:
         try:
-            outcome = _fill(ob, arguments, options)
+            outcome = _fill(ob, arguments, _options(ob, arguments))
         except selection.UnusableError as reason:
             if str(reason) == "The mesh has no hole" and not arguments.object:
                 continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from . import selection, writeback
+from . import selection, subdivision, writeback
 from .library import np, tripatch
 from .selection import Surroundings, UnusableError
 
@@ -27,6 +27,8 @@ class Outcome:
     refused: list = field(default_factory=list)  # sentences
     notes: list = field(default_factory=list)  # sentences on holes that were filled
     faces: int = 0
+    cage_rim: str = ""  # of fills that are cages
+    beside: list = field(default_factory=list)  # names of objects made
 
     def add(self, other, name=""):
         prefix = f"{name}: " if name else ""
@@ -34,21 +36,38 @@ class Outcome:
         self.refused += [prefix + sentence for sentence in other.refused]
         self.notes += [prefix + sentence for sentence in other.notes]
         self.faces += other.faces
+        self.cage_rim = other.cage_rim or self.cage_rim
+        self.beside += other.beside
 
     def sentence(self):
         """'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'"""
         count = len(self.reports)
         if not count:
             return "No hole filled"
-        known = max(report.surroundings_error for report in self.reports)
-        seam = max(known, *(report.seam_angle_max for report in self.reports))
         holes = "1 hole" if count == 1 else f"{count} holes"
+        seam = max(report.seam_angle_max for report in self.reports)
+        if self.cage_rim:
+            within = max(report.cage_deviation_max for report in self.reports)
+            moved = max(report.surroundings_moved_max for report in self.reports)
+            angle = f", seam within {_degrees(seam)}" if self.cage_rim == "exact" else ""
+            return (
+                f"Filled {holes} with a cage of {self.faces} quads{angle}; within {_length(within)} of the patch, "
+                f"surroundings moved {_length(moved)} (scene units)"
+            )
+        known = max(report.surroundings_error for report in self.reports)
+        seam = max(known, seam)
+        if self.beside:
+            return f"Filled {holes} in {', '.join(self.beside)}; seam with the limit surface within {_degrees(seam)}"
         return f"Filled {holes}; seam within {_degrees(seam)} (surroundings known to {_degrees(known)})"
 
 
 def _degrees(angle):
     """An upper bound for a person."""
     return f"{max(angle, 0.001):.2g} deg"
+
+
+def _length(value):
+    return f"{value:.2g}" if value > 1e-9 else "0"
 
 
 def world_matrix(name, matrix):
@@ -59,7 +78,7 @@ def world_matrix(name, matrix):
     return world
 
 
-def _place(refusal):
+def place(refusal):
     """The reason, with the place if it does not name one."""
     where = list(refusal.where)
     if not where or any(str(v) in refusal.reason for v in where[:3]):
@@ -68,7 +87,7 @@ def _place(refusal):
     return f"{refusal.reason} ({'vertex' if len(where) == 1 else 'vertices'} {names})"
 
 
-def _corners(rim, loop, mesh, replaced, offset):
+def corners_of(rim, loop, mesh, replaced, offset):
     """The corners to fill with, as vertex indices, or None for the library to find them."""
     first = rim.first.index if rim.first else None
     if rim.corners:
@@ -87,12 +106,15 @@ def _corners(rim, loop, mesh, replaced, offset):
     return [loop[(p + offset) % len(loop)] for p in places]
 
 
-def _plan(bm, rim, world, keys, options, around):
-    """A `Planned` fill and notes on it. around: Surroundings in the shape that the vertices have now."""
+def _plan(bm, rim, world, keys, options, around, cage=None):
+    """A `Planned` fill and notes on it. around: Surroundings in the shape that the vertices have now.
+    cage: its subdivision.Cage, for output="cage"."""
     loop = [v.index for v in rim.loop]
     positions, faces, replaced = around.around(rim)
-    corners = _corners(rim, loop, (positions, faces), replaced, options.corner_offset)
+    corners = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset)
     arguments = dict(options.arguments, rim=loop, replaced=replaced)
+    if cage is not None:
+        arguments["subdivision"] = cage.near(faces)
     fill = tripatch.fill(positions, faces, corners=corners, **arguments)
 
     inverse, notes = np.linalg.inv(world[:3, :3]), []
@@ -115,15 +137,20 @@ def _plan(bm, rim, world, keys, options, around):
         normals_to_object(fill.rim_normals),
         arguments.get("continuity") != "G0" and tripatch.METHODS[arguments.get("method", "side_vertex")].continuity != "G0",
     )
+    planned.moved = list(zip([vertex[v] for v in fill.moved[0].tolist()], to_object(fill.moved[1]), strict=True))
     obstacle = writeback.obstacle(bm, planned, len(positions))
     if obstacle:
         raise tripatch.Refusal(obstacle, [])
     for name, shape in keys.items():
         try:
             in_key = tripatch.fill(*shape.around(rim)[:2], corners=fill.report.corners, **arguments)
-            planned.in_shape_keys[name] = to_object(in_key.patch.evaluate(fill.barycentric))
+            same = cage is None or (in_key.faces == fill.faces and (in_key.split_edges[0] == fill.split_edges[0]).all())
+            if not same:
+                raise tripatch.Refusal("its cage would have other faces", [])
+            inside = in_key.patch.evaluate(fill.barycentric) if cage is None else in_key.vertices
+            planned.in_shape_keys[name] = to_object(inside)
         except tripatch.Refusal as refusal:
-            notes.append(f"Shape key '{name}' follows its rim only: {_place(refusal)}")
+            notes.append(f"Shape key '{name}' follows its rim only: {place(refusal)}")
             planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
     return planned, notes
 
@@ -136,27 +163,58 @@ def _follow_rim(planned, layer):
     return planned.positions + blend(ends)
 
 
-def fill_rims(bm, mesh, matrix, rims, options, active_shape=None):
+def _shapes(bm, matrix, active_shape):
+    """Surroundings in each shape key but the one whose shape the vertices have now."""
+    others = [(name, layer) for name, layer in bm.verts.layers.shape.items() if name != active_shape]
+    return {name: Surroundings(bm, matrix, layer) for name, layer in others}
+
+
+def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None):
     """Fills rims of a BMesh; returns (Outcome, new faces).
 
-    active_shape: name of the shape key whose shape the vertices have now.
+    active_shape: name of the shape key whose shape the vertices have now; modifier: the Subdivision modifier, for cages.
     """
+    if options.arguments.get("output") == "cage":
+        return _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier)
     bm.verts.index_update()
     bm.faces.index_update()
     outcome, planned = Outcome(), []
-    around = Surroundings(bm, matrix)
-    shapes = [(name, layer) for name, layer in bm.verts.layers.shape.items() if name != active_shape]
-    keys = {name: Surroundings(bm, matrix, layer) for name, layer in shapes}
+    around, keys = Surroundings(bm, matrix), _shapes(bm, matrix, active_shape)
     for rim in rims:
         try:
             plan, notes = _plan(bm, rim, matrix, keys, options, around)
         except tripatch.Refusal as refusal:
-            outcome.refused.append(_place(refusal))
+            outcome.refused.append(place(refusal))
         else:
             planned.append(plan)
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
     new_faces = writeback.write(bm, mesh, planned, options.shading) if planned else []
+    outcome.faces = len(new_faces)
+    return outcome, new_faces
+
+
+def _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier):
+    """One hole after the other: each fill is part of the cage around the next."""
+    outcome, new_faces = Outcome(cage_rim=options.arguments.get("cage_rim", "smooth")), []
+    if outcome.cage_rim == "exact" and modifier is not None and not modifier.use_creases:
+        raise UnusableError(f"Cage Rim: Exact creases the rim, and the modifier '{modifier.name}' does not use creases")
+    for rim in rims:
+        if not all(element.is_valid for element in (*rim.loop, *rim.replaced)):
+            outcome.refused.append("A fill before has replaced a part of this rim")
+            continue
+        bm.verts.index_update()
+        bm.faces.index_update()
+        around, keys = Surroundings(bm, matrix), _shapes(bm, matrix, active_shape)
+        try:
+            plan, notes = _plan(bm, rim, matrix, keys, options, around, subdivision.Cage(bm, modifier))
+        except tripatch.Refusal as refusal:
+            outcome.refused.append(place(refusal))
+        else:
+            new_faces += writeback.write(bm, mesh, [plan], options.shading)
+            outcome.reports.append(plan.fill.report)
+            outcome.notes += [*plan.fill.report.warnings, *notes]
+    new_faces = [face for face in new_faces if face.is_valid]
     outcome.faces = len(new_faces)
     return outcome, new_faces
 

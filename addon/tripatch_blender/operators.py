@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import bmesh
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 
-from . import filling, library, selection
+from . import beside, filling, library, selection, subdivision
 
 
 def _method_items():
@@ -30,8 +30,13 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
     output: EnumProperty(
         name="Output",
         description="What the hole is filled with",
-        items=[("triangles", "Triangles", "Triangles with their vertices on the patch")],
+        items=[
+            ("triangles", "Triangles", "Triangles with their vertices on the patch"),
+            ("quads", "Quads", "Quads with their vertices on the patch"),
+            ("cage", "Subdivision Cage", "A few quads whose limit surface under a Subdivision modifier is the patch"),
+        ],
         default="triangles",
+        options={"SKIP_SAVE"},  # decided by the modifiers where it is not given
     )
     resolution: IntProperty(
         name="Resolution",
@@ -40,6 +45,60 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
         max=10000,
         soft_max=128,
         default=0,
+    )
+    rows: IntProperty(
+        name="Rows",
+        description="Extra rows of quads round the poles; -1: as many, up to four, as the tolerance asks for",
+        min=-1,
+        soft_max=8,
+        max=100,
+        default=-1,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="Largest distance from the patch in scene units; 0: a thousandth of the hole's diameter",
+        min=0.0,
+        precision=4,
+        default=0.0,
+    )
+    cage_rim: EnumProperty(
+        name="Cage Rim",
+        description="What happens along the rim",
+        items=[
+            ("smooth", "Smooth", "The whole cage is smooth; the surroundings move as little as possible"),
+            (
+                "exact",
+                "Exact",
+                "The rim is creased: the surface around an open hole does not move, the fill is made tangent to it",
+            ),
+            ("move", "Move", "As Smooth, and the vertices of the rim may move too"),
+        ],
+        default="smooth",
+    )
+    odd: EnumProperty(
+        name="Odd Rim",
+        description="Quads need an even number of edges around",
+        items=[
+            ("split", "Split", "The longest edge of the rim is split"),
+            ("triangle", "Triangle", "A triangle is left in the middle"),
+        ],
+        default="split",
+    )
+    pole_offset: FloatVectorProperty(
+        name="Pole Offset",
+        description="Slide the pole, in fractions of the hole: along the side of the first two corners, and towards the third",
+        size=2,
+        soft_min=-0.3,
+        soft_max=0.3,
+        min=-1.0,
+        max=1.0,
+        default=(0.0, 0.0),
+        options={"SKIP_SAVE"},
+    )
+    add_modifier: BoolProperty(
+        name="Add Modifier",
+        description="Give the object a Subdivision modifier if it has none",
+        default=True,
     )
     continuity: EnumProperty(
         name="Continuity",
@@ -79,8 +138,17 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
     surroundings: EnumProperty(
         name="Surroundings",
         description="Where the tangent planes along the rim come from",
-        items=[("mesh", "Mesh", "Estimated from the faces around the hole")],
+        items=[
+            ("mesh", "Mesh", "Estimated from the faces around the hole"),
+            (
+                "limit",
+                "Limit",
+                "The surface that the Subdivision modifier draws; the fill becomes an object of its own, since a cage's vertices "
+                "do not lie on that surface",
+            ),
+        ],
         default="mesh",
+        options={"SKIP_SAVE"},
     )
 
     @classmethod
@@ -93,36 +161,68 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
             return False
         return True
 
-    def draw(self, _context):
+    def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        layout.prop(self, "output")
-        layout.prop(self, "resolution")
+
+        def row(*names, active=True):
+            made = layout.row(align=True)
+            made.active = active
+            for name in names:
+                made.prop(self, name)
+
         tangent = self._keeps_tangents()
-        row = layout.row()
-        row.active = tangent
-        row.prop(self, "continuity")
-        layout.prop(self, "method")
-        row = layout.row()
-        row.active = tangent and self.continuity != "G0"
-        row.prop(self, "bulge")
-        layout.prop(self, "corner_offset")
-        layout.prop(self, "shading")
+        cage, quads = self.output == "cage", self.output == "quads"
+        row("output")
+        if cage:
+            row("rows", "tolerance")
+            row("cage_rim")
+            row("odd")
+            row("pole_offset")
+            row("method")
+            row("corner_offset", "shading")
+            row("add_modifier", active=not all(map(subdivision.modifier_of, context.objects_in_mode_unique_data)))
+            return
+        if quads:
+            row("rows", "odd")
+        else:
+            row("resolution")
+        row("continuity", active=tangent)
+        row("method")
+        row("bulge", active=tangent and self.continuity != "G0")
+        row("corner_offset")
+        row("shading")
+        row("surroundings", active=any(map(subdivision.modifier_of, context.objects_in_mode_unique_data)))
 
     def _keeps_tangents(self):
         return library.tripatch.METHODS[self.method].continuity != "G0"
 
     def _options(self):
-        names = ("output", "continuity", "method", "bulge", "surroundings")
+        names = ["output", "continuity", "method", "bulge"]
+        if self.output != "triangles":
+            names += ["odd", "pole_offset"]
+        if self.output == "cage":
+            names += ["cage_rim"]
+        else:
+            names += ["surroundings"]
         arguments = {name: getattr(self, name) for name in names}
         if not self._keeps_tangents():
             arguments["continuity"] = "auto"  # the row is greyed out
-        return filling.Options(dict(arguments, resolution=self.resolution or None), self.corner_offset, self.shading)
+        if self.output == "triangles":
+            arguments["resolution"] = self.resolution or None
+        else:
+            arguments["resolution"] = None if self.rows < 0 else self.rows
+            arguments["tolerance"] = self.tolerance or None
+        return filling.Options(arguments, self.corner_offset, self.shading)
 
     def execute(self, context):
         objects = context.objects_in_mode_unique_data
         selected = [ob for ob in objects if ob.data.total_vert_sel]
+        if not self.properties.is_property_set("output"):
+            # Who models under a Subdivision modifier wants a cage; an object of its own is asked for by name.
+            caged = self.surroundings == "mesh" and all(map(subdivision.modifier_of, selected or objects))
+            self.output = "cage" if caged else "triangles"
         outcome, unusable = filling.Outcome(), []
         for ob in selected or objects:
             prefix = f"{ob.name}: " if len(objects) > 1 else ""
@@ -154,12 +254,21 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
             rims, refused = selection.selected_rims(bm, selected)
         else:
             rims = filling.only_hole(bm, matrix)
+        options = self._options()
+        if options.arguments.get("surroundings") == "limit":
+            outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)
+            outcome.refused += refused
+            return outcome
+        cage = self.output == "cage"
+        modifier = subdivision.usable(ob) if cage else None
         active = ob.active_shape_key
-        outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, self._options(), active.name if active else None)
+        outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, active.name if active else None, modifier)
         outcome.refused += refused
         if new_faces:
             selected.replace(bm, new_faces)
             bmesh.update_edit_mesh(mesh)
+            if cage and modifier is None and self.add_modifier:
+                subdivision.add_modifier(ob)
         return outcome
 
 

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bmesh
 
-from . import attributes, normals
+from . import attributes, normals, subdivision
 from .library import np
 from .selection import Rim, edges_of, pairs
 
@@ -26,6 +26,7 @@ class Planned:
     normals: np.ndarray  # (k, 3)
     rim_normals: np.ndarray  # (r, 3)
     tangent: bool  # to the surroundings
+    moved: list = field(default_factory=list)  # (BMVert, position in object space)
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
 
 
@@ -44,54 +45,104 @@ def obstacle(bm, planned, count):
     return ""
 
 
-def _sides(planned):
-    """For each side the places of its rim edges."""
-    count = len(planned.loop)
-    corner = [int(np.argmax(planned.fill.rim_barycentric[:, i])) for i in range(3)]
+def sides(rim_barycentric):
+    """For each side the places of its rim edges, counted from corner 0 on."""
+    count = len(rim_barycentric)
+    corner = [int(np.argmax(rim_barycentric[:, i])) for i in range(3)]
     return [range(corner[(i + 1) % 3], corner[(i + 2) % 3] or count) for i in range(3)]
+
+
+@dataclass
+class _Rows:
+    """A fill's rim and inside, once split edges have joined their vertices to the rim."""
+
+    loop: list  # BMVert
+    numbers: list  # that fill.faces has for them
+    barycentric: np.ndarray
+    normals: np.ndarray
+    split: int = 0  # so many of the fill's vertices are on the rim
+
+
+def _split_edges(bm, planned, count, custom):
+    """Splits the rim edges that the fill asks for. custom: as in `_write_one`."""
+    fill = planned.fill
+    rows = _Rows(list(planned.loop), fill.rim.tolist(), fill.rim_barycentric, planned.rim_normals)
+    for k, ((a, b), t) in enumerate(zip(fill.split_edges[0].tolist(), fill.split_edges[1].tolist(), strict=True)):
+        place = rows.numbers.index(a)
+        start, end = rows.loop[place], rows.loop[rows.numbers.index(b)]
+        _, new = bmesh.utils.edge_split(bm.edges.get((start, end)), start, t)
+        for name, layer in bm.verts.layers.shape.items():
+            new[layer] = planned.in_shape_keys.get(name, planned.positions)[k]
+        new.co = planned.positions[k]
+        for corner in new.link_loops if custom is not None else ():
+            between = sum(custom.get(other, np.zeros(3)) for other in (corner.link_loop_prev, corner.link_loop_next))
+            custom[corner] = between / max(np.linalg.norm(between), 1e-30)
+        rows.loop.insert(place + 1, new)
+        rows.numbers.insert(place + 1, count + k)
+        rows.barycentric = np.insert(rows.barycentric, place + 1, fill.barycentric[k], axis=0)
+        rows.normals = np.insert(rows.normals, place + 1, planned.normals[k], axis=0)
+        rows.split += 1
+    return rows
 
 
 def _write_one(bm, planned, count, shading, custom):
     """Creates the faces of one fill. custom: {face corner: normal} of the surroundings, or None. Returns the new faces."""
-    loop, fill, rim = planned.loop, planned.fill, planned.rim
+    fill, rim = planned.fill, planned.rim
+    rows = _split_edges(bm, planned, count, custom)
+    loop = rows.loop
+    positions, own_normals, barycentric = (a[rows.split :] for a in (planned.positions, planned.normals, fill.barycentric))
     edges = edges_of(bm, loop)
     ends = attributes.rim_loops(edges, rim.replaced)
-    sides = _sides(planned)
-    models = attributes.model_faces([corner.face for corner in ends[::2]], sides)
-    blend = attributes.Blend(fill.rim_barycentric, fill.barycentric)
+    models = attributes.model_faces([corner.face for corner in ends[::2]], sides(rows.barycentric))
+    blend = attributes.Blend(rows.barycentric, barycentric)
 
     if rim.replaced:
         bmesh.ops.delete(bm, geom=list(rim.replaced), context="FACES")
     ends_at = [loop[(k + 1) // 2 % len(loop)] for k in range(2 * len(loop))]
     # A vertex made from an example has no place in any shape key yet; one made without would pass for the first of the mesh.
-    inside = [
-        bm.verts.new(co, ends_at[near]) for co, near in zip(planned.positions.tolist(), blend.nearest.tolist(), strict=True)
-    ]
+    inside = [bm.verts.new(co, ends_at[near]) for co, near in zip(positions.tolist(), blend.nearest.tolist(), strict=True)]
     attributes.blend_vertices(bm, loop, inside, blend)
     for name, layer in bm.verts.layers.shape.items():
-        for vertex, co in zip(inside, planned.in_shape_keys.get(name, planned.positions).tolist(), strict=True):
+        shape = planned.in_shape_keys.get(name, planned.positions)[rows.split :]
+        for vertex, co in zip(inside, shape.tolist(), strict=True):
             vertex[layer] = co
 
-    place = {v: k for k, v in enumerate(fill.rim.tolist())}  # deleting has changed the indices in the BMesh
+    place = {v: k for k, v in enumerate(rows.numbers)}  # deleting has changed the indices in the BMesh
     place_of_edge = {frozenset(pair): k for k, pair in enumerate(pairs(list(range(len(loop)))))}
-    barycentric = np.vstack([fill.rim_barycentric, fill.barycentric])
+    all_barycentric = np.vstack([rows.barycentric, barycentric])
     new_faces, corners = [], []
     for face in fill.faces:
-        rows = [place[v] if v < count else len(loop) + v - count for v in face]
-        side = int(np.argmin(barycentric[rows].sum(axis=0)))
-        made = bm.faces.new([loop[k] if k < len(loop) else inside[k - len(loop)] for k in rows], models[side])
+        at = [place[v] if v in place else len(loop) + v - count - rows.split for v in face]
+        side = int(np.argmin(all_barycentric[at].sum(axis=0)))
+        made = bm.faces.new([loop[k] if k < len(loop) else inside[k - len(loop)] for k in at], models[side])
         made.hide = False
         made.smooth = models[side].smooth if shading == "neighbors" else shading == "smooth"
         made.normal_update()
         new_faces.append(made)
-        own = {place_of_edge.get(frozenset(pair)) for pair in pairs(rows)}
-        for corner, k in zip(made.loops, rows, strict=True):
+        own = {place_of_edge.get(frozenset(pair)) for pair in pairs(at)}
+        for corner, k in zip(made.loops, at, strict=True):
             continued = attributes.ends_of_corner(k, len(loop), own) if k < len(loop) else ()
             corners.append((corner, k - len(loop), continued))
     attributes.blend_corners(bm, ends, corners, blend)
     if custom is not None:
-        _give_normals(planned, custom, ends, corners)
+        _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), custom, ends, corners)
+    _change_rim(bm, planned, {v: loop[k] for v, k in place.items()})
     return new_faces
+
+
+def _change_rim(bm, planned, vertex):
+    """What a cage option changes outside the fill. vertex: BMVert by number."""
+    for moved, co in planned.moved:
+        by = co - np.array(moved.co)
+        for layer in bm.verts.layers.shape.values():
+            moved[layer] = np.array(moved[layer]) + by
+        moved.co = co
+    edges, values = planned.fill.creases
+    if len(edges):
+        layer = subdivision.edge_crease_layer(bm)
+        for (a, b), value in zip(edges.tolist(), values.tolist(), strict=True):
+            edge = bm.edges.get((vertex[a], vertex[b]))
+            edge[layer] = max(edge[layer], value)
 
 
 def _give_normals(planned, custom, ends, corners):
@@ -110,6 +161,8 @@ def _give_normals(planned, custom, ends, corners):
 def write(bm, mesh, all_planned, shading):
     """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on."""
     count = len(bm.verts)
+    if any(len(planned.fill.creases[0]) for planned in all_planned):
+        subdivision.edge_crease_layer(bm)  # before any other layer is held
     custom = None
     if normals.has_custom_normals(bm, mesh):
         kept = {v for planned in all_planned for v in planned.loop}

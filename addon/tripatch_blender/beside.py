@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fills on the limit surface of a cage: a mesh object beside the original, as a cage's vertices do not lie on its surface."""
+
+from __future__ import annotations
+
+import bpy
+from mathutils import Vector
+from mathutils.kdtree import KDTree
+
+from . import attributes, filling, selection, subdivision, writeback
+from .library import np, tripatch
+
+# Of the extent; what Blender draws and what the library computes agree to float32.
+_SAME_POINT = 2e-6
+
+
+def _read_off(border, drawn, tree):
+    """Border points (k, 3) with those that the modifier made in their places, and how many have none."""
+    within = _SAME_POINT * np.ptp(drawn, axis=0).max()
+    missing, points = 0, border.copy()
+    for k, point in enumerate(border.tolist()):
+        _, index, distance = tree.find(Vector(point))
+        if distance <= within:
+            points[k] = drawn[index]
+        else:
+            missing += 1
+    return points, missing
+
+
+def _models(rim, fill):
+    """For each side the face of the surroundings whose material and shading its new faces take."""
+    vertex = {v.index: v for v in rim.loop}
+    loop = [vertex[v] for v in fill.rim.tolist()]
+    bm_edges = [next(e for e in a.link_edges if e.other_vert(a) == b) for a, b in selection.pairs(loop)]
+    ends = attributes.rim_loops(bm_edges, rim.replaced)
+    return attributes.model_faces([corner.face for corner in ends[::2]], writeback.sides(fill.rim_barycentric))
+
+
+def _new_object(ob, vertices, faces, materials, smooth):
+    mesh = bpy.data.meshes.new(f"{ob.data.name} Fill")
+    mesh.from_pydata(vertices.tolist(), [], faces)
+    for material in ob.data.materials:
+        mesh.materials.append(material)
+    mesh.polygons.foreach_set("material_index", materials)
+    mesh.polygons.foreach_set("use_smooth", smooth)
+    mesh.update()
+    new = ob.copy()  # the same transform, parent, collections and materials of slots
+    new.name = f"{ob.name} Fill"
+    new.modifiers.clear()
+    new.vertex_groups.clear()
+    new.data = mesh
+    for slot, old in zip(new.material_slots, ob.material_slots):
+        slot.link = old.link
+        if old.link == "OBJECT":
+            slot.material = old.material
+    for collection in ob.users_collection:
+        collection.objects.link(new)
+    new.select_set(False)
+    return new
+
+
+def fill_rims(ob, bm, matrix, rims, options):
+    """Fills rims of an object's BMesh by one new object. Returns (Outcome, the object or None)."""
+    modifier = subdivision.usable(ob, limit=True)
+    bm.verts.index_update()
+    bm.faces.index_update()
+    cage, around = subdivision.Cage(bm, modifier), selection.Surroundings(bm, matrix)
+    inverse = np.linalg.inv(matrix[:3, :3])
+    outcome, vertices, faces, materials, smooth = filling.Outcome(), [], [], [], []
+    drawn = tree = None
+    count = missing = 0
+    for rim in rims:
+        loop = [v.index for v in rim.loop]
+        positions, near, replaced = around.around(rim)
+        try:
+            fill = tripatch.fill(
+                positions,
+                near,
+                rim=loop,
+                corners=filling.corners_of(rim, loop, (positions, near), replaced, options.corner_offset),
+                replaced=replaced,
+                subdivision=cage.near(near),
+                level=subdivision.level_of(modifier),
+                **options.arguments,
+            )
+        except tripatch.Refusal as refusal:
+            outcome.refused.append(filling.place(refusal))
+            continue
+        if drawn is None:
+            drawn = subdivision.evaluated_points(bm, modifier)
+            tree = KDTree(len(drawn))
+            for k, point in enumerate(drawn.tolist()):
+                tree.insert(point, k)
+            tree.balance()
+        points = (fill.vertices - matrix[:3, 3]) @ inverse.T
+        points[fill.border], lost = _read_off(points[fill.border], drawn, tree)
+        missing += lost
+        models = _models(rim, fill)
+        first = len(positions)  # of the fill's own vertices
+        for face in fill.faces:
+            model = models[int(np.argmin(fill.barycentric[np.array(face) - first].sum(axis=0)))]
+            faces.append([v - first + count for v in face])
+            materials.append(model.material_index)
+            smooth.append(model.smooth if options.shading == "neighbors" else options.shading == "smooth")
+        vertices.append(points)
+        count += len(points)
+        outcome.reports.append(fill.report)
+        outcome.notes += fill.report.warnings
+        if rim.replaced:
+            outcome.notes.append("The selected faces stay: without them the modifier would draw the surface around otherwise")
+    if not vertices:
+        return outcome, None
+    if missing:
+        outcome.notes.append(f"{missing} points of the border are not on the surface that the modifier draws")
+    new = _new_object(ob, np.vstack(vertices), faces, materials, smooth)
+    outcome.faces = len(faces)
+    outcome.beside.append(new.name)
+    return outcome, new

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Subdivision modifier of an object: its settings and the creases of the cage, as the library takes them."""
+
+from __future__ import annotations
+
+import bpy
+
+from .library import np
+from .selection import UnusableError
+
+# Modifiers that leave every vertex and edge where it is.
+_HARMLESS = {
+    "COLLISION",
+    "NORMAL_EDIT",
+    "PARTICLE_SYSTEM",
+    "SURFACE",
+    "UV_PROJECT",
+    "UV_WARP",
+    "VERTEX_WEIGHT_EDIT",
+    "VERTEX_WEIGHT_MIX",
+    "VERTEX_WEIGHT_PROXIMITY",
+    "WEIGHTED_NORMAL",
+}
+# After a subdivision these add faces elsewhere, or part faces, and move nothing.
+_HARMLESS_AFTER = _HARMLESS | {"ARRAY", "EDGE_SPLIT", "MIRROR", "TRIANGULATE"}
+
+
+def modifier_of(ob):
+    """The first Subdivision modifier that the viewport shows, or None."""
+    return next((m for m in ob.modifiers if m.type == "SUBSURF" and m.show_viewport), None)
+
+
+def usable(ob, limit=False):
+    """`modifier_of`, or UnusableError if its cage is not the object's own mesh, or (limit) if its surface is changed."""
+    modifier = modifier_of(ob)
+    if modifier is None:
+        if limit:
+            raise UnusableError(f"{ob.name} has no Subdivision modifier, so there is no limit surface; choose Surroundings: Mesh")
+        return None
+    if modifier.subdivision_type != "CATMULL_CLARK":
+        raise UnusableError(
+            f"The modifier '{modifier.name}' of {ob.name} does not smooth (Simple); set it to Catmull-Clark, or choose "
+            "Output: Triangles and Surroundings: Mesh"
+        )
+    before = True
+    for other in ob.modifiers:
+        if other == modifier:
+            before = False
+        elif other.show_viewport and before and other.type not in _HARMLESS:
+            raise UnusableError(
+                f"The modifier '{other.name}' of {ob.name} changes the cage before it is subdivided; apply it, or choose "
+                "Output: Triangles and Surroundings: Mesh"
+            )
+        elif other.show_viewport and limit and not before:
+            if other.type not in _HARMLESS_AFTER or (other.type == "MIRROR" and any(other.use_bisect_axis)):
+                raise UnusableError(f"The modifier '{other.name}' of {ob.name} changes the subdivided surface; hide or apply it")
+    if limit and not level_of(modifier):
+        raise UnusableError(f"The modifier '{modifier.name}' of {ob.name} has no levels in the viewport")
+    return modifier
+
+
+def level_of(modifier):
+    """Subdivisions in the viewport."""
+    render = bpy.context.scene.render
+    return min(modifier.levels, render.simplify_subdivision) if render.use_simplify else modifier.levels
+
+
+def _crease_layer(elements, kind, create=False):
+    """The layer of creases of bm.edges or bm.verts; kind: "edge", "vert"."""
+    layers = elements.layers
+    if hasattr(layers, "crease"):  # Blender 3
+        return layers.crease.verify() if create else layers.crease.active
+    name = f"crease_{kind}"
+    return layers.float.get(name) or (layers.float.new(name) if create else None)
+
+
+def edge_crease_layer(bm):
+    """The layer of edge creases, which is made where it is missing; handles of other layers may end."""
+    return _crease_layer(bm.edges, "edge", create=True)
+
+
+class Cage:
+    """What a BMesh and a Subdivision modifier (or None: a new one) say about the limit surface. Indices must be up to date."""
+
+    def __init__(self, bm, modifier):
+        self._settings, self._edges, self._vertices = {}, {}, {}
+        creased = True
+        if modifier is not None:
+            self._settings = {
+                "boundary_smooth": modifier.boundary_smooth.lower(),
+                "quality": modifier.quality,
+                "use_limit_surface": modifier.use_limit_surface,
+            }
+            creased = modifier.use_creases
+        self.creased = creased
+        edges, vertices = _crease_layer(bm.edges, "edge"), _crease_layer(bm.verts, "vert")
+        if edges and creased:
+            self._edges = {frozenset(v.index for v in e.verts): min(max(e[edges], 0.0), 1.0) for e in bm.edges if e[edges] > 0}
+        if vertices and creased:
+            self._vertices = {v.index: min(max(v[vertices], 0.0), 1.0) for v in bm.verts if v[vertices] > 0}
+        self._loose = {v.index for e in bm.edges if e.is_wire for v in e.verts}
+
+    def near(self, faces):
+        """The argument `subdivision` of tripatch.fill for some of the faces, as index lists."""
+        used = {v for f in faces for v in f}
+        edges = {}
+        if self._edges:
+            present = {frozenset(pair) for f in faces for pair in zip(f, f[1:] + f[:1], strict=True)}
+            edges = {edge: value for edge, value in self._edges.items() if edge in present}
+        vertices = {v: value for v, value in self._vertices.items() if v in used}
+        return dict(
+            self._settings,
+            edge_creases=(np.array([sorted(e) for e in edges], np.int64).reshape(-1, 2), np.array(list(edges.values()))),
+            vertex_creases=(np.array(list(vertices), np.int64), np.array(list(vertices.values()))),
+            loose_vertices=np.array(sorted(self._loose & used), np.int64),
+        )
+
+
+def add_modifier(ob):
+    """A new Subdivision modifier, with the settings that Blender gives it and two levels."""
+    modifier = ob.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels = modifier.render_levels = 2
+    return modifier
+
+
+_SETTINGS = ("subdivision_type", "levels", "quality", "boundary_smooth", "use_limit_surface", "use_creases", "uv_smooth")
+
+
+def evaluated_points(bm, modifier):
+    """(n, 3) float32: what the modifier makes of a BMesh, by Blender itself."""
+    mesh = bpy.data.meshes.new("TriPatch")
+    bm.to_mesh(mesh)
+    ob = bpy.data.objects.new("TriPatch", mesh)
+    bpy.context.scene.collection.objects.link(ob)
+    try:
+        twin = ob.modifiers.new("Subdivision", "SUBSURF")
+        for name in _SETTINGS:
+            setattr(twin, name, getattr(modifier, name))
+        evaluated = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        made = evaluated.to_mesh()
+        points = np.empty(3 * len(made.vertices), np.float32)
+        made.vertices.foreach_get("co", points)
+        evaluated.to_mesh_clear()
+    finally:
+        bpy.data.objects.remove(ob)
+        bpy.data.meshes.remove(mesh)
+    return points.reshape(-1, 3)

@@ -1,0 +1,375 @@
+"""Fills under a Subdivision modifier, cages and objects on the limit surface, against Blender's own evaluated modifier."""
+
+import sys
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+from mathutils.bvhtree import BVHTree
+
+fill = bpy.ops.mesh.fill_three_sided
+
+
+def add_cage(rings=2, holes=1, remove=True, change=None, n=6, levels=2, **settings):
+    """A cube sphere with n x n quads a side, under a Subdivision modifier. remove: faces around so many of its corners, else
+    they are selected. change: a function of the BMesh, applied before."""
+    bm = bmesh.new()
+    bmesh.ops.create_cube(bm, size=2)
+    bmesh.ops.subdivide_edges(bm, edges=bm.edges, cuts=n - 1, use_grid_fill=True)
+    corners = [v for v in bm.verts if len(v.link_faces) == 3][:holes]
+    for v in bm.verts:
+        v.co.normalize()
+    bm.verts.index_update()
+    gone = set()
+    for corner in corners:
+        front, near = {corner}, set()
+        for _ in range(rings):
+            near |= {f for v in front for f in v.link_faces}
+            front = {v for f in near for v in f.verts}
+        gone |= near
+    if change:
+        change(bm, gone)
+    gone = [f for f in gone if f.is_valid]
+    if remove:
+        bmesh.ops.delete(bm, geom=gone, context="FACES")
+    else:
+        for f in gone:
+            f.select = True
+    mesh = bpy.data.meshes.new("Cage")
+    bm.to_mesh(mesh)
+    bm.free()
+    ob = bpy.data.objects.new("Cage", mesh)
+    bpy.context.collection.objects.link(ob)
+    bpy.ops.object.select_all(action="DESELECT")
+    ob.select_set(True)
+    bpy.context.view_layer.objects.active = ob
+    ob.rotation_euler, ob.location, ob.scale = (0.3, 0.5, -0.2), (1, 2, 3), (1, 1.5, 0.75)
+    bpy.context.view_layer.update()
+    if levels is not None:
+        modifier = ob.modifiers.new("Subdivision", "SUBSURF")
+        modifier.levels = levels
+        for name, value in settings.items():
+            setattr(modifier, name, value)
+    return ob
+
+
+def around(bm, gone):
+    """The rim of faces that are to be removed, and the faces outside that touch it."""
+    bm.edges.index_update()
+    bm.faces.index_update()
+    rim = sorted({e for f in gone for e in f.edges if any(o not in gone for o in e.link_faces)}, key=lambda e: e.index)
+    outside = {f for e in rim for v in e.verts for f in v.link_faces} - gone
+    return rim, sorted(outside, key=lambda f: f.index)
+
+
+def noise(bm, _gone):
+    rng = np.random.default_rng(5)
+    for v in bm.verts:
+        v.co += type(v.co)(0.04 * rng.normal(size=3))
+
+
+def edge_creases(bm, gone):
+    layer = bm.edges.layers.crease.verify() if hasattr(bm.edges.layers, "crease") else bm.edges.layers.float.new("crease_edge")
+    noise(bm, gone)
+    rim, outside = around(bm, gone)
+    for e in rim[:3]:
+        e[layer] = 0.37
+    for e in outside[4].edges:
+        e[layer] = 0.81
+
+
+def vertex_creases(bm, gone):
+    layer = bm.verts.layers.crease.verify() if hasattr(bm.verts.layers, "crease") else bm.verts.layers.float.new("crease_vert")
+    noise(bm, gone)
+    rim, _ = around(bm, gone)
+    for e in rim[::3]:
+        e.verts[0][layer] = 0.6
+
+
+def triangles_and_ngons(bm, gone):
+    noise(bm, gone)
+    _, outside = around(bm, gone)
+    bmesh.ops.triangulate(bm, faces=outside[:3])
+    pair = next(e for e in outside[8].edges if all(f not in gone and len(f.verts) == 4 for f in e.link_faces))
+    bmesh.ops.dissolve_edges(bm, edges=[pair])
+
+
+def extraordinary(bm, gone):
+    """A rim vertex and one beside it get another valence: an edge between two faces outside is turned."""
+    noise(bm, gone)
+    _, outside = around(bm, gone)
+    bmesh.ops.poke(bm, faces=[outside[5]])
+
+
+def loose_edge(bm, gone):
+    noise(bm, gone)
+    rim, _ = around(bm, gone)
+    vertex = rim[4].verts[0]
+    bm.edges.new((vertex, bm.verts.new(vertex.co * 1.5)))
+
+
+CHANGES = [noise, edge_creases, vertex_creases, triangles_and_ngons, extraordinary, loose_edge]
+
+
+def evaluated(ob):
+    """float32 positions, edges that border on one face only, and faces of what the modifiers make."""
+    of = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = of.to_mesh()
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    faces = [tuple(p.vertices) for p in mesh.polygons]
+    of.to_mesh_clear()
+    count = {}
+    for face in faces:
+        for a, b in zip(face, face[1:] + face[:1], strict=True):
+            count[frozenset((a, b))] = count.get(frozenset((a, b)), 0) + 1
+    border = {v for edge, faces_at in count.items() if faces_at == 1 for v in edge}
+    return points.reshape(-1, 3), border, faces
+
+
+def bits(points):
+    return {p.tobytes() for p in np.asarray(points, np.float32) + np.float32(0)}
+
+
+def part(addon, name):
+    return sys.modules[f"{addon.__name__}.{name}"]
+
+
+def set_output(ob, **options):
+    """Runs the operator with nothing selected but what is; returns the new object, or None."""
+    before = set(bpy.data.objects)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert fill(**options) == {"FINISHED"}
+    assert bpy.context.mode == "EDIT_MESH"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return next(iter(set(bpy.data.objects) - before), None)
+
+
+@pytest.mark.parametrize("boundary", ["ALL", "PRESERVE_CORNERS"])
+@pytest.mark.parametrize("change", CHANGES)
+def test_limit_points_of_the_library_are_those_of_the_modifier(addon, change, boundary):
+    ob = add_cage(change=change, levels=3, boundary_smooth=boundary)
+    beside, filling, selection = (part(addon, name) for name in ("beside", "filling", "selection"))
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    rims = selection.all_rims(bm)
+    corners = [v for k, v in enumerate(rims[0].loop) if k % (len(rims[0].loop) // 3) == 0][:3]
+    rims[0].corners = corners
+    options = filling.Options({"surroundings": "limit"})
+    outcome, new = beside.fill_rims(ob, bm, filling.world_matrix("", ob.matrix_world), rims, options)
+    bm.free()
+    assert outcome.reports and not any("not on the surface" in note for note in outcome.notes)
+    points, border, _ = evaluated(ob)
+    own, own_border, _ = evaluated(new)
+    assert bits(own[list(own_border)]) == bits(points[list(border)])  # no crack, to the last bit
+
+
+@pytest.mark.parametrize("levels", [1, 2, 3, 4])
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_limit_closes_the_evaluated_model(levels, output):
+    ob = add_cage(levels=levels)
+    before = bits([v.co for v in ob.data.vertices])
+    new = set_output(ob, surroundings="limit", output=output)
+    assert bits([v.co for v in ob.data.vertices]) == before and len(new.modifiers) == 0
+    points, border, _ = evaluated(ob)
+    own, own_border, faces = evaluated(new)
+    assert bits(own[list(own_border)]) == bits(points[list(border)])
+    assert np.allclose(new.matrix_world, ob.matrix_world)
+    assert {len(f) for f in faces} == ({3} if output == "triangles" else {4})
+
+
+def test_limit_of_selected_faces_is_that_of_the_whole_cage():
+    ob = add_cage(remove=False, change=noise)
+    faces = len(ob.data.polygons)
+    new = set_output(ob, surroundings="limit")
+    assert len(ob.data.polygons) == faces
+    points, border, _ = evaluated(ob)
+    own, own_border, _ = evaluated(new)
+    assert not border and own_border
+    assert bits(own[list(own_border)]) <= bits(points)
+
+
+def test_materials_and_shading_come_along():
+    ob = add_cage()
+    for name in "AB":
+        ob.data.materials.append(bpy.data.materials.new(name))
+    ob.data.polygons.foreach_set("material_index", [1] * len(ob.data.polygons))
+    ob.data.polygons.foreach_set("use_smooth", [True] * len(ob.data.polygons))
+    new = set_output(ob, surroundings="limit")
+    assert [s.material.name for s in new.material_slots] == ["A", "B"]
+    assert {(p.material_index, p.use_smooth) for p in new.data.polygons} == {(1, True)}
+    set_output(ob)
+    assert {(p.material_index, p.use_smooth) for p in ob.data.polygons} == {(1, True)}
+
+
+def test_a_modifier_makes_the_cage_the_default():
+    ob = add_cage()
+    assert set_output(ob) is None
+    bm = scenes.checked(ob)
+    assert all(e.is_manifold for e in bm.edges) and {len(f.verts) for f in bm.faces} == {4}
+    bm.free()
+    plain = add_cage(levels=None)
+    set_output(plain)
+    assert 3 in {len(p.vertices) for p in plain.data.polygons}
+
+
+def rms_to_surface(points, of):
+    """Of points to a surface (points, faces), each quad as two triangles."""
+    tree = BVHTree.FromPolygons(of[0].tolist(), of[2])
+    return np.sqrt(np.mean([tree.find_nearest(p)[3] ** 2 for p in points.tolist()]))
+
+
+def test_a_replaced_region_comes_back_on_the_surface_that_it_had():
+    ob = add_cage(remove=False, levels=3, n=8)
+    ob.matrix_world.identity()
+    old = evaluated(ob)
+    set_output(ob)
+    new = evaluated(ob)
+    assert not new[1]
+    assert rms_to_surface(new[0], old) < 1.5e-3 * 2
+
+
+def test_an_exact_rim_moves_nothing_around():
+    ob = add_cage(levels=3, change=noise)
+    before, border, _ = evaluated(ob)
+    set_output(ob, cage_rim="exact", resolution=0)
+    after, left, _ = evaluated(ob)
+    assert not left
+    tree = BVHTree.FromPolygons(after.tolist(), evaluated(ob)[2])
+    assert max(tree.find_nearest(p)[3] for p in before.tolist()) < 2e-6
+    edges = ob.data.attributes.get("crease_edge")
+    creased = [d.value for d in edges.data] if edges else [e.crease for e in ob.data.edges]
+    assert sum(c > 0.99 for c in creased) == 12
+
+
+def test_a_moved_rim_moves():
+    ob = add_cage(change=noise)
+    before = bits([v.co for v in ob.data.vertices])
+    set_output(ob, cage_rim="move")
+    assert 0 < len(before - bits([v.co for v in ob.data.vertices])) <= 12
+
+
+@pytest.mark.parametrize("levels", [1, 2, 3, 4])
+def test_a_cage_closes_without_a_crack(levels):
+    ob = add_cage(levels=levels, change=triangles_and_ngons)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bm = bmesh.from_edit_mesh(ob.data)
+    loop = scenes.border_loops(bm)[0]
+    bpy.ops.mesh.select_mode(type="VERT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    scenes.select(bm, loop[:: len(loop) // 3][:3])
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not evaluated(ob)[1]
+
+
+def odd_rim(bm, gone):
+    """One of the faces to be removed keeps half of itself."""
+    rim, _ = around(bm, gone)
+    edge, face = next((e, f) for e in rim for f in e.link_faces if f in gone and sum(o in rim for o in f.edges) == 1)
+    gone.discard(face)
+    parts = bmesh.ops.triangulate(bm, faces=[face])["faces"]
+    gone.add(next(f for f in parts if edge not in f.edges))
+
+
+@pytest.mark.parametrize("odd", ["split", "triangle"])
+@pytest.mark.parametrize("output", ["cage", "quads"])
+def test_an_odd_rim(odd, output):
+    ob = add_cage(rings=2, change=odd_rim)
+    ob.data.uv_layers.new(name="Map")
+    vertices, edges, faces = len(ob.data.vertices), len(ob.data.edges), len(ob.data.polygons)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bm = bmesh.from_edit_mesh(ob.data)
+    loop = scenes.border_loops(bm)[0]
+    assert len(loop) % 2
+    bpy.ops.mesh.select_mode(type="VERT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    scenes.select(bm, loop[::4][:3])
+    assert fill(output=output, odd=odd, rows=0) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bm = scenes.checked(ob)
+    assert all(e.is_manifold and e.is_contiguous for e in bm.edges) and len(bm.edges) > edges and len(bm.verts) > vertices
+    new = list(bm.faces)[faces:]
+    assert sum(len(f.verts) == 3 for f in new) == (odd == "triangle")
+    assert max(len(f.verts) for f in bm.faces) == (5 if odd == "split" else 4)
+    bm.free()
+
+
+def test_several_holes_one_after_the_other():
+    ob = add_cage(holes=2, n=6)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bm = bmesh.from_edit_mesh(ob.data)
+    bpy.ops.mesh.select_mode(type="EDGE")
+    for loop in scenes.border_loops(bm):
+        scenes.select_rim(bm, loop)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not evaluated(ob)[1]
+
+
+def test_add_modifier():
+    ob = add_cage(levels=None)
+    set_output(ob, output="cage")
+    assert [(m.type, m.levels) for m in ob.modifiers] == [("SUBSURF", 2)]
+    ob = add_cage(levels=None)
+    set_output(ob, output="cage", add_modifier=False)
+    assert not ob.modifiers
+
+
+def test_undo_removes_what_was_made():
+    for options in ({}, {"surroundings": "limit"}, {"cage_rim": "exact"}):
+        bpy.ops.object.mode_set(mode="OBJECT") if bpy.context.mode != "OBJECT" else None
+        ob = add_cage()
+        before = scenes.arrays(ob)
+        bpy.ops.ed.undo_push(message="made")
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.ed.undo_push(message="before")
+        names = {o.name for o in bpy.data.objects}
+        assert fill(**options) == {"FINISHED"}
+        bpy.ops.ed.undo_push(message="filled")
+        bpy.ops.ed.undo()
+        assert {o.name for o in bpy.data.objects} == names
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert scenes.arrays(bpy.context.view_layer.objects.active) == before
+
+
+def refused(ob, sentence, **options):
+    before = scenes.arrays(ob)
+    names = set(bpy.data.objects.keys())
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match=sentence):
+        fill(**options)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert scenes.arrays(ob) == before and set(bpy.data.objects.keys()) == names
+
+
+def test_what_changes_the_cage_is_refused_by_name():
+    ob = add_cage()
+    ob.modifiers.new("Half", "MIRROR")
+    ob.modifiers.move(1, 0)
+    refused(ob, "'Half' of Cage changes the cage")
+    refused(ob, "'Half' of Cage changes the cage", surroundings="limit")
+    ob.modifiers[0].show_viewport = False
+    set_output(ob)
+
+
+def test_what_changes_the_surface_is_refused_by_name():
+    ob = add_cage()
+    ob.modifiers.new("Waves", "DISPLACE")
+    refused(ob, "'Waves' of Cage changes the subdivided surface", surroundings="limit")
+    set_output(ob, output="cage")
+
+
+def test_a_modifier_that_does_not_smooth():
+    ob = add_cage()
+    ob.modifiers[0].subdivision_type = "SIMPLE"
+    refused(ob, "Simple")
+    ob.modifiers[0].subdivision_type = "CATMULL_CLARK"
+    ob.modifiers[0].levels = 0
+    refused(ob, "no levels", surroundings="limit")
+    ob.modifiers[0].use_creases = False
+    refused(ob, "does not use creases", cage_rim="exact")
+    ob.modifiers.clear()
+    refused(ob, "no Subdivision modifier", surroundings="limit")
