@@ -44,7 +44,7 @@ def _parser(prog):
     parser.add_argument(
         "--resolution",
         type=int,
-        help="edges per side inside the fill (default: as the rim); quads, cage: extra rows (default: the fewest within TOLERANCE)",
+        help="edges per side inside (default: as the rim); quads, cage: extra rows (default: the fewest within TOLERANCE)",
     )
     parser.add_argument("--tolerance", type=float, help="quads, cage: largest distance from the patch in scene units")
     parser.add_argument("--cage-rim", choices=["smooth", "exact", "move"], default="smooth")

@@ -8,6 +8,7 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/fill.h"
+#include "tripatch/output/triangulate.h"
 #include "tripatch/patch/energy.h"
 #include "tripatch/patch/fairing.h"
 #include "tripatch/patch/methods.h"
@@ -303,6 +304,15 @@ PYBIND11_MODULE(_native, m) {
       patch = fair(patch, sides, boundary, wanted).patch;
     }
     return std::const_pointer_cast<Surface>(patch);
+  });
+  m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,
+                         const std::optional<int>& resolution) {
+    TriangleMesh mesh;
+    {
+      py::gil_scoped_release release;
+      mesh = triangulate(parameters, resolution, [&](const PointsRef& b) { return patch->positions(b); });
+    }
+    return py::make_tuple(array_from(mesh.barycentric), mesh.triangles);
   });
   m.def("_blend", [](const std::array<std::shared_ptr<Surface>, 3>& surfaces, const std::string& method,
                      const std::array<double, 3>& shape, bool optimal_shape, bool as_printed) {

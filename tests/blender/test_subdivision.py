@@ -346,9 +346,9 @@ def refused(ob, sentence, **options):
 
 
 def test_what_changes_the_cage_is_refused_by_name():
-    ob = add_cage()
+    ob = add_cage(levels=None)
     ob.modifiers.new("Half", "MIRROR")
-    ob.modifiers.move(1, 0)
+    ob.modifiers.new("Subdivision", "SUBSURF")
     refused(ob, "'Half' of Cage changes the cage")
     refused(ob, "'Half' of Cage changes the cage", surroundings="limit")
     ob.modifiers[0].show_viewport = False

@@ -471,6 +471,22 @@ def _patch_energy(self: Patch, name: str) -> float:
     return self._energy(_name(name, "energy", _FAIRING[1:]))
 
 
+def _triangles(self: Patch, edges, resolution: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """The parameter triangle as triangles, well shaped on the patch.
+
+    Args:
+        edges: how many along each side, one or three.
+        resolution: edges per side inside, 1 or more; None follows the sides.
+
+    Returns:
+        Barycentric coordinates (k, 3), those on the sides first, in order from corner 0 along side 2, 0 and 1; faces (m, 3).
+    """
+    counts = [_whole(n, "edges", 1, 10000) for n in _arrays.three(edges, "edges", numbers.Integral)]
+    inside = None if resolution is None else _whole(resolution, "resolution", 1, 10000)
+    b, faces = _native._triangles(self, [np.linspace(0, 1, n + 1).tolist() for n in counts], inside)
+    return b, np.array(faces, np.int64).reshape(-1, 3)
+
+
 def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Position c, derivative c', derivative across r and unit normal n, (k, 3) each, at t (k,) in [0, 1]."""
     t = np.atleast_1d(np.asarray(t, dtype=np.float64))
@@ -496,6 +512,7 @@ def _as_dict(self: Report) -> dict:
 Patch.evaluate = _evaluate
 Patch.normal = _normal
 Patch.energy = _patch_energy
+Patch.triangles = _triangles
 Side.evaluate = _side_evaluate
 Side.from_functions = staticmethod(_from_functions)
 Report.as_dict = _as_dict
