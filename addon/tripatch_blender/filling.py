@@ -149,6 +149,8 @@ def _plan(bm, rim, world, keys, options, around, cage=None):
                 raise tripatch.Refusal("its cage would have other faces", [])
             inside = in_key.patch.evaluate(fill.barycentric) if cage is None else in_key.vertices
             planned.in_shape_keys[name] = to_object(inside)
+            if cage is not None and (in_key.moved[0] == fill.moved[0]).all():
+                planned.moved_in_shape_keys[name] = to_object(in_key.moved[1])
         except tripatch.Refusal as refusal:
             notes.append(f"Shape key '{name}' follows its rim only: {place(refusal)}")
             planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])

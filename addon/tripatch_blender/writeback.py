@@ -28,6 +28,7 @@ class Planned:
     tangent: bool  # to the surroundings
     moved: list = field(default_factory=list)  # (BMVert, position in object space)
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
+    moved_in_shape_keys: dict = field(default_factory=dict)  # name: (as many as `moved`, 3)
 
 
 def obstacle(bm, planned, count):
@@ -132,10 +133,11 @@ def _write_one(bm, planned, count, shading, custom):
 
 def _change_rim(bm, planned, vertex):
     """What a cage option changes outside the fill. vertex: BMVert by number."""
-    for moved, co in planned.moved:
+    for k, (moved, co) in enumerate(planned.moved):
         by = co - np.array(moved.co)
-        for layer in bm.verts.layers.shape.values():
-            moved[layer] = np.array(moved[layer]) + by
+        for name, layer in bm.verts.layers.shape.items():
+            in_key = planned.moved_in_shape_keys.get(name)
+            moved[layer] = np.array(moved[layer]) + by if in_key is None else in_key[k]
         moved.co = co
     edges, values = planned.fill.creases
     if len(edges):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -234,3 +235,47 @@ def test_without_numpy_one_sentence_names_the_package(tmp_path):
 def test_the_command_is_registered(addon):
     command_line = importlib.import_module(addon.__name__ + ".command_line")
     assert command_line._command is not None
+
+
+def cage():
+    """A cube sphere without the faces around one of its corners, under a Subdivision modifier."""
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    ob = bpy.context.object
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    bmesh.ops.subdivide_edges(bm, edges=bm.edges, cuts=5, use_grid_fill=True)
+    corner = next(v for v in bm.verts if len(v.link_faces) == 3)
+    gone = {f for other in corner.link_faces for v in other.verts for f in v.link_faces}
+    for v in bm.verts:
+        v.co.normalize()
+    bmesh.ops.delete(bm, geom=list(gone), context="FACES")
+    bm.to_mesh(ob.data)
+    bm.free()
+    ob.name = "Cage"
+    ob.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    return ob
+
+
+def test_cages_where_there_is_a_modifier(run):
+    cage()
+    status, out, _ = run("--cage-rim", "exact", "--resolution", "0")
+    assert status == 0
+    assert "Cage: Filled 1 hole with a cage of 12 quads, seam within" in out and "surroundings moved 0 (scene units)" in out
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert rims("Cage") == []
+
+
+def test_limit_surroundings_make_an_object(run):
+    faces = len(cage().data.polygons)
+    status, out, _ = run("--surroundings", "limit", "--output", "quads", "--resolution", "0")
+    assert status == 0 and "Filled 1 hole in Cage Fill" in out
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert len(bpy.data.objects["Cage"].data.polygons) == faces
+    assert rims("Cage Fill") == [48]
+
+
+def test_a_modifier_is_added_where_asked(run):
+    cage().modifiers.clear()
+    assert run("--output", "cage", "--resolution", "0", "--add-modifier")[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert [m.type for m in bpy.data.objects["Cage"].modifiers] == ["SUBSURF"]

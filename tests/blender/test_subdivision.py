@@ -373,3 +373,41 @@ def test_a_modifier_that_does_not_smooth():
     refused(ob, "does not use creases", cage_rim="exact")
     ob.modifiers.clear()
     refused(ob, "no Subdivision modifier", surroundings="limit")
+
+
+@pytest.mark.parametrize("cage_rim", ["smooth", "move"])
+def test_shape_keys_follow_a_cage(cage_rim):
+    ob = add_cage(change=noise)
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="Large")
+    for point in key.data:
+        point.co *= 1.5
+    set_output(ob, cage_rim=cage_rim, rows=0)
+    keys = ob.data.shape_keys.key_blocks
+    new = [v for p in list(ob.data.polygons)[-6:] for v in p.vertices]
+    basis, large = (np.array([keys[name].data[v].co for v in new]) for name in ("Basis", "Large"))
+    assert np.abs(large - 1.5 * basis).max() < 1e-4
+
+
+@pytest.mark.parametrize("change", [noise, odd_rim])
+def test_custom_normals_elsewhere_keep(change):
+    ob = add_cage(change=change)
+    mesh = ob.data
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
+    mesh.normals_split_custom_set([tuple(mesh.vertices[loop.vertex_index].co.normalized()) for loop in mesh.loops])
+    before = {tuple(sorted(p.vertices)): scenes.corner_normals(mesh)[list(p.loop_indices)] for p in mesh.polygons}
+    bpy.ops.object.mode_set(mode="EDIT")
+    bm = bmesh.from_edit_mesh(mesh)
+    loop = scenes.border_loops(bm)[0]
+    bpy.ops.mesh.select_mode(type="VERT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    scenes.select(bm, loop[::4][:3])
+    assert fill(rows=0) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after = {tuple(sorted(p.vertices)): scenes.corner_normals(mesh)[list(p.loop_indices)] for p in mesh.polygons}
+    same = [np.abs(after[f] - normals).max() < 1e-3 for f, normals in before.items() if f in after]
+    assert len(same) >= len(before) - 1 and np.mean(same) > 0.9
+    far = [f for f in before if f in after and not set(f) & {v.index for v in mesh.vertices if v.select}]
+    assert far and all(np.abs(after[f] - before[f]).max() < 1e-3 for f in far)
