@@ -5,11 +5,13 @@ import bpy
 
 from .between_patches import OBJECT_OT_fill_between_patches
 from .operators import MESH_OT_fill_three_sided
+from .smooth import MESH_OT_smooth_triangles
 
 
 def _draw(self, _context):
     self.layout.separator()
     self.layout.operator(MESH_OT_fill_three_sided.bl_idname)
+    self.layout.operator(MESH_OT_smooth_triangles.bl_idname)
 
 
 def _draw_between(self, _context):

@@ -12,7 +12,7 @@ from .library import np
 from .selection import Rim, edges_of, pairs
 
 # Cosine of 0.5 degrees; Blender parts a fan of face corners by a sharp edge from 0.8 degrees on.
-_SAME_NORMAL = 0.99996
+SAME_NORMAL = 0.99996
 
 
 @dataclass
@@ -155,7 +155,7 @@ def _give_normals(planned, custom, ends, corners):
             custom[corner] = planned.normals[number]
             continue
         around = [custom[ends[end]] for end in continued]
-        agree = all(normal @ around[0] > _SAME_NORMAL for normal in around)
+        agree = all(normal @ around[0] > SAME_NORMAL for normal in around)
         exact = planned.rim_normals[(continued[-1] + 1) // 2 % len(planned.loop)]
         custom[corner] = around[0] if planned.tangent and agree else exact
 

@@ -1,0 +1,318 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""mesh.smooth_triangles: selected triangles become a smooth surface. All is computed first, so that refusals change nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import bmesh
+import bpy
+from bpy.props import EnumProperty, IntProperty
+
+from . import attributes, filling, library, normals, selection, writeback
+from .library import np, tripatch
+from .selection import UnusableError
+
+
+def _unit(vectors):
+    """Vectors (k, 3) at length 1; those that have none, or cancelled, are zero."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.where(length > 0, vectors / np.where(length > 0, length, 1), 0)
+
+
+def _vertex_normals(faces, positions, given):
+    """(n, 3) unit normals of the vertices (n, 3) of these faces, weighted by the angles of the corners.
+
+    given: {face corner: normal} where the faces' own are not to be taken.
+    """
+    corners = [corner for f in faces for corner in f.loops]
+    at = np.array([[c.link_loop_prev.vert.index, c.vert.index, c.link_loop_next.vert.index] for c in corners])
+    face = np.repeat(np.arange(len(faces)), [len(f.verts) for f in faces])
+    before, here, after = positions[at].transpose(1, 0, 2)
+    start = positions[[f.loops[0].vert.index for f in faces]][face]
+    area = np.zeros((len(faces), 3))
+    np.add.at(area, face, np.cross(here - start, after - start))
+    normal = _unit(area)[face]
+    for k, corner in enumerate(corners):
+        if corner in given:
+            normal[k] = given[corner]
+    ahead, behind = after - here, before - here
+    angle = np.arctan2(np.linalg.norm(np.cross(ahead, behind), axis=1), (ahead * behind).sum(axis=1))
+    total = np.zeros_like(positions)
+    np.add.at(total, at[:, 1], angle[:, None] * normal)
+    total[np.linalg.norm(total, axis=1) < 1e-9] = 0  # what rounding leaves of normals that cancel
+    return _unit(total)
+
+
+class _Weights:
+    """How much of each corner of its triangle every corner of the new triangles has, and of its edge every point that cuts it."""
+
+    def __init__(self, smooth, triangles, count, resolution):
+        """smooth: tripatch.SmoothMesh of triangles (m, 3) among `count` vertices."""
+        inside = [(resolution - j - k, j, k) for j in range(1, resolution) for k in range(1, resolution - j)]
+        self.inside = np.array(inside, dtype=np.float64).reshape(-1, 3) / resolution
+        u = np.arange(1, resolution) / resolution
+        self.edge = np.column_stack([1 - u, u])
+
+        numbers, cuts = np.arange(len(smooth.vertices)), resolution - 1
+        first_inside = count + len(smooth.edges) * cuts
+        a, b, t = numbers.copy(), numbers.copy(), np.zeros(len(numbers))
+        a[count:first_inside], b[count:first_inside] = np.repeat(smooth.edges, cuts, axis=0).T
+        t[count:first_inside] = np.tile(u, len(smooth.edges))
+        points = smooth.faces.reshape(len(triangles), -1)
+        own = np.asarray(triangles)[:, None, :]
+        share = t[points][..., None]
+        self.corners = (a[points][..., None] == own) * (1 - share) + (b[points][..., None] == own) * share
+        held = points >= first_inside
+        if held.any():
+            self.corners[held] = self.inside[(points[held] - first_inside) % len(inside)]
+        # as attributes.blend_corners asks for it
+        self.nearest = (self.corners.argmax(axis=2) + 3 * np.arange(len(triangles))[:, None]).ravel()
+
+    def __call__(self, values):
+        """Values (3 m r^2, d) at the corners of the new triangles from values (3 m, d) at those of the old ones."""
+        return (self.corners @ values.reshape(len(self.corners), 3, -1)).reshape(self.nearest.size, -1)
+
+    def at_new_vertices(self, values, edges, triangles):
+        """Values (k, d) at all new vertices from values (n, d) at the mesh's."""
+        parts = ((self.edge, edges), (self.inside, triangles))
+        return np.vstack([(share @ values[rows]).reshape(-1, values.shape[1]) for share, rows in parts])
+
+
+@dataclass
+class _Planned:
+    """Smoothed triangles that are ready to be written: nothing in the BMesh has changed yet."""
+
+    bm: bmesh.types.BMesh
+    faces: list  # BMFace
+    triangles: list  # their vertices' indices
+    smooth: object  # tripatch.SmoothMesh in world space, in the vertex numbers of the BMesh
+    positions: np.ndarray  # (k, 3) of the new vertices in object space
+    normals: np.ndarray  # (n + k, 3) of all vertices in object space
+    weights: _Weights
+    custom: dict | None  # {face corner: normal} of the corners whose normals the change would turn
+    in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
+    notes: list = field(default_factory=list)
+
+
+def _triangles(bm):
+    """The selected faces and the indices of their vertices."""
+    faces = [f for f in bm.faces if f.select]
+    for face in faces:
+        if len(face.verts) != 3:
+            raise UnusableError(f"Face {face.index} is not a triangle; triangulate first")
+    return faces, [[corner.vert.index for corner in f.loops] for f in faces]
+
+
+def _check_positions(faces, triangles, positions):
+    """The library sees no neighbours, and would number the selected faces only."""
+    if not np.isfinite(positions).all():
+        raise UnusableError(f"The position of vertex {int(np.argmin(np.isfinite(positions).all(axis=1)))} is not finite")
+    a, b, c = positions[triangles].transpose(1, 0, 2)
+    longest = np.max([((b - a) ** 2).sum(axis=1), ((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1)], axis=0)
+    flat = np.linalg.norm(np.cross(b - a, c - a), axis=1) <= 1e-12 * longest
+    if flat.any():
+        raise UnusableError(f"Face {faces[int(np.argmax(flat))].index} has no area")
+
+
+def _plan(ob, resolution, curve):
+    """A `_Planned`, or None where no face is selected."""
+    mesh = ob.data
+    bm = bmesh.from_edit_mesh(mesh)
+    bm.verts.index_update()
+    bm.faces.index_update()
+    faces, triangles = _triangles(bm)
+    if not faces:
+        return None
+    world = filling.world_matrix(ob.name, ob.matrix_world)
+    linear, inverse = world[:3, :3], np.linalg.inv(world[:3, :3])
+    outer = np.sign(np.linalg.det(linear))
+    around = sorted({f for face in faces for v in face.verts for f in v.link_faces}, key=lambda f: f.index)
+    near = list({v for f in around for v in f.verts})
+    count = len(bm.verts)
+
+    def smoothed(read, given):
+        positions = np.zeros((count, 3))
+        positions[[v.index for v in near]] = np.array([read(v) for v in near], dtype=np.float64) @ linear.T + world[:3, 3]
+        _check_positions(faces, triangles, positions)
+        # A mirrored object's faces are turned in the world.
+        at_vertices = outer * _vertex_normals(around, positions, {corner: outer * n for corner, n in given.items()})
+        return tripatch.smooth_triangles(positions, triangles, at_vertices, resolution, curve)
+
+    def to_object(smooth):
+        return (smooth.vertices[count:] - world[:3, 3]) @ inverse.T
+
+    custom, given = None, {}
+    if normals.has_custom_normals(bm, mesh):
+        changed = {f for face in faces for e in face.edges for f in e.link_faces}
+        custom = normals.corner_normals(bm, {v for f in changed for v in f.verts})
+        given = dict(zip(custom, _unit(np.array(list(custom.values())) @ inverse), strict=True))
+    try:
+        smooth = smoothed(lambda v: v.co, given)
+    except tripatch.Refusal as refusal:
+        raise UnusableError(refusal.reason) from None
+    weights = _Weights(smooth, triangles, count, resolution)
+    planned = _Planned(bm, faces, triangles, smooth, to_object(smooth), _unit(smooth.normals @ linear), weights, custom)
+
+    active = ob.active_shape_key
+    for name, layer in bm.verts.layers.shape.items():
+        if active and name == active.name:
+            continue
+        try:
+            planned.in_shape_keys[name] = to_object(smoothed(lambda v, layer=layer: v[layer], {}))
+        except (tripatch.Refusal, UnusableError) as refusal:
+            planned.notes.append(f"Shape key '{name}' is not smoothed: {refusal}")
+            moved = np.array([v[layer] - v.co for v in bm.verts])
+            planned.in_shape_keys[name] = planned.positions + weights.at_new_vertices(moved, smooth.edges, triangles)
+    return planned
+
+
+def _cut(edge, start, end, points):
+    """Cuts an edge of the BMesh at these points (k, 3) from vertex `start` to `end`; all its faces take the new vertices."""
+    made = []
+    for k, point in enumerate(points):
+        other, vertex = bmesh.utils.edge_split(edge, made[-1] if made else start, 1 / (len(points) + 1 - k))
+        vertex.co = point
+        made.append(vertex)
+        if end not in edge.verts:
+            edge = other
+    return made
+
+
+def _neighbor_normals(custom, faces, start, end, edge, exact, weights):
+    """{unselected face at an edge: normals (k, 3) of its corners at the points that will cut the edge}. A face whose corners have
+    the normals `exact` at `start` and `end` shares them between too."""
+    found = {}
+    for corner in edge.link_loops:
+        if corner.face in faces:
+            continue
+        ends = [custom[corner], custom[corner.link_loop_next]]
+        if corner.vert is not start:
+            ends.reverse()
+        smooth = all(n @ exact[v.index] > writeback.SAME_NORMAL for n, v in zip(ends, (start, end), strict=True))
+        found[corner.face] = None if smooth else _unit(weights @ np.array(ends))
+    return found
+
+
+def _write(planned):
+    """Puts the smoothed triangles into the BMesh in place of the flat ones. Returns the new faces."""
+    bm, faces, weights, custom = planned.bm, planned.faces, planned.weights, planned.custom
+    old, gone, cuts = list(bm.verts), set(faces), len(weights.edge)
+    ends = [corner for f in faces for corner in f.loops]
+    if custom is not None:
+        custom = {corner: normal for corner, normal in custom.items() if corner.face not in gone}
+    points = planned.positions.tolist()
+    vertices = list(old)
+    for a, b in planned.smooth.edges.tolist():
+        start, end = old[a], old[b]
+        edge, first = bm.edges.get((start, end)), len(vertices)
+        beside = {}
+        if custom is not None:
+            beside = _neighbor_normals(custom, gone, start, end, edge, planned.normals, weights.edge)
+        made = _cut(edge, start, end, points[first - len(old) : first - len(old) + cuts])
+        attributes.blend_vertices(bm, [start, end], made, lambda values: weights.edge @ values[::2])
+        vertices += made
+        for k, vertex in enumerate(made if beside else ()):
+            for corner in vertex.link_loops:
+                if corner.face in beside:
+                    own = beside[corner.face]
+                    custom[corner] = planned.normals[first + k] if own is None else own[k]
+    for corners in planned.triangles:
+        first = len(vertices) - len(old)
+        # A vertex made without an example would pass for the first of the mesh in shape keys.
+        made = [bm.verts.new(co, old[corners[0]]) for co in points[first : first + len(weights.inside)]]
+        attributes.blend_vertices(bm, [old[v] for v in corners], made, lambda values: weights.inside @ values[::2])
+        vertices += made
+    for name, layer in bm.verts.layers.shape.items():
+        for vertex, co in zip(vertices[len(old) :], planned.in_shape_keys.get(name, planned.positions).tolist(), strict=True):
+            vertex[layer] = co
+
+    new_faces, rows = [], planned.smooth.faces.tolist()
+    for k, row in enumerate(rows):
+        model = faces[k * len(faces) // len(rows)]
+        made = bm.faces.new([vertices[v] for v in row], model)
+        made.smooth, made.hide = model.smooth, False
+        new_faces.append(made)
+    corners = [corner for f in new_faces for corner in f.loops]
+    attributes.blend_corners(bm, ends, [(corner, k, ()) for k, corner in enumerate(corners)], weights)
+    for face in faces:
+        bm.faces.remove(face)
+    bm.normal_update()
+    if custom is not None:
+        at = planned.smooth.faces.ravel().tolist()
+        for corner, v in zip(corners, at, strict=True):
+            custom[corner] = planned.normals[v] if corner.face.smooth else np.array(corner.face.normal)
+        normals.set_corner_normals(bm, custom)
+    return new_faces
+
+
+class MESH_OT_smooth_triangles(bpy.types.Operator):
+    """Turn the selected triangles into a smooth surface through their vertices, with the mesh's normals there"""
+
+    bl_idname = "mesh.smooth_triangles"
+    bl_label = "Smooth Triangles"
+    bl_options = {"REGISTER", "UNDO"}
+
+    resolution: IntProperty(
+        name="Resolution", description="Edges that every edge is cut into", min=2, max=256, soft_max=32, default=8
+    )
+    curve: EnumProperty(
+        name="Curve",
+        description="Curves over the edges",
+        items=[
+            ("hermite", "Hermite", "Cubic curves whose end tangents are as long as the arc"),
+            ("smits", "Smits", "Heights over the edge along the blended normals (Smits 2000)"),
+        ],
+        default="hermite",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if library.missing:
+            cls.poll_message_set(library.missing)
+            return False
+        if context.mode != "EDIT_MESH":
+            cls.poll_message_set("Works on a mesh in edit mode")
+            return False
+        return True
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(self, "resolution")
+        layout.prop(self, "curve")
+
+    def execute(self, context):
+        objects = context.objects_in_mode_unique_data
+        plans = {}
+        for ob in objects:
+            try:
+                planned = _plan(ob, self.resolution, self.curve)
+            except UnusableError as reason:
+                self.report({"ERROR"}, f"{ob.name}: {reason}" if len(objects) > 1 else str(reason))
+                return {"CANCELLED"}
+            if planned:
+                plans[ob] = planned
+        if not plans:
+            self.report({"ERROR"}, "No face is selected; select the triangles to be smoothed")
+            return {"CANCELLED"}
+        before = after = 0
+        for ob, planned in plans.items():
+            selected = selection.Selected(planned.bm)
+            new_faces = _write(planned)
+            selected.replace(planned.bm, new_faces)
+            bmesh.update_edit_mesh(ob.data)
+            before, after = before + len(planned.faces), after + len(new_faces)
+        notes = [note for planned in plans.values() for note in planned.notes]
+        message = f"Smoothed {before} triangle{'s' if before != 1 else ''} into {after}"
+        self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))
+        return {"FINISHED"}
+
+
+def register():
+    bpy.utils.register_class(MESH_OT_smooth_triangles)
+
+
+def unregister():
+    bpy.utils.unregister_class(MESH_OT_smooth_triangles)
