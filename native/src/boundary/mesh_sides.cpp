@@ -295,6 +295,21 @@ Solution solve(const Stencil& s, const Sizes& sizes, const Eigen::VectorXd& w) {
   return r;
 }
 
+using SquareRows = Eigen::Matrix<double, terms, terms, Eigen::RowMajor>;
+
+/// The lower triangle of the inverse. By rows and without its zeros: at this size several times faster than the general solver.
+SquareRows inverse(const Eigen::LLT<Square, Eigen::Lower>& factor) {
+  const Square& l = factor.matrixLLT();
+  SquareRows half = SquareRows::Zero(), all = SquareRows::Zero();  // half: the inverse of l
+  for (int i = 0; i < terms; ++i) {
+    for (int k = 0; k < i; ++k) half.row(i).head(k + 1) -= l(i, k) * half.row(k).head(k + 1);
+    half(i, i) = 1;
+    half.row(i).head(i + 1) /= l(i, i);
+    for (int k = 0; k <= i; ++k) all.row(k).head(k + 1) += half(i, k) * half.row(i).head(k + 1);
+  }
+  return all;
+}
+
 Solution solve(const Stencil& s, const Sizes& sizes) {
   return solve(s, sizes, s.share.array() / (sizes.noise + sizes.truncation * s.g.array()));
 }
@@ -319,8 +334,7 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
     for (const Stencil& s : stencils) {
       const Eigen::ArrayXd v = sizes.noise + sizes.truncation * s.g.array(), part = sizes.noise / v, w = s.share.array() / v;
       const Solution fit = solve(s, sizes, w);
-      const Square half = fit.factor.matrixL().solve(Square::Identity());
-      const Square covariance = half.transpose().lazyProduct(half);  // too small for the blocked product
+      const SquareRows covariance = inverse(fit.factor);
       for (int j = 0; j < terms; ++j) {
         const int d = term[j].i + term[j].j;
         sum[d] += fit.mean[j] * fit.mean[j];
