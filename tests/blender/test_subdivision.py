@@ -138,7 +138,8 @@ def part(addon, name):
 
 
 def set_output(ob, **options):
-    """Runs the operator with nothing selected but what is; returns the new object, or None."""
+    """Runs the operator with nothing selected but what is; returns the new object, or None. The plain layout, unless given."""
+    options.setdefault("rows", 0)
     before = set(bpy.data.objects)
     bpy.ops.object.mode_set(mode="EDIT")
     assert fill(**options) == {"FINISHED"}
@@ -225,7 +226,7 @@ def test_a_replaced_region_comes_back_on_the_surface_that_it_had():
     ob = add_cage(remove=False, levels=3, n=8)
     ob.matrix_world.identity()
     old = evaluated(ob)
-    set_output(ob)
+    set_output(ob, rows=-1)
     new = evaluated(ob)
     assert not new[1]
     assert rms_to_surface(new[0], old) < 1.5e-3 * 2
@@ -234,7 +235,7 @@ def test_a_replaced_region_comes_back_on_the_surface_that_it_had():
 def test_an_exact_rim_moves_nothing_around():
     ob = add_cage(levels=3, change=noise)
     before, border, _ = evaluated(ob)
-    set_output(ob, cage_rim="exact", resolution=0)
+    set_output(ob, cage_rim="exact")
     after, left, _ = evaluated(ob)
     assert not left
     tree = BVHTree.FromPolygons(after.tolist(), evaluated(ob)[2])
@@ -304,7 +305,7 @@ def test_several_holes_one_after_the_other():
     bpy.ops.mesh.select_mode(type="EDGE")
     for loop in scenes.border_loops(bm):
         scenes.select_rim(bm, loop)
-    assert fill() == {"FINISHED"}
+    assert fill(rows=1) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert not evaluated(ob)[1]
 
@@ -319,7 +320,7 @@ def test_add_modifier():
 
 
 def test_undo_removes_what_was_made():
-    for options in ({}, {"surroundings": "limit"}, {"cage_rim": "exact"}):
+    for options in ({"rows": 0}, {"surroundings": "limit"}, {"cage_rim": "exact", "rows": 0}):
         bpy.ops.object.mode_set(mode="OBJECT") if bpy.context.mode != "OBJECT" else None
         ob = add_cage()
         before = scenes.arrays(ob)
@@ -382,7 +383,7 @@ def test_shape_keys_follow_a_cage(cage_rim):
     key = ob.shape_key_add(name="Large")
     for point in key.data:
         point.co *= 1.5
-    set_output(ob, cage_rim=cage_rim, rows=0)
+    set_output(ob, cage_rim=cage_rim)
     keys = ob.data.shape_keys.key_blocks
     new = [v for p in list(ob.data.polygons)[-6:] for v in p.vertices]
     basis, large = (np.array([keys[name].data[v].co for v in new]) for name in ("Basis", "Large"))
