@@ -1,6 +1,8 @@
 #include "tripatch/patch/surface.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <vector>
 
 namespace tripatch {
 namespace {
@@ -24,6 +26,46 @@ std::pair<Points, Points> Surface::positions_and_normals(const PointsRef& b) con
     normals.row(k) = d0.cross(d1).stableNormalized();
   }
   return {jets.leftCols<3>(), normals};
+}
+
+void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* out) const {
+  if (order < 0 || order > max_order) throw InvalidArgument("derivatives must be from 0 to " + std::to_string(max_order));
+  std::vector<Index> near;
+  for (Index k = 0; k < n; ++k)
+    if (vertex_of(b + 3 * k, vertex_radius[order]) >= 0) near.push_back(k);
+  // a run of points far from the vertices at a time
+  Index start = 0;
+  const Index row = 3 * jet_size(order);
+  for (std::size_t next = 0; start < n; ++next) {
+    const Index end = next < near.size() ? near[next] : n;
+    if (end > start) evaluate_regular(b + 3 * start, end - start, order, out + start * row);
+    start = end + 1;
+  }
+
+  std::vector<double> series(row);
+  for (Index k : near) {
+    const double* p = b + 3 * k;
+    const int i = vertex_of(p, vertex_radius[order]), j = (i + 1) % 3, l = (i + 2) % 3;
+    const bool exact = vertex_of(p) >= 0;
+    std::copy_n(corner(i).data(), 3, out + k * row);
+    for (int m = exact ? 1 : 0; m <= order; ++m) {
+      double* const of_order = out + k * row + 3 * jet_size(m - 1);
+      const Index count = 3 * (m + 1);
+      // at the vertex the mean of the two sides, where the weights are exact
+      const std::vector<double> rays = exact ? std::vector<double>{0, 1} : std::vector<double>{p[l] / (p[j] + p[l])};
+      std::fill_n(of_order, count, 0.0);
+      for (double t : rays) {
+        std::array<double, 3> at = {p[0], p[1], p[2]};
+        if (vertex_of(p, vertex_radius[m]) >= 0) {
+          at[i] = 1 - vertex_radius[m];
+          at[j] = vertex_radius[m] * (1 - t);
+          at[l] = vertex_radius[m] * t;
+        }
+        evaluate_regular(at.data(), 1, m, series.data());
+        for (Index x = 0; x < count; ++x) of_order[x] += series[3 * jet_size(m - 1) + x] / static_cast<double>(rays.size());
+      }
+    }
+  }
 }
 
 }  // namespace tripatch

@@ -25,5 +25,7 @@ using Sides = std::array<Side, 3>;
 /// Sides must meet: the end of each is the start of the next, within 1e-6 of the size; throws a Refusal that names the corner
 /// and the gap otherwise. Returns the size: the largest distance between two corners or side points.
 double check_sides(const Sides& sides);
+/// The same for three curves alone.
+double check_curves(const std::array<PiecewisePolynomial, 3>& curves);
 
 }  // namespace tripatch

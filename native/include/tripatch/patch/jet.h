@@ -78,6 +78,7 @@ struct Jet {
     r.c[0] += s;
     return r;
   }
+  /// Not inlined: a call is nothing beside the product, and copies of it at every use are most of the time it takes to compile.
   friend Jet operator*(const Jet& a, const Jet& b) {
     Jet r;
     // unrolled by hand: the plain loops cost five times as much
@@ -156,6 +157,14 @@ struct JetPoint {
     return a;
   }
 };
+
+/// Writes the jet_size(N) x 3 Taylor coefficients of a point, the layout of Surface::evaluate; returns the end.
+template <int N>
+double* store(const JetPoint<N>& p, double* out) {
+  for (int i = 0; i < Jet<N>::size; ++i)
+    for (int x = 0; x < 3; ++x) *out++ = p.x[x].c[i];
+  return out;
+}
 
 /// Barycentric coordinates as jets.
 template <int N>

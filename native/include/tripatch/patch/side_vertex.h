@@ -7,6 +7,6 @@
 
 namespace tripatch {
 
-SurfacePtr side_vertex(Boundary boundary);
+SurfacePtr side_vertex(const Boundary& boundary);
 
 }  // namespace tripatch

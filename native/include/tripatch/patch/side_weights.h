@@ -66,11 +66,10 @@ void compose_with_derivative(const PiecewisePolynomial& f, const Jet<N>& t, JetP
   for (int x = 0; x < 3; ++x) derivative.x[x] = compose<N>(series.data() + x, 3, t);
 }
 
-/// The vertex that b is, or -1. There the constructions are 0/0: the position is the corner's, the derivatives are those on the
-/// bisector close by.
-inline int vertex_of(const double* b) {
+/// The vertex that b is (within radius, measured by the sum of the two other coordinates), or -1.
+inline int vertex_of(const double* b, double radius = 1e-30) {
   for (int i = 0; i < 3; ++i)
-    if (b[(i + 1) % 3] + b[(i + 2) % 3] <= 1e-30 && b[i] > 0) return i;
+    if (b[(i + 1) % 3] + b[(i + 2) % 3] <= radius && b[i] > 0.5) return i;
   return -1;
 }
 

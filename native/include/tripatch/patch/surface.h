@@ -2,7 +2,10 @@
 // a patch, a Bezier triangle or a caller's own surface.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <string>
+#include <type_traits>
 
 #include "tripatch/patch/jet.h"
 #include "tripatch/patch/side_weights.h"
@@ -28,51 +31,48 @@ public:
 
 using SurfacePtr = std::shared_ptr<const Surface>;
 
+/// A surface whose formula is 0/0 at the three vertices and, where the data disagree, a cone beside them, so that derivatives of
+/// order m lose digits like 1 / rho^m at the distance rho. Position is the formula's own (at a vertex the corner); derivatives of
+/// order m within vertex_radius[m] of a vertex are those at that distance on the same ray (at the vertex: the mean of the two sides'): all
+/// are finite, and the tangent plane is the cone's.
+class VertexSafeSurface : public Surface {
+public:
+  /// In b_j + b_k: far enough for the rounding of that derivative, near enough for the tangent plane.
+  static constexpr std::array<double, max_order + 1> vertex_radius = {1e-30, 1e-8, 1e-5, 1e-4, 1e-3};
+
+  void evaluate(const double* b, Index n, int order, double* out) const final;
+
+protected:
+  /// As evaluate(), never called at a vertex. Throws InvalidArgument for an order it cannot give.
+  virtual void evaluate_regular(const double* b, Index n, int order, double* out) const = 0;
+  virtual Vec3 corner(int i) const = 0;
+};
+
+/// Calls f(std::integral_constant<int, order>): from an order known at run time to a template argument.
+template <int Lowest, int Highest, class F>
+void with_order(int order, const F& f) {
+  if constexpr (Lowest > Highest) {
+    throw InvalidArgument("derivatives must be from 0 to " + std::to_string(Highest));
+  } else {
+    if (order == Lowest) return f(std::integral_constant<int, Lowest>());
+    with_order<Lowest + 1, Highest>(order, f);
+  }
+}
+
 /// One formula for all orders: a construction derives from this with itself as Derived and defines
 ///   template <int N> JetPoint<N> at(const Barycentric<N>& b) const;   (never called at a vertex, where rays and weights are 0/0)
 ///   Vec3 corner(int i) const;
-/// At a vertex the position is the corner and the derivatives are the mean of those beside it on the two sides.
 template <class Derived>
-class JetSurface : public Surface {
-public:
-  void evaluate(const double* b, Index n, int order, double* out) const override {
-    switch (order) {
-      case 0: return run<0>(b, n, out);
-      case 1: return run<1>(b, n, out);
-      case 2: return run<2>(b, n, out);
-      case 3: return run<3>(b, n, out);
-      case 4: return run<4>(b, n, out);
-      default: throw InvalidArgument("derivatives must be from 0 to 4");
-    }
+class JetSurface : public VertexSafeSurface {
+private:
+  void evaluate_regular(const double* b, Index n, int order, double* out) const override {
+    with_order<0, max_order>(order, [&](auto constant) { run<constant.value>(b, n, out); });
   }
 
-private:
   template <int N>
   void run(const double* b, Index n, double* out) const {
-    for (Index k = 0; k < n; ++k) {
-      const Derived& self = *static_cast<const Derived*>(this);
-      const int vertex = vertex_of(b + 3 * k);
-      JetPoint<N> p;
-      if (vertex < 0) {
-        p = self.template at<N>(Barycentric<N>(b + 3 * k));
-      } else {
-        // The mean of the two sides close by, where the weights are exact: far enough for the rounding of the highest
-        // derivative, near enough for the tangent plane.
-        constexpr std::array<double, 5> distance = {1e-8, 1e-8, 1e-5, 1e-4, 1e-3};
-        if constexpr (N > 0) {
-          for (int side = 1; side < 3; ++side) {
-            std::array<double, 3> beside = {0, 0, 0};
-            beside[vertex] = 1 - distance[N];
-            beside[(vertex + side) % 3] = distance[N];
-            p += 0.5 * self.template at<N>(Barycentric<N>(beside.data()));
-          }
-        }
-        const Vec3 corner = self.corner(vertex);
-        for (int x = 0; x < 3; ++x) p.x[x].c[0] = corner[x];
-      }
-      for (int i = 0; i < Jet<N>::size; ++i)
-        for (int x = 0; x < 3; ++x) *out++ = p.x[x].c[i];
-    }
+    const Derived& self = *static_cast<const Derived*>(this);
+    for (Index k = 0; k < n; ++k) out = store(self.template at<N>(Barycentric<N>(b + 3 * k)), out);
   }
 };
 
