@@ -71,6 +71,25 @@ Sides closed(Sides sides) {
   return sides;
 }
 
+/// alpha at a corner by equations (10) and (12) as printed, with 0 on the right of their second line.
+double printed_alpha(const Vec3& r, const Vec3& dc, const Vec3& tau) {
+  return tau.dot(r) * dc.squaredNorm() / r.cross(dc).squaredNorm();
+}
+
+/// beta = -alpha A / B, A = r . c', B = c' . c' (eq. 7): the derivative across is orthogonal to the side.
+PiecewisePolynomial printed_beta(const Side& side, const PiecewisePolynomial& alpha) {
+  return PiecewisePolynomial::fit(
+      [&](std::span<const double> t, std::span<double> out) {
+        for (std::size_t k = 0; k < t.size(); ++k) {
+          double a = 0;
+          alpha.taylor(t[k], 0, &a);
+          const Vec3 dc = side.c.derivative_at(t[k]);
+          out[k] = -a * side.r(t[k]).dot(dc) / dc.squaredNorm();
+        }
+      },
+      1);
+}
+
 }  // namespace
 
 Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
@@ -106,6 +125,13 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     if (options.cross_boundary == CrossBoundary::given) {
       ribbon.alpha = linear(1, 1);
       ribbon.beta = linear(0, 0);
+    } else if (options.cross_boundary == CrossBoundary::as_printed) {
+      const double a = printed_alpha(r0, c0, tau0), b = printed_alpha(r1, c1, tau1);
+      if (!std::isfinite(a) || !std::isfinite(b))
+        throw Refusal("The printed slopes need a side and its surroundings that are not parallel at the corners: side " +
+                      std::to_string(i));
+      ribbon.alpha = linear(a, b);
+      ribbon.beta = printed_beta(side, ribbon.alpha);
     } else {
       const CornerSlope a = corner_slope(r0, c0, tau0, height, floor_share(boundary.turn_deg[first]));
       const CornerSlope b = corner_slope(r1, c1, tau1, height, floor_share(boundary.turn_deg[second]));
@@ -118,7 +144,14 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     if (options.bulge[i] != 1) {
       const double e = (options.bulge[i] - 1) * 16 / 6;  // 16 t^2 (1 - t)^2 in Bernstein form
       const std::array<double, 5> net = {1, 1, 1 + e, 1, 1};
-      ribbon.alpha = PiecewisePolynomial::bezier(net, 1) * ribbon.alpha;
+      const PiecewisePolynomial bump = PiecewisePolynomial::bezier(net, 1);
+      ribbon.alpha = bump * ribbon.alpha;
+      if (options.cross_boundary == CrossBoundary::as_printed) {  // the only one whose beta has a part that is not linear
+        double b0 = 0, b1 = 0;
+        ribbon.beta.taylor(0, 0, &b0);
+        ribbon.beta.taylor(1, 0, &b1);
+        ribbon.beta = linear(b0, b1) + bump * (ribbon.beta - linear(b0, b1));
+      }
     }
     if (options.tangent[i]) {
       ribbon.d = ribbon.alpha * side.r + ribbon.beta * side.c.derivative();

@@ -2,19 +2,103 @@
 
 #include <vector>
 
+#include "tripatch/patch/barnhill_birkhoff_gordon.h"
 #include "tripatch/patch/coons_bezier.h"
+#include "tripatch/patch/gordon_coons.h"
+#include "tripatch/patch/gregory.h"
+#include "tripatch/patch/nielson_blend.h"
+#include "tripatch/patch/quintic.h"
 #include "tripatch/patch/side_vertex.h"
+#include "tripatch/patch/szilvasi_nagy.h"
+#include "tripatch/patch/triangular_coons.h"
 
 namespace tripatch {
+namespace {
+
+using Surfaces = std::array<SurfacePtr, 3>;
+
+std::array<PiecewisePolynomial, 3> curves(const Boundary& boundary) {
+  return {boundary.ribbons[0].c, boundary.ribbons[1].c, boundary.ribbons[2].c};
+}
+
+SurfacePtr szilvasi_nagy(const Surfaces& surfaces, int continuity, const MethodOptions& options) {
+  SzilvasiNagyOptions own;
+  own.continuity = continuity;
+  own.shape = options.shape;
+  own.optimal = options.optimal_shape;
+  own.as_printed = options.as_printed;
+  return std::make_shared<SzilvasiNagy>(surfaces, own);
+}
+
+/// A construction from the boundary alone, without options.
+std::function<SurfacePtr(const Boundary&, const MethodOptions&)> plain(SurfacePtr (*make)(const Boundary&)) {
+  return [make](const Boundary& boundary, const MethodOptions&) { return make(boundary); };
+}
+std::function<SurfacePtr(const Boundary&, const MethodOptions&)> from_curves(
+    SurfacePtr (*make)(std::array<PiecewisePolynomial, 3>)) {
+  return [make](const Boundary& boundary, const MethodOptions&) { return make(curves(boundary)); };
+}
+
+}  // namespace
 
 std::span<const Method> methods() {
   static const std::vector<Method> all = {
+      {"gordon_coons",
+       "Boolean sum of linear lofts between the curves",
+       "Barnhill, Birkhoff and Gordon 1973; Szilvasi-Nagy and Szabo 2006",
+       true,
+       "G0",
+       from_curves(gordon_coons),
+       {}},
+      {"triangular_coons",
+       "Sums of the two curves at each corner, mixed linearly",
+       "Nielson, Thomas and Wixom 1978",
+       true,
+       "G0",
+       from_curves(triangular_coons),
+       {}},
+      {"barnhill_birkhoff_gordon",
+       "Boolean sum of cubic lofts with slopes",
+       "Barnhill, Birkhoff and Gordon 1973",
+       true,
+       "G1",
+       plain(barnhill_birkhoff_gordon),
+       {}},
+      {"nielson_blend", "Three surfaces, one for each side, blended by the side weights", "Nielson 1979; Szilvasi-Nagy 2003",
+       true, "G1", [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
+       [](const Surfaces& surfaces, const MethodOptions&) { return nielson_blend(surfaces); }},
+      {"szilvasi_nagy_c0", "Coons-type blend of three surfaces with shape parameters, position",
+       "Szilvasi-Nagy and Szabo 2006, Definition 1", true, "G0",
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return szilvasi_nagy(hole_surfaces(boundary, 0), 0, options);
+       },
+       [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 0, options); }},
+      {"szilvasi_nagy_c1", "Coons-type blend of three surfaces with shape parameters, position and tangent plane",
+       "Szilvasi-Nagy and Szabo 2006, Definition 2", true, "G1",
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return szilvasi_nagy(hole_surfaces(boundary, 1), 1, options);
+       },
+       [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 1, options); }},
       {"side_vertex",
        "Three rays from the corners to the opposite sides, blended",
        "Nielson 1979; Hagen 1986",
        true,
        "G1",
-       [](const Boundary& boundary, const MethodOptions&) { return side_vertex(boundary); },
+       plain(side_vertex),
+       {}},
+      {"quintic",
+       "A quintic fitted to the boundary, plus the side-vertex patch of what it misses",
+       "Zhang, Ji and Yang 2005",
+       true,
+       "G1",
+       plain(quintic),
+       {}},
+      {"gregory",
+       "Three interpolants to two sides each, blended, without twist constraints",
+       "Gregory 1974",
+       true,
+       "G1",
+       plain(gregory),
        {}},
       {"coons_bezier",
        "Discrete Coons net: a Bezier triangle that is the Coons patch of the three sides",

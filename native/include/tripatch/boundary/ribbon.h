@@ -29,7 +29,11 @@ struct Boundary {
   double size = 0;
 };
 
-enum class CrossBoundary { given, consistent, as_printed };
+enum class CrossBoundary {
+  given,       ///< alpha = 1, beta = 0: the surroundings' derivative as it is, G1 but of no fitting length
+  consistent,  ///< equations (9) to (13) with full normal equations at the corners, alpha and beta linear
+  as_printed,  ///< equations (7) and (10) to (14) as the paper prints them: beta from orthogonality; Theorems 1 and 2 fail
+};
 
 struct RibbonOptions {
   CrossBoundary cross_boundary = CrossBoundary::consistent;
