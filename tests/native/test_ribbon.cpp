@@ -111,6 +111,14 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("an obtuse triangle keeps its slopes: the floor of smooth corners is not for it") {
+  const std::array<Vec3, 3> obtuse = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.05, 0)};
+  const SurfacePtr surface = bezier(random_net(3, 8, 0.003, obtuse));
+  const Boundary boundary = boundary_of(affine_sides(surface), CrossBoundary::consistent);
+  CHECK(boundary.turn_deg[2] < 15);
+  CHECK(difference(*side_vertex(boundary), *surface) < 1e-12);
+}
+
 TEST_CASE("the printed slopes are those of equations (10) to (14)") {
   const Sides sides = skewed_sides(unrelated_surfaces(2));
   const Boundary boundary = boundary_of(sides, CrossBoundary::as_printed);

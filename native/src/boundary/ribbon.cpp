@@ -26,11 +26,16 @@ PiecewisePolynomial linear(double a, double b) {
   return PiecewisePolynomial::bezier(net, 1);
 }
 
-/// How much of the floor a corner takes: all where the rim turns by 5 degrees or less (or backwards), none from 25 on.
-double floor_share(double turn_deg) {
-  const double x = std::clamp((25 - turn_deg) / 20, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
+/// 1 up to `low`, 0 from `high` on, smooth in between.
+double fading(double x, double low, double high) {
+  const double y = std::clamp((high - x) / (high - low), 0.0, 1.0);
+  return y * y * (3 - 2 * y);
 }
+
+/// How much of the floor a corner takes: all where the rim turns by 5 degrees or less (or backwards), none from 25 on. A triangle may
+/// be obtuse and turn little and still be an affine image of a plain one, which has to keep its alpha (Theorem 2): what `opening`
+/// tells apart, the area that the two tangents span over that of the chords: 1 for straight sides, 0 on a round rim.
+double floor_share(double turn_deg, double opening) { return fading(turn_deg, 5, 25) * fading(opening, 0.1, 0.4); }
 
 /// max(a, b) with a corner rounded over a width of b / 2; a itself where b is 0.
 double smooth_max(double a, double b) { return 0.5 * (a + b + std::sqrt((a - b) * (a - b) + 0.25 * b * b)); }
@@ -100,6 +105,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
   for (const Side& side : sides) length += arc_length(side.c) / 3;
   const double height = 0.5 * std::sqrt(3.0) * length;
 
+  std::array<double, 3> share;
   for (int k = 0; k < 3; ++k) {
     const Side& out = sides[(k + 2) % 3];  // starts at corner k
     const Side& in = sides[(k + 1) % 3];   // ends at corner k
@@ -107,7 +113,11 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     const Vec3 n_in = in.normal(1), n_out = out.normal(0);
     boundary.corner_mismatch_deg[k] = degrees_between(n_in, n_out);
     const double turn = degrees_between(before, after);
-    boundary.turn_deg[k] = before.cross(after).dot(n_in + n_out) < 0 && turn < 179 ? -turn : turn;
+    const bool backwards = before.cross(after).dot(n_in + n_out) < 0 && turn < 179;
+    boundary.turn_deg[k] = backwards ? -turn : turn;
+    const double tangents = before.cross(after).norm(), chords = (in.c(1) - in.c(0)).cross(out.c(1) - out.c(0)).norm();
+    const double opening = backwards || !(chords > 0) ? 0 : tangents / chords;
+    share[k] = options.cross_boundary == CrossBoundary::consistent ? floor_share(boundary.turn_deg[k], opening) : 0;
   }
 
   for (int i = 0; i < 3; ++i) {
@@ -133,10 +143,10 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
       ribbon.alpha = linear(a, b);
       ribbon.beta = printed_beta(side, ribbon.alpha);
     } else {
-      const CornerSlope a = corner_slope(r0, c0, tau0, height, floor_share(boundary.turn_deg[first]));
-      const CornerSlope b = corner_slope(r1, c1, tau1, height, floor_share(boundary.turn_deg[second]));
-      if (floor_share(boundary.turn_deg[first]) > 0) boundary.inward[first] -= 0.5 * a.lifted;
-      if (floor_share(boundary.turn_deg[second]) > 0) boundary.inward[second] -= 0.5 * b.lifted;
+      const CornerSlope a = corner_slope(r0, c0, tau0, height, share[first]);
+      const CornerSlope b = corner_slope(r1, c1, tau1, height, share[second]);
+      if (share[first] > 0) boundary.inward[first] -= 0.5 * a.lifted;
+      if (share[second] > 0) boundary.inward[second] -= 0.5 * b.lifted;
       lifted = {a.lifted, b.lifted};
       ribbon.alpha = linear(a.alpha, b.alpha);
       ribbon.beta = linear(a.beta, b.beta);
