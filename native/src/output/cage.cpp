@@ -275,7 +275,8 @@ CageFit fit_cage(const Mesh& mesh, const Hole& hole, const Subdivision& given, c
     }
     for (std::size_t k = 0; k < outside.size(); ++k) {
       limit.stencil(outside[k].face, outside[k].quarter, outside[k].u, outside[k].v, stencil);
-      for (int x = 0; x < 3; ++x) system.add(stencil, stencil.p, Vec3::Unit(x), outside_was[k], options.surroundings);
+      for (int x = 0; x < 3; ++x)
+        system.add(stencil, stencil.p, Vec3::Unit(x), outside_was[k], replaced.empty() ? options.surroundings : options.whole);
     }
     if (options.rim == CageRim::exact)
       for (int i = 0; i < 3; ++i) {
