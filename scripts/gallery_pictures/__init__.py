@@ -1,0 +1,1 @@
+"""The pictures of docs/gallery and docs/images/methods; run by scripts/gallery."""

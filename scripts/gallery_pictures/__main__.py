@@ -1,0 +1,15 @@
+"""python -m gallery_pictures DOCS [NAME...]: draws all, or the named parts, into DOCS/gallery and DOCS/images/methods."""
+
+import importlib
+import pathlib
+import sys
+
+PARTS = ("szilvasi_nagy", "liu_ma_cheng", "franke", "arnal_lluch", "smits", "methods")
+
+docs = pathlib.Path(sys.argv[1])
+names = sys.argv[2:] or PARTS
+for name in names:
+    if name not in PARTS:
+        sys.exit(f"no pictures called {name}; there are {', '.join(PARTS)}")
+for name in names:
+    importlib.import_module(f".{name}", __package__).draw(docs / ("images/methods" if name == "methods" else "gallery"))
