@@ -26,7 +26,7 @@ struct CageOptions {
   int samples = 4;  ///< a row of each face, for positions
   double surroundings =
       0.5;           ///< weight of the old limit surface around an open hole: it is that of an open cage, rounded at corners
-  double whole = 3;  ///< the same around a region to be replaced, where it is that of the whole cage
+  double whole = 6;  ///< the same around a region to be replaced, where it is that of the whole cage
   double tangential = 0.3;  ///< weight of distances along the patch against those across it
   double seam = 0.5;        ///< exact: weight of the tangent planes along the rim
   int rounds = 4;           ///< smooth, open hole: how often the patch is rebuilt on the rim that the fitted cage has
