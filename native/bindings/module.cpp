@@ -17,6 +17,7 @@ namespace py = pybind11;
 using namespace tripatch;
 
 void bind_bezier(py::module_& m);
+void bind_blends(py::module_& m);
 
 namespace {
 
@@ -174,6 +175,7 @@ PYBIND11_MODULE(_native, m) {
       });
 
   bind_bezier(m);
+  bind_blends(m);
 
   py::class_<Method>(m, "Method", "A construction of the registry.")
       .def_readonly("name", &Method::name)

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from . import _arrays, _native
-from ._native import Patch, Report, Side
+from ._native import Patch, Report, Side, SzilvasiNagyPatch
 from .errors import Refusal
 from .surfaces import (
     BezierRectangle,
@@ -40,6 +40,7 @@ __all__ = [
     "Refusal",
     "Report",
     "Side",
+    "SzilvasiNagyPatch",
     "blend",
     "coons_bezier",
     "coons_energy",
@@ -487,6 +488,29 @@ def _triangles(self: Patch, edges, resolution: int | None = None) -> tuple[np.nd
     return b, np.array(faces, np.int64).reshape(-1, 3)
 
 
+def _mu(self: SzilvasiNagyPatch, b) -> np.ndarray:
+    """(k, 3) the blending functions mu_0, mu_1, mu_2 at barycentric coordinates b (k, 3)."""
+    return self._mu(_arrays.barycentric(b))
+
+
+def _auxiliary_curve(self: SzilvasiNagyPatch, i: int, t) -> np.ndarray:
+    """(k, 3) points of the auxiliary curve g_i over side i at t (k,) in [0, 1]."""
+    at = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    if at.ndim != 1 or not ((at >= 0) & (at <= 1)).all():
+        raise ValueError("t must be numbers in [0, 1]")
+    return self._auxiliary_curve(_whole(i, "i", 0, 2), at.tolist())
+
+
+def _correction(self: SzilvasiNagyPatch, b) -> np.ndarray:
+    """(k, 3) the correction term q at barycentric coordinates b (k, 3)."""
+    return self._correction(_arrays.barycentric(b))
+
+
+def _slope_correction(self: SzilvasiNagyPatch, b) -> np.ndarray:
+    """(k, 3) the correction term s at barycentric coordinates b (k, 3); zero in Definition 1."""
+    return self._slope_correction(_arrays.barycentric(b))
+
+
 def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Position c, derivative c', derivative across r and unit normal n, (k, 3) each, at t (k,) in [0, 1]."""
     t = np.atleast_1d(np.asarray(t, dtype=np.float64))
@@ -513,6 +537,10 @@ Patch.evaluate = _evaluate
 Patch.normal = _normal
 Patch.energy = _patch_energy
 Patch.triangles = _triangles
+SzilvasiNagyPatch.mu = _mu
+SzilvasiNagyPatch.auxiliary_curve = _auxiliary_curve
+SzilvasiNagyPatch.correction = _correction
+SzilvasiNagyPatch.slope_correction = _slope_correction
 Side.evaluate = _side_evaluate
 Side.from_functions = staticmethod(_from_functions)
 Report.as_dict = _as_dict

@@ -1,0 +1,49 @@
+"""Blends of three surfaces: what Python gives for drawing is what the blend is made of."""
+
+import numpy as np
+import pytest
+import tripatch
+
+
+def three_patches(seed=2):
+    """Three quadratic Bezier triangles with common corners."""
+    rng = np.random.default_rng(seed)
+    corners = np.array([[0, 0, 0], [1, 0, 0.2], [0.3, 0.9, 0.1]])
+    nets = []
+    for _ in range(3):
+        a, b, c = corners
+        middle = np.array([(a + b) / 2, (a + c) / 2, (b + c) / 2]) + 0.2 * rng.normal(size=(3, 3))
+        nets.append(tripatch.BezierTriangle([a, middle[0], middle[1], b, middle[2], c]))
+    return nets
+
+
+@pytest.mark.parametrize("method", ["szilvasi_nagy_c0", "szilvasi_nagy_c1"])
+def test_the_blend_is_the_sum_of_its_parts(method):
+    r = three_patches()
+    patch = tripatch.blend(*r, method=method, shape=(0.3, 0.5, 0.8))
+    b = np.random.default_rng(0).dirichlet([2, 2, 2], 50)
+    mu = patch.mu(b)[:, :, None]
+    p = [surface.evaluate(b) for surface in r]
+    # 1/2 [sum_i mu_i r_i + (1 - mu_i) r_{i+2} - q] - s, equations (3) and (11) with its bracket mended
+    total = sum(mu[:, i] * p[i] + (1 - mu[:, i]) * p[(i + 2) % 3] for i in range(3))
+    expected = (total - patch.correction(b)) / 2 - patch.slope_correction(b)
+    assert np.abs(patch.evaluate(b) - expected).max() < 1e-13
+    assert list(patch.shape) == [0.3, 0.5, 0.8]
+    assert patch.path == []
+
+
+def test_the_correction_fits_the_auxiliary_curves():
+    patch = tripatch.blend(*three_patches(), method="szilvasi_nagy_c0")
+    t = np.linspace(0.1, 0.9, 9)
+    for i in range(3):
+        b = np.zeros((9, 3))
+        b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+        assert np.abs(patch.correction(b) - patch.auxiliary_curve(i, t)).max() < 1e-13
+
+
+def test_the_path_of_the_optimiser_goes_down():
+    patch = tripatch.blend(*three_patches(), method="szilvasi_nagy_c1", shape="optimal")
+    energies = [energy for _, energy in patch.path]
+    assert len(energies) >= 2
+    assert energies[-1] == min(energies)
+    assert np.allclose(patch.path[-1][0], patch.shape)
