@@ -392,7 +392,9 @@ public:
     double share = quadric_ ? 1 : 0;  // of the quadric energy in the logarithm's derivative
     if (quadric_ && whole_) {
       const double ratio = quadric_ratio * v.variation / v.quadric;
-      share = ratio * ratio / (1 + ratio * ratio);
+      share = 1 - 1 / (1 + std::pow(ratio, 4));
+      if (share < 0.05) share = 0;  // half the work, and a step counts only if it goes down anyway
+      if (share > 0.95) share = 1;
     }
     problem_.linearise(x, {(1 - share) / v.variation, share / v.quadric}, normal, gradient);
     const double keep = parameterisation / v.third;

@@ -59,7 +59,7 @@ CurvatureVariationRows curvature_variation_rows(const Derivatives& d, double fla
 /// The curvature squared below which a surface counts as flat when quadrics are sought: (0.03 / size)^2.
 inline double flat_curvature(double size) { return 9e-4 / (size * size); }
 
-/// Of two energies, minimum_variation and ten times quadric_variation, softly the smaller: (a^-2 + b^-2)^(-1/2). On surfaces at
+/// Of two energies, minimum_variation and ten times quadric_variation, softly the smaller: (a^-4 + b^-4)^(-1/4). On surfaces at
 /// large the second is a quarter to a half of the first, so it wins only where a surface is a quadric or near one.
 constexpr double quadric_ratio = 0.1;
 double softly_smaller(double variation, double quadric);
