@@ -481,19 +481,19 @@ struct FittedPolynomial {
   }
 };
 
-/// The polynomial of least degree that is nearly as near as that of the highest, or the field itself where that is not near.
-PiecewisePolynomial smoothed(const PiecewisePolynomial& f, bool with_ends) {
-  constexpr Index few = 4;
-  if (f.empty() || f.pieces() <= few) return f;
-  const std::vector<double>& breaks = f.breaks();  // the mesh vertices, or where a function was cut
-  const Eigen::Map<const Eigen::VectorXd> t(breaks.data(), static_cast<Index>(breaks.size()));
+/// The polynomial of least degree that is nearly as near as that of the highest, or the field itself where that is not near or
+/// where it has few pieces. `rim`: the parameters of the mesh vertices.
+PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<double>& rim, bool with_ends) {
+  constexpr std::size_t few = 8;
+  if (f.empty() || rim.size() <= few) return f;
+  const Eigen::Map<const Eigen::VectorXd> t(rim.data(), static_cast<Index>(rim.size()));
   Eigen::MatrixXd values(t.size(), 3);
   double scale = 0;
   for (Index k = 0; k < t.size(); ++k) {
     values.row(k) = f(t[k]);
     scale = std::max(scale, (values.row(k) - values.row(0)).norm() + (with_ends ? 0 : values.row(k).norm()));
   }
-  const int most = static_cast<int>(std::min<Index>(16, (t.size() - 1) / 2));
+  const int most = static_cast<int>(std::clamp<Index>((t.size() - 1) / 2, 4, 16));
   const double best = FittedPolynomial(t, values, most, with_ends).residual;
   if (best > 1e-3 * scale) return f;
   for (int degree = std::min(6, most);; degree += 2) {
@@ -507,8 +507,8 @@ PiecewisePolynomial smoothed(const PiecewisePolynomial& f, bool with_ends) {
 Sides smoothed(const Sides& sides) {
   Sides out = sides;
   for (Side& side : out) {
-    side.c = smoothed(side.c, true);
-    side.r = smoothed(side.r, false);
+    side.c = smoothed(side.c, side.rim, true);
+    side.r = smoothed(side.r, side.rim, false);
   }
   return out;
 }

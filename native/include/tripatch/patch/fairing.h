@@ -20,8 +20,8 @@ struct FairingOptions {
   std::string energy = "auto";
   int degree = 6;                                        ///< of the interior term's polynomial
   int slopes = 4;                                        ///< coefficients of each of alpha and beta on each side
-  int nodes = 7;                                         ///< of the quadrature, per direction
-  int iterations = 8;                                    ///< of Gauss-Newton, at most
+  int nodes = 6;                                         ///< of the quadrature, per direction
+  int iterations = 6;                                    ///< of Gauss-Newton, at most
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
   /// Makes the patch that is to be faired from other sides. With it the energy is that of smoothed sides (see smoothed): third
   /// derivatives of splines through mesh vertices are mostly noise. The patch still meets the sides as they are.
@@ -34,12 +34,12 @@ struct FairResult {
   std::string energy;  ///< that was minimised
   double before = 0;   ///< its value for the patch that was given
   double after = 0;
-  int iterations = 0;
+  int iterations = 6;
   std::vector<std::string> warnings;
 };
 
-/// Sides of many pieces (through mesh vertices) as single polynomials of degree 16 or less by least squares, ends kept, where that
-/// comes near; others as they are.
+/// Sides through mesh vertices (Side::rim) as single polynomials of degree 6 to 16 by least squares, ends kept, where that comes
+/// near; others as they are.
 Sides smoothed(const Sides& sides);
 
 /// `base` is any patch of `boundary` that keeps G1 to `sides`. The result has no higher energy and no more folds; if nothing
