@@ -195,16 +195,13 @@ void take(const Cover& cover, const Points& border, const std::vector<Index>& ri
   for (Index& v : fill.faces.corners) v = index[v];
 }
 
-/// Fairing by the energy asked for; "auto" leaves fills alone that meet their surroundings in position only and
-/// those on a limit surface.
+/// Fairing by the energy asked for; "auto" leaves fills alone that meet their surroundings in position only.
 void make_fair(const Method& method, const RibbonOptions& ribbons, const Boundary& boundary, const FillOptions& options,
                Fill& fill) {
   if (options.fairing.empty() || options.fairing == "none") return;
   const std::array<bool, 3>& tangent = ribbons.tangent;
   if (options.fairing == "auto") {
     if (!(tangent[0] && tangent[1] && tangent[2])) return;
-    // The sides of a limit surface have jumps in their curvature, on which the fairest patch depends too much to be trusted.
-    if (options.limit || options.output == "cage") return;
   }
   FairingOptions fairing;
   fairing.energy = options.fairing;

@@ -20,7 +20,7 @@ struct FairingOptions {
   std::string energy = "auto";
   int degree = 6;                                        ///< of the interior term's polynomial
   int slopes = 4;                                        ///< coefficients of each of alpha and beta on each side
-  int nodes = 6;                                         ///< of the quadrature, per direction
+  int nodes = 7;                                         ///< of the quadrature, per direction
   int iterations = 6;                                    ///< of Gauss-Newton, at most
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
   /// Makes the patch that is to be faired from other sides. With it the energy is that of smoothed sides (see smoothed): third
@@ -34,7 +34,7 @@ struct FairResult {
   std::string energy;  ///< that was minimised
   double before = 0;   ///< its value for the patch that was given
   double after = 0;
-  int iterations = 6;
+  int iterations = 0;
   std::vector<std::string> warnings;
 };
 
