@@ -276,10 +276,10 @@ void fill_with_cage(const Mesh& mesh, const Hole& hole, const FillOptions& optio
     const RibbonOptions ribbons = ribbon_options(options, continuity);
     const Boundary boundary = make_boundary(sides, ribbons);
     made.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
-    // the limit rim is smooth at its corners, and a cage follows bending better than variation of curvature: its surroundings
-    // then move a fifth to an eighth as much
+    // The limit rim of an open cage is smooth at its corners, and a cage follows bending better than variation of curvature: its
+    // surroundings then move a fifth to an eighth as much. A region to be replaced has ordinary corners on a known surface.
     FillOptions fairing = options;
-    if (fairing.fairing == "auto") fairing.fairing = "thin_plate";
+    if (fairing.fairing == "auto" && options.replaced.empty()) fairing.fairing = "thin_plate";
     make_fair(method, ribbons, boundary, fairing, made);
     result.report.fairing = made.report.fairing;
     result.report.energy_before = made.report.energy_before;
