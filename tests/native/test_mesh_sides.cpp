@@ -113,7 +113,7 @@ TestMesh make(const TestSurface& surface, const Shape& shape) {
 TestMesh lattice(const TestSurface& surface, double h, int n, int rings = 8) {
   TestMesh m;
   const int size = n + 2 * rings + 1;
-  const auto at = [&](int i, int j) { return static_cast<Index>((i + rings) * size + j + rings); };
+  const auto at = [&](int i, int j) { return static_cast<Index>(i + rings) * size + j + rings; };
   m.vertices.resize(size * size, 3);
   for (int i = -rings; i <= n + rings; ++i)
     for (int j = -rings; j <= n + rings; ++j)

@@ -16,15 +16,15 @@ void taylor_shift(double* a, int degree, int dimension, double shift) {
 }
 
 /// Horner for the value and, in the same sweep, for the derivatives over k!; three components, known order: all in registers.
-template <int order>
+template <int Order>
 void horner(const double* a, int degree, double u, double* out) {
-  double sum[order + 1][3] = {};
+  double sum[Order + 1][3] = {};
   for (int k = degree; k >= 0; --k) {
-    for (int j = order; j > 0; --j)
+    for (int j = Order; j > 0; --j)
       for (int x = 0; x < 3; ++x) sum[j][x] = sum[j][x] * u + sum[j - 1][x];
     for (int x = 0; x < 3; ++x) sum[0][x] = sum[0][x] * u + a[3 * k + x];
   }
-  for (int j = 0; j <= order; ++j)
+  for (int j = 0; j <= Order; ++j)
     for (int x = 0; x < 3; ++x) out[3 * j + x] = sum[j][x];
 }
 
