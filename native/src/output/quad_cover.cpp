@@ -1,0 +1,85 @@
+#include "tripatch/output/quad_cover.h"
+
+#include <algorithm>
+
+#include "tripatch/output/quad_layout.h"
+
+namespace tripatch {
+namespace {
+
+/// The largest distance of the quads' middles from the patch: how far the flat-sided fill is from the smooth one.
+double deviation(const Cover& cover, const Surface& patch) {
+  const Points vertices = patch.positions(cover.barycentric);
+  Points middle(cover.faces.size(), 3), b(cover.faces.size(), 3);
+  for (Index f = 0; f < cover.faces.size(); ++f) {
+    Vec3 p = Vec3::Zero(), q = Vec3::Zero();
+    for (Index v : cover.faces[f]) {
+      p += vertices.row(v);
+      q += cover.barycentric.row(v);
+    }
+    middle.row(f) = p / static_cast<double>(cover.faces[f].size());
+    b.row(f) = q / q.sum();
+  }
+  return (patch.positions(b) - middle).rowwise().norm().maxCoeff();
+}
+
+}  // namespace
+
+const char* const too_few_rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand";
+
+std::size_t longest_edge(const Mesh& mesh, const Hole& hole) {
+  const std::size_t n = hole.rim.size();
+  const auto length = [&](std::size_t k) {
+    return (mesh.vertices.row(hole.rim[k]) - mesh.vertices.row(hole.rim[(k + 1) % n])).norm();
+  };
+  std::size_t place = 0;
+  for (std::size_t k = 1; k < n; ++k)
+    if (length(k) > (1 + 1e-9) * length(place)) place = k;
+  return place;
+}
+
+double diameter(const Points& points) {
+  double d = 0;
+  const Index step = std::max<Index>(1, points.rows() / 200);
+  for (Index i = 0; i < points.rows(); i += step)
+    for (Index k = 0; k < i; k += step) d = std::max(d, (points.row(i) - points.row(k)).norm());
+  return d;
+}
+
+Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vector<double>, 3> parameters, const Surface& patch,
+                       const LayoutOptions& options, bool own_rim) {
+  Cover cover;
+  cover.rim_vertices = hole.rim;
+  std::size_t around = 0;
+  for (const std::vector<double>& t : parameters) around += t.size() - 1;
+  if (around % 2 == 1 && options.split_odd && !own_rim) {
+    const std::size_t place = longest_edge(mesh, hole);
+    std::size_t edge = place;
+    for (int i : {2, 0, 1}) {
+      std::vector<double>& t = parameters[i];
+      if (edge < t.size() - 1) {
+        t.insert(t.begin() + static_cast<Index>(edge) + 1, 0.5 * (t[edge] + t[edge + 1]));
+        break;
+      }
+      edge -= t.size() - 1;
+    }
+    cover.rim_vertices.insert(cover.rim_vertices.begin() + static_cast<Index>(place) + 1, -1);
+    cover.split_edges.push_back({hole.rim[place], hole.rim[(place + 1) % hole.rim.size()]});
+    cover.split_t.push_back(0.5);
+  }
+  std::optional<double> tolerance = options.tolerance;
+  const int first = options.rows.value_or(0), last = options.rows.value_or(4);
+  for (int rows = first; rows <= last; ++rows) {
+    QuadLayout layout = quad_layout(parameters, rows, options.pole_offset);
+    cover.barycentric = std::move(layout.barycentric);
+    cover.rim = layout.rim;
+    cover.faces = std::move(layout.faces);
+    if (options.rows) return cover;
+    if (!tolerance) tolerance = 1e-3 * diameter(patch.positions(cover.barycentric.topRows(cover.rim)));
+    if (deviation(cover, patch) <= *tolerance) return cover;
+  }
+  cover.warnings.push_back(too_few_rows);
+  return cover;
+}
+
+}  // namespace tripatch
