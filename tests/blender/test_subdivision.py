@@ -275,22 +275,27 @@ def odd_rim(bm, gone):
     gone.add(next(f for f in parts if edge not in f.edges))
 
 
-@pytest.mark.parametrize("odd", ["split", "triangle"])
-@pytest.mark.parametrize("output", ["cage", "quads"])
-def test_an_odd_rim(odd, output, request):
-    if bpy.app.version < (4, 0, 0) and (output, odd) == ("cage", "triangle"):
-        known = "known failure, not yet understood: in 3.4 the cage with a triangle at its pole gets invalid coordinates here"
-        request.applymarker(pytest.mark.xfail(reason=known, strict=False))
-    ob = add_cage(rings=2, change=odd_rim)
-    ob.data.uv_layers.new(name="Map")
-    vertices, edges, faces = len(ob.data.vertices), len(ob.data.edges), len(ob.data.polygons)
+def edit_with_corners(ob, first=0):
+    """Edit mode, with three corners of the rim selected, the first so many steps from the first vertex with the fewest faces.
+    Returns that vertex's index and the rim's length."""
     bpy.ops.object.mode_set(mode="EDIT")
     bm = bmesh.from_edit_mesh(ob.data)
     loop = scenes.border_loops(bm)[0]
-    assert len(loop) % 2
+    tip = min(range(len(loop)), key=lambda k: len(loop[k].link_faces))
     bpy.ops.mesh.select_mode(type="VERT")
     bpy.ops.mesh.select_all(action="DESELECT")
-    scenes.select(bm, loop[::4][:3])
+    scenes.select(bm, [loop[(tip + first + k) % len(loop)] for k in (0, 4, 8)])
+    return loop[tip].index, len(loop)
+
+
+@pytest.mark.parametrize("odd", ["split", "triangle"])
+@pytest.mark.parametrize("output", ["cage", "quads"])
+def test_an_odd_rim(odd, output):
+    ob = add_cage(rings=2, change=odd_rim)
+    ob.data.uv_layers.new(name="Map")
+    vertices, edges, faces = len(ob.data.vertices), len(ob.data.edges), len(ob.data.polygons)
+    extent = np.ptp(evaluated(ob)[0], axis=0).max()
+    assert edit_with_corners(ob, 2)[1] % 2
     assert fill(output=output, odd=odd, rows=0) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     bm = scenes.checked(ob)
@@ -298,7 +303,20 @@ def test_an_odd_rim(odd, output, request):
     new = list(bm.faces)[faces:]
     assert sum(len(f.verts) == 3 for f in new) == (odd == "triangle")
     assert max(len(f.verts) for f in bm.faces) == (5 if odd == "split" else 4)
+    assert np.ptp([v.co for v in bm.verts], axis=0).max() < 1.5 * extent
     bm.free()
+
+
+@pytest.mark.parametrize("odd", ["split", "triangle"])
+def test_a_corner_with_two_edges_in_the_closed_cage_is_refused(odd, capfd):
+    """The limit surface has no tangent plane there; the fill would run away, beyond what float32 holds."""
+    ob = add_cage(rings=2, change=odd_rim)
+    before = bits([v.co for v in ob.data.vertices]), len(ob.data.polygons)
+    tip, _ = edit_with_corners(ob)
+    assert fill(odd=odd) == {"CANCELLED"}
+    assert f"no tangent plane at corner vertex {tip}, where the closed cage has only two edges" in capfd.readouterr().out
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert (bits([v.co for v in ob.data.vertices]), len(ob.data.polygons)) == before
 
 
 def test_several_holes_one_after_the_other():
@@ -402,12 +420,7 @@ def test_custom_normals_elsewhere_keep(change):
         mesh.use_auto_smooth = True
     mesh.normals_split_custom_set([tuple(mesh.vertices[loop.vertex_index].co.normalized()) for loop in mesh.loops])
     before = {tuple(sorted(p.vertices)): scenes.corner_normals(mesh)[list(p.loop_indices)] for p in mesh.polygons}
-    bpy.ops.object.mode_set(mode="EDIT")
-    bm = bmesh.from_edit_mesh(mesh)
-    loop = scenes.border_loops(bm)[0]
-    bpy.ops.mesh.select_mode(type="VERT")
-    bpy.ops.mesh.select_all(action="DESELECT")
-    scenes.select(bm, loop[::4][:3])
+    edit_with_corners(ob, 2)
     assert fill(rows=0) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     after = {tuple(sorted(p.vertices)): scenes.corner_normals(mesh)[list(p.loop_indices)] for p in mesh.polygons}

@@ -109,6 +109,22 @@ def test_creases_reach_the_surface():
     assert kept.report.seam_angle_max < 1e-5
 
 
+def test_a_corner_of_two_edges_has_no_tangent_plane():
+    """A closed cage's vertex of two edges: every derivative of the limit vanishes there."""
+    vertices, faces = cube_sphere(6)
+    left, gone = corner_removed(vertices, faces, 2)
+    rim = tripatch.find_holes(left)[0]
+    inside = set(np.ravel([faces[f] for f in gone])) - set(rim.tolist())
+    quad = next(f for f in gone if sum(v in inside for v in faces[f]) == 1)
+    tip = next(v for v in faces[quad] if v in inside)
+    kept = [faces[quad][(faces[quad].index(tip) + k) % 4] for k in (3, 0, 1)]  # half of it is left as a triangle
+    rim = next(r for r in tripatch.find_holes(left + [kept]) if tip in r).tolist()
+    corners = [rim[(rim.index(tip) + k) % len(rim)] for k in (0, 4, 8)]
+    with pytest.raises(tripatch.Refusal, match=f"no tangent plane at corner vertex {tip}") as refusal:
+        tripatch.fill(vertices, left + [kept], rim=rim, corners=corners, output="cage")
+    assert list(refusal.value.where) == [tip]
+
+
 def test_without_the_limit_surface_the_refined_points_serve():
     vertices, faces = cube_sphere(8)
     left, _ = corner_removed(vertices, faces, 3)

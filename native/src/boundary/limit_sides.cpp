@@ -70,6 +70,21 @@ void refined_sides(const Mesh& cage, const Hole& hole, const Subdivision& settin
   result.warnings.push_back("The modifier does not use the limit surface: the slopes are those of its points, estimated");
 }
 
+/// Where an interior vertex has only two edges, both derivatives of the limit vanish: no side can start or end there.
+void check_corners(const Hole& hole, const Sides& sides) {
+  for (int k = 0; k < 3; ++k) {
+    const Side &out = sides[(k + 2) % 3], &in = sides[(k + 1) % 3];
+    const auto flat = [](const Side& side, double t) {
+      return side.c.derivative_at(t).norm() < 1e-6 * ((side.c(0.5) - side.c(0)).norm() + (side.c(1) - side.c(0.5)).norm());
+    };
+    const Index v = hole.rim[hole.corners[k]];
+    if (flat(out, 0) || flat(in, 1))
+      throw Refusal("The limit surface has no tangent plane at corner vertex " + std::to_string(v) +
+                        ", where the closed cage has only two edges; choose other corners",
+                    {v});
+  }
+}
+
 }  // namespace
 
 LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced) {
@@ -124,6 +139,7 @@ LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& se
                                   std::to_string(rim[e]));
     }
   }
+  check_corners(hole, result.sides);
   std::vector<Vec3> border;
   for (int i : {2, 0, 1})
     for (std::size_t k = 0; k + 1 < result.parameters[i].size(); ++k)

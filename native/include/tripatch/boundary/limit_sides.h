@@ -17,6 +17,7 @@ struct LimitSides {
 };
 
 /// Faces in `replaced` stay in place: the surroundings' limit is that of the whole cage. The rim must be one of make_hole.
+/// Refusal: a corner where the limit has no tangent plane.
 LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced = {});
 
 }  // namespace tripatch
