@@ -40,8 +40,8 @@ PiecewisePolynomial sampled(const py::function& f, const char* name) {
       3);
 }
 
-Side side_from_functions(const py::function& c, const py::function& dc, const py::function& r) {
-  Side side{sampled(c, "c"), sampled(r, "r"), {}};
+Side side_from_functions(const py::function& c, const py::function& dc, const py::function& r, const std::vector<double>& rim) {
+  Side side{sampled(c, "c"), sampled(r, "r"), {}, rim};
   // The side's own derivative is that of c, exactly; dc only has to agree.
   const PiecewisePolynomial given = sampled(dc, "dc");
   double scale = 0, off = 0;
@@ -69,6 +69,16 @@ py::tuple evaluate_side(const Side& side, const Array& t) {
   return py::make_tuple(c, dc, r, normal);
 }
 
+MethodOptions method_options_from(const py::dict& d) {
+  MethodOptions o;
+  o.shape = d["shape"].cast<std::array<double, 3>>();
+  o.optimal_shape = d["optimal_shape"].cast<bool>();
+  o.as_printed = d["as_printed"].cast<bool>();
+  o.symmetric = d["symmetric"].cast<bool>();
+  o.alpha = d["alpha"].cast<std::optional<double>>();
+  return o;
+}
+
 FillOptions options_from(const py::dict& d) {
   FillOptions o;
   const auto has = [&](const char* key) { return d.contains(key) && !d[key].is_none(); };
@@ -86,9 +96,7 @@ FillOptions options_from(const py::dict& d) {
   o.odd = d["odd"].cast<std::string>();
   o.pole_offset = d["pole_offset"].cast<std::array<double, 2>>();
   o.bulge = d["bulge"].cast<std::array<double, 3>>();
-  o.shape = d["shape"].cast<std::array<double, 3>>();
-  o.optimal_shape = d["optimal_shape"].cast<bool>();
-  o.as_printed = d["as_printed"].cast<bool>();
+  o.own = method_options_from(d["own"]);
   o.limit = d["limit"].cast<bool>();
   if (has("subdivision")) o.subdivision = d["subdivision"].cast<Subdivision>();
   return o;
@@ -183,6 +191,7 @@ PYBIND11_MODULE(_native, m) {
       .def_readonly("citation", &Method::citation)
       .def_readonly("fills_holes", &Method::fills_holes)
       .def_readonly("continuity", &Method::continuity)
+      .def_property_readonly("options", [](const Method& method) { return py::tuple(py::cast(method.options)); })
       .def("__repr__", [](const Method& method) { return std::string("<tripatch method ") + method.name + ">"; });
   m.def("_methods", [] {
     py::dict all;
@@ -199,6 +208,7 @@ PYBIND11_MODULE(_native, m) {
       .def_readonly("fairing", &Report::fairing)
       .def_readonly("energy_before", &Report::energy_before)
       .def_readonly("energy_after", &Report::energy_after)
+      .def_readonly("shape_path", &Report::shape_path)
       .def_readonly("folds", &Report::folds)
       .def_readonly("corners", &Report::corners)
       .def_readonly("cage_deviation_max", &Report::cage_deviation_max)
@@ -288,25 +298,28 @@ PYBIND11_MODULE(_native, m) {
     }
     return out;
   });
-  m.def("_patch", [](const Sides& sides, const std::string& method, CrossBoundary cross_boundary,
-                     const std::array<double, 3>& bulge, const std::array<bool, 3>& tangent, const std::array<double, 3>& shape,
-                     bool optimal_shape, bool as_printed, const std::string& fairing) {
-    py::gil_scoped_release release;
-    const Method& chosen = find_method(method);
-    if (!chosen.from_boundary) throw InvalidArgument(method + " joins three surfaces; use tripatch.blend");
-    const RibbonOptions ribbons = {cross_boundary, bulge, tangent};
-    const MethodOptions options = {shape, optimal_shape, as_printed};
-    auto [boundary, patch] = build(chosen, sides, ribbons, options);
-    if (!fairing.empty() && fairing != "none") {
-      FairingOptions wanted;
-      wanted.energy = fairing;
-      for (int i = 0; i < 3; ++i) wanted.slopes_free[i] = bulge[i] == 1;
-      wanted.rebuild = [&](const Sides& even) { return build(chosen, even, ribbons, options); };
-      wanted.folds = [&](const Surface& surface) { return count_folds(surface, sides); };
-      patch = fair(patch, sides, boundary, wanted).patch;
-    }
-    return std::const_pointer_cast<Surface>(patch);
-  });
+  m.def("_patch",
+        [](const Sides& sides, const std::string& method, CrossBoundary cross_boundary, const std::array<double, 3>& bulge,
+           const std::array<bool, 3>& tangent, const py::dict& own, const std::string& fairing) {
+          std::vector<std::string> warnings;
+          MethodOptions options = method_options_from(own);
+          options.warnings = &warnings;
+          py::gil_scoped_release release;
+          const Method& chosen = find_method(method);
+          if (!chosen.from_boundary) throw InvalidArgument(method + " joins three surfaces; use tripatch.blend");
+          const RibbonOptions ribbons = {cross_boundary, bulge, tangent};
+          auto [boundary, patch] = build(chosen, sides, ribbons, options);
+          options.warnings = nullptr;
+          if (!fairing.empty() && fairing != "none") {
+            FairingOptions wanted;
+            wanted.energy = fairing;
+            for (int i = 0; i < 3; ++i) wanted.slopes_free[i] = bulge[i] == 1;
+            wanted.rebuild = [&](const Sides& even) { return build(chosen, even, ribbons, options); };
+            wanted.folds = [&](const Surface& surface) { return count_folds(surface, sides); };
+            patch = fair(patch, sides, boundary, wanted).patch;
+          }
+          return std::make_pair(std::const_pointer_cast<Surface>(patch), warnings);
+        });
   m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,
                          const std::optional<int>& resolution) {
     TriangleMesh mesh;
@@ -316,12 +329,11 @@ PYBIND11_MODULE(_native, m) {
     }
     return py::make_tuple(array_from(mesh.barycentric), mesh.triangles);
   });
-  m.def("_blend", [](const std::array<std::shared_ptr<Surface>, 3>& surfaces, const std::string& method,
-                     const std::array<double, 3>& shape, bool optimal_shape, bool as_printed) {
+  m.def("_blend", [](const std::array<std::shared_ptr<Surface>, 3>& surfaces, const std::string& method, const py::dict& own) {
+    const MethodOptions options = method_options_from(own);
     py::gil_scoped_release release;
     const Method& chosen = find_method(method);
     if (!chosen.from_surfaces) throw InvalidArgument(method + " is made from three sides; use tripatch.patch");
-    return std::const_pointer_cast<Surface>(
-        chosen.from_surfaces({surfaces[0], surfaces[1], surfaces[2]}, {shape, optimal_shape, as_printed}));
+    return std::const_pointer_cast<Surface>(chosen.from_surfaces({surfaces[0], surfaces[1], surfaces[2]}, options));
   });
 }

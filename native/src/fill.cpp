@@ -13,6 +13,7 @@
 #include "tripatch/output/triangulate.h"
 #include "tripatch/patch/fairing.h"
 #include "tripatch/patch/methods.h"
+#include "tripatch/patch/szilvasi_nagy.h"
 
 namespace tripatch {
 namespace {
@@ -39,9 +40,6 @@ std::array<int, 3> resolve_continuity(const std::array<std::string, 3>& asked, c
 void check_options(const FillOptions& options) {
   for (double bulge : options.bulge)
     if (!(bulge > 0) || !std::isfinite(bulge)) throw InvalidArgument("bulge must be greater than 0");
-  if (!options.optimal_shape)
-    for (double lambda : options.shape)
-      if (!(lambda > 0 && lambda < 1)) throw InvalidArgument("shape must lie between 0 and 1, ends excluded");
   if (options.output != "triangles" && options.output != "quads" && options.output != "cage")
     throw InvalidArgument("output must be triangles, quads or cage");
   if (options.odd != "split" && options.odd != "triangle") throw InvalidArgument("odd must be split or triangle");
@@ -126,6 +124,16 @@ void take(const Cover& cover, const Points& border, const std::vector<Index>& ri
   for (Index& v : fill.faces.corners) v = index[v];
 }
 
+/// The method's patch; its warnings and the path of an optimal lambda go into the report.
+SurfacePtr construct(const Method& method, const Boundary& boundary, const FillOptions& options, Report& report) {
+  MethodOptions own = options.own;
+  own.warnings = &report.warnings;
+  SurfacePtr patch = method.from_boundary(boundary, own);
+  if (const auto blend = std::dynamic_pointer_cast<const SzilvasiNagy>(patch))
+    for (const SzilvasiNagy::Step& step : blend->path()) report.shape_path.emplace_back(step.shape, step.energy);
+  return patch;
+}
+
 /// Fairing by the energy asked for; "auto" leaves fills alone that meet their surroundings in position only.
 void make_fair(const Method& method, const RibbonOptions& ribbons, const Boundary& boundary, const FillOptions& options,
                Fill& fill) {
@@ -137,16 +145,14 @@ void make_fair(const Method& method, const RibbonOptions& ribbons, const Boundar
   FairingOptions fairing;
   fairing.energy = options.fairing;
   for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
-  fairing.rebuild = [&](const Sides& sides) {
-    return build(method, sides, ribbons, {options.shape, options.optimal_shape, options.as_printed});
-  };
+  fairing.rebuild = [&](const Sides& sides) { return build(method, sides, ribbons, options.own); };
   fairing.folds = [&](const Surface& patch) { return count_folds(patch, fill.sides); };
   FairResult fair_result = fair(fill.patch, fill.sides, boundary, fairing);
   fill.patch = std::move(fair_result.patch);
   fill.report.fairing = fair_result.energy;
   fill.report.energy_before = fair_result.before;
   fill.report.energy_after = fair_result.after;
-  fill.report.warnings = std::move(fair_result.warnings);
+  for (std::string& warning : fair_result.warnings) fill.report.warnings.push_back(std::move(warning));
 }
 
 std::string degrees(double angle) {
@@ -169,7 +175,7 @@ Fill cage_of(const Mesh& mesh, const Hole& hole, const FillOptions& options, con
     made.sides = sides;
     const RibbonOptions ribbons = ribbon_options(options, continuity);
     const Boundary boundary = make_boundary(sides, ribbons);
-    made.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
+    made.patch = construct(method, boundary, options, made.report);
     // The limit rim of an open cage is smooth at its corners, and a cage follows bending better than variation of curvature: its
     // surroundings then move a fifth to an eighth as much. A region to be replaced has ordinary corners on a known surface.
     FillOptions wanted = options;
@@ -201,6 +207,8 @@ Fill cage_of(const Mesh& mesh, const Hole& hole, const FillOptions& options, con
   result.report.fairing = fairing.fairing;
   result.report.energy_before = fairing.energy_before;
   result.report.energy_after = fairing.energy_after;
+  result.report.shape_path = std::move(fairing.shape_path);
+  result.report.warnings.insert(result.report.warnings.end(), fairing.warnings.begin(), fairing.warnings.end());
   return result;
 }
 
@@ -234,11 +242,12 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   Surroundings surroundings = surroundings_of(mesh, hole, options);
   Fill result;
   result.sides = surroundings.sides;
-  for (int i = 0; i < 3; ++i) result.sides[i].rim = surroundings.parameters[i];
+  if (!options.limit)  // with it the sides know the rim's own vertices, and the parameters are those of the border
+    for (int i = 0; i < 3; ++i) result.sides[i].rim = surroundings.parameters[i];
   const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
   const RibbonOptions ribbons = ribbon_options(options, continuity);
   const Boundary boundary = make_boundary(result.sides, ribbons);
-  result.patch = method.from_boundary(boundary, {options.shape, options.optimal_shape, options.as_printed});
+  result.patch = construct(method, boundary, options, result.report);
   make_fair(method, ribbons, boundary, options, result);
 
   result.rim_barycentric = rim_barycentric(hole, surroundings);

@@ -11,6 +11,7 @@
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/output/cage.h"
+#include "tripatch/patch/methods.h"
 #include "tripatch/report/report.h"
 
 namespace tripatch {
@@ -24,19 +25,17 @@ struct FillOptions {
   Subdivision subdivision;                      ///< of the cage
   std::array<std::string, 3> continuity = {"auto", "auto", "auto"};  ///< auto, G0, G1, G2
   CrossBoundary cross_boundary = CrossBoundary::consistent;
-  std::string fairing = "auto";                   ///< none, auto, thin_plate, third_derivative, minimum_variation
-  std::string output = "triangles";               ///< triangles, quads, cage
-  std::optional<int> resolution;                  ///< triangles: edges per side inside the fill; none: follow the rim. quads:
-                                                  ///< extra rows round the pole(s); none: the fewest under `tolerance`
-  std::optional<double> tolerance;                ///< quads, resolution none: deviation from the patch, scene units; none: 1e-3
-                                                  ///< of the hole's diameter
-  std::string odd = "split";                      ///< quads round an odd rim: split the longest rim edge, or triangle at the pole
-  CageRim cage_rim = CageRim::smooth;             ///< cage: what happens along the rim
-  std::array<double, 2> pole_offset = {0, 0};     ///< moves the pole, in fractions of the hole
-  std::array<double, 3> bulge = {1, 1, 1};        ///< > 0, scales the slopes inside each side
-  std::array<double, 3> shape = {0.5, 0.5, 0.5};  ///< lambda of the Szilvasi-Nagy methods, by side
-  bool optimal_shape = false;                     ///< lambda by the least thin-plate energy instead
-  bool as_printed = false;                        ///< the papers' printed readings, mistakes included
+  std::string fairing = "auto";                ///< none, auto, thin_plate, third_derivative, minimum_variation
+  std::string output = "triangles";            ///< triangles, quads, cage
+  std::optional<int> resolution;               ///< triangles: edges per side inside the fill; none: follow the rim. quads:
+                                               ///< extra rows round the pole(s); none: the fewest under `tolerance`
+  std::optional<double> tolerance;             ///< quads, resolution none: deviation from the patch, scene units; none: 1e-3
+                                               ///< of the hole's diameter
+  std::string odd = "split";                   ///< quads round an odd rim: split the longest rim edge, or triangle at the pole
+  CageRim cage_rim = CageRim::smooth;          ///< cage: what happens along the rim
+  std::array<double, 2> pole_offset = {0, 0};  ///< moves the pole, in fractions of the hole
+  std::array<double, 3> bulge = {1, 1, 1};     ///< > 0, scales the slopes inside each side
+  MethodOptions own;                           ///< what the method reads besides
 };
 
 struct Fill {

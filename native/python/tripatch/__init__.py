@@ -10,6 +10,7 @@ import functools
 import inspect
 import itertools
 import numbers
+import warnings
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -55,7 +56,8 @@ __all__ = [
     "smooth_triangles",
 ]
 
-#: name -> construction, with .description, .citation, .fills_holes, .continuity
+#: name -> construction, with .description, .citation, .fills_holes, .continuity, and .options: those of `fill` that it reads and
+#: not every construction does
 METHODS = _native._methods()
 
 _CROSS_BOUNDARY = {name: getattr(_native.CrossBoundary, name) for name in ("given", "consistent", "as_printed")}
@@ -64,7 +66,7 @@ _CONTINUITY = ("auto", "G0", "G1", "G2")
 _FAIRING = (None, "auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation")
 _REPORT = """
     seam_angle_max seam_angle_rms seam_angle_max_by_side seam_angle_rms_by_side surroundings_error
-    fairing energy_before energy_after folds corners
+    fairing energy_before energy_after shape_path folds corners
     cage_deviation_max cage_deviation_rms surroundings_moved_max surroundings_moved_rms surroundings_moved_where
     corners_moved_max seam_angle_median seam_angle_max_inside poles warnings seconds
 """.split()
@@ -160,17 +162,31 @@ def _name(value, name: str, allowed: Sequence):
     return value
 
 
-def _method_options(shape, reading) -> tuple[tuple[float, float, float], bool, bool]:
-    """lambda by side, whether it is to be optimal, whether the printed formulas are asked for."""
-    printed = _name(reading, "reading", ("corrected", "as_printed")) == "as_printed"
-    if isinstance(shape, str):
-        _name(shape, "shape", ("optimal",))
-        return (0.5, 0.5, 0.5), True, printed
-    values = tuple(float(s) for s in _arrays.three(shape, "shape", numbers.Real))
+def _method_options(method: str, shape, reading, symmetric=False, alpha=None) -> dict:
+    """The options of single methods, as the core reads them."""
+    for name, asked in (("symmetric", symmetric is not False), ("alpha", alpha is not None)):
+        if asked and name not in METHODS[method].options:
+            having = [m for m, about in METHODS.items() if name in about.options]
+            raise ValueError(f"{name} is an option of {', '.join(having)}, not of {method}")
+    if not isinstance(symmetric, (bool, np.bool_)):
+        raise TypeError("symmetric must be True or False")
+    if alpha is not None:
+        if isinstance(alpha, bool) or not isinstance(alpha, numbers.Real):
+            raise TypeError(f"alpha must be a number, or None, not {alpha!r}")
+        if not np.isfinite(alpha):
+            raise ValueError(f"alpha must be finite, not {alpha}")
+    optimal = isinstance(shape, str) and _name(shape, "shape", ("optimal",)) == "optimal"
+    values = tuple(float(s) for s in _arrays.three(0.5 if optimal else shape, "shape", numbers.Real))
     for i, s in enumerate(values):
         if not 0 < s < 1:
             raise ValueError(f"shape[{i}] must lie between 0 and 1, ends excluded, not {s}")
-    return values, False, printed
+    return {
+        "shape": values,
+        "optimal_shape": optimal,
+        "as_printed": _name(reading, "reading", ("corrected", "as_printed")) == "as_printed",
+        "symmetric": bool(symmetric),
+        "alpha": None if alpha is None else float(alpha),
+    }
 
 
 def _bulge(bulge) -> tuple[float, float, float]:
@@ -246,6 +262,8 @@ def _options(
     bulge=1.0,
     shape=(0.5, 0.5, 0.5),
     reading="corrected",
+    symmetric=False,
+    alpha=None,
     replaced=(),
 ) -> dict:
     """The options of `fill`, checked, as the core reads them."""
@@ -261,9 +279,9 @@ def _options(
     offset = np.asarray(pole_offset, dtype=float)
     if offset.shape != (2,) or not np.isfinite(offset).all():
         raise ValueError("pole_offset must be two numbers")
-    values, optimal, printed = _method_options(shape, reading)
+    _name(method, "method", tuple(METHODS))
     return {
-        "method": _name(method, "method", tuple(METHODS)),
+        "method": method,
         "continuity": _continuity(continuity),
         "cross_boundary": _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))],
         "fairing": _name(fairing, "fairing", _FAIRING) or "",
@@ -274,9 +292,7 @@ def _options(
         "pole_offset": offset.tolist(),
         "resolution": resolution,
         "bulge": _bulge(bulge),
-        "shape": values,
-        "optimal_shape": optimal,
-        "as_printed": printed,
+        "own": _method_options(method, shape, reading, symmetric, alpha),
         "replaced": _arrays.indices(replaced, "replaced"),
         "limit": limit,
         "subdivision": _subdivision(subdivision, level) if limit or output == "cage" else None,
@@ -355,7 +371,9 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         pole_offset: two fractions of the hole that move the pole, along side 2 and towards corner 2.
         bulge: > 0, one or three: scales the slopes inside each side, corners kept.
         shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
-        reading: "corrected", or "as_printed" for the papers' own formulas.
+        reading: "corrected", or "as_printed" for the formulas of the Szilvasi-Nagy methods as their paper prints them.
+        symmetric: of coons_extremal: the functional summed over the three pairs of coordinates, so that no corner is favoured.
+        alpha: of coons_bezier: the permanence patch with this alpha instead of the Coons patch; None: the Coons patch.
         replaced: indices of faces that count as not there: a region to be replaced, with `rim` around it.
 
     Returns:
@@ -405,6 +423,8 @@ def patch(
     bulge=1.0,
     shape=(0.5, 0.5, 0.5),
     reading: str = "corrected",
+    symmetric: bool = False,
+    alpha: float | None = None,
     fairing: str | None = None,
 ) -> Patch:
     """A patch from three sides that meet at the corners; side i is opposite corner i. The options are those of `fill`, but
@@ -423,7 +443,11 @@ def patch(
     slopes = _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))]
     energy = _name(fairing, "fairing", _FAIRING) or ""
     tangent = [c != "G0" for c in asked]
-    return _native._patch(sides, method, slopes, _bulge(bulge), tangent, *_method_options(shape, reading), energy)
+    own_options = _method_options(method, shape, reading, symmetric, alpha)
+    made, notes = _native._patch(sides, method, slopes, _bulge(bulge), tangent, own_options, energy)
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    return made
 
 
 def blend(
@@ -437,7 +461,8 @@ def blend(
     """
     if not all(isinstance(r, Patch) for r in (r0, r1, r2)):
         raise TypeError("a blend needs three patches")
-    return _native._blend((r0, r1, r2), _name(method, "method", tuple(METHODS)), *_method_options(shape, reading))
+    _name(method, "method", tuple(METHODS))
+    return _native._blend((r0, r1, r2), method, _method_options(method, shape, reading))
 
 
 def _evaluate(self: Patch, b, derivatives: int = 0):
@@ -521,11 +546,19 @@ def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
     return self._evaluate(np.ascontiguousarray(t))
 
 
-def _from_functions(c: Callable, dc: Callable, r: Callable) -> Side:
-    """A side from three functions of t (k,) -> (k, 3): position, its derivative, the derivative across, away from the hole."""
+def _from_functions(c: Callable, dc: Callable, r: Callable, rim=None) -> Side:
+    """A side from three functions of t (k,) -> (k, 3): position, its derivative, the derivative across, away from the hole.
+
+    Args:
+        rim: parameters t that rise from 0 to 1, as those of a rim's vertices: the Bezier methods take a side that is no
+            polynomial as the curve through its points there. None: they refuse such a side.
+    """
     if not all(callable(f) for f in (c, dc, r)):
         raise TypeError("c, dc and r must be functions of t")
-    return Side._from_functions(c, dc, r)
+    t = np.zeros(0) if rim is None else np.asarray(rim, dtype=np.float64)
+    if rim is not None and not (t.ndim == 1 and len(t) > 1 and t[0] == 0 and t[-1] == 1 and (np.diff(t) > 0).all()):
+        raise ValueError("rim must be numbers that rise from 0 to 1")
+    return Side._from_functions(c, dc, r, t.tolist())
 
 
 def _as_dict(self: Report) -> dict:

@@ -25,6 +25,7 @@ class Method:
     citation: str
     fills_holes: bool
     continuity: Literal["G0", "G1", "G2"]
+    options: tuple[str, ...]
 
 METHODS: dict[str, Method]
 
@@ -64,7 +65,12 @@ class NurbsSurface(_Rectangle):
 class Side:
     def __init__(self, surface: BezierTriangle | BezierRectangle | NurbsSurface, edge: int, reversed: bool = False) -> None: ...
     @staticmethod
-    def from_functions(c: Callable[[Floats], Floats], dc: Callable[[Floats], Floats], r: Callable[[Floats], Floats]) -> Side: ...
+    def from_functions(
+        c: Callable[[Floats], Floats],
+        dc: Callable[[Floats], Floats],
+        r: Callable[[Floats], Floats],
+        rim: ArrayLike | None = None,
+    ) -> Side: ...
     def evaluate(self, t: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]: ...
 
 class Report:
@@ -76,6 +82,7 @@ class Report:
     fairing: str
     energy_before: float
     energy_after: float
+    shape_path: list[tuple[list[float], float]]
     folds: int
     corners: list[int]
     cage_deviation_max: float
@@ -138,6 +145,8 @@ def fill(
     bulge: float | tuple[float, float, float] = 1.0,
     shape: Shape = (0.5, 0.5, 0.5),
     reading: Reading = "corrected",
+    symmetric: bool = False,
+    alpha: float | None = None,
     replaced: Sequence[int] = (),
 ) -> Fill: ...
 def fill_all(
@@ -161,6 +170,8 @@ def fill_all(
     bulge: float | tuple[float, float, float] = 1.0,
     shape: Shape = (0.5, 0.5, 0.5),
     reading: Reading = "corrected",
+    symmetric: bool = False,
+    alpha: float | None = None,
     replaced: Sequence[int] = (),
 ) -> list[Fill | Refusal]: ...
 def patch(
@@ -172,6 +183,8 @@ def patch(
     bulge: float | tuple[float, float, float] = 1.0,
     shape: Shape = (0.5, 0.5, 0.5),
     reading: Reading = "corrected",
+    symmetric: bool = False,
+    alpha: float | None = None,
     fairing: Fairing = None,
 ) -> Patch: ...
 def blend(

@@ -105,7 +105,9 @@ OPTIONS = {
     "pole_offset": (_two, "X,Y", "moves the pole, in fractions of the hole (0,0)"),
     "bulge": (_one_or_three(float), "B[,B,B]", "scales the slopes inside each side, greater than 0 (1)"),
     "shape": (_shape, "L[,L,L]", "lambda of the Szilvasi-Nagy methods, from 0 to 1, by side; or optimal (0.5)"),
-    "reading": (str, "NAME", "formulas corrected or as_printed (corrected)"),
+    "reading": (str, "NAME", "formulas of the Szilvasi-Nagy methods: corrected or as_printed (corrected)"),
+    "symmetric": (bool, None, "coons_extremal: over the three pairs of coordinates, so that no corner is favoured"),
+    "alpha": (_or_none(float), "A", "coons_bezier: the permanence patch with this alpha instead of the Coons patch (none)"),
 }
 
 
@@ -137,7 +139,8 @@ def parser() -> argparse.ArgumentParser:
     )
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
     for name, (kind, metavar, text) in OPTIONS.items():
-        fill.add_argument(f"--{name.replace('_', '-')}", type=kind, metavar=metavar, default=argparse.SUPPRESS, help=text)
+        value = {"action": "store_true"} if kind is bool else {"type": kind, "metavar": metavar}
+        fill.add_argument(f"--{name.replace('_', '-')}", default=argparse.SUPPRESS, help=text, **value)
     commands.add_parser("methods", help="list the constructions", description="Lists the constructions.")
     return main
 
@@ -260,7 +263,8 @@ def _fill(args: argparse.Namespace) -> int:
 def _methods() -> int:
     for name, method in tripatch.METHODS.items():
         fills = "" if method.fills_holes else "; blends surfaces, does not fill holes"
-        print(f"{name}\n    {method.description}\n    {method.continuity}{fills}\n    {method.citation}")
+        options = f"; options: {', '.join(method.options)}" if method.options else ""
+        print(f"{name}\n    {method.description}\n    {method.continuity}{fills}{options}\n    {method.citation}")
     return FILLED
 
 

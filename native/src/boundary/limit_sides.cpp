@@ -64,6 +64,11 @@ void refined_sides(const Mesh& cage, const Hole& hole, const Subdivision& settin
   MeshSides estimated = mesh_sides({refined.vertices, refined.faces}, fine);
   result.sides = std::move(estimated.sides);
   result.parameters = std::move(estimated.parameters);
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<double>& t = result.parameters[i];
+    const std::size_t per_edge = (t.size() - 1) / (hole.side(i).size() - 1);
+    for (std::size_t k = 0; k < t.size(); k += per_edge) result.sides[i].rim.push_back(t[k]);
+  }
   result.surroundings_error = estimated.surroundings_error;
   result.border.resize(static_cast<Index>(fine.rim.size()), 3);
   for (std::size_t k = 0; k < fine.rim.size(); ++k) result.border.row(static_cast<Index>(k)) = refined.vertices.row(fine.rim[k]);
@@ -131,6 +136,7 @@ LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& se
           field([&](double t, const LimitJet& j) { return second_across(j, unit_normal(surface, place, t, j), across(t, j)); }));
     }
     result.sides[i] = {PiecewisePolynomial::joined(c), PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
+    for (int e = 0; e <= edges; ++e) result.sides[i].rim.push_back(static_cast<double>(e) / edges);
 
     for (int e = 1; e < edges; ++e) {
       const double kink = degrees_between(c[e - 1].derivative_at(1), c[e].derivative_at(0));

@@ -310,11 +310,11 @@ BoundaryCurves bezier_sides(const Boundary& boundary) {
   return curves;
 }
 
-SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind) {
+SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind, std::optional<double> alpha, std::vector<std::string>* warnings) {
   BoundaryCurves curves = bezier_sides(boundary);
   if (kind == CoonsKind::mask && curves[0].rows() % 2 == 1)
     for (Points& curve : curves) curve = elevated_curve(curve);
-  return std::make_shared<BezierTriangle>(coons_bezier(curves, kind));
+  return std::make_shared<BezierTriangle>(coons_bezier(curves, kind, alpha, warnings));
 }
 
 }  // namespace tripatch

@@ -42,12 +42,14 @@ std::function<SurfacePtr(const Boundary&, const MethodOptions&)> from_curves(
 }  // namespace
 
 std::span<const Method> methods() {
+  static const std::vector<std::string> slopes = {"cross_boundary", "bulge"}, lambda = {"shape", "reading"};
   static const std::vector<Method> all = {
       {"gordon_coons",
        "Boolean sum of linear lofts between the curves",
        "Barnhill, Birkhoff and Gordon 1973; Szilvasi-Nagy and Szabo 2006",
        true,
        "G0",
+       {},
        from_curves(gordon_coons),
        {}},
       {"triangular_coons",
@@ -55,6 +57,7 @@ std::span<const Method> methods() {
        "Nielson, Thomas and Wixom 1978",
        true,
        "G0",
+       {},
        from_curves(triangular_coons),
        {}},
       {"barnhill_birkhoff_gordon",
@@ -62,19 +65,24 @@ std::span<const Method> methods() {
        "Barnhill, Birkhoff and Gordon 1973",
        true,
        "G1",
+       slopes,
        plain(barnhill_birkhoff_gordon),
        {}},
       {"nielson_blend", "Three surfaces, one for each side, blended by the side weights", "Nielson 1979; Szilvasi-Nagy 2003",
-       true, "G1", [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
+       true, "G1", slopes, [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
        [](const Surfaces& surfaces, const MethodOptions&) { return nielson_blend(surfaces); }},
       {"szilvasi_nagy_c0", "Coons-type blend of three surfaces with shape parameters, position",
-       "Szilvasi-Nagy and Szabo 2006, Definition 1", true, "G0",
+       "Szilvasi-Nagy and Szabo 2006, Definition 1", true, "G0", lambda,
        [](const Boundary& boundary, const MethodOptions& options) {
          return szilvasi_nagy(hole_surfaces(boundary, 0), 0, options);
        },
        [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 0, options); }},
-      {"szilvasi_nagy_c1", "Coons-type blend of three surfaces with shape parameters, position and tangent plane",
-       "Szilvasi-Nagy and Szabo 2006, Definition 2", true, "G1",
+      {"szilvasi_nagy_c1",
+       "Coons-type blend of three surfaces with shape parameters, position and tangent plane",
+       "Szilvasi-Nagy and Szabo 2006, Definition 2",
+       true,
+       "G1",
+       {"cross_boundary", "bulge", "shape", "reading"},
        [](const Boundary& boundary, const MethodOptions& options) {
          return szilvasi_nagy(hole_surfaces(boundary, 1), 1, options);
        },
@@ -84,6 +92,7 @@ std::span<const Method> methods() {
        "Nielson 1979; Hagen 1986",
        true,
        "G1",
+       slopes,
        plain(side_vertex),
        {}},
       {"quintic",
@@ -91,6 +100,7 @@ std::span<const Method> methods() {
        "Zhang, Ji and Yang 2005",
        true,
        "G1",
+       slopes,
        plain(quintic),
        {}},
       {"gregory",
@@ -98,6 +108,7 @@ std::span<const Method> methods() {
        "Gregory 1974",
        true,
        "G1",
+       slopes,
        plain(gregory),
        {}},
       {"coons_bezier",
@@ -105,20 +116,28 @@ std::span<const Method> methods() {
        "Arnal and Lluch, Definition 1",
        true,
        "G0",
-       [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::discrete); },
+       {"alpha"},
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return coons_fill(boundary, options.alpha ? CoonsKind::permanence : CoonsKind::discrete, options.alpha,
+                           options.warnings);
+       },
        {}},
       {"coons_extremal",
        "Bezier triangle with the least integral of |x_uv|^2 between the three sides",
        "Arnal and Lluch, Propositions 2 and 3",
        true,
        "G0",
-       [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::extremal); },
+       {"symmetric"},
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return coons_fill(boundary, options.symmetric ? CoonsKind::extremal_symmetric : CoonsKind::extremal);
+       },
        {}},
       {"coons_mask",
        "Bezier triangle whose net satisfies the mask of the cubic extremals",
        "Arnal and Lluch, eq. 11",
        true,
        "G0",
+       {},
        [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::mask); },
        {}},
   };

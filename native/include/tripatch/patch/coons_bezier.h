@@ -50,6 +50,7 @@ Eigen::MatrixXd mask_equations(int degree, CoonsKind kind, double alpha = coons_
 BoundaryCurves bezier_sides(const Boundary& boundary);
 
 /// coons_bezier on the sides of a hole. The mask takes the next odd degree, where its system is regular.
-SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind);
+SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind, std::optional<double> alpha = {},
+                      std::vector<std::string>* warnings = nullptr);
 
 }  // namespace tripatch

@@ -3,27 +3,34 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
 
+/// Options of single constructions; the others do not read them.
 struct MethodOptions {
-  std::array<double, 3> shape = {0.5, 0.5, 0.5};  ///< lambda, by side, in (0, 1)
-  bool optimal_shape = false;
-  bool as_printed = false;
+  std::array<double, 3> shape = {0.5, 0.5, 0.5};  ///< lambda of the Szilvasi-Nagy methods, by side, in (0, 1)
+  bool optimal_shape = false;                     ///< lambda by the least thin-plate energy instead
+  bool as_printed = false;                        ///< the Szilvasi-Nagy methods as their paper prints them, mistakes included
+  bool symmetric = false;                         ///< coons_extremal: the functional summed over the three pairs of coordinates
+  std::optional<double> alpha = {};               ///< coons_bezier: the permanence patch with this alpha instead
+  std::vector<std::string>* warnings = nullptr;   ///< where a construction says what its user should know
 };
 
 struct Method {
   const char* name;
   const char* description;
   const char* citation;
-  bool fills_holes;        ///< can be made from the three sides of a hole
-  const char* continuity;  ///< "G0" or "G1": what it keeps along the sides
+  bool fills_holes;                  ///< can be made from the three sides of a hole
+  const char* continuity;            ///< "G0" or "G1": what it keeps along the sides
+  std::vector<std::string> options;  ///< names of the options of `fill` that it reads and not every method does
   /// From the boundary of a hole; empty where fills_holes is false.
   std::function<SurfacePtr(const Boundary&, const MethodOptions&)> from_boundary;
   /// From three surfaces over one triangle, surface i carries side i; empty where it does not apply.

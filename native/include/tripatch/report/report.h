@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tripatch/boundary/side.h"
@@ -19,6 +20,8 @@ struct Report {
   std::string fairing;            ///< name of the energy used, empty: none
   double energy_before = 0;
   double energy_after = 0;
+  /// The optimiser's path where lambda of a Szilvasi-Nagy method was to be optimal: (lambda, thin-plate energy), the last was taken.
+  std::vector<std::pair<std::array<double, 3>, double>> shape_path;
   Index folds = 0;                           ///< on a 64 x 64 grid
   std::array<Index, 3> corners = {0, 0, 0};  ///< vertex indices
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
