@@ -10,6 +10,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from . import filling, library
+from .construction import Construction
 from .library import np, tripatch
 from .selection import UnusableError
 
@@ -155,17 +156,7 @@ def _seam(patch, loop):
     return largest
 
 
-def _method_items():
-    if library.missing:
-        return [("side_vertex", "Side Vertex", "")]
-    return [
-        (name, name.replace("_", " ").title(), f"{method.description} ({method.citation})")
-        for name, method in tripatch.METHODS.items()
-        if method.fills_holes
-    ]
-
-
-class OBJECT_OT_fill_between_patches(bpy.types.Operator):
+class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
     """Fill the three-sided hole between three selected surface objects by a new mesh that continues them"""
 
     bl_idname = "object.fill_between_patches"
@@ -198,15 +189,6 @@ class OBJECT_OT_fill_between_patches(bpy.types.Operator):
         ],
         default="auto",
     )
-    method: EnumProperty(name="Method", description="Construction of the patch", items=_method_items(), default="side_vertex")
-    bulge: FloatProperty(
-        name="Bulge",
-        description="Scale of the slopes with which the fill leaves its sides; the corners are kept",
-        min=0.01,
-        soft_max=4.0,
-        max=100.0,
-        default=1.0,
-    )
 
     @classmethod
     def poll(cls, context):
@@ -221,11 +203,18 @@ class OBJECT_OT_fill_between_patches(bpy.types.Operator):
             return False
         return True
 
+    def draw(self, context):
+        row = self.rows()
+        row("tolerance")
+        row("resolution")
+        row("continuity", active=self.keeps_tangents())
+        self.construction_rows(row)
+
     def execute(self, context):
         objects = sorted((ob for ob in context.selected_objects if ob.type == "SURFACE"), key=lambda ob: ob.name)
         try:
             loop, gap = _loop(objects, self.tolerance)
-            patch = tripatch.patch(_joined(loop), self.method, continuity=self.continuity, bulge=self.bulge)
+            patch = tripatch.patch(_joined(loop), **self.construction())
             barycentric, faces = patch.triangles(tuple(self.resolution or edge.count for edge in loop))
         except ValueError as reason:  # Refusal, UnusableError, InvalidArgument
             self.report({"ERROR"}, str(reason))

@@ -29,6 +29,16 @@ def _three(text):
     return corners
 
 
+def _shape(text):
+    if text == "optimal":
+        return text
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither numbers nor optimal") from None
+    return values[0] if len(values) == 1 else values
+
+
 def _parser(prog):
     methods = [name for name, method in library.tripatch.METHODS.items() if method.fills_holes]
     parser = argparse.ArgumentParser(prog=prog, description="Fills three-sided holes in the meshes of a .blend.", epilog=_EPILOG)
@@ -56,6 +66,11 @@ def _parser(prog):
         "--surroundings", choices=["mesh", "limit"], default="mesh", help="limit: as the modifier draws them, the fill beside"
     )
     parser.add_argument("--bulge", type=float, default=1.0)
+    parser.add_argument("--cross-boundary", choices=["given", "consistent", "as_printed"], default="consistent")
+    parser.add_argument("--shape", type=_shape, default=0.5, metavar="L[,L,L]", help="lambda, from 0 to 1, by side; or optimal")
+    parser.add_argument("--reading", choices=["corrected", "as_printed"], default="corrected")
+    parser.add_argument("--symmetric", action="store_true", help="coons_extremal: favour no corner")
+    parser.add_argument("--alpha", type=float, help="coons_bezier: the permanence patch with this alpha")
     parser.add_argument("--corner-offset", type=int, default=0, help="slide the corners along the rim by so many vertices")
     parser.add_argument("--shading", choices=["neighbors", "smooth", "flat"], default="neighbors")
     parser.add_argument("--report", metavar="FILE.json")
@@ -139,7 +154,10 @@ def _rims(bm, matrix, arguments):
     return found
 
 
-_OF_FILL = ("method", "continuity", "surroundings", "bulge", "resolution", "tolerance", "cage_rim", "odd", "pole_offset")
+_OF_FILL = (
+    *("method", "continuity", "surroundings", "bulge", "resolution", "tolerance", "cage_rim", "odd", "pole_offset"),
+    *("cross_boundary", "shape", "reading", "symmetric", "alpha"),
+)
 
 
 def _options(ob, arguments):

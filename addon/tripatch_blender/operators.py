@@ -8,19 +8,10 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from . import beside, filling, library, selection, subdivision
+from .construction import Construction
 
 
-def _method_items():
-    if library.missing:
-        return [("side_vertex", "Side Vertex", "")]
-    return [
-        (name, name.replace("_", " ").title(), f"{method.description} ({method.citation})")
-        for name, method in library.tripatch.METHODS.items()
-        if method.fills_holes
-    ]
-
-
-class MESH_OT_fill_three_sided(bpy.types.Operator):
+class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
     """Fill selected three-sided holes so that the surface continues smoothly"""
 
     bl_idname = "mesh.fill_three_sided"
@@ -110,15 +101,6 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
         ],
         default="auto",
     )
-    method: EnumProperty(name="Method", description="Construction of the patch", items=_method_items(), default="side_vertex")
-    bulge: FloatProperty(
-        name="Bulge",
-        description="Scale of the slopes with which the fill leaves its sides; the corners are kept",
-        min=0.01,
-        soft_max=4.0,
-        max=100.0,
-        default=1.0,
-    )
     corner_offset: IntProperty(
         name="Corner Offset",
         description="Slide the three corners along the rim by this many vertices",
@@ -162,17 +144,7 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
         return True
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-
-        def row(*names, active=True):
-            made = layout.row(align=True)
-            made.active = active
-            for name in names:
-                made.prop(self, name)
-
-        tangent = self._keeps_tangents()
+        row = self.rows()
         cage, quads = self.output == "cage", self.output == "quads"
         row("output")
         if cage:
@@ -180,7 +152,7 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
             row("cage_rim")
             row("odd")
             row("pole_offset")
-            row("method")
+            self.construction_rows(row)
             row("corner_offset", "shading")
             row("add_modifier", active=not all(map(subdivision.modifier_of, context.objects_in_mode_unique_data)))
             return
@@ -188,27 +160,21 @@ class MESH_OT_fill_three_sided(bpy.types.Operator):
             row("rows", "odd")
         else:
             row("resolution")
-        row("continuity", active=tangent)
-        row("method")
-        row("bulge", active=tangent and self.continuity != "G0")
+        row("continuity", active=self.keeps_tangents())
+        self.construction_rows(row)
         row("corner_offset")
         row("shading")
         row("surroundings", active=any(map(subdivision.modifier_of, context.objects_in_mode_unique_data)))
 
-    def _keeps_tangents(self):
-        return library.tripatch.METHODS[self.method].continuity != "G0"
-
     def _options(self):
-        names = ["output", "continuity", "method", "bulge"]
+        names = ["output"]
         if self.output != "triangles":
             names += ["odd", "pole_offset"]
         if self.output == "cage":
             names += ["cage_rim"]
         else:
             names += ["surroundings"]
-        arguments = {name: getattr(self, name) for name in names}
-        if not self._keeps_tangents():
-            arguments["continuity"] = "auto"  # the row is greyed out
+        arguments = self.construction() | {name: getattr(self, name) for name in names}
         if self.output == "triangles":
             arguments["resolution"] = self.resolution or None
         else:

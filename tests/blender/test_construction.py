@@ -1,0 +1,94 @@
+"""The options of single methods in the panels, in the operators and without a window."""
+
+import importlib
+import types
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+import tripatch
+
+VALUES = {  # of an operator; of a command; of tripatch.fill
+    "bulge": ({"bulge": 1.5}, ["--bulge", "1.5"], {"bulge": 1.5}),
+    "cross_boundary": ({"cross_boundary": "given"}, ["--cross-boundary", "given"], {"cross_boundary": "given"}),
+    "shape": ({"shape": (0.25, 0.5, 0.75)}, ["--shape", "0.25,0.5,0.75"], {"shape": (0.25, 0.5, 0.75)}),
+    "optimal": ({"optimal_shape": True}, ["--shape", "optimal"], {"shape": "optimal"}),
+    "reading": ({"reading": "as_printed"}, ["--reading", "as_printed"], {"reading": "as_printed"}),
+    "symmetric": ({"symmetric": True}, ["--symmetric"], {"symmetric": True}),
+    "alpha": ({"permanence": True, "alpha": 0.125}, ["--alpha", "0.125"], {"alpha": 0.125}),
+}
+CASES = [(method, name) for method, about in tripatch.METHODS.items() for name in about.options] + [
+    ("szilvasi_nagy_c0", "optimal"),
+    ("szilvasi_nagy_c1", "optimal"),
+]
+
+
+def add_uneven_hole():
+    """A hole without symmetry: otherwise some options change nothing."""
+    ob = scenes.add_hole(lambda p: np.column_stack([p, np.sin(3 * p[:, 0] + 1) * np.cos(2 * p[:, 1]) + 0.5 * p[:, 0] ** 3]))
+    ob.name = "A"
+    return ob
+
+
+def new_points(ob, before):
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return np.array([v.co for v in ob.data.vertices])[before:]
+
+
+def expected(ob, method, options):
+    vertices = np.array([v.co for v in ob.data.vertices])
+    faces = [list(p.vertices) for p in ob.data.polygons]
+    rim = min(tripatch.find_holes(faces), key=len)
+    return tripatch.fill(vertices, faces, rim=rim, method=method, **options).vertices
+
+
+@pytest.mark.parametrize(("method", "name"), CASES)
+def test_the_operator_hands_them_on(method, name):
+    ob = add_uneven_hole()
+    count = len(ob.data.vertices)
+    own, _, options = VALUES[name]
+    wanted, plain = expected(ob, method, options), expected(ob, method, {})
+    scenes.edit(ob)
+    assert bpy.ops.mesh.fill_three_sided(method=method, **own) == {"FINISHED"}
+    points = new_points(ob, count)
+    np.testing.assert_allclose(points, wanted, atol=2e-6)
+    assert wanted.shape != plain.shape or np.abs(wanted - plain).max() > 1e-5
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_so_does_the_command_line(addon, tmp_path, name):
+    ob = add_uneven_hole()
+    count = len(ob.data.vertices)
+    method = next(m for m, of in CASES if of == name)
+    _, arguments, options = VALUES[name]
+    wanted = expected(ob, method, options)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
+    command_line = importlib.import_module(addon.__name__ + ".command_line")
+    assert command_line.main(["--method", method, *arguments, "--out", str(tmp_path / "out.blend")]) == 0
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
+    np.testing.assert_allclose(new_points(bpy.data.objects["A"], count), wanted, atol=2e-6)
+
+
+@pytest.mark.parametrize("method", tripatch.METHODS)
+def test_the_panel_shows_the_options_that_the_method_has(addon, method):
+    construction = importlib.import_module(addon.__name__ + ".construction").Construction
+    shown = {}
+    state = types.SimpleNamespace(method=method, continuity="auto", optimal_shape=True, permanence=False)
+    construction.construction_rows(state, lambda *names, active=True: shown.update(dict.fromkeys(names, active)))
+    options = {"optimal_shape" if name == "shape" else name for name in tripatch.METHODS[method].options}
+    assert set(shown) - {"shape", "permanence"} == options | {"method"}
+    assert shown.get("shape", False) is False and shown.get("alpha", False) is False  # greyed
+    state.continuity = "G0"
+    construction.construction_rows(state, lambda *names, active=True: shown.update(dict.fromkeys(names, active)))
+    assert shown.get("bulge", False) is False
+
+
+@pytest.mark.parametrize("shape", ["0.5,x", "0.2,0.3", "0,0.5,0.5"])
+def test_a_wrong_shape_is_named(addon, tmp_path, capsys, shape):
+    add_uneven_hole()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
+    command_line = importlib.import_module(addon.__name__ + ".command_line")
+    arguments = ["--method", "szilvasi_nagy_c1", "--shape", shape, "--out", str(tmp_path / "out.blend")]
+    assert command_line.main(arguments) == 2
+    assert "shape" in capsys.readouterr().err
