@@ -204,7 +204,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         return True
 
     def draw(self, context):
-        row = self.rows()
+        row = self.panel()
         row("tolerance")
         row("resolution")
         row("continuity", active=self.keeps_tangents())

@@ -78,7 +78,7 @@ class Construction:
         precision=4,
     )
 
-    def rows(self):
+    def panel(self):
         """row(*names, active=True) puts properties into the panel."""
         layout = self.layout
         layout.use_property_split = True

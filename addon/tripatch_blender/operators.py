@@ -144,7 +144,7 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         return True
 
     def draw(self, context):
-        row = self.rows()
+        row = self.panel()
         cage, quads = self.output == "cage", self.output == "quads"
         row("output")
         if cage:

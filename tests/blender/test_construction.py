@@ -84,6 +84,39 @@ def test_the_panel_shows_the_options_that_the_method_has(addon, method):
     assert shown.get("bulge", False) is False
 
 
+class Layout:
+    def __init__(self):
+        self.shown = []
+
+    def row(self, align):
+        return self
+
+    def prop(self, operator, name):
+        assert hasattr(operator, name)
+        self.shown.append(name)
+
+
+@pytest.mark.parametrize("method", ["quintic", "szilvasi_nagy_c1", "coons_bezier"])
+@pytest.mark.parametrize("output", ["triangles", "quads", "cage", None])
+def test_panels_are_drawn(addon, method, output):
+    kind = ("operators", "MESH_OT_fill_three_sided") if output else ("between_patches", "OBJECT_OT_fill_between_patches")
+    operator = getattr(importlib.import_module(f"{addon.__name__}.{kind[0]}"), kind[1])
+    rna = (bpy.ops.mesh.fill_three_sided if output else bpy.ops.object.fill_between_patches).get_rna_type()
+    stub = types.SimpleNamespace(layout=Layout())
+    for base in reversed(operator.__mro__):
+        for name, function in vars(base).items():
+            if isinstance(function, types.FunctionType):
+                setattr(stub, name, types.MethodType(function, stub))
+    for prop in rna.properties:  # they hide functions of the same name
+        setattr(stub, prop.identifier, getattr(prop, "default", None))
+    stub.method, stub.output = method, output
+    stub.draw(bpy.context)
+    shown = stub.layout.shown
+    assert shown and len(shown) == len(set(shown)) and set(shown) <= {p.identifier for p in rna.properties}
+    assert {"method", "resolution" if output in ("triangles", None) else "rows"} <= set(shown)
+    assert ("cross_boundary" in shown) == (method != "coons_bezier") and ("alpha" in shown) == (method == "coons_bezier")
+
+
 @pytest.mark.parametrize("shape", ["0.5,x", "0.2,0.3", "0,0.5,0.5"])
 def test_a_wrong_shape_is_named(addon, tmp_path, capsys, shape):
     add_uneven_hole()
