@@ -251,8 +251,9 @@ TEST_CASE("planes of a mesh: r points outward, r x c' is the outer side, planes 
     for (const Side& side : s.sides)
       for (double t : {0.0, 0.2, 0.5, 0.8, 1.0}) {
         CHECK(side.normal(t).dot(surface.normal(side.c(t))) > 0.99);
-        CHECK(side.r(t).dot(side.c(t) - middle) > 0);
-        CHECK(side.r(t).norm() / side.c.derivative_at(t).norm() == Approx(1).margin(0.3));
+        const Vec3 along = side.c.derivative_at(t).normalized(), across = side.r(t) - along * along.dot(side.r(t));
+        CHECK(across.dot(side.c(t) - middle) > 0);
+        CHECK(across.norm() / side.c.derivative_at(t).norm() == Approx(1).margin(0.3));
       }
   }
 }

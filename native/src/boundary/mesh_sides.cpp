@@ -442,6 +442,33 @@ PiecewisePolynomial quintic(const std::vector<double>& t, const std::vector<Vec3
   return {t, 5, 3, coefficients};
 }
 
+/// v of the plane with normal `from` carried into the plane with normal `to` without turning (Levi-Civita's transport).
+Vec3 carried(const Vec3& v, const Vec3& from, const Vec3& to) { return Eigen::Quaterniond::FromTwoVectors(from, to) * v; }
+
+/// The cross derivative to be read at each vertex of a side with normals n and derivatives dc: one unit across, and along it as
+/// much as the corners' own cross derivatives have, carried along the side and mixed. So alpha and beta of the ribbons, which are
+/// linear, need not undo along the side what r does there.
+std::vector<Vec3> cross_derivatives(const std::vector<double>& t, const std::vector<Vec3>& n, const std::vector<Vec3>& dc,
+                                    const Vec3& start, const Vec3& end) {
+  const std::size_t last = n.size() - 1;
+  const auto flat = [&](const Vec3& v, std::size_t k) { return Vec3(v - n[k] * n[k].dot(v)); };
+  std::vector<Vec3> forth(n.size()), back(n.size()), r;
+  forth[0] = flat(start, 0);
+  back[last] = flat(end, last);
+  for (std::size_t k = 1; k <= last; ++k) {
+    forth[k] = flat(carried(forth[k - 1], n[k - 1], n[k]), k);
+    back[last - k] = flat(carried(back[last - k + 1], n[last - k + 1], n[last - k]), last - k);
+  }
+  for (std::size_t k = 0; k <= last; ++k) {
+    const Vec3 wanted = (1 - t[k]) * forth[k] + t[k] * back[k], across = dc[k].cross(n[k]).normalized(),
+               along = dc[k].normalized();
+    // where the rim hardly turns at the corners: no more than a slant of about 73 degrees
+    const double out = wanted.dot(across), least = 0.3 * wanted.norm();
+    r.push_back(across + wanted.dot(along) / (0.5 * (out + std::sqrt(out * out + 4 * least * least))) * along);
+  }
+  return r;
+}
+
 /// What a stencil has reached: the number of the stencil.
 struct Marks {
   std::vector<int> vertex, face;
@@ -686,24 +713,32 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     drafts[out].normal.front() = n;
   }
 
+  // The spline's derivatives, laid into the planes.
+  std::array<std::vector<Vec3>, 3> tangents;
   for (int i = 0; i < 3; ++i) {
-    Draft& side = drafts[i];
+    const Draft& side = drafts[i];
     const int edges = static_cast<int>(side.vertex.size()) - 1;
-    // The spline's derivatives, laid into the planes.
     const PiecewisePolynomial draft = curve(w, side);
-    std::vector<Vec3> c, dc, r, dr, q;
     for (int k = 0; k <= edges; ++k) {
-      const Vec3& n = side.normal[k];
-      const Eigen::Matrix3d& form = side.second[k];
       const Vec3 along = draft.derivative_at(side.t[k]);
-      Vec3 flat = along - n * n.dot(along);
+      Vec3 flat = along - side.normal[k] * side.normal[k].dot(along);
       // one edge: the length that makes a circular arc of two equal angles, |chord| / cos^2(angle / 2)
       const double cosine = flat.norm() / along.norm();
       flat *= (edges == 1 ? 2 / (1 + cosine) : 1) / cosine;
+      tangents[i].push_back(flat);
+    }
+  }
+
+  for (int i = 0; i < 3; ++i) {
+    const Draft& side = drafts[i];
+    const int edges = static_cast<int>(side.vertex.size()) - 1;
+    std::vector<Vec3> dc = tangents[i];
+    const Vec3 start = tangents[(i + 2) % 3].back() + 0.5 * dc.front(), end = -tangents[(i + 1) % 3].front() - 0.5 * dc.back();
+    std::vector<Vec3> c, dr, q, r = cross_derivatives(side.t, side.normal, dc, start, end);
+    for (int k = 0; k <= edges; ++k) {
+      r[k] *= side.length;
       c.push_back(w.position[side.vertex[k]]);
-      dc.push_back(flat);
-      r.push_back(side.length * flat.cross(n).normalized());
-      q.push_back(r.back().dot(form * r.back()) * n);
+      q.push_back(r[k].dot(side.second[k] * r[k]) * side.normal[k]);
     }
     const PiecewisePolynomial draft_r = spline(side.t, r);
     std::vector<Vec3> ddc = second_derivatives(side.t, c, dc);
