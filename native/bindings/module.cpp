@@ -278,14 +278,15 @@ PYBIND11_MODULE(_native, m) {
     return fill({points, faces}, o);
   });
   m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                        const std::vector<std::vector<Index>>& rims, const py::dict& options) {
+                        const std::vector<std::vector<Index>>& rims, const py::dict& options,
+                        const std::vector<std::optional<std::array<Index, 3>>>& rim_corners) {
     const FillOptions o = options_from(options);
     const Faces faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     std::vector<std::variant<Fill, Refused>> results;
     {
       py::gil_scoped_release release;
-      results = fill_all({points, faces}, rims, o);
+      results = fill_all({points, faces}, rims, o, rim_corners);
     }
     py::list out;
     for (auto& result : results) {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
 #include <sstream>
 #include <tuple>
 
@@ -166,49 +169,97 @@ LayoutOptions layout_options(const FillOptions& options) {
   return {options.resolution, options.tolerance, options.odd == "split", options.pole_offset};
 }
 
-/// The fill as a cage; its report has the seam between the limit surfaces.
-Fill cage_of(const Mesh& mesh, const Hole& hole, const FillOptions& options, const Method& method) {
+/// Fills as cages, fitted together; their reports have the seams between the limit surfaces.
+std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, const FillOptions& options, const Method& method) {
   const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
-  Report fairing;
-  const auto fair_patch = [&](const Sides& sides) {
+  const RibbonOptions ribbons = ribbon_options(options, continuity);
+  const auto patch_on = [&](const Sides& sides, const std::string& fairing) {
     Fill made;
     made.sides = sides;
-    const RibbonOptions ribbons = ribbon_options(options, continuity);
     const Boundary boundary = make_boundary(sides, ribbons);
     made.patch = construct(method, boundary, options, made.report);
-    // The limit rim of an open cage is smooth at its corners, and a cage follows bending better than variation of curvature: its
-    // surroundings then move a fifth to an eighth as much. A region to be replaced has ordinary corners on a known surface.
     FillOptions wanted = options;
-    if (wanted.fairing == "auto" && options.replaced.empty()) wanted.fairing = "thin_plate";
+    if (wanted.fairing == "auto") wanted.fairing = fairing;
     make_fair(method, ribbons, boundary, wanted, made);
-    fairing = made.report;
-    return made.patch;
+    return made;
   };
+  // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
+  // sharply behind it, and no cage follows. Elsewhere curvature shall vary least.
+  const std::string fairing = options.cage_rim == CageRim::exact ? "none"
+                              : options.replaced.empty()         ? "minimum_variation"
+                                                                 : "auto";
+  std::vector<Fill> results(holes.size());
+  std::vector<CageRequest> requests;
+  for (std::size_t h = 0; h < holes.size(); ++h)
+    requests.push_back({holes[h],
+                        [&patch_on, &result = results[h], &fairing](const Sides& sides) {
+                          result = patch_on(sides, fairing);
+                          return result.patch;
+                        },
+                        [&patch_on](const Sides& sides) { return patch_on(sides, "thin_plate").patch; }});
   CageOptions cage_options;
   cage_options.rim = options.cage_rim;
-  CageFill cage =
-      fill_with_cage(mesh, hole, options.subdivision, options.replaced, layout_options(options), cage_options, fair_patch);
-  Fill result;
-  result.vertices = std::move(cage.vertices);
-  result.faces = std::move(cage.faces);
-  result.barycentric = std::move(cage.barycentric);
-  result.rim = hole.rim;
-  result.rim_barycentric = std::move(cage.rim_barycentric);
-  result.normals = cage.patch->normals(result.barycentric);
-  result.rim_normals = cage.patch->normals(result.rim_barycentric);
-  result.split_edges = std::move(cage.split_edges);
-  result.split_t = std::move(cage.split_t);
-  result.moved = std::move(cage.moved);
-  result.moved_to = std::move(cage.moved_to);
-  result.creases = std::move(cage.creases);
-  result.patch = std::move(cage.patch);
-  result.sides = std::move(cage.sides);
-  result.report = std::move(cage.report);
-  result.report.fairing = fairing.fairing;
-  result.report.energy_before = fairing.energy_before;
-  result.report.energy_after = fairing.energy_after;
-  result.report.shape_path = std::move(fairing.shape_path);
-  result.report.warnings.insert(result.report.warnings.end(), fairing.warnings.begin(), fairing.warnings.end());
+  std::vector<CageFill> cages =
+      fill_with_cages(mesh, requests, options.subdivision, options.replaced, layout_options(options), cage_options);
+  for (std::size_t h = 0; h < holes.size(); ++h) {
+    Fill& result = results[h];
+    CageFill& cage = cages[h];
+    result.vertices = std::move(cage.vertices);
+    result.faces = std::move(cage.faces);
+    result.barycentric = std::move(cage.barycentric);
+    result.rim = holes[h].rim;
+    result.rim_barycentric = std::move(cage.rim_barycentric);
+    result.patch = std::move(cage.patch);
+    result.sides = std::move(cage.sides);
+    result.normals = result.patch->normals(result.barycentric);
+    result.rim_normals = result.patch->normals(result.rim_barycentric);
+    result.split_edges = std::move(cage.split_edges);
+    result.split_t = std::move(cage.split_t);
+    result.moved = std::move(cage.moved);
+    result.moved_to = std::move(cage.moved_to);
+    result.creases = std::move(cage.creases);
+    const Report fair = std::move(result.report);
+    result.report = std::move(cage.report);
+    result.report.fairing = fair.fairing;
+    result.report.energy_before = fair.energy_before;
+    result.report.energy_after = fair.energy_after;
+    result.report.shape_path = fair.shape_path;
+    result.report.warnings.insert(result.report.warnings.begin(), fair.warnings.begin(), fair.warnings.end());
+    result.report.folds = count_folds(*result.patch, result.sides);
+  }
+  return results;
+}
+
+/// Holes in groups: those that share faces of their first two rings belong together.
+std::vector<std::vector<std::size_t>> groups_of(const Mesh& mesh, const std::vector<Hole>& holes,
+                                                const std::vector<Index>& replaced) {
+  std::vector<std::size_t> group(holes.size());
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  const auto root = [&](std::size_t h) {
+    while (group[h] != h) h = group[h];
+    return h;
+  };
+  std::vector<std::vector<Index>> faces_at(mesh.vertices.rows());
+  const std::set<Index> gone(replaced.begin(), replaced.end());
+  for (Index f = 0; f < mesh.faces.size(); ++f)
+    if (!gone.contains(f))
+      for (Index v : mesh.faces[f]) faces_at[v].push_back(f);
+  std::map<Index, std::size_t> owner;
+  for (std::size_t h = 0; h < holes.size(); ++h) {
+    std::set<Index> front(holes[h].rim.begin(), holes[h].rim.end()), faces;
+    for (int ring = 0; ring < 2; ++ring) {
+      for (Index v : front) faces.insert(faces_at[v].begin(), faces_at[v].end());
+      for (Index f : faces) front.insert(mesh.faces[f].begin(), mesh.faces[f].end());
+    }
+    for (Index f : faces) {
+      const auto [place, fresh] = owner.try_emplace(f, h);
+      if (!fresh) group[root(h)] = root(place->second);
+    }
+  }
+  std::map<std::size_t, std::vector<std::size_t>> members;
+  for (std::size_t h = 0; h < holes.size(); ++h) members[root(h)].push_back(h);
+  std::vector<std::vector<std::size_t>> result;
+  for (auto& [first, all] : members) result.push_back(std::move(all));
   return result;
 }
 
@@ -233,8 +284,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
 
   const Hole hole = hole_of(mesh, options);
   if (options.output == "cage") {
-    Fill result = cage_of(mesh, hole, options, method);
-    result.report.folds = count_folds(*result.patch, result.sides);
+    Fill result = std::move(cages_of(mesh, {hole}, options, method)[0]);
     finish(hole, {0, 0, 0}, result.report);
     result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
@@ -279,16 +329,71 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   return result;
 }
 
-std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
-                                                  const FillOptions& options) {
-  std::vector<std::variant<Fill, Refused>> results;
-  for (const std::vector<Index>& rim : rims) {
-    FillOptions one = options;
-    one.rim = rim;
+namespace {
+
+/// Cages for several holes: those whose surroundings overlap are fitted together.
+void fill_all_with_cages(const Mesh& mesh, const std::vector<FillOptions>& each,
+                         std::vector<std::variant<Fill, Refused>>& results) {
+  std::vector<Hole> holes;
+  std::vector<std::size_t> place;  // of each hole in the results
+  for (std::size_t k = 0; k < each.size(); ++k) {
     try {
-      results.emplace_back(fill(mesh, one));
+      check_options(each[k]);
+      holes.push_back(hole_of(mesh, each[k]));
+      place.push_back(k);
     } catch (const Refusal& refusal) {
-      results.emplace_back(Refused{refusal.what(), refusal.where()});
+      results[k] = Refused{refusal.what(), refusal.where()};
+    }
+  }
+  for (const std::vector<std::size_t>& group : groups_of(mesh, holes, each.empty() ? std::vector<Index>{} : each[0].replaced)) {
+    std::vector<Hole> together;
+    for (std::size_t h : group) together.push_back(holes[h]);
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      const FillOptions& options = each[place[group[0]]];
+      std::vector<Fill> fills = cages_of(mesh, together, options, find_method(options.method));
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      for (std::size_t k = 0; k < group.size(); ++k) {
+        finish(together[k], {0, 0, 0}, fills[k].report);
+        fills[k].report.seconds = seconds / static_cast<double>(group.size());
+        results[place[group[k]]] = std::move(fills[k]);
+      }
+    } catch (const Refusal& refusal) {
+      if (group.size() == 1) {
+        results[place[group[0]]] = Refused{refusal.what(), refusal.where()};
+        continue;
+      }
+      for (std::size_t h : group) {  // one of them stands in the way of the others
+        try {
+          results[place[h]] = fill(mesh, each[place[h]]);
+        } catch (const Refusal& alone) {
+          results[place[h]] = Refused{alone.what(), alone.where()};
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
+                                                  const FillOptions& options,
+                                                  const std::vector<std::optional<std::array<Index, 3>>>& corners) {
+  std::vector<FillOptions> each(rims.size(), options);
+  for (std::size_t k = 0; k < rims.size(); ++k) {
+    each[k].rim = rims[k];
+    if (k < corners.size()) each[k].corners = corners[k];
+  }
+  std::vector<std::variant<Fill, Refused>> results(rims.size());
+  if (options.output == "cage") {
+    fill_all_with_cages(mesh, each, results);
+    return results;
+  }
+  for (std::size_t k = 0; k < rims.size(); ++k) {
+    try {
+      results[k] = fill(mesh, each[k]);
+    } catch (const Refusal& refusal) {
+      results[k] = Refused{refusal.what(), refusal.where()};
     }
   }
   return results;

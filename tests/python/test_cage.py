@@ -135,3 +135,74 @@ def test_scale_and_motion():
     for scale in (1e-6, 1e6):
         moved = tripatch.fill(scale * vertices @ q.T, left, rim=rim, output="cage", resolution=0)
         assert np.abs(moved.vertices @ q / scale - plain.vertices).max() < 1e-6
+
+
+def test_exact_in_place_of_a_region_meets_what_the_crease_leaves():
+    vertices, faces, left, gone, rim = open_corner()
+    open_hole = tripatch.fill(vertices, left, rim=rim, output="cage", cage_rim="exact", resolution=0).report
+    region = tripatch.fill(vertices, faces, rim=rim, replaced=gone, output="cage", cage_rim="exact", resolution=0).report
+    assert region.seam_angle_median == pytest.approx(open_hole.seam_angle_median, rel=1e-3)
+    assert region.surroundings_moved_max > 0.01  # the crease opens the border, and that is said
+
+
+def two_corners(n=6, rings=2):
+    """Two corners of a cube sphere removed, with n - 2 rings quads between: their surroundings overlap."""
+    vertices, faces = cube_sphere(n)
+    left, _ = corner_removed(vertices, faces, rings)
+    left, _ = corner_removed(vertices * [1, 1, -1], left, rings)
+    return vertices, left, [rim for rim in tripatch.find_holes(left) if len(rim) == 6 * rings]
+
+
+def test_holes_that_share_surroundings_are_fitted_together():
+    vertices, left, rims = two_corners()
+    corners = [[v for v in rim if sum(v in face for face in left) == 3] for rim in rims]
+    together = tripatch.fill_all(vertices, left, rims, corners=corners, output="cage", resolution=0)
+    a, b = (fill.vertices for fill in together)
+    # mirror images, which they are not one after the other
+    assert np.abs(np.sort(np.round(a * [1, 1, -1], 6), axis=0) - np.sort(np.round(b, 6), axis=0)).max() < 3e-6
+    alone = tripatch.fill(vertices, left, rim=rims[0], corners=corners[0], output="cage", resolution=0)
+    assert np.abs(alone.vertices - a).max() > 1e-6
+    points, faces = np.concatenate([vertices, a, b]), [list(face) for face in left]
+    for fill, first in zip(together, (0, len(a)), strict=True):
+        faces += [[v + first if v >= len(vertices) else v for v in face] for face in fill.faces]
+    assert tripatch.find_holes(faces) == []
+    radii = np.linalg.norm(_native.limit_points(*_arrays.mesh(points, faces)), axis=1)
+    assert np.ptp(radii) < 0.04
+
+
+def test_holes_far_apart_are_filled_as_alone():
+    vertices, left, rims = two_corners(12)
+    corners = [[v for v in rim if sum(v in face for face in left) == 3] for rim in rims]
+    fills = tripatch.fill_all(vertices, left, rims, corners=corners, output="cage", resolution=0)
+    for fill, rim, three in zip(fills, rims, corners, strict=True):
+        alone = tripatch.fill(vertices, left, rim=rim, corners=three, output="cage", resolution=0)
+        assert np.abs(alone.vertices - fill.vertices).max() < 1e-12
+        assert np.abs(alone.limit(2)[0] - fill.limit(2)[0]).max() < 1e-12
+
+
+def test_a_refusal_of_one_cage_leaves_the_others():
+    vertices, left, rims = two_corners()
+    good, bad = tripatch.fill_all(vertices, left, [rims[0], rims[0][:5]], output="cage", resolution=0)
+    assert isinstance(good, tripatch.Fill) and isinstance(bad, tripatch.Refusal)
+
+
+def test_a_split_edge_keeps_its_crease():
+    vertices, faces = cube_sphere(6)
+    left, _ = corner_removed(vertices, faces, 2)
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 12)
+    a, b = int(rim[1]), int(rim[2])
+    face = next(f for f in left if a in f and b in f)
+    middle = len(vertices)
+    vertices = np.concatenate([vertices, [0.5 * (vertices[a] + vertices[b])]])
+    left = [f for f in left if f is not face] + [face]
+    face.insert(max(face.index(a), face.index(b)) if abs(face.index(a) - face.index(b)) == 1 else 4, middle)
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 13)
+    creased = lambda edge: {"edge_creases": (np.array([edge]), np.array([1.0]))}  # noqa: E731
+    corners = [int(rim[k]) for k in (0, 4, 8)]
+    plain = tripatch.fill(vertices, left, rim=rim, corners=corners, output="cage", resolution=0)
+    split = plain.split_edges[0][0]
+    sharp = tripatch.fill(
+        vertices, left, rim=rim, corners=corners, output="cage", resolution=0, subdivision=creased(split.tolist())
+    )
+    assert len(sharp.split_edges[0]) == 1
+    assert np.abs(sharp.vertices[1:] - plain.vertices[1:]).max() > 1e-4

@@ -66,8 +66,10 @@ struct Refused {
   std::string reason;
   std::vector<Index> where;
 };
-/// One result for each rim, in order; a refusal of one does not stop the others.
+/// One result for each rim, in order; a refusal of one does not stop the others. Cages whose surroundings overlap are fitted
+/// together. corners: of each rim (shorter: detected); options.replaced: the faces in all of them.
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
-                                                  const FillOptions& options = {});
+                                                  const FillOptions& options = {},
+                                                  const std::vector<std::optional<std::array<Index, 3>>>& corners = {});
 
 }  // namespace tripatch

@@ -123,9 +123,8 @@ class Fill:
         """
         if self._mesh is None:
             raise ValueError("only a fill with output='cage' has a limit surface")
-        vertices, offsets, corners, replaced, settings = self._mesh
         _whole(level, "level", 1, 8)
-        return _limit_of_cage(self, vertices, offsets, corners, replaced, settings, level)
+        return _limit_of_cage(self, *self._mesh, level)
 
     def __repr__(self) -> str:
         return (
@@ -134,23 +133,32 @@ class Fill:
         )
 
 
-def _limit_of_cage(fill: Fill, vertices, offsets, corners, replaced, settings, level) -> tuple[np.ndarray, np.ndarray]:
-    """The cage with the fill in place, and its limit surface there."""
-    points = np.concatenate([vertices, fill.vertices])
-    points[fill.moved[0]] = fill.moved[1]
-    n, gone = len(vertices), set(replaced)
+def _limit_of_cage(fill: Fill, vertices, offsets, corners, replaced, settings, others, level) -> tuple[np.ndarray, np.ndarray]:
+    """The cage with the fill, and others that were fitted together with it, in place; and its limit surface in the fill."""
+    gone = set(replaced)
+    points = vertices.copy()
     faces = [corners[a:b].tolist() for f, (a, b) in enumerate(zip(offsets, offsets[1:], strict=False)) if f not in gone]
-    for k, edge in enumerate(fill.split_edges[0].tolist()):
-        for face in faces:
-            for place, v in enumerate(face):
-                if {v, face[(place + 1) % len(face)]} == set(edge):
-                    face.insert(place + 1, n + k)
-                    break
-    first = len(faces)
-    subdivision = _native.Subdivision(settings)
-    subdivision.crease_edges = subdivision.crease_edges + fill.creases[0].tolist()
-    subdivision.edge_creases = subdivision.edge_creases + fill.creases[1].tolist()
-    limit, quads = _native._sample_limit(points, *_arrays.faces(faces + fill.faces), subdivision, first, level)
+    subdivision, first = _native.Subdivision(settings), 0
+    for each in [*(other for other in others if other is not fill), fill]:
+        n, by = len(vertices), len(points) - len(vertices)
+
+        def own(v, n=n, by=by):
+            return v + by if v >= n else v
+
+        points = np.concatenate([points, each.vertices])
+        points[each.moved[0]] = each.moved[1]
+        for k, edge in enumerate(each.split_edges[0].tolist()):
+            for face in faces:
+                for place, v in enumerate(face):
+                    if {v, face[(place + 1) % len(face)]} == set(edge):
+                        face.insert(place + 1, n + by + k)
+                        break
+        creased = [[own(v) for v in edge] for edge in each.creases[0].tolist()]
+        subdivision.crease_edges = subdivision.crease_edges + creased
+        subdivision.edge_creases = subdivision.edge_creases + each.creases[1].tolist()
+        first = len(faces)
+        faces += [[own(v) for v in face] for face in each.faces]
+    limit, quads = _native._sample_limit(points, *_arrays.faces(faces), subdivision, first, level)
     return limit, quads.reshape(-1, 4)
 
 
@@ -307,6 +315,13 @@ def _takes_options(function):
     return function
 
 
+def _three_corners(corners) -> list[int]:
+    three = _arrays.indices(corners, "corners")
+    if len(three) != 3:
+        raise ValueError(f"corners must be three vertex indices, not {len(three)}")
+    return three
+
+
 def find_holes(faces) -> list[np.ndarray]:
     """Every border loop of a mesh.
 
@@ -364,7 +379,8 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         output: "triangles", "quads", or "cage": a few quads whose limit surface is the patch.
         resolution: triangles: edges per side inside the fill, None follows the rim; quads, cage: extra rows round the
             pole(s), None the fewest, 0 to 4, whose deviation from the patch is under `tolerance`.
-        tolerance: scene units; None: 1e-3 of the hole's diameter.
+        tolerance: scene units, of the largest distance of quads, of the rms distance of a cage's limit surface; None: 1e-3 of
+            the hole's diameter.
         cage_rim: "smooth": the whole cage is smooth, the surroundings move as little as possible; "exact": rim edges are creased,
             the surroundings of an open hole do not move; "move": rim vertices are free too.
         odd: quads round an odd rim: "split" splits the longest rim edge, "triangle" leaves a triangle at the pole.
@@ -387,19 +403,19 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
     v, offsets, face_corners = _arrays.mesh(vertices, faces)
     checked["rim"] = None if rim is None else _arrays.indices(rim, "rim")
     if corners is not None:
-        checked["corners"] = _arrays.indices(corners, "corners")
-        if len(checked["corners"]) != 3:
-            raise ValueError(f"corners must be three vertex indices, not {len(checked['corners'])}")
-    cage = (v, offsets, face_corners, checked["replaced"], checked["subdivision"]) if checked["output"] == "cage" else None
+        checked["corners"] = _three_corners(corners)
+    cage = (v, offsets, face_corners, checked["replaced"], checked["subdivision"], ()) if checked["output"] == "cage" else None
     return Fill(_native._fill(v, offsets, face_corners, checked), cage)
 
 
 @_takes_options
-def fill_all(vertices, faces, rims=None, **options) -> list[Fill | Refusal]:
-    """Fills several holes of one mesh. The options are those of `fill`.
+def fill_all(vertices, faces, rims=None, *, corners=None, **options) -> list[Fill | Refusal]:
+    """Fills several holes of one mesh. The options are those of `fill`. Cages whose surroundings overlap are fitted together.
 
     Args:
         rims: a list of rims; None: every border loop.
+        corners: for each rim three of its vertices, or None where they are to be detected; None: all are detected.
+        replaced: indices of the faces in all rims that count as not there.
 
     Returns:
         A `Fill` or a `Refusal` for each rim, in their order. A refusal of one does not stop the others. Every fill counts its
@@ -409,9 +425,17 @@ def fill_all(vertices, faces, rims=None, **options) -> list[Fill | Refusal]:
     v, offsets, face_corners = _arrays.mesh(vertices, faces)
     loops = _native._find_holes(offsets, face_corners) if rims is None else rims
     loops = [_arrays.indices(loop, "rim") for loop in loops]
-    results = _native._fill_all(v, offsets, face_corners, loops, checked)
-    cage = (v, offsets, face_corners, checked["replaced"], checked["subdivision"]) if checked["output"] == "cage" else None
-    return [r if isinstance(r, Refusal) else Fill(r, cage) for r in results]
+    given = [None if three is None else _three_corners(three) for three in corners or ()]
+    if given and len(given) != len(loops):
+        raise ValueError(f"corners must be given for each of the {len(loops)} rims, not for {len(given)}")
+    results = _native._fill_all(v, offsets, face_corners, loops, checked, given)
+    together: list[Fill] = []
+    cage = None
+    if checked["output"] == "cage":
+        cage = (v, offsets, face_corners, checked["replaced"], checked["subdivision"], together)
+    fills = [r if isinstance(r, Refusal) else Fill(r, cage) for r in results]
+    together += [f for f in fills if isinstance(f, Fill)]
+    return fills
 
 
 def patch(

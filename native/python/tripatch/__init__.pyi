@@ -154,6 +154,7 @@ def fill_all(
     faces: Faces,
     rims: Sequence[Sequence[int] | Indices] | None = None,
     *,
+    corners: Sequence[Sequence[int] | Indices | None] | None = None,
     method: str = "side_vertex",
     surroundings: Literal["mesh", "limit"] = "mesh",
     subdivision: dict[str, Any] | None = None,

@@ -92,26 +92,16 @@ void check_corners(const Hole& hole, const Sides& sides) {
 
 }  // namespace
 
-LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced) {
-  LimitSides result;
-  if (!settings.use_limit_surface) {
-    refined_sides(cage, hole, settings, result);
-    return result;
-  }
+Sides sides_on(const LimitSurface& surface, const Mesh& cage, const Hole& hole, const std::vector<Index>& replaced,
+               double tolerance) {
   const auto around = surrounding_faces(cage, hole, replaced);
-  const LimitSurface surface(cage, settings, hole.rim);
-  const int steps = 1 << settings.level;
+  Sides sides;
   for (int i = 0; i < 3; ++i) {
     const std::vector<Index> rim = hole.side(i);
     const int edges = static_cast<int>(rim.size()) - 1;
-    std::vector<FaceEdge> places;
-    for (int e = 0; e < edges; ++e) places.push_back(around.at({rim[e], rim[e + 1]}));
-    for (int e = 0; e < edges; ++e)
-      for (int k = 0; k < steps; ++k) result.parameters[i].push_back((e + static_cast<double>(k) / steps) / edges);
-    result.parameters[i].push_back(1.0);
-
     std::vector<PiecewisePolynomial> c, r, q;
-    for (const FaceEdge& place : places) {
+    for (int e = 0; e < edges; ++e) {
+      const FaceEdge place = around.at({rim[e], rim[e + 1]});
       // the face runs against the side: t of the side is 1 - t of the face's edge, and d/dt is -edges d/du
       const auto field = [&](const std::function<Vec3(double, const LimitJet&)>& value) {
         return PiecewisePolynomial::fit(
@@ -125,7 +115,7 @@ LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& se
                 std::copy_n(v.data(), 3, &out[3 * k]);
               }
             },
-            3);
+            3, tolerance);
       };
       const auto across = [&](double t, const LimitJet& j) {
         return Vec3(-edges * j.pu.cross(unit_normal(surface, place, t, j)));
@@ -135,17 +125,36 @@ LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& se
       q.push_back(
           field([&](double t, const LimitJet& j) { return second_across(j, unit_normal(surface, place, t, j), across(t, j)); }));
     }
-    result.sides[i] = {PiecewisePolynomial::joined(c), PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
-    for (int e = 0; e <= edges; ++e) result.sides[i].rim.push_back(static_cast<double>(e) / edges);
+    sides[i] = {PiecewisePolynomial::joined(c), PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
+    for (int e = 0; e <= edges; ++e) sides[i].rim.push_back(static_cast<double>(e) / edges);
+  }
+  check_corners(hole, sides);
+  return sides;
+}
 
+LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced) {
+  LimitSides result;
+  if (!settings.use_limit_surface) {
+    refined_sides(cage, hole, settings, result);
+    return result;
+  }
+  result.sides = sides_on(LimitSurface(cage, settings, hole.rim), cage, hole, replaced, 1e-13);
+  const int steps = 1 << settings.level;
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<Index> rim = hole.side(i);
+    const int edges = static_cast<int>(rim.size()) - 1;
+    for (int e = 0; e < edges; ++e)
+      for (int k = 0; k < steps; ++k) result.parameters[i].push_back((e + static_cast<double>(k) / steps) / edges);
+    result.parameters[i].push_back(1.0);
+    const PiecewisePolynomial& c = result.sides[i].c;
     for (int e = 1; e < edges; ++e) {
-      const double kink = degrees_between(c[e - 1].derivative_at(1), c[e].derivative_at(0));
-      if (kink > 0.1)
+      const double t = static_cast<double>(e) / edges;
+      // exactly at the break the piece behind it counts
+      if (degrees_between(c.derivative_at(t - 1e-9), c.derivative_at(t + 1e-9)) > 0.1)
         result.warnings.push_back("The limit rim has a kink inside side " + std::to_string(i) + " at vertex " +
                                   std::to_string(rim[e]));
     }
   }
-  check_corners(hole, result.sides);
   std::vector<Vec3> border;
   for (int i : {2, 0, 1})
     for (std::size_t k = 0; k + 1 < result.parameters[i].size(); ++k)

@@ -209,6 +209,11 @@ struct LimitSurface::Impl {
     table.reset(far::PatchTableFactory::Create(*cage.refiner, options));
     map = std::make_unique<far::PatchMap>(*table);
     ptex = std::make_unique<far::PtexIndices>(*cage.refiner);
+    refine();
+  }
+
+  /// Refined and local points from the cage's vertices.
+  void refine() {
     points = cage.vertices;
     const int all = cage.refiner->GetNumVerticesTotal(), local = table->GetNumLocalPoints();
     points.resize(all + local);
@@ -336,6 +341,12 @@ LimitSurface::LimitSurface(const Mesh& cage, const Subdivision& settings, std::s
     : impl_(std::make_unique<Impl>(cage, settings, around)) {}
 LimitSurface::~LimitSurface() = default;
 LimitSurface::LimitSurface(LimitSurface&&) noexcept = default;
+
+void LimitSurface::move(const PointsRef& vertices) {
+  for (std::size_t k = 0; k < impl_->cage.vertices.size(); ++k)
+    impl_->cage.vertices[k].position = vertices.row(impl_->cage.vertex_of[k]);
+  if (!impl_->factory) impl_->refine();
+}
 
 void LimitSurface::evaluate_edge(Index face, int edge, std::span<const double> t, std::span<LimitJet> out) const {
   int local = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "tripatch/boundary/limit_sides.h"
@@ -14,28 +15,40 @@ namespace {
 
 constexpr double anchor = 1e-5;  ///< weight that keeps a vertex near its start where nothing else holds it
 
-/// The mesh with the fill in place of the hole.
+/// The mesh with the fills in place of the holes.
 struct Closed {
   Points vertices;
   Faces faces;
-  Index first_face = 0;  ///< of the fill
+  std::vector<Index> kept;          ///< given face of each of the first faces
+  std::vector<Index> first_face;    ///< of each fill, and the end
+  std::vector<Index> first_vertex;  ///< of each fill's inside, and the end
   Mesh mesh() const { return {vertices, faces}; }
 };
 
-Closed close(const Mesh& mesh, const Hole& hole, const std::vector<Index>& replaced, const Points& inside, const Faces& layout) {
+Closed close(const Mesh& mesh, const std::vector<CageHole>& holes, const std::vector<Index>& replaced) {
   Closed closed;
-  const Index n = mesh.vertices.rows(), rim = static_cast<Index>(hole.rim.size());
-  closed.vertices.resize(n + inside.rows(), 3);
-  closed.vertices << Points(mesh.vertices), inside;
   const std::set<Index> gone(replaced.begin(), replaced.end());
   for (Index f = 0; f < mesh.faces.size(); ++f)
-    if (!gone.contains(f)) closed.faces.add(mesh.faces[f]);
-  closed.first_face = closed.faces.size();
-  for (Index f = 0; f < layout.size(); ++f) {
-    std::vector<Index> face;
-    for (Index v : layout[f]) face.push_back(v < rim ? hole.rim[v] : n + v - rim);
-    closed.faces.add(face);
+    if (!gone.contains(f)) {
+      closed.faces.add(mesh.faces[f]);
+      closed.kept.push_back(f);
+    }
+  Index n = mesh.vertices.rows();
+  for (const CageHole& h : holes) {
+    const Index rim = static_cast<Index>(h.hole.rim.size());
+    closed.first_face.push_back(closed.faces.size());
+    closed.first_vertex.push_back(n);
+    for (Index f = 0; f < h.layout.size(); ++f) {
+      std::vector<Index> face;
+      for (Index v : h.layout[f]) face.push_back(v < rim ? h.hole.rim[v] : n + v - rim);
+      closed.faces.add(face);
+    }
+    n += h.barycentric.rows() - rim;
   }
+  closed.first_face.push_back(closed.faces.size());
+  closed.first_vertex.push_back(n);
+  closed.vertices.resize(n, 3);
+  closed.vertices.topRows(mesh.vertices.rows()) = mesh.vertices;
   return closed;
 }
 
@@ -78,70 +91,79 @@ Vec3 apply(const LimitStencil& s, const std::vector<double>& weights, const Poin
   return p;
 }
 
-/// Linear least squares in the free vertices of the closed cage.
+/// Linear least squares in the free vertices of a cage whose targets change from solution to solution.
 class System {
 public:
-  System(const Points& vertices, const std::vector<Index>& free) : vertices_(vertices), free_(free) {
-    for (std::size_t k = 0; k < free.size(); ++k) column_[free[k]] = static_cast<Index>(k);
+  System(const Points& vertices, std::vector<Index> free)
+      : vertices_(vertices), free_(std::move(free)), column_(vertices.rows(), -1) {
+    for (std::size_t k = 0; k < free_.size(); ++k) column_[free_[k]] = static_cast<Index>(k);
   }
 
-  /// weight * direction . (sum of weights * vertices - target) = 0
-  void add(const LimitStencil& s, const std::vector<double>& weights, const Vec3& direction, const Vec3& target, double weight) {
-    double right = direction.dot(target);
+  /// weight * direction . (sum of weights * vertices - targets[target]) = 0
+  void add(const LimitStencil& s, const std::vector<double>& weights, const Vec3& direction, std::size_t target, double weight) {
+    double known = 0;
     bool any = false;
     for (std::size_t k = 0; k < s.vertices.size(); ++k) {
-      const auto found = column_.find(s.vertices[k]);
-      if (found == column_.end()) {
-        right -= weights[k] * direction.dot(vertices_.row(s.vertices[k]));
+      const Index column = column_[s.vertices[k]];
+      if (column < 0) {
+        known += weights[k] * direction.dot(vertices_.row(s.vertices[k]));
       } else if (weights[k] != 0) {
         any = true;
-        for (int x = 0; x < 3; ++x) entries_.emplace_back(rows_, 3 * found->second + x, weight * weights[k] * direction[x]);
+        for (int x = 0; x < 3; ++x)
+          if (direction[x] != 0) entries_.emplace_back(rows_.size(), 3 * column + x, weight * weights[k] * direction[x]);
       }
     }
-    if (!any) return;
-    right_.push_back(weight * right);
-    ++rows_;
+    if (any) rows_.push_back({direction, target, known, weight});
   }
 
-  void solve(Points& vertices) const {
-    const Index n = 3 * static_cast<Index>(free_.size());
-    std::vector<Eigen::Triplet<double>> entries = entries_;
-    std::vector<double> right = right_;
+  void factor() {
+    const Index n = 3 * static_cast<Index>(free_.size()), rows = static_cast<Index>(rows_.size());
+    matrix_.resize(rows, n);
+    matrix_.setFromTriplets(entries_.begin(), entries_.end());
+    Eigen::SparseMatrix<double> normal = matrix_.transpose() * matrix_;
+    for (Index k = 0; k < n; ++k) normal.coeffRef(k, k) += anchor * anchor;
+    solver_.compute(normal);
+  }
+
+  /// Also where the free vertices are kept near to, if nothing else holds them.
+  void solve(const std::vector<Vec3>& targets, Points& vertices) const {
+    Eigen::VectorXd right(static_cast<Index>(rows_.size()));
+    for (std::size_t k = 0; k < rows_.size(); ++k)
+      right[static_cast<Index>(k)] = rows_[k].weight * (rows_[k].direction.dot(targets[rows_[k].target]) - rows_[k].known);
+    Eigen::VectorXd normal = matrix_.transpose() * right;
     for (std::size_t k = 0; k < free_.size(); ++k)
-      for (int x = 0; x < 3; ++x) {
-        entries.emplace_back(static_cast<Index>(right.size()), 3 * static_cast<Index>(k) + x, anchor);
-        right.push_back(anchor * vertices_(free_[k], x));
-      }
-    Eigen::SparseMatrix<double> a(static_cast<Index>(right.size()), n);
-    a.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::Map<const Eigen::VectorXd> b(right.data(), static_cast<Index>(right.size()));
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(Eigen::SparseMatrix<double>(a.transpose() * a));
-    const Eigen::VectorXd x = solver.solve(a.transpose() * b);
+      normal.segment<3>(3 * static_cast<Index>(k)) += anchor * anchor * vertices.row(free_[k]).transpose();
+    const Eigen::VectorXd x = solver_.solve(normal);
     for (std::size_t k = 0; k < free_.size(); ++k) vertices.row(free_[k]) = x.segment<3>(3 * static_cast<Index>(k));
   }
 
 private:
+  struct Row {
+    Vec3 direction;
+    std::size_t target;
+    double known, weight;
+  };
   const Points& vertices_;
-  const std::vector<Index>& free_;
-  std::map<Index, Index> column_;
+  std::vector<Index> free_;
+  std::vector<Index> column_;
   std::vector<Eigen::Triplet<double>> entries_;
-  std::vector<double> right_;
-  Index rows_ = 0;
+  std::vector<Row> rows_;
+  Eigen::SparseMatrix<double> matrix_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };
 
 /// Faces of the surroundings by ring: those that touch the rim, and those that touch them.
 std::array<std::vector<Index>, 2> rings(const Closed& closed, const Hole& hole) {
-  std::vector<char> near(closed.vertices.rows(), 0);
+  std::vector<char> near(closed.vertices.rows(), 0), taken(closed.faces.size(), 0);
   for (Index v : hole.rim) near[v] = 1;
   std::array<std::vector<Index>, 2> result;
-  std::set<Index> taken;
   for (auto& ring : result) {
-    for (Index f = 0; f < closed.first_face; ++f) {
+    for (Index f = 0; f < static_cast<Index>(closed.kept.size()); ++f) {
       const auto face = closed.faces[f];
-      if (!taken.contains(f) && std::any_of(face.begin(), face.end(), [&](Index v) { return near[v]; })) ring.push_back(f);
+      if (!taken[f] && std::any_of(face.begin(), face.end(), [&](Index v) { return near[v]; })) ring.push_back(f);
     }
     for (Index f : ring) {
-      taken.insert(f);
+      taken[f] = 1;
       for (Index v : closed.faces[f]) near[v] = 1;
     }
   }
@@ -156,10 +178,10 @@ double distance_to(const Surface& patch, const Vec3& p, Vec3 b) {
     patch.evaluate(b.data(), 1, 1, jet.data());
     const Eigen::Map<const Vec3> at(jet.data()), d0(jet.data() + 3), d1(jet.data() + 6);
     best = std::min(best, (p - at).norm());
-    Eigen::Matrix<double, 3, 2> d;
-    d << d0, d1;
-    const Eigen::Vector2d move = d.colPivHouseholderQr().solve(p - at);
-    if (!move.allFinite()) break;
+    Eigen::Matrix2d normal;
+    normal << d0.dot(d0), d0.dot(d1), d0.dot(d1), d1.dot(d1);
+    const Eigen::Vector2d move = normal.inverse() * Eigen::Vector2d(d0.dot(p - at), d1.dot(p - at));
+    if (!move.allFinite() || move.norm() < 1e-6) break;
     b += Vec3(move[0], move[1], -move[0] - move[1]);
     b = b.cwiseMax(0);
     b /= b.sum();
@@ -173,9 +195,11 @@ struct EdgePlace {
   Index face = -1;
   int edge = 0;
 };
-std::map<std::pair<Index, Index>, EdgePlace> directed_edges(const Faces& faces, const std::vector<Index>& rim) {
-  const std::set<Index> on(rim.begin(), rim.end());
-  std::map<std::pair<Index, Index>, EdgePlace> result;
+using EdgePlaces = std::map<std::pair<Index, Index>, EdgePlace>;
+EdgePlaces directed_edges(const Faces& faces, const std::vector<CageHole>& holes) {
+  std::set<Index> on;
+  for (const CageHole& h : holes) on.insert(h.hole.rim.begin(), h.hole.rim.end());
+  EdgePlaces result;
   for (Index f = 0; f < faces.size(); ++f) {
     const auto face = faces[f];
     for (std::size_t k = 0; k < face.size(); ++k)
@@ -185,155 +209,42 @@ std::map<std::pair<Index, Index>, EdgePlace> directed_edges(const Faces& faces, 
   return result;
 }
 
-}  // namespace
-
-CageFit fit_cage(const Mesh& mesh, const Hole& hole, const Subdivision& given, const std::vector<Index>& replaced,
-                 const Points& barycentric, const Faces& layout, const std::function<SurfacePtr(const Sides&)>& build,
-                 const CageOptions& options, const CageFit& coarser) {
-  CageFit fit;
-  Subdivision settings = given;
-  if (!settings.quality) settings.quality = 5;  // stencils need patches
-  settings.use_limit_surface = true;
-  const Index rim = static_cast<Index>(hole.rim.size()), n = mesh.vertices.rows(), inside = barycentric.rows() - rim;
-
-  fit.sides = coarser.patch ? coarser.sides : limit_sides(mesh, hole, settings, replaced).sides;
-  fit.patch = coarser.patch ? coarser.patch : build(fit.sides);
-  Closed closed = close(mesh, hole, replaced, fit.patch->positions(barycentric.bottomRows(inside)), layout);
-
-  Subdivision fitted = settings;
-  if (options.rim == CageRim::exact)
-    for (Index k = 0; k < rim; ++k) {
-      fit.creases.push_back({hole.rim[k], hole.rim[(k + 1) % rim]});
-      fitted.crease_edges.push_back(fit.creases.back());
-      fitted.edge_creases.push_back(1.0);
-    }
-
-  const auto [first_ring, second_ring] = rings(closed, hole);
-  std::vector<Index> around = hole.rim;
-  for (Index f : first_ring) around.insert(around.end(), closed.faces[f].begin(), closed.faces[f].end());
-  for (Index v = n; v < closed.vertices.rows(); ++v) around.push_back(v);
-  std::sort(around.begin(), around.end());
-  around.erase(std::unique(around.begin(), around.end()), around.end());
-
-  // What the surroundings were: the cage as it was given, with the faces being replaced, where there were any, else open.
-  std::vector<Index> kept;  // closed face -> given face
-  {
-    const std::set<Index> gone(replaced.begin(), replaced.end());
-    for (Index f = 0; f < mesh.faces.size(); ++f)
-      if (!gone.contains(f)) kept.push_back(f);
-  }
-  std::vector<Index> around_given;
-  for (Index v : around)
-    if (v < n) around_given.push_back(v);
-  const LimitSurface was(mesh, settings, around_given);
+/// What is known of one hole while its cage is fitted.
+struct Work {
+  std::vector<Sample> inside;
+  Points coordinates;         ///< barycentric, of `inside`
+  std::vector<Index> around;  ///< faces of the first two rings
   std::vector<Sample> outside;
-  std::vector<Vec3> outside_was;
+  std::vector<Vec3> outside_was, outside_normal;
+  std::vector<double> trust;  ///< of `outside`
+  std::size_t first_target = 0;
+  bool region = false;  ///< replaces faces
+};
+
+/// The numbers of the report.
+void measure(const LimitSurface& was, const Closed& closed, const LimitSurface& limit, const EdgePlaces& edges, const Hole& hole,
+             const Work& work, CageFit& fit) {
   LimitStencil stencil;
-  for (const std::vector<Index>* ring : {&first_ring, &second_ring})
-    for (Index f : *ring)
-      for (const Sample& s : spread(f, closed.faces[f].size(), options.samples)) {
-        was.stencil(kept[f], s.quarter, s.u, s.v, stencil);
-        outside.push_back(s);
-        outside_was.push_back(apply(stencil, stencil.p, mesh.vertices));
-      }
-
-  std::vector<Sample> places;
-  std::vector<Vec3> coordinates;
-  for (Index f = 0; f < layout.size(); ++f)
-    for (const Sample& s : spread(closed.first_face + f, layout[f].size(), options.samples)) {
-      places.push_back(s);
-      coordinates.push_back(barycentric_at(s, layout[f], barycentric));
-    }
-  Points b(static_cast<Index>(coordinates.size()), 3);
-  for (std::size_t k = 0; k < coordinates.size(); ++k) b.row(static_cast<Index>(k)) = coordinates[k];
-
-  std::vector<Index> free;
-  for (Index v = n; v < closed.vertices.rows(); ++v) free.push_back(v);
-  if (options.rim == CageRim::move) free.insert(free.end(), hole.rim.begin(), hole.rim.end());
-
-  double size_of_hole = 0;
-  for (Index v : hole.rim) size_of_hole = std::max(size_of_hole, (mesh.vertices.row(v) - mesh.vertices.row(hole.rim[0])).norm());
-  const auto edges = directed_edges(closed.faces, hole.rim);
-  const bool rebuild = replaced.empty() && options.rim != CageRim::exact && !coarser.patch;
-  std::vector<Index> fill_faces;
-  for (Index f = closed.first_face; f < closed.faces.size(); ++f) fill_faces.push_back(f);
-  for (int round = 0; round < (rebuild ? options.rounds : 1); ++round) {
-    if (rebuild) {  // a closed rim has another limit than an open one: the patch goes where the fitted cage's rim is
-      fit.sides = limit_sides(closed.mesh(), hole, fitted, fill_faces).sides;
-      fit.patch = build(fit.sides);
-    }
-    const LimitSurface limit(closed.mesh(), fitted, around);
-    System system(closed.vertices, free);
-    const Points target = fit.patch->positions(b), normal = fit.patch->normals(b);
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      limit.stencil(places[k].face, places[k].quarter, places[k].u, places[k].v, stencil);
-      const Vec3 p = target.row(static_cast<Index>(k)), m = normal.row(static_cast<Index>(k));
-      const Vec3 t = m.unitOrthogonal();
-      system.add(stencil, stencil.p, m, p, 1);
-      system.add(stencil, stencil.p, t, p, options.tangential);
-      system.add(stencil, stencil.p, m.cross(t), p, options.tangential);
-    }
-    for (std::size_t k = 0; k < outside.size(); ++k) {
-      limit.stencil(outside[k].face, outside[k].quarter, outside[k].u, outside[k].v, stencil);
-      for (int x = 0; x < 3; ++x)
-        system.add(stencil, stencil.p, Vec3::Unit(x), outside_was[k], replaced.empty() ? options.surroundings : options.whole);
-    }
-    if (options.rim == CageRim::exact)
-      for (int i = 0; i < 3; ++i) {
-        const std::vector<Index> side = hole.side(i);
-        for (std::size_t e = 0; e + 1 < side.size(); ++e) {
-          const EdgePlace place = edges.at({side[e], side[e + 1]});
-          const std::size_t size = closed.faces[place.face].size();
-          for (double s : {0.0, 0.15, 0.35, 0.5, 0.65, 0.85, 1.0}) {
-            // a smooth rim leaves the quad in its corner no tangent plane there, and little freedom beside it
-            const double along_side = static_cast<double>(e) + s,
-                         from_corner = std::min(along_side, static_cast<double>(side.size() - 1) - along_side);
-            if (from_corner == 0) continue;
-            const double trust = std::min(1.0, from_corner);
-            const Vec3 m = fit.sides[i].normal((static_cast<double>(e) + s) / static_cast<double>(side.size() - 1));
-            if (size == 4) {
-              const std::array<Eigen::Vector2d, 4> corner = {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}, {0, 1}};
-              const Eigen::Vector2d along = corner[(place.edge + 1) % 4] - corner[place.edge],
-                                    at = corner[place.edge] + s * along;
-              limit.stencil(place.face, 0, at[0], at[1], stencil);
-              std::vector<double> across(stencil.p.size());
-              for (std::size_t k = 0; k < across.size(); ++k) across[k] = -along[1] * stencil.pu[k] + along[0] * stencil.pv[k];
-              const double width = apply(stencil, across, closed.vertices).norm();  // of the quad: the row is an angle
-              if (width > 0) system.add(stencil, across, m, Vec3::Zero(), trust * options.seam * size_of_hole / width);
-            }
-          }
-        }
-      }
-    system.solve(closed.vertices);
-  }
-  fit.vertices = closed.vertices.bottomRows(inside);
-  if (options.rim == CageRim::move) {
-    fit.moved = hole.rim;
-    fit.moved_to.resize(rim, 3);
-    for (Index k = 0; k < rim; ++k) fit.moved_to.row(k) = closed.vertices.row(hole.rim[k]);
-  }
-
-  // the report
-  const LimitSurface limit(closed.mesh(), fitted, around);
   double sum = 0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    limit.stencil(places[k].face, places[k].quarter, places[k].u, places[k].v, stencil);
-    const double d = distance_to(*fit.patch, apply(stencil, stencil.p, closed.vertices), coordinates[k]);
+  for (std::size_t k = 0; k < work.inside.size(); ++k) {
+    limit.stencil(work.inside[k].face, work.inside[k].quarter, work.inside[k].u, work.inside[k].v, stencil);
+    const double d =
+        distance_to(*fit.patch, apply(stencil, stencil.p, closed.vertices), work.coordinates.row(static_cast<Index>(k)));
     fit.deviation_max = std::max(fit.deviation_max, d);
     sum += d * d;
   }
-  fit.deviation_rms = std::sqrt(sum / static_cast<double>(places.size()));
+  fit.deviation_rms = std::sqrt(sum / static_cast<double>(work.inside.size()));
   sum = 0;
-  for (std::size_t k = 0; k < outside.size(); ++k) {
-    limit.stencil(outside[k].face, outside[k].quarter, outside[k].u, outside[k].v, stencil);
-    const double d = (apply(stencil, stencil.p, closed.vertices) - outside_was[k]).norm();
+  for (std::size_t k = 0; k < work.outside.size(); ++k) {
+    limit.stencil(work.outside[k].face, work.outside[k].quarter, work.outside[k].u, work.outside[k].v, stencil);
+    const double d = (apply(stencil, stencil.p, closed.vertices) - work.outside_was[k]).norm();
     if (d > fit.surroundings_max) {
       fit.surroundings_max = d;
-      fit.surroundings_where = closed.faces[outside[k].face][0];
+      fit.surroundings_where = closed.faces[work.outside[k].face][0];
     }
     sum += d * d;
   }
-  if (!outside.empty()) fit.surroundings_rms = std::sqrt(sum / static_cast<double>(outside.size()));
+  if (!work.outside.empty()) fit.surroundings_rms = std::sqrt(sum / static_cast<double>(work.outside.size()));
   const std::vector<double> t = {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
   std::vector<double> reversed(t.rbegin(), t.rend());
   std::vector<LimitJet> in(t.size()), out(t.size());
@@ -354,10 +265,215 @@ CageFit fit_cage(const Mesh& mesh, const Hole& hole, const Subdivision& given, c
     const EdgePlace first = edges.at({side[1], side[0]});
     limit.evaluate_edge(first.face, first.edge, std::array{1.0}, std::span(out).first(1));
     LimitJet before;
-    was.evaluate_edge(kept[first.face], first.edge, std::array{1.0}, {&before, 1});
+    was.evaluate_edge(closed.kept[first.face], first.edge, std::array{1.0}, {&before, 1});
     fit.corners_moved = std::max(fit.corners_moved, (out[0].p - before.p).norm());
   }
-  return fit;
+}
+
+}  // namespace
+
+std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& holes, const Subdivision& given,
+                               const std::vector<Index>& replaced, const CageOptions& options,
+                               const std::vector<CageFit>& coarser) {
+  constexpr double sides_tolerance = 1e-7;
+  Subdivision settings = given;
+  if (!settings.quality) settings.quality = 5;  // stencils need patches
+  settings.use_limit_surface = true;
+  const Index n = mesh.vertices.rows();
+  const std::size_t count = holes.size();
+  std::vector<CageFit> fits(count);
+  std::vector<Work> works(count);
+  Closed closed = close(mesh, holes, replaced);
+
+  Subdivision fitted = settings;
+  std::vector<Index> around;
+  for (std::size_t h = 0; h < count; ++h) {
+    const std::vector<Index>& rim = holes[h].hole.rim;
+    around.insert(around.end(), rim.begin(), rim.end());
+    const auto [first, second] = rings(closed, holes[h].hole);
+    for (Index f : first) around.insert(around.end(), closed.faces[f].begin(), closed.faces[f].end());
+    works[h].around = first;
+    works[h].around.insert(works[h].around.end(), second.begin(), second.end());
+    if (options.rim != CageRim::exact) continue;
+    for (std::size_t k = 0; k < rim.size(); ++k) {
+      fits[h].creases.push_back({rim[k], rim[(k + 1) % rim.size()]});
+      fitted.crease_edges.push_back(fits[h].creases.back());
+      fitted.edge_creases.push_back(1.0);
+    }
+  }
+  std::sort(around.begin(), around.end());
+  around.erase(std::unique(around.begin(), around.end()), around.end());
+
+  // What the surroundings were: the cage as it was given, with the faces being replaced, where there were any, else open.
+  const LimitSurface was(mesh, settings, around);
+  // What an exact rim leaves them: the creased border of an open hole.
+  Faces left;
+  for (Index f : closed.kept) left.add(mesh.faces[f]);
+  const bool part = options.rim == CageRim::exact && !replaced.empty();
+  const std::optional<LimitSurface> open =
+      part ? std::optional<LimitSurface>(std::in_place, Mesh{mesh.vertices, left}, settings, around) : std::nullopt;
+  for (std::size_t h = 0; h < count; ++h) {
+    const CageHole& hole = holes[h];
+    Work& work = works[h];
+    const std::set<Index> gone(replaced.begin(), replaced.end());
+    for (Index f : gone) {
+      const auto face = mesh.faces[f];
+      for (std::size_t k = 0; k < face.size(); ++k)
+        work.region = work.region || (face[k] == hole.hole.rim[0] && face[(k + 1) % face.size()] == hole.hole.rim[1]);
+    }
+    if (!coarser.empty()) {
+      fits[h].sides = coarser[h].sides;
+      fits[h].patch = coarser[h].patch;
+    } else if (hole.start.rows() == 0) {
+      fits[h].sides = part ? sides_on(*open, {mesh.vertices, left}, hole.hole, {}, sides_tolerance)
+                           : sides_on(was, mesh, hole.hole, replaced, sides_tolerance);
+      fits[h].patch = hole.build(fits[h].sides);
+    }
+    const Index inside = closed.first_vertex[h + 1] - closed.first_vertex[h];
+    closed.vertices.middleRows(closed.first_vertex[h], inside) =
+        hole.start.rows() > 0 ? hole.start : fits[h].patch->positions(hole.barycentric.bottomRows(inside));
+  }
+  std::vector<Index> free;
+  for (Index v = n; v < closed.vertices.rows(); ++v) {
+    around.push_back(v);
+    free.push_back(v);
+  }
+  if (options.rim == CageRim::move)
+    for (const CageHole& hole : holes) free.insert(free.end(), hole.hole.rim.begin(), hole.hole.rim.end());
+  std::sort(free.begin(), free.end());
+  free.erase(std::unique(free.begin(), free.end()), free.end());
+
+  LimitSurface limit(closed.mesh(), fitted, around);
+  const auto fill_faces = [&](std::size_t h) {
+    std::vector<Index> faces;
+    for (Index f = closed.first_face[h]; f < closed.first_face[h + 1]; ++f) faces.push_back(f);
+    return faces;
+  };
+  const auto rebuild = [&](std::size_t h) {
+    fits[h].sides = sides_on(limit, closed.mesh(), holes[h].hole, fill_faces(h), sides_tolerance);
+    fits[h].patch = holes[h].build(fits[h].sides);
+  };
+  LimitStencil stencil;
+  std::vector<Vec3> targets;
+  for (std::size_t h = 0; h < count; ++h) {
+    Work& work = works[h];
+    if (!fits[h].patch) rebuild(h);
+    std::vector<Vec3> coordinates;
+    for (Index f = 0; f < holes[h].layout.size(); ++f)
+      for (const Sample& s : spread(closed.first_face[h] + f, holes[h].layout[f].size(), options.samples)) {
+        work.inside.push_back(s);
+        coordinates.push_back(barycentric_at(s, holes[h].layout[f], holes[h].barycentric));
+      }
+    work.coordinates.resize(static_cast<Index>(coordinates.size()), 3);
+    for (std::size_t k = 0; k < coordinates.size(); ++k) work.coordinates.row(static_cast<Index>(k)) = coordinates[k];
+    std::set<Index> corners;
+    for (Index c : holes[h].hole.corners) corners.insert(holes[h].hole.rim[c]);
+    for (Index f : work.around) {
+      const auto face = closed.faces[f];
+      const bool corner = std::any_of(face.begin(), face.end(), [&](Index v) { return corners.contains(v); });
+      for (const Sample& s : spread(f, face.size(), options.samples)) {
+        was.stencil(closed.kept[f], s.quarter, s.u, s.v, stencil);
+        work.outside.push_back(s);
+        work.outside_was.push_back(apply(stencil, stencil.p, mesh.vertices));
+        work.outside_normal.push_back(
+            apply(stencil, stencil.pu, mesh.vertices).cross(apply(stencil, stencil.pv, mesh.vertices)).stableNormalized());
+        work.trust.push_back(corner && !work.region ? options.corner : 1);
+      }
+    }
+  }
+
+  // The rows: only the targets on the patches change from round to round.
+  System system(closed.vertices, free);
+  for (std::size_t h = 0; h < count; ++h) {
+    Work& work = works[h];
+    work.first_target = targets.size();
+    const Points target = fits[h].patch->positions(work.coordinates), normal = fits[h].patch->normals(work.coordinates);
+    for (std::size_t k = 0; k < work.inside.size(); ++k) {
+      const Sample& s = work.inside[k];
+      limit.stencil(s.face, s.quarter, s.u, s.v, stencil);
+      const Vec3 m = normal.row(static_cast<Index>(k)), t = m.unitOrthogonal();
+      system.add(stencil, stencil.p, m, targets.size(), 1);
+      system.add(stencil, stencil.p, t, targets.size(), options.tangential);
+      system.add(stencil, stencil.p, m.cross(t), targets.size(), options.tangential);
+      targets.push_back(target.row(static_cast<Index>(k)));
+    }
+    const double across = work.region ? options.whole : options.surroundings,
+                 along = work.region ? options.whole : options.surroundings_tangential;
+    for (std::size_t k = 0; k < work.outside.size(); ++k) {
+      const Sample& s = work.outside[k];
+      limit.stencil(s.face, s.quarter, s.u, s.v, stencil);
+      const Vec3 m = work.outside_normal[k], t = m.unitOrthogonal();
+      system.add(stencil, stencil.p, m, targets.size(), work.trust[k] * across);
+      system.add(stencil, stencil.p, t, targets.size(), work.trust[k] * along);
+      system.add(stencil, stencil.p, m.cross(t), targets.size(), work.trust[k] * along);
+      targets.push_back(work.outside_was[k]);
+    }
+  }
+  const auto edges = directed_edges(closed.faces, holes);
+  if (options.rim == CageRim::exact) {
+    const std::size_t zero = targets.size();
+    targets.push_back(Vec3::Zero());
+    for (std::size_t h = 0; h < count; ++h) {
+      const Hole& hole = holes[h].hole;
+      double size_of_hole = 0;
+      for (Index v : hole.rim)
+        size_of_hole = std::max(size_of_hole, (mesh.vertices.row(v) - mesh.vertices.row(hole.rim[0])).norm());
+      for (int i = 0; i < 3; ++i) {
+        const std::vector<Index> side = hole.side(i);
+        for (std::size_t e = 0; e + 1 < side.size(); ++e) {
+          const EdgePlace place = edges.at({side[e], side[e + 1]});
+          if (closed.faces[place.face].size() != 4) continue;
+          for (double s : {0.0, 0.15, 0.35, 0.5, 0.65, 0.85, 1.0}) {
+            // a smooth rim leaves the quad in its corner no tangent plane there, and little freedom beside it
+            const double along_side = static_cast<double>(e) + s,
+                         from_corner = std::min(along_side, static_cast<double>(side.size() - 1) - along_side);
+            if (from_corner == 0) continue;
+            const double trust = std::pow(std::min(1.0, from_corner), 3), t = along_side / static_cast<double>(side.size() - 1);
+            const Vec3 m = fits[h].sides[i].normal(t), inwards = m.cross(fits[h].sides[i].c.derivative_at(t)).normalized();
+            const std::array<Eigen::Vector2d, 4> corner = {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}, {0, 1}};
+            const Eigen::Vector2d along = corner[(place.edge + 1) % 4] - corner[place.edge], at = corner[place.edge] + s * along;
+            limit.stencil(place.face, 0, at[0], at[1], stencil);
+            std::vector<double> across(stencil.p.size());
+            for (std::size_t k = 0; k < across.size(); ++k) across[k] = -along[1] * stencil.pu[k] + along[0] * stencil.pv[k];
+            const Vec3 now = apply(stencil, across, closed.vertices);
+            const double width = now.norm();  // of the quad: the row is an angle
+            if (width == 0) continue;
+            const double weight = trust * options.seam * size_of_hole / width;
+            system.add(stencil, across, m, zero, weight);
+            // else the quads may turn their first row over: that lies in the plane as well
+            system.add(stencil, across, inwards, targets.size(), options.seam_width * weight);
+            targets.push_back(inwards * inwards.dot(now));
+          }
+        }
+      }
+    }
+  }
+  system.factor();
+  const int rounds = coarser.empty() ? options.rounds : 1;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t h = 0; round > 0 && h < count; ++h) {
+      if (holes[h].start.rows() == 0) continue;
+      rebuild(h);
+      const Points target = fits[h].patch->positions(works[h].coordinates);
+      for (Index k = 0; k < target.rows(); ++k) targets[works[h].first_target + static_cast<std::size_t>(k)] = target.row(k);
+    }
+    system.solve(targets, closed.vertices);
+    limit.move(closed.vertices);
+  }
+
+  for (std::size_t h = 0; h < count; ++h) {
+    CageFit& fit = fits[h];
+    const Hole& hole = holes[h].hole;
+    fit.vertices = closed.vertices.middleRows(closed.first_vertex[h], closed.first_vertex[h + 1] - closed.first_vertex[h]);
+    if (options.rim == CageRim::move) {
+      fit.moved = hole.rim;
+      fit.moved_to.resize(static_cast<Index>(hole.rim.size()), 3);
+      for (std::size_t k = 0; k < hole.rim.size(); ++k)
+        fit.moved_to.row(static_cast<Index>(k)) = closed.vertices.row(hole.rim[k]);
+    }
+    measure(was, closed, limit, edges, hole, works[h], fit);
+  }
+  return fits;
 }
 
 void sample_limit(const Mesh& cage, const Subdivision& given, Index first_face, int level, Points& vertices, Faces& faces) {

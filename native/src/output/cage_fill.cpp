@@ -4,81 +4,114 @@
 #include <cmath>
 #include <string>
 
+#include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/output/quad_layout.h"
 
 namespace tripatch {
 namespace {
 
-/// The mesh with its longest rim edge split, and the hole in it: the new vertex is the last, a corner of the face beside the rim.
-Hole split_mesh(const Mesh& mesh, const Hole& hole, Points& vertices, Faces& faces, CageFill& result) {
-  const std::size_t n = hole.rim.size(), place = longest_edge(mesh, hole);
-  const Index a = hole.rim[place], b = hole.rim[(place + 1) % n], middle = mesh.vertices.rows();
-  vertices.resize(middle + 1, 3);
-  vertices << Points(mesh.vertices), 0.5 * (mesh.vertices.row(a) + mesh.vertices.row(b));
-  for (Index f = 0; f < mesh.faces.size(); ++f) {
-    std::vector<Index> face(mesh.faces[f].begin(), mesh.faces[f].end());
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const Index from = face[k], to = face[(k + 1) % face.size()];
-      if ((from == a && to == b) || (from == b && to == a)) {
-        face.insert(face.begin() + static_cast<Index>(k) + 1, middle);
-        break;
+/// The mesh with the longest edge of each odd rim split, the holes in it and its creases.
+struct Split {
+  Points vertices;
+  Faces faces;
+  std::vector<Hole> holes;
+  std::vector<Index> middle;  ///< of each hole; -1: none
+  Subdivision settings;
+  Mesh mesh() const { return {vertices, faces}; }
+};
+
+Split split_odd(const Mesh& mesh, const std::vector<CageRequest>& requests, const Subdivision& settings, bool wanted,
+                std::vector<CageFill>& results) {
+  Split split{mesh.vertices, mesh.faces, {}, {}, settings};
+  std::vector<Vec3> added;
+  for (std::size_t h = 0; h < requests.size(); ++h) {
+    Hole hole = requests[h].hole;
+    split.middle.push_back(-1);
+    if (wanted && hole.rim.size() % 2 == 1) {
+      const std::size_t place = longest_edge(mesh, hole);
+      const Index a = hole.rim[place], b = hole.rim[(place + 1) % hole.rim.size()];
+      const Index middle = split.middle[h] = mesh.vertices.rows() + static_cast<Index>(added.size());
+      added.push_back(0.5 * (mesh.vertices.row(a) + mesh.vertices.row(b)));
+      Faces faces;
+      for (Index f = 0; f < split.faces.size(); ++f) {
+        std::vector<Index> face(split.faces[f].begin(), split.faces[f].end());
+        for (std::size_t k = 0; k < face.size(); ++k)
+          if (std::minmax(face[k], face[(k + 1) % face.size()]) == std::minmax(a, b)) {
+            face.insert(face.begin() + static_cast<Index>(k) + 1, middle);
+            break;
+          }
+        faces.add(face);
       }
+      split.faces = std::move(faces);
+      for (std::size_t k = 0; k < settings.crease_edges.size(); ++k) {
+        const auto [c, d] = settings.crease_edges[k];
+        if (std::minmax(a, b) != std::minmax(c, d)) continue;
+        split.settings.crease_edges[k] = {a, middle};
+        split.settings.crease_edges.push_back({middle, b});
+        split.settings.edge_creases.push_back(settings.edge_creases[k]);
+      }
+      results[h].split_edges.push_back({a, b});
+      results[h].split_t.push_back(0.5);
+      hole.rim.insert(hole.rim.begin() + static_cast<Index>(place) + 1, middle);
+      for (Index& corner : hole.corners) corner += corner > static_cast<Index>(place);
     }
-    faces.add(face);
+    split.holes.push_back(std::move(hole));
   }
-  result.split_edges.push_back({a, b});
-  result.split_t.push_back(0.5);
-  Hole split = hole;
-  split.rim.insert(split.rim.begin() + static_cast<Index>(place) + 1, middle);
-  for (Index& corner : split.corners) corner += corner > static_cast<Index>(place);
+  const Index n = mesh.vertices.rows();
+  split.vertices.conservativeResize(n + static_cast<Index>(added.size()), 3);
+  for (std::size_t k = 0; k < added.size(); ++k) split.vertices.row(n + static_cast<Index>(k)) = added[k];
   return split;
 }
 
-}  // namespace
-
-CageFill fill_with_cage(const Mesh& mesh, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced,
-                        const LayoutOptions& layout_options, const CageOptions& options,
-                        const std::function<SurfacePtr(const Sides&)>& build) {
-  CageFill result;
-  Points split_vertices;
-  Faces split_faces;
-  const bool split = hole.rim.size() % 2 == 1 && layout_options.split_odd;
-  const Hole rim = split ? split_mesh(mesh, hole, split_vertices, split_faces, result) : hole;
-  const Points& vertices = split ? split_vertices : (split_vertices = mesh.vertices);
-  const Mesh cage = {vertices, split ? split_faces : mesh.faces};
-
+/// Each edge of the rim takes an equal share of its side, as it does of the limit rim.
+std::array<std::vector<double>, 3> even_parameters(const Hole& hole) {
   std::array<std::vector<double>, 3> parameters;
   for (int i = 0; i < 3; ++i) {
-    const std::size_t edges = rim.side(i).size() - 1;
+    const std::size_t edges = hole.side(i).size() - 1;
     for (std::size_t k = 0; k <= edges; ++k) parameters[i].push_back(static_cast<double>(k) / static_cast<double>(edges));
   }
-  Points rim_points(static_cast<Index>(rim.rim.size()), 3);
-  for (std::size_t k = 0; k < rim.rim.size(); ++k) rim_points.row(static_cast<Index>(k)) = vertices.row(rim.rim[k]);
-  const double tolerance = layout_options.tolerance.value_or(1e-3 * diameter(rim_points));
+  return parameters;
+}
 
-  QuadLayout layout;
-  CageFit fit;
-  const int first = layout_options.rows.value_or(0), last = layout_options.rows.value_or(4);
-  for (int rows = first; rows <= last; ++rows) {
-    layout = quad_layout(parameters, rows, layout_options.pole_offset);
-    fit = fit_cage(cage, rim, settings, replaced, layout.barycentric, layout.faces, build, options, fit);
-    if (fit.deviation_max <= tolerance) break;
+void write_seam(const CageFit& fit, const Hole& hole, Report& report) {
+  std::vector<double> all;
+  double squares = 0;
+  for (int i = 0; i < 3; ++i) {
+    double sum = 0;
+    const std::vector<double>& angles = fit.seam_angles[i];
+    const std::size_t edges = hole.side(i).size() - 1, per = angles.size() / edges, before = all.size();
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      if (angles[k] < 0) continue;
+      report.seam_angle_max_by_side[i] = std::max(report.seam_angle_max_by_side[i], angles[k]);
+      if (k >= per && k < (edges - 1) * per) report.seam_angle_max_inside = std::max(report.seam_angle_max_inside, angles[k]);
+      sum += angles[k] * angles[k];
+      all.push_back(angles[k]);
+    }
+    squares += sum;
+    report.seam_angle_rms_by_side[i] = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, all.size() - before)));
+    report.seam_angle_max = std::max(report.seam_angle_max, report.seam_angle_max_by_side[i]);
   }
-  Report& report = result.report;
-  if (!layout_options.rows && fit.deviation_max > tolerance) report.warnings.push_back(too_few_rows);
+  if (all.empty()) return;
+  report.seam_angle_rms = std::sqrt(squares / static_cast<double>(all.size()));
+  std::nth_element(all.begin(), all.begin() + static_cast<Index>(all.size() / 2), all.end());
+  report.seam_angle_median = all[all.size() / 2];
+}
 
-  const Index inside = fit.vertices.rows(), around = layout.rim, n = mesh.vertices.rows();
-  result.patch = fit.patch;
-  result.sides = fit.sides;
-  result.vertices.resize(inside + split, 3);  // a split edge's vertex comes first
+/// The fill in the numbering of the mesh as it was given: n .. are its own vertices, that of a split edge first.
+void write(Index n, Index middle, const Hole& hole, const Points& vertices, const QuadLayout& layout, CageFit fit,
+           CageFill& result) {
+  const bool split = middle >= 0;
+  const Index inside = fit.vertices.rows(), around = layout.rim;
+  result.vertices.resize(inside + split, 3);
   result.barycentric.resize(inside + split, 3);
+  result.rim_barycentric.resize(around - split, 3);
   std::vector<Index> index(layout.barycentric.rows());
   Index on_rim = 0;
-  result.rim_barycentric.resize(static_cast<Index>(hole.rim.size()), 3);
   for (Index k = 0; k < around; ++k) {
-    index[k] = rim.rim[k];
-    if (split && rim.rim[k] == n) {
-      result.vertices.row(0) = vertices.row(n);
+    index[k] = hole.rim[k];
+    if (split && hole.rim[k] == middle) {
+      index[k] = n;
+      result.vertices.row(0) = vertices.row(middle);
       result.barycentric.row(0) = layout.barycentric.row(k);
     } else {
       result.rim_barycentric.row(on_rim++) = layout.barycentric.row(k);
@@ -92,46 +125,27 @@ CageFill fill_with_cage(const Mesh& mesh, const Hole& hole, const Subdivision& s
     for (Index v : layout.faces[f]) face.push_back(index[v]);
     result.faces.add(face);
   }
+  std::vector<Vec3> moved_to;
   for (std::size_t k = 0; k < fit.moved.size(); ++k) {
-    if (fit.moved[k] == n && split) {
+    if (split && fit.moved[k] == middle) {
       result.vertices.row(0) = fit.moved_to.row(static_cast<Index>(k));
     } else {
       result.moved.push_back(fit.moved[k]);
+      moved_to.push_back(fit.moved_to.row(static_cast<Index>(k)));
     }
   }
-  result.moved_to.resize(static_cast<Index>(result.moved.size()), 3);
-  for (std::size_t k = 0, row = 0; k < fit.moved.size(); ++k)
-    if (!(fit.moved[k] == n && split)) result.moved_to.row(static_cast<Index>(row++)) = fit.moved_to.row(static_cast<Index>(k));
-  result.creases = fit.creases;
+  result.moved_to.resize(static_cast<Index>(moved_to.size()), 3);
+  for (std::size_t k = 0; k < moved_to.size(); ++k) result.moved_to.row(static_cast<Index>(k)) = moved_to[k];
+  for (auto [a, b] : fit.creases) result.creases.push_back({a == middle ? n : a, b == middle ? n : b});
 
+  Report& report = result.report;
   report.cage_deviation_max = fit.deviation_max;
   report.cage_deviation_rms = fit.deviation_rms;
   report.surroundings_moved_max = fit.surroundings_max;
   report.surroundings_moved_rms = fit.surroundings_rms;
   report.surroundings_moved_where = fit.surroundings_where;
   report.corners_moved_max = fit.corners_moved;
-  std::vector<double> all;
-  double squares = 0;
-  for (int i = 0; i < 3; ++i) {
-    double sum = 0;
-    const std::vector<double>& angles = fit.seam_angles[i];
-    const std::size_t edges = parameters[i].size() - 1, per = angles.size() / edges, before = all.size();
-    for (std::size_t k = 0; k < angles.size(); ++k) {
-      if (angles[k] < 0) continue;
-      report.seam_angle_max_by_side[i] = std::max(report.seam_angle_max_by_side[i], angles[k]);
-      if (k >= per && k < (edges - 1) * per) report.seam_angle_max_inside = std::max(report.seam_angle_max_inside, angles[k]);
-      sum += angles[k] * angles[k];
-      all.push_back(angles[k]);
-    }
-    squares += sum;
-    report.seam_angle_rms_by_side[i] = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, all.size() - before)));
-    report.seam_angle_max = std::max(report.seam_angle_max, report.seam_angle_max_by_side[i]);
-  }
-  if (!all.empty()) {
-    report.seam_angle_rms = std::sqrt(squares / static_cast<double>(all.size()));
-    std::nth_element(all.begin(), all.begin() + static_cast<Index>(all.size() / 2), all.end());
-    report.seam_angle_median = all[all.size() / 2];
-  }
+  write_seam(fit, hole, report);
   for (Index pole : layout.poles) {
     Index valence = 0;
     for (Index v : layout.faces.corners) valence += v == pole;
@@ -140,7 +154,62 @@ CageFill fill_with_cage(const Mesh& mesh, const Hole& hole, const Subdivision& s
       report.warnings.push_back("Pole of valence " + std::to_string(valence) + " at new vertex " +
                                 std::to_string(index[pole] - n));
   }
-  return result;
+  result.patch = std::move(fit.patch);
+  result.sides = std::move(fit.sides);
+}
+
+}  // namespace
+
+std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRequest>& requests, const Subdivision& settings,
+                                      const std::vector<Index>& replaced, const LayoutOptions& layout_options,
+                                      const CageOptions& options) {
+  const std::size_t count = requests.size();
+  std::vector<CageFill> results(count);
+  const Split split = split_odd(mesh, requests, settings, layout_options.split_odd, results);
+  std::vector<CageHole> holes(count);
+  std::vector<QuadLayout> layouts(count);
+  std::vector<MeshSides> estimated(count);
+  std::vector<SurfacePtr> control(count);
+  std::vector<double> tolerance(count);
+  const bool starts = options.rim != CageRim::exact && replaced.empty();
+  for (std::size_t h = 0; h < count; ++h) {
+    holes[h].hole = split.holes[h];
+    holes[h].build = requests[h].build;
+    Points rim(static_cast<Index>(holes[h].hole.rim.size()), 3);
+    for (Index k = 0; k < rim.rows(); ++k) rim.row(k) = split.vertices.row(holes[h].hole.rim[k]);
+    tolerance[h] = layout_options.tolerance.value_or(1e-3 * diameter(rim));
+    if (!starts) continue;
+    // The control points run on through an open hole as any mesh does: what an open cage's limit says about its border, which is
+    // flat across and round at corners, is not what a closed one has there.
+    estimated[h] = mesh_sides(split.mesh(), holes[h].hole, replaced);
+    control[h] = requests[h].start(estimated[h].sides);
+  }
+  std::vector<CageFit> fits;
+  std::vector<char> open(count, 1);  ///< asks for another layout
+  // Quads as large as those around come first: only with them do control points that run on make a limit surface that does.
+  const int last = layout_options.rows.value_or(4);
+  for (int rows = starts || !layout_options.rows ? 0 : last; rows <= last;
+       rows = layout_options.rows ? std::max(last, rows + 1) : rows + 1) {
+    for (std::size_t h = 0; h < count; ++h) {
+      if (!open[h]) continue;
+      layouts[h] = quad_layout(even_parameters(holes[h].hole), rows, layout_options.pole_offset);
+      holes[h].barycentric = layouts[h].barycentric;
+      holes[h].layout = layouts[h].faces;
+      holes[h].start.resize(0, 3);
+      if (!starts || !fits.empty()) continue;
+      const QuadLayout mesh_layout = quad_layout(estimated[h].parameters, rows, layout_options.pole_offset);
+      holes[h].start =
+          control[h]->positions(mesh_layout.barycentric.bottomRows(mesh_layout.barycentric.rows() - mesh_layout.rim));
+    }
+    fits = fit_cages(split.mesh(), holes, split.settings, replaced, options, fits);
+    for (std::size_t h = 0; h < count; ++h) open[h] = layout_options.rows || fits[h].deviation_rms > tolerance[h];
+    if (std::find(open.begin(), open.end(), 1) == open.end()) break;
+  }
+  for (std::size_t h = 0; h < count; ++h) {
+    write(mesh.vertices.rows(), split.middle[h], holes[h].hole, split.vertices, layouts[h], std::move(fits[h]), results[h]);
+    if (!layout_options.rows && open[h]) results[h].report.warnings.push_back(too_few_rows);
+  }
+  return results;
 }
 
 }  // namespace tripatch

@@ -20,4 +20,8 @@ struct LimitSides {
 /// Refusal: a corner where the limit has no tangent plane.
 LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced = {});
 
+/// The sides alone, on a limit surface of `cage` that is at hand. tolerance: of their polynomials, of their largest value.
+Sides sides_on(const LimitSurface& surface, const Mesh& cage, const Hole& hole, const std::vector<Index>& replaced,
+               double tolerance);
+
 }  // namespace tripatch

@@ -44,6 +44,8 @@ public:
   ~LimitSurface();
   LimitSurface(LimitSurface&&) noexcept;
 
+  /// The same cage with its vertices (all of them) elsewhere.
+  void move(const PointsRef& vertices);
   /// Along edge `edge` (from its corner `edge` to the next) of face `face`, which must touch one of `around`; t in [0, 1].
   void evaluate_edge(Index face, int edge, std::span<const double> t, std::span<LimitJet> out) const;
   /// On a quad face at (u, v) from its first corner, quarter 0; on an n-gon at (u, v) in the quarter at its corner `quarter`.

@@ -21,15 +21,28 @@ enum class CageRim {
   move,    ///< as smooth, and the rim's vertices are free too
 };
 
+/// Weights are against 1 for distances across the patch.
 struct CageOptions {
   CageRim rim = CageRim::smooth;
-  int samples = 4;  ///< a row of each face, for positions
-  double surroundings =
-      0.5;           ///< weight of the old limit surface around an open hole: it is that of an open cage, rounded at corners
-  double whole = 6;  ///< the same around a region to be replaced, where it is that of the whole cage
-  double tangential = 0.3;  ///< weight of distances along the patch against those across it
-  double seam = 0.5;        ///< exact: weight of the tangent planes along the rim
-  int rounds = 4;           ///< smooth, open hole: how often the patch is rebuilt on the rim that the fitted cage has
+  int samples = 4;                     ///< a row of each face, for positions
+  double tangential = 0.1;             ///< distances along the patch: where on it a point lies matters little
+  double surroundings = 0.5;           ///< distances across the old limit surface around an open hole
+  double surroundings_tangential = 2;  ///< and along it
+  double corner = 0.1;       ///< times these on faces at a corner, where an open border is round and a closed one is not
+  double whole = 6;          ///< around a region to be replaced, where the old limit surface is that of the whole cage
+  double seam = 3;           ///< exact: tangent planes along the rim, radians times the size of the hole
+  double seam_width = 0.03;  ///< exact: times `seam`: how far the first row reaches inwards
+  int rounds = 1;            ///< smooth, move, open hole: how often the patch is rebuilt on the rim that the fitted cage has
+};
+
+/// A hole, and what is to close it.
+struct CageHole {
+  Hole hole;
+  Points barycentric;                             ///< of the layout; the first hole.rim.size() rows are the rim's
+  Faces layout;                                   ///< by row
+  std::function<SurfacePtr(const Sides&)> build;  ///< the patch on given sides
+  /// Where the inside rows start, one cage that runs on through the hole; empty: on the patch of the given cage's limit.
+  Points start = Points(0, 3);
 };
 
 struct CageFit {
@@ -47,11 +60,11 @@ struct CageFit {
       seam_angles;  ///< degrees, between the limit normals of the two faces along each rim edge; -1: none there
 };
 
-/// The cage: `layout` rows (barycentric coordinates, the first hole.rim.size() are the rim's) and faces by row. `build`: the patch on
-/// given sides; `coarser`: a fit with fewer rows, whose patch is kept (empty: none). A region to be replaced (`replaced`) has the limit of the whole cage as its truth.
-CageFit fit_cage(const Mesh& mesh, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced,
-                 const Points& barycentric, const Faces& layout, const std::function<SurfacePtr(const Sides&)>& build,
-                 const CageOptions& options = {}, const CageFit& coarser = {});
+/// Cages for holes whose surroundings may overlap, fitted together. replaced: faces in the holes; there the limit of the whole cage
+/// is the truth. coarser: the fits of the same holes with fewer rows, whose patches are kept (empty: none).
+std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& holes, const Subdivision& settings,
+                               const std::vector<Index>& replaced, const CageOptions& options = {},
+                               const std::vector<CageFit>& coarser = {});
 
 /// The limit surface of a fitted cage's fill: a grid of 2^level quads a side on each face.
 void sample_limit(const Mesh& cage, const Subdivision& settings, Index first_face, int level, Points& vertices, Faces& faces);

@@ -1,4 +1,4 @@
-// A hole of a subdivision cage, filled with a cage: layout, fit, what changes in the cage around, and the report.
+// Holes of a subdivision cage, filled with cages: layout, fit, what changes in the cage around, and the report.
 #pragma once
 
 #include <array>
@@ -27,9 +27,17 @@ struct CageFill {
   Report report;  ///< the seam is the one between the limit surfaces
 };
 
-/// build: the patch on given sides.
-CageFill fill_with_cage(const Mesh& mesh, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced,
-                        const LayoutOptions& layout_options, const CageOptions& options,
-                        const std::function<SurfacePtr(const Sides&)>& build);
+/// A hole, and how the patch in it is made from given sides: the one that the cage is fitted to, and a quick one to start from.
+struct CageRequest {
+  Hole hole;
+  std::function<SurfacePtr(const Sides&)> build;
+  std::function<SurfacePtr(const Sides&)> start;
+};
+
+/// Holes whose surroundings may overlap, fitted together. replaced: the faces in them, of all. Every result counts its new vertices
+/// on its own.
+std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRequest>& requests, const Subdivision& settings,
+                                      const std::vector<Index>& replaced, const LayoutOptions& layout_options,
+                                      const CageOptions& options);
 
 }  // namespace tripatch
