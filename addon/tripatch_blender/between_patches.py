@@ -1,29 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""object.fill_between_patches: the three-sided hole between three surface objects, whose edges are known exactly."""
+"""object.fill_between_patches: the three-sided hole between surface objects, whose edges are known exactly, and mesh objects."""
 
 from __future__ import annotations
-
-import itertools
-from dataclasses import dataclass
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
-from . import filling, library
+from . import filling, library, selection
 from .construction import Construction
 from .library import np, tripatch
 from .selection import UnusableError
-
-
-@dataclass
-class _Edge:
-    """An edge of a surface, in one direction."""
-
-    name: str  # of the object
-    side: object  # tripatch.Side
-    ends: np.ndarray  # (2, 3)
-    own_normal: bool  # a fill along it faces as Blender draws the surface
-    count: int  # of edges that Blender draws along it
 
 
 def knots(count, order, cyclic, endpoint, bezier):
@@ -40,16 +26,16 @@ def knots(count, order, cyclic, endpoint, bezier):
         left -= 1
         if left == 0:
             current, left = current + 1, inner
-    return values + [current + values[k] - values[0] for k in range(tail)]
+    for k in range(tail):
+        values.append(current + values[k] - values[0])
+    return values
 
 
 def _surface(ob, spline, matrix):
-    """A tripatch.NurbsSurface in world space."""
+    """A tripatch.NurbsSurface in world space, and into how many edges Blender draws it along u and v."""
     m, n = spline.point_count_u, spline.point_count_v
     if m < 2 or n < 2:
         raise UnusableError(f"{ob.name} holds a curve, not a surface")
-    if spline.use_cyclic_u or spline.use_cyclic_v:
-        raise UnusableError(f"{ob.name} is cyclic: none of its edges has two ends")
     points = np.empty(4 * m * n, np.float32)
     spline.points.foreach_get("co", points)
     points = points.reshape(n, m, 4).transpose(1, 0, 2).astype(np.float64)
@@ -57,107 +43,104 @@ def _surface(ob, spline, matrix):
         raise UnusableError(f"{ob.name} has points that are not finite")
     if not (points[..., 3] > 0).all():
         raise UnusableError(f"{ob.name} has points with weights of zero or below")
-    axes = []
-    for name, count in (("u", m), ("v", n)):
-        order, endpoint, bezier = (getattr(spline, f"{key}_{name}") for key in ("order", "use_endpoint", "use_bezier"))
+    axes, drawn = [], []
+    for k, name in enumerate("uv"):
+        order, endpoint, bezier, cyclic, resolution = (
+            getattr(spline, f"{key}_{name}") for key in ("order", "use_endpoint", "use_bezier", "use_cyclic", "resolution")
+        )
+        count = points.shape[k]
         order = min(order, count)
-        axis = knots(count, order, False, endpoint, bezier)
+        axis = knots(count, order, cyclic, endpoint, bezier)
+        drawn.append(max(1, count * resolution - (not cyclic)))
+        if cyclic:
+            count += order - 1
+            points = np.concatenate([points, points.take(range(order - 1), axis=k)], axis=k)
         if not axis[count] > axis[order - 1]:
             raise UnusableError(f"{ob.name} has too few points in {name.upper()} for its order; Blender does not draw it either")
         axes.append(axis)
     world = points[..., :3] @ matrix[:3, :3].T + matrix[:3, 3]
-    return tripatch.NurbsSurface(world, points[..., 3], *axes)
+    try:
+        return tripatch.NurbsSurface(world, points[..., 3], *axes), drawn
+    except ValueError as reason:
+        raise UnusableError(f"{ob.name}: {reason}") from None
 
 
-def _edges(ob):
-    """Every edge of every surface of an object, in both directions."""
+def _surface_edges(ob):
+    """The edges of every surface of an object. A cyclic one has none where it closes."""
     matrix = filling.world_matrix(ob.name, ob.matrix_world)
     mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0)
-    found = []
+    of = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    made = of.to_mesh()
+    if made is None or not len(made.vertices):
+        raise UnusableError(f"{ob.name} has points that do not suit its order and knots; Blender does not draw it either")
+    of.to_mesh_clear()
+    found, refused = [], []
     for spline in ob.data.splines:
-        surface = _surface(ob, spline, matrix)
-        drawn = (spline.point_count_u * spline.resolution_u - 1, spline.point_count_v * spline.resolution_v - 1)
-        for edge, turned in itertools.product(range(4), (False, True)):
+        surface, drawn = _surface(ob, spline, matrix)
+        for edge in range(4):
+            if spline.use_cyclic_v if edge % 2 == 0 else spline.use_cyclic_u:
+                continue
             try:
-                side = tripatch.Side(surface, edge, turned)
-            except tripatch.Refusal:
-                continue  # a single point: a corner of the surface
-            found.append(
-                _Edge(ob.name, side, side.evaluate(np.array([0.0, 1.0]))[0], turned == mirrored, max(1, drawn[edge % 2]))
-            )
+                found.append(tripatch.between.SurfaceEdge(ob.name, tripatch.Side(surface, edge), drawn[edge % 2], not mirrored))
+            except tripatch.Refusal as refusal:  # a single point: a corner of the surface; or flat to a line
+                refused.append(refusal.reason)
     if not found:
-        raise UnusableError(f"{ob.name} has no edge that could be the side of a hole")
+        flat = next((reason for reason in refused if "flat" in reason), None)
+        raise UnusableError(flat or f"{ob.name} is closed: it has no edge that could be a side of a hole")
     return found
 
 
-def _loop(objects, tolerance):
-    """Three edges, one of each object, that run round the hole, and the largest gap between their ends."""
-    edges = [_edges(ob) for ob in objects]
-    size = max(np.ptp([e.ends for of in edges for e in of], axis=(0, 1)))
-    candidates = []
-    for order in ((0, 1, 2), (0, 2, 1)):
-        a, b, c = ([e for e in edges[k] if np.linalg.norm(e.ends[1] - e.ends[0]) > 1e-9 * size] for k in order)
-        if not (a and b and c):
-            raise UnusableError("One of the surfaces has closed edges only: none has two ends")
-        gaps = [
-            np.linalg.norm(np.array([e.ends[1] for e in x])[:, None] - np.array([e.ends[0] for e in y])[None], axis=2)
-            for x, y in ((a, b), (b, c), (c, a))
-        ]
-        largest = np.maximum(np.maximum(gaps[0][:, :, None], gaps[1][None]), gaps[2].T[:, None, :])
-        own = sum(
-            np.array([e.own_normal for e in of], int).reshape(shape)
-            for of, shape in ((a, (-1, 1, 1)), (b, (1, -1, 1)), (c, (1, 1, -1)))
-        )
-        # Both ways round have the same gaps: the one with the surfaces' own normals counts.
-        i, j, k = np.unravel_index(np.argmin(largest - 1e-9 * size * own), largest.shape)
-        joints = [gaps[0][i, j], gaps[1][j, k], gaps[2][k, i]]
-        candidates.append((largest[i, j, k] - 1e-9 * size * own[i, j, k], joints, (a[i], b[j], c[k])))
-    _, joints, loop = min(candidates, key=lambda candidate: candidate[0])
-    worst = int(np.argmax(joints))
-    gap = joints[worst]
-    if gap > tolerance:
-        raise UnusableError(
-            f"The edges of {loop[worst].name} and {loop[(worst + 1) % 3].name} do not meet: their ends are {gap:.3g} apart, the "
-            f"tolerance is {tolerance:.3g} (scene units)"
-        )
-    return loop, gap
-
-
-def _joined(loop):
-    """The sides, with ends that meet exactly: each end moves to the middle of its gap."""
-    sides = []
-    for k, edge in enumerate(loop):
-        before, after = loop[k - 1], loop[(k + 1) % 3]
-        start = 0.5 * (before.ends[1] - edge.ends[0])
-        end = 0.5 * (after.ends[0] - edge.ends[1])
-        if max(np.linalg.norm(start), np.linalg.norm(end)) < 2e-7 * np.linalg.norm(edge.ends[1] - edge.ends[0]):
-            sides.append(edge.side)  # the library closes it
+def _mesh_borders(ob):
+    """The borders of a mesh as its modifiers leave it; where some of their edges are selected, only those."""
+    matrix = filling.world_matrix(ob.name, ob.matrix_world)
+    of = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = of.to_mesh()
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    faces = [list(p.vertices) for p in mesh.polygons]
+    selected = {frozenset(e.vertices) for e in mesh.edges if e.select}
+    everything = all(v.select for v in mesh.vertices)  # as in a mesh that was just made: nothing is meant by it
+    of.to_mesh_clear()
+    if not np.isfinite(points).all():
+        raise UnusableError(f"{ob.name} has vertices that are not finite")
+    if np.linalg.det(matrix[:3, :3]) < 0:
+        faces = [face[::-1] for face in faces]
+    world = points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    loops = [loop.tolist() for loop in tripatch.find_holes(faces)] if faces else []
+    if not loops:
+        raise UnusableError(f"{ob.name} has no border that could be a side of a hole")
+    marked = [[frozenset(pair) in selected for pair in selection.pairs(loop)] for loop in loops]
+    some = not everything and any(map(any, marked))
+    found = []
+    for loop, marks in zip(loops, marked, strict=True):
+        if not some or all(marks):
+            found.append(tripatch.between.MeshBorder(ob.name, world, faces, loop))
             continue
-        evaluate = edge.side.evaluate
-        sides.append(
-            tripatch.Side.from_functions(
-                lambda t, e=evaluate, s=start, d=end - start: e(t)[0] + s + t[:, None] * d,
-                lambda t, e=evaluate, d=end - start: e(t)[1] + d,
-                lambda t, e=evaluate: e(t)[2],
-            )
-        )
-    return sides
+        starts = [k for k in range(len(loop)) if marks[k] and not marks[k - 1]]
+        for k in starts:
+            length = next(n for n in range(1, len(loop)) if not marks[(k + n) % len(loop)])
+            found.append(tripatch.between.MeshBorder(ob.name, world, faces, loop[k:] + loop[:k], length))
+    return found
 
 
-def _seam(patch, loop):
-    """The largest angle in degrees between patch and surfaces, ends left out."""
+def _seam(patch, sides):
+    """The largest angle in degrees between patch and surroundings, ends left out."""
     t, largest = np.linspace(0.01, 0.99, 99), 0.0
-    for i, edge in enumerate(loop):
+    for i, (side, _) in enumerate(sides):
         b = np.zeros((len(t), 3))
         b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
-        own, others = patch.normal(b), edge.side.evaluate(t)[3]
+        own, others = patch.normal(b), side.evaluate(t)[3]
         angle = np.arctan2(np.linalg.norm(np.cross(own, others), axis=1), (own * others).sum(axis=1))
         largest = max(largest, np.degrees(angle.max()))
     return largest
 
 
+def _selected(context):
+    return sorted((ob for ob in context.selected_objects if ob.type in ("SURFACE", "MESH")), key=lambda ob: ob.name)
+
+
 class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
-    """Fill the three-sided hole between three selected surface objects by a new mesh that continues them"""
+    """Fill the three-sided hole between selected surface and mesh objects by a new mesh that continues them"""
 
     bl_idname = "object.fill_between_patches"
     bl_label = "Fill Between Patches"
@@ -173,7 +156,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
     )
     resolution: IntProperty(
         name="Resolution",
-        description="Edges along each side, 0 as Blender draws the surfaces",
+        description="Edges along the sides of surfaces, 0 as Blender draws them; a side of a mesh keeps its own vertices",
         min=0,
         soft_max=128,
         max=10000,
@@ -198,8 +181,9 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         if context.mode != "OBJECT":
             cls.poll_message_set("Works in object mode")
             return False
-        if len([ob for ob in context.selected_objects if ob.type == "SURFACE"]) != 3:
-            cls.poll_message_set("Select three surface objects")
+        objects = _selected(context)
+        if len(objects) != 3 and not (len(objects) == 2 and any(ob.type == "MESH" for ob in objects)):
+            cls.poll_message_set("Select three surface or mesh objects, or two where a mesh gives two sides")
             return False
         return True
 
@@ -211,11 +195,16 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         self.construction_rows(row)
 
     def execute(self, context):
-        objects = sorted((ob for ob in context.selected_objects if ob.type == "SURFACE"), key=lambda ob: ob.name)
+        objects = _selected(context)
         try:
-            loop, gap = _loop(objects, self.tolerance)
-            patch = tripatch.patch(_joined(loop), **self.construction())
-            barycentric, faces = patch.triangles(tuple(self.resolution or edge.count for edge in loop))
+            curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
+            loop = tripatch.between.find_loop(curves, self.tolerance)
+            sides = loop.sides()
+            patch = tripatch.patch([side for side, _ in sides], **self.construction(), fairing="auto")
+            by_number = [self.resolution and isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
+            barycentric, faces = patch.triangles(
+                [self.resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)]
+            )
         except ValueError as reason:  # Refusal, UnusableError, InvalidArgument
             self.report({"ERROR"}, str(reason))
             return {"CANCELLED"}
@@ -231,12 +220,12 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
             ob.select_set(False)
         new.select_set(True)
         context.view_layer.objects.active = new
-        names = " and ".join((", ".join(edge.name for edge in loop[:2]), loop[2].name))
-        seam = max(_seam(patch, loop), 0.001)
+        names = list(dict.fromkeys(curve.name for curve in loop.curves))
+        seam = max(_seam(patch, sides), 0.001)
         self.report(
             {"INFO"},
-            f"Filled the hole between {names}; ends meet within {gap:.2g} (tolerance {self.tolerance:.2g}, scene units), "
-            f"seam within {seam:.2g} deg",
+            f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(loop.gaps):.2g} "
+            f"(tolerance {self.tolerance:.2g}, scene units), seam within {seam:.2g} deg",
         )
         return {"FINISHED"}
 

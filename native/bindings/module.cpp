@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "tripatch/boundary/limit.h"
 #include "tripatch/boundary/limit_surface.h"
+#include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/fill.h"
 #include "tripatch/output/triangulate.h"
@@ -137,7 +138,11 @@ PYBIND11_MODULE(_native, m) {
 
   py::class_<Side>(m, "Side", "A side of the hole: position and the derivative of the surroundings across it.")
       .def_static("_from_functions", &side_from_functions)
-      .def("_evaluate", &evaluate_side);
+      .def("_evaluate", &evaluate_side)
+      .def("_part", &piece_of)
+      .def("_moved", [](const Side& side, const std::array<double, 3>& start, const std::array<double, 3>& end) {
+        return moved_ends(side, {start[0], start[1], start[2]}, {end[0], end[1], end[2]});
+      });
 
   py::enum_<CageRim>(m, "CageRim").value("smooth", CageRim::smooth).value("exact", CageRim::exact).value("move", CageRim::move);
   m.def("_sample_limit", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
@@ -269,6 +274,18 @@ PYBIND11_MODULE(_native, m) {
     py::gil_scoped_release release;
     const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
     return std::array<Index, 3>{hole.rim[hole.corners[0]], hole.rim[hole.corners[1]], hole.rim[hole.corners[2]]};
+  });
+  m.def("_mesh_sides", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                          const std::vector<Index>& rim, const std::array<Index, 3>& at) {
+    const Faces faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    MeshSides made;
+    {
+      py::gil_scoped_release release;
+      made = mesh_sides({points, faces}, make_hole({points, faces}, rim, at));
+      for (int i = 0; i < 3; ++i) made.sides[i].rim = made.parameters[i];
+    }
+    return py::make_tuple(made.sides, made.parameters, made.surroundings_error);
   });
   m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options) {
     const FillOptions o = options_from(options);

@@ -3,6 +3,7 @@
 import itertools
 import sys
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -14,8 +15,8 @@ fill = bpy.ops.object.fill_between_patches
 CORNERS = np.eye(3)
 
 
-def add_surface(points, name="Surface", weights=None, order=(4, 4), endpoint=True, bezier=False, resolution=4):
-    """points (m, n, 3), the first index along u."""
+def add_surface(points, name="Surface", weights=None, order=(4, 4), endpoint=True, bezier=False, cyclic=False, resolution=4):
+    """points (m, n, 3), the first index along u; cyclic: in u."""
     m, n = points.shape[:2]
     curve = bpy.data.curves.new(name, "SURFACE")
     ob = bpy.data.objects.new(name, curve)
@@ -38,10 +39,12 @@ def add_surface(points, name="Surface", weights=None, order=(4, 4), endpoint=Tru
         bpy.ops.object.mode_set(mode="OBJECT")
     (spline,) = curve.splines
     assert {spline.point_count_u, spline.point_count_v} == {m, n}
+    spline.use_cyclic_u, spline.use_cyclic_v = cyclic, False
     if spline.point_count_u != m or (m == n and spline.points[1].co.x == spline.points[0].co.x):
         points = points.transpose(1, 0, 2)
         weights = None if weights is None else np.asarray(weights).T
         order = order[::-1]
+        spline.use_cyclic_u, spline.use_cyclic_v = False, cyclic
     flat = np.ones((points.shape[1], points.shape[0], 4))
     flat[..., :3] = points.transpose(1, 0, 2)
     if weights is not None:
@@ -99,7 +102,7 @@ def drawn(ob):
     mesh = of.to_mesh()
     points = np.array([ob.matrix_world @ v.co for v in mesh.vertices])
     turn = np.linalg.inv(np.array(ob.matrix_world)[:3, :3])
-    normals = np.array([v.normal for v in mesh.vertices]) @ turn
+    normals = np.array([v.normal for v in mesh.vertices]).reshape(-1, 3) @ turn
     of.to_mesh_clear()
     return points, normals
 
@@ -148,25 +151,31 @@ def test_knots_are_those_of_blender(addon):
 
     knots = sys.modules[addon.__name__ + ".between_patches"].knots
     rng = np.random.default_rng(2)
-    for order, count, endpoint, bezier in itertools.product((2, 3, 4, 5), (5, 7), (False, True), (False, True)):
-        k = knots(count, order, False, endpoint, bezier)
-        if not k[count] > k[order - 1]:
+    for order, count, endpoint, bezier, cyclic in itertools.product((2, 3, 4, 5), (5, 7), *[(False, True)] * 3):
+        k = knots(count, order, cyclic, endpoint, bezier)
+        last = count + (order - 1) * cyclic
+        torn = any(k[j] == k[j + order - 1] and k[order - 1] < k[j] < k[last] for j in range(order, last - order + 1))
+        if torn or not k[last] > k[order - 1]:
             continue
         points = rng.normal(size=(count, 3, 3))
         weights = rng.uniform(0.5, 2, size=(count, 3))
-        ob = add_surface(points, weights=weights, order=(order, 2), endpoint=endpoint, bezier=bezier)
+        ob = add_surface(points, weights=weights, order=(order, 2), endpoint=endpoint, bezier=bezier, cyclic=cyclic)
         spline = ob.data.splines[0]
         spline.use_bezier_v = spline.use_bezier_u = bezier
         flipped = spline.point_count_u != count
         across = knots(3, 2, False, endpoint, bezier)
-        surface = NurbsSurface(points, weights, k, across)
+        around = np.arange(last) % count
+        surface = NurbsSurface(points[around], weights[around], k, across)
         made = drawn(ob)[0]
-        u = np.linspace(k[order - 1], k[count], 4 * count)
+        if not len(made):
+            assert bezier and cyclic and count % (order - 1), "Blender draws it not"
+            continue
+        u = np.linspace(k[order - 1], k[last], 4 * count + cyclic)[: 4 * count]
         v = np.linspace(across[1], across[3], 12)
         u, v = np.meshgrid(u, v, indexing="ij" if not flipped else "xy")
         own = surface.evaluate(np.stack([u.ravel(), v.ravel()], axis=1))
         gaps = np.linalg.norm(own[:, None] - made[None], axis=2)
-        assert gaps.min(axis=1).max() < 1e-5 * np.ptp(made) and len(made) == len(own)
+        assert gaps.min(axis=1).max() < 1e-5 * np.ptp(made) and len(made) == len(own), (order, count, endpoint, bezier, cyclic)
         bpy.data.objects.remove(ob)
 
 
@@ -213,10 +222,185 @@ def test_bad_surfaces():
     obs[0].data.splines[0].points[3].co[3] = 0
     refused(obs, "A has points with weights of zero or below")
     obs[0].data.splines[0].points[3].co[3] = 1
-    obs[1].data.splines[0].use_cyclic_u = True
-    refused(obs, "B is cyclic")
-    obs[1].data.splines[0].use_cyclic_u = False
+    spline = obs[1].data.splines[0]
+    spline.use_cyclic_u = spline.use_cyclic_v = True
+    refused(obs, "B is closed: it has no edge")
+    spline.use_cyclic_u = spline.use_cyclic_v = False
     obs[2].scale = (0, 1, 1)
     bpy.context.view_layer.update()
     refused(obs, "C is scaled to nothing")
-    refused(obs[:2], "three surface objects")
+    refused(obs[:2], "three surface or mesh objects")
+
+
+def test_a_surface_flat_to_a_line():
+    obs = three()
+    for point in obs[1].data.splines[0].points:
+        point.co.x = point.co.y = 0
+    refused(obs, "B is flat to a line")
+
+
+def test_patches_that_overlap():
+    """Two of the three in one place: no edges run round a hole."""
+    obs = three()
+    points = np.array([p.co for p in obs[0].data.splines[0].points])
+    obs[1].data.splines[0].points.foreach_set("co", points.ravel())
+    refused(obs, "do not meet|no three-sided hole")
+
+
+def cut_back(points, before, after):
+    """A bilinear surface through the corners of another, which goes on beyond its edge v = 0 at both ends."""
+    a, b = points[0, 0], points[-1, 0]
+    u = np.linspace(-before, 1 + after, 4)
+    return a + u[:, None, None] * (b - a) + np.linspace(0, 1, 4)[None, :, None] * (points[2, -1] - points[2, 0])
+
+
+@pytest.mark.parametrize("beyond", [((0.5, 0.3), (0, 0), (0, 0)), ((0, 0.4), (0.3, 0), (0, 0.2)), ((0.4, 0.4),) * 3])
+def test_pieces_of_edges(beyond):
+    """Edges that go on beyond the hole: ends meet somewhere along them, or two edges cross."""
+    obs = [add_surface(cut_back(patch_points(i), *beyond[i]), "ABC"[i], order=(2, 2), resolution=16) for i in range(3)]
+    new = run(obs)
+    corners = [np.array(new.data.vertices[v].co) for v in border(new)]
+    for corner in CORNERS:
+        assert min(np.linalg.norm(corner - p) for p in corners) < 1e-6
+    surfaces = np.vstack([drawn(ob)[0] for ob in obs])
+    gaps = np.array([np.linalg.norm(surfaces - p, axis=1).min() for p in corners])
+    assert np.count_nonzero(gaps > 2e-6 * np.ptp(surfaces, axis=0).max()) <= 3, "only a corner may lie between drawn points"
+    assert len(corners) > 3 * 16
+
+
+def add_mesh(name, vertices, faces):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(np.asarray(vertices).tolist(), [], faces)
+    mesh.update()
+    ob = bpy.data.objects.new(name, mesh)
+    bpy.context.collection.objects.link(ob)
+    return ob
+
+
+def select_edges(ob, of):
+    """Selects the edges whose two ends are `of` so."""
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    bm.select_mode = {"EDGE"}
+    for e in bm.edges:
+        e.select_set(all(of(v.co) for v in e.verts))
+    bm.to_mesh(ob.data)
+    bm.free()
+
+
+def as_mesh(ob):
+    """The mesh that Blender draws of a surface, in its place."""
+    mesh = bpy.data.meshes.new_from_object(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    new = bpy.data.objects.new(ob.name, mesh)
+    new.matrix_world = ob.matrix_world
+    bpy.data.objects.remove(ob)
+    bpy.context.collection.objects.link(new)
+    new.name = mesh.name
+    bpy.context.view_layer.update()
+    return new
+
+
+@pytest.mark.parametrize("meshes", ["A", "BC", "ABC"])
+def test_any_mix_with_meshes(meshes):
+    obs = three(resolution=8)
+    obs = [as_mesh(ob) if ob.name in meshes else ob for ob in obs]
+    new = run(obs)
+    check(obs, new)
+    assert len(border(new)) == sum(8 * n - 1 for n in (4, 4, 4))
+
+
+def test_a_mirrored_mesh():
+    obs = three(resolution=8)
+    mesh = as_mesh(obs[1])
+    mesh.data.transform(Matrix.Diagonal((-1, 1, 1, 1)))
+    mesh.matrix_world = Matrix.Diagonal((-1, 1, 1, 1))
+    bpy.context.view_layer.update()
+    obs = [obs[0], mesh, obs[2]]
+    new = run(obs)
+    points = drawn(mesh)[0]
+    mine = np.array([new.data.vertices[v].co for v in border(new)])
+    assert np.count_nonzero(np.linalg.norm(mine[:, None] - points, axis=2).min(axis=1) < 1e-6) == 8 * 4
+
+
+def l_shape(n=8):
+    """A bent sheet over the square from 0 to 2 without that from 0 to 1."""
+    side = np.linspace(0, 2, n + 1)
+    vertices = [(x, y, 0.1 * x * y) for x in side for y in side]
+    quads = [
+        [i * (n + 1) + j, (i + 1) * (n + 1) + j, (i + 1) * (n + 1) + j + 1, i * (n + 1) + j + 1]
+        for i in range(n)
+        for j in range(n)
+    ]
+    kept = [f for f in quads if max(min(vertices[v][k] for v in f) for k in (0, 1)) > 0.99]
+    used = sorted({v for f in kept for v in f})
+    return [vertices[v] for v in used], [[used.index(v) for v in f] for f in kept]
+
+
+def ruled(start, end, out):
+    """Points of a surface (cubic, quadratic) whose edge v = 0 runs from start to end and which goes `out` from there."""
+    start, end, out = (np.asarray(p, float) for p in (start, end, out))
+    return np.array([[start + u * (end - start) + v * out for v in (0, 0.5, 1)] for u in np.linspace(0, 1, 4)])
+
+
+def strip():
+    return ruled((0, 1, 0), (1, 0, 0), (-0.5, -0.5, 0.1))
+
+
+@pytest.mark.parametrize("both_meshes", [False, True])
+def test_two_sides_of_one_mesh(both_meshes):
+    sheet = add_mesh("Sheet", *l_shape())
+    other = add_surface(strip(), "Strip", order=(4, 3))
+    if both_meshes:
+        other = as_mesh(other)
+    new = run([sheet, other])
+    points = np.vstack([drawn(sheet)[0], drawn(other)[0]])
+    mine = np.array([new.data.vertices[v].co for v in border(new)])
+    assert np.linalg.norm(mine[:, None] - points, axis=2).min(axis=1).max() < 2e-6 * 2
+    for corner in ((0, 1, 0), (1, 0, 0), (1, 1, 0.1)):
+        assert np.linalg.norm(mine - corner, axis=1).min() < 1e-6
+    assert len(mine) == 4 + 4 + 15
+
+
+def test_selected_edges_of_a_mesh_count():
+    """The sheet's inner border is selected; without the half of it towards the strip's end there is no hole."""
+    sheet = add_mesh("Sheet", *l_shape())
+    other = add_surface(strip(), "Strip", order=(4, 3))
+    select_edges(sheet, lambda p: max(p.x, p.y) < 1 + 1e-6)
+    assert len(border(run([sheet, other]))) == 4 + 4 + 15
+    select_edges(sheet, lambda p: max(p.x, p.y) < 1 + 1e-6 and (p.x < 0.6 or p.y > 0.9))
+    refused([sheet, other], "Sheet and Strip do not meet|Strip and Sheet do not meet|no three-sided hole")
+
+
+def test_a_modifier_of_a_mesh_counts():
+    """The border is that of the evaluated mesh."""
+    vertices, faces = l_shape()
+    sheet = add_mesh("Sheet", [(x, y - 5, z) for x, y, z in vertices], faces)
+    move = sheet.modifiers.new("Move", "DISPLACE")
+    move.direction, move.strength, move.mid_level = "Y", 5, 0
+    new = run([sheet, add_surface(strip(), "Strip", order=(4, 3))])
+    assert len(border(new)) == 4 + 4 + 15
+
+
+@pytest.mark.parametrize("turn", [0.0, 2.0, 6.0])
+def test_a_piece_of_a_cyclic_surface(turn):
+    """A tube that is cyclic in one direction: a piece of its closed edge is a side, also across the place where it starts."""
+    angle = np.arange(8) * np.pi / 4 + turn
+    points = np.stack([np.stack([np.cos(angle), np.sin(angle), np.full(8, z)], axis=1) for z in (-1.0, -0.5, 0.0)], axis=1)
+    tube = add_surface(points, "Tube", order=(4, 3), endpoint=False, cyclic=True, resolution=8)
+    spline = tube.data.splines[0]
+    spline.use_endpoint_u, spline.use_endpoint_v = not spline.use_cyclic_u, not spline.use_cyclic_v
+    bpy.context.view_layer.update()
+    rim = drawn(tube)[0]
+    rim = rim[np.abs(rim[:, 2]) < 1e-6]
+    assert len(rim) == 64
+    start, end = (rim[np.argmin(np.linalg.norm(rim - (np.cos(x), np.sin(x), 0), axis=1))] for x in (-0.5, 0.5))
+    tip = np.array((2.0, 0, 0))
+    others = [
+        add_surface(ruled(end, tip, (0, 0.5, 0.2)), "B", order=(4, 3)),
+        add_surface(ruled(tip, start, (0, -0.5, 0.2)), "C", order=(4, 3)),
+    ]
+    new = run([tube, *others])
+    mine = np.array([new.data.vertices[v].co for v in border(new)])
+    every = np.vstack([drawn(ob)[0] for ob in [tube, *others]])
+    assert np.linalg.norm(mine[:, None] - every, axis=2).min(axis=1).max() < 2e-6 * 4
+    assert np.count_nonzero(np.linalg.norm(mine[:, None] - rim, axis=2).min(axis=1) < 1e-5) > 8

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from . import _arrays, _native
+from . import _arrays, _native, between
 from ._native import Patch, Report, Side, SzilvasiNagyPatch
 from .errors import Refusal
 from .surfaces import (
@@ -42,6 +42,7 @@ __all__ = [
     "Report",
     "Side",
     "SzilvasiNagyPatch",
+    "between",
     "blend",
     "coons_bezier",
     "coons_energy",
@@ -521,19 +522,32 @@ def _patch_energy(self: Patch, name: str) -> float:
     return self._energy(_name(name, "energy", _FAIRING[1:]))
 
 
+def _places_on_side(edges, i: int) -> list[float]:
+    """Parameters from a number of edges, or as they are given."""
+    if isinstance(edges, numbers.Integral) or np.ndim(edges) == 0:
+        return np.linspace(0, 1, _whole(edges, "edges", 1, 10000) + 1).tolist()
+    t = np.asarray(edges, dtype=np.float64)
+    if t.ndim != 1 or len(t) < 2 or t[0] != 0 or t[-1] != 1 or not (np.diff(t) > 0).all():
+        raise ValueError(f"edges[{i}] must increase from 0 to 1")
+    return t.tolist()
+
+
 def _triangles(self: Patch, edges, resolution: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """The parameter triangle as triangles, well shaped on the patch.
 
     Args:
-        edges: how many along each side, one or three.
+        edges: how many along each side, one or three; or for a side the parameters of its points, increasing from 0 to 1.
         resolution: edges per side inside, 1 or more; None follows the sides.
 
     Returns:
         Barycentric coordinates (k, 3), those on the sides first, in order from corner 0 along side 2, 0 and 1; faces (m, 3).
     """
-    counts = [_whole(n, "edges", 1, 10000) for n in _arrays.three(edges, "edges", numbers.Integral)]
+    given = (edges,) * 3 if isinstance(edges, numbers.Number) else tuple(edges)
+    if len(given) != 3:
+        raise ValueError(f"edges must be one value or three, not {len(given)}")
+    sides = [_places_on_side(side, i) for i, side in enumerate(given)]
     inside = None if resolution is None else _whole(resolution, "resolution", 1, 10000)
-    b, faces = _native._triangles(self, [np.linspace(0, 1, n + 1).tolist() for n in counts], inside)
+    b, faces = _native._triangles(self, sides, inside)
     return b, np.array(faces, np.int64).reshape(-1, 3)
 
 
@@ -585,6 +599,19 @@ def _from_functions(c: Callable, dc: Callable, r: Callable, rim=None) -> Side:
     return Side._from_functions(c, dc, r, t.tolist())
 
 
+def _part(self: Side, start: float, end: float) -> Side:
+    """The piece of the side from one parameter to another, backwards where end < start. On a closed side the larger of the two
+    may lie beyond 1, up to a whole turn on.
+
+    Raises:
+        ValueError: parameters that are equal or out of range.
+    """
+    for name, value in (("start", start), ("end", end)):
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise TypeError(f"{name} must be a number, not {value!r}")
+    return self._part(float(start), float(end))
+
+
 def _as_dict(self: Report) -> dict:
     """The report as plain values, ready for JSON."""
     return {name: getattr(self, name) for name in _REPORT}
@@ -599,5 +626,6 @@ SzilvasiNagyPatch.auxiliary_curve = _auxiliary_curve
 SzilvasiNagyPatch.correction = _correction
 SzilvasiNagyPatch.slope_correction = _slope_correction
 Side.evaluate = _side_evaluate
+Side.part = _part
 Side.from_functions = staticmethod(_from_functions)
 Report.as_dict = _as_dict

@@ -245,18 +245,19 @@ PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<
   return {breaks, degree, dimension, coefficients};
 }
 
-PiecewisePolynomial PiecewisePolynomial::joined(const std::vector<PiecewisePolynomial>& parts) {
+PiecewisePolynomial PiecewisePolynomial::joined(const std::vector<PiecewisePolynomial>& parts, std::vector<double> shares) {
   if (parts.empty()) throw InvalidArgument("nothing to join");
-  const double n = static_cast<double>(parts.size());
+  if (shares.empty()) shares.assign(parts.size(), 1 / static_cast<double>(parts.size()));
   int degree = 0;
   for (const PiecewisePolynomial& part : parts) degree = std::max(degree, part.degree_);
   std::vector<double> breaks = {0}, coefficients;
-  for (std::size_t k = 0; k < parts.size(); ++k) {
+  double start = 0;
+  for (std::size_t k = 0; k < parts.size(); start += shares[k++]) {
     const PiecewisePolynomial part = parts[k].refined({}, degree);
-    for (Index p = 1; p <= part.pieces(); ++p) breaks.push_back((static_cast<double>(k) + part.breaks_[p]) / n);
+    for (Index p = 1; p <= part.pieces(); ++p) breaks.push_back(start + shares[k] * part.breaks_[p]);
     for (Index p = 0; p < part.pieces(); ++p) {
       double scale = 1;
-      for (int power = 0; power <= degree; ++power, scale *= n)
+      for (int power = 0; power <= degree; ++power, scale /= shares[k])
         for (int x = 0; x < part.dimension_; ++x)
           coefficients.push_back(scale * part.coefficients_[(p * (degree + 1) + power) * part.dimension_ + x]);
     }

@@ -70,10 +70,18 @@ Sides closed(Sides sides) {
   for (int i = 0; i < 3; ++i) {
     const Vec3 start = corner[(i + 1) % 3] - sides[i].c(0), end = corner[(i + 2) % 3] - sides[i].c(1);
     if (start.isZero(0) && end.isZero(0)) continue;
-    const std::array<double, 6> net = {start[0], start[1], start[2], end[0], end[1], end[2]};
-    sides[i].c = sides[i].c + PiecewisePolynomial::bezier(net, 3);
+    sides[i] = moved_ends(sides[i], start, end);
   }
   return sides;
+}
+
+/// Whether the surroundings are degenerate all along: no more than the line of the side itself.
+bool no_planes(const Side& side) {
+  for (int k = 0; k <= 8; ++k) {
+    const Vec3 r = side.r(k / 8.0), dc = side.c.derivative_at(k / 8.0);
+    if (r.cross(dc).norm() > 1e-9 * r.norm() * dc.norm()) return false;
+  }
+  return true;
 }
 
 /// alpha at a corner by equations (10) and (12) as printed, with 0 on the right of their second line.
@@ -163,6 +171,8 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
         ribbon.beta = linear(b0, b1) + bump * (ribbon.beta - linear(b0, b1));
       }
     }
+    if (options.tangent[i] && no_planes(side))
+      throw Refusal("Side " + std::to_string(i) + " has no tangent planes: its surroundings are flat to a line along it");
     if (options.tangent[i]) {
       ribbon.d = ribbon.alpha * side.r + ribbon.beta * side.c.derivative();
     } else {  // linear between the corners' own derivatives, kept open at smooth corners

@@ -8,6 +8,29 @@ namespace tripatch {
 
 Vec3 Side::normal(double t) const { return r(t).cross(c.derivative_at(t)).stableNormalized(); }
 
+Side piece_of(const Side& side, double from, double to) {
+  const double low = std::min(from, to), high = std::max(from, to);
+  if (!(low >= 0 && low < 1 && high > low && high <= low + 1))
+    throw InvalidArgument("A piece of a side needs two different parameters from 0 to 1");
+  if (high > 1 && (side.c(1) - side.c(0)).norm() > 1e-6 * (side.c(0.5) - side.c(0)).norm())
+    throw InvalidArgument("Only a piece of a closed side can go on beyond its end");
+  const auto field = [&](const PiecewisePolynomial& f) {
+    if (f.empty()) return f;
+    const PiecewisePolynomial piece =
+        high <= 1 ? f.part(low, high)
+                  : PiecewisePolynomial::joined({f.part(low, 1), f.part(0, high - 1)},
+                                                {(1 - low) / (high - low), (high - 1) / (high - low)});
+    return to < from ? piece.reversed() : piece;
+  };
+  return {field(side.c), field(side.r), field(side.q)};
+}
+
+Side moved_ends(Side side, const Vec3& start, const Vec3& end) {
+  const std::array<double, 6> net = {start[0], start[1], start[2], end[0], end[1], end[2]};
+  side.c = side.c + PiecewisePolynomial::bezier(net, 3);
+  return side;
+}
+
 double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {
   double size = 0;
   for (const PiecewisePolynomial& c : curves) {

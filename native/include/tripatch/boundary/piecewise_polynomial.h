@@ -33,8 +33,8 @@ public:
   static PiecewisePolynomial fit(const std::function<void(std::span<const double>, std::span<double>)>& f, int dimension,
                                  double tolerance = 1e-13, int degree = 9, int max_depth = 9);
 
-  /// Fields end to end: each takes an equal share of [0, 1].
-  static PiecewisePolynomial joined(const std::vector<PiecewisePolynomial>& parts);
+  /// Fields end to end: each takes its share of [0, 1] (empty: an equal one).
+  static PiecewisePolynomial joined(const std::vector<PiecewisePolynomial>& parts, std::vector<double> shares = {});
 
   int dimension() const { return dimension_; }
   int degree() const { return degree_; }

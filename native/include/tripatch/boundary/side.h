@@ -22,6 +22,12 @@ struct Side {
 
 using Sides = std::array<Side, 3>;
 
+/// The piece of a side from one parameter to another, backwards where to < from. On a closed side (its ends meet, and its
+/// derivatives) the larger of the two may lie beyond 1, up to a whole turn on. The derivatives across stay as they are.
+Side piece_of(const Side& side, double from, double to);
+/// The side with its ends moved, and all between in proportion.
+Side moved_ends(Side side, const Vec3& start, const Vec3& end);
+
 /// Sides must meet: the end of each is the start of the next, within 1e-6 of the size; throws a Refusal that names the corner
 /// and the gap otherwise. Returns the size: the largest distance between two corners or side points.
 double check_sides(const Sides& sides);

@@ -1,0 +1,382 @@
+"""Three-sided holes between surfaces and meshes: which of their edges, or pieces of edges, run round the hole.
+
+Each object gives its edges as curves (`SurfaceEdge`, `MeshBorder`); `find_loop` finds the three pieces whose ends meet.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from . import _arrays, _native
+from ._native import Side
+from .errors import Refusal
+
+_SHARP = np.cos(np.radians(25))  # a mesh's border turns by more than this at a corner
+
+
+class Curve:
+    """An edge that may hold a side of the hole, t from 0 to 1.
+
+    Attributes:
+        name: of the object.
+        closed: t = 1 is t = 0 again.
+        own: in the direction of t, a fill beside it faces as the object does.
+        t, points: (n,) and (n, 3), where it is drawn; of a closed curve without t = 1.
+    """
+
+    name: str
+    closed: bool
+    own: bool
+    t: np.ndarray
+    points: np.ndarray
+
+    def at(self, t) -> np.ndarray:
+        """(k, 3) points at t (k,); beyond 1 on a closed curve."""
+        raise NotImplementedError
+
+    def nearest(self, points) -> tuple[np.ndarray, np.ndarray]:
+        """Parameter and distance of the nearest place for each of (k, 3) points."""
+        raise NotImplementedError
+
+    def pieces(self, ends: Sequence[tuple[float, float]]) -> list[tuple[Side, np.ndarray]]:
+        """For one piece, or two that follow each other, the Side and its parameters (0 .. 1) where the curve is drawn."""
+        raise NotImplementedError
+
+
+class SurfaceEdge(Curve):
+    """An edge of a surface that is known exactly.
+
+    Args:
+        edges: into how many edges it is drawn.
+        own: see `Curve`.
+    """
+
+    def __init__(self, name: str, side: Side, edges: int, own: bool) -> None:
+        self.name, self.side, self.own = name, side, own
+        dense = np.linspace(0, 1, max(257, 8 * edges + 1))
+        self._dense, (c, along, across, _) = dense, side.evaluate(dense)
+        self._positions, size = c, np.ptp(c, axis=0).max()
+        if not size > 1e-12 * np.abs(c).max(initial=0):
+            raise Refusal(f"An edge of {name} is a single point")
+        spanned = np.linalg.norm(np.cross(along, across), axis=1)
+        if not (spanned > 1e-9 * np.linalg.norm(along, axis=1) * np.linalg.norm(across, axis=1)).any():
+            raise Refusal(f"{name} is flat to a line along an edge: it has no tangent planes there")
+        self.closed = bool(np.linalg.norm(c[-1] - c[0]) < 1e-6 * size)
+        self.t = np.linspace(0, 1, edges + 1)[: edges + (not self.closed)]
+        self.points = self.at(self.t)
+
+    def at(self, t):
+        t = np.atleast_1d(np.asarray(t, float))
+        return self.side.evaluate(np.mod(t, 1.0) if self.closed else np.clip(t, 0, 1))[0]
+
+    def nearest(self, points):
+        points = np.atleast_2d(points)
+        k = np.linalg.norm(self._positions - points[:, None], axis=2).argmin(axis=1)
+        step = self._dense[1]
+        low, high = self._dense[k] - step, self._dense[k] + step
+        if not self.closed:
+            low, high = low.clip(0, 1), high.clip(0, 1)
+        for _ in range(60):  # ternary search: it needs no derivative
+            a, b = low + (high - low) / 3, high - (high - low) / 3
+            left = np.linalg.norm(self.at(a) - points, axis=1) < np.linalg.norm(self.at(b) - points, axis=1)
+            low, high = np.where(left, low, a), np.where(left, b, high)
+        t = (low + high) / 2
+        # to the last bit where the place is one that is drawn, an end or the seam
+        drawn = np.round(t * len(self.t)) / len(self.t) if self.closed else np.round(t * (len(self.t) - 1)) / (len(self.t) - 1)
+        t = np.where(np.abs(t - drawn) < 1e-7, drawn, t)
+        distance = np.linalg.norm(self.at(t) - points, axis=1)
+        return np.mod(t, 1.0) if self.closed else t, distance
+
+    def pieces(self, ends):
+        found = []
+        for start, end in ends:
+            low, high = min(start, end), max(start, end)
+            drawn = np.concatenate([self.t, self.t + 1]) if self.closed else self.t
+            spacing = 0.25 / len(self.t)
+            inside = drawn[(drawn > low + spacing) & (drawn < high - spacing)]
+            t = (np.concatenate([[low], inside, [high]]) - low) / (high - low)
+            whole = (start, end) == (0.0, 1.0) and not self.closed
+            found.append((self.side if whole else self.side.part(start, end), t if end > start else (1 - t)[::-1]))
+        return found
+
+
+class MeshBorder(Curve):
+    """A border of a mesh, or a chain of edges of one; sides of it start and end at vertices.
+
+    Args:
+        vertices, faces: the mesh.
+        loop: vertex indices of the whole border, in the direction of new faces (`tripatch.find_holes`).
+        chain: how many edges of it, from its start, may be used; None: all, and it is closed.
+    """
+
+    own = True
+
+    def __init__(self, name: str, vertices, faces, loop, chain: int | None = None) -> None:
+        self.name, self._mesh = name, _arrays.mesh(vertices, faces)
+        self._loop = np.asarray(loop, np.int64)
+        self.closed = chain is None
+        self._steps = len(self._loop) if chain is None else chain  # edges
+        used = self._loop[: self._steps + (not self.closed)]
+        self.points = self._mesh[0][used]
+        self.t = np.arange(len(used)) / self._steps
+
+    def _vertex(self, t) -> np.ndarray:
+        return self._loop[np.round(np.asarray(t, float) * self._steps).astype(int) % len(self._loop)]
+
+    def at(self, t):
+        return self._mesh[0][self._vertex(np.atleast_1d(t))]
+
+    def nearest(self, points):
+        gaps = np.linalg.norm(self.points - np.atleast_2d(points)[:, None], axis=2)
+        return self.t[gaps.argmin(axis=1)], gaps.min(axis=1)
+
+    def corners(self) -> np.ndarray:
+        """Parameters where the border turns sharply, the sharpest first."""
+        along = np.roll(self.points, -1, axis=0) - self.points
+        along /= np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
+        straight = (along * np.roll(along, 1, axis=0)).sum(axis=1)
+        if not self.closed:
+            straight[[0, -1]] = 1
+        return self.t[np.argsort(straight, kind="stable")[: np.count_nonzero(straight < _SHARP)]]
+
+    def pieces(self, ends):
+        backwards = ends[0][1] < ends[0][0]
+        steps = [int(round(t * self._steps)) for pair in (ends[::-1] if backwards else ends) for t in sorted(pair)]
+        first, last, n = steps[0], steps[-1], len(self._loop)
+        if len(ends) == 2:
+            corners = [first, steps[1], last]
+        elif n - (last - first) > 1:
+            corners = [first, last, last + (n - (last - first)) // 2]
+        else:
+            raise Refusal(f"The border of {self.name} is too short to have a side and an edge besides")
+        at = [int(self._loop[k % n]) for k in corners]
+        sides, parameters, _ = _native._mesh_sides(*self._mesh, self._loop.tolist(), at)
+        found = []
+        for i in (2, 0)[: len(ends)]:
+            side, t = sides[i], np.array(parameters[i])
+            found.append((side.part(1.0, 0.0), (1 - t)[::-1]) if backwards else (side, t))
+        return found[::-1] if backwards else found
+
+
+@dataclass
+class Joint:
+    """Where two curves meet, or nearly do."""
+
+    a: float  # parameter on the first curve
+    b: float
+    gap: float
+    whole: bool  # an end of both, or a place where a mesh has a vertex
+
+
+@dataclass
+class Loop:
+    """Three pieces of curves round a hole: curves[k] from ends[k][0] to ends[k][1], which is near to the start of the next."""
+
+    curves: list[Curve]
+    ends: list[tuple[float, float]]
+    gaps: list[float] = field(default_factory=list)  # behind each piece
+
+    def sides(self) -> list[tuple[Side, np.ndarray]]:
+        """The sides, with ends that meet exactly (each moves to the middle of its gap), and the parameters where they are
+        drawn."""
+        made: list = [None] * 3
+        for k in range(3):
+            if made[k] is None and self.curves[k] is self.curves[(k + 1) % 3]:
+                made[k], made[(k + 1) % 3] = self.curves[k].pieces([self.ends[k], self.ends[(k + 1) % 3]])
+        for k in range(3):
+            if made[k] is None:
+                (made[k],) = self.curves[k].pieces([self.ends[k]])
+        ends = [side.evaluate([0.0, 1.0])[0] for side, _ in made]
+        for k, (side, t) in enumerate(made):
+            start, end = 0.5 * (ends[k - 1][1] - ends[k][0]), 0.5 * (ends[(k + 1) % 3][0] - ends[k][1])
+            if max(np.linalg.norm(start), np.linalg.norm(end)) > 2e-7 * np.ptp(ends[k], axis=0).max():
+                made[k] = (side._moved(start.tolist(), end.tolist()), t)
+        return made
+
+
+def _surface_joints(a: SurfaceEdge, b: SurfaceEdge) -> list[Joint]:
+    """Ends with ends, ends with places between, and places where the curves cross."""
+    joints = []
+    ends_a, ends_b = ([] if curve.closed else [0.0, 1.0] for curve in (a, b))
+    for s, t in itertools.product(ends_a, ends_b):
+        joints.append(Joint(s, t, float(np.linalg.norm(a.at(s) - b.at(t))), True))
+    if ends_a:
+        joints += [Joint(s, t, d, False) for s, t, d in zip(ends_a, *b.nearest(a.at(ends_a)), strict=True)]
+    if ends_b:
+        joints += [Joint(s, t, d, False) for t, s, d in zip(ends_b, *a.nearest(b.at(ends_b)), strict=True)]
+    joints += _crossings(a, b)
+    return [Joint(float(j.a), float(j.b), float(j.gap), j.whole) for j in joints]
+
+
+def _crossings(a: SurfaceEdge, b: SurfaceEdge) -> list[Joint]:
+    """Where the distance between two curves has a least value inside both, and they run in different directions."""
+    s, t = np.linspace(0, 1, 129), np.linspace(0, 1, 129)
+    gaps = np.linalg.norm(a.at(s)[:, None] - b.at(t)[None], axis=2)
+    around = np.stack([np.roll(gaps, (i, j), (0, 1)) for i, j in itertools.product((-1, 0, 1), repeat=2) if (i, j) != (0, 0)])
+    lowest = (gaps < around.min(axis=0)) | ((gaps <= around.min(axis=0)) & (gaps < around.max(axis=0)))
+    for curve, edge in ((a, lowest), (b, lowest.T)):
+        edge[-1] = False
+        if not curve.closed:
+            edge[0] = False
+    found = []
+    for i, j in sorted(np.argwhere(lowest).tolist(), key=lambda at: gaps[at[0], at[1]])[:8]:
+        x, y = s[i], t[j]
+        for _ in range(30):  # Gauss-Newton for the shortest connection
+            (pa, da), (pb, db) = (
+                [v[0] for v in curve.side.evaluate([p % 1 if curve.closed else p])[:2]] for curve, p in ((a, x), (b, y))
+            )
+            step = np.linalg.lstsq(np.stack([da, -db], axis=1), pb - pa, rcond=1e-9)[0].clip(-0.01, 0.01)
+            x, y = (v % 1 if curve.closed else min(max(v, 0.0), 1.0) for curve, v in ((a, x + step[0]), (b, y + step[1])))
+            if np.abs(step).max() < 1e-14:
+                break
+        inside = all(curve.closed or 1e-6 < v < 1 - 1e-6 for curve, v in ((a, x), (b, y)))
+        across = np.linalg.norm(np.cross(da, db)) > 0.02 * np.linalg.norm(da) * np.linalg.norm(db)
+        if inside and across:
+            found.append(Joint(x, y, float(np.linalg.norm(pa - pb)), False))
+    return found
+
+
+def _mesh_joints(a: MeshBorder, b: Curve, tolerance: float) -> list[Joint]:
+    """Vertices of a mesh's border beside a curve: where the two run along each other only the first and the last of them."""
+    t, gaps = b.nearest(a.points)
+    near = gaps <= tolerance
+    if not near.any():
+        places = [int(gaps.argmin())]
+    else:
+        before, after = np.roll(near, 1), np.roll(near, -1)
+        if not a.closed:
+            before[0] = after[-1] = False
+        places = np.nonzero(near & ~(before & after))[0].tolist()
+    joints = [Joint(a.t[k], t[k], gaps[k], isinstance(b, MeshBorder)) for k in places]
+    if not b.closed:
+        ends = np.array([0.0, 1.0])
+        joints += [Joint(s, e, d, True) for e, s, d in zip(ends, *a.nearest(b.at(ends)), strict=True)]
+    if not a.closed:
+        joints += [Joint(a.t[k], t[k], gaps[k], True) for k in (0, -1)]
+    return [Joint(float(j.a), float(j.b), float(j.gap), j.whole) for j in joints]
+
+
+def _joints(a: Curve, b: Curve, tolerance: float) -> list[Joint]:
+    if a is b:  # two sides of one mesh
+        return [Joint(float(t), float(t), 0.0, True) for t in a.corners()]
+    if isinstance(a, MeshBorder):
+        found = _mesh_joints(a, b, tolerance)
+    elif isinstance(b, MeshBorder):
+        found = [Joint(j.b, j.a, j.gap, j.whole) for j in _mesh_joints(b, a, tolerance)]
+    else:
+        found = _surface_joints(a, b)
+    # Beside ends that meet, a place between is no joint of its own.
+    kept = [j for j in found if j.whole]
+    met = [(a.at(j.a)[0], b.at(j.b)[0]) for j in kept if j.gap <= tolerance]
+    for j in found:
+        near = any(min(np.linalg.norm(a.at(j.a)[0] - p), np.linalg.norm(b.at(j.b)[0] - q)) <= 2 * tolerance for p, q in met)
+        if not j.whole and not near:
+            kept.append(j)
+    return kept
+
+
+def _arcs(curve: Curve, start: float, end: float) -> list[tuple[float, float]]:
+    """The ways along a curve from one parameter to another."""
+    if not curve.closed:
+        return [(start, end)] if start != end else []
+    if start == end:
+        return []
+    low, high = min(start, end), max(start, end)
+    ways = [(low, high), (high, low + 1)]
+    return [way if (way[0] % 1.0) == start else way[::-1] for way in ways]
+
+
+def _length(curve: Curve, way: tuple[float, float]) -> float:
+    p = curve.at(np.linspace(*way, 17)) if not isinstance(curve, MeshBorder) else curve.at(_steps_between(curve, way))
+    return float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum())
+
+
+def _steps_between(curve: MeshBorder, way) -> np.ndarray:
+    low, high = sorted(way)
+    return np.arange(round(low * curve._steps), round(high * curve._steps) + 1) / curve._steps
+
+
+def _search(objects, joints, limit: float, cost, least: float) -> tuple[float, Loop] | None:
+    """The loop of least cost(gaps, whole, length) whose joints are within the limit; pieces are longer than `least`."""
+    best, lengths = None, {}
+
+    def ways(curve, start, end):
+        key = (id(curve), start, end)
+        if key not in lengths:
+            lengths[key] = [(way, n) for way in _arcs(curve, start, end) if (n := _length(curve, way)) > least]
+        return lengths[key]
+
+    for a, b, c in itertools.product(*objects):
+        near = [[j for j in joints[id(x), id(y)] if j.gap <= limit] for x, y in ((a, b), (b, c), (c, a))]
+        for ab, bc, ca in itertools.product(*near):
+            pieces = ways(a, ca.b, ab.a), ways(b, ab.b, bc.a), ways(c, bc.b, ca.a)
+            for (wa, la), (wb, lb), (wc, lc) in itertools.product(*pieces):
+                taken = [(a, wa), (b, wb), (c, wc)]
+                if any(x is y and not _follow(v, w) for (x, v), (y, w) in itertools.combinations(taken, 2)):
+                    continue
+                value = cost([ab.gap, bc.gap, ca.gap], [ab.whole, bc.whole, ca.whole], la + lb + lc)
+                if best is None or value < best[0] - 1e-9 * abs(best[0]):  # of equals the first
+                    best = (value, Loop([a, b, c], [wa, wb, wc], [ab.gap, bc.gap, ca.gap]))
+    return best
+
+
+def _follow(v, w) -> bool:
+    """Two pieces of one curve run in the same direction and do not overlap."""
+    return (v[1] > v[0]) == (w[1] > w[0]) and abs(v[1] - v[0]) + abs(w[1] - w[0]) <= 1 + 1e-9
+
+
+def _facing(loop: Loop) -> Loop:
+    """The loop in the direction in which most of its curves have the normals of their objects."""
+    own = sum(curve.own == (way[1] > way[0]) for curve, way in zip(loop.curves, loop.ends, strict=True))
+    if own > 1:
+        return loop
+    gaps = loop.gaps[:2][::-1] + loop.gaps[2:]
+    return Loop(loop.curves[::-1], [way[::-1] for way in loop.ends[::-1]], gaps)
+
+
+def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float) -> Loop:
+    """The smallest three-sided loop of pieces of curves whose ends meet.
+
+    Args:
+        objects: the curves of each of three objects, which give a side each; or of two, of which a mesh gives two sides.
+        tolerance: largest gap between ends that still meet.
+
+    Raises:
+        Refusal: no three pieces meet; names the two objects of the widest gap, and the gap.
+    """
+    curves = [curve for own in objects for curve in own]
+    size = float(np.ptp(np.concatenate([curve.points for curve in curves]), axis=0).max())
+    if len(objects) == 3:
+        ways = [list(objects)]
+    else:
+        doubled = [[c for c in own if isinstance(c, MeshBorder)] for own in objects]
+        ways = [[objects[1 - k], own, own] for k, own in enumerate(doubled) if own]
+    joints = {}
+    for order in ways:
+        for first, second in itertools.combinations(range(3), 2):
+            for x, y in itertools.product(order[first], order[second]):
+                if (id(x), id(y)) not in joints:
+                    found = joints[id(x), id(y)] = _joints(x, y, tolerance)
+                    joints[id(y), id(x)] = [Joint(j.b, j.a, j.gap, j.whole) for j in found]
+
+    def least(limit, cost, shortest):
+        found = [best for order in ways if (best := _search(order, joints, limit, cost, shortest))]
+        return min(found, key=lambda best: best[0], default=None)
+
+    best = least(tolerance, lambda gaps, whole, length: length, max(2 * tolerance, 1e-6 * size))
+    if best:
+        return _facing(best[1])
+    names = list(dict.fromkeys(curve.name for curve in curves))
+    nearly = least(np.inf, lambda gaps, whole, _: max(g if w else 10 * g for g, w in zip(gaps, whole)), 1e-3 * size)
+    if nearly is None or max(nearly[1].gaps) <= tolerance:
+        raise Refusal(f"The edges of {', '.join(names[:-1])} and {names[-1]} enclose no three-sided hole")
+    loop = nearly[1]
+    k = int(np.argmax(loop.gaps))
+    raise Refusal(
+        f"The edges of {loop.curves[k].name} and {loop.curves[(k + 1) % 3].name} do not meet: their ends are "
+        f"{loop.gaps[k]:.3g} apart, the tolerance is {tolerance:.3g} (scene units)",
+    )

@@ -1,0 +1,219 @@
+"""Which pieces of edges run round a hole between surfaces and meshes."""
+
+import itertools
+
+import numpy as np
+import pytest
+import tripatch
+from tripatch import between
+
+CORNERS = np.array([(0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.5, 1.5, 0.3)])
+
+
+def sheet(start, end, outside, before=0.0, after=0.0, degree=3):
+    """A Bezier surface whose edge v = 0 runs from start to end, and so much (of its length) further at both ends."""
+    along = end - start
+    u = np.linspace(-before, 1 + after, degree + 1)
+    rows = [start + u[:, None] * along + v * outside for v in np.linspace(0, 1, degree + 1)]
+    return tripatch.BezierRectangle(np.stack(rows, axis=1))
+
+
+def edges(name, surface, drawn=8, own=True):
+    return [between.SurfaceEdge(name, tripatch.Side(surface, e), drawn, own) for e in range(4)]
+
+
+def three(before=(0, 0, 0), after=(0, 0, 0)):
+    found = []
+    for i in range(3):
+        a, b = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3]
+        outside = (a + b) / 2 - CORNERS.mean(axis=0) + (0, 0, 0.2)
+        found.append(edges("ABC"[i], sheet(a, b, outside, before[i], after[i])))
+    return found
+
+
+def checked(loop, corners=CORNERS):
+    """The patch on the loop's sides, which run from corner to corner without a gap."""
+    sides = loop.sides()
+    patch = tripatch.patch([side for side, _ in sides])
+    ends = np.array([side.evaluate([0.0, 1.0])[0] for side, _ in sides])
+    assert np.abs(ends[:, 1] - np.roll(ends, -1, axis=0)[:, 0]).max() < 1e-6
+    for p in ends[:, 0]:
+        assert np.linalg.norm(corners - p, axis=1).min() < 1e-6
+    assert all(t[0] == 0 and t[-1] == 1 and (np.diff(t) > 0).all() for _, t in sides)
+    b, faces = patch.triangles([t for _, t in sides])
+    assert np.isfinite(patch.evaluate(b)).all() and len(faces)
+    return patch, sides
+
+
+@pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
+def test_whole_edges_in_any_order(order):
+    objects = three()
+    loop = between.find_loop([objects[k] for k in order], 1e-3)
+    assert set(loop.ends) <= {(0.0, 1.0), (1.0, 0.0)} and max(loop.gaps) < 1e-12
+    checked(loop)
+
+
+@pytest.mark.parametrize("before", [(0.4, 0, 0), (0.3, 0.2, 0), (0.5, 0.5, 0.5)])
+@pytest.mark.parametrize("after", [(0, 0, 0), (0.3, 0, 0.7), (0.2, 0.3, 0.4)])
+def test_pieces_of_edges(before, after):
+    """Where an edge goes on beyond the corner its piece counts; where two go on they cross there."""
+    loop = between.find_loop(three(before, after), 1e-3)
+    assert max(loop.gaps) < 1e-9
+    patch, sides = checked(loop)
+    for (side, _), curve, (start, end) in zip(sides, loop.curves, loop.ends):
+        t = np.linspace(0, 1, 9)
+        c, _, r, _ = side.evaluate(t)
+        own = curve.side.evaluate(start + t * (end - start))
+        assert np.abs(c - own[0]).max() < 1e-9 and np.abs(r - own[2]).max() < 1e-9
+
+
+def test_the_fill_faces_as_most_objects_do():
+    for own in itertools.product((False, True), repeat=3):
+        objects = three()
+        for curves, mine in zip(objects, own):
+            for curve in curves:
+                curve.own = mine
+        loop = between.find_loop(objects, 1e-3)
+        same = [curve.own == (way[1] > way[0]) for curve, way in zip(loop.curves, loop.ends)]
+        assert sum(same) >= 2
+        assert (
+            sum(
+                np.linalg.norm(c.at(w[1]) - d.at(v[0]))
+                for c, w, d, v in zip(loop.curves, loop.ends, loop.curves[1:] + loop.curves[:1], loop.ends[1:] + loop.ends[:1])
+            )
+            < 1e-9
+        )
+
+
+def test_a_gap_is_named():
+    objects = three()
+    far = sheet(CORNERS[0] + (0, 0, 0.05), CORNERS[1] + (0, 0, 0.05), np.array((0, -1.0, 0)))
+    objects[2] = edges("C", far)
+    with pytest.raises(tripatch.Refusal, match=r"The edges of [AB] and C|C and [AB] do not meet: their ends are 0\.05 apart"):
+        between.find_loop(objects, 1e-3)
+    loop = between.find_loop(objects, 0.06)
+    assert sorted(loop.gaps) == pytest.approx([0, 0.05, 0.05], abs=1e-9)
+    checked(loop, np.vstack([CORNERS, CORNERS + (0, 0, 0.025)]))
+
+
+def ring(n=4):
+    """A closed cubic B-spline tube about the z axis, from z = -1 up to z = 0, cyclic in u."""
+    angle = np.arange(n + 3) * 2 * np.pi / n
+    points = np.stack([np.stack([np.cos(angle), np.sin(angle), np.full(n + 3, z)], axis=1) for z in (-1.0, 0.0)], axis=1)
+    return tripatch.NurbsSurface(points, None, np.arange(n + 7.0), [0, 0, 1, 1])
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.0, 3.0, 6.2])
+def test_a_piece_of_a_closed_edge(turn):
+    """Also across the place where the edge starts and ends."""
+    surface = ring()
+    tube = [between.SurfaceEdge("Tube", tripatch.Side(surface, e), 32, True) for e in (0, 2)]
+    assert all(curve.closed for curve in tube)
+    turned = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    radius = np.linalg.norm(tube[1].points[0])
+    tip = turned @ (2.0, 0, 0)
+    ends = [tube[1].at(tube[1].nearest(turned @ (np.cos(x), np.sin(x), 0))[0])[0] for x in (-0.5, 0.5)]
+    others = [
+        edges("B", sheet(ends[1], tip, turned @ (0, 0.5, 0.3))),
+        edges("C", sheet(tip, ends[0], turned @ (0, -0.5, 0.3))),
+    ]
+    loop = between.find_loop([tube, *others], 1e-6)
+    patch, sides = checked(loop, np.array([tip, *ends]))
+    k = loop.curves.index(tube[1])
+    c, dc, _, _ = sides[k][0].evaluate(np.linspace(0, 1, 50))
+    assert np.linalg.norm(dc, axis=1).min() > 0.5 * radius  # no jump at the seam
+    assert np.abs(tube[1].nearest(c)[1]).max() < 1e-9
+    assert np.linalg.norm(np.diff(c, axis=0), axis=1).sum() < 2 * radius  # the short way
+
+
+def grid(n, at):
+    """Vertices at(i / n, j / n) and quads, whose normals point to d/du x d/dv."""
+    u, v = (x.ravel() / n for x in np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij"))
+    quads = [
+        [i * (n + 1) + j, (i + 1) * (n + 1) + j, (i + 1) * (n + 1) + j + 1, i * (n + 1) + j + 1]
+        for i in range(n)
+        for j in range(n)
+    ]
+    return np.array([at(a, b) for a, b in zip(u, v)]), quads
+
+
+def mesh_of(surface, n=12):
+    return grid(n, lambda u, v: surface.evaluate([(u, v)])[0])
+
+
+@pytest.mark.parametrize("meshes", [(0,), (0, 2), (0, 1, 2)])
+def test_sides_of_meshes(meshes):
+    """A mesh's side runs through its vertices, with the tangent planes of the surface that it stands for."""
+    objects = three()
+    for k in meshes:
+        vertices, faces = mesh_of(
+            sheet(
+                CORNERS[(k + 1) % 3],
+                CORNERS[(k + 2) % 3],
+                (CORNERS[(k + 1) % 3] + CORNERS[(k + 2) % 3]) / 2 - CORNERS.mean(axis=0) + (0, 0, 0.2),
+            )
+        )
+        objects[k] = [between.MeshBorder("ABC"[k], vertices, faces, loop) for loop in tripatch.find_holes(faces)]
+    exact = between.find_loop(three(), 1e-3)
+    loop = between.find_loop(objects, 1e-3)
+    patch, sides = checked(loop)
+    for k in meshes:
+        (place,) = [i for i, curve in enumerate(loop.curves) if curve.name == "ABC"[k]]
+        side, t = sides[place]
+        assert len(t) == 13
+        assert np.linalg.norm(loop.curves[place].points[:, None] - side.evaluate(t)[0], axis=2).min(axis=0).max() < 1e-9
+        (other,) = [s for (s, _), curve in zip(exact.sides(), exact.curves) if curve.name == "ABC"[k]]
+        angle = np.abs((side.evaluate([0.5])[3] * other.evaluate([0.5])[3]).sum())
+        assert angle > 1 - 1e-6
+
+
+def test_two_sides_of_one_mesh():
+    """An L-shaped sheet and a strip across its corner."""
+    n = 8
+    vertices, faces = grid(n, lambda u, v: (2 * u, 2 * v, 0.3 * u * v))
+    kept = [f for f in faces if max(vertices[f][:, 0].min(), vertices[f][:, 1].min()) >= 1 - 1e-9]
+    strip = sheet(np.array((0, 1, 0.0)), np.array((1.0, 0, 0)), np.array((-0.5, -0.5, 0)))
+    mesh = [between.MeshBorder("L", vertices, kept, loop) for loop in tripatch.find_holes(kept)]
+    loop = between.find_loop([mesh, edges("Strip", strip)], 1e-3)
+    corners = np.array([(0, 1.0, 0), (1.0, 0, 0), (1, 1, 0.075)])
+    patch, sides = checked(loop, corners)
+    assert sorted(curve.name for curve in loop.curves) == ["L", "L", "Strip"]
+    assert sorted(len(t) for _, t in sides) == [5, 5, 9]
+    t = np.linspace(0, 1, 9)
+    for curve, (side, _) in zip(loop.curves, sides):
+        if curve.name == "L":
+            c, _, _, normal = side.evaluate(t)
+            exact = np.stack([-0.075 * c[:, 1], -0.075 * c[:, 0], np.ones(9)], axis=1)
+            exact /= np.linalg.norm(exact, axis=1, keepdims=True)
+            assert np.abs(c[:, 2] - 0.075 * c[:, 0] * c[:, 1]).max() < 1e-5
+            assert (normal * exact).sum(axis=1).min() > 1 - 1e-5
+
+
+def test_bad_input():
+    flat = tripatch.BezierRectangle([[[u, 0, 0], [u + 0.1, 0, 0]] for u in (0.0, 0.3, 1.0)])
+    with pytest.raises(tripatch.Refusal, match="F is flat to a line"):
+        between.SurfaceEdge("F", tripatch.Side(flat, 0), 8, True)
+    sides = [side for side, _ in between.find_loop(three(), 1e-3).sides()]
+    along = sides[0].evaluate
+    line = tripatch.Side.from_functions(lambda t: along(t)[0], lambda t: along(t)[1], lambda t: along(t)[1])
+    with pytest.raises(tripatch.Refusal, match="Side 0 has no tangent planes"):
+        tripatch.patch([line, *sides[1:]])
+    assert tripatch.patch([line, *sides[1:]], continuity="G0")
+    same = three()[0]
+    with pytest.raises(tripatch.Refusal, match="do not meet|no three-sided hole"):
+        between.find_loop([same, edges("A2", sheet(CORNERS[1], CORNERS[2], np.array((1.0, 1, 0)))), three()[2]], 1e-3)
+
+
+def test_pieces_of_sides():
+    side = tripatch.Side(sheet(CORNERS[0], CORNERS[1], np.array((0, -1.0, 0.4))), 0)
+    t = np.linspace(0, 1, 11)
+    for start, end in ((0.2, 0.9), (0.9, 0.2), (0.0, 1.0), (1.0, 0.0)):
+        piece = side.part(start, end)
+        mine, own = piece.evaluate(t), side.evaluate(start + t * (end - start))
+        assert np.abs(mine[0] - own[0]).max() < 1e-14 and np.abs(mine[2] - own[2]).max() < 1e-13
+        assert np.abs(mine[1] - (end - start) * own[1]).max() < 1e-13
+    for start, end in ((0.5, 0.5), (-0.1, 0.5), (0.5, 1.2)):
+        with pytest.raises(ValueError):
+            side.part(start, end)
+    with pytest.raises(TypeError):
+        side.part("0", 1)
