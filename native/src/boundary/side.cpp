@@ -16,10 +16,10 @@ Side piece_of(const Side& side, double from, double to) {
     throw InvalidArgument("Only a piece of a closed side can go on beyond its end");
   const auto field = [&](const PiecewisePolynomial& f) {
     if (f.empty()) return f;
-    const PiecewisePolynomial piece =
-        high <= 1 ? f.part(low, high)
-                  : PiecewisePolynomial::joined({f.part(low, 1), f.part(0, high - 1)},
-                                                {(1 - low) / (high - low), (high - 1) / (high - low)});
+    const PiecewisePolynomial piece = high <= 1
+                                          ? f.part(low, high)
+                                          : PiecewisePolynomial::joined({f.part(low, 1), f.part(0, high - 1)},
+                                                                        {(1 - low) / (high - low), (high - 1) / (high - low)});
     return to < from ? piece.reversed() : piece;
   };
   return {field(side.c), field(side.r), field(side.q)};
