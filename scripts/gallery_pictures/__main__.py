@@ -1,10 +1,10 @@
-"""python -m gallery_pictures DOCS [NAME...]: draws all, or the named parts, into DOCS/gallery and DOCS/images/methods."""
+"""python -m gallery_pictures DOCS [NAME...]: draws all, or the named parts, into DOCS/gallery and DOCS/images."""
 
 import importlib
 import pathlib
 import sys
 
-PARTS = ("szilvasi_nagy", "liu_ma_cheng", "franke", "arnal_lluch", "smits", "methods")
+PARTS = ("szilvasi_nagy", "liu_ma_cheng", "franke", "arnal_lluch", "smits", "methods", "cages")
 
 docs = pathlib.Path(sys.argv[1])
 names = sys.argv[2:] or PARTS
@@ -12,4 +12,6 @@ for name in names:
     if name not in PARTS:
         sys.exit(f"no pictures called {name}; there are {', '.join(PARTS)}")
 for name in names:
-    importlib.import_module(f".{name}", __package__).draw(docs / ("images/methods" if name == "methods" else "gallery"))
+    importlib.import_module(f".{name}", __package__).draw(
+        docs / (f"images/{name}" if name in ("methods", "cages") else "gallery")
+    )

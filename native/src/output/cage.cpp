@@ -91,65 +91,54 @@ Vec3 apply(const LimitStencil& s, const std::vector<double>& weights, const Poin
   return p;
 }
 
-/// Linear least squares in the free vertices of a cage whose targets change from solution to solution.
+/// Linear least squares in the free vertices of a cage.
 class System {
 public:
-  System(const Points& vertices, std::vector<Index> free)
-      : vertices_(vertices), free_(std::move(free)), column_(vertices.rows(), -1) {
-    for (std::size_t k = 0; k < free_.size(); ++k) column_[free_[k]] = static_cast<Index>(k);
+  System(const Points& vertices, const std::vector<Index>& free)
+      : vertices_(vertices), free_(free), column_(vertices.rows(), -1) {
+    for (std::size_t k = 0; k < free_.size(); ++k) column_[free_[k]] = static_cast<int>(3 * k);
   }
 
-  /// weight * direction . (sum of weights * vertices - targets[target]) = 0
-  void add(const LimitStencil& s, const std::vector<double>& weights, const Vec3& direction, std::size_t target, double weight) {
-    double known = 0;
+  /// weight * direction . (sum of weights * vertices - target) = 0
+  void add(const LimitStencil& s, const std::vector<double>& weights, const Vec3& direction, const Vec3& target, double weight) {
+    double right = direction.dot(target);
     bool any = false;
     for (std::size_t k = 0; k < s.vertices.size(); ++k) {
-      const Index column = column_[s.vertices[k]];
+      const int column = column_[s.vertices[k]];
       if (column < 0) {
-        known += weights[k] * direction.dot(vertices_.row(s.vertices[k]));
+        right -= weights[k] * direction.dot(vertices_.row(s.vertices[k]));
       } else if (weights[k] != 0) {
         any = true;
-        for (int x = 0; x < 3; ++x)
-          if (direction[x] != 0) entries_.emplace_back(rows_.size(), 3 * column + x, weight * weights[k] * direction[x]);
+        for (int x = 0; x < 3; ++x) entries_.emplace_back(column + x, rows_, weight * weights[k] * direction[x]);
       }
     }
-    if (any) rows_.push_back({direction, target, known, weight});
+    if (!any) return;
+    right_.push_back(weight * right);
+    ++rows_;
   }
 
-  void factor() {
-    const Index n = 3 * static_cast<Index>(free_.size()), rows = static_cast<Index>(rows_.size());
-    matrix_.resize(rows, n);
-    matrix_.setFromTriplets(entries_.begin(), entries_.end());
-    Eigen::SparseMatrix<double> normal = matrix_.transpose() * matrix_;
-    for (Index k = 0; k < n; ++k) normal.coeffRef(k, k) += anchor * anchor;
-    solver_.compute(normal);
-  }
-
-  /// Also where the free vertices are kept near to, if nothing else holds them.
-  void solve(const std::vector<Vec3>& targets, Points& vertices) const {
-    Eigen::VectorXd right(static_cast<Index>(rows_.size()));
-    for (std::size_t k = 0; k < rows_.size(); ++k)
-      right[static_cast<Index>(k)] = rows_[k].weight * (rows_[k].direction.dot(targets[rows_[k].target]) - rows_[k].known);
-    Eigen::VectorXd normal = matrix_.transpose() * right;
-    for (std::size_t k = 0; k < free_.size(); ++k)
-      normal.segment<3>(3 * static_cast<Index>(k)) += anchor * anchor * vertices.row(free_[k]).transpose();
-    const Eigen::VectorXd x = solver_.solve(normal);
+  void solve(Points& vertices) const {
+    const Index n = 3 * static_cast<Index>(free_.size());
+    Eigen::SparseMatrix<double> transposed(n, rows_);  // built by its columns, which come in order
+    transposed.setFromTriplets(entries_.begin(), entries_.end());
+    Eigen::SparseMatrix<double> normal = transposed * transposed.transpose();
+    Eigen::VectorXd right = transposed * Eigen::Map<const Eigen::VectorXd>(right_.data(), rows_);
+    for (Index k = 0; k < n; ++k) {
+      normal.coeffRef(k, k) += anchor * anchor;
+      right[k] += anchor * anchor * vertices_(free_[k / 3], k % 3);
+    }
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
+    const Eigen::VectorXd x = solver.solve(right);
     for (std::size_t k = 0; k < free_.size(); ++k) vertices.row(free_[k]) = x.segment<3>(3 * static_cast<Index>(k));
   }
 
 private:
-  struct Row {
-    Vec3 direction;
-    std::size_t target;
-    double known, weight;
-  };
   const Points& vertices_;
-  std::vector<Index> free_;
-  std::vector<Index> column_;
+  const std::vector<Index>& free_;
+  std::vector<int> column_;
   std::vector<Eigen::Triplet<double>> entries_;
-  std::vector<Row> rows_;
-  Eigen::SparseMatrix<double> matrix_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  std::vector<double> right_;
+  int rows_ = 0;
 };
 
 /// Faces of the surroundings by ring: those that touch the rim, and those that touch them.
@@ -170,14 +159,15 @@ std::array<std::vector<Index>, 2> rings(const Closed& closed, const Hole& hole) 
   return result;
 }
 
-/// Distance of a point from the patch, from its barycentric coordinates on (Gauss-Newton, kept in the triangle).
-double distance_to(const Surface& patch, const Vec3& p, Vec3 b) {
-  double best = 1e300;
+/// Barycentric coordinates of the point of the patch nearest to p, from b on (Gauss-Newton, kept in the triangle), and the distance.
+std::pair<Vec3, double> nearest(const Surface& patch, const Vec3& p, Vec3 b) {
+  std::pair<Vec3, double> best = {b, 1e300};
   std::array<double, 9> jet;
   for (int step = 0; step < 4; ++step) {
     patch.evaluate(b.data(), 1, 1, jet.data());
     const Eigen::Map<const Vec3> at(jet.data()), d0(jet.data() + 3), d1(jet.data() + 6);
-    best = std::min(best, (p - at).norm());
+    const double distance = (p - at).norm();
+    if (distance < best.second) best = {b, distance};
     Eigen::Matrix2d normal;
     normal << d0.dot(d0), d0.dot(d1), d0.dot(d1), d1.dot(d1);
     const Eigen::Vector2d move = normal.inverse() * Eigen::Vector2d(d0.dot(p - at), d1.dot(p - at));
@@ -212,14 +202,84 @@ EdgePlaces directed_edges(const Faces& faces, const std::vector<CageHole>& holes
 /// What is known of one hole while its cage is fitted.
 struct Work {
   std::vector<Sample> inside;
-  Points coordinates;         ///< barycentric, of `inside`
+  std::vector<LimitStencil> inside_stencils;
+  Points coordinates;         ///< barycentric, of `inside`: where on the patch they shall be
   std::vector<Index> around;  ///< faces of the first two rings
   std::vector<Sample> outside;
+  std::vector<LimitStencil> outside_stencils;  ///< of the closed cage
   std::vector<Vec3> outside_was, outside_normal;
   std::vector<double> trust;  ///< of `outside`
-  std::size_t first_target = 0;
-  bool region = false;  ///< replaces faces
+  bool region = false;        ///< replaces faces
 };
+
+/// The samples' targets go to the points of the patch that are nearest to where the samples are: along it nothing holds them.
+void slide(const Points& vertices, const Surface& patch, Work& work) {
+  for (std::size_t k = 0; k < work.inside.size(); ++k) {
+    const Index row = static_cast<Index>(k);
+    const Vec3 b = work.coordinates.row(row);
+    const LimitStencil& stencil = work.inside_stencils[k];
+    work.coordinates.row(row) = nearest(patch, apply(stencil, stencil.p, vertices), b).first;
+  }
+}
+
+void add_patch(const Surface& patch, const Work& work, const CageOptions& options, System& system) {
+  const auto [target, normal] = patch.positions_and_normals(work.coordinates);
+  for (std::size_t k = 0; k < work.inside.size(); ++k) {
+    const LimitStencil& stencil = work.inside_stencils[k];
+    const Vec3 p = target.row(static_cast<Index>(k)), m = normal.row(static_cast<Index>(k)), t = m.unitOrthogonal();
+    system.add(stencil, stencil.p, m, p, 1);
+    system.add(stencil, stencil.p, t, p, options.tangential);
+    system.add(stencil, stencil.p, m.cross(t), p, options.tangential);
+  }
+}
+
+void add_surroundings(const Work& work, const CageOptions& options, System& system) {
+  const double across = work.region ? options.whole : options.surroundings,
+               along = work.region ? options.whole : options.surroundings_tangential;
+  for (std::size_t k = 0; k < work.outside.size(); ++k) {
+    const LimitStencil& stencil = work.outside_stencils[k];
+    const Vec3 m = work.outside_normal[k], t = m.unitOrthogonal();
+    system.add(stencil, stencil.p, m, work.outside_was[k], work.trust[k] * across);
+    system.add(stencil, stencil.p, t, work.outside_was[k], work.trust[k] * along);
+    system.add(stencil, stencil.p, m.cross(t), work.outside_was[k], work.trust[k] * along);
+  }
+}
+
+/// Along an exact rim the quads' derivative across shall lie in the tangent plane of the surroundings.
+void add_seam(const Hole& hole, const Sides& sides, const EdgePlaces& edges, const Closed& closed, const LimitSurface& limit,
+              const CageOptions& options, System& system) {
+  double size_of_hole = 0;
+  for (Index v : hole.rim)
+    size_of_hole = std::max(size_of_hole, (closed.vertices.row(v) - closed.vertices.row(hole.rim[0])).norm());
+  LimitStencil stencil;
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<Index> side = hole.side(i);
+    for (std::size_t e = 0; e + 1 < side.size(); ++e) {
+      const EdgePlace place = edges.at({side[e], side[e + 1]});
+      if (closed.faces[place.face].size() != 4) continue;
+      for (double s : {0.0, 0.15, 0.35, 0.5, 0.65, 0.85, 1.0}) {
+        // a smooth rim leaves the quad in its corner no tangent plane there, and little freedom beside it
+        const double along_side = static_cast<double>(e) + s,
+                     from_corner = std::min(along_side, static_cast<double>(side.size() - 1) - along_side);
+        if (from_corner == 0) continue;
+        const double trust = std::pow(std::min(1.0, from_corner), 3), t = along_side / static_cast<double>(side.size() - 1);
+        const Vec3 m = sides[i].normal(t), inwards = m.cross(sides[i].c.derivative_at(t)).normalized();
+        const std::array<Eigen::Vector2d, 4> corner = {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}, {0, 1}};
+        const Eigen::Vector2d along = corner[(place.edge + 1) % 4] - corner[place.edge], at = corner[place.edge] + s * along;
+        limit.stencil(place.face, 0, at[0], at[1], stencil);
+        std::vector<double> across(stencil.p.size());
+        for (std::size_t k = 0; k < across.size(); ++k) across[k] = -along[1] * stencil.pu[k] + along[0] * stencil.pv[k];
+        const Vec3 now = apply(stencil, across, closed.vertices);
+        const double width = now.norm();  // of the quad: the row is an angle
+        if (width == 0) continue;
+        const double weight = trust * options.seam * size_of_hole / width;
+        system.add(stencil, across, m, Vec3::Zero(), weight);
+        // else the quads may turn their first row over: that lies in the plane as well
+        system.add(stencil, across, inwards, now, options.seam_width * weight);
+      }
+    }
+  }
+}
 
 /// The numbers of the report.
 void measure(const LimitSurface& was, const Closed& closed, const LimitSurface& limit, const EdgePlaces& edges, const Hole& hole,
@@ -227,16 +287,16 @@ void measure(const LimitSurface& was, const Closed& closed, const LimitSurface& 
   LimitStencil stencil;
   double sum = 0;
   for (std::size_t k = 0; k < work.inside.size(); ++k) {
-    limit.stencil(work.inside[k].face, work.inside[k].quarter, work.inside[k].u, work.inside[k].v, stencil);
+    const LimitStencil& stencil = work.inside_stencils[k];
     const double d =
-        distance_to(*fit.patch, apply(stencil, stencil.p, closed.vertices), work.coordinates.row(static_cast<Index>(k)));
+        nearest(*fit.patch, apply(stencil, stencil.p, closed.vertices), work.coordinates.row(static_cast<Index>(k))).second;
     fit.deviation_max = std::max(fit.deviation_max, d);
     sum += d * d;
   }
   fit.deviation_rms = std::sqrt(sum / static_cast<double>(work.inside.size()));
   sum = 0;
   for (std::size_t k = 0; k < work.outside.size(); ++k) {
-    limit.stencil(work.outside[k].face, work.outside[k].quarter, work.outside[k].u, work.outside[k].v, stencil);
+    const LimitStencil& stencil = work.outside_stencils[k];
     const double d = (apply(stencil, stencil.p, closed.vertices) - work.outside_was[k]).norm();
     if (d > fit.surroundings_max) {
       fit.surroundings_max = d;
@@ -354,7 +414,6 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
     fits[h].patch = holes[h].build(fits[h].sides);
   };
   LimitStencil stencil;
-  std::vector<Vec3> targets;
   for (std::size_t h = 0; h < count; ++h) {
     Work& work = works[h];
     if (!fits[h].patch) rebuild(h);
@@ -362,6 +421,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
     for (Index f = 0; f < holes[h].layout.size(); ++f)
       for (const Sample& s : spread(closed.first_face[h] + f, holes[h].layout[f].size(), options.samples)) {
         work.inside.push_back(s);
+        limit.stencil(s.face, s.quarter, s.u, s.v, work.inside_stencils.emplace_back());
         coordinates.push_back(barycentric_at(s, holes[h].layout[f], holes[h].barycentric));
       }
     work.coordinates.resize(static_cast<Index>(coordinates.size()), 3);
@@ -374,6 +434,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
       for (const Sample& s : spread(f, face.size(), options.samples)) {
         was.stencil(closed.kept[f], s.quarter, s.u, s.v, stencil);
         work.outside.push_back(s);
+        limit.stencil(s.face, s.quarter, s.u, s.v, work.outside_stencils.emplace_back());
         work.outside_was.push_back(apply(stencil, stencil.p, mesh.vertices));
         work.outside_normal.push_back(
             apply(stencil, stencil.pu, mesh.vertices).cross(apply(stencil, stencil.pv, mesh.vertices)).stableNormalized());
@@ -382,82 +443,16 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
     }
   }
 
-  // The rows: only the targets on the patches change from round to round.
-  System system(closed.vertices, free);
-  for (std::size_t h = 0; h < count; ++h) {
-    Work& work = works[h];
-    work.first_target = targets.size();
-    const Points target = fits[h].patch->positions(work.coordinates), normal = fits[h].patch->normals(work.coordinates);
-    for (std::size_t k = 0; k < work.inside.size(); ++k) {
-      const Sample& s = work.inside[k];
-      limit.stencil(s.face, s.quarter, s.u, s.v, stencil);
-      const Vec3 m = normal.row(static_cast<Index>(k)), t = m.unitOrthogonal();
-      system.add(stencil, stencil.p, m, targets.size(), 1);
-      system.add(stencil, stencil.p, t, targets.size(), options.tangential);
-      system.add(stencil, stencil.p, m.cross(t), targets.size(), options.tangential);
-      targets.push_back(target.row(static_cast<Index>(k)));
-    }
-    const double across = work.region ? options.whole : options.surroundings,
-                 along = work.region ? options.whole : options.surroundings_tangential;
-    for (std::size_t k = 0; k < work.outside.size(); ++k) {
-      const Sample& s = work.outside[k];
-      limit.stencil(s.face, s.quarter, s.u, s.v, stencil);
-      const Vec3 m = work.outside_normal[k], t = m.unitOrthogonal();
-      system.add(stencil, stencil.p, m, targets.size(), work.trust[k] * across);
-      system.add(stencil, stencil.p, t, targets.size(), work.trust[k] * along);
-      system.add(stencil, stencil.p, m.cross(t), targets.size(), work.trust[k] * along);
-      targets.push_back(work.outside_was[k]);
-    }
-  }
   const auto edges = directed_edges(closed.faces, holes);
-  if (options.rim == CageRim::exact) {
-    const std::size_t zero = targets.size();
-    targets.push_back(Vec3::Zero());
+  for (int round = 0; round < options.rounds; ++round) {
+    System system(closed.vertices, free);
     for (std::size_t h = 0; h < count; ++h) {
-      const Hole& hole = holes[h].hole;
-      double size_of_hole = 0;
-      for (Index v : hole.rim)
-        size_of_hole = std::max(size_of_hole, (mesh.vertices.row(v) - mesh.vertices.row(hole.rim[0])).norm());
-      for (int i = 0; i < 3; ++i) {
-        const std::vector<Index> side = hole.side(i);
-        for (std::size_t e = 0; e + 1 < side.size(); ++e) {
-          const EdgePlace place = edges.at({side[e], side[e + 1]});
-          if (closed.faces[place.face].size() != 4) continue;
-          for (double s : {0.0, 0.15, 0.35, 0.5, 0.65, 0.85, 1.0}) {
-            // a smooth rim leaves the quad in its corner no tangent plane there, and little freedom beside it
-            const double along_side = static_cast<double>(e) + s,
-                         from_corner = std::min(along_side, static_cast<double>(side.size() - 1) - along_side);
-            if (from_corner == 0) continue;
-            const double trust = std::pow(std::min(1.0, from_corner), 3), t = along_side / static_cast<double>(side.size() - 1);
-            const Vec3 m = fits[h].sides[i].normal(t), inwards = m.cross(fits[h].sides[i].c.derivative_at(t)).normalized();
-            const std::array<Eigen::Vector2d, 4> corner = {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}, {0, 1}};
-            const Eigen::Vector2d along = corner[(place.edge + 1) % 4] - corner[place.edge], at = corner[place.edge] + s * along;
-            limit.stencil(place.face, 0, at[0], at[1], stencil);
-            std::vector<double> across(stencil.p.size());
-            for (std::size_t k = 0; k < across.size(); ++k) across[k] = -along[1] * stencil.pu[k] + along[0] * stencil.pv[k];
-            const Vec3 now = apply(stencil, across, closed.vertices);
-            const double width = now.norm();  // of the quad: the row is an angle
-            if (width == 0) continue;
-            const double weight = trust * options.seam * size_of_hole / width;
-            system.add(stencil, across, m, zero, weight);
-            // else the quads may turn their first row over: that lies in the plane as well
-            system.add(stencil, across, inwards, targets.size(), options.seam_width * weight);
-            targets.push_back(inwards * inwards.dot(now));
-          }
-        }
-      }
+      if (round > 0) slide(closed.vertices, *fits[h].patch, works[h]);
+      add_patch(*fits[h].patch, works[h], options, system);
+      add_surroundings(works[h], options, system);
+      if (options.rim == CageRim::exact) add_seam(holes[h].hole, fits[h].sides, edges, closed, limit, options, system);
     }
-  }
-  system.factor();
-  const int rounds = coarser.empty() ? options.rounds : 1;
-  for (int round = 0; round < rounds; ++round) {
-    for (std::size_t h = 0; round > 0 && h < count; ++h) {
-      if (holes[h].start.rows() == 0) continue;
-      rebuild(h);
-      const Points target = fits[h].patch->positions(works[h].coordinates);
-      for (Index k = 0; k < target.rows(); ++k) targets[works[h].first_target + static_cast<std::size_t>(k)] = target.row(k);
-    }
-    system.solve(targets, closed.vertices);
+    system.solve(closed.vertices);
     limit.move(closed.vertices);
   }
 

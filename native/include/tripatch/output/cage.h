@@ -29,10 +29,10 @@ struct CageOptions {
   double surroundings = 0.5;           ///< distances across the old limit surface around an open hole
   double surroundings_tangential = 2;  ///< and along it
   double corner = 0.1;       ///< times these on faces at a corner, where an open border is round and a closed one is not
-  double whole = 6;          ///< around a region to be replaced, where the old limit surface is that of the whole cage
+  double whole = 1;          ///< around a region to be replaced, where the old limit surface is that of the whole cage
   double seam = 3;           ///< exact: tangent planes along the rim, radians times the size of the hole
   double seam_width = 0.03;  ///< exact: times `seam`: how far the first row reaches inwards
-  int rounds = 1;            ///< smooth, move, open hole: how often the patch is rebuilt on the rim that the fitted cage has
+  int rounds = 3;            ///< how often it is fitted, each time to the points of the patch that have become the nearest
 };
 
 /// A hole, and what is to close it.
