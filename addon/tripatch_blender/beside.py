@@ -9,6 +9,7 @@ from mathutils.kdtree import KDTree
 
 from . import attributes, filling, selection, subdivision, writeback
 from .library import np, tripatch
+from .selection import UnusableError
 
 # Of the extent; what Blender draws and what the library computes agree to float32.
 _SAME_POINT = 2e-6
@@ -46,7 +47,9 @@ def _new_object(ob, vertices, faces, materials, smooth):
     mesh.update()
     new = ob.copy()  # the same transform, parent, collections and materials of slots
     new.name = f"{ob.name} Fill"
-    new.modifiers.clear()
+    for modifier in list(new.modifiers):
+        if modifier.type != "MIRROR":  # what mirrors the hole mirrors its fill
+            new.modifiers.remove(modifier)
     new.vertex_groups.clear()
     new.data = mesh
     for slot, old in zip(new.material_slots, ob.material_slots):
@@ -59,11 +62,36 @@ def _new_object(ob, vertices, faces, materials, smooth):
     return new
 
 
+def _in_cage(ob, cage, bm, rim):
+    """The rim of a BMesh in the cage that modifiers make of it."""
+    if cage is bm:
+        return rim
+    vertex = {v: cage.verts[v.index] for v in (*rim.loop, *rim.corners, *([rim.first] if rim.first else []))}
+    loop = [vertex[v] for v in rim.loop]
+    replaced = {cage.faces[f.index] for f in rim.replaced}
+    for edge, a in zip(selection.edges_of(cage, loop), loop, strict=True):
+        if edge is None or len([f for f in edge.link_faces if f not in replaced]) != 1:
+            raise UnusableError(
+                f"A modifier of {ob.name} closes the hole at vertex {a.index}, or changes its rim there; apply it"
+            )
+    return selection.Rim(loop, [vertex[v] for v in rim.corners], vertex.get(rim.first), replaced)
+
+
 def fill_rims(ob, bm, matrix, rims, options):
     """Fills rims of an object's BMesh by one new object. Returns (Outcome, the object or None)."""
     modifier = subdivision.usable(ob, limit=True)
     bm.verts.index_update()
     bm.faces.index_update()
+    cage = subdivision.cage_before(ob, bm, modifier)
+    try:
+        return _fill_rims(ob, cage, modifier, matrix, [_in_cage(ob, cage, bm, rim) for rim in rims], options)
+    finally:
+        if cage is not bm:
+            cage.free()
+
+
+def _fill_rims(ob, bm, modifier, matrix, rims, options):
+    """The same for rims of the cage that the modifier subdivides."""
     cage, around = subdivision.Cage(bm, modifier), selection.Surroundings(bm, matrix)
     inverse = np.linalg.inv(matrix[:3, :3])
     outcome, vertices, faces, materials, smooth = filling.Outcome(), [], [], [], []

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import bmesh
 import bpy
 
 from .library import np
@@ -31,7 +32,8 @@ def modifier_of(ob):
 
 
 def usable(ob, limit=False):
-    """`modifier_of`, or UnusableError if its cage is not the object's own mesh, or (limit) if its surface is changed."""
+    """`modifier_of`, or UnusableError if its cage is not the object's own mesh, or (limit) if its surface is changed; for what
+    changes the cage there is `cage_before`."""
     modifier = modifier_of(ob)
     if modifier is None:
         if limit:
@@ -46,7 +48,7 @@ def usable(ob, limit=False):
     for other in ob.modifiers:
         if other == modifier:
             before = False
-        elif other.show_viewport and before and other.type not in _HARMLESS:
+        elif other.show_viewport and before and not limit and other.type not in _HARMLESS:
             raise UnusableError(
                 f"The modifier '{other.name}' of {ob.name} changes the cage before it is subdivided; apply it, or choose "
                 "Output: Triangles and Surroundings: Mesh"
@@ -57,6 +59,41 @@ def usable(ob, limit=False):
     if limit and not level_of(modifier):
         raise UnusableError(f"The modifier '{modifier.name}' of {ob.name} has no levels in the viewport")
     return modifier
+
+
+def cage_before(ob, bm, modifier):
+    """The cage that the modifiers before make of a BMesh: the BMesh itself, or a new one in which it comes first, vertices and
+    faces (a mirror image follows it). UnusableError if they leave nothing of it."""
+    stack = list(ob.modifiers)
+    changing = [m.name for m in stack[: stack.index(modifier)] if m.show_viewport and m.type not in _HARMLESS]
+    if not changing:
+        return bm
+    mesh = bpy.data.meshes.new("TriPatch")
+    bm.to_mesh(mesh)
+    twin = ob.copy()
+    twin.data = mesh
+    bpy.context.scene.collection.objects.link(twin)
+    try:
+        for other in list(twin.modifiers)[stack.index(modifier) :]:
+            twin.modifiers.remove(other)
+        evaluated = twin.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        made = bmesh.new()
+        made.from_mesh(evaluated.to_mesh())
+        evaluated.to_mesh_clear()
+    finally:
+        bpy.data.objects.remove(twin)
+        bpy.data.meshes.remove(mesh)
+    for elements in (made.verts, made.edges, made.faces):
+        elements.ensure_lookup_table()
+        elements.index_update()
+    same = len(made.verts) >= len(bm.verts) and len(made.faces) >= len(bm.faces)
+    if not same or any([v.index for v in f.verts] != [v.index for v in g.verts] for f, g in zip(bm.faces, made.faces)):
+        made.free()
+        raise UnusableError(
+            f"The modifier '{changing[0]}' of {ob.name} changes the cage before it is subdivided; apply it, or choose "
+            "Output: Triangles and Surroundings: Mesh"
+        )
+    return made
 
 
 def level_of(modifier):

@@ -372,9 +372,69 @@ def test_what_changes_the_cage_is_refused_by_name():
     ob.modifiers.new("Half", "MIRROR")
     ob.modifiers.new("Subdivision", "SUBSURF")
     refused(ob, "'Half' of Cage changes the cage")
+    ob.modifiers[0].use_bisect_axis = (True, False, False)
     refused(ob, "'Half' of Cage changes the cage", surroundings="limit")
     ob.modifiers[0].show_viewport = False
     set_output(ob)
+    ob = add_cage(levels=None)
+    ob.modifiers.new("Fewer", "DECIMATE").ratio = 0.5
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    refused(ob, f"'Fewer' of {ob.name} changes the cage", surroundings="limit")
+
+
+def half(bm, gone):
+    """Only what lies at x < 0 is kept: a mirror image completes it. The hole is beside that plane, not on it."""
+    noise(bm, gone)
+    for v in bm.verts:
+        if abs(v.co.x) < 0.16:
+            v.co.x = 0
+    bmesh.ops.delete(bm, geom=[v for v in bm.verts if v.co.x > 0.01], context="VERTS")
+
+
+@pytest.mark.parametrize("where", ["before", "after"])
+def test_a_mirror_is_read(where):
+    """Before the Subdivision modifier the cage is that of both halves; the new object is mirrored as the original is."""
+    ob = add_cage(levels=None, change=half if where == "before" else noise, n=6, rings=1)
+    ob.matrix_world.identity()
+    if where == "before":
+        ob.modifiers.new("Mirror", "MIRROR")
+    ob.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    if where == "after":
+        mirror = ob.modifiers.new("Mirror", "MIRROR")
+        mirror.use_axis, mirror.use_mirror_merge = (False, False, True), False
+    bpy.ops.object.mode_set(mode="EDIT")
+    bm = bmesh.from_edit_mesh(ob.data)
+    loops = [loop for loop in scenes.border_loops(bm) if all(abs(v.co.x) > 0.01 for v in loop)]
+    assert len(loops) == 1
+    bpy.ops.mesh.select_mode(type="VERT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    scenes.select(bm, loops[0][:: len(loops[0]) // 3][:3])
+    before = set(bpy.data.objects)
+    assert fill(surroundings="limit") == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    (new,) = set(bpy.data.objects) - before
+    assert [m.type for m in new.modifiers] == ["MIRROR"]
+    points, border, _ = evaluated(ob)
+    own, own_border, _ = evaluated(new)
+    own, points = own[list(own_border)], points[list(border)]
+    # An image is subdivided by Blender anew before and copied after: bit for bit where there is but one computation.
+    gaps = np.linalg.norm(own[:, None].astype(float) - points[None], axis=2)
+    assert len(own) == len(points) and gaps.min(axis=1).max() < 2e-6 * 2 and gaps.min(axis=0).max() < 2e-6 * 2
+    first = [p[p[:, 0] < 0] if where == "before" else p for p in (own, points)]
+    assert len(first[0]) and bits(first[0]) == bits(first[1])
+
+
+def test_a_hole_on_a_mirror_plane_is_refused():
+    ob = add_cage(levels=None, remove=False, change=half)
+    ob.modifiers.new("Mirror", "MIRROR")
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    bpy.ops.object.mode_set(mode="EDIT")
+    bm = bmesh.from_edit_mesh(ob.data)
+    bpy.ops.mesh.select_all(action="DESELECT")
+    scenes.select(bm, scenes.border_loops(bm)[0][::8][:3])
+    with pytest.raises(RuntimeError, match="closes the hole at vertex"):
+        fill(surroundings="limit")
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def test_what_changes_the_surface_is_refused_by_name():
