@@ -106,55 +106,101 @@ def corners_of(rim, loop, mesh, replaced, offset):
     return [loop[(p + offset) % len(loop)] for p in places]
 
 
-def _plan(bm, rim, world, keys, options, around, cage=None):
-    """A `Planned` fill and notes on it. around: Surroundings in the shape that the vertices have now.
-    cage: its subdivision.Cage, for output="cage"."""
-    loop = [v.index for v in rim.loop]
-    positions, faces, replaced = around.around(rim)
-    corners = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset)
-    arguments = dict(options.arguments, rim=loop, replaced=replaced)
-    if cage is not None:
-        arguments["subdivision"] = cage.near(faces)
-    fill = tripatch.fill(positions, faces, corners=corners, **arguments)
+class _ToObject:
+    """From world space to an object's own."""
 
-    inverse, notes = np.linalg.inv(world[:3, :3]), []
-    turn = world[:3, :3] * np.sign(np.linalg.det(world[:3, :3]))
+    def __init__(self, world):
+        self._world, self._inverse = world, np.linalg.inv(world[:3, :3])
+        self._turn = world[:3, :3] * np.sign(np.linalg.det(world[:3, :3]))
 
-    def to_object(points):
-        return (points - world[:3, 3]) @ inverse.T
+    def points(self, p):
+        return (p - self._world[:3, 3]) @ self._inverse.T
 
-    def normals_to_object(n):
-        n = n @ turn
+    def normals(self, n):
+        n = n @ self._turn
         return n / np.linalg.norm(n, axis=1, keepdims=True)
 
-    vertex = {v.index: v for v in rim.loop}
+
+def _planned(bm, rim, world, fill, arguments, count):
+    """A `Planned` fill; Refusal if its faces cannot be joined to the mesh. count: vertices that the fill counts as the mesh's."""
+    own, vertex = _ToObject(world), {v.index: v for v in rim.loop}
     planned = writeback.Planned(
         rim,
         fill,
         [vertex[v] for v in fill.rim.tolist()],
-        to_object(fill.vertices),
-        normals_to_object(fill.normals),
-        normals_to_object(fill.rim_normals),
+        own.points(fill.vertices),
+        own.normals(fill.normals),
+        own.normals(fill.rim_normals),
         arguments.get("continuity") != "G0" and tripatch.METHODS[arguments.get("method", "side_vertex")].continuity != "G0",
     )
-    planned.moved = list(zip([vertex[v] for v in fill.moved[0].tolist()], to_object(fill.moved[1]), strict=True))
-    obstacle = writeback.obstacle(bm, planned, len(positions))
+    planned.moved = list(zip([vertex[v] for v in fill.moved[0].tolist()], own.points(fill.moved[1]), strict=True))
+    obstacle = writeback.obstacle(bm, planned, count)
     if obstacle:
         raise tripatch.Refusal(obstacle, [])
+    return planned
+
+
+def _in_shape_key(bm, planned, name, in_key, world, cage):
+    """Takes the fill of the same hole in a shape key, a Fill or a Refusal; returns notes."""
+    own, fill = _ToObject(world), planned.fill
+    if not isinstance(in_key, tripatch.Refusal) and cage:
+        if in_key.faces != fill.faces or (in_key.split_edges[0] != fill.split_edges[0]).any():
+            in_key = tripatch.Refusal("its cage would have other faces", [])
+    if isinstance(in_key, tripatch.Refusal):
+        planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
+        return [f"Shape key '{name}' follows its rim only: {place(in_key)}"]
+    planned.in_shape_keys[name] = own.points(in_key.vertices if cage else in_key.patch.evaluate(fill.barycentric))
+    if cage and (in_key.moved[0] == fill.moved[0]).all():
+        planned.moved_in_shape_keys[name] = own.points(in_key.moved[1])
+    return []
+
+
+def _plan(bm, rim, world, keys, options, around):
+    """A `Planned` fill and notes on it. around: Surroundings in the shape that the vertices have now."""
+    loop = [v.index for v in rim.loop]
+    positions, faces, replaced = around.around(rim)
+    corners = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset)
+    arguments = dict(options.arguments, rim=loop, replaced=replaced)
+    fill = tripatch.fill(positions, faces, corners=corners, **arguments)
+    planned, notes = _planned(bm, rim, world, fill, arguments, len(positions)), []
     for name, shape in keys.items():
         try:
             in_key = tripatch.fill(*shape.around(rim)[:2], corners=fill.report.corners, **arguments)
-            same = cage is None or (in_key.faces == fill.faces and (in_key.split_edges[0] == fill.split_edges[0]).all())
-            if not same:
-                raise tripatch.Refusal("its cage would have other faces", [])
-            inside = in_key.patch.evaluate(fill.barycentric) if cage is None else in_key.vertices
-            planned.in_shape_keys[name] = to_object(inside)
-            if cage is not None and (in_key.moved[0] == fill.moved[0]).all():
-                planned.moved_in_shape_keys[name] = to_object(in_key.moved[1])
         except tripatch.Refusal as refusal:
-            notes.append(f"Shape key '{name}' follows its rim only: {place(refusal)}")
-            planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
+            in_key = refusal
+        notes += _in_shape_key(bm, planned, name, in_key, world, False)
     return planned, notes
+
+
+def _plan_cages(bm, rims, world, keys, options, around, cage):
+    """For each rim a `Planned` fill and notes on it, or a Refusal and none; the cages are fitted together."""
+    loops = [[v.index for v in rim.loop] for rim in rims]
+    positions, faces, replaced = around.around(*rims)
+    corners, results = [], [None] * len(rims)
+    for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
+        try:
+            corners.append(corners_of(rim, loop, (positions, faces), replaced, options.corner_offset))
+        except tripatch.Refusal as refusal:
+            results[k] = refusal, []
+    left = [k for k, result in enumerate(results) if result is None]
+    arguments = dict(options.arguments, replaced=replaced, subdivision=cage.near(faces))
+    fills = tripatch.fill_all(positions, faces, [loops[k] for k in left], corners=corners, **arguments)
+    for k, fill in zip(left, fills, strict=True):
+        if not isinstance(fill, tripatch.Refusal):
+            try:
+                results[k] = _planned(bm, rims[k], world, fill, arguments, len(positions)), []
+                continue
+            except tripatch.Refusal as refusal:
+                fill = refusal
+        results[k] = fill, []
+    left = [k for k in left if not isinstance(results[k][0], tripatch.Refusal)]
+    same = [results[k][0].fill.report.corners for k in left]
+    for name, shape in keys.items():
+        in_key = tripatch.fill_all(*shape.around(*rims)[:2], [loops[k] for k in left], corners=same, **arguments)
+        for k, fill in zip(left, in_key, strict=True):
+            planned, notes = results[k]
+            notes += _in_shape_key(bm, planned, name, fill, world, True)
+    return results
 
 
 def _follow_rim(planned, layer):
@@ -196,26 +242,44 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     return outcome, new_faces
 
 
+def _clear_of_each_other(rims):
+    """The rims in groups that can be filled at once: no rim of a group has a vertex on another or on what another replaces."""
+    groups = []
+    for rim in rims:
+        own = set(rim.loop) | {v for f in rim.replaced for v in f.verts}
+        for taken, group in groups:
+            if not taken & own:
+                taken |= own
+                group.append(rim)
+                break
+        else:
+            groups.append((own, [rim]))
+    return [group for _, group in groups]
+
+
 def _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier):
-    """One hole after the other: each fill is part of the cage around the next."""
+    """Holes that touch each other are filled one after the other, all others together."""
     outcome, new_faces = Outcome(cage_rim=options.arguments.get("cage_rim", "smooth")), []
     if outcome.cage_rim == "exact" and modifier is not None and not modifier.use_creases:
         raise UnusableError(f"Cage Rim: Exact creases the rim, and the modifier '{modifier.name}' does not use creases")
-    for rim in rims:
-        if not all(element.is_valid for element in (*rim.loop, *rim.replaced)):
-            outcome.refused.append("A fill before has replaced a part of this rim")
+    for group in _clear_of_each_other(rims):
+        usable = [rim for rim in group if all(element.is_valid for element in (*rim.loop, *rim.replaced))]
+        outcome.refused += ["A fill before has replaced a part of this rim"] * (len(group) - len(usable))
+        if not usable:
             continue
         bm.verts.index_update()
         bm.faces.index_update()
         around, keys = Surroundings(bm, matrix), _shapes(bm, matrix, active_shape)
-        try:
-            plan, notes = _plan(bm, rim, matrix, keys, options, around, subdivision.Cage(bm, modifier))
-        except tripatch.Refusal as refusal:
-            outcome.refused.append(place(refusal))
-        else:
-            new_faces += writeback.write(bm, mesh, [plan], options.shading)
+        planned = []
+        for plan, notes in _plan_cages(bm, usable, matrix, keys, options, around, subdivision.Cage(bm, modifier)):
+            if isinstance(plan, tripatch.Refusal):
+                outcome.refused.append(place(plan))
+                continue
+            planned.append(plan)
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
+        if planned:
+            new_faces += writeback.write(bm, mesh, planned, options.shading)
     new_faces = [face for face in new_faces if face.is_valid]
     outcome.faces = len(new_faces)
     return outcome, new_faces

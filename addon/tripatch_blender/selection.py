@@ -194,9 +194,10 @@ class Surroundings:
         self._count, self._matrix, self._shape = len(bm.verts), matrix, shape
         self.positions = np.zeros((self._count, 3))
 
-    def around(self, rim):
-        """(positions (n, 3), faces as index lists, indices of the replaced ones) for the faces around a rim."""
-        seen, faces, front = set(rim.loop), set(), rim.loop
+    def around(self, *rims):
+        """(positions (n, 3), faces as index lists, indices of the replaced ones) for the faces around rims."""
+        front = [v for rim in rims for v in rim.loop]
+        seen, faces = set(front), set()
         for _ in range(RINGS):
             ring = {f for v in front for f in v.link_faces} - faces
             faces |= ring
@@ -205,5 +206,5 @@ class Surroundings:
         ordered, near = _by_index(faces), list(seen)
         here = np.array([v.co if self._shape is None else v[self._shape] for v in near], dtype=np.float64)
         self.positions[[v.index for v in near]] = here @ self._matrix[:3, :3].T + self._matrix[:3, 3]
-        replaced = [k for k, f in enumerate(ordered) if f in rim.replaced]
+        replaced = [k for k, f in enumerate(ordered) if any(f in rim.replaced for rim in rims)]
         return self.positions, [[v.index for v in f.verts] for f in ordered], replaced

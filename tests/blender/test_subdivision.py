@@ -319,7 +319,28 @@ def test_a_corner_with_two_edges_in_the_closed_cage_is_refused(odd, capfd):
     assert (bits([v.co for v in ob.data.vertices]), len(ob.data.polygons)) == before
 
 
-def test_several_holes_one_after_the_other():
+@pytest.mark.parametrize("remove", [True, False])
+def test_several_holes_that_share_surroundings_are_fitted_together(remove):
+    """Mirrored holes get mirrored fills, which they would not one after the other."""
+    ob = add_cage(holes=8, n=6, remove=remove)
+    ob.matrix_world.identity()
+    if remove:
+        bpy.ops.object.mode_set(mode="EDIT")
+        bm = bmesh.from_edit_mesh(ob.data)
+        bpy.ops.mesh.select_mode(type="VERT")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        scenes.select(bm, [v for v in bm.verts if v.is_boundary and len(v.link_faces) == 3])
+        bpy.ops.object.mode_set(mode="OBJECT")
+    else:
+        bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    set_output(ob)
+    assert not evaluated(ob)[1] and len(ob.data.polygons) == 6 * 6 * 6
+    new = np.unique([ob.data.vertices[v].co for p in list(ob.data.polygons)[-96:] for v in p.vertices], axis=0)
+    for mirror in ((-1, 1, 1), (1, -1, 1), (1, 1, -1)):
+        assert np.linalg.norm((new * mirror)[:, None] - new, axis=2).min(axis=1).max() < 1e-3
+
+
+def test_several_holes_at_once():
     ob = add_cage(holes=2, n=6)
     bpy.ops.object.mode_set(mode="EDIT")
     bm = bmesh.from_edit_mesh(ob.data)
