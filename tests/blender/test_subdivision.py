@@ -335,7 +335,8 @@ def test_several_holes_that_share_surroundings_are_fitted_together(remove):
         bpy.context.tool_settings.mesh_select_mode = (False, False, True)
     set_output(ob)
     assert not evaluated(ob)[1] and len(ob.data.polygons) == 6 * 6 * 6
-    new = np.unique([ob.data.vertices[v].co for p in list(ob.data.polygons)[-96:] for v in p.vertices], axis=0)
+    new = np.unique([ob.data.vertices[v].co for p in ob.data.polygons if p.select for v in p.vertices], axis=0)
+    assert sum(p.select for p in ob.data.polygons) == 96
     for mirror in ((-1, 1, 1), (1, -1, 1), (1, 1, -1)):
         assert np.linalg.norm((new * mirror)[:, None] - new, axis=2).min(axis=1).max() < 1e-3
 
