@@ -217,3 +217,58 @@ def test_pieces_of_sides():
             side.part(start, end)
     with pytest.raises(TypeError):
         side.part("0", 1)
+
+
+def bezier3():
+    """The bicubic nets of bezier3 in scripts/comparison/holes.py: tangent planes that agree at the corners only."""
+    turn = 2 * np.pi * np.arange(3) / 3
+
+    def unit(v):
+        return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+    corners = np.stack([np.cos(turn), np.sin(turn), np.array([0, 0.25, -0.1])], axis=1)
+    normals = unit(np.array([[-0.35, 0.15, 1], [0.3, 0.25, 1], [-0.1, -0.45, 1]]))
+    outward = corners - corners.mean(0)
+    outward = 1.2 * unit(outward - (outward * normals).sum(1)[:, None] * normals)
+    shared, nets = [], []
+    for p, normal, o, bump in zip(corners, normals, outward, (0.25, -0.15, 0.1)):
+        second = p + 2 * o / 3 - 0.15 * normal
+        shared.append(np.array([p, p + o / 3, second, second + o / 3 + bump * normal]))
+    for i, tilts in enumerate([(0.35, 0.10), (-0.30, 0.05), (0.05, -0.40)]):
+        a, b = i, (i + 1) % 3
+        chord = corners[b] - corners[a]
+        ends = [unit(chord - (chord @ normals[k]) * normals[k]) * np.linalg.norm(chord) / 3 for k in (a, b)]
+        net = np.zeros((4, 4, 3))
+        net[0] = corners[a], corners[a] + ends[0], corners[b] - ends[1], corners[b]
+        net[:, 0], net[:, 3] = shared[a], shared[b]
+        out = 1.2 * unit(np.array([chord[1], -chord[0], 0])) / 3
+        for k, tilt in zip((1, 2), tilts):
+            for row, height in zip((1, 2, 3), (0.5, -0.3, 0.2)):
+                net[row, k] = net[row - 1, k] + out + [0, 0, tilt * height]
+        nets.append(net)
+    return nets
+
+
+@pytest.mark.parametrize("fairing", [None, "auto"])
+def test_three_bicubic_patches(fairing):
+    """Seam angle at 200 points a side, against normals from the nets' own Bernstein polynomials."""
+    nets = bezier3()
+    loop = between.find_loop([edges("ABC"[i], tripatch.BezierRectangle(net)) for i, net in enumerate(nets)], 1e-6)
+    patch = tripatch.patch([side for side, _ in loop.sides()], fairing=fairing)
+    t = np.linspace(0, 1, 200)
+    bernstein = np.stack([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t**3], axis=1)
+    slope = 3 * np.stack([-((1 - t) ** 2), (1 - t) * (1 - 3 * t), t * (2 - 3 * t), t * t], axis=1)
+    worst = 0.0
+    for i, curve in enumerate(loop.curves):
+        net = nets["ABC".index(curve.name)]
+        exact = np.cross(slope @ net[0], 3 * bernstein @ (net[1] - net[0]))
+        b = np.zeros((200, 3))
+        b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+        if np.linalg.norm(patch.evaluate(b[:1]) - net[0, 0]) > 1e-9:
+            b = b[::-1]
+        assert np.abs(patch.evaluate(b) - bernstein @ net[0]).max() < 1e-12
+        normal = patch.normal(b)
+        angle = np.degrees(np.arctan2(np.linalg.norm(np.cross(normal, exact), axis=1), np.abs((normal * exact).sum(axis=1))))
+        worst = max(worst, angle.max())
+    print(f"FIGURE bezier3 fairing {fairing} seam {worst:.1e}")
+    assert worst < 1e-5
