@@ -155,7 +155,7 @@ def test_suzanne(addon):
     bpy.ops.mesh.primitive_monkey_add()
     ob = bpy.context.object
     modifier = ob.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels = 5
+    modifier.levels = 4
     points, _, faces = cages.evaluated(ob)
     tree = BVHTree.FromPolygons(points.tolist(), faces)
     modifier.levels = 3
