@@ -153,3 +153,63 @@ def test_wrong_settings(settings, error):
     left, _ = corner_removed(vertices, faces, 1)
     with pytest.raises(error):
         tripatch.fill(vertices, left, surroundings="limit", subdivision=settings)
+
+
+def with_fin(vertices, faces, a, b):
+    n = len(vertices)
+    return np.vstack([vertices, 1.5 * vertices[[a, b]]]), faces + [[a, b, n + 1, n]]
+
+
+def test_bad_cages():
+    """Each is refused with a sentence, or filled where the trouble is out of reach."""
+    vertices, faces = cube_sphere(6)
+    left, _ = corner_removed(vertices, faces, 2)
+    rim = tripatch.find_holes(left)[0].tolist()
+    options = {"rim": rim, "corners": rim[::4], "surroundings": "limit"}
+    beside = next(f for f in left if len(set(rim) & set(f)) == 2)
+    far = max(left, key=lambda f: np.linalg.norm(vertices[f].mean(axis=0) - vertices[rim].mean(axis=0)))
+
+    def refusal(*mesh):
+        with pytest.raises(tripatch.Refusal) as refused:
+            tripatch.fill(*mesh, **options)
+        return refused.value.reason
+
+    on_rim = [v for v in beside if v in rim]
+    assert "a face on both sides of the rim edge" in refusal(*with_fin(vertices, left, *on_rim))
+    assert "a face on both sides of the rim edge" in refusal(vertices, left + [beside])
+    assert "orientation" in refusal(vertices, [f[::-1] if f is beside else f for f in left])
+    moved = vertices.copy()
+    moved[beside] = np.nan
+    assert "no finite position" in refusal(moved, left)
+    moved[beside] = 0
+    assert "has no length" in refusal(moved, left)
+    # what OpenSubdiv itself rejects, in its words
+    angle = np.linspace(0, 6, 70000)
+    many = np.vstack([vertices, np.stack([np.cos(angle), np.sin(angle), angle], axis=1)])
+    ngon = [next(v for v in beside if v not in rim), *range(len(vertices), len(many))]
+    assert "cannot be subdivided" in refusal(many, left + [ngon]) and "65535 max" in refusal(many, left + [ngon])
+
+    plain = tripatch.fill(vertices, left, **options)
+    away = [v for v in beside if v not in rim]
+    for mesh in (with_fin(vertices, left, *far[:2]), with_fin(vertices, left, *away)):
+        fill = tripatch.fill(*mesh, **options)
+        assert fill.report.seam_angle_max < 1e-5 and np.abs(fill.vertices - plain.vertices).max() < 0.1
+    moved = vertices.copy()
+    moved[far] = np.nan
+    assert np.array_equal(tripatch.fill(moved, left, **options).vertices, plain.vertices)
+
+
+def test_scales_that_mirror():
+    vertices, faces = cube_sphere(6)
+    left, _ = corner_removed(vertices, faces, 2)
+    rim = tripatch.find_holes(left)[0].tolist()
+    options = {"rim": rim, "corners": rim[::4], "surroundings": "limit", "fairing": None}
+    plain = tripatch.fill(vertices, left, **options)
+    image = tripatch.fill(vertices * (-1, 1, 1), [f[::-1] for f in left], **options)
+    t = np.linspace(0, 1, 33)
+    for i, side in enumerate(image.sides):
+        c, _, _, n = side.evaluate(t)
+        gaps = [np.abs(other.evaluate(1 - t)[0] * (-1, 1, 1) - c).max() for other in plain.sides]
+        other = plain.sides[int(np.argmin(gaps))]
+        assert min(gaps) < 1e-12 and np.abs(other.evaluate(1 - t)[3] * (-1, 1, 1) - n).max() < 1e-9, i
+    assert image.report.seam_angle_max < 1e-5
