@@ -55,6 +55,17 @@ def test_no_crack_at_any_level(levels):
     assert cages.bits(own) == cages.bits(points)
 
 
+def test_a_scale_that_mirrors():
+    """The fill faces as the cage does, whose normals point outwards in its own space."""
+    ob = cages.add_cage()
+    ob.scale = (1, -1.5, 0.75)
+    bpy.context.view_layer.update()
+    new = cages.set_output(ob, surroundings="limit")
+    assert cages.bits(drawn_border(new)) == cages.bits(drawn_border(ob))
+    for mesh in (new.data, ob.data):
+        assert all(p.normal.dot(p.center) > 0 for p in mesh.polygons)
+
+
 def limit_fill(addon, ob, rim_of, **options):
     """The fill of an object's cage by the library, and the arrays that it read."""
     filling, selection, subdivision = (cages.part(addon, name) for name in ("filling", "selection", "subdivision"))
