@@ -68,7 +68,7 @@ def test_pieces_of_edges(before, after):
 
 
 def test_the_fill_faces_as_most_objects_do():
-    for own in itertools.product((False, True), repeat=3):
+    for own in ((False, False, False), (True, False, True), (False, True, False)):
         objects = three()
         for curves, mine in zip(objects, own):
             for curve in curves:

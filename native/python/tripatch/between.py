@@ -18,6 +18,15 @@ from .errors import Refusal
 _SHARP = np.cos(np.radians(25))  # a mesh's border turns by more than this at a corner
 
 
+def _nearest(among: np.ndarray, points) -> np.ndarray:
+    """Which of (n, 3) is nearest to each of (k, 3); in blocks, so that the table of distances stays small."""
+    points = np.atleast_2d(points)
+    block = max(1, 1_000_000 // len(among))
+    parts = np.split(points, range(block, len(points), block))
+    rows = [((among - part[:, None]) ** 2).sum(axis=2).argmin(axis=1) for part in parts]
+    return np.concatenate(rows)
+
+
 class Curve:
     """An edge that may hold a side of the hole, t from 0 to 1.
 
@@ -75,16 +84,16 @@ class SurfaceEdge(Curve):
 
     def nearest(self, points):
         points = np.atleast_2d(points)
-        k = np.linalg.norm(self._positions - points[:, None], axis=2).argmin(axis=1)
+        k = _nearest(self._positions, points)
         step = self._dense[1]
         low, high = self._dense[k] - step, self._dense[k] + step
         if not self.closed:
             low, high = low.clip(0, 1), high.clip(0, 1)
-        for _ in range(60):  # ternary search: it needs no derivative
-            a, b = low + (high - low) / 3, high - (high - low) / 3
-            left = np.linalg.norm(self.at(a) - points, axis=1) < np.linalg.norm(self.at(b) - points, axis=1)
-            low, high = np.where(left, low, a), np.where(left, b, high)
-        t = (low + high) / 2
+        t = self._dense[k]
+        for _ in range(12):  # Gauss-Newton: it ends quickly where the points are near, and only those count
+            c, along = self.side.evaluate(np.mod(t, 1.0) if self.closed else t)[:2]
+            t = t + ((points - c) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-300)
+            t = np.clip(t, low, high)
         # to the last bit where the place is one that is drawn, an end or the seam
         drawn = np.round(t * len(self.t)) / len(self.t) if self.closed else np.round(t * (len(self.t) - 1)) / (len(self.t) - 1)
         t = np.where(np.abs(t - drawn) < 1e-7, drawn, t)
@@ -131,8 +140,8 @@ class MeshBorder(Curve):
         return self._mesh[0][self._vertex(np.atleast_1d(t))]
 
     def nearest(self, points):
-        gaps = np.linalg.norm(self.points - np.atleast_2d(points)[:, None], axis=2)
-        return self.t[gaps.argmin(axis=1)], gaps.min(axis=1)
+        k = _nearest(self.points, points)
+        return self.t[k], np.linalg.norm(self.points[k] - points, axis=1)
 
     def corners(self) -> np.ndarray:
         """Parameters where the border turns sharply, the sharpest first."""
