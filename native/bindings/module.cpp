@@ -160,6 +160,7 @@ PYBIND11_MODULE(_native, m) {
   py::class_<Subdivision>(m, "Subdivision")
       .def(py::init<>())
       .def(py::init<const Subdivision&>())
+      .def_readwrite("loop", &Subdivision::loop)
       .def_readwrite("preserve_corners", &Subdivision::preserve_corners)
       .def_readwrite("quality", &Subdivision::quality)
       .def_readwrite("use_limit_surface", &Subdivision::use_limit_surface)

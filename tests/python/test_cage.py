@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
-from shapes import corner_removed, cube_sphere
+from shapes import corner_removed, cube_sphere, octant
 from tripatch import _arrays, _native
 
 
@@ -206,3 +206,41 @@ def test_a_split_edge_keeps_its_crease():
     )
     assert len(sharp.split_edges[0]) == 1
     assert np.abs(sharp.vertices[1:] - plain.vertices[1:]).max() > 1e-4
+
+
+@pytest.mark.parametrize("cage_rim", ["smooth", "exact", "move"])
+def test_loop_subdivision_of_triangles(cage_rim):
+    vertices, faces, rim = octant(6)
+    options = {"rim": rim, "output": "cage", "cage_rim": cage_rim, "subdivision": {"scheme": "loop"}}
+    fill = tripatch.fill(vertices, faces, **options)
+    assert {len(face) for face in fill.faces} == {3}
+    assert len(fill.faces) == 36  # the regular split of equal counts
+    limit, triangles = fill.limit(2)
+    assert triangles.shape == (36 * 16, 3)
+    radii = np.linalg.norm(limit, axis=1)
+    if cage_rim == "exact":
+        assert fill.report.surroundings_moved_max < 1e-12
+        assert fill.report.seam_angle_median < 2
+    else:
+        assert fill.report.seam_angle_max < 1e-4
+        assert np.ptp(radii) < 0.03
+    sides = np.linalg.norm(limit[triangles] - limit[np.roll(triangles, 1, axis=1)], axis=2)
+    assert sides.max() < 4 * np.median(sides)  # the grid is that of neighbours
+
+
+def test_loop_subdivision_refuses_what_it_cannot_take():
+    vertices, _, left, _, rim = open_corner()
+    with pytest.raises(tripatch.Refusal, match="triangles only"):
+        tripatch.fill(vertices, left, rim=rim, output="cage", subdivision={"scheme": "loop"})
+    vertices, faces, rim = octant(6)
+    with pytest.raises(ValueError, match="follows the rim"):
+        tripatch.fill(vertices, faces, rim=rim, output="cage", resolution=2, subdivision={"scheme": "loop"})
+
+
+def test_another_border_at_the_rim_is_said():
+    vertices, _, left, _, rim = open_corner()
+    corners = [v for v in rim.tolist() if sum(v in face for face in left) == 3]
+    touching = next(face for face in left if len(set(face) & set(rim.tolist())) == 1)
+    left = [face for face in left if face is not touching]
+    fill = tripatch.fill(vertices, left, rim=rim, corners=corners, output="cage", resolution=0)
+    assert any("Another border touches the rim" in w for w in fill.report.warnings)

@@ -120,7 +120,7 @@ class Fill:
             level: 2^level quads along each edge of a face.
 
         Returns:
-            vertices (k, 3) and faces (m, 4).
+            vertices (k, 3) and faces (m, 4), of a cage of triangles (m, 3).
         """
         if self._mesh is None:
             raise ValueError("only a fill with output='cage' has a limit surface")
@@ -160,7 +160,7 @@ def _limit_of_cage(fill: Fill, vertices, offsets, corners, replaced, settings, o
         first = len(faces)
         faces += [[own(v) for v in face] for face in each.faces]
     limit, quads = _native._sample_limit(points, *_arrays.faces(faces), subdivision, first, level)
-    return limit, quads.reshape(-1, 4)
+    return limit, quads.reshape(-1, 3 if settings.loop else 4)
 
 
 def _name(value, name: str, allowed: Sequence):
@@ -238,7 +238,7 @@ def _subdivision(settings: dict | None, level) -> _native.Subdivision:
     """The settings of a Subdivision modifier, as the core reads them."""
     given = {} if settings is None else dict(settings)
     s = _native.Subdivision()
-    _name(given.pop("scheme", "catmull_clark"), "scheme", ("catmull_clark",))
+    s.loop = _name(given.pop("scheme", "catmull_clark"), "scheme", ("catmull_clark", "loop")) == "loop"
     smooth = _name(given.pop("boundary_smooth", "all"), "boundary_smooth", ("all", "preserve_corners"))
     s.preserve_corners = smooth == "preserve_corners"
     quality = given.pop("quality", 3)
@@ -369,7 +369,8 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         corners: three vertex indices of the rim; the first stays corner 0, the others are sorted along the rim. None: detected.
         method: a name in METHODS that fills holes.
         surroundings: "mesh": tangent planes estimated from the faces around; "limit": the subdivision surface of the cage.
-        subdivision: with "limit" and "cage": dict(scheme="catmull_clark", boundary_smooth="all" | "preserve_corners", quality=3
+        subdivision: with "limit" and "cage": dict(scheme="catmull_clark" | "loop" (triangles only, which Blender
+            has not), boundary_smooth="all" | "preserve_corners", quality=3
             (None: the true limit), use_limit_surface=True, edge_creases=((e, 2) int, (e,) 0..1),
             vertex_creases=((k,) int, (k,) 0..1), loose_vertices=(k,) int), all as in Blender.
         level: with "limit": the modifier's level, 2^level border edges a rim edge.

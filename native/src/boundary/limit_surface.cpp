@@ -75,6 +75,10 @@ struct LocalCage {
     face_of = faces_around(cage, around);
     if (face_of.empty()) throw Refusal("The cage has no faces around the hole");
     for (Index f : face_of) {
+      if (settings.loop && cage.faces[f].size() != 3)
+        throw Refusal("Loop subdivision takes triangles only; face " + std::to_string(f) + " has " +
+                          std::to_string(cage.faces[f].size()) + " corners",
+                      {cage.faces[f].begin(), cage.faces[f].end()});
       local_face[f] = static_cast<int>(sizes.size());
       offsets.push_back(static_cast<int>(corners.size()));
       sizes.push_back(static_cast<int>(cage.faces[f].size()));
@@ -142,7 +146,7 @@ private:
     options.SetVtxBoundaryInterpolation(settings.preserve_corners ? sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
                                                                   : sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
     using Factory = far::TopologyRefinerFactory<far::TopologyDescriptor>;
-    Factory::Options factory(sdc::SCHEME_CATMARK, options);
+    Factory::Options factory(settings.loop ? sdc::SCHEME_LOOP : sdc::SCHEME_CATMARK, options);
     factory.validateFullTopology = true;
     // OpenSubdiv says what is wrong through a global callback
     static thread_local std::string message;
@@ -185,6 +189,7 @@ private:
 
 struct LimitSurface::Impl {
   LocalCage cage;
+  bool loop;
   // adaptive patches (quality given)
   std::unique_ptr<far::PatchTable> table;
   std::unique_ptr<far::PatchMap> map;
@@ -194,7 +199,8 @@ struct LimitSurface::Impl {
   // the true limit
   std::unique_ptr<bfr::RefinerSurfaceFactory<>> factory;
 
-  Impl(const Mesh& mesh, const Subdivision& settings, std::span<const Index> around) : cage(mesh, settings, around) {
+  Impl(const Mesh& mesh, const Subdivision& settings, std::span<const Index> around)
+      : cage(mesh, settings, around), loop(settings.loop) {
     if (!settings.quality) {
       bfr::SurfaceFactory::Options options;
       options.SetApproxLevelSmooth(10).SetApproxLevelSharp(10);
@@ -303,6 +309,12 @@ struct LimitSurface::Impl {
   LimitJet on_edge(int local, int edge, double t) const {
     const int size = cage.sizes[local];
     const int first = ptex->GetFaceId(local);
+    if (loop) {
+      const std::array<Eigen::Vector2d, 3> start = {Eigen::Vector2d(0, 0), {1, 0}, {0, 1}};
+      const Eigen::Vector2d e = start[(edge + 1) % 3] - start[edge], f = start[(edge + 2) % 3] - start[edge];
+      const Eigen::Vector2d p = start[edge] + t * e;
+      return turned(at(first, p[0], p[1]), e, f);
+    }
     if (size == 4) {
       const std::array<Eigen::Vector2d, 4> start = {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}, {0, 1}};
       const Eigen::Vector2d e = start[(edge + 1) % 4] - start[edge], f(-e[1], e[0]);
@@ -359,12 +371,12 @@ void LimitSurface::stencil(Index face, int quarter, double u, double v, LimitSte
   if (impl_->factory) throw InvalidArgument("stencils need a quality");
   int local = 0;
   impl_->cage.edge_face_corner(face, 0, local);
-  impl_->stencil(impl_->ptex->GetFaceId(local) + (impl_->cage.sizes[local] == 4 ? 0 : quarter), u, v, out);
+  impl_->stencil(impl_->ptex->GetFaceId(local) + (impl_->loop || impl_->cage.sizes[local] == 4 ? 0 : quarter), u, v, out);
 }
 
 Points LimitSurface::grid(int steps) const {
   std::vector<Vec3> all;
-  if (impl_->factory) throw InvalidArgument("grid needs a quality");
+  if (impl_->factory || impl_->loop) throw InvalidArgument("grid needs a quality, and Catmull-Clark's scheme");
   const int faces = impl_->ptex->GetNumFaces();
   for (int f = 0; f < faces; ++f)
     for (int i = 0; i <= steps; ++i)

@@ -60,8 +60,13 @@ struct Sample {
 };
 
 /// Places spread over a face: cell centres of a grid (of each quarter of an n-gon).
-std::vector<Sample> spread(Index face, std::size_t size, int count) {
+std::vector<Sample> spread(Index face, std::size_t size, int count, bool loop) {
   std::vector<Sample> samples;
+  if (loop) {  // the corners' thirds of the small triangles
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; i + j < count; ++j) samples.push_back({face, 0, (i + 1.0 / 3) / count, (j + 1.0 / 3) / count});
+    return samples;
+  }
   const int per = size == 4 ? count : (count + 1) / 2;
   for (int q = 0; q < (size == 4 ? 1 : static_cast<int>(size)); ++q)
     for (int i = 0; i < per; ++i)
@@ -70,8 +75,9 @@ std::vector<Sample> spread(Index face, std::size_t size, int count) {
 }
 
 /// Barycentric coordinates there, bilinear between those of the face's corners.
-Vec3 barycentric_at(const Sample& s, std::span<const Index> face, const Points& rows) {
+Vec3 barycentric_at(const Sample& s, std::span<const Index> face, const Points& rows, bool loop) {
   const auto row = [&](std::size_t k) { return Vec3(rows.row(face[k % face.size()])); };
+  if (loop) return (1 - s.u - s.v) * row(0) + s.u * row(1) + s.v * row(2);
   std::array<Vec3, 4> q;
   if (face.size() == 4) {
     q = {row(0), row(1), row(2), row(3)};
@@ -247,7 +253,7 @@ void add_surroundings(const Work& work, const CageOptions& options, System& syst
 
 /// Along an exact rim the quads' derivative across shall lie in the tangent plane of the surroundings.
 void add_seam(const Hole& hole, const Sides& sides, const EdgePlaces& edges, const Closed& closed, const LimitSurface& limit,
-              const CageOptions& options, System& system) {
+              bool loop, const CageOptions& options, System& system) {
   double size_of_hole = 0;
   for (Index v : hole.rim)
     size_of_hole = std::max(size_of_hole, (closed.vertices.row(v) - closed.vertices.row(hole.rim[0])).norm());
@@ -256,7 +262,8 @@ void add_seam(const Hole& hole, const Sides& sides, const EdgePlaces& edges, con
     const std::vector<Index> side = hole.side(i);
     for (std::size_t e = 0; e + 1 < side.size(); ++e) {
       const EdgePlace place = edges.at({side[e], side[e + 1]});
-      if (closed.faces[place.face].size() != 4) continue;
+      const std::size_t size = closed.faces[place.face].size();
+      if (!loop && size != 4) continue;
       for (double s : {0.0, 0.15, 0.35, 0.5, 0.65, 0.85, 1.0}) {
         // a smooth rim leaves the quad in its corner no tangent plane there, and little freedom beside it
         const double along_side = static_cast<double>(e) + s,
@@ -264,11 +271,15 @@ void add_seam(const Hole& hole, const Sides& sides, const EdgePlaces& edges, con
         if (from_corner == 0) continue;
         const double trust = std::pow(std::min(1.0, from_corner), 3), t = along_side / static_cast<double>(side.size() - 1);
         const Vec3 m = sides[i].normal(t), inwards = m.cross(sides[i].c.derivative_at(t)).normalized();
-        const std::array<Eigen::Vector2d, 4> corner = {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}, {0, 1}};
-        const Eigen::Vector2d along = corner[(place.edge + 1) % 4] - corner[place.edge], at = corner[place.edge] + s * along;
+        const std::array<Eigen::Vector2d, 4> square = {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}, {0, 1}};
+        const std::array<Eigen::Vector2d, 3> triangle = {Eigen::Vector2d(0, 0), {1, 0}, {0, 1}};
+        const auto corner = [&](std::size_t k) { return loop ? triangle[k % 3] : square[k % 4]; };
+        const std::size_t edge = static_cast<std::size_t>(place.edge);
+        const Eigen::Vector2d along = corner(edge + 1) - corner(edge), at = corner(edge) + s * along,
+                              into = corner(edge + size - 1) - corner(edge);
         limit.stencil(place.face, 0, at[0], at[1], stencil);
         std::vector<double> across(stencil.p.size());
-        for (std::size_t k = 0; k < across.size(); ++k) across[k] = -along[1] * stencil.pu[k] + along[0] * stencil.pv[k];
+        for (std::size_t k = 0; k < across.size(); ++k) across[k] = into[0] * stencil.pu[k] + into[1] * stencil.pv[k];
         const Vec3 now = apply(stencil, across, closed.vertices);
         const double width = now.norm();  // of the quad: the row is an angle
         if (width == 0) continue;
@@ -419,10 +430,10 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
     if (!fits[h].patch) rebuild(h);
     std::vector<Vec3> coordinates;
     for (Index f = 0; f < holes[h].layout.size(); ++f)
-      for (const Sample& s : spread(closed.first_face[h] + f, holes[h].layout[f].size(), options.samples)) {
+      for (const Sample& s : spread(closed.first_face[h] + f, holes[h].layout[f].size(), options.samples, settings.loop)) {
         work.inside.push_back(s);
         limit.stencil(s.face, s.quarter, s.u, s.v, work.inside_stencils.emplace_back());
-        coordinates.push_back(barycentric_at(s, holes[h].layout[f], holes[h].barycentric));
+        coordinates.push_back(barycentric_at(s, holes[h].layout[f], holes[h].barycentric, settings.loop));
       }
     work.coordinates.resize(static_cast<Index>(coordinates.size()), 3);
     for (std::size_t k = 0; k < coordinates.size(); ++k) work.coordinates.row(static_cast<Index>(k)) = coordinates[k];
@@ -431,7 +442,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
     for (Index f : work.around) {
       const auto face = closed.faces[f];
       const bool corner = std::any_of(face.begin(), face.end(), [&](Index v) { return corners.contains(v); });
-      for (const Sample& s : spread(f, face.size(), options.samples)) {
+      for (const Sample& s : spread(f, face.size(), options.samples, settings.loop)) {
         was.stencil(closed.kept[f], s.quarter, s.u, s.v, stencil);
         work.outside.push_back(s);
         limit.stencil(s.face, s.quarter, s.u, s.v, work.outside_stencils.emplace_back());
@@ -450,7 +461,8 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
       if (round > 0) slide(closed.vertices, *fits[h].patch, works[h]);
       add_patch(*fits[h].patch, works[h], options, system);
       add_surroundings(works[h], options, system);
-      if (options.rim == CageRim::exact) add_seam(holes[h].hole, fits[h].sides, edges, closed, limit, options, system);
+      if (options.rim == CageRim::exact)
+        add_seam(holes[h].hole, fits[h].sides, edges, closed, limit, settings.loop, options, system);
     }
     system.solve(closed.vertices);
     limit.move(closed.vertices);
@@ -481,40 +493,60 @@ void sample_limit(const Mesh& cage, const Subdivision& given, Index first_face, 
   std::map<std::array<Index, 4>, Index> known;  // corner, edge or inside point -> vertex
   std::vector<Vec3> points;
   LimitStencil stencil;
-  for (Index f = first_face; f < cage.faces.size(); ++f) {
+  const auto at = [&](const std::array<Index, 4>& key, Index f, int quarter, double u, double v) {
+    const auto [place, fresh] = known.try_emplace(key, static_cast<Index>(points.size()));
+    if (fresh) {
+      limit.stencil(f, quarter, u, v, stencil);
+      points.push_back(apply(stencil, stencil.p, cage.vertices));
+    }
+    return place->second;
+  };
+  const auto on_edge = [](Index a, Index b, int place, int whole) -> std::array<Index, 4> {
+    if (place == 0) return {-1, a, 0, 0};
+    if (place == whole) return {-1, b, 0, 0};
+    return a < b ? std::array<Index, 4>{-2, a, b, place} : std::array<Index, 4>{-2, b, a, whole - place};
+  };
+  for (Index f = first_face; settings.loop && f < cage.faces.size(); ++f) {
+    const auto face = cage.faces[f];
+    const auto vertex = [&](int i, int j) {
+      const std::array<Index, 4> key = j == 0           ? on_edge(face[0], face[1], i, steps)
+                                       : i == 0         ? on_edge(face[0], face[2], j, steps)
+                                       : i + j == steps ? on_edge(face[1], face[2], j, steps)
+                                                        : std::array<Index, 4>{f, 0, i, j};
+      return at(key, f, 0, static_cast<double>(i) / steps, static_cast<double>(j) / steps);
+    };
+    for (int i = 0; i < steps; ++i)
+      for (int j = 0; i + j < steps; ++j) {
+        faces.add(std::array<Index, 3>{vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)});
+        if (i + j + 1 < steps) faces.add(std::array<Index, 3>{vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
+      }
+  }
+  for (Index f = first_face; !settings.loop && f < cage.faces.size(); ++f) {
     const auto face = cage.faces[f];
     const Index size = static_cast<Index>(face.size());
     // a quad is one block; an n-gon has a block at each corner, half as wide
     const int blocks = size == 4 ? 1 : static_cast<int>(size), width = size == 4 ? steps : std::max(1, steps / 2);
     for (int q = 0; q < blocks; ++q) {
-      const auto on_edge = [&](Index k, int place, int whole) -> std::array<Index, 4> {  // of the face's edge k, in whole parts
-        const Index a = face[k % size], b = face[(k + 1) % size];
-        if (place == 0) return {-1, a, 0, 0};
-        if (place == whole) return {-1, b, 0, 0};
-        return a < b ? std::array<Index, 4>{-2, a, b, place} : std::array<Index, 4>{-2, b, a, whole - place};
+      const auto edge = [&](Index k, int place, int whole) {
+        return on_edge(face[k % size], face[(k + 1) % size], place, whole);
       };
       const auto key = [&](int i, int j) -> std::array<Index, 4> {
         if (size == 4) {
-          if (j == 0) return on_edge(0, i, width);
-          if (i == width) return on_edge(1, j, width);
-          if (j == width) return on_edge(2, width - i, width);
-          if (i == 0) return on_edge(3, width - j, width);
+          if (j == 0) return edge(0, i, width);
+          if (i == width) return edge(1, j, width);
+          if (j == width) return edge(2, width - i, width);
+          if (i == 0) return edge(3, width - j, width);
           return {f, 0, i, j};
         }
-        if (j == 0) return on_edge(q, i, 2 * width);
-        if (i == 0) return on_edge(q + size - 1, 2 * width - j, 2 * width);
+        if (j == 0) return edge(q, i, 2 * width);
+        if (i == 0) return edge(q + size - 1, 2 * width - j, 2 * width);
         if (i == width && j == width) return {f, -1, 0, 0};
         if (i == width) return {f, -2, q, j};
         if (j == width) return {f, -2, (q + size - 1) % size, i};
         return {f, q, i, j};
       };
       const auto vertex = [&](int i, int j) {
-        const auto [place, fresh] = known.try_emplace(key(i, j), static_cast<Index>(points.size()));
-        if (fresh) {
-          limit.stencil(f, q, static_cast<double>(i) / width, static_cast<double>(j) / width, stencil);
-          points.push_back(apply(stencil, stencil.p, cage.vertices));
-        }
-        return place->second;
+        return at(key(i, j), f, q, static_cast<double>(i) / width, static_cast<double>(j) / width);
       };
       for (int i = 0; i < width; ++i)
         for (int j = 0; j < width; ++j)

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <string>
 
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/output/quad_layout.h"
+#include "tripatch/output/triangulate.h"
 
 namespace tripatch {
 namespace {
@@ -73,6 +76,25 @@ std::array<std::vector<double>, 3> even_parameters(const Hole& hole) {
   return parameters;
 }
 
+/// Triangles that match the rim: the regular split where its counts are equal.
+QuadLayout triangle_layout(const Hole& hole, const Points& vertices) {
+  Eigen::Matrix3d corners;
+  for (int k = 0; k < 3; ++k) corners.row(k) = vertices.row(hole.rim[hole.corners[k]]);
+  TriangleMesh triangles =
+      triangulate(even_parameters(hole), std::nullopt, [&](const PointsRef& b) { return Points(b * corners); });
+  QuadLayout layout;
+  layout.barycentric = std::move(triangles.barycentric);
+  layout.rim = triangles.rim;
+  std::vector<Index> valence(layout.barycentric.rows(), 0);
+  for (const std::array<Index, 3>& triangle : triangles.triangles) {
+    layout.faces.add(triangle);
+    for (Index v : triangle) ++valence[v];
+  }
+  for (Index v = layout.rim; v < layout.barycentric.rows(); ++v)
+    if (valence[v] != 6) layout.poles.push_back(v);
+  return layout;
+}
+
 void write_seam(const CageFit& fit, const Hole& hole, Report& report) {
   std::vector<double> all;
   double squares = 0;
@@ -95,6 +117,23 @@ void write_seam(const CageFit& fit, const Hole& hole, Report& report) {
   report.seam_angle_rms = std::sqrt(squares / static_cast<double>(all.size()));
   std::nth_element(all.begin(), all.begin() + static_cast<Index>(all.size() / 2), all.end());
   report.seam_angle_median = all[all.size() / 2];
+}
+
+/// For each vertex the border edges of the mesh without the replaced faces; two where one border passes.
+std::vector<int> border_edges(const Mesh& mesh, const std::vector<Index>& replaced) {
+  std::map<std::pair<Index, Index>, int> uses;
+  const std::set<Index> gone(replaced.begin(), replaced.end());
+  for (Index f = 0; f < mesh.faces.size(); ++f) {
+    const auto face = mesh.faces[f];
+    for (std::size_t k = 0; !gone.contains(f) && k < face.size(); ++k) ++uses[std::minmax(face[k], face[(k + 1) % face.size()])];
+  }
+  std::vector<int> count(mesh.vertices.rows(), 0);
+  for (const auto& [edge, faces] : uses)
+    if (faces == 1) {
+      ++count[edge.first];
+      ++count[edge.second];
+    }
+  return count;
 }
 
 /// The fill in the numbering of the mesh as it was given: n .. are its own vertices, that of a split edge first.
@@ -150,7 +189,7 @@ void write(Index n, Index middle, const Hole& hole, const Points& vertices, cons
     Index valence = 0;
     for (Index v : layout.faces.corners) valence += v == pole;
     report.poles.push_back({index[pole], valence});
-    if (valence > 5)
+    if (valence > (layout.faces[0].size() == 3 ? 7 : 5))
       report.warnings.push_back("Pole of valence " + std::to_string(valence) + " at new vertex " +
                                 std::to_string(index[pole] - n));
   }
@@ -163,9 +202,11 @@ void write(Index n, Index middle, const Hole& hole, const Points& vertices, cons
 std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRequest>& requests, const Subdivision& settings,
                                       const std::vector<Index>& replaced, const LayoutOptions& layout_options,
                                       const CageOptions& options) {
+  if (settings.loop && layout_options.rows.value_or(0) > 0)
+    throw InvalidArgument("a cage of triangles follows the rim: resolution must be 0 or none");
   const std::size_t count = requests.size();
   std::vector<CageFill> results(count);
-  const Split split = split_odd(mesh, requests, settings, layout_options.split_odd, results);
+  const Split split = split_odd(mesh, requests, settings, layout_options.split_odd && !settings.loop, results);
   std::vector<CageHole> holes(count);
   std::vector<QuadLayout> layouts(count);
   std::vector<MeshSides> estimated(count);
@@ -187,17 +228,19 @@ std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRe
   std::vector<CageFit> fits;
   std::vector<char> open(count, 1);  ///< asks for another layout
   // Quads as large as those around come first: only with them do control points that run on make a limit surface that does.
-  const int last = layout_options.rows.value_or(4);
+  const int last = settings.loop ? 0 : layout_options.rows.value_or(4);
   for (int rows = starts || !layout_options.rows ? 0 : last; rows <= last;
        rows = layout_options.rows ? std::max(last, rows + 1) : rows + 1) {
     for (std::size_t h = 0; h < count; ++h) {
       if (!open[h]) continue;
-      layouts[h] = quad_layout(even_parameters(holes[h].hole), rows, layout_options.pole_offset);
+      layouts[h] = settings.loop ? triangle_layout(holes[h].hole, split.vertices)
+                                 : quad_layout(even_parameters(holes[h].hole), rows, layout_options.pole_offset);
       holes[h].barycentric = layouts[h].barycentric;
       holes[h].layout = layouts[h].faces;
       holes[h].start.resize(0, 3);
       if (!starts || !fits.empty()) continue;
-      const QuadLayout mesh_layout = quad_layout(estimated[h].parameters, rows, layout_options.pole_offset);
+      const QuadLayout mesh_layout =
+          settings.loop ? layouts[h] : quad_layout(estimated[h].parameters, rows, layout_options.pole_offset);
       holes[h].start =
           control[h]->positions(mesh_layout.barycentric.bottomRows(mesh_layout.barycentric.rows() - mesh_layout.rim));
     }
@@ -205,9 +248,14 @@ std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRe
     for (std::size_t h = 0; h < count; ++h) open[h] = layout_options.rows || fits[h].deviation_rms > tolerance[h];
     if (std::find(open.begin(), open.end(), 1) == open.end()) break;
   }
+  const std::vector<int> border = border_edges(mesh, replaced);
   for (std::size_t h = 0; h < count; ++h) {
     write(mesh.vertices.rows(), split.middle[h], holes[h].hole, split.vertices, layouts[h], std::move(fits[h]), results[h]);
-    if (!layout_options.rows && open[h]) results[h].report.warnings.push_back(too_few_rows);
+    for (Index v : requests[h].hole.rim)
+      if (border[v] > 2)
+        results[h].report.warnings.push_back(std::string("Another border touches the rim at vertex ") + std::to_string(v) +
+                                             ": the limit surface is sharp there");
+    if (!layout_options.rows && !settings.loop && open[h]) results[h].report.warnings.push_back(too_few_rows);
   }
   return results;
 }

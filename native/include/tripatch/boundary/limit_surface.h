@@ -14,6 +14,7 @@ namespace tripatch {
 
 /// The settings of a Subdivision modifier, in Blender's own terms.
 struct Subdivision {
+  bool loop = false;               ///< Loop's scheme, for triangles only, which Blender has not; else Catmull-Clark
   bool preserve_corners = false;   ///< boundary_smooth: false "All", true "Keep Corners"
   std::optional<int> quality = 3;  ///< how far irregular places are isolated; none: the true limit
   bool use_limit_surface = true;   ///< false: the refined points of `level`, not their limit
@@ -48,7 +49,8 @@ public:
   void move(const PointsRef& vertices);
   /// Along edge `edge` (from its corner `edge` to the next) of face `face`, which must touch one of `around`; t in [0, 1].
   void evaluate_edge(Index face, int edge, std::span<const double> t, std::span<LimitJet> out) const;
-  /// On a quad face at (u, v) from its first corner, quarter 0; on an n-gon at (u, v) in the quarter at its corner `quarter`.
+  /// On a quad face at (u, v) from its first corner, quarter 0; on an n-gon at (u, v) in the quarter at its corner `quarter`. Loop:
+  /// on a triangle, u towards its second corner and v towards its third.
   /// Needs a quality.
   void stencil(Index face, int quarter, double u, double v, LimitStencil& out) const;
   /// Points of a (steps + 1)^2 grid on every quad face refined; n-gons: on each of their quarters.
