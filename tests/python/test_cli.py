@@ -264,3 +264,15 @@ def test_quads_of_an_odd_rim_leave_every_face_of_the_file(one, tmp_path, capsys)
     code, _, _ = run(capsys, "fill", str(one), str(tmp_path / "out.obj"), "--output", "quads", "--resolution", "0")
     assert code == 0
     assert (tmp_path / "out.obj").read_bytes().startswith(one.read_bytes())
+
+
+def test_cages_say_what_a_file_cannot_hold(one, tmp_path, capsys):
+    out = tmp_path / "out.obj"
+    code, _, errors = run(capsys, "fill", one, out, "--output", "cage", "--cage-rim", "move")
+    assert code == 2 and "smooth or exact" in errors and not out.exists()
+    code, _, errors = run(
+        capsys, "fill", one, out, "--output", "cage", "--cage-rim", "exact", "--report", tmp_path / "r.json", "--resolution", 0
+    )
+    assert code == 0 and "creased" in errors and len(borders(out)) == 1
+    creases = json.loads((tmp_path / "r.json").read_text())["holes"][0]["creases"]
+    assert len(creases) == 18 and all(max(edge) < 18 for edge in creases)

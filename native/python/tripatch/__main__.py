@@ -65,6 +65,12 @@ def _odd(text: str) -> str:
     return text
 
 
+def _cage_rim(text: str) -> str:
+    if text == "move":
+        raise argparse.ArgumentTypeError("move moves vertices of the mesh, which a file keeps as it is; use smooth or exact")
+    return text
+
+
 def _two(text: str) -> tuple[float, float]:
     try:
         x, y = (float(part) for part in text.split(","))
@@ -100,7 +106,7 @@ OPTIONS = {
         "triangles: edges per side inside the fill, none follows the rim; quads: extra rows round the pole, none the fewest",
     ),
     "tolerance": (_or_none(float), "D", "quads: distance from the patch that decides on the rows (1e-3 of the hole's diameter)"),
-    "cage_rim": (str, "NAME", "cage: smooth, exact or move (smooth)"),
+    "cage_rim": (_cage_rim, "NAME", "cage: smooth or exact (smooth)"),
     "odd": (_odd, "NAME", "quads round an odd rim: triangle leaves one at the pole (triangle)"),
     "pole_offset": (_two, "X,Y", "moves the pole, in fractions of the hole (0,0)"),
     "bulge": (_one_or_three(float), "B[,B,B]", "scales the slopes inside each side, greater than 0 (1)"),
@@ -210,6 +216,8 @@ def _write_report(path: Path, holes: list) -> None:
             entries.append({"rim": rim, "refused": result.reason, "where": result.where})
         else:
             added = {"rim": result.rim, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
+            if len(result.creases[0]):
+                added["creases"] = result.creases[0]
             entries.append({**added, **result.report.as_dict()})
     try:
         path.write_text(json.dumps({"holes": _plain(entries)}, indent=2) + "\n")
@@ -246,6 +254,8 @@ def _fill(args: argparse.Namespace) -> int:
     fills = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
     if not fills:
         return NOTHING
+    if any(len(fill.creases[0]) for fill in fills):
+        _say("Exact cages want their rims creased, which no file holds: crease them where the cage is subdivided (see --report)")
     for fill in fills:
         out.append(fill)
         for warning in fill.report.warnings:
