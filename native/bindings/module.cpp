@@ -327,9 +327,10 @@ PYBIND11_MODULE(_native, m) {
           const Method& chosen = find_method(method);
           if (!chosen.from_boundary) throw InvalidArgument(method + " joins three surfaces; use tripatch.blend");
           const RibbonOptions ribbons = {cross_boundary, bulge, tangent};
+          options.to_be_faired = !fairing.empty() && fairing != "none";
           auto [boundary, patch] = build(chosen, sides, ribbons, options);
           options.warnings = nullptr;
-          if (!fairing.empty() && fairing != "none") {
+          if (options.to_be_faired) {
             FairingOptions wanted;
             wanted.energy = fairing;
             for (int i = 0; i < 3; ++i) wanted.slopes_free[i] = bulge[i] == 1;

@@ -127,9 +127,17 @@ void take(const Cover& cover, const Points& border, const std::vector<Index>& ri
   for (Index& v : fill.faces.corners) v = index[v];
 }
 
+/// "auto" leaves fills alone that meet their surroundings in position only.
+bool is_faired(const FillOptions& options, const RibbonOptions& ribbons) {
+  if (options.fairing == "auto") return ribbons.tangent[0] && ribbons.tangent[1] && ribbons.tangent[2];
+  return !options.fairing.empty() && options.fairing != "none";
+}
+
 /// The method's patch; its warnings and the path of an optimal lambda go into the report.
-SurfacePtr construct(const Method& method, const Boundary& boundary, const FillOptions& options, Report& report) {
+SurfacePtr construct(const Method& method, const RibbonOptions& ribbons, const Boundary& boundary, const FillOptions& options,
+                     Report& report) {
   MethodOptions own = options.own;
+  own.to_be_faired = is_faired(options, ribbons);
   own.warnings = &report.warnings;
   SurfacePtr patch = method.from_boundary(boundary, own);
   if (const auto blend = std::dynamic_pointer_cast<const SzilvasiNagy>(patch))
@@ -137,18 +145,15 @@ SurfacePtr construct(const Method& method, const Boundary& boundary, const FillO
   return patch;
 }
 
-/// Fairing by the energy asked for; "auto" leaves fills alone that meet their surroundings in position only.
 void make_fair(const Method& method, const RibbonOptions& ribbons, const Boundary& boundary, const FillOptions& options,
                Fill& fill) {
-  if (options.fairing.empty() || options.fairing == "none") return;
-  const std::array<bool, 3>& tangent = ribbons.tangent;
-  if (options.fairing == "auto") {
-    if (!(tangent[0] && tangent[1] && tangent[2])) return;
-  }
+  if (!is_faired(options, ribbons)) return;
   FairingOptions fairing;
+  MethodOptions own = options.own;
+  own.to_be_faired = true;
   fairing.energy = options.fairing;
   for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
-  fairing.rebuild = [&](const Sides& sides) { return build(method, sides, ribbons, options.own); };
+  fairing.rebuild = [&](const Sides& sides) { return build(method, sides, ribbons, own); };
   fairing.folds = [&](const Surface& patch) { return count_folds(patch, fill.sides); };
   FairResult fair_result = fair(fill.patch, fill.sides, boundary, fairing);
   fill.patch = std::move(fair_result.patch);
@@ -177,9 +182,9 @@ std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, con
     Fill made;
     made.sides = sides;
     const Boundary boundary = make_boundary(sides, ribbons);
-    made.patch = construct(method, boundary, options, made.report);
     FillOptions wanted = options;
     if (wanted.fairing == "auto") wanted.fairing = fairing;
+    made.patch = construct(method, ribbons, boundary, wanted, made.report);
     make_fair(method, ribbons, boundary, wanted, made);
     return made;
   };
@@ -297,7 +302,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
   const RibbonOptions ribbons = ribbon_options(options, continuity);
   const Boundary boundary = make_boundary(result.sides, ribbons);
-  result.patch = construct(method, boundary, options, result.report);
+  result.patch = construct(method, ribbons, boundary, options, result.report);
   make_fair(method, ribbons, boundary, options, result);
 
   result.rim_barycentric = rim_barycentric(hole, surroundings);

@@ -93,7 +93,9 @@ std::span<const Method> methods() {
        true,
        "G1",
        slopes,
-       plain(side_vertex),
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return options.to_be_faired ? curved_side_vertex(boundary) : side_vertex(boundary);
+       },
        {}},
       {"quintic",
        "A quintic fitted to the boundary, plus the side-vertex patch of what it misses",

@@ -7,9 +7,8 @@ namespace {
 
 class SideVertex final : public JetSurface<SideVertex> {
 public:
-  explicit SideVertex(const Boundary& boundary)
-      : rays_{VertexRay(boundary, 0, RayDegree::cubic), VertexRay(boundary, 1, RayDegree::cubic),
-              VertexRay(boundary, 2, RayDegree::cubic)} {}
+  SideVertex(const Boundary& boundary, RayDegree degree)
+      : rays_{VertexRay(boundary, 0, degree), VertexRay(boundary, 1, degree), VertexRay(boundary, 2, degree)} {}
 
   Vec3 corner(int i) const override { return rays_[i].corner(i); }
 
@@ -27,6 +26,8 @@ private:
 
 }  // namespace
 
-SurfacePtr side_vertex(const Boundary& boundary) { return std::make_shared<SideVertex>(boundary); }
+SurfacePtr side_vertex(const Boundary& boundary) { return std::make_shared<SideVertex>(boundary, RayDegree::cubic); }
+
+SurfacePtr curved_side_vertex(const Boundary& boundary) { return std::make_shared<SideVertex>(boundary, RayDegree::quintic); }
 
 }  // namespace tripatch

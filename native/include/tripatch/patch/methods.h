@@ -21,6 +21,7 @@ struct MethodOptions {
   bool as_printed = false;                        ///< the Szilvasi-Nagy methods as their paper prints them, mistakes included
   bool symmetric = false;                         ///< coons_extremal: the functional summed over the three pairs of coordinates
   std::optional<double> alpha = {};               ///< coons_bezier: the permanence patch with this alpha instead
+  bool to_be_faired = false;                      ///< side_vertex: with rays of degree 5, see curved_side_vertex
   std::vector<std::string>* warnings = nullptr;   ///< where a construction says what its user should know
 };
 

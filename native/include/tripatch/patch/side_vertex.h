@@ -8,5 +8,8 @@
 namespace tripatch {
 
 SurfacePtr side_vertex(const Boundary& boundary);
+/// The same with rays of degree 5: curvature is continuous at the corners too, where the cubic rays' has a value for each
+/// direction and nothing added later mends it. What fairing starts from.
+SurfacePtr curved_side_vertex(const Boundary& boundary);
 
 }  // namespace tripatch

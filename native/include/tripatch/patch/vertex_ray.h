@@ -9,6 +9,7 @@ namespace tripatch {
 enum class RayDegree {
   quadratic,  ///< position of the vertex, position and slope of the side
   cubic,      ///< also the tangent plane of the vertex, mixed linearly from its two side tangents (Nielson's D_i)
+  quintic,    ///< also second derivatives at both ends, such that those of all three rays agree at the corners
 };
 
 /// The rays from vertex i to side i of a boundary: one constituent of a blend, with the side's position and slope.
@@ -31,16 +32,32 @@ public:
     if (degree_ == RayDegree::quadratic) return square(u) * JetPoint<N>(corner_[i_]) + (s * (2.0 - s)) * c - (s * u) * side_slope;
     const JetPoint<N> vertex_slope = (1.0 - t) * JetPoint<N>(to_next_) + t * JetPoint<N>(to_previous_);
     const Jet<N> ss = square(s);
+    if (degree_ == RayDegree::quintic) {
+      const Jet<N> uu = square(u), suu = s * uu, suuu = suu * u, ssu = ss * u, sssu = s * ssu;
+      return (u * uu * (1.0 + 3.0 * s + 6.0 * ss)) * JetPoint<N>(corner_[i_]) + (suuu * (1.0 + 3.0 * s)) * vertex_slope +
+             (0.5 * (s * suuu)) * polynomial(vertex_second_, t) + (ss * s * (10.0 - 15.0 * s + 6.0 * ss)) * c -
+             (sssu * (4.0 - 3.0 * s)) * side_slope + (0.5 * (sssu * u)) * polynomial(side_second_, t);
+    }
     return (square(u) * (1.0 + 2.0 * s)) * JetPoint<N>(corner_[i_]) + (s * square(u)) * vertex_slope +
            (ss * (3.0 - 2.0 * s)) * c - (ss * u) * side_slope;
   }
 
 private:
+  /// Coefficients of 1, t, t^2, t^3.
+  using Cubic = std::array<Vec3, 4>;
+  template <int N>
+  static JetPoint<N> polynomial(const Cubic& a, const Jet<N>& t) {
+    JetPoint<N> p(a[3]);
+    for (int k = 2; k >= 0; --k) p = t * p + JetPoint<N>(a[k]);
+    return p;
+  }
+
   int i_;
   RayDegree degree_;
   Ribbon ribbon_;
   std::array<Vec3, 3> corner_;
-  Vec3 to_next_, to_previous_;  ///< slopes of the rays along the two sides at the vertex, the inward part included
+  Vec3 to_next_, to_previous_;         ///< slopes of the rays along the two sides at the vertex, the inward part included
+  Cubic vertex_second_, side_second_;  ///< quintic: second derivatives at the ends of the ray at t
 };
 
 }  // namespace tripatch
