@@ -36,8 +36,8 @@ def with_net(triangle, view, net=True):
         for (i, j), k in index.items():
             for other in ((i + 1, j), (i, j + 1), (i + 1, j - 1)):
                 if other in index:
-                    scene.curve(p[[k, index[other]]], NET, 1.1, lift=0.03)
-        scene.dots(p, NET, 4)
+                    scene.curve(p[[k, index[other]]], NET, 1.1, lift=1)
+        scene.dots(p, NET, 4, lift=1)
     return scene
 
 

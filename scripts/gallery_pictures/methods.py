@@ -8,6 +8,7 @@ import tripatch
 from .render import CLAY, GREY, INK, Scene, of_rectangle, save
 
 DEGREE = 6
+SPEEDS = (1.1, 0.8, 0.95)  # across the sides
 
 
 def hill(x, y):
@@ -30,7 +31,7 @@ def surroundings():
         out = (a + b) / 2
         u, v = np.meshgrid(t, t, indexing="ij")
         inner = a * (1 - u[..., None]) + b * u[..., None] + (0.5 * u * (1 - u))[..., None] * out
-        xy = inner + v[..., None] * ((1.1, 0.8, 0.95)[i] * inner)
+        xy = inner + v[..., None] * (SPEEDS[i] * inner)
         points = np.concatenate([xy, hill(xy[..., 0], xy[..., 1])[0][..., None]], -1)
         net = np.linalg.solve(bernstein, points.reshape(len(t), -1)).reshape(points.shape)
         net = np.swapaxes(np.linalg.solve(bernstein, np.swapaxes(net, 0, 1).reshape(len(t), -1)).reshape(points.shape), 0, 1)
@@ -46,7 +47,7 @@ def draw(folder):
         patch = tripatch.patch(sides, method=method)
         plain, striped = Scene(*view), Scene(*view, stripes=20)
         for i, r in enumerate(rectangles):
-            points, normals = of_rectangle(r, v=(0, (0.55, 0.75, 0.63)[i]))
+            points, normals = of_rectangle(r, v=(0, 0.6 / SPEEDS[i]))
             plain.surface(points, normals, GREY).curve(points[:, 0], INK, 2)
             striped.surface(points, normals, GREY, True)
         plain.patch(patch, CLAY, lines=10)

@@ -72,11 +72,11 @@ class Scene:
         self.grids.append((points, normals, color, zebra))
         return self
 
-    def patch(self, patch, color=CLAY, zebra=False, lines=0, m=48):
+    def patch(self, patch, color=CLAY, zebra=False, lines=0, m=48, lift=0.006):
         points, normals = of_patch(patch, m)
         self.surface(points, normals, color, zebra)
         if lines:
-            self.lines(points, lines)
+            self.lines(points, lines, lift=lift)
         return self
 
     def mesh(self, vertices, faces, normals, color=CLAY, zebra=False):
@@ -85,21 +85,21 @@ class Scene:
         self.meshes.append((vertices[faces], corners, color, zebra))
         return self
 
-    def lines(self, points, count=10, color=(0.25, 0.2, 0.2), width=0.9):
+    def lines(self, points, count=10, color=(0.25, 0.2, 0.2), width=0.9, lift=0.006):
         """The (s, t) lines of a grid, `count` cells each way."""
         steps = np.linspace(0, len(points) - 1, count + 1).round().astype(int)
         for k in steps:
-            self.curve(points[k], color, width)
-            self.curve(points[:, k], color, width)
+            self.curve(points[k], color, width, lift)
+            self.curve(points[:, k], color, width, lift)
         return self
 
     def curve(self, points, color=INK, width=2.0, lift=0.006):
         self.curves.append((np.asarray(points, float), color, width, lift))
         return self
 
-    def dots(self, points, color=INK, width=7.0):
+    def dots(self, points, color=INK, width=7.0, lift=0.02):
         for p in np.atleast_2d(points):
-            self.curve([p, p], color, width, 0.02)
+            self.curve([p, p], color, width, lift)
         return self
 
     def _shade(self, n, color, zebra):
@@ -145,7 +145,7 @@ class Scene:
             count = [int(min(max(1.5 * s, points.shape[a]), 1800)) for a, s in enumerate(steps)]
             p, n = between(points, count).reshape(-1, 3), between(normals, count).reshape(-1, 3)
             x, y, z = to_pixels(p)
-            put(x, y, z, self._shade(n, color, zebra))
+            put(x, y, z, self._shade(n, between(color, count).reshape(-1, 3) if np.ndim(color) > 1 else color, zebra))
         for corners, normals, color, zebra in self.meshes:
             longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max(1) * scale
             for part in np.array_split(np.argsort(longest), max(1, len(corners) // 50)):
@@ -174,7 +174,7 @@ class Scene:
 
 
 def save(path: pathlib.Path, images, titles=None, columns=None):
-    """Images side by side with titles, as a small PNG of 128 colours."""
+    """Images side by side with titles, as a small PNG of 256 colours."""
     columns = columns or len(images)
     rows = -(-len(images) // columns)
     height, width = images[0].shape[:2]
@@ -197,5 +197,5 @@ def save_figure(path: pathlib.Path, figure):
     plt.close(figure)
     path.parent.mkdir(parents=True, exist_ok=True)
     image = Image.open(memory).convert("RGB")
-    image.quantize(128, dither=Image.Dither.NONE).save(path, optimize=True)
+    image.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
     print(f"{path.name}: {path.stat().st_size // 1000} kB", flush=True)

@@ -96,7 +96,7 @@ def suzanne():
     return v, f, normals
 
 
-def before_and_after(v, f, view, normals=None, resolution=10, stripes=8):
+def before_and_after(v, f, view, normals=None, resolution=10, stripes=9):
     flat = unit(np.cross(v[f[:, 1]] - v[f[:, 0]], v[f[:, 2]] - v[f[:, 0]]))
     smooth = tripatch.smooth_triangles(v, f, normals, resolution=resolution)
     return [

@@ -3,7 +3,7 @@
 import numpy as np
 import tripatch
 
-from .render import BLUE, CLAY, GREEN, GREY, INK, RED, Scene, normals_of, save, triangle_grid
+from .render import BLUE, CLAY, GREEN, GREY, INK, RED, Scene, normals_of, of_patch, save, triangle_grid
 
 COLORS = (BLUE, GREEN, RED)
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 0.87, 0]])
@@ -75,7 +75,7 @@ def with_constituents(surface, patches, view, lines=10, zebra=False):
 def three(patches, view, lines=8):
     scene = Scene(*view)
     for p, color in zip(patches, COLORS, strict=True):
-        scene.patch(p, color, lines=lines)
+        scene.patch(p, color, lines=lines, lift=0.001)
     return rim(scene, patches)
 
 
@@ -95,7 +95,7 @@ def blending(folder):
     t = np.linspace(1e-4, 1 - 1e-4, 80)
     b = np.stack([t, 0 * t, 1 - t], -1)  # side 2 of the paper: v = 0
     g = auxiliary(1, patches, b, half)
-    scene = Scene(*view).patch(patches[0], BLUE, lines=8).patch(patches[2], RED, lines=8)
+    scene = Scene(*view).patch(patches[0], BLUE, lines=8, lift=0.001).patch(patches[2], RED, lines=8, lift=0.001)
     grid = triangle_grid()
     q = correction(patches, grid, half)
     q_scene = Scene(*view).surface(q, normals_of(q), GREY).lines(q, 10)
@@ -111,39 +111,37 @@ def blending(folder):
 
     c0 = tripatch.blend(*patches, method="szilvasi_nagy_c0", shape="optimal")
     c1 = tripatch.blend(*patches, method="szilvasi_nagy_c1", shape="optimal")
-    raised = tripatch.blend(*patches, method="szilvasi_nagy_c1", shape=(0.5, 0.5, 0.95))
-    lowered = tripatch.blend(*patches, method="szilvasi_nagy_c1", shape=(0.5, 0.5, 0.05))
+    raised = tripatch.blend(*patches, method="szilvasi_nagy_c1", shape=(*c1.shape[:2], 0.98))
     save(
         folder / "szilvasi-nagy-06-07.png",
         [with_constituents(s, patches, view).image() for s in (c0, c1)],
         ["6: Definition 1, C0, optimal lambda", "7: Definition 2, C1, optimal lambda"],
     )
+    points, normals = of_patch(raised)
+    moved = np.linalg.norm(points - of_patch(c1)[0], axis=-1)
+    colors = CLAY + (moved / moved.max())[..., None] * (np.array([0.85, 0.15, 0.1]) - CLAY)
+    effect = rim(Scene(*view).surface(points, normals, colors).lines(points), patches)
     save(
         folder / "szilvasi-nagy-08-09.png",
-        [with_constituents(s, patches, v).image(300, 170) for v in (side_view, (-15, 14)) for s in (c1, lowered, raised)],
-        [
-            "8: optimal lambda, from the side",
-            "lambda_3 = 0.05",
-            "9: lambda_3 = 0.95",
-            "optimal lambda, from the right",
-            "lambda_3 = 0.05",
-            "lambda_3 = 0.95",
-        ],
-        columns=3,
+        [with_constituents(s, patches, side_view).image(330, 250) for s in (c1, raised)] + [effect.image(330, 250)],
+        ["8: optimal lambda, from the side", "9: lambda_3 = 0.98", f"red: moved by it, up to {moved.max():.2f}"],
     )
 
 
-def prism(inner=(0.25, 0.25, 0.25)):
+HOLLOW, FULL = (0.6, 0.2), (0.12, 0.0)
+
+
+def prism(inner=(HOLLOW, HOLLOW, HOLLOW)):
     """Constituents for the open corner of a prism: corners on its edges, patch i touches face i along side i.
 
-    inner[i]: how near to the prism's corner, 0, or to the face's curve, 1, the control points of patch i beside side i lie.
+    inner[i]: where in face i the two other control points of patch i lie, along the edge beside them and into the face.
     """
     corners = -np.eye(3)
     patches = []
-    for i, f in enumerate(inner):
+    for i, (along, off) in enumerate(inner):
         j, k = (i + 1) % 3, (i + 2) % 3
         rim = 0.36 * (corners[j] + corners[k])  # a hollow arc in the face x_i = 0
-        net = {(j, k): rim, (i, j): f * 1.6 * corners[j], (i, k): f * 1.6 * corners[k]}
+        net = {(j, k): rim, (i, j): along * corners[j] + off * corners[k], (i, k): along * corners[k] + off * corners[j]}
         at = {frozenset(pair): p for pair, p in net.items()}
         patches.append(
             tripatch.BezierTriangle(
@@ -172,7 +170,7 @@ def faces_of_prism(scene, patches, zebra=False):
 
 def corner(folder):
     view, side_view = (45, 32), (75, 18)
-    plain, other, changed = prism(), prism((0.75, 0.75, 0.75)), prism((0.25, 0.25, 0.8))
+    plain, other, changed = prism(), prism((FULL, FULL, FULL)), prism((HOLLOW, HOLLOW, FULL))
 
     def filled(patches, v, zebra=False):
         surface = tripatch.blend(*patches, method="szilvasi_nagy_c1")
@@ -181,7 +179,7 @@ def corner(folder):
 
     inside = rim(faces_of_prism(Scene(*view), plain), plain)
     for p, c in zip(plain, COLORS, strict=True):
-        inside.patch(p, c, lines=8)
+        inside.patch(p, c, lines=5, lift=0.001)
     save(
         folder / "szilvasi-nagy-10-12.png",
         [inside.image(), filled(plain, view).image(), filled(plain, side_view).image()],
@@ -191,7 +189,7 @@ def corner(folder):
     for p in (other, changed):
         constituents_scene = rim(faces_of_prism(Scene(*view), p), p)
         for patch, c in zip(p, COLORS, strict=True):
-            constituents_scene.patch(patch, c, lines=8)
+            constituents_scene.patch(patch, c, lines=5, lift=0.001)
         rows += [constituents_scene.image(), filled(p, view).image(), filled(p, side_view).image()]
     save(
         folder / "szilvasi-nagy-13-16.png",
