@@ -37,6 +37,9 @@ PiecewisePolynomial sampled(const py::function& f, const char* name) {
         if (values.ndim() != 2 || values.shape(0) != static_cast<Index>(t.size()) || values.shape(1) != 3)
           throw InvalidArgument(std::string(name) + "(t) must return an array of shape (k, 3) for t of shape (k,)");
         std::copy_n(values.data(), values.size(), out.begin());
+        for (std::size_t k = 0; k < out.size(); ++k)
+          if (!std::isfinite(out[k]))
+            throw InvalidArgument(std::string(name) + "(t) is not finite at t = " + std::to_string(t[k / 3]));
       },
       3);
 }

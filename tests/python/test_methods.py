@@ -1,6 +1,8 @@
 """The options of single methods: from Python and from the command line each reaches the method that has it, and no other."""
 
 import json
+import re
+import warnings
 
 import numpy as np
 import pytest
@@ -156,3 +158,172 @@ def test_the_list_of_methods_says_which_options_each_has(capsys):
     said = capsys.readouterr().out
     assert "options: cross_boundary, bulge, shape, reading" in said
     assert "options: alpha" in said and "options: symmetric" in said
+
+
+def net_size(n):
+    return (n + 1) * (n + 2) // 2
+
+
+@pytest.mark.parametrize("kind", ["discrete", "extremal", "extremal_symmetric", "mask", "permanence"])
+@pytest.mark.parametrize("degree", range(22))
+def test_every_degree_gives_a_finite_net_or_a_sentence_that_names_it(kind, degree):
+    net = tripatch.BezierTriangle(np.random.default_rng(degree).normal(size=(net_size(degree), 3)))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", f"The extremal of degree {degree} solves an ill-conditioned system")
+        if degree > 20:
+            with pytest.raises(ValueError, match=f"at most 20, not {degree}"):
+                tripatch.coons_bezier([net.side(i) for i in range(3)], kind)
+            return
+        try:
+            made = tripatch.coons_bezier([net.side(i) for i in range(3)], kind)
+        except tripatch.Refusal as refusal:
+            assert f"degree {degree}" in refusal.reason
+            assert degree in ((6, 8, 10, 12, 14, 16, 18, 20) if kind == "mask" else (4, 10) if kind == "permanence" else ())
+        else:
+            assert made.degree == degree + (kind == "discrete")
+            assert np.isfinite(made.net).all()
+
+
+@pytest.mark.parametrize("count", [0, 2, 4, 5, 7, 11])
+def test_nets_of_wrong_size_are_counted(count):
+    with pytest.raises(ValueError, match=rf"\(n \+ 1\)\(n \+ 2\) / 2 points: .*, not {count}$"):
+        tripatch.BezierTriangle(np.zeros((count, 3)))
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("method", [m for m, about in tripatch.METHODS.items() if m.startswith(("nielson", "szilvasi"))])
+def test_constituents_without_common_corners_are_named(method, scale):
+    net = np.random.default_rng(1).normal(size=(6, 3)) * scale
+    moved = net.copy()
+    moved[5] += 1e-3 * scale
+    a, b = tripatch.BezierTriangle(net), tripatch.BezierTriangle(moved)  # corner 2 is carried by surfaces 0 and 1
+    gap = re.escape(f"{np.sqrt(3) * 1e-3 * scale:.3g}")
+    with pytest.raises(ValueError, match=f"surfaces 0 and 1 do not meet at corner 2: the gap is {gap}"):
+        tripatch.blend(b, a, a, method=method)
+
+
+@pytest.mark.parametrize("method", [m for m in tripatch.METHODS if not m.startswith(("nielson", "szilvasi"))])
+def test_methods_that_blend_no_surfaces_say_so(method):
+    a = tripatch.BezierTriangle(np.eye(3))
+    with pytest.raises(ValueError, match=f"{method} is made from three sides; use tripatch.patch"):
+        tripatch.blend(a, a, a, method=method)
+
+
+@pytest.mark.parametrize("shape", [0, 1, -0.5, 1.5, np.nan, np.inf])
+@pytest.mark.parametrize("method", ["szilvasi_nagy_c0", "szilvasi_nagy_c1"])
+def test_lambda_outside_its_interval_is_named(method, shape):
+    a = tripatch.BezierTriangle(np.eye(3))
+    with pytest.raises(ValueError, match=r"shape\[1\] must lie between 0 and 1"):
+        tripatch.blend(a, a, a, method=method, shape=(0.5, shape, 0.5))
+    with pytest.raises(ValueError, match=r"shape\[1\] must lie between 0 and 1"):
+        filled(method=method, shape=(0.5, shape, 0.5))
+
+
+def with_side(change):
+    """Three sides that meet; those of side 1 changed by change(c, dc, r)."""
+    sides = list(filled().sides)
+    given = sides[1].evaluate
+    functions = change(*(lambda t, k=k: given(t)[k] for k in range(3)))
+    sides[1] = tripatch.Side.from_functions(*functions)
+    return sides
+
+
+@pytest.mark.parametrize("method", tripatch.METHODS)
+def test_sides_that_do_not_meet_are_named(method):
+    sides = with_side(lambda c, dc, r: (lambda t: c(t) + [0, 0, 1e-3], dc, r))
+    with pytest.raises(tripatch.Refusal, match=r"Sides 0 and 1 do not meet at corner 2: the gap is 0\.001$"):
+        tripatch.patch(sides, method)
+
+
+@pytest.mark.parametrize("method", [m for m, about in tripatch.METHODS.items() if about.continuity == "G1"])
+@pytest.mark.parametrize("cross_boundary", ["given", "consistent"])
+def test_slopes_without_a_tangent_plane_are_refused(method, cross_boundary):
+    for change in (lambda c, dc, r: (c, dc, lambda t: 0 * r(t)), lambda c, dc, r: (c, dc, lambda t: 2 * dc(t))):
+        with pytest.raises(tripatch.Refusal, match="slopes across side 1 give no tangent plane"):
+            tripatch.patch(with_side(change), method, cross_boundary)
+
+
+@pytest.mark.parametrize(("k", "name"), [(0, "c"), (1, "dc"), (2, "r")])
+def test_functions_that_are_not_finite_are_named(k, name):
+    def broken(*functions):
+        def f(t):
+            return np.where(np.abs(t[:, None] - 0.5) < 0.1, np.nan, functions[k](t))
+
+        return [f if j == k else function for j, function in enumerate(functions)]
+
+    with pytest.raises(ValueError, match=rf"^{name}\(t\) is not finite at t = 0\.[45]"):
+        with_side(broken)
+
+
+@pytest.mark.parametrize("method", tripatch.METHODS)
+def test_a_rim_vertex_that_is_no_number_is_named(method):
+    vertices, faces, hole = uneven_hole()
+    bad = hole["rim"][3]
+    vertices[bad, 1] = np.nan
+    with pytest.raises(tripatch.Refusal, match=f"Vertex {bad} at the rim has no finite position") as error:
+        tripatch.fill(vertices, faces, **hole, method=method)
+    assert error.value.where == [bad]
+
+
+def hill(x, y):
+    """Height and gradient of the ground that the pictures of the methods are cut from."""
+    e = np.exp(-2.2 * (x**2 + y**2))
+    s, c = np.sin(2.6 * x + 0.4), np.cos(2.6 * x + 0.4)
+    height = 0.32 * e + 0.10 * s * np.cos(1.8 * y)
+    return height, -1.408 * x * e + 0.26 * c * np.cos(1.8 * y), -1.408 * y * e - 0.18 * s * np.sin(1.8 * y)
+
+
+def hole_in_the_hill():
+    """Its sides, bent outwards, with the hill's own slopes."""
+    angles, sides = np.radians([90, 210, 330]), []
+    corners = 0.62 * np.stack([np.cos(angles), np.sin(angles)], -1)
+    for i in range(3):
+        a, b = corners[(i + 1) % 3], corners[(i + 2) % 3]
+        out = (a + b) / 2
+
+        def at(t, a=a, b=b, out=out):
+            return a + t[:, None] * (b - a) + (0.5 * t * (1 - t))[:, None] * out
+
+        def along(t, a=a, b=b, out=out):
+            return b - a + (0.5 - t)[:, None] * out
+
+        def lifted(p, d):
+            _, fx, fy = hill(*p.T)
+            return np.column_stack([d, fx * d[:, 0] + fy * d[:, 1]])
+
+        sides.append(
+            tripatch.Side.from_functions(
+                lambda t, at=at: np.column_stack([at(t), hill(*at(t).T)[0]]),
+                lambda t, at=at, along=along: lifted(at(t), along(t)),
+                lambda t, at=at: lifted(at(t), at(t)),
+            )
+        )
+    return sides
+
+
+@pytest.mark.parametrize(
+    ("method", "low", "high"),
+    [
+        ("side_vertex", 1, 2.5),
+        ("nielson_blend", 1, 2.5),
+        ("szilvasi_nagy_c1", 1, 2.5),
+        ("quintic", 0, 0.3),
+        ("gregory", 0, 0.3),
+        ("barnhill_birkhoff_gordon", 0, 0.3),
+    ],
+)
+def test_normals_near_the_corners(method, low, high):
+    """Degrees off the ground a tenth of the way in; with the distance they go to zero for every method."""
+    patch = tripatch.patch(hole_in_the_hill(), method)
+    t, worst = np.linspace(0.02, 0.98, 49), []
+    for rho in (0.1, 0.01, 1e-3):
+        angles = []
+        for i in range(3):
+            b = np.zeros((49, 3))
+            b[:, i], b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - rho, rho * (1 - t), rho * t
+            _, fx, fy = hill(*patch.evaluate(b)[:, :2].T)
+            n, true = patch.normal(b), np.column_stack([-fx, -fy, np.ones_like(fx)])
+            angles.append(np.degrees(np.arctan2(np.linalg.norm(np.cross(n, true), axis=1), (n * true).sum(axis=1))).max())
+        worst.append(max(angles))
+    assert low < worst[0] < high
+    assert worst[1] < 0.3 * worst[0] and worst[2] < 0.03 * worst[0]

@@ -267,3 +267,46 @@ def test_bezier_methods_fill_a_hole(method):
     v, f, rim, corners = sphere_with_a_hole(13)
     with pytest.raises(tripatch.Refusal, match="14 rim vertices"):
         tripatch.fill(v, f, rim=rim, corners=corners, method=method)
+
+
+GROUNDS = {  # value and gradient
+    "saddle": lambda x, y: (0.7 * x * y, 0.7 * y, 0.7 * x),
+    "wave": lambda x, y: (
+        0.3 * np.sin(2 * x) * np.cos(1.5 * y),
+        0.6 * np.cos(2 * x) * np.cos(1.5 * y),
+        -0.45 * np.sin(2 * x) * np.sin(1.5 * y),
+    ),
+}
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_normal_field_of_an_edge_limits_the_order_of_smooth_triangles(ground):
+    f = GROUNDS[ground]
+
+    def normals(x, y):
+        _, fx, fy = f(x, y)
+        n = np.column_stack([-fx, -fy, np.ones_like(fx)])
+        return n / np.linalg.norm(n, axis=1, keepdims=True)
+
+    def with_true_normals(side):
+        def across(t):
+            c, dc, _, _ = side.evaluate(t)
+            return np.cross(dc, normals(c[:, 0], c[:, 1]))
+
+        return tripatch.Side.from_functions(lambda t: side.evaluate(t)[0], lambda t: side.evaluate(t)[1], across)
+
+    b = np.array([(i, j, 10 - i - j) for i in range(11) for j in range(11 - i)]) / 10
+
+    def distance(sides):
+        p = tripatch.patch(sides).evaluate(b)
+        z, fx, fy = f(p[:, 0], p[:, 1])
+        return np.sqrt(np.mean((p[:, 2] - z) ** 2 / (1 + fx**2 + fy**2)))
+
+    own, true = [], []
+    for h in (1 / 8, 1 / 16):
+        xy = np.array([0.3, 0.2]) + h * np.array([(0, 0), (1, 0.1), (0.3, 0.9)])
+        sides = tripatch.sides_from_normals(np.column_stack([xy, f(*xy.T)[0]]), normals(*xy.T))
+        own.append(distance(sides))
+        true.append(distance([with_true_normals(side) for side in sides]))
+    assert 2.8 < np.log2(own[0] / own[1]) < 3.3
+    assert np.log2(true[0] / true[1]) > 3.9

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <sstream>
 #include <string>
 
 namespace tripatch {
@@ -31,6 +32,13 @@ Side moved_ends(Side side, const Vec3& start, const Vec3& end) {
   return side;
 }
 
+std::string gap_at_corner(int corner, double gap) {
+  std::ostringstream text;
+  text.precision(3);
+  text << "do not meet at corner " << corner << ": the gap is " << gap;
+  return text.str();
+}
+
 double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {
   double size = 0;
   for (const PiecewisePolynomial& c : curves) {
@@ -41,8 +49,7 @@ double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {
   for (int i = 0; i < 3; ++i) {
     const double gap = (curves[i](1) - curves[(i + 1) % 3](0)).norm();
     if (!(gap <= 1e-6 * size))
-      throw Refusal("Sides " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " do not meet at corner " +
-                    std::to_string((i + 2) % 3) + ": the gap is " + std::to_string(gap));
+      throw Refusal("Sides " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " " + gap_at_corner((i + 2) % 3, gap));
   }
   return size;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tripatch/boundary/side.h"
+
 namespace tripatch {
 
 std::vector<double> feet(const double* b, Index n, int i, const Vec3& direction) {
@@ -24,9 +26,9 @@ std::array<Vec3, 3> common_corners(const std::array<SurfacePtr, 3>& surfaces) {
   std::array<Vec3, 3> corners;
   for (int k = 0; k < 3; ++k) {
     const int a = (k + 1) % 3, b = (k + 2) % 3;  // the two surfaces that carry the sides at corner k
-    if (!((at[a].row(k) - at[b].row(k)).norm() <= 1e-6 * size))
-      throw InvalidArgument("surfaces " + std::to_string(a) + " and " + std::to_string(b) + " do not meet at corner " +
-                            std::to_string(k));
+    const double gap = (at[a].row(k) - at[b].row(k)).norm();
+    if (!(gap <= 1e-6 * size))
+      throw InvalidArgument("surfaces " + std::to_string(a) + " and " + std::to_string(b) + " " + gap_at_corner(k, gap));
     corners[k] = at[a].row(k);
   }
   return corners;

@@ -213,8 +213,8 @@ void check(const BoundaryCurves& boundary) {
   for (int i = 0; i < 3; ++i) {
     const double gap = (boundary[i].row(n) - boundary[(i + 1) % 3].row(0)).norm();
     if (!(gap <= 1e-9 * size))
-      throw InvalidArgument("Boundary curves " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) +
-                            " do not meet at corner " + std::to_string((i + 2) % 3) + ": the gap is " + std::to_string(gap));
+      throw InvalidArgument("Boundary curves " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " " +
+                            gap_at_corner((i + 2) % 3, gap));
   }
 }
 

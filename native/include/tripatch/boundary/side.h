@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "tripatch/boundary/piecewise_polynomial.h"
 
@@ -33,5 +34,7 @@ Side moved_ends(Side side, const Vec3& start, const Vec3& end);
 double check_sides(const Sides& sides);
 /// The same for three curves alone.
 double check_curves(const std::array<PiecewisePolynomial, 3>& curves);
+/// "do not meet at corner 2: the gap is 1e-05"
+std::string gap_at_corner(int corner, double gap);
 
 }  // namespace tripatch
