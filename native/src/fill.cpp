@@ -297,8 +297,6 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   Surroundings surroundings = surroundings_of(mesh, hole, options);
   Fill result;
   result.sides = surroundings.sides;
-  if (!options.limit)  // with it the sides know the rim's own vertices, and the parameters are those of the border
-    for (int i = 0; i < 3; ++i) result.sides[i].rim = surroundings.parameters[i];
   const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
   const RibbonOptions ribbons = ribbon_options(options, continuity);
   const Boundary boundary = make_boundary(result.sides, ribbons);

@@ -47,3 +47,25 @@ def test_the_path_of_the_optimiser_goes_down():
     assert len(energies) >= 2
     assert energies[-1] == min(energies)
     assert np.allclose(patch.path[-1][0], patch.shape)
+
+
+def test_lambda_at_its_bound_would_gain_only_beyond_it():
+    """A constituent ten thousand times as large inside as the others: the blend would leave it out."""
+    rng = np.random.default_rng(3)
+    corners = np.array([[0, 0, 0], [1, 0, 0.2], [0.3, 0.9, 0.1]])
+    indices = np.array([(i, j, 4 - i - j) for i in range(4, -1, -1) for j in range(4 - i, -1, -1)])
+    patches = []
+    for size in (500, 0.05, 0.05):
+        net = indices @ corners / 4
+        net[indices.max(axis=1) < 4] += size * rng.normal(size=(12, 3))
+        patches.append(tripatch.BezierTriangle(net))
+    patch = tripatch.blend(*patches, method="szilvasi_nagy_c1", shape="optimal")
+    bounds = [i for i, s in enumerate(patch.shape) if min(s, 1 - s) < 1.001e-3]
+    assert bounds
+    least = patch.energy("thin_plate")
+    for i in bounds:
+        inwards = list(patch.shape)
+        inwards[i] += 1e-3 if inwards[i] < 0.5 else -1e-3
+        assert tripatch.blend(*patches, method="szilvasi_nagy_c1", shape=tuple(inwards)).energy("thin_plate") > least
+    for shape in rng.uniform(0.001, 0.999, (40, 3)):
+        assert tripatch.blend(*patches, method="szilvasi_nagy_c1", shape=tuple(shape)).energy("thin_plate") > least * (1 - 1e-6)

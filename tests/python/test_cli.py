@@ -276,3 +276,25 @@ def test_cages_say_what_a_file_cannot_hold(one, tmp_path, capsys):
     assert code == 0 and "creased" in errors and len(borders(out)) == 1
     creases = json.loads((tmp_path / "r.json").read_text())["holes"][0]["creases"]
     assert len(creases) == 18 and all(max(edge) < 18 for edge in creases)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".off", ".ply", ".stl"])
+def test_smooth(suffix, tmp_path, capsys):
+    vertices = np.array([(1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)], float)
+    faces = [[0, 1, 3], [0, 3, 2], [0, 2, 1], [1, 2, 3]]
+    path, out = write_obj(tmp_path / "in.obj", (vertices, faces)), tmp_path / f"out{suffix}"
+    code, text, err = run(capsys, "smooth", path, out, "--resolution", 5, "--curve", "smits")
+    assert (code, text, err) == (0, "Smoothed 4 triangles into 100\n", "")
+    expected = tripatch.smooth_triangles(vertices, faces, resolution=5, curve="smits")
+    mesh = files.read(out)
+    assert len(mesh.faces) == 100 and len(mesh.vertices) == len(expected.vertices)
+    found, wanted = (np.array([m.vertices[f] for f in m.faces]) for m in (mesh, expected))
+    assert np.abs(found - wanted).max() < 1e-6  # STL has single precision
+
+
+def test_smooth_refuses_what_is_no_triangle(tmp_path, capsys):
+    path, out = write_obj(tmp_path / "in.obj", square()), tmp_path / "out.obj"
+    code, _, err = run(capsys, "smooth", path, out)
+    assert code == 1 and "Face 0 has 4 corners" in err and not out.exists()
+    code, _, err = run(capsys, "smooth", path, out, "--resolution", 0)
+    assert code == 2 and "resolution" in err

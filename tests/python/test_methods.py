@@ -239,7 +239,7 @@ def test_sides_that_do_not_meet_are_named(method):
 @pytest.mark.parametrize("cross_boundary", ["given", "consistent"])
 def test_slopes_without_a_tangent_plane_are_refused(method, cross_boundary):
     for change in (lambda c, dc, r: (c, dc, lambda t: 0 * r(t)), lambda c, dc, r: (c, dc, lambda t: 2 * dc(t))):
-        with pytest.raises(tripatch.Refusal, match="slopes across side 1 give no tangent plane"):
+        with pytest.raises(tripatch.Refusal, match="Side 1 has no tangent planes"):
             tripatch.patch(with_side(change), method, cross_boundary)
 
 
@@ -327,3 +327,64 @@ def test_normals_near_the_corners(method, low, high):
         worst.append(max(angles))
     assert low < worst[0] < high
     assert worst[1] < 0.3 * worst[0] and worst[2] < 0.03 * worst[0]
+
+
+CORNERS = np.array([(0, 0, 0), (1, 0.1, 0.2), (0.3, 0.9, -0.1)])
+
+
+def rectangle(i, rational=False):
+    """A surface whose edge 0 runs over side i and that leaves the hole at an angle; degrees and speeds differ by side."""
+    rng = np.random.default_rng(i)
+    m, n = (3, 4, 2)[i], (2, 1, 3)[i]
+    a, b = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3]
+    out = (1.3, 0.6, 2.0)[i] * ((a + b) / 2 - CORNERS[i] + 0.3 * (0.5 - i) * (b - a))
+    u, v = np.linspace(0, 1, m + 1), np.linspace(0, 1, n + 1)
+    net = a + u[:, None, None] * (b - a) + v[None, :, None] * out + rng.uniform(-0.1, 0.1, (m + 1, n + 1, 3))
+    net[[0, -1], 0] = a, b
+    if rational:
+        weights = rng.uniform(0.6, 1.6, (m + 1, n + 1))
+        return tripatch.NurbsSurface(net, weights, [0] * (m + 1) + [1] * (m + 1), [0] * (n + 1) + [1] * (n + 1))
+    return tripatch.BezierRectangle(net)
+
+
+@pytest.mark.parametrize("method", tripatch.METHODS)
+@pytest.mark.parametrize("cross_boundary", ["given", "consistent", "as_printed"])
+def test_three_rectangular_surfaces_are_joined(method, cross_boundary):
+    tangent = tripatch.METHODS[method].continuity == "G1"
+    for rational in (False, True) if not method.startswith("coons") else (False,):
+        sides = [tripatch.Side(rectangle(i, rational), 0) for i in range(3)]
+        patch = tripatch.patch(sides, method, cross_boundary)
+        t = np.linspace(0.01, 0.99, 51)
+        for i, side in enumerate(sides):
+            b = np.zeros((51, 3))
+            b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+            c, _, _, n = side.evaluate(t)
+            assert np.abs(patch.evaluate(b) - c).max() < 1e-12
+            if tangent:
+                m = patch.normal(b)
+                angle = np.degrees(np.arctan2(np.linalg.norm(np.cross(m, n), axis=1), np.abs((m * n).sum(axis=1))))
+                assert angle.max() < 1e-6
+
+
+def test_the_bezier_methods_refuse_rational_sides():
+    sides = [tripatch.Side(rectangle(i, rational=i == 1), 0) for i in range(3)]
+    with pytest.raises(tripatch.Refusal, match="Side 1 is not a Bezier curve of degree 12 or less"):
+        tripatch.patch(sides, "coons_bezier")
+
+
+@pytest.mark.parametrize("method", ["nielson_blend", "szilvasi_nagy_c0", "szilvasi_nagy_c1"])
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_blends_follow_rigid_motions_and_scales(method, scale):
+    rng = np.random.default_rng(3)
+    nets = CORNERS[[0, 0, 0, 1, 1, 2]] + CORNERS[[0, 1, 2, 1, 2, 2]] + rng.uniform(-0.2, 0.2, (3, 6, 3))
+    nets[:, [0, 3, 5]] = 2 * CORNERS
+    q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    q *= np.linalg.det(q)
+    shift = scale * rng.normal(size=3)
+    b = np.array([(i, j, 8 - i - j) for i in range(9) for j in range(9 - i)]) / 8
+    options = {} if method == "nielson_blend" else {"shape": "optimal"}
+    plain = tripatch.blend(*map(tripatch.BezierTriangle, nets), method=method, **options)
+    moved = tripatch.blend(*map(tripatch.BezierTriangle, scale * nets @ q.T + shift), method=method, **options)
+    assert np.abs((moved.evaluate(b) - shift) @ q / scale - plain.evaluate(b)).max() < 1e-7
+    if options:
+        assert np.allclose(moved.shape, plain.shape, atol=1e-6)

@@ -85,6 +85,19 @@ def test_coons_bezier_interpolates(kind):
         assert tripatch.coons_energy(triangle) < tripatch.coons_energy(reference)
 
 
+@pytest.mark.parametrize("kind", ["discrete", "extremal", "extremal_symmetric", "mask", "permanence"])
+@pytest.mark.parametrize("degree", [3, 5, 7])
+def test_all_coons_nets_reproduce_planes_and_no_quadratics(kind, degree):
+    for own, reproduced in ((1, True), (2, False)):
+        surface = tripatch.BezierTriangle(np.random.default_rng(own).normal(size=(net_size(own), 3)))
+        while surface.degree < degree:
+            surface = surface.elevated()
+        made = tripatch.coons_bezier(boundary_of(surface), kind)
+        b = np.random.default_rng(3).dirichlet([1, 1, 1], 20)
+        far = np.abs(made.evaluate(b) - surface.evaluate(b)).max()
+        assert far < 1e-12 if reproduced else far > 1e-3
+
+
 def test_coons_bezier_refusals_and_warnings():
     with pytest.raises(tripatch.Refusal, match="degree 6"):
         tripatch.coons_bezier(random_boundary(6), "mask")

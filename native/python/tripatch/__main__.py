@@ -1,4 +1,4 @@
-"""The command line: `tripatch fill IN OUT` and `tripatch methods`."""
+"""The command line: `tripatch fill IN OUT`, `tripatch smooth IN OUT` and `tripatch methods`."""
 
 from __future__ import annotations
 
@@ -147,6 +147,16 @@ def parser() -> argparse.ArgumentParser:
     for name, (kind, metavar, text) in OPTIONS.items():
         value = {"action": "store_true"} if kind is bool else {"type": kind, "metavar": metavar}
         fill.add_argument(f"--{name.replace('_', '-')}", default=argparse.SUPPRESS, help=text, **value)
+    smooth = commands.add_parser(
+        "smooth",
+        help="smooth a mesh of triangles",
+        description="Every triangle becomes a curved patch that meets its neighbours smoothly; the normals at the vertices are "
+        "those of the faces around. OUT holds vertices and faces only.",
+    )
+    smooth.add_argument("input", metavar="IN", type=Path, help="mesh file")
+    smooth.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
+    smooth.add_argument("--resolution", type=int, metavar="N", default=8, help="edges that every edge is cut into (8)")
+    smooth.add_argument("--curve", choices=("hermite", "smits"), default="hermite", help="over the edges (hermite)")
     commands.add_parser("methods", help="list the constructions", description="Lists the constructions.")
     return main
 
@@ -270,6 +280,14 @@ def _fill(args: argparse.Namespace) -> int:
     return FILLED if len(fills) == len(holes) else SOME
 
 
+def _smooth(args: argparse.Namespace) -> int:
+    mesh = files.read(args.input)
+    smooth = tripatch.smooth_triangles(mesh.vertices, mesh.faces, resolution=args.resolution, curve=args.curve)
+    files.converted(files.MeshFile(smooth.vertices, smooth.faces.tolist()), args.out.suffix).write(args.out)
+    print(f"Smoothed {len(mesh.faces)} triangles into {len(smooth.faces)}")
+    return FILLED
+
+
 def _methods() -> int:
     for name, method in tripatch.METHODS.items():
         fills = "" if method.fills_holes else "; blends surfaces, does not fill holes"
@@ -285,7 +303,9 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as end:  # --help, --version, bad usage: already said
         return int(end.code or 0)
     try:
-        return _methods() if args.command == "methods" else _fill(args)
+        if args.command == "methods":
+            return _methods()
+        return _smooth(args) if args.command == "smooth" else _fill(args)
     except tripatch.Refusal as refusal:  # of what is asked for, not of a hole
         _refused(refusal)
         return NOTHING

@@ -67,6 +67,7 @@ void refined_sides(const Mesh& cage, const Hole& hole, const Subdivision& settin
   for (int i = 0; i < 3; ++i) {
     const std::vector<double>& t = result.parameters[i];
     const std::size_t per_edge = (t.size() - 1) / (hole.side(i).size() - 1);
+    result.sides[i].rim.clear();  // the refined mesh has more
     for (std::size_t k = 0; k < t.size(); k += per_edge) result.sides[i].rim.push_back(t[k]);
   }
   result.surroundings_error = estimated.surroundings_error;

@@ -761,7 +761,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     result.sides[i].c = quintic(side.t, c, dc, ddc);
     result.sides[i].r = w.scale * quintic(side.t, r, dr, second_derivatives(side.t, r, dr));
     result.sides[i].q = w.scale * spline(side.t, q);
-    result.parameters[i] = side.t;
+    result.parameters[i] = result.sides[i].rim = side.t;
   }
   return result;
 }

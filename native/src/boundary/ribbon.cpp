@@ -104,15 +104,6 @@ PiecewisePolynomial printed_beta(const Side& side, const PiecewisePolynomial& al
       1);
 }
 
-/// There is something to be tangent to.
-void check_planes(const Side& side, int i) {
-  for (int k = 0; k <= 8; ++k) {
-    const Vec3 r = side.r(k / 8.0), dc = side.c.derivative_at(k / 8.0);
-    if (r.cross(dc).norm() > 1e-8 * r.norm() * dc.norm()) return;
-  }
-  throw Refusal("The slopes across side " + std::to_string(i) + " give no tangent plane: they are zero or along the side");
-}
-
 }  // namespace
 
 Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
@@ -184,7 +175,6 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     if (options.tangent[i] && no_planes(side))
       throw Refusal("Side " + std::to_string(i) + " has no tangent planes: its surroundings are flat to a line along it");
     if (options.tangent[i]) {
-      check_planes(side, i);
       ribbon.d = ribbon.alpha * side.r + ribbon.beta * side.c.derivative();
     } else {  // linear between the corners' own derivatives, kept open at smooth corners
       const Vec3 d0 = tau0 + lifted[0], d1 = tau1 + lifted[1];
