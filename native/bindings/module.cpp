@@ -44,8 +44,9 @@ PiecewisePolynomial sampled(const py::function& f, const char* name) {
       3);
 }
 
-Side side_from_functions(const py::function& c, const py::function& dc, const py::function& r, const std::vector<double>& rim) {
-  Side side{sampled(c, "c"), sampled(r, "r"), {}, rim};
+Side side_from_functions(const py::function& c, const py::function& dc, const py::function& r, const std::vector<double>& rim,
+                         const std::optional<py::function>& q) {
+  Side side{sampled(c, "c"), sampled(r, "r"), q ? sampled(*q, "q") : PiecewisePolynomial(), rim};
   // The side's own derivative is that of c, exactly; dc only has to agree.
   const PiecewisePolynomial given = sampled(dc, "dc");
   double scale = 0, off = 0;
@@ -81,6 +82,14 @@ MethodOptions method_options_from(const py::dict& d) {
   o.symmetric = d["symmetric"].cast<bool>();
   o.alpha = d["alpha"].cast<std::optional<double>>();
   return o;
+}
+
+/// (k, 3) the second derivative across, or None where it is not known.
+py::object second_derivative(const Side& side, const Array& t) {
+  if (side.q.empty()) return py::none();
+  Array q({static_cast<Index>(t.size()), Index{3}});
+  for (Index k = 0; k < t.size(); ++k) side.q.taylor(t.data()[k], 0, q.mutable_data(k));
+  return q;
 }
 
 FillOptions options_from(const py::dict& d) {
@@ -142,6 +151,7 @@ PYBIND11_MODULE(_native, m) {
   py::class_<Side>(m, "Side", "A side of the hole: position and the derivative of the surroundings across it.")
       .def_static("_from_functions", &side_from_functions)
       .def("_evaluate", &evaluate_side)
+      .def("_second_derivative", &second_derivative)
       .def("_part", &piece_of)
       .def("_moved", [](const Side& side, const std::array<double, 3>& start, const std::array<double, 3>& end) {
         return moved_ends(side, {start[0], start[1], start[2]}, {end[0], end[1], end[2]});

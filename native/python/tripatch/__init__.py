@@ -575,29 +575,41 @@ def _slope_correction(self: SzilvasiNagyPatch, b) -> np.ndarray:
     return self._slope_correction(_arrays.barycentric(b))
 
 
-def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Position c, derivative c', derivative across r and unit normal n, (k, 3) each, at t (k,) in [0, 1]."""
+def _parameters(t) -> np.ndarray:
     t = np.atleast_1d(np.asarray(t, dtype=np.float64))
     if t.ndim != 1:
         raise ValueError(f"t must have shape (k,), not {t.shape}")
     if not ((t >= 0) & (t <= 1)).all():
         raise ValueError("t must lie in [0, 1]")
-    return self._evaluate(np.ascontiguousarray(t))
+    return np.ascontiguousarray(t)
 
 
-def _from_functions(c: Callable, dc: Callable, r: Callable, rim=None) -> Side:
-    """A side from three functions of t (k,) -> (k, 3): position, its derivative, the derivative across, away from the hole.
+def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Position c, derivative c', derivative across r and unit normal n, (k, 3) each, at t (k,) in [0, 1]."""
+    return self._evaluate(_parameters(t))
+
+
+def _second_derivative(self: Side, t) -> np.ndarray | None:
+    """(k, 3) the surroundings' second derivative in the direction of r at t (k,) in [0, 1]; None where it is not known. Its part
+    along the normal is r's length squared times the normal curvature across the side; the other parts mean nothing."""
+    return self._second_derivative(_parameters(t))
+
+
+def _from_functions(c: Callable, dc: Callable, r: Callable, rim=None, q: Callable | None = None) -> Side:
+    """A side from functions of t (k,) -> (k, 3): position, its derivative, the derivative across, away from the hole.
 
     Args:
         rim: parameters t that rise from 0 to 1, as those of a rim's vertices: the Bezier methods take a side that is no
             polynomial as the curve through its points there. None: they refuse such a side.
+        q: the second derivative across, in the direction of r, for continuity of curvature (only its part along the normal
+            counts). None: not known.
     """
-    if not all(callable(f) for f in (c, dc, r)):
-        raise TypeError("c, dc and r must be functions of t")
+    if not all(callable(f) for f in ([c, dc, r] if q is None else [c, dc, r, q])):
+        raise TypeError("c, dc, r and q must be functions of t")
     t = np.zeros(0) if rim is None else np.asarray(rim, dtype=np.float64)
     if rim is not None and not (t.ndim == 1 and len(t) > 1 and t[0] == 0 and t[-1] == 1 and (np.diff(t) > 0).all()):
         raise ValueError("rim must be numbers that rise from 0 to 1")
-    return Side._from_functions(c, dc, r, t.tolist())
+    return Side._from_functions(c, dc, r, t.tolist(), q)
 
 
 def _part(self: Side, start: float, end: float) -> Side:
@@ -628,5 +640,6 @@ SzilvasiNagyPatch.correction = _correction
 SzilvasiNagyPatch.slope_correction = _slope_correction
 Side.evaluate = _side_evaluate
 Side.part = _part
+Side.second_derivative = _second_derivative
 Side.from_functions = staticmethod(_from_functions)
 Report.as_dict = _as_dict
