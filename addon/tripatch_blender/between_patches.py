@@ -169,6 +169,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
             ("auto", "Auto", "The best that the method keeps"),
             ("G0", "Position", "Meets the edges (G0)"),
             ("G1", "Tangent", "Continues the tangent planes (G1)"),
+            ("G2", "Curvature", "Continues the curvature as well (G2)"),
         ],
         default="auto",
     )
@@ -192,6 +193,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         row("tolerance")
         row("resolution")
         row("continuity", active=self.keeps_tangents())
+        row("fairing")
         self.construction_rows(row)
 
     def execute(self, context):
@@ -200,7 +202,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
             curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
             loop = tripatch.between.find_loop(curves, self.tolerance)
             sides = loop.sides()
-            patch = tripatch.patch([side for side, _ in sides], **self.construction(), fairing="auto")
+            patch = tripatch.patch([side for side, _ in sides], **self.construction())
             by_number = [self.resolution and isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
             barycentric, faces = patch.triangles(
                 [self.resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)]

@@ -61,7 +61,12 @@ def _parser(prog):
     parser.add_argument("--odd", choices=["split", "triangle"], default="split", help="quads, cage: round an odd rim")
     parser.add_argument("--pole-offset", type=float, nargs=2, default=(0.0, 0.0), metavar=("U", "V"))
     parser.add_argument("--add-modifier", action="store_true", help="cage: give the object a Subdivision modifier if it has none")
-    parser.add_argument("--continuity", choices=["auto", "G0", "G1"], default="auto")
+    parser.add_argument("--continuity", choices=["auto", "G0", "G1", "G2"], default="auto")
+    parser.add_argument(
+        "--fairing",
+        choices=["auto", "none", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation"],
+        default="auto",
+    )
     parser.add_argument(
         "--surroundings", choices=["mesh", "limit"], default="mesh", help="limit: as the modifier draws them, the fill beside"
     )
@@ -162,6 +167,7 @@ _OF_FILL = (
 
 def _options(ob, arguments):
     settings = {name: getattr(arguments, name) for name in _OF_FILL}
+    settings["fairing"] = None if arguments.fairing == "none" else arguments.fairing
     caged = arguments.surroundings == "mesh" and subdivision.modifier_of(ob)
     settings["output"] = arguments.output or ("cage" if caged else "triangles")
     return filling.Options(settings, arguments.corner_offset, arguments.shading)

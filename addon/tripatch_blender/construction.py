@@ -30,6 +30,19 @@ class Construction:
         max=100.0,
         default=1.0,
     )
+    fairing: EnumProperty(
+        name="Fairing",
+        description="What the freedom that is left between the sides is used for",
+        items=[
+            ("auto", "Auto", "Nearest to what the surroundings suggest: curvature varies least, unless near a quadric"),
+            ("none", "None", "The method's patch as it is"),
+            ("thin_plate", "Thin Plate", "Least bending"),
+            ("third_derivative", "Third Derivative", "Least change of bending, over the triangle"),
+            ("minimum_variation", "Minimum Variation", "Least variation of curvature: spheres, cylinders"),
+            ("quadric_variation", "Quadric Variation", "Nearest to quadrics: ellipsoids, saddles, cones"),
+        ],
+        default="auto",
+    )
     cross_boundary: EnumProperty(
         name="Slopes",
         description="Length and direction of the slopes across the sides, within the tangent planes (Liu, Ma and Cheng 2008)",
@@ -113,6 +126,7 @@ class Construction:
     def construction(self):
         """Arguments of `tripatch.fill` and `tripatch.patch`."""
         arguments = {"method": self.method, "continuity": self.continuity if self.keeps_tangents() else "auto"}  # greyed out
+        arguments["fairing"] = None if self.fairing == "none" else self.fairing
         for name in library.tripatch.METHODS[self.method].options:
             if name == "shape":
                 arguments[name] = "optimal" if self.optimal_shape else tuple(self.shape)

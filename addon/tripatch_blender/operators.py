@@ -98,6 +98,7 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
             ("auto", "Auto", "The best that the method keeps"),
             ("G0", "Position", "Meets the rim (G0)"),
             ("G1", "Tangent", "Continues the surrounding tangent planes (G1)"),
+            ("G2", "Curvature", "Continues the curvature as well (G2)"),
         ],
         default="auto",
     )
@@ -161,6 +162,7 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         else:
             row("resolution")
         row("continuity", active=self.keeps_tangents())
+        row("fairing")
         self.construction_rows(row)
         row("corner_offset")
         row("shading")

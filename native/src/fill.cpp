@@ -14,31 +14,13 @@
 #include "tripatch/output/cage_fill.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/output/triangulate.h"
+#include "tripatch/patch/curvature.h"
 #include "tripatch/patch/fairing.h"
 #include "tripatch/patch/methods.h"
 #include "tripatch/patch/szilvasi_nagy.h"
 
 namespace tripatch {
 namespace {
-
-int continuity_level(const std::string& name) {
-  static const std::array<const char*, 3> names = {"G0", "G1", "G2"};
-  for (int level = 0; level < 3; ++level)
-    if (name == names[level]) return level;
-  throw InvalidArgument("continuity must be auto, G0, G1 or G2, not '" + name + "'");
-}
-
-/// The continuity of each side: "auto" takes the method's own; more than the method keeps is refused.
-std::array<int, 3> resolve_continuity(const std::array<std::string, 3>& asked, const Method& method) {
-  const int own = continuity_level(method.continuity);
-  std::array<int, 3> level;
-  for (int i = 0; i < 3; ++i) {
-    level[i] = asked[i] == "auto" ? own : continuity_level(asked[i]);
-    if (level[i] > own)
-      throw Refusal(std::string("The method ") + method.name + " keeps " + method.continuity + " along the rim, not " + asked[i]);
-  }
-  return level;
-}
 
 void check_options(const FillOptions& options) {
   for (double bulge : options.bulge)
@@ -98,11 +80,11 @@ Points rim_barycentric(const Hole& hole, const Surroundings& surroundings) {
   return out;
 }
 
-RibbonOptions ribbon_options(const FillOptions& options, const std::array<int, 3>& continuity) {
+RibbonOptions ribbon_options(const FillOptions& options, const Continuity& continuity) {
   RibbonOptions ribbons;
   ribbons.cross_boundary = options.cross_boundary;
   ribbons.bulge = options.bulge;
-  for (int i = 0; i < 3; ++i) ribbons.tangent[i] = continuity[i] > 0;
+  ribbons.tangent = continuity.tangent;
   return ribbons;
 }
 
@@ -145,14 +127,15 @@ SurfacePtr construct(const Method& method, const RibbonOptions& ribbons, const B
   return patch;
 }
 
-void make_fair(const Method& method, const RibbonOptions& ribbons, const Boundary& boundary, const FillOptions& options,
-               Fill& fill) {
+void make_fair(const Method& method, const RibbonOptions& ribbons, const Continuity& continuity, const Boundary& boundary,
+               const FillOptions& options, Fill& fill) {
   if (!is_faired(options, ribbons)) return;
   FairingOptions fairing;
   MethodOptions own = options.own;
   own.to_be_faired = true;
   fairing.energy = options.fairing;
   for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
+  fairing.curvature = continuity.followed;
   fairing.rebuild = [&](const Sides& sides) { return build(method, sides, ribbons, own); };
   fairing.folds = [&](const Surface& patch) { return count_folds(patch, fill.sides); };
   FairResult fair_result = fair(fill.patch, fill.sides, boundary, fairing);
@@ -161,6 +144,11 @@ void make_fair(const Method& method, const RibbonOptions& ribbons, const Boundar
   fill.report.energy_before = fair_result.before;
   fill.report.energy_after = fair_result.after;
   for (std::string& warning : fair_result.warnings) fill.report.warnings.push_back(std::move(warning));
+}
+
+void meet_curvature(const Continuity& continuity, Fill& fill) {
+  if (continuity.curvature[0] || continuity.curvature[1] || continuity.curvature[2])
+    fill.patch = meet_curvature(fill.patch, fill.sides, continuity.curvature);
 }
 
 std::string degrees(double angle) {
@@ -176,16 +164,17 @@ LayoutOptions layout_options(const FillOptions& options) {
 
 /// Fills as cages, fitted together; their reports have the seams between the limit surfaces.
 std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, const FillOptions& options, const Method& method) {
-  const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
-  const RibbonOptions ribbons = ribbon_options(options, continuity);
   const auto patch_on = [&](const Sides& sides, const std::string& fairing) {
     Fill made;
     made.sides = sides;
+    const Continuity continuity = resolve_continuity(options.continuity, method, sides);
+    const RibbonOptions ribbons = ribbon_options(options, continuity);
     const Boundary boundary = make_boundary(sides, ribbons);
     FillOptions wanted = options;
     if (wanted.fairing == "auto") wanted.fairing = fairing;
     made.patch = construct(method, ribbons, boundary, wanted, made.report);
-    make_fair(method, ribbons, boundary, wanted, made);
+    make_fair(method, ribbons, continuity, boundary, wanted, made);
+    meet_curvature(continuity, made);
     return made;
   };
   // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
@@ -297,11 +286,12 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   Surroundings surroundings = surroundings_of(mesh, hole, options);
   Fill result;
   result.sides = surroundings.sides;
-  const std::array<int, 3> continuity = resolve_continuity(options.continuity, method);
+  const Continuity continuity = resolve_continuity(options.continuity, method, result.sides);
   const RibbonOptions ribbons = ribbon_options(options, continuity);
   const Boundary boundary = make_boundary(result.sides, ribbons);
   result.patch = construct(method, ribbons, boundary, options, result.report);
-  make_fair(method, ribbons, boundary, options, result);
+  make_fair(method, ribbons, continuity, boundary, options, result);
+  meet_curvature(continuity, result);
 
   result.rim_barycentric = rim_barycentric(hole, surroundings);
   Cover cover;

@@ -134,8 +134,9 @@ def test_a_refusal_has_a_reason_and_a_place_and_travels():
 
 def test_continuity_above_the_method_is_refused():
     vertices, faces, rim = octant(4)
-    with pytest.raises(tripatch.Refusal, match="side_vertex keeps G1"):
-        tripatch.fill(vertices, faces, rim=rim, fairing=None, continuity="G2")
+    for continuity in ("G1", "G2"):
+        with pytest.raises(tripatch.Refusal, match="gordon_coons keeps G0"):
+            tripatch.fill(vertices, faces, rim=rim, method="gordon_coons", continuity=continuity)
 
 
 def test_position_only_leaves_the_tangent_plane():

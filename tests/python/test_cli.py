@@ -227,7 +227,7 @@ def test_unreadable_input(tmp_path, capsys):
 
 
 def test_more_than_the_method_keeps_is_refused(one, tmp_path, capsys):
-    code, _, err = run(capsys, "fill", one, tmp_path / "out.obj", "--continuity", "G2", "--method", "side_vertex")
+    code, _, err = run(capsys, "fill", one, tmp_path / "out.obj", "--continuity", "G2", "--method", "gordon_coons")
     assert code == 1
     assert "G2" in err
 

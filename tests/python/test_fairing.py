@@ -6,7 +6,7 @@ import tripatch
 
 
 def octant_sides():
-    """Great circles of the unit sphere between the axes, with unit conormals."""
+    """Great circles of the unit sphere between the axes, with unit conormals and the sphere's curvature."""
     corners = np.eye(3)
     sides = []
     for i in range(3):
@@ -16,6 +16,7 @@ def octant_sides():
                 lambda t, a=a, b=b: np.outer(np.cos(t * np.pi / 2), a) + np.outer(np.sin(t * np.pi / 2), b),
                 lambda t, a=a, b=b: np.pi / 2 * (np.outer(np.cos(t * np.pi / 2), b) - np.outer(np.sin(t * np.pi / 2), a)),
                 lambda t, out=out: np.tile(out, (len(t), 1)),
+                q=lambda t, a=a, b=b: -np.outer(np.cos(t * np.pi / 2), a) - np.outer(np.sin(t * np.pi / 2), b),
             )
         )
     return sides
@@ -35,8 +36,77 @@ def test_the_default_finds_the_sphere():
     assert np.sqrt(np.mean(off**2)) / np.sqrt(2) < 5e-5
 
 
+def curvature_across(patch, i, t):
+    """Normal curvature at a right angle to side i, seen from the outside."""
+    b = np.zeros((len(t), 3))
+    b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+    across, along = [-0.5 * np.ones(3) for _ in range(2)]
+    across[i], along[:] = 1, 0
+    along[(i + 1) % 3], along[(i + 2) % 3] = -1, 1
+    _, first, second = patch.evaluate(b, derivatives=2)
+
+    def derivative(u, v):
+        return u[0] * v[0] * second[:, 0] + (u[0] * v[1] + u[1] * v[0]) * second[:, 1] + u[1] * v[1] * second[:, 2]
+
+    x, y = (np.einsum("d,kdx->kx", u[:2], first) for u in (across, along))
+    n = patch.normal(b)
+    slant = np.sum(x * y, 1) / np.sum(y * y, 1)
+    xx, xy, yy = (np.sum(n * derivative(u, v), 1) for u, v in ((across, across), (across, along), (along, along)))
+    return (xx - 2 * slant * xy + slant**2 * yy) / np.sum((x - slant[:, None] * y) ** 2, 1)
+
+
+def test_g2_meets_the_curvature_side_by_side():
+    t = np.linspace(0.01, 0.99, 99)
+    plain = tripatch.patch(octant_sides(), continuity="G1")
+    for fairing in (None, "auto", "thin_plate"):
+        patch = tripatch.patch(octant_sides(), continuity=("G2", "G1", "G2"), fairing=fairing)
+        jumps = [np.abs(curvature_across(patch, i, t) + 1).max() for i in range(3)]
+        assert max(jumps[0], jumps[2]) < 1e-5 < jumps[1]
+        assert min(np.abs(curvature_across(plain, i, t) + 1).max() for i in range(3)) > 1e-2
+
+
+def test_sides_know_their_curvature():
+    side = octant_sides()[0]
+    assert np.allclose(side.second_derivative([0, 0.5]), -side.evaluate([0, 0.5])[0])
+    c, dc = (lambda t, k=k: np.outer(t**k, [1, 0, 0]) for k in (1, 0))
+    none = tripatch.Side.from_functions(c, dc, lambda t: np.outer(1 + t, [0, 1, 0]))
+    assert none.second_derivative([0.5]) is None
+
+
 def test_unknown_energies_are_named():
     with pytest.raises(ValueError, match="bending"):
         tripatch.patch(octant_sides(), fairing="bending")
     with pytest.raises(ValueError, match="bending"):
         tripatch.patch(octant_sides()).energy("bending")
+
+
+def test_corners_that_disagree_get_a_fan_of_normals():
+    """A cube's corner cut off: two planes meet at each corner. G1 along the open sides; the normals stay between the planes'."""
+    sides = []
+    for i in range(3):
+        a, b = np.eye(3)[(i + 1) % 3], np.eye(3)[(i + 2) % 3]
+        sides.append(
+            tripatch.Side.from_functions(
+                lambda t, a=a, b=b: np.outer(1 - t, a) + np.outer(t, b),
+                lambda t, a=a, b=b: np.tile(b - a, (len(t), 1)),
+                lambda t, a=a, b=b: np.tile(a + b, (len(t), 1)),
+                q=lambda t: np.zeros((len(t), 3)),
+            )
+        )
+    b = np.random.default_rng(2).dirichlet([0.5, 0.5, 0.5], 4000)
+    for fairing in (None, "auto"):
+        patch = tripatch.patch(sides, fairing=fairing)
+        assert patch.normal(b).min() > -0.1, "between the three planes, without a fold or a wave"
+        for i in range(3):
+            t = np.linspace(0.01, 0.99, 50)
+            on = np.zeros((50, 3))
+            on[:, (i + 1) % 3], on[:, (i + 2) % 3] = 1 - t, t
+            n = patch.normal(on)
+            assert np.degrees(np.arctan2(np.linalg.norm(np.delete(n, i, 1), axis=1), n[:, i])).max() < 1e-5
+        # beside a corner they turn from one plane to the other, one way only
+        for k in range(3):
+            t = np.linspace(0, 1, 30)
+            near = np.zeros((30, 3))
+            near[:, k], near[:, (k + 1) % 3], near[:, (k + 2) % 3] = 0.999, 0.001 * (1 - t), 0.001 * t
+            turn = np.arctan2(*patch.normal(near)[:, [(k + 1) % 3, (k + 2) % 3]].T)
+            assert (np.diff(turn) < 1e-9).all() or (np.diff(turn) > -1e-9).all()

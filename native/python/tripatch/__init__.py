@@ -374,7 +374,9 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
             (None: the true limit), use_limit_surface=True, edge_creases=((e, 2) int, (e,) 0..1),
             vertex_creases=((k,) int, (k,) 0..1), loose_vertices=(k,) int), all as in Blender.
         level: with "limit": the modifier's level, 2^level border edges a rim edge.
-        continuity: "auto", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own.
+        continuity: "auto", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own, and where the curvature of
+            the surroundings agrees with that of the neighbours at both corners, fairing follows it, by least squares; "G2" meets
+            it, so that the normal curvature has no jump.
         cross_boundary: "consistent" (Liu, Ma and Cheng 2008, corrected), "given" or "as_printed".
         fairing: None, "thin_plate", "third_derivative" (quadratic, over the triangle), "minimum_variation" (of curvature),
             "quadric_variation" (zero on quadrics), or "auto": softly the smaller of the last two.
@@ -462,15 +464,11 @@ def patch(
     sides = tuple(sides)
     if len(sides) != 3 or not all(isinstance(side, Side) for side in sides):
         raise TypeError("sides must be three Side objects")
-    own = METHODS[_name(method, "method", tuple(METHODS))].continuity
-    asked = [own if c == "auto" else c for c in _continuity(continuity)]
-    if max(asked) > own:
-        raise Refusal(f"The method {method} keeps {own} along the rim, not {max(asked)}")
+    _name(method, "method", tuple(METHODS))
     slopes = _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))]
     energy = _name(fairing, "fairing", _FAIRING) or ""
-    tangent = [c != "G0" for c in asked]
     own_options = _method_options(method, shape, reading, symmetric, alpha)
-    made, notes = _native._patch(sides, method, slopes, _bulge(bulge), tangent, own_options, energy)
+    made, notes = _native._patch(sides, method, slopes, _bulge(bulge), _continuity(continuity), own_options, energy)
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return made

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <tuple>
 
+#include "tripatch/patch/curvature.h"
 #include "tripatch/patch/energy.h"
 
 namespace tripatch {
@@ -23,10 +24,9 @@ double choose(int n, int k) {
 /// What a fairing adds to a patch.
 class Correction final : public JetSurface<Correction> {
 public:
-  /// slopes: on each side, what is added to the derivative across it; interior: coefficients a_K, rows in the order of
-  /// bernstein_exponents.
-  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, Points interior)
-      : slopes_(std::move(slopes)), degree_(degree), interior_(std::move(interior)) {}
+  /// slopes: on each side, what is added to the derivative across it; coefficients: of scalar_basis, one a row.
+  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, Points coefficients)
+      : slopes_(std::move(slopes)), degree_(degree), bends_(bends), coefficients_(std::move(coefficients)) {}
 
   Vec3 corner(int) const { return Vec3::Zero(); }
 
@@ -35,9 +35,9 @@ public:
     JetPoint<N> p;
     const std::array<Jet<N>, 3> w = side_weights(b);
     for (int i = 0; i < 3; ++i) p += slope_kernel(b, w, i) * compose(slopes_[i], ray_parameter(b, i));
-    const std::vector<Jet<N>> basis = interior_basis(b, degree_);
+    const std::vector<Jet<N>> basis = scalar_basis(b, degree_, bends_);
     for (std::size_t k = 0; k < basis.size(); ++k)
-      for (int x = 0; x < 3; ++x) p.x[x] += basis[k] * interior_(k, x);
+      for (int x = 0; x < 3; ++x) p.x[x] += basis[k] * coefficients_(k, x);
     return p;
   }
 
@@ -48,9 +48,12 @@ public:
     return -(w[i] * (square(s) * b[i]));
   }
 
-  /// (27 b0 b1 b2)^2 B_K(b).
+  static int scalars(int degree, int bends) { return (degree + 1) * (degree + 2) / 2 + 3 * bends; }
+
+  /// The interior functions (27 b0 b1 b2)^2 B_K(b), then those that bend the patch across side i: 1/2 b_i^2, times the cubic side
+  /// weight, times the Bernstein polynomials of t of degree bends - 1. These reach to the corners, where the interior is too flat.
   template <int N>
-  static std::vector<Jet<N>> interior_basis(const Barycentric<N>& b, int degree) {
+  static std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int bends) {
     std::array<std::vector<Jet<N>>, 3> power;
     for (int i = 0; i < 3; ++i) {
       power[i].assign(degree + 1, Jet<N>(1.0));
@@ -58,19 +61,30 @@ public:
     }
     const Jet<N> bubble = square(27.0 * (b[0] * b[1] * b[2]));
     std::vector<Jet<N>> basis;
-    basis.reserve((degree + 1) * (degree + 2) / 2);
+    basis.reserve(scalars(degree, bends));
     for (int i = degree; i >= 0; --i) {
       const Jet<N> first = bubble * power[0][i];
       for (int j = degree - i; j >= 0; --j)
         basis.push_back((choose(degree, i) * choose(degree - i, j)) * (first * (power[1][j] * power[2][degree - i - j])));
+    }
+    if (bends == 0) return basis;
+    const std::array<Jet<N>, 3> weight = cubic_side_weights(b);
+    for (int i = 0; i < 3; ++i) {
+      const Jet<N> kernel = 0.5 * (square(b[i]) * weight[i]), t = ray_parameter(b, i), s = 1.0 - t;
+      for (int m = 0; m < bends; ++m) {
+        Jet<N> f = choose(bends - 1, m) * kernel;
+        for (int k = 0; k < m; ++k) f *= t;
+        for (int k = m + 1; k < bends; ++k) f *= s;
+        basis.push_back(f);
+      }
     }
     return basis;
   }
 
 private:
   std::array<PiecewisePolynomial, 3> slopes_;
-  int degree_;
-  Points interior_;
+  int degree_, bends_;
+  Points coefficients_;
 };
 
 class Faired final : public Surface {
@@ -109,24 +123,29 @@ Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
 
 /// What is the same for all holes: nodes, the interior basis and the kernels of the slopes at them.
 struct Shared {
-  using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic>;
+  using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
   Quadrature quadrature;
   std::vector<Basis> interior;                            // at each node
   std::vector<std::array<Jet<3>, 3>> parameter;           // t_i at each node
   std::vector<std::array<std::vector<Jet<3>>, 3>> slope;  // kernel times function m, of side i, at each node
   Eigen::MatrixXd third, second;                          // rows sqrt(w) D^3 and D^2 of the interior basis
   Eigen::MatrixXd third_normal, second_normal;
-  Eigen::MatrixXd combination;  // of the Bernstein polynomials, one basis function a column
+  Eigen::MatrixXd combination;  // of the scalar functions, one basis function a column
+  static constexpr int side_points = 12;
+  double side_sum = 0;                         // of sin(pi t)
+  std::vector<double> side_t;                  // where curvature is compared along a side: denser towards the corners
+  std::array<Eigen::MatrixXd, 3> side_second;  // there: second derivative of each basis function across side i
+  Eigen::MatrixXd side_slope;                  // there: the functions of alpha and beta
 
-  Shared(int degree, int slopes, int nodes) : quadrature(corner_quadrature(nodes)) {
-    const Index n = quadrature.b.rows(), count = (degree + 1) * (degree + 2) / 2;
+  Shared(int degree, int bends, int slopes, int nodes) : quadrature(corner_quadrature(nodes)) {
+    const Index n = quadrature.b.rows(), count = Correction::scalars(degree, bends);
     std::vector<PiecewisePolynomial> functions;
     for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
     third.resize(4 * n, count);
     second.resize(3 * n, count);
     for (Index k = 0; k < n; ++k) {
       const Barycentric<3> b = cartesian_barycentric<3>(quadrature.b.row(k).data());
-      const std::vector<Jet<3>> basis = Correction::interior_basis(b, degree);
+      const std::vector<Jet<3>> basis = Correction::scalar_basis(b, degree, bends);
       Basis rows(9, count);
       for (Index c = 0; c < count; ++c) rows.col(c) = derivatives_of(basis[c]);
       const double w = std::sqrt(quadrature.weights[k]);
@@ -157,18 +176,37 @@ struct Shared {
     for (Basis& rows : interior) rows *= combination;
     third_normal = third.transpose() * third;
     second_normal = second.transpose() * second;
+
+    side_slope.resize(side_points, slopes);
+    for (int k = 0; k < side_points; ++k) {
+      side_t.push_back(0.5 * (1 - std::cos(M_PI * (k + 0.5) / side_points)));
+      side_sum += std::sin(M_PI * side_t[k]);
+      for (int m = 0; m < slopes; ++m) functions[m].taylor(side_t[k], 0, &side_slope(k, m));
+    }
+    for (int i = 0; i < 3; ++i) {
+      side_second[i].resize(side_points, count);
+      for (int k = 0; k < side_points; ++k) {
+        Barycentric<2> b;  // db0: the way along delta_i
+        b[i] = Jet<2>::linear(0, 1, 0);
+        b[(i + 1) % 3] = Jet<2>::linear(1 - side_t[k], -0.5, 0);
+        b[(i + 2) % 3] = Jet<2>::linear(side_t[k], -0.5, 0);
+        const std::vector<Jet<2>> basis = Correction::scalar_basis(b, degree, bends);
+        for (Index c = 0; c < count; ++c) side_second[i](k, c) = 2 * basis[c].c[jet_index(2, 0)];
+      }
+      side_second[i] *= combination;
+    }
   }
 
   static double third_factor(int d) { return d == 1 || d == 2 ? std::sqrt(3.0) : 1; }
   static double second_factor(int d) { return d == 1 ? std::sqrt(2.0) : 1; }
 };
 
-const Shared& shared(int degree, int slopes, int nodes) {
+const Shared& shared(int degree, int bends, int slopes, int nodes) {
   static std::mutex mutex;
-  static std::map<std::array<int, 3>, std::unique_ptr<Shared>> all;
+  static std::map<std::array<int, 4>, std::unique_ptr<Shared>> all;
   const std::lock_guard<std::mutex> lock(mutex);
-  std::unique_ptr<Shared>& one = all[{degree, slopes, nodes}];
-  if (!one) one = std::make_unique<Shared>(degree, slopes, nodes);
+  std::unique_ptr<Shared>& one = all[{degree, bends, slopes, nodes}];
+  if (!one) one = std::make_unique<Shared>(degree, bends, slopes, nodes);
   return *one;
 }
 
@@ -184,7 +222,7 @@ struct Quadratic {
 class Problem {
 public:
   Problem(const Surface& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options)
-      : shared_(shared(options.degree, options.slopes, options.nodes)),
+      : shared_(shared(options.degree, options.bends, options.slopes, options.nodes)),
         base_(cartesian_derivatives(base, shared_.quadrature.b)),
         size_(boundary.size),
         sides_(sides),
@@ -202,6 +240,7 @@ public:
       }
       scale_[i] = {r > 0 ? size_ / r : 0, c > 0 ? size_ / c : 0};
     }
+    follow_curvature(base);
     basis_.resize(base_.size());
     for (std::size_t k = 0; k < base_.size(); ++k) {
       basis_[k].setZero(27, slopes_);
@@ -222,12 +261,51 @@ public:
   }
 
   Index unknowns() const { return 3 * interior_ + slopes_; }
+
+  bool follows_curvature() const { return !followed_.empty(); }
+
+  /// The relative jumps of normal curvature along the sides followed, over what is tolerated, as rows whose squares sum to the mean
+  /// square; their derivatives where `rows` is given. With alpha and beta free the surroundings' part is quadratic in them:
+  /// n . P_dd = II(d, d), d = alpha r + beta c', and what a change (a, b) of alpha, beta adds to n . P_dd of a patch whose slopes are
+  /// carried by slope_kernel is 2 (1/2 - t) n . (a r' + b c'').
+  Eigen::VectorXd jumps(const Eigen::VectorXd& x, Eigen::MatrixXd* rows = nullptr) const {
+    constexpr int points = Shared::side_points;
+    const int m = options_.slopes;
+    Eigen::VectorXd value(points * static_cast<Index>(followed_.size()));
+    if (rows) rows->setZero(value.size(), unknowns());
+    for (std::size_t f = 0; f < followed_.size(); ++f) {
+      const Followed& side = followed_[f];
+      const int i = side.i;
+      const Index alpha_at = 3 * interior_ + 2 * i * m, beta_at = alpha_at + m;
+      const Eigen::VectorXd da = scale_[i][0] * (shared_.side_slope * x.segment(alpha_at, m)),
+                            db = scale_[i][1] * (shared_.side_slope * x.segment(beta_at, m));
+      for (int k = 0; k < points; ++k) {
+        const SideForm& form = side.form[k];
+        const Index row = points * static_cast<Index>(f) + k;
+        const double a = side.alpha[k] + da[k], b = side.beta[k] + db[k], skew = 2 * (0.5 - shared_.side_t[k]);
+        double jump =
+            side.base[k] + skew * (da[k] * form.rc + db[k] * form.cc) - (a * a * form.rr + 2 * a * b * form.rc + b * b * form.cc);
+        for (int c = 0; c < 3; ++c)
+          jump += size_ * form.n[c] * shared_.side_second[i].row(k).dot(x.segment(c * interior_, interior_));
+        value[row] = side.weight[k] * jump;
+        if (!rows) continue;
+        for (int c = 0; c < 3; ++c)
+          rows->row(row).segment(c * interior_, interior_) = side.weight[k] * size_ * form.n[c] * shared_.side_second[i].row(k);
+        rows->row(row).segment(alpha_at, m) =
+            side.weight[k] * scale_[i][0] * (skew * form.rc - 2 * a * form.rr - 2 * b * form.rc) * shared_.side_slope.row(k);
+        rows->row(row).segment(beta_at, m) =
+            side.weight[k] * scale_[i][1] * (skew * form.cc - 2 * a * form.rc - 2 * b * form.cc) * shared_.side_slope.row(k);
+      }
+    }
+    return value;
+  }
   Index interior() const { return 3 * interior_; }
 
   Derivatives derivatives(std::size_t node, const Eigen::VectorXd& x) const {
     Derivatives d = base_[node];
-    for (int c = 0; c < 3; ++c) d.col(c) += size_ * (shared_.interior[node] * x.segment(c * interior_, interior_));
-    Eigen::Map<Eigen::Matrix<double, 27, 1>>(d.data()) += basis_[node] * x.tail(slopes_);
+    const Eigen::Map<const Eigen::MatrixXd> scalars(x.data(), interior_, 3);
+    d += size_ * shared_.interior[node].lazyProduct(scalars);
+    Eigen::Map<Eigen::Matrix<double, 27, 1>>(d.data()) += basis_[node].lazyProduct(x.tail(slopes_));
     return d;
   }
 
@@ -275,31 +353,40 @@ public:
     return {whole, quadric};
   }
 
-  /// Gauss-Newton matrix and half the gradient of weight[0] minimum_variation + weight[1] quadric_variation.
-  void linearise(const Eigen::VectorXd& x, const std::array<double, 2>& weight, Eigen::MatrixXd& normal,
-                 Eigen::VectorXd& gradient) const {
+  /// Gauss-Newton's model about x of minimum_variation (which = 0) or quadric_variation (1), those asked for.
+  void linearise(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, std::array<Quadratic, 2>& model) const {
     const Index n = static_cast<Index>(base_.size());
-    const int first = weight[0] > 0 ? 0 : 4, count = weight[0] > 0 && weight[1] > 0 ? 8 : 4;
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(count * n, unknowns());
-    Eigen::VectorXd value(count * n);
+    std::array<Rows, 2> jacobian;
+    std::array<Eigen::VectorXd, 2> value;
+    for (int which = 0; which < 2; ++which)
+      if (wanted[which]) {
+        jacobian[which].resize(4 * n, unknowns());
+        value[which].resize(4 * n);
+      }
     for (Index k = 0; k < n; ++k) {
       const CurvatureVariationRows v = curvature_variation_rows(derivatives(k, x), flat_curvature(size_));
       const double w = std::sqrt(shared_.quadrature.weights[k]) * size_;
-      for (int r = 0; r < count; ++r) {
-        const double f = w * std::sqrt(weight[(first + r) / 4]);
-        const Eigen::Matrix<double, 1, 27> row = f * v.derivative.row(first + r);
-        const Eigen::Map<const Eigen::Matrix<double, 9, 3, Eigen::RowMajor>> parts(row.data());
-        value[count * k + r] = f * v.value[first + r];
-        for (int c = 0; c < 3; ++c)
-          jacobian.row(count * k + r).segment(c * interior_, interior_).noalias() =
-              size_ * (parts.col(c).transpose() * shared_.interior[k]);
-        jacobian.row(count * k + r).tail(slopes_).noalias() = row * basis_[k];
+      for (int which = 0; which < 2; ++which) {
+        if (!wanted[which]) continue;
+        value[which].segment<4>(4 * k) = w * v.value.segment<4>(4 * which);
+        const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
+        for (int c = 0; c < 3; ++c) {
+          Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
+          for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
+          jacobian[which].block(4 * k, c * interior_, 4, interior_) = part.lazyProduct(shared_.interior[k]);
+        }
+        jacobian[which].block(4 * k, 3 * interior_, 4, slopes_) = rows.lazyProduct(basis_[k]);
       }
     }
-    normal.setZero(unknowns(), unknowns());
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
-    normal = normal.selfadjointView<Eigen::Lower>();
-    gradient.noalias() = jacobian.transpose() * value;
+    for (int which = 0; which < 2; ++which)
+      if (wanted[which]) model[which] = quadratic_of(jacobian[which], value[which]);
+  }
+
+  Quadratic linearised_jumps(const Eigen::VectorXd& x) const {
+    Eigen::MatrixXd columns;
+    const Eigen::VectorXd value = jumps(x, &columns);
+    const Rows rows = columns;
+    return quadratic_of(rows, value);
   }
 
   /// Is alpha everywhere above a tenth of what it was?
@@ -326,10 +413,67 @@ public:
     }
     Points a(interior_, 3);
     for (int c = 0; c < 3; ++c) a.col(c) = size_ * (shared_.combination * x.segment(c * interior_, interior_));
-    return Correction(std::move(slopes), options_.degree, std::move(a));
+    return Correction(std::move(slopes), options_.degree, options_.bends, std::move(a));
   }
 
 private:
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  /// A side whose curvature the patch is to follow, at the points of Shared::side_t.
+  struct Followed {
+    int i;
+    std::array<SideForm, Shared::side_points> form;
+    std::array<double, Shared::side_points> alpha, beta;
+    std::array<double, Shared::side_points> base;  // n . P_dd of the base
+    std::array<double, Shared::side_points> weight;
+  };
+
+  void follow_curvature(const Surface& base) {
+    constexpr int points = Shared::side_points;
+    double curvature = 0;  // mean square of the sides'
+    for (int i = 0; i < 3; ++i) {
+      if (!options_.curvature[i] || sides_[i].q.empty() || scale_[i][0] == 0) continue;
+      Followed side;
+      side.i = i;
+      Eigen::Matrix<double, points, 3, Eigen::RowMajor> b = Eigen::Matrix<double, points, 3, Eigen::RowMajor>::Zero();
+      Eigen::Matrix<double, points, 18, Eigen::RowMajor> jets;
+      for (int k = 0; k < points; ++k) {
+        b(k, (i + 1) % 3) = 1 - shared_.side_t[k];
+        b(k, (i + 2) % 3) = shared_.side_t[k];
+      }
+      base.evaluate(b.data(), points, 2, jets.data());
+      const double d0 = i == 0 ? 1 : -0.5, d1 = i == 1 ? 1 : -0.5;
+      for (int k = 0; k < points; ++k) {
+        const double t = shared_.side_t[k];
+        const SideForm form = side_form(sides_[i], t);
+        side.form[k] = form;
+        boundary_.ribbons[i].alpha.taylor(t, 0, &side.alpha[k]);
+        boundary_.ribbons[i].beta.taylor(t, 0, &side.beta[k]);
+        const Vec3 second = 2 * (d0 * d0 * jets.row(k).segment<3>(9) + d0 * d1 * jets.row(k).segment<3>(12) +
+                                 d1 * d1 * jets.row(k).segment<3>(15));
+        side.base[k] = form.n.dot(second);
+        side.weight[k] = 1 / form.across(side.alpha[k] * form.r);
+        curvature += form.squared_norm() / points / 3;
+      }
+      followed_.push_back(side);
+    }
+    const double unit = options_.curvature_jump * std::sqrt(curvature + flat_curvature(size_));
+    for (Followed& side : followed_)
+      for (int k = 0; k < points; ++k)
+        side.weight[k] *=
+            std::sqrt((0.05 + std::sin(M_PI * shared_.side_t[k])) / (3 * (0.05 * points + shared_.side_sum))) / unit;
+  }
+
+  static Quadratic quadratic_of(const Eigen::Ref<const Rows>& jacobian, const Eigen::VectorXd& value) {
+    Quadratic q;
+    q.normal.setZero(jacobian.cols(), jacobian.cols());
+    q.normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
+    q.normal = q.normal.selfadjointView<Eigen::Lower>();
+    q.gradient.noalias() = jacobian.transpose() * value;
+    q.constant = value.squaredNorm();
+    return q;
+  }
+
   PiecewisePolynomial combination(const Eigen::VectorXd& x, int i, int which) const {
     const int m = options_.slopes;
     std::vector<double> net(m);
@@ -348,23 +492,33 @@ private:
   FairingOptions options_;
   Index interior_, slopes_;
   std::array<PiecewisePolynomial, 3> along_;
-  std::array<std::array<double, 2>, 3> scale_ = {};               // 0: the slopes of that side are held
-  std::vector<Eigen::Matrix<double, 27, Eigen::Dynamic>> basis_;  // of the slopes, at each node
+  std::vector<Followed> followed_;
+  std::array<std::array<double, 2>, 3> scale_ = {};                                // 0: the slopes of that side are held
+  std::vector<Eigen::Matrix<double, 27, Eigen::Dynamic, Eigen::RowMajor>> basis_;  // of the slopes, at each node
 };
 
-/// The minimum of a quadratic energy, slopes free; with the interior alone where alpha would leave its bound.
+/// The minimum of a quadratic energy, slopes free; with the scalar functions alone where alpha would leave its bound. Curvature that is
+/// to be followed weighs a tenth of the energy at the start for each jump tolerated; two passes, because slopes enter it squared.
 Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
   for (const Index m : {problem.unknowns(), problem.interior()}) {
-    Eigen::MatrixXd normal = q.normal.topLeftCorner(m, m);
-    normal.diagonal().array() += 1e-12 * normal.trace() / m;
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.unknowns());
-    x.head(m) = -normal.ldlt().solve(q.gradient.head(m));
+    for (int pass = 0; pass < (problem.follows_curvature() ? 2 : 1); ++pass) {
+      Eigen::MatrixXd normal = q.normal.topLeftCorner(m, m);
+      Eigen::VectorXd gradient = q.normal.topRows(m) * x + q.gradient.head(m);
+      if (problem.follows_curvature()) {
+        const Quadratic jumps = problem.linearised_jumps(x);
+        normal += 0.1 * q.constant * jumps.normal.topLeftCorner(m, m);
+        gradient += 0.1 * q.constant * jumps.gradient.head(m);
+      }
+      normal.diagonal().array() += 1e-12 * normal.trace() / m;
+      x.head(m) -= normal.ldlt().solve(gradient);
+    }
     if (x.allFinite() && problem.open(x)) return x;
   }
   return Eigen::VectorXd::Zero(problem.unknowns());
 }
 
-/// A geometric energy as the logarithm of its value, so that "auto" weighs its two parts without units.
+/// A geometric energy as the logarithm of its value, so that "auto" weighs its two parts without units, plus the jumps of curvature.
 class Merit {
 public:
   Merit(const Problem& problem, const Quadratic& third, const std::string& energy)
@@ -381,28 +535,76 @@ public:
     if (!x.allFinite() || !problem_.open(x)) return v;
     std::tie(v.variation, v.quadric) = problem_.variation(x);
     v.third = third_(x);
-    v.energy = !quadric_ ? v.variation : !whole_ ? v.quadric : softly_smaller(v.variation, v.quadric);
-    if (std::isfinite(v.energy))
+    v.energy = energy(v.variation, v.quadric);
+    if (std::isfinite(v.energy)) {
       v.log = std::log(std::max(v.energy, 1e-300)) + parameterisation * std::log(std::max(v.third, 1e-300));
+      if (problem_.follows_curvature()) v.log += problem_.jumps(x).squaredNorm();
+    }
     return v;
   }
 
-  /// Gauss-Newton matrix and gradient, both halved, of the logarithm.
-  void linearise(const Eigen::VectorXd& x, const Value& v, Eigen::MatrixXd& normal, Eigen::VectorXd& gradient) const {
-    double share = quadric_ ? 1 : 0;  // of the quadric energy in the logarithm's derivative
-    if (quadric_ && whole_) {
-      const double ratio = quadric_ratio * v.variation / v.quadric;
-      share = 1 - 1 / (1 + std::pow(ratio, 4));
-      if (share < 0.05) share = 0;  // half the work, and a step counts only if it goes down anyway
-      if (share > 0.95) share = 1;
+  /// Gauss-Newton's models of all parts about x.
+  struct Model {
+    std::array<Quadratic, 2> variation;
+    Quadratic jumps;
+    std::array<bool, 2> used;
+  };
+
+  Model linearise(const Eigen::VectorXd& x, const Value& v) const {
+    Model m;
+    const double share = quadric_share(v.variation, v.quadric);
+    m.used = {share < 0.95, share > 0.05};  // half the work, and a step counts only if it goes down anyway
+    problem_.linearise(x, m.used, m.variation);
+    if (problem_.follows_curvature()) m.jumps = problem_.linearised_jumps(x);
+    return m;
+  }
+
+  /// The step that makes the model of the logarithm least, by repeated weighting: a logarithm's weight is one over its value where the
+  /// step leads, not where it starts. `damping` is the weight of `metric`, relative to the model's.
+  Eigen::VectorXd step(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::MatrixXd& metric,
+                       double damping) const {
+    constexpr int rounds = 4;
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+    const Eigen::VectorXd third_gradient = third_.normal * x + third_.gradient;
+    Eigen::MatrixXd normal;
+    Eigen::VectorXd gradient;
+    for (int round = 0; round < rounds; ++round) {
+      const auto value = [&](int which, double now) { return m.used[which] ? std::max(m.variation[which](y), 1e-3 * now) : now; };
+      const double variation = value(0, v.variation), quadric = value(1, v.quadric), third = std::max(third_(x + y), 1e-300);
+      double share = quadric_share(variation, quadric);
+      if (!m.used[0]) share = 1;
+      if (!m.used[1]) share = 0;
+      normal = parameterisation / third * third_.normal;
+      gradient = parameterisation / third * third_gradient;
+      if (m.used[0]) {
+        normal += (1 - share) / variation * m.variation[0].normal;
+        gradient += (1 - share) / variation * m.variation[0].gradient;
+      }
+      if (m.used[1]) {
+        normal += share / quadric * m.variation[1].normal;
+        gradient += share / quadric * m.variation[1].gradient;
+      }
+      if (problem_.follows_curvature()) {
+        normal += m.jumps.normal;
+        gradient += m.jumps.gradient;
+      }
+      normal += damping * (normal.trace() / metric.trace()) * metric;
+      normal.diagonal().array() += 1e-14 * normal.trace();  // held slopes have empty rows
+      y = -normal.llt().solve(gradient);
     }
-    problem_.linearise(x, {(1 - share) / v.variation, share / v.quadric}, normal, gradient);
-    const double keep = parameterisation / v.third;
-    normal += keep * third_.normal;
-    gradient += keep * (third_.normal * x + third_.gradient);
+    return y;
   }
 
 private:
+  double energy(double variation, double quadric) const {
+    return !quadric_ ? variation : !whole_ ? quadric : softly_smaller(variation, quadric);
+  }
+  /// Of the quadric energy in the logarithm's derivative.
+  double quadric_share(double variation, double quadric) const {
+    if (!quadric_ || !whole_) return quadric_ ? 1 : 0;
+    return 1 - 1 / (1 + std::pow(quadric_ratio * variation / quadric, 4));
+  }
+
   /// The parameterisation is free in these energies. A little of the third-derivative energy settles it: a step may gain on it a
   /// tenth (relative) of what it loses. Less than 0.05 and the minimiser depends on rounding.
   static constexpr double parameterisation = 0.1;
@@ -411,19 +613,16 @@ private:
   bool quadric_, whole_;
 };
 
-/// Levenberg and Marquardt, damped in `metric` so that what the energy leaves open stays put: every step goes down. Stops when a step gains less than `enough` (relative). Returns the steps taken.
+/// Levenberg and Marquardt, damped in `metric` so that what the energy leaves open stays put: every step goes down. Stops when a step
+/// gains less than `enough` (relative). Returns the steps taken.
 int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& x, Merit::Value& value, int iterations,
             double enough) {
   double damping = 1e-4;
-  Eigen::MatrixXd normal, damped;
-  Eigen::VectorXd gradient;
   for (int step = 0; step < iterations; ++step) {
-    merit.linearise(x, value, normal, gradient);
+    const Merit::Model model = merit.linearise(x, value);
     double gain = 0;
     for (int attempt = 0; attempt < 6 && gain == 0; ++attempt) {
-      damped = normal + damping * (normal.trace() / metric.trace()) * metric;
-      damped.diagonal().array() += 1e-14 * normal.trace();  // held slopes have empty rows
-      const Eigen::VectorXd y = x - damped.ldlt().solve(gradient);
+      const Eigen::VectorXd y = x + merit.step(model, x, value, metric, damping);
       const Merit::Value next = merit(y);
       if (next.log < value.log) {
         gain = value.log - next.log;
@@ -532,6 +731,7 @@ Sides smoothed(const Sides& sides) {
   for (Side& side : out) {
     side.c = smoothed(side.c, side.rim, 3);  // what the patch's second derivatives at the corners are made of stays
     side.r = smoothed(side.r, side.rim, 2);
+    side.q = smoothed(side.q, side.rim, 0);
   }
   return out;
 }

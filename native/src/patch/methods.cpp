@@ -1,9 +1,12 @@
 #include "tripatch/patch/methods.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "tripatch/patch/barnhill_birkhoff_gordon.h"
 #include "tripatch/patch/coons_bezier.h"
+#include "tripatch/patch/curvature.h"
+#include "tripatch/patch/fairing.h"
 #include "tripatch/patch/gordon_coons.h"
 #include "tripatch/patch/gregory.h"
 #include "tripatch/patch/nielson_blend.h"
@@ -144,6 +147,27 @@ std::span<const Method> methods() {
        {}},
   };
   return all;
+}
+
+Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides) {
+  static const std::array<std::string, 4> names = {"G0", "G1", "G2", "auto"};
+  const bool keeps_tangent = method.continuity != names[0];
+  const std::array<bool, 3> agree = keeps_tangent ? curvature_agrees(smoothed(sides)) : std::array<bool, 3>{};
+  Continuity result;
+  for (int i = 0; i < 3; ++i) {
+    if (std::find(names.begin(), names.end(), asked[i]) == names.end())
+      throw InvalidArgument("continuity must be auto, G0, G1 or G2, not '" + asked[i] + "'");
+    const bool exact = asked[i] == "G2";
+    if (!keeps_tangent && (exact || asked[i] == "G1"))
+      throw Refusal(std::string("The method ") + method.name + " keeps " + method.continuity + " along the rim, not " + asked[i]);
+    if (exact && sides[i].q.empty())
+      throw Refusal("The curvature of the surroundings along side " + std::to_string(i) +
+                    " is not known: G2 cannot be met there");
+    result.tangent[i] = keeps_tangent && asked[i] != "G0";
+    result.curvature[i] = exact;
+    result.followed[i] = exact || (asked[i] == "auto" && agree[i]);
+  }
+  return result;
 }
 
 std::pair<Boundary, SurfacePtr> build(const Method& method, const Sides& sides, const RibbonOptions& ribbons,

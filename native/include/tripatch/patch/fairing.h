@@ -1,7 +1,8 @@
 // The fairest patch among those that meet the surroundings just as well. Whatever patch keeps G1 keeps it with
-//   - the interior term (27 b0 b1 b2)^2 sum_K a_K B_K(b) added, and
+//   - the interior term (27 b0 b1 b2)^2 sum_K a_K B_K(b) added,
+//   - the second derivative across each side changed, by 1/2 b_i^2 (cubic side weight) times a polynomial of t, and
 //   - the slopes alpha(t), beta(t) of each side changed between the corners;
-// both are linear. The coefficients minimise a fairness energy.
+// all are linear. The coefficients minimise a fairness energy.
 #pragma once
 
 #include <array>
@@ -18,11 +19,16 @@ struct FairingOptions {
   /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, auto (see energy.h):
   /// geometric, by damped Gauss-Newton from the third-derivative solution.
   std::string energy = "auto";
-  int degree = 6;                                        ///< of the interior term's polynomial
+  int degree = 4;                                        ///< of the interior term's polynomial
+  int bends = 4;                                         ///< coefficients of the second derivative across each side
   int slopes = 4;                                        ///< coefficients of each of alpha and beta on each side
-  int nodes = 7;                                         ///< of the quadrature, per direction
-  int iterations = 6;                                    ///< of Gauss-Newton, at most
+  int nodes = 8;                                         ///< of the quadrature, per direction
+  int iterations = 8;                                    ///< of Gauss-Newton, at most
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
+  /// Sides whose curvature (Side::q) the patch follows by least squares: a jump of normal curvature of `curvature_jump`, relative
+  /// to the sides' curvature, rms, costs as much as an energy that grows by a factor e.
+  std::array<bool, 3> curvature = {false, false, false};
+  double curvature_jump = 0.1;
   /// Makes the patch that is to be faired from other sides. With it the energy is that of smoothed sides (see smoothed): third
   /// derivatives of splines through mesh vertices are mostly noise. The patch still meets the sides as they are.
   std::function<std::pair<Boundary, SurfacePtr>(const Sides&)> rebuild;

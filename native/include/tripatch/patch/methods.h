@@ -38,6 +38,16 @@ struct Method {
   std::function<SurfacePtr(const std::array<SurfacePtr, 3>&, const MethodOptions&)> from_surfaces;
 };
 
+/// What a patch keeps along each side.
+struct Continuity {
+  std::array<bool, 3> tangent;    ///< the surroundings' tangent planes
+  std::array<bool, 3> curvature;  ///< and their curvature, exactly
+  std::array<bool, 3> followed;   ///< and their curvature, by least squares, when the patch is made fair
+};
+/// asked: auto, G0, G1 or G2, by side. "auto" takes the method's own and follows the curvature where it is known and agrees with that
+/// of the neighbours at both corners. Refuses more than the method keeps, and G2 where the surroundings' curvature is not known.
+Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides);
+
 std::span<const Method> methods();
 /// The patch of a method from three sides, with the boundary that it was made of.
 std::pair<Boundary, SurfacePtr> build(const Method& method, const Sides& sides, const RibbonOptions& ribbons,

@@ -1,0 +1,64 @@
+// Continuity of curvature along the sides. A patch that keeps G1 to a side lets the second derivative across it go; G2 asks that its
+// part along the normal be what the surroundings' second fundamental form says:
+//   n . P_dd = II(d, d),  d = alpha r + beta c' the patch's derivative across,  II from n . q, n . r' and n . c''.
+#pragma once
+
+#include <array>
+
+#include "tripatch/boundary/side.h"
+#include "tripatch/patch/side_weights.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+/// The side weights with cubes for squares: 1 + O(b_i^3) at side i, O(b_j^3) at the others, so that what they multiply reaches the
+/// second derivatives there and nowhere else. b must not be a vertex.
+template <int N>
+std::array<Jet<N>, 3> cubic_side_weights(const Barycentric<N>& b) {
+  int i = 0;
+  for (int k = 1; k < 3; ++k)
+    if (b[k].value() > b[i].value()) i = k;
+  const int j = (i + 1) % 3, k = (i + 2) % 3;
+  const Jet<N> rho = b[j] + b[k];
+  const Jet<N> t = b[k] / rho, s = b[j] / rho;
+  const Jet<N> ttt = t * square(t), sss = s * square(s), bbb = b[i] * square(b[i]);
+  const Jet<N> wi = rho * square(rho) * ttt * sss, wj = bbb * ttt, wk = bbb * sss;
+  const Jet<N> inverse = reciprocal(wi + wj + wk);
+  std::array<Jet<N>, 3> w;
+  w[i] = wi * inverse;
+  w[j] = wj * inverse;
+  w[k] = wk * inverse;
+  return w;
+}
+
+/// The surroundings' second fundamental form at a point of a side, and the frame it is in.
+struct SideForm {
+  Vec3 n;             ///< unit normal r x c'
+  Vec3 r, dc;         ///< r and c'
+  double rr, rc, cc;  ///< II(r, r), II(r, c'), II(c', c')
+  /// II(v, v) of a tangent vector.
+  double operator()(const Vec3& v) const;
+  /// The squared length of v's part at a right angle to the side.
+  double across(const Vec3& v) const;
+  /// Frobenius norm squared: the sum of the squared principal curvatures.
+  double squared_norm() const;
+};
+SideForm side_form(const Side& side, double t);
+
+/// At each corner the distance between the forms of its two sides over the larger of their norms; infinite where a side has no q.
+/// 0 where the sides continue one surface, about 1 where fillets meet.
+std::array<double, 3> curvature_mismatch(const Sides& sides);
+
+/// The sides that have a q and agree with their neighbours at both corners, to half of the curvature: a mesh knows it no better there.
+std::array<bool, 3> curvature_agrees(const Sides& sides);
+
+/// `patch`, which keeps G1 to the sides marked, plus what makes it meet their curvature: 1/2 b_i^2 (cubic side weight) times what the
+/// second derivative across lacks, along the normal. Position, tangent planes and the other sides' curvature stay as they are.
+SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std::array<bool, 3>& wanted);
+
+/// The largest difference of normal curvature across the sides marked between patch and surroundings, over the larger of the two
+/// forms' norms there, at `samples` points of each side from `margin` to 1 - margin.
+double curvature_jump(const Surface& patch, const Sides& sides, const std::array<bool, 3>& marked, int samples = 99,
+                      double margin = 0.01);
+
+}  // namespace tripatch

@@ -1,0 +1,142 @@
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tripatch/patch/curvature.h"
+#include "tripatch/patch/fairing.h"
+#include "tripatch/patch/methods.h"
+
+using namespace tripatch;
+
+namespace {
+
+/// The sides of z = f(u, v) over a triangle, with the derivatives of the chart across them.
+template <class Height>
+Sides graph_sides(const Height& height) {
+  const std::array<Eigen::Vector2d, 3> corner = {Eigen::Vector2d(-0.6, -0.4), Eigen::Vector2d(0.8, -0.3),
+                                                 Eigen::Vector2d(0.1, 0.7)};
+  Sides sides;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2d a = corner[(i + 1) % 3], b = corner[(i + 2) % 3], out = 0.5 * (a + b) - corner[i];
+    const auto jet = [&](double t) {  // along the side and away from the hole
+      const Eigen::Vector2d p = a + t * (b - a);
+      const Jet<2> u = Jet<2>::linear(p[0], b[0] - a[0], out[0]), v = Jet<2>::linear(p[1], b[1] - a[1], out[1]);
+      JetPoint<2> point;
+      point.x = {u, v, height(u, v)};
+      return point;
+    };
+    const auto field = [&](int coefficient, double factor) {
+      return PiecewisePolynomial::fit(
+          [&](std::span<const double> t, std::span<double> values) {
+            for (std::size_t k = 0; k < t.size(); ++k) {
+              const JetPoint<2> p = jet(t[k]);
+              for (int x = 0; x < 3; ++x) values[3 * k + x] = factor * p.x[x].c[coefficient];
+            }
+          },
+          3, 1e-13);
+    };
+    sides[i].c = field(jet_index(0, 0), 1);
+    sides[i].r = field(jet_index(0, 1), 1);
+    sides[i].q = field(jet_index(0, 2), 2);
+  }
+  return sides;
+}
+
+Sides wave_sides() {
+  return graph_sides(
+      [](const Jet<2>& u, const Jet<2>& v) { return 0.4 * (u * u * v) - 0.3 * square(v) + sqrt(0.5 + square(u) + 0.3 * v); });
+}
+
+Points along(int i, int n) {
+  Points b = Points::Zero(n, 3);
+  for (int k = 0; k < n; ++k) {
+    const double t = (k + 0.5) / n;
+    b(k, (i + 1) % 3) = 1 - t;
+    b(k, (i + 2) % 3) = t;
+  }
+  return b;
+}
+
+double seam_deg(const Surface& patch, const Sides& sides) {
+  double worst = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Points b = along(i, 50), n = patch.normals(b);
+    for (Index k = 0; k < b.rows(); ++k) {
+      const Vec3 mine = n.row(k), theirs = sides[i].normal(b(k, (i + 2) % 3));
+      worst = std::max(worst, std::atan2(mine.cross(theirs).norm(), mine.dot(theirs)) * 180 / M_PI);
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("the curvature term makes every G1 patch meet the surroundings' curvature and keeps what it had") {
+  const Sides sides = wave_sides();
+  for (const Method& method : methods()) {
+    if (std::string(method.continuity) != "G1" || !method.from_boundary) continue;
+    INFO(method.name);
+    const SurfacePtr plain = method.from_boundary(make_boundary(sides), {});
+    const SurfacePtr patch = meet_curvature(plain, sides, {true, true, true});
+    CHECK(curvature_jump(*plain, sides, {true, true, true}) > 1e-3);
+    CHECK(curvature_jump(*patch, sides, {true, true, true}) < 1e-5);
+    CHECK(seam_deg(*patch, sides) < 1e-5);
+    for (int i = 0; i < 3; ++i)
+      CHECK((patch->positions(along(i, 20)) - plain->positions(along(i, 20))).rowwise().norm().maxCoeff() < 1e-14);
+  }
+}
+
+TEST_CASE("a side's curvature is met without touching that of the others") {
+  const Sides sides = wave_sides();
+  const SurfacePtr plain = find_method("side_vertex").from_boundary(make_boundary(sides), {});
+  const SurfacePtr patch = meet_curvature(plain, sides, {false, true, false});
+  CHECK(curvature_jump(*patch, sides, {false, true, false}) < 1e-5);
+  for (int other : {0, 2}) {
+    std::array<bool, 3> marked = {false, false, false};
+    marked[other] = true;
+    CHECK(curvature_jump(*patch, sides, marked) == Approx(curvature_jump(*plain, sides, marked)).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("the curvatures of sides that continue one surface agree at the corners; those of fillets do not") {
+  for (double mismatch : curvature_mismatch(wave_sides())) CHECK(mismatch < 1e-7);
+  Sides flat = wave_sides();
+  flat[1].q = PiecewisePolynomial();
+  CHECK(curvature_mismatch(flat)[1] < 1e-7);
+  CHECK(std::isinf(curvature_mismatch(flat)[0]));
+  // quarter circles of a unit octant continued by cylinders: no curvature across the sides
+  Sides fillets;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 a = Vec3::Unit((i + 1) % 3), b = Vec3::Unit((i + 2) % 3), out = -Vec3::Unit(i), none = Vec3::Zero();
+    fillets[i].c = PiecewisePolynomial::fit(
+        [&](std::span<const double> t, std::span<double> values) {
+          for (std::size_t k = 0; k < t.size(); ++k)
+            Vec3::Map(&values[3 * k]) = std::cos(t[k] * M_PI / 2) * a + std::sin(t[k] * M_PI / 2) * b;
+        },
+        3, 1e-12);
+    fillets[i].r = PiecewisePolynomial::constant({out.data(), 3});
+    fillets[i].q = PiecewisePolynomial::constant({none.data(), 3});
+  }
+  for (double mismatch : curvature_mismatch(fillets)) CHECK(mismatch > 0.9);
+  const Method& method = find_method("side_vertex");
+  const Continuity corner = resolve_continuity({"auto", "auto", "auto"}, method, fillets),
+                   wave = resolve_continuity({"auto", "G1", "G2"}, method, wave_sides());
+  CHECK(corner.followed == std::array<bool, 3>{false, false, false});
+  CHECK(wave.followed == std::array<bool, 3>{true, false, true});
+  CHECK(wave.curvature == std::array<bool, 3>{false, false, true});
+  CHECK_THROWS_AS(resolve_continuity({"G1", "G2", "G1"}, method, flat), Refusal);
+  CHECK_THROWS_AS(resolve_continuity({"G1", "G2", "G1"}, find_method("gordon_coons"), wave_sides()), Refusal);
+}
+
+TEST_CASE("a fairing that follows the curvature comes near to it") {
+  const Sides sides = wave_sides();
+  // bends the truth does not have: without its curvature the sides could belong to a smoother surface
+  const Boundary boundary = make_boundary(sides);
+  const SurfacePtr base = find_method("side_vertex").from_boundary(boundary, {});
+  FairingOptions options;
+  const double without = curvature_jump(*fair(base, sides, boundary, options).patch, sides, {true, true, true}, 50, 0.1);
+  options.curvature = {true, true, true};
+  const SurfacePtr patch = fair(base, sides, boundary, options).patch;
+  CHECK(curvature_jump(*patch, sides, {true, true, true}, 50, 0.1) < 0.8 * without);
+  CHECK(seam_deg(*patch, sides) < 1e-5);
+}
