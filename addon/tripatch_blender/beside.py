@@ -8,7 +8,7 @@ from mathutils import Vector
 from mathutils.kdtree import KDTree
 
 from . import attributes, filling, selection, subdivision, writeback
-from .library import np, tripatch
+from .library import np, tripatch, words
 from .selection import UnusableError
 
 # Of the extent; what Blender draws and what the library computes agree to float32.
@@ -112,7 +112,7 @@ def _fill_rims(ob, bm, modifier, matrix, rims, options):
                 **options.arguments,
             )
         except tripatch.Refusal as refusal:
-            outcome.refused.append(filling.place(refusal))
+            outcome.refused.append(words.refused(refusal))
             continue
         if drawn is None:
             drawn = subdivision.evaluated_points(bm, modifier)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from . import selection, subdivision, writeback
-from .library import np, tripatch
+from .library import np, tripatch, words
 from .selection import Surroundings, UnusableError
 
 
@@ -41,33 +41,8 @@ class Outcome:
 
     def sentence(self):
         """'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'"""
-        count = len(self.reports)
-        if not count:
-            return "No hole filled"
-        holes = "1 hole" if count == 1 else f"{count} holes"
-        seam = max(report.seam_angle_max for report in self.reports)
-        if self.cage_rim:
-            within = max(report.cage_deviation_max for report in self.reports)
-            moved = max(report.surroundings_moved_max for report in self.reports)
-            angle = f", seam within {_degrees(seam)}" if self.cage_rim == "exact" else ""
-            return (
-                f"Filled {holes} with a cage of {self.faces} quads{angle}; within {_length(within)} of the patch, "
-                f"surroundings moved {_length(moved)} (scene units)"
-            )
-        known = max(report.surroundings_error for report in self.reports)
-        seam = max(known, seam)
-        if self.beside:
-            return f"Filled {holes} in {', '.join(self.beside)}; seam with the limit surface within {_degrees(seam)}"
-        return f"Filled {holes}; seam within {_degrees(seam)} (surroundings known to {_degrees(known)})"
-
-
-def _degrees(angle):
-    """An upper bound for a person."""
-    return f"{max(angle, 0.001):.2g} deg"
-
-
-def _length(value):
-    return f"{value:.2g}" if value > 1e-9 else "0"
+        told = {"cage_rim": self.cage_rim, "quads": self.faces, "limit": bool(self.beside), "into": self.beside}
+        return words.filled(self.reports, **told)
 
 
 def world_matrix(name, matrix):
@@ -76,15 +51,6 @@ def world_matrix(name, matrix):
     if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < 1e7:
         raise UnusableError(f"{name} is scaled to nothing along an axis; apply or correct its scale")
     return world
-
-
-def place(refusal):
-    """The reason, with the place if it does not name one."""
-    where = list(refusal.where)
-    if not where or any(str(v) in refusal.reason for v in where[:3]):
-        return refusal.reason
-    names = ", ".join(map(str, where[:5])) + (", ..." if len(where) > 5 else "")
-    return f"{refusal.reason} ({'vertex' if len(where) == 1 else 'vertices'} {names})"
 
 
 def corners_of(rim, loop, mesh, replaced, offset):
@@ -148,7 +114,7 @@ def _in_shape_key(bm, planned, name, in_key, world, cage):
             in_key = tripatch.Refusal("its cage would have other faces", [])
     if isinstance(in_key, tripatch.Refusal):
         planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
-        return [f"Shape key '{name}' follows its rim only: {place(in_key)}"]
+        return [f"Shape key '{name}' follows its rim only: {words.refused(in_key)}"]
     planned.in_shape_keys[name] = own.points(in_key.vertices if cage else in_key.patch.evaluate(fill.barycentric))
     if cage and (in_key.moved[0] == fill.moved[0]).all():
         planned.moved_in_shape_keys[name] = own.points(in_key.moved[1])
@@ -232,7 +198,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
         try:
             plan, notes = _plan(bm, rim, matrix, keys, options, around)
         except tripatch.Refusal as refusal:
-            outcome.refused.append(place(refusal))
+            outcome.refused.append(words.refused(refusal))
         else:
             planned.append(plan)
             outcome.reports.append(plan.fill.report)
@@ -273,7 +239,7 @@ def _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier):
         planned = []
         for plan, notes in _plan_cages(bm, usable, matrix, keys, options, around, subdivision.Cage(bm, modifier)):
             if isinstance(plan, tripatch.Refusal):
-                outcome.refused.append(place(plan))
+                outcome.refused.append(words.refused(plan))
                 continue
             planned.append(plan)
             outcome.reports.append(plan.fill.report)

@@ -11,13 +11,14 @@ if os.path.isdir(_unpacked) and _unpacked not in sys.path:
 
 #: One sentence for the user, empty when all is there.
 missing = ""
-np = tripatch = None
+np = tripatch = words = None
 try:
     import numpy as np  # noqa: F401
 except ImportError:
     missing = "TriPatch needs NumPy: install the package python3-numpy (apt install python3-numpy) and restart Blender"
 else:
     try:
-        import tripatch  # noqa: F401
+        import tripatch
+        from tripatch import words  # noqa: F401
     except ImportError as error:
         missing = f"TriPatch cannot load its library: {error}"

@@ -153,7 +153,7 @@ void meet_curvature(const Continuity& continuity, Fill& fill) {
 
 std::string degrees(double angle) {
   std::ostringstream text;
-  text.precision(2);
+  text.precision(angle < 99.5 ? 2 : 3);
   text << angle << " degrees";
   return text.str();
 }

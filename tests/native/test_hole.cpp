@@ -577,8 +577,7 @@ TEST_CASE("a non-manifold edge on the rim, flipped neighbours") {
   // face 2k is at the rim edge from k to k + 1, face 2k + 1 touches the rim in vertex k only
   CHECK(refused(flipped(4)).where == Loop{2, 3});
   CHECK(refused(flipped(4)).reason ==
-        "The faces around the rim disagree in orientation: at vertices 2 and 3 they are turned against its neighbours; make the "
-        "normals "
+        "The faces around the rim disagree in orientation: at vertices 2 and 3 they are turned against the others; make the normals "
         "consistent first");
   CHECK(refused(flipped(5)).where == Loop{2, 12});
   CHECK(refused(flipped(5)).reason.find("turned against its neighbours") != std::string::npos);
@@ -635,8 +634,13 @@ TEST_CASE("the only hole with three corners") {
   CHECK(corner_vertices(find_hole(triangular(5, 4, 3).mesh())) == std::vector<Index>{0, 5, 9});
   // the outer border is a triangle as well, but turns the other way
   CHECK(corner_vertices(find_hole(triangular(1, 1, 1).mesh())) == std::vector<Index>{0, 1, 2});
-  // a single triangle: all that can be meant is its border
-  CHECK(find_hole(model({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}).mesh()).rim == Loop{0, 2, 1});
+}
+
+TEST_CASE("the border of a single face is no hole") {
+  const Model triangle = model({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  const Model square = model({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}});
+  for (const Model& alone : {triangle, square})
+    CHECK(refusal([&] { find_hole(alone.mesh()); }).reason == "The rim is the border of a single face, so no hole");
 }
 
 TEST_CASE("no or several holes with three corners") {
@@ -664,7 +668,7 @@ TEST_CASE("no or several holes with three corners") {
   const Answer squares = refusal([&] { find_hole(grid(7, 3, {{1, 1}, {3, 1}, {4, 1}}).mesh()); });
   CHECK(squares.reason ==
         "None of 2 holes can be filled as they are. The shortest, through vertex 9: Rim has 4 corners; select three");
-  const Model disc = model({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}});
+  const Model disc = model({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
   CHECK(refusal([&] { find_hole(disc.mesh()); }).reason == "Rim has no clear corners; select three");
 }
 

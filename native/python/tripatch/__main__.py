@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import tripatch
-from tripatch import files
+from tripatch import files, words
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 
@@ -194,18 +194,8 @@ def _say(text: str) -> None:
 
 
 def _refused(refusal: tripatch.Refusal, rim=None) -> None:
-    shown = refusal.where[:8]
-    place = (
-        f" (vertex {shown[0]})"
-        if len(shown) == 1
-        else f" (vertices {', '.join(map(str, shown))}{', ...' * (len(refusal.where) > 8)})"
-    )
     hole = "" if rim is None else f"Hole through vertex {min(rim)}: "
-    _say(f"{hole}{refusal.reason}{place if shown else ''}")
-
-
-def _degrees(value: float) -> str:
-    return f"{value:.1f}" if value >= 0.05 else f"{value:.1g}"
+    _say(hole + words.refused(refusal))
 
 
 def _plain(value):
@@ -273,10 +263,9 @@ def _fill(args: argparse.Namespace) -> int:
     out.write(args.out)
     if out is not mesh:
         _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
-    seam = max(fill.report.seam_angle_max for fill in fills)
-    known = max(fill.report.surroundings_error for fill in fills)
-    filled = "1 hole" if len(fills) == 1 else f"{len(fills)} holes"
-    print(f"Filled {filled}; seam within {_degrees(seam)} deg (surroundings known to {_degrees(known)} deg)")
+    cage_rim = options.get("cage_rim", "smooth") if options.get("output") == "cage" else ""
+    limit, quads = options.get("surroundings") == "limit", sum(len(fill.faces) for fill in fills)
+    print(words.filled([fill.report for fill in fills], cage_rim=cage_rim, quads=quads, limit=limit))
     return FILLED if len(fills) == len(holes) else SOME
 
 

@@ -291,6 +291,8 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
     throw Refusal("The rim passes vertex " + name(*twice) + " twice", {*twice});
 
   std::vector<std::array<Index, 2>> along, against;  // rim edges whose face holds them as given, or reversed
+  const auto sole = around.at(rim[0]);
+  bool one_face = !sole.empty() && around.face(sole[0]).size() == n;
   for (std::size_t k = 0; k < n; ++k) {
     const Index a = rim[k], b = rim[(k + 1) % n];
     const auto edge = [&] { return "the rim edge between vertices " + name(a) + " and " + name(b); };
@@ -298,6 +300,7 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
     for (const auto& c : around.at(a)) {
       forward += around.next(c) == b;
       backward += around.previous(c) == b;
+      one_face = one_face && c.face == sole[0].face;
     }
     if (forward + backward == 0)
       throw Refusal("There is no face beside " + edge() + "; the surroundings are unknown there", {a, b});
@@ -306,7 +309,8 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
     if (forward + backward == 2) throw Refusal("There is a face on both sides of " + edge() + ", so no hole", {a, b});
     (forward ? along : against).push_back({a, b});
   }
-  const std::string advice = " turned against its neighbours; make the normals consistent first";
+  if (one_face) throw Refusal("The rim is the border of a single face, so no hole", rim);
+  const std::string advice = "; make the normals consistent first";
   if (!along.empty() && !against.empty()) {
     Loop where;
     for (const auto& edge : std::min(along, against, [](auto& x, auto& y) { return x.size() < y.size(); }))
@@ -314,7 +318,7 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
     std::sort(where.begin(), where.end());
     where.erase(std::unique(where.begin(), where.end()), where.end());
     throw Refusal("The faces around the rim disagree in orientation: at vertices " +
-                      (where.size() > 8 ? list({where.begin(), where.begin() + 8}) + " and more" : list(where)) + " they are" +
+                      (where.size() > 8 ? list({where.begin(), where.begin() + 8}) + " and more" : list(where)) + " they are turned against the others" +
                       advice,
                   where);
   }
@@ -329,7 +333,8 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
     for (const auto& [side, other] : {std::pair(&out, &in), std::pair(&in, &out)})
       for (auto k = side->begin(); (k = std::adjacent_find(k, side->end())) != side->end(); ++k)
         if (!std::binary_search(other->begin(), other->end(), *k) && std::count(side->begin(), side->end(), *k) == 2)
-          throw Refusal("A face at the rim, at the edge between vertices " + name(v) + " and " + name(*k) + ", is" + advice,
+          throw Refusal("A face at the rim, at the edge between vertices " + name(v) + " and " + name(*k) +
+                            ", is turned against its neighbours" + advice,
                         {v, *k});
   }
   Loop turned = rim;

@@ -1,0 +1,59 @@
+"""What a person is told of fills and refusals: the same words on the command line and in Blender."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ._native import Report
+from .errors import Refusal
+
+
+def degrees(angle: float) -> str:
+    """An angle in degrees, to two digits; the smallest that is told is 0.001."""
+    return f"{angle:.0f} deg" if angle >= 99.5 else f"{max(angle, 0.001):.2g} deg"
+
+
+def length(value: float) -> str:
+    """A length in scene units, to two digits."""
+    return f"{value:.2g}" if value > 1e-9 else "0"
+
+
+def filled(reports: Sequence[Report], *, cage_rim: str = "", quads: int = 0, limit: bool = False, into: Sequence[str] = ()) -> str:
+    """What became of holes: 'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'.
+
+    A plain mesh does not determine its own tangent planes, so the seam is never said to be better than the surroundings are
+    known.
+
+    Args:
+        reports: of the filled holes.
+        cage_rim: of fills that are cages; quads: how many faces they have.
+        limit: the surroundings are a limit surface, which is known exactly.
+        into: names of the objects that the fills became.
+    """
+    count = len(reports)
+    if not count:
+        return "No hole filled"
+    holes = "Filled 1 hole" if count == 1 else f"Filled {count} holes"
+    seam = max(report.seam_angle_max for report in reports)
+    if cage_rim:
+        within = max(report.cage_deviation_max for report in reports)
+        moved = max(report.surroundings_moved_max for report in reports)
+        angle = f", seam within {degrees(seam)}" if cage_rim == "exact" else ""
+        return (
+            f"{holes} with a cage of {quads} quads{angle}; within {length(within)} of the patch, "
+            f"surroundings moved {length(moved)} (scene units)"
+        )
+    if limit:
+        return f"{holes}{' in ' * bool(into)}{', '.join(into)}; seam with the limit surface within {degrees(seam)}"
+    known = max(report.surroundings_error for report in reports)
+    return f"{holes}; seam within {degrees(max(seam, known))} (surroundings known to {degrees(known)})"
+
+
+def refused(refusal: Refusal) -> str:
+    """The reason, with the vertices concerned where it does not name them itself."""
+    where = list(refusal.where)
+    if not where or re.search(r"vert(ex|ices) \d", refusal.reason):
+        return refusal.reason
+    names = ", ".join(map(str, where[:8])) + ", ..." * (len(where) > 8)
+    return f"{refusal.reason} ({'vertex' if len(where) == 1 else 'vertices'} {names})"
