@@ -79,12 +79,22 @@ struct Jet {
     return r;
   }
   /// Not inlined: a call is nothing beside the product, and copies of it at every use are most of the time it takes to compile.
-  friend Jet operator*(const Jet& a, const Jet& b) {
+  friend Jet operator*(const Jet& a, const Jet& b)
+    requires(N > 1)
+  {
     Jet r;
     // unrolled by hand: the plain loops cost five times as much
     [&]<std::size_t... P>(std::index_sequence<P...>) {
       ((r.c[products[P][0]] += a.c[products[P][1]] * b.c[products[P][2]]), ...);
     }(std::make_index_sequence<products.size()>());
+    return r;
+  }
+  /// Positions and normals of a fill are of this order, and a call would cost more than the product.
+  [[gnu::always_inline]] friend inline Jet operator*(const Jet& a, const Jet& b)
+    requires(N <= 1)
+  {
+    Jet r(a.c[0] * b.c[0]);
+    for (int k = 1; k < size; ++k) r.c[k] = a.c[0] * b.c[k] + a.c[k] * b.c[0];
     return r;
   }
   Jet& operator*=(const Jet& b) { return *this = *this * b; }
@@ -98,11 +108,12 @@ Jet<N> square(const Jet<N>& a) {
 /// f(t) for a jet t and the Taylor coefficients f, f', f''/2, ... (order N) of f at t.value().
 template <int N>
 Jet<N> compose(const double* taylor, std::ptrdiff_t stride, const Jet<N>& t) {
+  if constexpr (N == 0) return Jet<N>(taylor[0]);
   Jet<N> h = t;
   h.c[0] = 0;
-  Jet<N> r(taylor[N * stride]);
-  for (int k = N - 1; k >= 0; --k) r = r * h + taylor[k * stride];
-  return r;
+  Jet<N> r = taylor[N * stride] * h;
+  for (int k = N - 1; k > 0; --k) r = (r + taylor[k * stride]) * h;
+  return r + taylor[0];
 }
 
 template <int N>
