@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <string>
 
 namespace tripatch {
@@ -446,10 +447,11 @@ PiecewisePolynomial quintic(const std::vector<double>& t, const std::vector<Vec3
 Vec3 carried(const Vec3& v, const Vec3& from, const Vec3& to) { return Eigen::Quaterniond::FromTwoVectors(from, to) * v; }
 
 /// The cross derivative to be read at each vertex of a side with normals n and derivatives dc: one unit across, and along it as
-/// much as the corners' own cross derivatives have, carried along the side and mixed. So alpha and beta of the ribbons, which are
-/// linear, need not undo along the side what r does there.
+/// much as the corners' own cross derivatives have, mixed, so that alpha and beta of the ribbons, which are linear, need not undo
+/// along the side what r does there. Where the rim faces one way, `up`, mixed as they are and laid into the planes along it, as in
+/// a graph's own chart (graph = 1); elsewhere carried along the side (graph = 0).
 std::vector<Vec3> cross_derivatives(const std::vector<double>& t, const std::vector<Vec3>& n, const std::vector<Vec3>& dc,
-                                    const Vec3& start, const Vec3& end) {
+                                    const Vec3& start, const Vec3& end, const Vec3& up, double graph) {
   const std::size_t last = n.size() - 1;
   const auto flat = [&](const Vec3& v, std::size_t k) { return Vec3(v - n[k] * n[k].dot(v)); };
   std::vector<Vec3> forth(n.size()), back(n.size()), r;
@@ -460,8 +462,12 @@ std::vector<Vec3> cross_derivatives(const std::vector<double>& t, const std::vec
     back[last - k] = flat(carried(back[last - k + 1], n[last - k + 1], n[last - k]), last - k);
   }
   for (std::size_t k = 0; k <= last; ++k) {
-    const Vec3 wanted = (1 - t[k]) * forth[k] + t[k] * back[k], across = dc[k].cross(n[k]).normalized(),
-               along = dc[k].normalized();
+    Vec3 wanted = (1 - t[k]) * forth[k] + t[k] * back[k];
+    if (graph > 0) {
+      const Vec3 mixed = (1 - t[k]) * start + t[k] * end, way = up + std::max(0.1 - up.dot(n[k]), 0.0) * n[k];
+      wanted += graph * (mixed - way * (mixed.dot(n[k]) / way.dot(n[k])) - wanted);
+    }
+    const Vec3 across = dc[k].cross(n[k]).normalized(), along = dc[k].normalized();
     // where the rim hardly turns at the corners: no more than a slant of about 73 degrees
     const double out = wanted.dot(across), least = 0.3 * wanted.norm();
     r.push_back(across + wanted.dot(along) / (0.5 * (out + std::sqrt(out * out + 4 * least * least))) * along);
@@ -650,26 +656,26 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
   const Sizes sizes = estimate_sizes(samples, radius / points, bend);
 
   MeshSides result;
-  double known = 0;  // variance of the slopes
-  int known_count = 0;
   struct End {
     Vec3 normal;
     Eigen::Matrix3d information;  // of the normal
   };
   std::array<std::array<End, 2>, 3> ends;
-  for (int i = 0; i < 3; ++i) {
+  const auto fit_side = [&](int i) {  // sum of the variances
     Draft& side = drafts[i];
+    Marks reached = {std::vector<int>(w.vertex.size(), 0), std::vector<int>(w.area.size(), 0), 0};
+    double variances = 0;
     const int edges = static_cast<int>(side.vertex.size()) - 1;
     double tilt = 0;  // of the plane found last against the faces beside the rim: most likely that of the next one too
     for (int k = 0; k <= edges; ++k) {
       const bool end = k == 0 || k == edges;
       const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
       side.guess[k] -= tilt * outward;
-      Stencil s = make_stencil(w, drafts, i, k, marks);
+      Stencil s = make_stencil(w, drafts, i, k, reached);
       Solution fit = solve(s, sizes);
       if (std::abs(fit.mean[2]) > flat_enough) {  // once more over the plane just found
         side.guess[k] = s.e3 - fit.mean[2] * s.e2;
-        s = make_stencil(w, drafts, i, k, marks);
+        s = make_stencil(w, drafts, i, k, reached);
         fit = solve(s, sizes);
       }
       const double fx = fit.mean[1], fy = fit.mean[2];
@@ -682,15 +688,18 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
       side.second.push_back(frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * frame.transpose());
       const Eigen::Matrix<double, terms, 2> units = Square::Identity().middleCols<2>(1);
       const Eigen::Matrix2d covariance = fit.factor.solve(units).middleRows<2>(1);
-      known += covariance.trace();
-      ++known_count;
+      variances += covariance.trace();
       if (end) {
         const Eigen::Matrix2d information = covariance.inverse();
         ends[i][k == 0 ? 0 : 1] = {side.normal.back(), frame * information * frame.transpose()};
       }
     }
-  }
-  result.surroundings_error = std::atan(std::sqrt(known / known_count)) * 180 / M_PI;
+    return variances;
+  };
+  std::array<std::future<double>, 3> known;  // of the slopes
+  for (int i = 0; i < 3; ++i) known[i] = std::async(rim_size < 60 ? std::launch::deferred : std::launch::async, fit_side, i);
+  const double variance = (known[0].get() + known[1].get() + known[2].get()) / (rim_size + 3);
+  result.surroundings_error = std::atan(std::sqrt(variance)) * 180 / M_PI;
 
   // Corners: one plane, the average weighted by information, unless the two are further apart than 5 degrees and than what
   // they know of themselves (a cube).
@@ -715,6 +724,13 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
 
   // The spline's derivatives, laid into the planes.
   std::array<std::vector<Vec3>, 3> tangents;
+  Vec3 up = Vec3::Zero();
+  for (const Draft& side : drafts)
+    for (const Vec3& n : side.normal) up += n;
+  up.normalize();
+  double graph = 1;  // from nothing where a normal of the rim is at a right angle to their mean, to all at 84 degrees
+  for (const Draft& side : drafts)
+    for (const Vec3& n : side.normal) graph = std::min(graph, fade(n.dot(up) / 0.1));
   for (int i = 0; i < 3; ++i) {
     const Draft& side = drafts[i];
     const int edges = static_cast<int>(side.vertex.size()) - 1;
@@ -734,7 +750,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     const int edges = static_cast<int>(side.vertex.size()) - 1;
     std::vector<Vec3> dc = tangents[i];
     const Vec3 start = tangents[(i + 2) % 3].back() + 0.5 * dc.front(), end = -tangents[(i + 1) % 3].front() - 0.5 * dc.back();
-    std::vector<Vec3> c, dr, q, r = cross_derivatives(side.t, side.normal, dc, start, end);
+    std::vector<Vec3> c, dr, q, r = cross_derivatives(side.t, side.normal, dc, start, end, up, graph);
     for (int k = 0; k <= edges; ++k) {
       r[k] *= side.length;
       c.push_back(w.position[side.vertex[k]]);
