@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import bpy
+
 from . import selection, subdivision, writeback
 from .library import np, tripatch, words
 from .selection import Surroundings, UnusableError
@@ -194,7 +196,10 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     bm.faces.index_update()
     outcome, planned = Outcome(), []
     around, keys = Surroundings(bm, matrix), _shapes(bm, matrix, active_shape)
-    for rim in rims:
+    window = bpy.context.window_manager
+    window.progress_begin(0, len(rims))
+    for number, rim in enumerate(rims):
+        window.progress_update(number)
         try:
             plan, notes = _plan(bm, rim, matrix, keys, options, around)
         except tripatch.Refusal as refusal:
@@ -203,6 +208,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             planned.append(plan)
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
+    window.progress_end()
     new_faces = writeback.write(bm, mesh, planned, options.shading) if planned else []
     outcome.faces = len(new_faces)
     return outcome, new_faces

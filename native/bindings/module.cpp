@@ -311,14 +311,18 @@ PYBIND11_MODULE(_native, m) {
   });
   m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                         const std::vector<std::vector<Index>>& rims, const py::dict& options,
-                        const std::vector<std::optional<std::array<Index, 3>>>& rim_corners) {
+                        const std::vector<std::optional<std::array<Index, 3>>>& rim_corners, const py::object& progress) {
     const FillOptions o = options_from(options);
     const Faces faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     std::vector<std::variant<Fill, Refused>> results;
     {
       py::gil_scoped_release release;
-      results = fill_all({points, faces}, rims, o, rim_corners);
+      results = fill_all({points, faces}, rims, o, rim_corners, [&](std::size_t done) {
+        const py::gil_scoped_acquire acquire;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (!progress.is_none()) progress(done, rims.size());
+      });
     }
     py::list out;
     for (auto& result : results) {

@@ -1,12 +1,16 @@
 #include "tripatch/fill.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <exception>
+#include <future>
 #include <map>
 #include <numeric>
 #include <set>
 #include <sstream>
+#include <thread>
 #include <tuple>
 
 #include "tripatch/boundary/limit_sides.h"
@@ -371,7 +375,8 @@ void fill_all_with_cages(const Mesh& mesh, const std::vector<FillOptions>& each,
 
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options,
-                                                  const std::vector<std::optional<std::array<Index, 3>>>& corners) {
+                                                  const std::vector<std::optional<std::array<Index, 3>>>& corners,
+                                                  const Progress& progress) {
   std::vector<FillOptions> each(rims.size(), options);
   for (std::size_t k = 0; k < rims.size(); ++k) {
     each[k].rim = rims[k];
@@ -380,15 +385,42 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   std::vector<std::variant<Fill, Refused>> results(rims.size());
   if (options.output == "cage") {
     fill_all_with_cages(mesh, each, results);
+    if (progress) progress(rims.size());
     return results;
   }
-  for (std::size_t k = 0; k < rims.size(); ++k) {
+  std::atomic<std::size_t> next = 0, done = 0;
+  std::atomic<bool> stop = false;
+  const auto work = [&] {
+    for (std::size_t k = next++; k < rims.size() && !stop; k = next++) {
+      try {
+        results[k] = fill(mesh, each[k]);
+      } catch (const Refusal& refusal) {
+        results[k] = Refused{refusal.what(), refusal.where()};
+      } catch (...) {
+        stop = true;
+        throw;
+      }
+      ++done;
+    }
+  };
+  // OpenSubdiv tells what is wrong with a cage through one function for the whole process.
+  const std::size_t cores = options.limit ? 1 : std::max(1U, std::thread::hardware_concurrency());
+  std::vector<std::future<void>> workers;
+  for (std::size_t k = 0; k < std::min(cores, rims.size()); ++k) workers.push_back(std::async(std::launch::async, work));
+  std::exception_ptr failure;
+  for (std::future<void>& worker : workers) {
     try {
-      results[k] = fill(mesh, each[k]);
-    } catch (const Refusal& refusal) {
-      results[k] = Refused{refusal.what(), refusal.where()};
+      while (worker.wait_for(std::chrono::milliseconds(100)) == std::future_status::timeout)
+        if (progress && !stop) progress(done);
+      worker.get();
+    } catch (...) {
+      stop = true;
+      if (!failure) failure = std::current_exception();
+      worker.wait();
     }
   }
+  if (failure) std::rethrow_exception(failure);
+  if (progress) progress(done);
   return results;
 }
 

@@ -63,6 +63,24 @@ def test_rigid_motions_and_scales(seed, scale):
     assert abs(moved.report.seam_angle_max - plain.report.seam_angle_max) < 1e-5
 
 
+def test_fill_all_tells_how_far_it_is():
+    vertices, faces, rim = octant()
+    told = []
+    tripatch.fill_all(vertices, faces, [rim] * 5, progress=lambda done, total: told.append((done, total)))
+    assert told[-1] == (5, 5) and all(total == 5 for _, total in told) and told == sorted(told)
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, RuntimeError])
+def test_fill_all_can_be_interrupted(raised):
+    vertices, faces, rim = octant()
+
+    def progress(done, total):
+        raise raised(f"enough after {done} of {total}")
+
+    with pytest.raises(raised, match=r"enough after 1?\d?\d?\d of 2000"):
+        tripatch.fill_all(vertices, faces, [rim] * 2000, progress=progress)
+
+
 def test_fill_all_keeps_the_order_and_goes_on_after_a_refusal():
     vertices, faces, rim = octant()
     loops = tripatch.find_holes(faces)

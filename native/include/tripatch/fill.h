@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -66,10 +67,14 @@ struct Refused {
   std::string reason;
   std::vector<Index> where;
 };
+/// Called by the caller's own thread, several times a second and after the last: how many holes are done. What it throws ends the
+/// work.
+using Progress = std::function<void(std::size_t done)>;
 /// One result for each rim, in order; a refusal of one does not stop the others. Cages whose surroundings overlap are fitted
 /// together. corners: of each rim (shorter: detected); options.replaced: the faces in all of them.
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options = {},
-                                                  const std::vector<std::optional<std::array<Index, 3>>>& corners = {});
+                                                  const std::vector<std::optional<std::array<Index, 3>>>& corners = {},
+                                                  const Progress& progress = {});
 
 }  // namespace tripatch

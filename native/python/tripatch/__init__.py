@@ -413,13 +413,15 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
 
 
 @_takes_options
-def fill_all(vertices, faces, rims=None, *, corners=None, **options) -> list[Fill | Refusal]:
+def fill_all(vertices, faces, rims=None, *, corners=None, progress=None, **options) -> list[Fill | Refusal]:
     """Fills several holes of one mesh. The options are those of `fill`. Cages whose surroundings overlap are fitted together.
 
     Args:
         rims: a list of rims; None: every border loop.
         corners: for each rim three of its vertices, or None where they are to be detected; None: all are detected.
         replaced: indices of the faces in all rims that count as not there.
+        progress: called with the number of holes done and the number of all, several times a second; what it raises ends the
+            work, as Ctrl-C does.
 
     Returns:
         A `Fill` or a `Refusal` for each rim, in their order. A refusal of one does not stop the others. Every fill counts its
@@ -432,7 +434,7 @@ def fill_all(vertices, faces, rims=None, *, corners=None, **options) -> list[Fil
     given = [None if three is None else _three_corners(three) for three in corners or ()]
     if given and len(given) != len(loops):
         raise ValueError(f"corners must be given for each of the {len(loops)} rims, not for {len(given)}")
-    results = _native._fill_all(v, offsets, face_corners, loops, checked, given)
+    results = _native._fill_all(v, offsets, face_corners, loops, checked, given, progress)
     together: list[Fill] = []
     cage = None
     if checked["output"] == "cage":

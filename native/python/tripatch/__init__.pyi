@@ -159,6 +159,7 @@ def fill_all(
     rims: Sequence[Sequence[int] | Indices] | None = None,
     *,
     corners: Sequence[Sequence[int] | Indices | None] | None = None,
+    progress: Callable[[int, int], object] | None = None,
     method: str = "side_vertex",
     surroundings: Literal["mesh", "limit"] = "mesh",
     subdivision: dict[str, Any] | None = None,

@@ -193,6 +193,12 @@ def _say(text: str) -> None:
     print(f"tripatch: {text}", file=sys.stderr)
 
 
+def _progress(done: int, total: int) -> None:
+    """A line that is written over, where somebody looks on."""
+    if total > 1 and sys.stderr.isatty():
+        print(f"\rtripatch: {done} of {total} holes", end="\n" if done == total else "", file=sys.stderr, flush=True)
+
+
 def _refused(refusal: tripatch.Refusal, rim=None) -> None:
     hole = "" if rim is None else f"Hole through vertex {min(rim)}: "
     _say(hole + words.refused(refusal))
@@ -237,7 +243,8 @@ def _fill(args: argparse.Namespace) -> int:
     holes: list[tuple] = []
     if args.all:
         rims = holes_to_fill(mesh.vertices, mesh.faces, args.outer)
-        holes = list(zip(rims, tripatch.fill_all(mesh.vertices, mesh.faces, rims, **options), strict=True))
+        fills = tripatch.fill_all(mesh.vertices, mesh.faces, rims, progress=_progress, **options)
+        holes = list(zip(rims, fills, strict=True))
         if not holes:
             _say("Nothing to fill: the mesh has no border")
     else:

@@ -19,7 +19,9 @@ def length(value: float) -> str:
     return f"{value:.2g}" if value > 1e-9 else "0"
 
 
-def filled(reports: Sequence[Report], *, cage_rim: str = "", quads: int = 0, limit: bool = False, into: Sequence[str] = ()) -> str:
+def filled(
+    reports: Sequence[Report], *, cage_rim: str = "", quads: int = 0, limit: bool = False, into: Sequence[str] = ()
+) -> str:
     """What became of holes: 'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'.
 
     A plain mesh does not determine its own tangent planes, so the seam is never said to be better than the surroundings are
