@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "tripatch/linear.h"
+
 namespace tripatch {
 namespace {
 
@@ -45,9 +47,7 @@ Vec3 unit_normal(const LimitSurface& surface, const FaceEdge& place, double t, c
 
 /// Second derivative in the direction of r, its normal part: the second fundamental form of (r, r) along n.
 Vec3 second_across(const LimitJet& j, const Vec3& n, const Vec3& r) {
-  Eigen::Matrix<double, 3, 2> frame;
-  frame << j.pu, j.pv;
-  const Eigen::Vector2d a = frame.colPivHouseholderQr().solve(r);
+  const Eigen::Vector2d a = in_frame(j.pu, j.pv, r);
   return n * n.dot(a[0] * a[0] * j.puu + 2 * a[0] * a[1] * j.puv + a[1] * a[1] * j.pvv);
 }
 

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "tripatch/linear.h"
+
 namespace tripatch {
 namespace {
 
@@ -188,7 +190,7 @@ PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<
     nodes[i] = std::cos(M_PI * (2 * i + 1) / (2.0 * n));
     for (int k = 0; k < n; ++k) vandermonde(i, k) = std::pow(nodes[i], k);
   }
-  const Eigen::MatrixXd to_monomials = vandermonde.fullPivLu().inverse();
+  const Eigen::MatrixXd to_monomials = least_squares(vandermonde, Eigen::MatrixXd::Identity(n, n));
   const std::vector<double> checks = {-1.0, -0.97, -0.71, -0.37, 0.13, 0.53, 0.83, 1.0};
 
   struct Piece {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "tripatch/linear.h"
+
 namespace tripatch {
 namespace {
 
@@ -48,13 +50,11 @@ struct CornerSlope {
 
 /// The corrected corner equations: (alpha, beta) such that alpha r + beta c' is nearest to tau; alpha kept above a floor.
 CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share) {
-  Eigen::Matrix<double, 3, 2> a;
-  a << r, dc;
   const double rn = r.norm();
   if (!(rn > 0)) return {0, 0, Vec3::Zero()};
   Eigen::Vector2d x;
   if (dc.norm() > 1e-12 * height) {
-    x = a.colPivHouseholderQr().solve(tau);
+    x = in_frame(r, dc, tau);
   } else {
     x << tau.dot(r) / (rn * rn), 0;
   }

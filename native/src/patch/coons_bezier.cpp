@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "tripatch/linear.h"
+
 namespace tripatch {
 namespace {
 
@@ -123,18 +125,16 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   const Split points = split(n);
   if (points.inside.empty()) return BezierTriangle(std::move(net));
   const Eigen::MatrixXd equations = mask_equations(n, kind, alpha);
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inside;
-  inside.setThreshold(1e-11);
-  inside.compute(equations(Eigen::all, points.inside));
+  const Eigen::MatrixXd inside = equations(Eigen::all, points.inside);
   // Unknown: the distance from the Coons net of the polygons. Where the system is singular the decomposition gives the shortest.
   const Points right = -equations * net;
-  const Points correction = inside.solve(right);
-  if (inside.rank() < inside.cols()) {
+  const auto [correction, rank_found] = shortest_solution(inside, right, 1e-11);
+  if (rank_found < inside.cols()) {
     const std::string name =
         kind == CoonsKind::mask ? "The mask's system of degree " + std::to_string(n)
                                 : "The permanence system of degree " + std::to_string(n) + " with alpha " + std::to_string(alpha);
-    const std::string rank = " is singular (rank " + std::to_string(inside.rank()) + " of " + std::to_string(inside.cols()) + ")";
-    const double left = (equations(Eigen::all, points.inside) * correction - right).cwiseAbs().maxCoeff();
+    const std::string rank = " is singular (rank " + std::to_string(rank_found) + " of " + std::to_string(inside.cols()) + ")";
+    const double left = (inside * correction - right).cwiseAbs().maxCoeff();
     const double size = (net.rowwise() - net.row(0)).cwiseAbs().maxCoeff();
     if (left > 1e-10 * size)
       throw Refusal(name + rank + " and has no solution for this boundary; take another degree" +
@@ -163,7 +163,7 @@ double fit_curve(const PiecewisePolynomial& c, const std::vector<double>& t, int
   const Vec3 origin = samples.colwise().mean();  // far from the origin digits would be lost
   samples.rowwise() -= origin.transpose();
   const Eigen::MatrixXd basis = bernstein(degree, t);
-  curve = basis.colPivHouseholderQr().solve(samples);
+  curve = least_squares(basis, samples);
   const double left = (basis * curve - samples).rowwise().norm().maxCoeff();
   curve.rowwise() += origin.transpose();
   return left;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "tripatch/linear.h"
+
 namespace tripatch {
 namespace {
 
@@ -52,13 +54,10 @@ BezierRectangle permanence_rectangle(const BezierRectangle& boundary, double alp
             right.row(unknown(i, j)) += weight * boundary.net().row(boundary.row(a, b));
           }
         }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(1e-11);
-  qr.compute(system);
-  if (!qr.isInvertible())
+  const auto [inside, rank] = shortest_solution(system, right, 1e-11);
+  if (rank < unknowns)
     throw Refusal("The permanence system of degrees " + std::to_string(m) + " and " + std::to_string(n) + " with alpha " +
                   std::to_string(alpha) + " is singular; take another alpha");
-  const Eigen::MatrixXd inside = qr.solve(right);
   Points net = boundary.net();
   for (int i = 1; i < m; ++i)
     for (int j = 1; j < n; ++j) net.row(boundary.row(i, j)) = inside.row(unknown(i, j));

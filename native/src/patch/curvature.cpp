@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tripatch/linear.h"
+
 namespace tripatch {
 namespace {
 
@@ -73,9 +75,7 @@ private:
 double SideForm::across(const Vec3& v) const { return (v - v.dot(dc) / dc.squaredNorm() * dc).squaredNorm(); }
 
 double SideForm::operator()(const Vec3& v) const {
-  Eigen::Matrix<double, 3, 2> frame;
-  frame << r, dc;
-  const Eigen::Vector2d x = frame.colPivHouseholderQr().solve(v);
+  const Eigen::Vector2d x = in_frame(r, dc, v);
   return x[0] * x[0] * rr + 2 * x[0] * x[1] * rc + x[1] * x[1] * cc;
 }
 

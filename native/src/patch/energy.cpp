@@ -98,6 +98,8 @@ Eigen::Matrix<double, 4, 2> explained(double h11, double h12, double h22) {
   return a;
 }
 
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
 /// What is left of (c, 0) after the best theta, in four orthonormal directions: `rest` is 6 x 4.
 struct Rest {
   Eigen::Matrix<double, 6, 4> directions;
@@ -106,12 +108,26 @@ struct Rest {
     Eigen::Matrix<double, 6, 2> m;
     m.topRows<4>() = explained(d(2, 2), d(3, 2), d(4, 2));
     m.bottomRows<2>() = std::sqrt(flat) * Eigen::Matrix2d::Identity();
-    Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
+    Vec6 right = Vec6::Zero();
     right.head<4>() = c;
-    const Eigen::HouseholderQR<Eigen::Matrix<double, 6, 2>> qr(m);
-    theta = qr.solve(right);
-    const Eigen::Matrix<double, 6, 6> q = qr.householderQ();
-    directions = q.rightCols<4>();
+    // Householder's reflections, written out: Eigen's QR of this size takes the compiler twenty seconds.
+    std::array<Vec6, 2> mirror;
+    const auto reflect = [&](int k, auto&& v) { v -= 2 * mirror[k].dot(v) * mirror[k]; };
+    for (int k = 0; k < 2; ++k) {
+      Vec6& w = mirror[k];
+      w = m.col(k);
+      w.head(k).setZero();
+      w[k] += std::copysign(w.norm(), w[k]);
+      w.normalize();
+      for (int j = 0; j < 2; ++j) reflect(k, m.col(j));
+      reflect(k, right);
+    }
+    theta[1] = right[1] / m(1, 1);
+    theta[0] = (right[0] - m(0, 1) * theta[1]) / m(0, 0);
+    directions.setZero();
+    directions.bottomRows<4>().setIdentity();
+    for (int k = 1; k >= 0; --k)
+      for (int j = 0; j < 4; ++j) reflect(k, directions.col(j));
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 
+#include "tripatch/linear.h"
 #include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
@@ -31,8 +32,8 @@ double bernstein(int n, int m, double t) {
 /// The fits do not depend on the data: their matrices, once.
 struct Fit {
   Eigen::VectorXd t, root_weight;
-  Eigen::Matrix<double, 2, samples> middle;      ///< the two middle points of a curve from weighted positions
-  Eigen::Matrix<double, 6, 3 * samples> inside;  ///< the six inner points from weighted slopes of the three sides
+  Eigen::MatrixXd middle;  ///< (2, samples): the two middle points of a curve from weighted positions
+  Eigen::MatrixXd inside;  ///< (6, 3 samples): the six inner points from weighted slopes of the three sides
   std::array<Index, 6> inner_row;
 
   Fit() {
@@ -43,21 +44,21 @@ struct Fit {
       t[g] = 0.5 * (1 - std::cos(angle));
       root_weight[g] = std::sqrt(std::sin(angle));
     }
-    Eigen::Matrix<double, samples, 2> curve;
+    Eigen::MatrixXd curve(samples, 2);
     for (int g = 0; g < samples; ++g)
       for (int m = 0; m < 2; ++m) curve(g, m) = root_weight[g] * bernstein(5, 2 + m, t[g]);
-    middle = curve.completeOrthogonalDecomposition().pseudoInverse();
+    middle = least_squares(curve, Eigen::MatrixXd::Identity(samples, samples));
 
     int count = 0;
     for (int a = 1; a <= 3; ++a)
       for (int c = 1; a + c <= 4; ++c) inner_row[count++] = net_row({a, c, degree - a - c});
-    Eigen::Matrix<double, 3 * samples, 6> slopes = Eigen::Matrix<double, 3 * samples, 6>::Zero();
+    Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(3 * samples, 6);
     for (int i = 0; i < 3; ++i)
       for (int m = 1; m <= 3; ++m)
         for (int unknown = 0; unknown < 6; ++unknown)
           if (inner_row[unknown] == row_of_side(i, 1, m))
             for (int g = 0; g < samples; ++g) slopes(i * samples + g, unknown) = -5 * root_weight[g] * bernstein(4, m, t[g]);
-    inside = slopes.completeOrthogonalDecomposition().pseudoInverse();
+    inside = least_squares(slopes, Eigen::MatrixXd::Identity(3 * samples, 3 * samples));
   }
 };
 
@@ -162,18 +163,18 @@ Points quintic_net(const Boundary& boundary) {
     p[5] = c(1);
     p[1] = p[0] + c.derivative_at(0) / 5;
     p[4] = p[5] - c.derivative_at(1) / 5;
-    Eigen::Matrix<double, samples, 3> rest;
+    Eigen::MatrixXd rest(samples, 3);
     for (int g = 0; g < samples; ++g) {
       Vec3 v = c(f.t[g]);
       for (int m : {0, 1, 4, 5}) v -= bernstein(5, m, f.t[g]) * p[m];
       rest.row(g) = f.root_weight[g] * v;
     }
-    const Eigen::Matrix<double, 2, 3> middle = f.middle * rest;
+    const Eigen::MatrixXd middle = f.middle * rest;
     p[2] = middle.row(0);
     p[3] = middle.row(1);
     for (int m = 0; m <= 5; ++m) net.row(row_of_side(i, 0, m)) = p[m];
   }
-  Eigen::Matrix<double, 3 * samples, 3> rest;
+  Eigen::MatrixXd rest(3 * samples, 3);
   for (int i = 0; i < 3; ++i) {
     const std::array<Vec3, 5> slope = slope_of_net(net, i);  // the inner points still zero
     for (int g = 0; g < samples; ++g) {
@@ -182,7 +183,7 @@ Points quintic_net(const Boundary& boundary) {
       rest.row(i * samples + g) = f.root_weight[g] * v;
     }
   }
-  const Eigen::Matrix<double, 6, 3> inside = f.inside * rest;
+  const Eigen::MatrixXd inside = f.inside * rest;
   for (int k = 0; k < 6; ++k) net.row(f.inner_row[k]) = inside.row(k);
   return net;
 }

@@ -1,0 +1,24 @@
+// Small dense systems of linear equations. Eigen's decompositions are templates that take the compiler up to ten seconds a file:
+// here they are compiled once.
+#pragma once
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
+
+/// The shortest x (n, k) of those with the least |a x - b|, for a (m, n) and b (m, k).
+Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b);
+
+/// The same and the rank of a: pivots below `threshold` times the largest count as zero.
+struct ShortestSolution {
+  Eigen::MatrixXd x;
+  Index rank;
+};
+ShortestSolution shortest_solution(const MatrixRef& a, const MatrixRef& b, double threshold);
+
+/// (x, y) such that x a + y b is nearest to v; the shortest such where a and b are parallel or zero.
+Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v);
+
+}  // namespace tripatch
