@@ -277,9 +277,10 @@ def three_sided(bm, matrix, rims):
 def only_hole(bm, matrix):
     """The mesh's only three-sided hole; UnusableError if there is none, or a choice."""
     rims = selection.all_rims(bm)
+    hidden = any(e.is_boundary and e.hide for e in bm.edges)
     if not rims:
-        raise UnusableError("The mesh has no hole")
-    if len(rims) == 1:
+        raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else "The mesh has no hole")
+    if len(rims) == 1 and not hidden:
         return rims  # the library says what is wrong with it
     found, others = three_sided(bm, matrix, rims)
     if len(found) == 1:
@@ -288,4 +289,9 @@ def only_hole(bm, matrix):
         places = ", ".join(str(min(v.index for v in rim.loop)) for rim in found[:5]) + (", ..." if len(found) > 5 else "")
         raise UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); select the rim of one")
     reasons = "; ".join(f"at vertex {vertex}: {reason}" for vertex, reason in others[:3]) + ("; ..." if len(others) > 3 else "")
-    raise UnusableError(f"None of the {len(rims)} holes has three corners: {reasons}")
+    none = (
+        "No visible hole can be filled as it is, and others are hidden"
+        if hidden
+        else f"None of the {len(rims)} holes can be filled"
+    )
+    raise UnusableError(f"{none}: {reasons}")

@@ -1,5 +1,7 @@
 """What cannot be filled is refused in a sentence that names the place, and the mesh is left as it was, to the bit."""
 
+import contextlib
+
 import bmesh
 import bpy
 import numpy as np
@@ -57,6 +59,69 @@ def test_nothing_selected_and_a_choice(refusal):
     sentence = refusal(ob)
     assert "2 holes have three corners" in sentence
     assert "vertices" in sentence
+
+
+def octahedron(*missing):
+    """Without some of its faces; the object is in edit mode with nothing selected."""
+    points = np.vstack([np.eye(3), -np.eye(3)])
+    faces = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]
+    ob = scenes.add_mesh(points, [face for k, face in enumerate(faces) if k not in missing])
+    scenes.edit(ob, mode="EDGE")
+    return ob
+
+
+def test_an_octahedron_without_a_face():
+    ob = octahedron(0)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert sorted(ob.data.polygons[-1].vertices) == [0, 1, 2]
+    assert len(ob.data.polygons) == 8
+    assert not scenes.border_loops(scenes.checked(ob))
+
+
+def test_holes_that_touch_at_a_vertex(refusal):
+    ob = octahedron(0, 2)
+    assert "2 holes have three corners (rims at vertices 0, 2)" in refusal(ob)
+    bm = bmesh.from_edit_mesh(ob.data)
+    scenes.select(bm, edges=[e for e in bm.edges if e.is_boundary])
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not scenes.border_loops(scenes.checked(ob))
+
+
+def test_the_border_of_a_single_face(refusal):
+    ob = scenes.add_mesh(np.eye(3), [[0, 1, 2]])
+    scenes.edit(ob)
+    sentence = refusal(ob)
+    assert "border of a single face" in sentence
+    assert "vertices" in sentence
+
+
+def test_hidden_rims_are_named(refusal):
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob)
+    scenes.select(bm, scenes.border_loops(bm)[0])
+    bpy.ops.mesh.hide()
+    assert "others are hidden" in refusal(ob)
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.hide()
+    assert "The rims of the mesh are hidden" in refusal(ob)
+
+
+def test_a_mesh_that_is_linked_has_no_edit_mode(tmp_path, addon):
+    scenes.add_hole()
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+    with bpy.data.libraries.load(path, link=True) as (_, linked):
+        linked.meshes = ["Hole"]
+    ob = bpy.data.objects.new("Linked", linked.meshes[0])
+    bpy.context.collection.objects.link(ob)
+    bpy.context.view_layer.objects.active = ob
+    with contextlib.suppress(RuntimeError):  # Blender's own sentence
+        bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.context.mode == "OBJECT"
+    with pytest.raises(RuntimeError, match="poll"):
+        fill()
 
 
 def test_a_selected_edge_inside_the_mesh(refusal):
@@ -130,6 +195,21 @@ def test_a_fin_on_the_rim(refusal):
     sentence = refusal(ob)
     assert "3 faces" in sentence
     assert str(loop[0].index) in sentence
+
+
+def test_a_fin_on_a_rim_that_is_not_selected(refusal):
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob)
+    a, b = (v.index for v in scenes.border_loops(bm)[0][:2])
+    bm.verts.ensure_lookup_table()
+    for face, height in (((a, b), 1), ((b, a), -1)):
+        tip = bm.verts.new((0, 0, height))
+        bm.verts.ensure_lookup_table()
+        bm.faces.new([*(bm.verts[v] for v in face), tip])
+    bm.verts.index_update()
+    sentence = refusal(ob)
+    assert "Non-manifold: the edge between vertices" in sentence
+    assert f" {a} " in sentence and f" {b} " in sentence
 
 
 def test_vertices_at_the_same_place(refusal):

@@ -568,7 +568,6 @@ TEST_CASE("a non-manifold edge on the rim, flipped neighbours") {
   m.faces.add(Loop{2, 1, 31});
   CHECK(refused(m).reason == "Non-manifold: the rim edge between vertices 1 and 2 has 3 faces");
   CHECK(refused(m).where == Loop{1, 2});
-
   const auto flipped = [](Index face) {
     Model f = triangular(3, 3, 3);
     std::swap(f.faces.corners[3 * face], f.faces.corners[3 * face + 1]);
@@ -577,7 +576,8 @@ TEST_CASE("a non-manifold edge on the rim, flipped neighbours") {
   // face 2k is at the rim edge from k to k + 1, face 2k + 1 touches the rim in vertex k only
   CHECK(refused(flipped(4)).where == Loop{2, 3});
   CHECK(refused(flipped(4)).reason ==
-        "The faces around the rim disagree in orientation: at vertices 2 and 3 they are turned against the others; make the normals "
+        "The faces around the rim disagree in orientation: at vertices 2 and 3 they are turned against the others; make the "
+        "normals "
         "consistent first");
   CHECK(refused(flipped(5)).where == Loop{2, 12});
   CHECK(refused(flipped(5)).reason.find("turned against its neighbours") != std::string::npos);
@@ -640,7 +640,8 @@ TEST_CASE("the border of a single face is no hole") {
   const Model triangle = model({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   const Model square = model({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}});
   for (const Model& alone : {triangle, square})
-    CHECK(refusal([&] { find_hole(alone.mesh()); }).reason == "The rim is the border of a single face, so no hole");
+    CHECK(refusal([&] { find_hole(alone.mesh()); }).reason ==
+          "The rim is the border of a single face that is joined to no other, so no hole");
 }
 
 TEST_CASE("no or several holes with three corners") {

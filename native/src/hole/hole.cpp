@@ -309,7 +309,7 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
     if (forward + backward == 2) throw Refusal("There is a face on both sides of " + edge() + ", so no hole", {a, b});
     (forward ? along : against).push_back({a, b});
   }
-  if (one_face) throw Refusal("The rim is the border of a single face, so no hole", rim);
+  if (one_face) throw Refusal("The rim is the border of a single face that is joined to no other, so no hole", rim);
   const std::string advice = "; make the normals consistent first";
   if (!along.empty() && !against.empty()) {
     Loop where;
@@ -318,8 +318,8 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
     std::sort(where.begin(), where.end());
     where.erase(std::unique(where.begin(), where.end()), where.end());
     throw Refusal("The faces around the rim disagree in orientation: at vertices " +
-                      (where.size() > 8 ? list({where.begin(), where.begin() + 8}) + " and more" : list(where)) + " they are turned against the others" +
-                      advice,
+                      (where.size() > 8 ? list({where.begin(), where.begin() + 8}) + " and more" : list(where)) +
+                      " they are turned against the others" + advice,
                   where);
   }
   for (Index v : rim) {
@@ -336,6 +336,16 @@ Loop check_topology(const FacesAround& around, const Loop& rim) {
           throw Refusal("A face at the rim, at the edge between vertices " + name(v) + " and " + name(*k) +
                             ", is turned against its neighbours" + advice,
                         {v, *k});
+    std::vector<Index> ends;  // of edges from v, once for every face
+    std::merge(out.begin(), out.end(), in.begin(), in.end(), std::back_inserter(ends));
+    for (auto k = ends.begin(); k != ends.end();) {
+      const auto end = std::upper_bound(k, ends.end(), *k);
+      if (end - k > 2 && std::binary_search(sorted.begin(), sorted.end(), *k))
+        throw Refusal("Non-manifold: the edge between vertices " + name(v) + " and " + name(*k) + " of the rim has " +
+                          name(end - k) + " faces",
+                      {v, *k});
+      k = end;
+    }
   }
   Loop turned = rim;
   if (!along.empty()) std::reverse(turned.begin(), turned.end());

@@ -1,0 +1,185 @@
+"""Bad input, from Python and on the command line: a sentence with the place and nothing changed, or a right result."""
+
+import numpy as np
+import pytest
+import tripatch
+from shapes import octant
+from tripatch import __main__ as cli
+from tripatch import words
+
+OCTAHEDRON = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]], float)
+EIGHT = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]
+THREE = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.9, 0], [0.5, -0.9, 0.3], [1.4, 0.9, 0.3], [-0.4, 0.9, 0.3]])
+
+
+def polygon(count, edges=4):
+    """(count * edges, 2) points round a polygon; two corners: a lens."""
+    if count == 2:
+        turn = np.linspace(np.pi / 4, 3 * np.pi / 4, 9)[:-1]
+        arc = np.column_stack([np.cos(turn), np.sin(turn) - np.sqrt(0.5)])
+        return np.vstack([arc, -arc])
+    turn = np.arange(count) * 2 * np.pi / count
+    corners = np.column_stack([np.cos(turn), np.sin(turn)])
+    steps = np.arange(edges)[:, None] / edges
+    return np.vstack([a + (b - a) * steps for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)])
+
+
+def around(inner, height=0.2):
+    """Rings of quads on a bowl round a closed line, whose points come first."""
+    n, following = len(inner), (np.arange(len(inner)) + 1) % len(inner)
+    points = np.vstack([inner * s for s in (1, 1.3, 1.7, 2.2)])
+    k = np.arange(n)
+    quads = np.vstack([np.column_stack([k, k + n, following + n, following]) + r * n for r in range(3)])
+    return np.column_stack([points, height * (points**2).sum(axis=1)]), quads.tolist()
+
+
+def octant_with(change):
+    """An open octant whose vertices, faces or rim `change` spoils; `beside` is the face beside the rim's first edge."""
+    vertices, faces, rim = octant()
+    beside = next(f for f, face in enumerate(faces) if {rim[0], rim[1]} <= set(face))
+    change(vertices, faces, rim, beside)
+    return vertices, faces, {"rim": rim}
+
+
+def put(k, value):
+    return octant_with(lambda v, faces, rim, beside: v.__setitem__(rim[k], value))
+
+
+def with_fins():
+    """Two more faces at a rim edge: the border goes round them."""
+    vertices, faces, rim = octant()
+    n, (a, b) = len(vertices), rim[:2]
+    tips = vertices[[a, b]] * 1.5
+    return np.vstack([vertices, tips]), [*faces, [a, b, n], [b, a, n + 1]], {"rim": rim}
+
+
+def flip(v, faces, rim, beside):
+    faces[beside] = faces[beside][::-1]
+
+
+def double(v, faces, rim, beside):
+    faces.append(faces[beside])
+
+
+def merge(a, b):
+    def change(v, faces, rim, beside):
+        v[rim[a]] = v[rim[b]]
+
+    return octant_with(change)
+
+
+def soup():
+    vertices, faces, _ = octant(4)
+    return vertices[np.array(faces)].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3).tolist(), {}
+
+
+REFUSED = {
+    "no hole": ((OCTAHEDRON, EIGHT, {}), "No hole: the mesh has no border", False),
+    "nothing": ((np.zeros((0, 3)), [], {}), "No hole: the mesh has no border", False),
+    "two corners": ((*around(polygon(2)), {"rim": range(16)}), "Rim has 2 corners; select three", True),
+    "four corners": ((*around(polygon(4)), {}), "Rim has 4 corners; select three", True),
+    "five corners": ((*around(polygon(5)), {}), "Rim has 5 corners; select three", True),
+    "round": ((*around(polygon(24, 1)), {}), "Rim has no clear corners; select three", True),
+    "a corner elsewhere": ((*around(polygon(24, 1)), {"corners": [0, 8, 30]}), "Corner vertex 30 is not on the rim", True),
+    "two holes that touch": ((OCTAHEDRON, EIGHT[1:2] + EIGHT[3:], {}), "2 holes have three corners", True),
+    "a vertex twice": (octant_with(lambda v, f, rim, b: rim.insert(3, rim[2])), "twice", True),
+    "non-manifold": (with_fins(), "Non-manifold: the rim edge", True),
+    "non-manifold, rim not given": ((*with_fins()[:2], {}), "Non-manifold: the edge between vertices", True),
+    "a face on both sides": (octant_with(double), "a face on both sides", True),
+    "flipped": (octant_with(flip), "make the normals consistent first", True),
+    "no length": (merge(4, 5), "has no length; merge them first", True),
+    "the same place": (merge(4, 9), "at the same place", True),
+    "nan": (put(3, np.nan), "no finite position", True),
+    "infinity": (put(3, np.inf), "no finite position", True),
+    "no area": ((THREE[[0, 1, 2, 0, 1, 2]], [[1, 0, 3], [2, 1, 4], [0, 2, 5]], {"rim": [0, 1, 2]}), "no area", True),
+    "one triangle": ((THREE[:3], [[0, 1, 2]], {}), "border of a single face", True),
+    "vertices not merged": (soup(), "border of a single face", True),
+    "one triangle at a rim of three": ((THREE[:4], [[1, 0, 3]], {"rim": [0, 1, 2]}), "no face beside the rim edge", True),
+}
+
+
+def far(value):
+    vertices, faces, rim = octant()
+    n = len(vertices)
+    return np.vstack([vertices, [[9, 9, 9], [10, 9, 9], [9, 10, value]]]), [*faces, [n, n + 1, n + 2]], {"rim": rim}
+
+
+def moved(matrix):
+    vertices, faces, rim = octant()
+    return vertices @ np.transpose(matrix), faces, {"rim": rim}
+
+
+FILLED = {
+    "three edges": ((OCTAHEDRON, EIGHT[1:], {}), {0, 1, 2}),
+    "one of two holes that touch": ((OCTAHEDRON, EIGHT[1:2] + EIGHT[3:], {"rim": [2, 1, 0]}), {0, 1, 2}),
+    "round with corners": ((*around(polygon(24, 1)), {"corners": [0, 8, 16]}), {0, 8, 16}),
+    "nan far away": (far(np.nan), None),
+    "a plane": ((*around(polygon(3), 0), {}), {0, 4, 8}),
+    "three triangles": ((THREE, [[1, 0, 3], [2, 1, 4], [0, 2, 5]], {"corners": [0, 1, 2]}), {0, 1, 2}),
+    "tiny": (moved(1e-6 * np.eye(3)), None),
+    "huge": (moved(1e6 * np.eye(3)), None),
+    "shear": (moved([[1, 0.8, 0], [0, 1, 0], [0, 0, 1]]), None),
+    "stretched": (moved(np.diag([1, 0.7, 1.5])), None),
+    "ten thousand edges": ((*around(polygon(3, 3333)), {"rim": range(9999), "resolution": 8, "fairing": None}), {0, 3333, 6666}),
+}
+
+
+def on_command_line(tmp_path, capsys, vertices, faces, options):
+    """Exit status, stdout and stderr, and whether OUT was written; IN must stay."""
+    source, out = tmp_path / "in.obj", tmp_path / "out.obj"
+    lines = ["v {!r} {!r} {!r}".format(*map(float, p)) for p in vertices]
+    lines += ["f " + " ".join(str(v + 1) for v in face) for face in faces]
+    source.write_text("\n".join(lines) + "\n")
+    before = source.read_bytes()
+    given = [f"--{name}={','.join(map(str, v)) if np.ndim(v) else v}" for name, v in options.items()]
+    code = cli.main(["fill", str(source), str(out), *given])
+    said = capsys.readouterr()
+    assert source.read_bytes() == before
+    return code, said.out, said.err, out.exists()
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refused(name, tmp_path, capsys):
+    (vertices, faces, options), sentence, has_place = REFUSED[name]
+    options = {key: list(value) for key, value in options.items()}
+    before, lists = vertices.tobytes(), [list(face) for face in faces]
+    with pytest.raises(tripatch.Refusal) as caught:
+        tripatch.fill(vertices, faces, **options)
+    assert sentence in caught.value.reason
+    assert bool(caught.value.where) == has_place
+    assert vertices.tobytes() == before and [list(face) for face in faces] == lists
+
+    code, out, err, written = on_command_line(tmp_path, capsys, vertices, faces, options)
+    assert (code, out, written) == (1, "", False)
+    assert sentence in err
+    assert not has_place or any(str(v) in err.split("vert", 1)[1] for v in caught.value.where)
+
+
+@pytest.mark.parametrize("name", FILLED)
+def test_filled(name, tmp_path, capsys):
+    (vertices, faces, options), corners = FILLED[name]
+    before = vertices.tobytes()
+    fill = tripatch.fill(vertices, faces, **options)
+    assert vertices.tobytes() == before
+    assert corners is None or set(fill.report.corners) == corners
+    assert fill.report.folds == 0
+    assert fill.report.seam_angle_max < 1e-4
+    assert np.isfinite(fill.vertices).all() and np.isfinite(fill.normals).all()
+    loops = [set(loop) for loop in tripatch.find_holes([*faces, *fill.faces])]
+    assert set(fill.rim.tolist()) not in loops
+    directed = {(face[k - 1], face[k]) for face in faces for k in range(len(face))}
+    new = [(face[k - 1], face[k]) for face in fill.faces for k in range(len(face))]
+    assert len(set(new)) == len(new) and not directed & set(new)  # manifold and oriented as the mesh
+    if name == "a plane":
+        assert np.abs(fill.vertices[:, 2]).max(initial=0) < 1e-12
+    if len(vertices) < 1000:
+        code, out, _, written = on_command_line(tmp_path, capsys, vertices, faces, options)
+        assert (code, written) == (0, True)
+        assert out.startswith("Filled 1 hole; seam within ")
+
+
+def test_the_seam_is_never_said_to_be_better_than_the_surroundings_are_known():
+    fill = tripatch.fill(OCTAHEDRON, EIGHT[1:])
+    assert fill.report.seam_angle_max < 1e-4
+    known = f"{fill.report.surroundings_error:.2g} deg"
+    assert words.filled([fill.report] * 2) == f"Filled 2 holes; seam within {known} (surroundings known to {known})"
