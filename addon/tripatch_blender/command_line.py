@@ -18,6 +18,9 @@ EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 _EPILOG = "Exit status: 0 all filled; 3 some were refused, OUT is written; 1 nothing filled, OUT is not written; 2 bad usage."
 
 
+_ADVICE = "name one by --rim or --corners, or fill them by --all"
+
+
 def _indices(text):
     return [int(part) for part in text.split(",")]
 
@@ -150,12 +153,10 @@ def _rims(bm, matrix, arguments):
         rims = selection.all_rims(bm)
         return rims if arguments.outer else _inner(bm, rims, matrix)
     if arguments.object:
-        return filling.only_hole(bm, matrix)
+        return filling.only_hole(bm, matrix, _ADVICE)
     found, _ = filling.three_sided(bm, matrix, selection.all_rims(bm))
     if len(found) > 1:
-        raise selection.UnusableError(
-            f"{len(found)} holes have three corners; name one by --rim or --corners, or fill them by --all"
-        )
+        raise filling.a_choice(found, _ADVICE)
     return found
 
 

@@ -274,8 +274,14 @@ def three_sided(bm, matrix, rims):
     return found, others
 
 
-def only_hole(bm, matrix):
-    """The mesh's only three-sided hole; UnusableError if there is none, or a choice."""
+def a_choice(found, advice):
+    """UnusableError for several holes of which one is meant."""
+    places = ", ".join(str(min(v.index for v in rim.loop)) for rim in found[:5]) + (", ..." if len(found) > 5 else "")
+    return UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); {advice}")
+
+
+def only_hole(bm, matrix, advice="select the rim of one"):
+    """The mesh's only three-sided hole; UnusableError if there is none, or a choice: how to choose is the advice."""
     rims = selection.all_rims(bm)
     hidden = any(e.is_boundary and e.hide for e in bm.edges)
     if not rims:
@@ -286,8 +292,7 @@ def only_hole(bm, matrix):
     if len(found) == 1:
         return found
     if found:
-        places = ", ".join(str(min(v.index for v in rim.loop)) for rim in found[:5]) + (", ..." if len(found) > 5 else "")
-        raise UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); select the rim of one")
+        raise a_choice(found, advice)
     reasons = "; ".join(f"at vertex {vertex}: {reason}" for vertex, reason in others[:3]) + ("; ..." if len(others) > 3 else "")
     none = (
         "No visible hole can be filled as it is, and others are hidden"

@@ -32,8 +32,9 @@ void bind_bezier(py::module_& m) {
   py::class_<BezierTriangle, Surface, std::shared_ptr<BezierTriangle>>(
       m, "BezierTriangle", "A polynomial surface over the triangle, by its control net.")
       .def(py::init([](const Array& net) { return std::make_shared<BezierTriangle>(points_from(net)); }))
-      .def_property_readonly("degree", &BezierTriangle::degree)
-      .def_property_readonly("net", [](const BezierTriangle& b) { return array_from(b.net()); })
+      .def_property_readonly("degree", &BezierTriangle::degree, "n")
+      .def_property_readonly(
+          "net", [](const BezierTriangle& b) { return array_from(b.net()); }, "((n + 1) (n + 2) / 2, 3) control points.")
       .def("elevated", &BezierTriangle::elevated, "The same surface, one degree higher.")
       .def("_derivative",
            [](const BezierTriangle& b, const std::array<double, 3>& d) { return b.derivative(Vec3(d[0], d[1], d[2])); })
@@ -48,15 +49,17 @@ void bind_bezier(py::module_& m) {
         return std::make_shared<BezierRectangle>(flat(net), static_cast<int>(net.shape(0)) - 1,
                                                  static_cast<int>(net.shape(1)) - 1);
       }))
-      .def_property_readonly("degrees", [](const BezierRectangle& b) { return py::make_tuple(b.degree_u(), b.degree_v()); })
-      .def_property_readonly("net", &net_from);
+      .def_property_readonly(
+          "degrees", [](const BezierRectangle& b) { return py::make_tuple(b.degree_u(), b.degree_v()); }, "In u and in v.")
+      .def_property_readonly("net", &net_from, "(m + 1, n + 1, 3) control points.");
   py::class_<NurbsSurface, RectangleSurface, std::shared_ptr<NurbsSurface>>(m, "NurbsSurface",
                                                                             "A NURBS surface of any degrees, knots and weights.")
       .def(py::init([](const Array& points, const std::vector<double>& weights, const std::vector<double>& knots_u,
                        const std::vector<double>& knots_v) {
         return std::make_shared<NurbsSurface>(flat(points), points.shape(0), points.shape(1), weights, knots_u, knots_v);
       }))
-      .def_property_readonly("degrees", [](const NurbsSurface& s) { return py::make_tuple(s.degree_u(), s.degree_v()); });
+      .def_property_readonly(
+          "degrees", [](const NurbsSurface& s) { return py::make_tuple(s.degree_u(), s.degree_v()); }, "In u and in v.");
 
   py::reinterpret_borrow<py::class_<Side>>(m.attr("Side"))
       .def(py::init([](const BezierTriangle& surface, int edge, bool reversed) { return side_of(surface, edge, reversed); }))

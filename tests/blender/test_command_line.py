@@ -129,6 +129,7 @@ def test_all_leaves_the_outer_border_unless_asked(run):
     status, out, err = run()
     assert status == 1
     assert "2 holes have three corners" in err
+    assert "name one by --rim or --corners, or fill them by --all" in err
     status, out, _ = run("--all")
     assert status == 0
     assert "Filled 2 holes" in out

@@ -379,7 +379,7 @@ def test_undo_brings_back_every_bit_and_redo_the_surface():
     assert state() == after
 
 
-def test_it_is_in_the_menus():
+def test_both_operators_are_in_the_menus():
     assert smooth.get_rna_type().name == "Smooth Triangles"
     for menu in (bpy.types.VIEW3D_MT_edit_mesh_faces, bpy.types.VIEW3D_MT_edit_mesh_context_menu):
         drawn = []
@@ -397,4 +397,4 @@ def test_it_is_in_the_menus():
         for draw in menu._dyn_ui_initialize():
             if draw.__module__.startswith(("tripatch_blender", "bl_ext")):
                 draw(Menu(), bpy.context)
-        assert "mesh.smooth_triangles" in drawn
+        assert {"mesh.fill_three_sided", "mesh.smooth_triangles"} <= set(drawn)

@@ -43,3 +43,14 @@ def test_classes_have_what_the_stub_says(name):
     ]
     missing = [m for m in members if not hasattr(getattr(tripatch, name), m)]
     assert missing == []
+
+
+@pytest.mark.parametrize("name", sorted(set(tripatch.__all__) - {"METHODS"}))
+def test_everything_public_is_described(name):
+    public = getattr(tripatch, name)
+    assert inspect.getdoc(public)
+    members = [m for m in vars(public) if not m.startswith("_")] if inspect.isclass(public) else []
+    undescribed = [m for m in members if not inspect.getdoc(getattr(public, m))]
+    assert undescribed == []
+    if inspect.isfunction(public) and inspect.signature(public).parameters:
+        assert "Args:" in inspect.getdoc(public)

@@ -109,7 +109,8 @@ class Fill:
         self.report = native.report
 
     @functools.cached_property
-    def faces(self) -> list[list[int]]:  # many Python objects: made when first read
+    def faces(self) -> list[list[int]]:
+        """Index lists; 0 .. n-1 are the mesh's own vertices, n .. are `vertices`. Made when first read."""
         offsets, corners = self._native.face_offsets.tolist(), self._native.face_corners.tolist()
         return [corners[a:b] for a, b in itertools.pairwise(offsets)]
 
@@ -457,8 +458,16 @@ def patch(
     alpha: float | None = None,
     fairing: str | None = None,
 ) -> Patch:
-    """A patch from three sides that meet at the corners; side i is opposite corner i. The options are those of `fill`, but
-    nothing is made fair unless `fairing` says how ("auto" and so on).
+    """A patch from three sides that meet at the corners.
+
+    The options are those of `fill`, but nothing is made fair unless `fairing` says how ("auto" and so on). What a person should
+    know of the patch is given as a warning.
+
+    Args:
+        sides: three `Side`s, side i opposite corner i, from corner i + 1 to corner i + 2.
+
+    Returns:
+        A `Patch`, for `evaluate` and `normal` at barycentric coordinates (k, 3).
 
     Raises:
         Refusal: the sides do not meet.
@@ -479,11 +488,16 @@ def patch(
 def blend(
     r0: Patch, r1: Patch, r2: Patch, method: str = "szilvasi_nagy_c1", shape=(0.5, 0.5, 0.5), reading: str = "corrected"
 ) -> Patch:
-    """A patch from three surfaces over one triangle; r_i carries side i.
+    """A patch from three surfaces over one triangle.
 
     Args:
+        r0, r1, r2: `Patch`es; r_i carries side i.
+        method: a name in METHODS that blends surfaces.
         shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
         reading: "corrected", or "as_printed" for the paper's own formula.
+
+    Returns:
+        A `Patch`; of the Szilvasi-Nagy methods a `SzilvasiNagyPatch`.
     """
     if not all(isinstance(r, Patch) for r in (r0, r1, r2)):
         raise TypeError("a blend needs three patches")

@@ -209,7 +209,11 @@ def coons_rectangle(boundary: BezierRectangle, alpha: float | None = None) -> Be
     """The rectangular discrete Coons patch of a net's boundary (Farin and Hansford 1999); its interior points are not read.
 
     Args:
+        boundary: a net of (m + 1, n + 1, 3) control points.
         alpha: None: the discrete Coons patch; else the permanence patch with 4 alpha + 4 beta = 1 (-1/4: the Coons patch again).
+
+    Returns:
+        A `BezierRectangle` with the same boundary.
     """
     if not isinstance(boundary, BezierRectangle):
         raise TypeError("boundary must be a BezierRectangle")
@@ -217,7 +221,12 @@ def coons_rectangle(boundary: BezierRectangle, alpha: float | None = None) -> Be
 
 
 def coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool = False) -> float:
-    """Integral of |x_uv|^2 over the unit triangle (eq. 4; symmetric: summed over the three pairs) or unit square (eq. 1)."""
+    """Integral of |x_uv|^2 over the unit triangle or square, in units of length squared (Arnal and Lluch, eq. 4 and 1).
+
+    Args:
+        surface: a `BezierTriangle` or `BezierRectangle`.
+        symmetric: over the triangle: summed over the three pairs of coordinates.
+    """
     if not isinstance(surface, (BezierTriangle, BezierRectangle)):
         raise TypeError("surface must be a BezierTriangle or a BezierRectangle")
     return _native._coons_energy(surface, bool(symmetric))
