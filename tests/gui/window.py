@@ -136,13 +136,13 @@ def story():
     yield
     yield
     w.picture("blender-face-menu.png")
-    w.move(590, 295)  # its last entry
+    w.move(590, 295)  # Fill Three-Sided Hole
     yield
     w.click(590, 295)
     yield
     yield
     filled = counts()
-    assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_three_sided", "the Face menu ends with the operator"
+    assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_three_sided", "the entry of the Face menu fills"
     assert filled[1] == 0, f"{filled[1]} border edges are left"
     assert filled[0] > before[0]
 
