@@ -120,10 +120,7 @@ bool is_faired(const FillOptions& options, const RibbonOptions& ribbons) {
 }
 
 /// The method's patch; its warnings and the path of an optimal lambda go into the report.
-SurfacePtr construct(const Method& method, const RibbonOptions& ribbons, const Boundary& boundary, const FillOptions& options,
-                     Report& report) {
-  MethodOptions own = options.own;
-  own.to_be_faired = is_faired(options, ribbons);
+SurfacePtr construct(const Method& method, const Boundary& boundary, MethodOptions own, Report& report) {
   own.warnings = &report.warnings;
   SurfacePtr patch = method.from_boundary(boundary, own);
   if (const auto blend = std::dynamic_pointer_cast<const SzilvasiNagy>(patch))
@@ -131,12 +128,13 @@ SurfacePtr construct(const Method& method, const RibbonOptions& ribbons, const B
   return patch;
 }
 
-void make_fair(const Method& method, const RibbonOptions& ribbons, const Continuity& continuity, const Boundary& boundary,
-               const FillOptions& options, Fill& fill) {
+/// The patch of a fill's sides, made fair from the start that the options of the method say.
+void make_patch(const Method& method, const RibbonOptions& ribbons, const Continuity& continuity, const FillOptions& options,
+                const MethodOptions& own, Fill& fill) {
+  const Boundary boundary = make_boundary(fill.sides, ribbons);
+  fill.patch = construct(method, boundary, own, fill.report);
   if (!is_faired(options, ribbons)) return;
   FairingOptions fairing;
-  MethodOptions own = options.own;
-  own.to_be_faired = true;
   fairing.energy = options.fairing;
   for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
   fairing.curvature = continuity.followed;
@@ -148,6 +146,26 @@ void make_fair(const Method& method, const RibbonOptions& ribbons, const Continu
   fill.report.energy_before = fair_result.before;
   fill.report.energy_after = fair_result.after;
   for (std::string& warning : fair_result.warnings) fill.report.warnings.push_back(std::move(warning));
+}
+
+/// The same; where a patch made fair from curved rays folds, the one from plain rays is taken if it folds less.
+void make_patch(const Method& method, const RibbonOptions& ribbons, const Continuity& continuity, const FillOptions& options,
+                Fill& fill) {
+  MethodOptions own = options.own;
+  own.to_be_faired = is_faired(options, ribbons);
+  const Report empty = fill.report;
+  make_patch(method, ribbons, continuity, options, own, fill);
+  if (!own.to_be_faired) return;
+  const Index folds = count_folds(*fill.patch, fill.sides);
+  if (folds == 0) return;
+  own.to_be_faired = false;
+  Fill plain;
+  plain.sides = fill.sides;
+  plain.report = empty;
+  make_patch(method, ribbons, continuity, options, own, plain);
+  if (count_folds(*plain.patch, plain.sides) >= folds) return;
+  fill.patch = std::move(plain.patch);
+  fill.report = std::move(plain.report);
 }
 
 void meet_curvature(const Continuity& continuity, Fill& fill) {
@@ -173,11 +191,9 @@ std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, con
     made.sides = sides;
     const Continuity continuity = resolve_continuity(options.continuity, method, sides);
     const RibbonOptions ribbons = ribbon_options(options, continuity);
-    const Boundary boundary = make_boundary(sides, ribbons);
     FillOptions wanted = options;
     if (wanted.fairing == "auto") wanted.fairing = fairing;
-    made.patch = construct(method, ribbons, boundary, wanted, made.report);
-    make_fair(method, ribbons, continuity, boundary, wanted, made);
+    make_patch(method, ribbons, continuity, wanted, made);
     meet_curvature(continuity, made);
     return made;
   };
@@ -293,8 +309,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const Continuity continuity = resolve_continuity(options.continuity, method, result.sides);
   const RibbonOptions ribbons = ribbon_options(options, continuity);
   const Boundary boundary = make_boundary(result.sides, ribbons);
-  result.patch = construct(method, ribbons, boundary, options, result.report);
-  make_fair(method, ribbons, continuity, boundary, options, result);
+  make_patch(method, ribbons, continuity, options, result);
   meet_curvature(continuity, result);
 
   result.rim_barycentric = rim_barycentric(hole, surroundings);

@@ -32,9 +32,7 @@ def _install(archive: str) -> str:
     return "tripatch_blender"
 
 
-@pytest.fixture(scope="session", autouse=True)
-def addon():
-    """The enabled add-on: its Python module."""
+def _enable() -> str:
     archive = os.environ.get("TRIPATCH_ZIP")
     if archive:
         name = _install(archive)
@@ -43,8 +41,17 @@ def addon():
         name = "tripatch_blender"
         addon_utils.enable(name)
     assert addon_utils.check(name)[1], f"{name} could not be enabled"
-    yield sys.modules[name]
-    addon_utils.disable(name)  # a class that is still registered hangs bpy 4.5 at exit
+    return name
+
+
+ADDON = _enable()  # before the tests are read: they import the package that the add-on brings
+
+
+@pytest.fixture(scope="session", autouse=True)
+def addon():
+    """The enabled add-on: its Python module."""
+    yield sys.modules[ADDON]
+    addon_utils.disable(ADDON)  # a class that is still registered hangs bpy 4.5 at exit
 
 
 @pytest.fixture(autouse=True)

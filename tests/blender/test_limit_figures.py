@@ -134,14 +134,14 @@ def region(bm, selection):
 @pytest.mark.parametrize("change", [None, *cages.CHANGES, everything])
 def test_seam_and_area_of_every_cage(addon, change, kind):
     ob = cages.add_cage(remove=kind == "open", change=change, levels=3)
-    fill = limit_fill(addon, ob, open_rim if kind == "open" else region)
+    fill = limit_fill(addon, ob, open_rim if kind == "open" else region, resolution=4)  # only the patch is looked at
     seam, area = figures(fill)
     print(f"FIGURE {change.__name__ if change else 'smooth'} {kind} seam {seam:.1e} area {area:.2g} folds {fill.report.folds}")
     assert seam < 1e-5
     assert max(fill.report.seam_angle_max_by_side) < 1e-5
     assert area > 1e-3
-    # A crease or a sharp vertex on the rim still folds a few of the points beside it.
-    assert fill.report.folds <= (10 if change in (cages.edge_creases, cages.loose_edge) else 0)
+    # A sharp vertex on the rim still folds a few of the points beside it.
+    assert fill.report.folds <= (12 if change is cages.loose_edge else 0)
 
 
 def corner_region(bm, selection):
@@ -180,4 +180,4 @@ def test_suzanne(addon):
         seam, area = figures(fill)
         print(f"FIGURE suzanne fairing {fairing} rms {distance[fairing]:.2e} of the diameter, seam {seam:.1e} area {area:.2g}")
         assert seam < 1e-5 and area > 1e-3
-    assert distance[None] < 7e-2 and distance["auto"] < 2.5e-2
+    assert distance[None] < 7e-2 and distance["auto"] < 3.5e-2
