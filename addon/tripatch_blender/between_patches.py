@@ -176,11 +176,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if library.missing:
-            cls.poll_message_set(library.missing)
-            return False
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Works in object mode")
+        if not library.poll(cls, context, "OBJECT", "Works in object mode"):
             return False
         objects = _selected(context)
         if len(objects) != 3 and not (len(objects) == 2 and any(ob.type == "MESH" for ob in objects)):

@@ -22,3 +22,11 @@ else:
         from tripatch import words  # noqa: F401
     except ImportError as error:
         missing = f"TriPatch cannot load its library: {error}"
+
+
+def poll(operator, context, mode, sentence):
+    """Whether an operator can run; Blender shows the reason if not."""
+    if missing or context.mode != mode:
+        operator.poll_message_set(missing or sentence)
+        return False
+    return True

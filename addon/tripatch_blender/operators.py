@@ -136,13 +136,7 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if library.missing:
-            cls.poll_message_set(library.missing)
-            return False
-        if context.mode != "EDIT_MESH":
-            cls.poll_message_set("Works on a mesh in edit mode")
-            return False
-        return True
+        return library.poll(cls, context, "EDIT_MESH", "Works on a mesh in edit mode")
 
     def draw(self, context):
         row = self.panel()

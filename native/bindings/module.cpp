@@ -348,29 +348,16 @@ PYBIND11_MODULE(_native, m) {
   m.def("_patch",
         [](const Sides& sides, const std::string& method, CrossBoundary cross_boundary, const std::array<double, 3>& bulge,
            const std::array<std::string, 3>& asked, const py::dict& own, const std::string& fairing) {
-          std::vector<std::string> warnings;
-          MethodOptions options = method_options_from(own);
-          options.warnings = &warnings;
-          py::gil_scoped_release release;
-          const Method& chosen = find_method(method);
-          if (!chosen.from_boundary) throw InvalidArgument(method + " joins three surfaces; use tripatch.blend");
-          const Continuity continuity = resolve_continuity(asked, chosen, sides);
-          const RibbonOptions ribbons = {cross_boundary, bulge, continuity.tangent};
-          options.to_be_faired = !fairing.empty() && fairing != "none";
-          auto [boundary, patch] = build(chosen, sides, ribbons, options);
-          options.warnings = nullptr;
-          if (options.to_be_faired) {
-            FairingOptions wanted;
-            wanted.energy = fairing;
-            for (int i = 0; i < 3; ++i) wanted.slopes_free[i] = bulge[i] == 1;
-            wanted.curvature = continuity.followed;
-            wanted.rebuild = [&](const Sides& even) { return build(chosen, even, ribbons, options); };
-            wanted.folds = [&](const Surface& surface) { return count_folds(surface, sides); };
-            patch = fair(patch, sides, boundary, wanted).patch;
-          }
-          const std::array<bool, 3>& exact = continuity.curvature;
-          if (exact[0] || exact[1] || exact[2]) patch = meet_curvature(patch, sides, exact);
-          return std::make_pair(std::const_pointer_cast<Surface>(patch), warnings);
+          FillOptions options;
+          options.method = method;
+          options.cross_boundary = cross_boundary;
+          options.bulge = bulge;
+          options.continuity = asked;
+          options.own = method_options_from(own);
+          options.fairing = fairing;
+          const py::gil_scoped_release release;
+          MadePatch made = make_patch(sides, options);
+          return std::make_pair(std::const_pointer_cast<Surface>(made.patch), std::move(made.report.warnings));
         });
   m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,
                          const std::optional<int>& resolution) {

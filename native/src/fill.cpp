@@ -84,14 +84,6 @@ Points rim_barycentric(const Hole& hole, const Surroundings& surroundings) {
   return out;
 }
 
-RibbonOptions ribbon_options(const FillOptions& options, const Continuity& continuity) {
-  RibbonOptions ribbons;
-  ribbons.cross_boundary = options.cross_boundary;
-  ribbons.bulge = options.bulge;
-  ribbons.tangent = continuity.tangent;
-  return ribbons;
-}
-
 /// The faces as faces of the mesh (the rim's vertices reused) or, with a border, as a mesh of their own.
 void take(const Cover& cover, const Points& border, const std::vector<Index>& rim, Index n, Fill& fill) {
   fill.rim = rim;
@@ -113,13 +105,6 @@ void take(const Cover& cover, const Points& border, const std::vector<Index>& ri
   for (Index& v : fill.faces.corners) v = index[v];
 }
 
-/// "auto" leaves fills alone that meet their surroundings in position only.
-bool is_faired(const FillOptions& options, const RibbonOptions& ribbons) {
-  if (options.fairing == "auto") return ribbons.tangent[0] && ribbons.tangent[1] && ribbons.tangent[2];
-  return !options.fairing.empty() && options.fairing != "none";
-}
-
-/// The method's patch; its warnings and the path of an optimal lambda go into the report.
 SurfacePtr construct(const Method& method, const Boundary& boundary, MethodOptions own, Report& report) {
   own.warnings = &report.warnings;
   SurfacePtr patch = method.from_boundary(boundary, own);
@@ -128,49 +113,37 @@ SurfacePtr construct(const Method& method, const Boundary& boundary, MethodOptio
   return patch;
 }
 
-/// The patch of a fill's sides, made fair from the start that the options of the method say.
-void make_patch(const Method& method, const RibbonOptions& ribbons, const Continuity& continuity, const FillOptions& options,
-                const MethodOptions& own, Fill& fill) {
-  const Boundary boundary = make_boundary(fill.sides, ribbons);
-  fill.patch = construct(method, boundary, own, fill.report);
-  if (!is_faired(options, ribbons)) return;
-  FairingOptions fairing;
-  fairing.energy = options.fairing;
-  for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
-  fairing.curvature = continuity.followed;
-  fairing.rebuild = [&](const Sides& sides) { return build(method, sides, ribbons, own); };
-  fairing.folds = [&](const Surface& patch) { return count_folds(patch, fill.sides); };
-  FairResult fair_result = fair(fill.patch, fill.sides, boundary, fairing);
-  fill.patch = std::move(fair_result.patch);
-  fill.report.fairing = fair_result.energy;
-  fill.report.energy_before = fair_result.before;
-  fill.report.energy_after = fair_result.after;
-  for (std::string& warning : fair_result.warnings) fill.report.warnings.push_back(std::move(warning));
-}
-
-/// The same; where a patch made fair from curved rays folds, the one from plain rays is taken if it folds less.
-void make_patch(const Method& method, const RibbonOptions& ribbons, const Continuity& continuity, const FillOptions& options,
-                Fill& fill) {
-  MethodOptions own = options.own;
-  own.to_be_faired = is_faired(options, ribbons);
-  const Report empty = fill.report;
-  make_patch(method, ribbons, continuity, options, own, fill);
-  if (!own.to_be_faired) return;
-  const Index folds = count_folds(*fill.patch, fill.sides);
-  if (folds == 0) return;
-  own.to_be_faired = false;
-  Fill plain;
-  plain.sides = fill.sides;
-  plain.report = empty;
-  make_patch(method, ribbons, continuity, options, own, plain);
-  if (count_folds(*plain.patch, plain.sides) >= folds) return;
-  fill.patch = std::move(plain.patch);
-  fill.report = std::move(plain.report);
-}
-
-void meet_curvature(const Continuity& continuity, Fill& fill) {
-  if (continuity.curvature[0] || continuity.curvature[1] || continuity.curvature[2])
-    fill.patch = meet_curvature(fill.patch, fill.sides, continuity.curvature);
+/// The patch, made fair or not, from the start that the options of the method say.
+MadePatch make_patch(const Sides& sides, const Method& method, const Continuity& continuity, const FillOptions& options,
+                     const MethodOptions& own, bool faired) {
+  const RibbonOptions ribbons = {options.cross_boundary, options.bulge, continuity.tangent};
+  const Boundary boundary = make_boundary(sides, ribbons);
+  MadePatch made;
+  made.corner_mismatch_deg = boundary.corner_mismatch_deg;
+  made.patch = construct(method, boundary, own, made.report);
+  std::optional<Index> folds;
+  if (faired) {
+    FairingOptions fairing;
+    fairing.energy = options.fairing;
+    for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
+    fairing.curvature = continuity.followed;
+    fairing.rebuild = [&](const Sides& others) { return build(method, others, ribbons, own); };
+    fairing.folds = [&](const Surface& patch) { return count_folds(patch, sides); };
+    FairResult result = fair(made.patch, sides, boundary, fairing);
+    made.patch = std::move(result.patch);
+    made.report.fairing = result.energy;
+    made.report.energy_before = result.before;
+    made.report.energy_after = result.after;
+    for (std::string& warning : result.warnings) made.report.warnings.push_back(std::move(warning));
+    folds = result.folds;
+  }
+  const std::array<bool, 3>& exact = continuity.curvature;
+  if (exact[0] || exact[1] || exact[2]) {
+    made.patch = meet_curvature(made.patch, sides, exact);
+    folds.reset();
+  }
+  made.report.folds = folds ? *folds : count_folds(*made.patch, sides);
+  return made;
 }
 
 std::string degrees(double angle) {
@@ -185,17 +158,11 @@ LayoutOptions layout_options(const FillOptions& options) {
 }
 
 /// Fills as cages, fitted together; their reports have the seams between the limit surfaces.
-std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, const FillOptions& options, const Method& method) {
+std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, const FillOptions& options) {
   const auto patch_on = [&](const Sides& sides, const std::string& fairing) {
-    Fill made;
-    made.sides = sides;
-    const Continuity continuity = resolve_continuity(options.continuity, method, sides);
-    const RibbonOptions ribbons = ribbon_options(options, continuity);
     FillOptions wanted = options;
     if (wanted.fairing == "auto") wanted.fairing = fairing;
-    make_patch(method, ribbons, continuity, wanted, made);
-    meet_curvature(continuity, made);
-    return made;
+    return make_patch(sides, wanted);
   };
   // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
   // sharply behind it, and no cage follows. Elsewhere curvature shall vary least.
@@ -203,12 +170,14 @@ std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, con
                               : options.replaced.empty()         ? "minimum_variation"
                                                                  : "auto";
   std::vector<Fill> results(holes.size());
+  std::vector<Report> reports(holes.size());
   std::vector<CageRequest> requests;
   for (std::size_t h = 0; h < holes.size(); ++h)
     requests.push_back({holes[h],
-                        [&patch_on, &result = results[h], &fairing](const Sides& sides) {
-                          result = patch_on(sides, fairing);
-                          return result.patch;
+                        [&patch_on, &report = reports[h], &fairing](const Sides& sides) {
+                          MadePatch made = patch_on(sides, fairing);
+                          report = std::move(made.report);
+                          return made.patch;
                         },
                         [&patch_on](const Sides& sides) { return patch_on(sides, "thin_plate").patch; }});
   CageOptions cage_options;
@@ -232,7 +201,7 @@ std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, con
     result.moved = std::move(cage.moved);
     result.moved_to = std::move(cage.moved_to);
     result.creases = std::move(cage.creases);
-    const Report fair = std::move(result.report);
+    const Report& fair = reports[h];
     result.report = std::move(cage.report);
     result.report.fairing = fair.fairing;
     result.report.energy_before = fair.energy_before;
@@ -289,6 +258,22 @@ void finish(const Hole& hole, const std::array<double, 3>& corner_mismatch_deg, 
 
 }  // namespace
 
+MadePatch make_patch(const Sides& sides, const FillOptions& options) {
+  const Method& method = find_method(options.method);
+  if (!method.from_boundary) throw InvalidArgument(options.method + " joins three surfaces; use tripatch.blend");
+  const Continuity continuity = resolve_continuity(options.continuity, method, sides);
+  const std::array<bool, 3>& tangent = continuity.tangent;
+  const bool faired =
+      options.fairing == "auto" ? tangent[0] && tangent[1] && tangent[2] : !options.fairing.empty() && options.fairing != "none";
+  MethodOptions own = options.own;
+  own.to_be_faired = faired;
+  MadePatch made = make_patch(sides, method, continuity, options, own, faired);
+  if (!faired || made.report.folds == 0) return made;
+  own.to_be_faired = false;  // from plain rays
+  MadePatch plain = make_patch(sides, method, continuity, options, own, faired);
+  return plain.report.folds < made.report.folds ? plain : made;
+}
+
 Fill fill(const Mesh& mesh, const FillOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   check_options(options);
@@ -298,7 +283,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
 
   const Hole hole = hole_of(mesh, options);
   if (options.output == "cage") {
-    Fill result = std::move(cages_of(mesh, {hole}, options, method)[0]);
+    Fill result = std::move(cages_of(mesh, {hole}, options)[0]);
     finish(hole, {0, 0, 0}, result.report);
     result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
@@ -306,11 +291,9 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   Surroundings surroundings = surroundings_of(mesh, hole, options);
   Fill result;
   result.sides = surroundings.sides;
-  const Continuity continuity = resolve_continuity(options.continuity, method, result.sides);
-  const RibbonOptions ribbons = ribbon_options(options, continuity);
-  const Boundary boundary = make_boundary(result.sides, ribbons);
-  make_patch(method, ribbons, continuity, options, result);
-  meet_curvature(continuity, result);
+  MadePatch made = make_patch(result.sides, options);
+  result.patch = std::move(made.patch);
+  result.report = std::move(made.report);
 
   result.rim_barycentric = rim_barycentric(hole, surroundings);
   Cover cover;
@@ -333,10 +316,9 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
 
   Report& report = result.report;
   measure_seam(*result.patch, result.sides, report);
-  report.folds = count_folds(*result.patch, result.sides);
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
-  finish(hole, boundary.corner_mismatch_deg, report);
+  finish(hole, made.corner_mismatch_deg, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
@@ -363,7 +345,7 @@ void fill_all_with_cages(const Mesh& mesh, const std::vector<FillOptions>& each,
     const auto start = std::chrono::steady_clock::now();
     try {
       const FillOptions& options = each[place[group[0]]];
-      std::vector<Fill> fills = cages_of(mesh, together, options, find_method(options.method));
+      std::vector<Fill> fills = cages_of(mesh, together, options);
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       for (std::size_t k = 0; k < group.size(); ++k) {
         finish(together[k], {0, 0, 0}, fills[k].report);

@@ -134,6 +134,14 @@ def arrays(ob):
     return state
 
 
+def state(name):
+    """What `arrays` says of an object in edit mode, by name: undo makes new objects."""
+    bpy.ops.object.mode_set(mode="OBJECT")
+    result = arrays(bpy.data.objects[name])
+    bpy.ops.object.mode_set(mode="EDIT")
+    return result
+
+
 def _field(value):
     return next(name for name in ("vector", "color", "value") if hasattr(value, name))
 

@@ -239,21 +239,15 @@ def test_undo_brings_back_every_bit_and_redo_the_fill():
     name = ob.name
     bpy.ops.ed.undo_push(message="before")
 
-    def state():
-        bpy.ops.object.mode_set(mode="OBJECT")
-        result = scenes.arrays(bpy.data.objects[name])
-        bpy.ops.object.mode_set(mode="EDIT")
-        return result
-
-    before = state()
+    before = scenes.state(name)
     bpy.ops.ed.undo_push(message="before")
     assert fill("EXEC_DEFAULT", True) == {"FINISHED"}
-    after = state()
+    after = scenes.state(name)
     assert after != before
     bpy.ops.ed.undo()
-    assert state() == before
+    assert scenes.state(name) == before
     bpy.ops.ed.redo()
-    assert state() == after
+    assert scenes.state(name) == after
 
 
 def test_hidden_faces_are_surroundings_and_hidden_rims_are_left():

@@ -362,21 +362,15 @@ def test_undo_brings_back_every_bit_and_redo_the_surface():
     name = ob.name
     bpy.ops.ed.undo_push(message="before")
 
-    def state():
-        bpy.ops.object.mode_set(mode="OBJECT")
-        result = scenes.arrays(bpy.data.objects[name])
-        bpy.ops.object.mode_set(mode="EDIT")
-        return result
-
-    before = state()
+    before = scenes.state(name)
     bpy.ops.ed.undo_push(message="before")
     assert smooth("EXEC_DEFAULT", True, resolution=3) == {"FINISHED"}
-    after = state()
+    after = scenes.state(name)
     assert after != before
     bpy.ops.ed.undo()
-    assert state() == before
+    assert scenes.state(name) == before
     bpy.ops.ed.redo()
-    assert state() == after
+    assert scenes.state(name) == after
 
 
 def test_both_operators_are_in_the_menus():

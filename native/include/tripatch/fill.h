@@ -61,6 +61,16 @@ struct Fill {
   Report report;
 };
 
+/// A patch from three sides.
+struct MadePatch {
+  SurfacePtr patch;
+  std::array<double, 3> corner_mismatch_deg = {0, 0, 0};  ///< angle between the tangent planes of the two sides at corner i
+  Report report;                                          ///< of fairing, lambda and folds, and warnings
+};
+/// By the options that concern a patch: method, continuity, cross_boundary, bulge, fairing ("auto" leaves patches alone that meet a
+/// side in position only) and the method's own. Where a fair patch folds and one from plain rays folds less, that one is taken.
+MadePatch make_patch(const Sides& sides, const FillOptions& options);
+
 Fill fill(const Mesh& mesh, const FillOptions& options = {});
 
 struct Refused {

@@ -54,22 +54,6 @@ private:
   std::array<PiecewisePolynomial, 3> fields_;
 };
 
-class Sum final : public Surface {
-public:
-  Sum(SurfacePtr patch, Bends bends) : patch_(std::move(patch)), bends_(std::move(bends)) {}
-
-  void evaluate(const double* b, Index n, int order, double* out) const override {
-    patch_->evaluate(b, n, order, out);
-    std::vector<double> added(n * jet_size(order) * 3);
-    bends_.evaluate(b, n, order, added.data());
-    for (std::size_t k = 0; k < added.size(); ++k) out[k] += added[k];
-  }
-
-private:
-  SurfacePtr patch_;
-  Bends bends_;
-};
-
 }  // namespace
 
 double SideForm::across(const Vec3& v) const { return (v - v.dot(dc) / dc.squaredNorm() * dc).squaredNorm(); }
@@ -160,7 +144,7 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
     const double tolerance = largest > 0 ? std::clamp(precision * scale / largest, 1e-9, 1e-2) : 1e-2;
     fields[i] = PiecewisePolynomial::fit(lacking, 3, tolerance, 9, 7);
   }
-  return std::make_shared<Sum>(patch, Bends(std::move(fields)));
+  return sum(patch, std::make_shared<Bends>(std::move(fields)));
 }
 
 double curvature_jump(const Surface& patch, const Sides& sides, const std::array<bool, 3>& marked, int samples, double margin) {

@@ -87,22 +87,6 @@ private:
   Points coefficients_;
 };
 
-class Faired final : public Surface {
-public:
-  Faired(SurfacePtr base, Correction correction) : base_(std::move(base)), correction_(std::move(correction)) {}
-
-  void evaluate(const double* b, Index n, int order, double* out) const override {
-    base_->evaluate(b, n, order, out);
-    std::vector<double> added(n * jet_size(order) * 3);
-    correction_.evaluate(b, n, order, added.data());
-    for (std::size_t k = 0; k < added.size(); ++k) out[k] += added[k];
-  }
-
-private:
-  SurfacePtr base_;
-  Correction correction_;
-};
-
 /// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
 PiecewisePolynomial slope_function(int count, int m) {
   const std::array<double, 3> arch = {0, 2, 0};
@@ -404,7 +388,7 @@ public:
     return true;
   }
 
-  Correction correction(const Eigen::VectorXd& x, const Sides& sides) const {
+  SurfacePtr correction(const Eigen::VectorXd& x, const Sides& sides) const {
     std::array<PiecewisePolynomial, 3> slopes;
     for (int i = 0; i < 3; ++i) {
       const std::array<double, 3> none = {0, 0, 0};
@@ -413,7 +397,7 @@ public:
     }
     Points a(interior_, 3);
     for (int c = 0; c < 3; ++c) a.col(c) = size_ * (shared_.combination * x.segment(c * interior_, interior_));
-    return Correction(std::move(slopes), options_.degree, options_.bends, std::move(a));
+    return std::make_shared<Correction>(std::move(slopes), options_.degree, options_.bends, std::move(a));
   }
 
 private:
@@ -773,17 +757,17 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     if (result.iterations > 0) tried.emplace(tried.begin(), x, value.energy);
   }
   result.after = result.before;
-  Index allowed = -1;  // folds of the base, counted only when needed
   for (const auto& [x, e] : tried) {
     if (!(e <= result.before)) continue;
-    const SurfacePtr patch = std::make_shared<Faired>(base, problem.correction(x, sides));
+    const SurfacePtr patch = sum(base, problem.correction(x, sides));
     if (options.folds) {
       const Index folds = options.folds(*patch);
-      if (folds > 0 && allowed < 0) allowed = options.folds(*base);
-      if (folds > 0 && folds > allowed) {
+      if (folds > 0 && !result.folds) result.folds = options.folds(*base);  // counted only when needed
+      if (folds > 0 && folds > *result.folds) {
         result.warnings.push_back("The fairest patch would fold over itself; a less fair one is used");
         continue;
       }
+      result.folds = folds;
     }
     result.patch = patch;
     result.after = e;

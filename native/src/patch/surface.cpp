@@ -11,6 +11,27 @@ namespace {
 using RowMajorB = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 }
 
+namespace {
+
+class Sum final : public Surface {
+public:
+  Sum(SurfacePtr a, SurfacePtr b) : a_(std::move(a)), b_(std::move(b)) {}
+
+  void evaluate(const double* b, Index n, int order, double* out) const override {
+    a_->evaluate(b, n, order, out);
+    std::vector<double> added(n * jet_size(order) * 3);
+    b_->evaluate(b, n, order, added.data());
+    for (std::size_t k = 0; k < added.size(); ++k) out[k] += added[k];
+  }
+
+private:
+  SurfacePtr a_, b_;
+};
+
+}  // namespace
+
+SurfacePtr sum(SurfacePtr a, SurfacePtr b) { return std::make_shared<Sum>(std::move(a), std::move(b)); }
+
 Points Surface::positions(const PointsRef& b) const {
   Points out(b.rows(), 3);
   evaluate(RowMajorB(b).data(), b.rows(), 0, out.data());

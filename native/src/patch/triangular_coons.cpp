@@ -2,16 +2,14 @@
 
 #include <utility>
 
+#include "tripatch/patch/curve_surface.h"
+
 namespace tripatch {
 namespace {
 
-class TriangularCoons final : public JetSurface<TriangularCoons> {
+class TriangularCoons final : public CurveSurface<TriangularCoons> {
 public:
-  explicit TriangularCoons(std::array<PiecewisePolynomial, 3> curves) : curves_(std::move(curves)) {
-    for (int i = 0; i < 3; ++i) corner_[i] = curves_[(i + 2) % 3](0);
-  }
-
-  Vec3 corner(int i) const override { return corner_[i]; }
+  using CurveSurface::CurveSurface;
 
   template <int N>
   JetPoint<N> at(const Barycentric<N>& b) const {
@@ -23,16 +21,11 @@ public:
     }
     return p;
   }
-
-private:
-  std::array<PiecewisePolynomial, 3> curves_;
-  std::array<Vec3, 3> corner_;
 };
 
 }  // namespace
 
 SurfacePtr triangular_coons(std::array<PiecewisePolynomial, 3> curves) {
-  check_curves(curves);
   return std::make_shared<TriangularCoons>(std::move(curves));
 }
 

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ struct FairResult {
   double before = 0;   ///< its value for the patch that was given
   double after = 0;
   int iterations = 0;
+  std::optional<Index> folds;  ///< of `patch`, where they had to be counted
   std::vector<std::string> warnings;
 };
 

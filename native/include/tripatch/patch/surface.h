@@ -30,6 +30,8 @@ public:
 };
 
 using SurfacePtr = std::shared_ptr<const Surface>;
+/// a + b, point by point.
+SurfacePtr sum(SurfacePtr a, SurfacePtr b);
 
 /// A surface whose formula is 0/0 at the three vertices and, where the data disagree, a cone beside them, so that derivatives of
 /// order m lose digits like 1 / rho^m at the distance rho. Position is the formula's own (at a vertex the corner); derivatives of
