@@ -32,8 +32,8 @@ def measure(hole: holes.Hole, options: dict) -> dict:
         "triangles": len(faces),
         "seam": metrics.seam(fill.patch, fill.sides),
         "surroundings": fill.report.surroundings_error,
-        "limit": metrics.rms(metrics.angle(normals, hole.normals)),
-        "exact": metrics.rms(metrics.angle(exact, hole.normals)),
+        "limit": metrics.rms(metrics.angle(normals, hole.rim_normals)),
+        "exact": metrics.rms(metrics.angle(exact, hole.rim_normals)),
         "folds": fill.report.folds,
         "mesh_folds": metrics.mesh_folds(vertices, faces),
     }

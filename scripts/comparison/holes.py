@@ -1,4 +1,5 @@
-"""Ten three-sided holes whose true surface or surroundings are known exactly, each meshed at any density.
+"""Three-sided holes whose true surface or surroundings are known exactly, each meshed at any density: ten (ANALYTIC and Suzanne),
+and ten more that nothing was tuned to (FURTHER).
 
 Every case is a `Hole`: four rings of triangles around an open hole with n edges a side (case `irregular`: 40/10/5 at n = 16).
 Sides run from corner 0 to 1, 1 to 2 and 2 to 0 in this file, in the direction in which new faces traverse the rim.
@@ -6,6 +7,7 @@ Sides run from corner 0 to 1, 1 to 2 and 2 to 0 in this file, in the direction i
 
 from __future__ import annotations
 
+import functools
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -13,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 RINGS = 4
 SUZANNE_LEVELS = {8: 2, 16: 3, 32: 4}
@@ -26,8 +29,15 @@ class Hole:
     faces: np.ndarray  # (m, 3)
     rim: np.ndarray  # vertex indices from corner 0 on
     corners: np.ndarray  # vertex indices
-    normals: np.ndarray  # (len(rim), 3) true unit normals
+    normals: np.ndarray  # (n, 3) true unit normals of the vertices
     nearest: Callable | None = None  # (k, 3) -> nearest points of the true surface; None: no truth inside
+
+    strip: Callable | None = None  # (i, s, d) -> points and normals at a distance d, in its own measure, outside side i
+    counts: tuple = ()  # edges of the sides
+
+    @property
+    def rim_normals(self) -> np.ndarray:
+        return self.normals[self.rim]
 
     @property
     def diameter(self) -> float:
@@ -42,41 +52,41 @@ def unit(v):
 # ------------------------------------------------------------------------------------------------------- meshing the strips
 
 
-def _mesh(name, counts, side, strip, step, *, gap=False, spacing=lambda i, t: t, nearest=None) -> Hole:
+def _mesh(name, counts, strip, step, *, gap=False, spacing=lambda i, t: t, nearest=None) -> Hole:
     """The surroundings as three strips.
 
-    side(i, s) -> points and true normals; strip(i, s, d) -> points at distance d (in its own measure) outside side i, in rings of
-    `step`. gap: the strips leave each other at the corners, and a flat quadrant joins them; else they share their ends.
+    strip(i, s, d) -> points and true normals at distance d (in its own measure) outside side i, in rings of `step`. gap: the strips
+    leave each other at the corners, and a flat quadrant joins them; else they share their ends.
     """
-    points, names, faces = [], {}, []
+    points, normals, names, faces = [], [], {}, []
 
-    def vertex(key, point):
+    def vertex(key, point, normal):
         if key not in names:
             names[key] = len(points)
             points.append(point)
+            normals.append(normal)
         return names[key]
 
-    grids, parameters = [], []
+    grids = []
     for i, m in enumerate(counts):
         s = spacing(i, np.arange(m + 1) / m)
-        rows = [side(i, s)[0]] + [strip(i, s, np.full(m + 1, j * step)) for j in range(1, RINGS + 1)]
+        rows = [strip(i, s, np.full(m + 1, j * step)) for j in range(RINGS + 1)]
         grid = np.empty((m + 1, RINGS + 1), int)
         for k in range(m + 1):
             for j in range(RINGS + 1):
                 corner = (i + (k == m)) % 3
                 shared = k in (0, m) and (j == 0 or not gap)
-                grid[k, j] = vertex(("corner", corner, j) if shared else ("side", i, k, j), rows[j][k])
+                grid[k, j] = vertex(("corner", corner, j) if shared else ("side", i, k, j), rows[j][0][k], rows[j][1][k])
         for k in range(m):
-            middle = strip(i, np.array([(s[k] + s[k + 1]) / 2]), np.array([RINGS * step]))[0]
+            middle = strip(i, np.array([(s[k] + s[k + 1]) / 2]), np.array([RINGS * step]))
             for j in range(RINGS):
                 a, b, c, d = grid[k, j], grid[k + 1, j], grid[k + 1, j + 1], grid[k, j + 1]
                 if j < RINGS - 1:
                     faces += [(b, a, c), (a, d, c)]
                 else:  # the outer border has edges half as long
-                    e = vertex(("outer", i, k), middle)
+                    e = vertex(("outer", i, k), middle[0][0], middle[1][0])
                     faces += [(b, a, e), (c, b, e), (a, d, e)]
         grids.append(grid)
-        parameters.append(s)
     if gap:
         for i in range(3):
             here, there = grids[i][-1], grids[(i + 1) % 3][0]
@@ -87,15 +97,14 @@ def _mesh(name, counts, side, strip, step, *, gap=False, spacing=lambda i, t: t,
                         quadrant[a, b] = here[a] if b == 0 else there[b]
                     else:
                         point = points[here[a]] + points[there[b]] - points[here[0]]
-                        quadrant[a, b] = vertex(("quadrant", i, a, b), point)
+                        quadrant[a, b] = vertex(("quadrant", i, a, b), point, normals[here[0]])
             for a in range(RINGS):
                 for b in range(RINGS):
                     p, q, r, t = quadrant[a, b], quadrant[a + 1, b], quadrant[a, b + 1], quadrant[a + 1, b + 1]
                     faces += [(p, q, r), (r, q, t)]
     rim = np.concatenate([grid[:-1, 0] for grid in grids])
-    normals = np.concatenate([side(i, parameters[i][:-1])[1] for i in range(3)])
     corners = np.array([grid[0, 0] for grid in grids])
-    return Hole(name, np.array(points), np.array(faces), rim, corners, normals, nearest)
+    return Hole(name, np.array(points), np.array(faces), rim, corners, np.array(normals), nearest, strip, tuple(counts))
 
 
 # ------------------------------------------------------------------------------------------- holes in one parametric surface
@@ -124,6 +133,8 @@ def _nearest_on(surface, guess):
                 damping[worse] /= 2
             damping[worse] = 0
             u, v = u + damping * step_u, v + damping * step_v
+            if np.abs(damping * np.stack([step_u, step_v])).max() < 1e-15:
+                break
         return surface(u, v).real
 
     return nearest
@@ -134,15 +145,13 @@ def _in_chart(name, n, surface, corners, nearest, *, counts=None, step, along=No
     corners = np.array(corners, float)
     along = along or (lambda i, s: corners[i] + (corners[(i + 1) % 3] - corners[i]) * s[:, None])
 
-    def side(i, s):
-        at, du, dv = _with_derivatives(surface, *along(i, s).T)
-        return at, unit(np.cross(du, dv))
-
     def strip(i, s, d):
         centre = corners.mean(0)
-        return surface(*(centre + (along(i, s) - centre) * (1 + d)[:, None]).T).real
+        at = (centre + (along(i, s) - centre) * (1 + d)[:, None]).T
+        _, du, dv = _with_derivatives(surface, *at.real)
+        return surface(*at), unit(np.cross(du, dv))
 
-    return _mesh(name, counts or (n, n, n), side, strip, step, nearest=nearest, **options)
+    return _mesh(name, counts or (n, n, n), strip, step, nearest=nearest, **options)
 
 
 def _stack(*components):
@@ -206,17 +215,18 @@ def saddle(n):
     return _in_chart("saddle", n, surface, corners, _nearest_on(surface, lambda p: (p[:, 0], p[:, 1])), step=2 / n)
 
 
+def _franke(x, y):
+    """The graph of Franke's first function."""
+    z = 0.75 * np.exp(-((9 * x - 2) ** 2 + (9 * y - 2) ** 2) / 4)
+    z = z + 0.75 * np.exp(-((9 * x + 1) ** 2) / 49 - (9 * y + 1) / 10)
+    z = z + 0.5 * np.exp(-((9 * x - 7) ** 2 + (9 * y - 3) ** 2) / 4)
+    return _stack(x, y, z - 0.2 * np.exp(-((9 * x - 4) ** 2) - (9 * y - 7) ** 2))
+
+
 def franke(n):
-    """The graph of Franke's first function: a hole as large as its hills, which the rim cannot know."""
-
-    def surface(x, y):
-        z = 0.75 * np.exp(-((9 * x - 2) ** 2 + (9 * y - 2) ** 2) / 4)
-        z = z + 0.75 * np.exp(-((9 * x + 1) ** 2) / 49 - (9 * y + 1) / 10)
-        z = z + 0.5 * np.exp(-((9 * x - 7) ** 2 + (9 * y - 3) ** 2) / 4)
-        return _stack(x, y, z - 0.2 * np.exp(-((9 * x - 4) ** 2) - (9 * y - 7) ** 2))
-
-    nearest = _nearest_on(surface, lambda p: (p[:, 0], p[:, 1]))
-    return _in_chart("franke", n, surface, [(0.1, 0.1), (0.9, 0.15), (0.35, 0.9)], nearest, step=1 / n)
+    """A hole as large as the hills of Franke's first function, which the rim cannot know."""
+    nearest = _nearest_on(_franke, lambda p: (p[:, 0], p[:, 1]))
+    return _in_chart("franke", n, _franke, [(0.1, 0.1), (0.9, 0.15), (0.35, 0.9)], nearest, step=1 / n)
 
 
 def irregular(n):
@@ -240,6 +250,64 @@ def irregular(n):
     )
 
 
+# ----------------------------------------------------------------------------------------------------------------- further ones
+
+
+def _further(name, n, surface, corners) -> Hole:
+    """A hole whose nearest points start from those of a fine grid of the chart."""
+    corners = np.array(corners, float)
+    low, high = corners.min(0), corners.max(0)
+    reach = 0.2 * (high - low)
+    u, v = (a.ravel() for a in np.meshgrid(*np.linspace(low - reach, high + reach, 200).T))
+    tree = cKDTree(surface(u, v))
+
+    def guess(points):
+        k = tree.query(points)[1]
+        return u[k], v[k]
+
+    return _in_chart(name, n, surface, corners, _nearest_on(surface, guess), step=1.5 / n)
+
+
+def _turned(size, middle=(0, 0)):
+    turn = 2 * np.pi * np.arange(3) / 3 + 0.4
+    return size * np.stack([np.cos(turn), np.sin(turn)], 1) + middle
+
+
+def _ellipsoid(a, b, c):
+    return lambda u, v: _stack(a * np.sin(v) * np.cos(u), b * np.sin(v) * np.sin(u), c * np.cos(v))
+
+
+def _wavy(u, v):
+    """A sphere with six waves of other directions, phases and heights."""
+    rng = np.random.default_rng(1)
+    waves, phases, heights = 1.6 * rng.normal(size=(6, 3)), rng.uniform(0, 2 * np.pi, 6), 0.125 * rng.normal(size=6)
+    at = _ellipsoid(1, 1, 1)(u, v)
+    return at * (1 + (heights * np.sin(at @ waves.T + phases)).sum(-1))[..., None]
+
+
+def _bent(u, v):
+    """A tube whose radius varies along an arc that rises."""
+    radius = 0.5 + 0.1 * np.sin(1.3 * u)
+    across = 2 + radius * np.cos(v)
+    return _stack(across * np.sin(0.7 * u), radius * np.sin(v) + 0.1 * u * u, across * np.cos(0.7 * u))
+
+
+#: name -> (surface, corners in its chart)
+_FURTHER = {
+    "ellipsoid": (_ellipsoid(1, 1.5, 0.7), [(0, 0.8), (1.2, 0.9), (0.5, 1.9)]),
+    "ellipsoid2": (_ellipsoid(1, 0.5, 2), [(0.2, 0.5), (1.3, 1.2), (-0.2, 1.5)]),
+    "cone": (lambda u, v: _stack(v * np.cos(u), v * np.sin(u), 1.3 * v), [(0, 0.6), (1.3, 0.9), (0.5, 1.8)]),
+    "monkey_saddle": (lambda x, y: _stack(x, y, x**3 - 3 * x * y * y), _turned(0.7)),
+    "hill": (lambda x, y: _stack(x, y, np.exp(-2 * ((x - 0.1) ** 2 + (y + 0.1) ** 2))), _turned(0.7, (0.3, 0))),
+    "wavy_sphere": (_wavy, [(1.3, 1.0), (2.1, 1.2), (1.5, 1.9)]),
+    "waves": (lambda x, y: _stack(x, y, 0.25 * np.sin(2 * x + 0.5) * np.cos(1.7 * y - 0.3)), _turned(0.8)),
+    "bent_tube": (_bent, [(0, -0.4), (1.0, 0.2), (0.3, 1.3)]),
+    "paraboloid": (lambda x, y: _stack(x, y, 0.8 * x * x - 0.5 * x * y - 0.4 * y * y), _turned(0.9, (0.3, 0.1))),
+    "franke_small": (_franke, [(0.15, 0.15), (0.55, 0.2), (0.3, 0.6)]),
+}
+FURTHER = {name: functools.partial(lambda n, name: _further(name, n, *_FURTHER[name]), name=name) for name in _FURTHER}
+
+
 # ------------------------------------------------------------------------------------- holes between surfaces of their own
 
 
@@ -252,21 +320,16 @@ def _fillets(name, n, radii, nearest=None) -> Hole:
     r = np.array(radii, float)
     order = [(0, 2, 1), (2, 1, 0), (1, 0, 2)]  # axis, plane at the start, plane at the end
 
-    def side(i, s):
+    def strip(i, s, d):
         axis, start, end = order[i]
         angle = s * np.pi / 2
         at, normal = np.zeros((len(s), 3)), np.zeros((len(s), 3))
         at[:, end], at[:, start] = r[axis] * (1 - np.sin(angle)), r[axis] * (1 - np.cos(angle))
         at[:, axis] = r[end] + (r[start] - r[end]) * s * s * (3 - 2 * s)
         normal[:, end], normal[:, start] = -np.sin(angle), -np.cos(angle)
-        return at, normal
+        return at + d[:, None] * np.eye(3)[axis], normal
 
-    def strip(i, s, d):
-        at = side(i, s)[0]
-        at[:, order[i][0]] += d
-        return at
-
-    return _mesh(name, (n, n, n), side, strip, 1.3 * r.mean() / n, gap=True, nearest=nearest)
+    return _mesh(name, (n, n, n), strip, 1.3 * r.mean() / n, gap=True, nearest=nearest)
 
 
 def suitcase(n):
@@ -310,15 +373,17 @@ def bezier3(n):
     def bernstein(t):
         return np.stack([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t**3], -1)
 
+    def slope(t):
+        return 3 * np.stack([-((1 - t) ** 2), (1 - t) * (1 - 3 * t), t * (2 - 3 * t), t * t], -1)
+
     def strip(i, s, d):
-        return np.einsum("ka,kb,abx->kx", bernstein(d), bernstein(s), nets[i])
+        at, across, along = (
+            np.einsum("ka,kb,abx->kx", of_d(d), of_s(s), nets[i])
+            for of_d, of_s in ((bernstein, bernstein), (slope, bernstein), (bernstein, slope))
+        )
+        return at, unit(np.cross(across, along).real)
 
-    def side(i, s):
-        slope = 3 * np.stack([-((1 - s) ** 2), (1 - s) * (1 - 3 * s), s * (2 - 3 * s), s * s], -1)
-        along, across = slope @ nets[i][0], 3 * bernstein(s) @ (nets[i][1] - nets[i][0])
-        return bernstein(s) @ nets[i][0], unit(np.cross(across, along))
-
-    return _mesh("bezier3", (n, n, n), side, strip, min(1.5 / n, 0.24))
+    return _mesh("bezier3", (n, n, n), strip, min(1.5 / n, 0.24))
 
 
 # ------------------------------------------------------------------------------------------------------------------ Suzanne
@@ -422,9 +487,9 @@ def suzanne(n, folder: Path):
     for k in range(3):
         np.add.at(normals, triangles[:, k], np.cross(b - a, c - a))
     near = np.unique(triangles)
-    at_rim = near[[np.linalg.norm(truth[near] - points[v], axis=1).argmin() for v in rim]]
-
     used = np.unique(faces)
+    there = near[[np.linalg.norm(truth[near] - p, axis=1).argmin() for p in points[used]]]
+
     index = np.full(len(points), -1)
     index[used] = np.arange(len(used))
     return Hole(
@@ -433,8 +498,9 @@ def suzanne(n, folder: Path):
         index[faces],
         index[rim],
         index[rim[[0, n, 2 * n]]],
-        unit(normals[at_rim]),
+        unit(normals[there]),
         lambda p: _nearest_on_triangles(p, truth, triangles),
+        counts=(n, n, n),
     )
 
 
