@@ -134,7 +134,7 @@ def region(bm, selection):
 @pytest.mark.parametrize("change", [None, *cages.CHANGES, everything])
 def test_seam_and_area_of_every_cage(addon, change, kind):
     ob = cages.add_cage(remove=kind == "open", change=change, levels=3)
-    fill = limit_fill(addon, ob, open_rim if kind == "open" else region, resolution=4)  # only the patch is looked at
+    fill = limit_fill(addon, ob, open_rim if kind == "open" else region)
     seam, area = figures(fill)
     print(f"FIGURE {change.__name__ if change else 'smooth'} {kind} seam {seam:.1e} area {area:.2g} folds {fill.report.folds}")
     assert seam < 1e-5

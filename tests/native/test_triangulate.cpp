@@ -257,6 +257,25 @@ TEST_CASE("a rim so dense that its own density would be huge is coarsened inward
   CHECK(angles(mesh, octant).smallest > 15);
 }
 
+TEST_CASE("where the surface is torn or folds the number of triangles stays bounded") {
+  // Along a side of a gap and in a fold edges stay too long however often they are split.
+  const auto shifted = [](std::function<double(double)> how_far) {
+    return pointwise([how_far = std::move(how_far)](const Vec3& b) {
+      const double s = 1 - b[0];
+      return Vec3(b[1] + 0.5 * b[2], std::sqrt(0.75) * b[2] - 1.2 * s * s * (3 - 2 * s) * b[0] * how_far(s > 0 ? b[2] / s : 0),
+                  0);
+    });
+  };
+  const Position torn = shifted([](double t) { return t < 0.25 ? 0 : t < 0.6 ? 1 : 0.4; });
+  const Position folded = shifted([](double t) { return std::sin(9 * t); });
+  const Parameters p = {graded(16), graded(15), graded(16)};
+  for (const Position& position : {torn, folded}) {
+    const TriangleMesh mesh = triangulate(p, {}, position);
+    CHECK(flaw(p, mesh) == "");
+    CHECK(mesh.triangles.size() < 5000);  // 230 where it lies flat
+  }
+}
+
 TEST_CASE("triangulation is deterministic and needs increasing parameters") {
   const Parameters p = {graded(10), graded(5), graded(40)};
   const TriangleMesh a = triangulate(p, {}, helicoid), b = triangulate(p, {}, helicoid);

@@ -20,6 +20,7 @@ using Vec2 = Eigen::Vector2d;
 
 constexpr Index largest_regular = 1000;    // edges per side
 constexpr double most_triangles = 50'000;  // wanted of a fill that follows its rim and is not regular; grading adds to it
+constexpr double most_over = 8;            // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
 constexpr double growth = 0.4;             // of the size per distance, where the rim is finer than the inside
 constexpr double too_long = 4.0 / 3, too_short = 0.75;  // times the size: where edges are split and collapsed
 
@@ -218,6 +219,10 @@ private:
   }
   bool on_rim(int v) const { return v < rim_; }
   bool alive(int t) const { return triangles_[t].v[0] >= 0; }
+  std::size_t alive_triangles() const {
+    return static_cast<std::size_t>(
+        std::count_if(triangles_.begin(), triangles_.end(), [](const Triangle& f) { return f.v[0] >= 0; }));
+  }
   double length(int a, int b) const { return (x_[a] - x_[b]).norm(); }
   double shape_of(int a, int b, int c) const { return shape(x_[a], x_[b], x_[c]); }
 
@@ -270,9 +275,16 @@ private:
       const double room =
           std::accumulate(edge.begin(), edge.end(), 0.0) / (6 * std::sqrt(3.0));  // radius of an equal hole's incircle
       decline_ = std::max(decline_, 2 * *std::max_element(edge.begin(), edge.end()) / std::max(room, 1e-300));
+      most_ = most_over * (triangles_wanted() + rim_);
       return;
     }
-    // How many triangles would that be? Beyond the limit the inside is coarser than the rim.
+    const double count = triangles_wanted();
+    if (count > most_triangles) coarser_ = std::sqrt(count / most_triangles);  // the inside is coarser than the rim
+    most_ = most_over * (std::min(count, most_triangles) + rim_);
+  }
+
+  /// How many triangles of the wanted sizes cover the surface.
+  double triangles_wanted() const {
     constexpr int rows = 48;
     Points b((rows + 1) * (rows + 2) / 2, 3);
     auto place = [&](int p, int q) { return q * (rows + 1) - q * (q - 1) / 2 + p; };
@@ -289,7 +301,7 @@ private:
           const double h = wanted((b.row(i) + b.row(j) + b.row(k)) / 3);
           count += twice / 2 / (0.43 * h * h);
         }
-    if (count > most_triangles) coarser_ = std::sqrt(count / most_triangles);
+    return count;
   }
 
   /// Sizes of inner vertices: what is wanted; more near longer rim edges; not more than what shorter neighbours allow; and, next to
@@ -406,6 +418,8 @@ private:
   /// One round of splits, no triangle twice, the longest for its size first: rim edges that still miss vertices, then inner edges.
   std::size_t split() {
     std::vector<Edge> edges;
+    // Where the surface is torn or folds, edges stay too long however often they are split.
+    const bool inner = inner_ && static_cast<double>(alive_triangles()) < most_;
     for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
       const Triangle& f = triangles_[t];
       if (f.v[0] < 0) continue;
@@ -414,7 +428,7 @@ private:
         if (f.n[k] < 0) {
           const int between = rim_vertices_between(a, b);
           if (between) edges.push_back({t, k, static_cast<double>(between + 1)});
-        } else if (inner_ && t < f.n[k]) {
+        } else if (inner && t < f.n[k]) {
           const double excess = length(a, b) / (too_long * size_of_edge(a, b));
           if (excess > 1) edges.push_back({t, k, excess});
         }
@@ -475,7 +489,7 @@ private:
 
   /// Flips edges while that makes the worse of the two triangles better.
   void flip_all() {
-    std::size_t budget = 40 * triangles_.size() + 1000;
+    std::size_t budget = 40 * alive_triangles() + 1000;  // where the surface folds over itself there may be no end
     while (!dirty_.empty() && budget-- > 0) {
       const auto [t, k] = dirty_.back();
       dirty_.pop_back();
@@ -683,6 +697,7 @@ private:
   std::array<int, 3> corner_{};
   std::array<std::vector<double>, 3> log_size_;  // wanted at the rim, by side
   double coarser_ = 1;
+  double most_ = 0;       // triangles beyond which no inner edge is split
   double decline_ = 0.8;  // of the size per distance, where the rim is coarser
   std::vector<Vec3> b_, x_;
   std::vector<std::uint8_t> side_;  // bit i: on side i
