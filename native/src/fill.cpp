@@ -400,8 +400,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
       ++done;
     }
   };
-  // OpenSubdiv tells what is wrong with a cage through one function for the whole process.
-  const std::size_t cores = options.limit ? 1 : std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   std::vector<std::future<void>> workers;
   for (std::size_t k = 0; k < std::min(cores, rims.size()); ++k) workers.push_back(std::async(std::launch::async, work));
   std::exception_ptr failure;

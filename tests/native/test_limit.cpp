@@ -1,7 +1,11 @@
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <future>
+#include <numeric>
 #include <vector>
 
 #include "tripatch/boundary/limit.h"
+#include "tripatch/boundary/limit_surface.h"
 
 using namespace tripatch;
 
@@ -71,4 +75,34 @@ TEST_CASE("limit points refuse faces that are none") {
   const std::vector<Index> edge = {0, 1};
   cage.faces.add(edge);
   CHECK_THROWS_AS(limit_points(cage.mesh()), InvalidArgument);
+}
+
+TEST_CASE("on several threads at once each cage is refused for its own reason") {
+  // OpenSubdiv takes faces of up to 65535 corners, and says how many it was given.
+  std::array<Cage, 2> cages;
+  for (int k = 0; k < 2; ++k) {
+    std::vector<Index> ring(66'000 + 1000 * k);
+    std::iota(ring.begin(), ring.end(), Index{0});
+    cages[k].vertices = Points::Random(static_cast<Index>(ring.size()), 3);
+    cages[k].faces.add(ring);
+  }
+  const auto reason = [](const Cage& cage) -> std::string {
+    try {
+      LimitSurface(cage.mesh(), {});
+    } catch (const Refusal& refusal) {
+      return refusal.what();
+    }
+    return "taken";
+  };
+  const std::array<std::string, 2> alone = {reason(cages[0]), reason(cages[1])};
+  CHECK(alone[0].find("66000") != std::string::npos);
+  CHECK(alone[1].find("67000") != std::string::npos);
+  std::atomic<int> mixed = 0;
+  std::vector<std::future<void>> threads;
+  for (int k = 0; k < 4; ++k)
+    threads.push_back(std::async(std::launch::async, [&, k] {
+      for (int trial = 0; trial < 20; ++trial) mixed += reason(cages[k % 2]) != alone[k % 2];
+    }));
+  for (std::future<void>& thread : threads) thread.get();
+  CHECK(mixed == 0);
 }

@@ -96,6 +96,20 @@ def test_smallest_area_element_of_a_smooth_rim():
     assert area.min() > 1e-3 * area.mean()
 
 
+def test_holes_filled_at_once_are_those_filled_one_by_one():
+    vertices, faces = cube_sphere(6)
+    vertices = vertices + 0.02 * np.random.default_rng(4).normal(size=vertices.shape)
+    tips = np.flatnonzero(np.bincount(np.ravel(faces)) == 3)
+    left = [face for face in faces if not set(face) & set(tips.tolist())]
+    rims = tripatch.find_holes(left)
+    assert len(rims) == 8
+    corners = [rim[::2].tolist() for rim in rims]
+    together = tripatch.fill_all(vertices, left, rims, corners=corners, surroundings="limit", fairing=None)
+    for rim, chosen, fill in zip(rims, corners, together, strict=True):
+        alone = tripatch.fill(vertices, left, rim=rim, corners=chosen, surroundings="limit", fairing=None)
+        assert np.array_equal(fill.vertices, alone.vertices)
+
+
 def test_creases_reach_the_surface():
     vertices, faces = cube_sphere(4)
     left, _ = corner_removed(vertices, faces, 1)

@@ -32,6 +32,33 @@ struct Vertex {
 };
 // NOLINTEND(readability-identifier-naming)
 
+/// What OpenSubdiv says about a cage. It has one callback for the whole process, which is set once and passes each message to the
+/// Complaint of the thread that it is called on; elsewhere they are dropped.
+class Complaint {
+public:
+  Complaint() {
+    static const bool set = [] {
+      far::SetErrorCallback([](far::ErrorType, const char* message) {
+        if (current) current->text_ = message;
+      });
+      far::SetWarningCallback([](const char*) {});
+      return true;
+    }();
+    static_cast<void>(set);
+    current = this;
+  }
+  ~Complaint() { current = nullptr; }
+  Complaint(const Complaint&) = delete;
+  Complaint& operator=(const Complaint&) = delete;
+
+  const std::string& text() const { return text_; }
+
+private:
+  static thread_local Complaint* current;
+  std::string text_;
+};
+thread_local Complaint* Complaint::current = nullptr;
+
 double sharpness(double crease) { return crease <= 0 ? 0 : crease >= 1 ? 10 : crease * crease * 10; }
 
 /// The faces within three rings of the given vertices: the limit on the faces of the first ring depends on two.
@@ -148,16 +175,12 @@ private:
     using Factory = far::TopologyRefinerFactory<far::TopologyDescriptor>;
     Factory::Options factory(settings.loop ? sdc::SCHEME_LOOP : sdc::SCHEME_CATMARK, options);
     factory.validateFullTopology = true;
-    // OpenSubdiv says what is wrong through a global callback
-    static thread_local std::string message;
-    message.clear();
-    far::SetErrorCallback([](far::ErrorType, const char* text) { message = text; });
-    far::SetWarningCallback([](const char*) {});
+    const Complaint complaint;
     refiner.reset(Factory::Create(topology, factory));
-    far::SetErrorCallback(nullptr);
-    far::SetWarningCallback(nullptr);
     if (!refiner)
-      throw Refusal("The cage cannot be subdivided: " + (message.empty() ? "its topology is not valid" : message), vertex_of);
+      throw Refusal(
+          "The cage cannot be subdivided: " + (complaint.text().empty() ? "its topology is not valid" : complaint.text()),
+          vertex_of);
   }
 
   /// Blender's own: a border corner of one face whose two edges are creased is sharpened by the lesser of the two; a vertex on a
