@@ -110,6 +110,9 @@ FillOptions options_from(const py::dict& d) {
   o.odd = d["odd"].cast<std::string>();
   o.pole_offset = d["pole_offset"].cast<std::array<double, 2>>();
   o.bulge = d["bulge"].cast<std::array<double, 3>>();
+  o.tension = d["tension"].cast<double>();
+  if (has("center")) o.center = Vec3::Map(d["center"].cast<std::array<double, 3>>().data());
+  o.center_offset = d["center_offset"].cast<double>();
   o.own = method_options_from(d["own"]);
   o.limit = d["limit"].cast<bool>();
   if (has("subdivision")) o.subdivision = d["subdivision"].cast<Subdivision>();
@@ -227,6 +230,8 @@ PYBIND11_MODULE(_native, m) {
                     "Largest angle on each of the three sides, in degrees.")
       .def_readonly("seam_angle_rms_by_side", &Report::seam_angle_rms_by_side,
                     "Root mean square on each of the three sides, in degrees.")
+      .def_readonly("continuity", &Report::continuity,
+                    "On each of the three sides: Free, G0, G1 or G2, what was asked or what auto took.")
       .def_readonly("surroundings_error", &Report::surroundings_error,
                     "How well the mesh determines its own tangent planes, in degrees; 0 where they are known exactly.")
       .def_readonly("fairing", &Report::fairing, "Name of the energy that was made small; empty: none.")
@@ -345,20 +350,12 @@ PYBIND11_MODULE(_native, m) {
     }
     return out;
   });
-  m.def("_patch",
-        [](const Sides& sides, const std::string& method, CrossBoundary cross_boundary, const std::array<double, 3>& bulge,
-           const std::array<std::string, 3>& asked, const py::dict& own, const std::string& fairing) {
-          FillOptions options;
-          options.method = method;
-          options.cross_boundary = cross_boundary;
-          options.bulge = bulge;
-          options.continuity = asked;
-          options.own = method_options_from(own);
-          options.fairing = fairing;
-          const py::gil_scoped_release release;
-          MadePatch made = make_patch(sides, options);
-          return std::make_pair(std::const_pointer_cast<Surface>(made.patch), std::move(made.report.warnings));
-        });
+  m.def("_patch", [](const Sides& sides, const py::dict& given) {
+    const FillOptions options = options_from(given);
+    const py::gil_scoped_release release;
+    MadePatch made = make_patch(sides, options);
+    return std::make_pair(std::const_pointer_cast<Surface>(made.patch), std::move(made.report.warnings));
+  });
   m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,
                          const std::optional<int>& resolution) {
     TriangleMesh mesh;

@@ -21,6 +21,7 @@
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/fairing.h"
 #include "tripatch/patch/methods.h"
+#include "tripatch/patch/middle.h"
 #include "tripatch/patch/szilvasi_nagy.h"
 
 namespace tripatch {
@@ -113,9 +114,9 @@ SurfacePtr construct(const Method& method, const Boundary& boundary, MethodOptio
   return patch;
 }
 
-/// The patch, made fair or not, from the start that the options of the method say.
+/// The patch, made fair or not, from the start that the options of the method say, with its middle where `center` is.
 MadePatch make_patch(const Sides& sides, const Method& method, const Continuity& continuity, const FillOptions& options,
-                     const MethodOptions& own, bool faired) {
+                     const std::optional<Vec3>& center, const MethodOptions& own, bool faired) {
   const RibbonOptions ribbons = {options.cross_boundary, options.bulge, continuity.tangent};
   const Boundary boundary = make_boundary(sides, ribbons);
   MadePatch made;
@@ -125,7 +126,10 @@ MadePatch make_patch(const Sides& sides, const Method& method, const Continuity&
   if (faired) {
     FairingOptions fairing;
     fairing.energy = options.fairing;
-    for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = options.bulge[i] == 1;
+    for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = continuity.tangent[i] && options.bulge[i] == 1;
+    fairing.position_only = continuity.free;
+    fairing.tension = options.tension;
+    fairing.middle = center;
     fairing.curvature = continuity.followed;
     fairing.rebuild = [&](const Sides& others) { return build(method, others, ribbons, own); };
     fairing.folds = [&](const Surface& patch) { return count_folds(patch, sides); };
@@ -136,14 +140,30 @@ MadePatch make_patch(const Sides& sides, const Method& method, const Continuity&
     made.report.energy_after = result.after;
     for (std::string& warning : result.warnings) made.report.warnings.push_back(std::move(warning));
     folds = result.folds;
+  } else if (center) {
+    made.patch = with_middle(made.patch, *center);
   }
   const std::array<bool, 3>& exact = continuity.curvature;
   if (exact[0] || exact[1] || exact[2]) {
     made.patch = meet_curvature(made.patch, sides, exact);
+    if (center) made.patch = with_middle(made.patch, *center, 3);
     folds.reset();
   }
   made.report.folds = folds ? *folds : count_folds(*made.patch, sides);
+  made.report.continuity = continuity.names();
   return made;
+}
+
+/// The same, from plain rays where that folds less.
+MadePatch make_patch(const Sides& sides, const Method& method, const Continuity& continuity, const FillOptions& options,
+                     const std::optional<Vec3>& center, bool faired) {
+  MethodOptions own = options.own;
+  own.to_be_faired = faired;
+  MadePatch made = make_patch(sides, method, continuity, options, center, own, faired);
+  if (!faired || made.report.folds == 0) return made;
+  own.to_be_faired = false;
+  MadePatch plain = make_patch(sides, method, continuity, options, center, own, faired);
+  return plain.report.folds < made.report.folds ? plain : made;
 }
 
 std::string degrees(double angle) {
@@ -203,6 +223,7 @@ std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, con
     result.creases = std::move(cage.creases);
     const Report& fair = reports[h];
     result.report = std::move(cage.report);
+    result.report.continuity = fair.continuity;
     result.report.fairing = fair.fairing;
     result.report.energy_before = fair.energy_before;
     result.report.energy_after = fair.energy_after;
@@ -262,16 +283,20 @@ MadePatch make_patch(const Sides& sides, const FillOptions& options) {
   const Method& method = find_method(options.method);
   if (!method.from_boundary) throw InvalidArgument(options.method + " joins three surfaces; use tripatch.blend");
   const Continuity continuity = resolve_continuity(options.continuity, method, sides);
-  const std::array<bool, 3>& tangent = continuity.tangent;
-  const bool faired =
-      options.fairing == "auto" ? tangent[0] && tangent[1] && tangent[2] : !options.fairing.empty() && options.fairing != "none";
-  MethodOptions own = options.own;
-  own.to_be_faired = faired;
-  MadePatch made = make_patch(sides, method, continuity, options, own, faired);
-  if (!faired || made.report.folds == 0) return made;
-  own.to_be_faired = false;  // from plain rays
-  MadePatch plain = make_patch(sides, method, continuity, options, own, faired);
-  return plain.report.folds < made.report.folds ? plain : made;
+  const std::array<bool, 3>& free = continuity.free;
+  const bool alone = std::string(method.continuity) == "G0" && !free[0] && !free[1] && !free[2] && options.tension == 0;
+  const bool faired = options.fairing == "auto" ? !alone : !options.fairing.empty() && options.fairing != "none";
+  if (!(options.tension >= 0) || !std::isfinite(options.tension)) throw InvalidArgument("tension must be 0 or greater");
+  if (options.tension > 0 && !faired) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
+  if (!std::isfinite(options.center_offset) || (options.center && !options.center->allFinite()))
+    throw InvalidArgument("center and center_offset must be finite");
+  if (options.center && options.center_offset != 0)
+    throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+
+  MadePatch made = make_patch(sides, method, continuity, options, options.center, faired);
+  if (options.center_offset == 0) return made;
+  const auto [middle, normal] = middle_of(*made.patch);
+  return make_patch(sides, method, continuity, options, Vec3(middle + options.center_offset * normal), faired);
 }
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
@@ -374,6 +399,8 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
                                                   const FillOptions& options,
                                                   const std::vector<std::optional<std::array<Index, 3>>>& corners,
                                                   const Progress& progress) {
+  if (options.center && rims.size() > 1)
+    throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
   std::vector<FillOptions> each(rims.size(), options);
   for (std::size_t k = 0; k < rims.size(); ++k) {
     each[k].rim = rims[k];

@@ -24,7 +24,7 @@ struct FillOptions {
   std::string method = "side_vertex";           ///< a name in methods() that fills holes
   bool limit = false;                           ///< the surroundings are the limit surface of the cage, not an estimate
   Subdivision subdivision;                      ///< of the cage
-  std::array<std::string, 3> continuity = {"auto", "auto", "auto"};  ///< auto, G0, G1, G2
+  std::array<std::string, 3> continuity = {"auto", "auto", "auto"};  ///< auto, Free, G0, G1, G2; without fairing Free is G0
   CrossBoundary cross_boundary = CrossBoundary::consistent;
   std::string fairing = "auto";                ///< none, auto, thin_plate, third_derivative, minimum_variation
   std::string output = "triangles";            ///< triangles, quads, cage
@@ -36,6 +36,9 @@ struct FillOptions {
   CageRim cage_rim = CageRim::smooth;          ///< cage: what happens along the rim
   std::array<double, 2> pole_offset = {0, 0};  ///< moves the pole, in fractions of the hole
   std::array<double, 3> bulge = {1, 1, 1};     ///< > 0, scales the slopes inside each side
+  double tension = 0;                          ///< >= 0, pulls the fill tight (FairingOptions::tension); needs a fairing
+  std::optional<Vec3> center;                  ///< where the middle of the patch is to be, S(1/3, 1/3, 1/3), scene units
+  double center_offset = 0;                    ///< scene units: moves the middle along its normal from where it would be
   MethodOptions own;                           ///< what the method reads besides
 };
 
@@ -67,8 +70,9 @@ struct MadePatch {
   std::array<double, 3> corner_mismatch_deg = {0, 0, 0};  ///< angle between the tangent planes of the two sides at corner i
   Report report;                                          ///< of fairing, lambda and folds, and warnings
 };
-/// By the options that concern a patch: method, continuity, cross_boundary, bulge, fairing ("auto" leaves patches alone that meet a
-/// side in position only) and the method's own. Where a fair patch folds and one from plain rays folds less, that one is taken.
+/// By the options that concern a patch: method, continuity, cross_boundary, bulge, fairing ("auto" leaves the patches of G0 methods
+/// alone, unless a side is Free or there is tension), tension, center, center_offset and the method's own. Where a fair patch folds
+/// and one from plain rays folds less, that one is taken.
 MadePatch make_patch(const Sides& sides, const FillOptions& options);
 
 Fill fill(const Mesh& mesh, const FillOptions& options = {});
@@ -81,7 +85,7 @@ struct Refused {
 /// work.
 using Progress = std::function<void(std::size_t done)>;
 /// One result for each rim, in order; a refusal of one does not stop the others. Cages whose surroundings overlap are fitted
-/// together. corners: of each rim (shorter: detected); options.replaced: the faces in all of them.
+/// together. corners: of each rim (shorter: detected); options.replaced: the faces in all of them; options.center: of one rim only.
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options = {},
                                                   const std::vector<std::optional<std::array<Index, 3>>>& corners = {},

@@ -63,10 +63,10 @@ METHODS = _native._methods()
 
 _CROSS_BOUNDARY = {name: getattr(_native.CrossBoundary, name) for name in ("given", "consistent", "as_printed")}
 _CAGE_RIM = {name: getattr(_native.CageRim, name) for name in ("smooth", "exact", "move")}
-_CONTINUITY = ("auto", "G0", "G1", "G2")
+_CONTINUITY = ("auto", "Free", "G0", "G1", "G2")
 _FAIRING = (None, "auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation")
 _REPORT = """
-    seam_angle_max seam_angle_rms seam_angle_max_by_side seam_angle_rms_by_side surroundings_error
+    seam_angle_max seam_angle_rms seam_angle_max_by_side seam_angle_rms_by_side continuity surroundings_error
     fairing energy_before energy_after shape_path folds corners
     cage_deviation_max cage_deviation_rms surroundings_moved_max surroundings_moved_rms surroundings_moved_where
     corners_moved_max seam_angle_median seam_angle_max_inside poles warnings seconds
@@ -207,6 +207,25 @@ def _bulge(bulge) -> tuple[float, float, float]:
     return values
 
 
+def _number(value, name: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise TypeError(f"{name} must be a number, not {value!r}")
+    if not np.isfinite(value):
+        raise ValueError(f"{name} must be finite, not {value}")
+    return float(value)
+
+
+def _center(center) -> list[float] | None:
+    if center is None:
+        return None
+    position = np.asarray(center)
+    if position.dtype.kind not in "fiu":
+        raise TypeError(f"center must be a position (3,), or None, not {center!r}")
+    if position.shape != (3,) or not np.isfinite(position).all():
+        raise ValueError("center must be three finite numbers")
+    return position.astype(float).tolist()
+
+
 def _continuity(continuity) -> tuple[str, str, str]:
     return tuple(_name(c, "continuity", _CONTINUITY) for c in _arrays.three(continuity, "continuity", str))
 
@@ -270,6 +289,9 @@ def _options(
     odd="split",
     pole_offset=(0.0, 0.0),
     bulge=1.0,
+    tension=0.0,
+    center=None,
+    center_offset=0.0,
     shape=(0.5, 0.5, 0.5),
     reading="corrected",
     symmetric=False,
@@ -302,6 +324,9 @@ def _options(
         "pole_offset": offset.tolist(),
         "resolution": resolution,
         "bulge": _bulge(bulge),
+        "tension": _number(tension, "tension"),
+        "center": _center(center),
+        "center_offset": _number(center_offset, "center_offset"),
         "own": _method_options(method, shape, reading, symmetric, alpha),
         "replaced": _arrays.indices(replaced, "replaced"),
         "limit": limit,
@@ -375,9 +400,10 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
             (None: the true limit), use_limit_surface=True, edge_creases=((e, 2) int, (e,) 0..1),
             vertex_creases=((k,) int, (k,) 0..1), loose_vertices=(k,) int), all as in Blender.
         level: with "limit": the modifier's level, 2^level border edges a rim edge.
-        continuity: "auto", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own, and where the curvature of
-            the surroundings agrees with that of the neighbours at both corners, fairing follows it, by least squares; "G2" meets
-            it, so that the normal curvature has no jump.
+        continuity: "auto", "Free", "G0", "G1" or "G2", one or three (by side). "auto" takes the method's own, and where the
+            curvature of the surroundings agrees with that of the neighbours at both corners, fairing follows it, by least
+            squares; "G2" meets it, so that the normal curvature has no jump. "G0" meets the rim, with slopes that the corners
+            give; "Free" leaves the slopes to the fairing's energy (without fairing it is "G0").
         cross_boundary: "consistent" (Liu, Ma and Cheng 2008, corrected), "given" or "as_printed".
         fairing: None, "thin_plate", "third_derivative" (quadratic, over the triangle), "minimum_variation" (of curvature),
             "quadric_variation" (zero on quadrics), or "auto": softly the smaller of the last two.
@@ -391,6 +417,11 @@ def fill(vertices, faces, *, rim=None, corners=None, **options) -> Fill:
         odd: quads round an odd rim: "split" splits the longest rim edge, "triangle" leaves a triangle at the pole.
         pole_offset: two fractions of the hole that move the pole, along side 2 and towards corner 2.
         bulge: > 0, one or three: scales the slopes inside each side, corners kept.
+        tension: >= 0, no unit: pulls the fill tight. At 1 the integral of first derivatives weighs as much as the fairing's
+            energy does for a wave as long as the hole. G1 is kept. Needs a fairing.
+        center: (3,) where the middle of the patch, b = (1/3, 1/3, 1/3), is to be, in scene units; None: where the fairing puts
+            it. G1 is kept.
+        center_offset: scene units: the middle is moved by this distance along the fill's normal there. Instead of `center`.
         shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
         reading: "corrected", or "as_printed" for the formulas of the Szilvasi-Nagy methods as their paper prints them.
         symmetric: of coons_extremal: the functional summed over the three pairs of coordinates, so that no corner is favoured.
@@ -452,6 +483,9 @@ def patch(
     *,
     continuity="auto",
     bulge=1.0,
+    tension: float = 0.0,
+    center=None,
+    center_offset: float = 0.0,
     shape=(0.5, 0.5, 0.5),
     reading: str = "corrected",
     symmetric: bool = False,
@@ -475,11 +509,21 @@ def patch(
     sides = tuple(sides)
     if len(sides) != 3 or not all(isinstance(side, Side) for side in sides):
         raise TypeError("sides must be three Side objects")
-    _name(method, "method", tuple(METHODS))
-    slopes = _CROSS_BOUNDARY[_name(cross_boundary, "cross_boundary", tuple(_CROSS_BOUNDARY))]
-    energy = _name(fairing, "fairing", _FAIRING) or ""
-    own_options = _method_options(method, shape, reading, symmetric, alpha)
-    made, notes = _native._patch(sides, method, slopes, _bulge(bulge), _continuity(continuity), own_options, energy)
+    options = _options(
+        method=method,
+        cross_boundary=cross_boundary,
+        continuity=continuity,
+        bulge=bulge,
+        tension=tension,
+        center=center,
+        center_offset=center_offset,
+        shape=shape,
+        reading=reading,
+        symmetric=symmetric,
+        alpha=alpha,
+        fairing=fairing,
+    )
+    made, notes = _native._patch(sides, options)
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return made

@@ -13,7 +13,7 @@ __all__: list[str]
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Faces = NDArray[np.integer[Any]] | Sequence[Sequence[int]]
-Continuity = Literal["auto", "G0", "G1", "G2"]
+Continuity = Literal["auto", "Free", "G0", "G1", "G2"]
 CrossBoundary = Literal["given", "consistent", "as_printed"]
 Fairing = Literal["auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation"] | None
 Reading = Literal["corrected", "as_printed"]
@@ -82,6 +82,7 @@ class Report:
     seam_angle_rms: float
     seam_angle_max_by_side: list[float]
     seam_angle_rms_by_side: list[float]
+    continuity: list[Literal["Free", "G0", "G1", "G2"]]
     surroundings_error: float
     fairing: str
     energy_before: float
@@ -147,6 +148,9 @@ def fill(
     odd: Literal["split", "triangle"] = "split",
     pole_offset: tuple[float, float] = (0.0, 0.0),
     bulge: float | tuple[float, float, float] = 1.0,
+    tension: float = 0.0,
+    center: ArrayLike | None = None,
+    center_offset: float = 0.0,
     shape: Shape = (0.5, 0.5, 0.5),
     reading: Reading = "corrected",
     symmetric: bool = False,
@@ -174,6 +178,9 @@ def fill_all(
     odd: Literal["split", "triangle"] = "split",
     pole_offset: tuple[float, float] = (0.0, 0.0),
     bulge: float | tuple[float, float, float] = 1.0,
+    tension: float = 0.0,
+    center: ArrayLike | None = None,
+    center_offset: float = 0.0,
     shape: Shape = (0.5, 0.5, 0.5),
     reading: Reading = "corrected",
     symmetric: bool = False,
@@ -187,6 +194,9 @@ def patch(
     *,
     continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
     bulge: float | tuple[float, float, float] = 1.0,
+    tension: float = 0.0,
+    center: ArrayLike | None = None,
+    center_offset: float = 0.0,
     shape: Shape = (0.5, 0.5, 0.5),
     reading: Reading = "corrected",
     symmetric: bool = False,

@@ -71,6 +71,14 @@ def _cage_rim(text: str) -> str:
     return text
 
 
+def _three_numbers(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} are no three numbers such as 0,0.5,1") from None
+    return x, y, z
+
+
 def _two(text: str) -> tuple[float, float]:
     try:
         x, y = (float(part) for part in text.split(","))
@@ -96,7 +104,7 @@ OPTIONS = {
     "surroundings": (str, "NAME", "mesh: estimated from the faces around; limit: the subdivision surface of the cage (mesh)"),
     "subdivision": (_json, "JSON", 'with limit, as the modifier has it: \'{"scheme": "catmull_clark", "quality": 3}\''),
     "level": (int, "N", "with limit: of the modifier whose border is met (2)"),
-    "continuity": (_one_or_three(str), "C[,C,C]", "auto, G0, G1 or G2, for all sides or each (auto: the method's own)"),
+    "continuity": (_one_or_three(str), "C[,C,C]", "auto, Free, G0, G1 or G2, for all sides or each (auto: the method's own)"),
     "cross_boundary": (str, "NAME", "slopes across the sides: given, consistent or as_printed (consistent)"),
     "fairing": (_or_none(str), "NAME", "none, auto, thin_plate, third_derivative or minimum_variation (auto)"),
     "output": (str, "NAME", "triangles, quads or cage (triangles)"),
@@ -110,6 +118,9 @@ OPTIONS = {
     "odd": (_odd, "NAME", "quads round an odd rim: triangle leaves one at the pole (triangle)"),
     "pole_offset": (_two, "X,Y", "moves the pole, in fractions of the hole (0,0)"),
     "bulge": (_one_or_three(float), "B[,B,B]", "scales the slopes inside each side, greater than 0 (1)"),
+    "tension": (float, "T", "pulls the fill tight, 0 or greater (0)"),
+    "center": (_or_none(_three_numbers), "X,Y,Z", "where the middle of the fill is to be (none)"),
+    "center_offset": (float, "D", "moves the middle of the fill along its normal (0)"),
     "shape": (_shape, "L[,L,L]", "lambda of the Szilvasi-Nagy methods, from 0 to 1, by side; or optimal (0.5)"),
     "reading": (str, "NAME", "formulas of the Szilvasi-Nagy methods: corrected or as_printed (corrected)"),
     "symmetric": (bool, None, "coons_extremal: over the three pairs of coordinates, so that no corner is favoured"),

@@ -37,8 +37,12 @@ def filled(
     if not count:
         return "No hole filled"
     holes = "Filled 1 hole" if count == 1 else f"Filled {count} holes"
-    seam = max(report.seam_angle_max for report in reports)
+    kept, others = [], []
+    for report in reports:
+        for angle, continuity in zip(report.seam_angle_max_by_side, report.continuity, strict=True):
+            (kept if continuity in ("G1", "G2") else others).append(angle)
     if cage_rim:
+        seam = max(report.seam_angle_max for report in reports)
         within = max(report.cage_deviation_max for report in reports)
         moved = max(report.surroundings_moved_max for report in reports)
         angle = f", seam within {degrees(seam)}" if cage_rim == "exact" else ""
@@ -46,10 +50,15 @@ def filled(
             f"{holes} with a cage of {quads} quads{angle}; within {length(within)} of the patch, "
             f"surroundings moved {length(moved)} (scene units)"
         )
-    if limit:
-        return f"{holes}{' in ' * bool(into)}{', '.join(into)}; seam with the limit surface within {degrees(seam)}"
-    known = max(report.surroundings_error for report in reports)
-    return f"{holes}; seam within {degrees(max(seam, known))} (surroundings known to {degrees(known)})"
+    said = [f"{holes}{' in ' * bool(into)}{', '.join(into)}"]
+    if kept and limit:
+        said.append(f"seam with the limit surface within {degrees(max(kept))}")
+    elif kept:
+        known = max(report.surroundings_error for report in reports)
+        said.append(f"seam within {degrees(max(*kept, known))} (surroundings known to {degrees(known)})")
+    if others:
+        said.append(f"bends by up to {degrees(max(others))} at sides met in position only")
+    return "; ".join(said)
 
 
 def refused(refusal: Refusal) -> str:

@@ -11,6 +11,7 @@
 
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/energy.h"
+#include "tripatch/patch/middle.h"
 
 namespace tripatch {
 namespace {
@@ -112,30 +113,29 @@ struct Shared {
   std::vector<Basis> interior;                            // at each node
   std::vector<std::array<Jet<3>, 3>> parameter;           // t_i at each node
   std::vector<std::array<std::vector<Jet<3>>, 3>> slope;  // kernel times function m, of side i, at each node
-  Eigen::MatrixXd third, second;                          // rows sqrt(w) D^3 and D^2 of the interior basis
-  Eigen::MatrixXd third_normal, second_normal;
-  Eigen::MatrixXd combination;  // of the scalar functions, one basis function a column
+  std::array<Eigen::MatrixXd, 4> rows, normal;            // by order m of derivatives: rows sqrt(w) D^m of the interior basis
+  Eigen::MatrixXd combination;                            // of the scalar functions, one basis function a column
   static constexpr int side_points = 12;
   double side_sum = 0;                         // of sin(pi t)
   std::vector<double> side_t;                  // where curvature is compared along a side: denser towards the corners
   std::array<Eigen::MatrixXd, 3> side_second;  // there: second derivative of each basis function across side i
   Eigen::MatrixXd side_slope;                  // there: the functions of alpha and beta
+  Eigen::RowVectorXd middle, middle_slope;     // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
 
   Shared(int degree, int bends, int slopes, int nodes) : quadrature(corner_quadrature(nodes)) {
     const Index n = quadrature.b.rows(), count = Correction::scalars(degree, bends);
     std::vector<PiecewisePolynomial> functions;
     for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
-    third.resize(4 * n, count);
-    second.resize(3 * n, count);
+    for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
     for (Index k = 0; k < n; ++k) {
       const Barycentric<3> b = cartesian_barycentric<3>(quadrature.b.row(k).data());
       const std::vector<Jet<3>> basis = Correction::scalar_basis(b, degree, bends);
-      Basis rows(9, count);
-      for (Index c = 0; c < count; ++c) rows.col(c) = derivatives_of(basis[c]);
+      Basis all(9, count);
+      for (Index c = 0; c < count; ++c) all.col(c) = derivatives_of(basis[c]);
       const double w = std::sqrt(quadrature.weights[k]);
-      for (int d = 0; d < 4; ++d) third.row(4 * k + d) = w * third_factor(d) * rows.row(5 + d);
-      for (int d = 0; d < 3; ++d) second.row(3 * k + d) = w * second_factor(d) * rows.row(2 + d);
-      interior.push_back(std::move(rows));
+      for (int m = 1; m <= 3; ++m)
+        for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * all.row(first_of(m) + d);
+      interior.push_back(std::move(all));
       const std::array<Jet<3>, 3> weights = side_weights(b);
       std::array<Jet<3>, 3> t;
       std::array<std::vector<Jet<3>>, 3> kernels;
@@ -153,13 +153,23 @@ struct Shared {
     }
     // orthonormal in the third-derivative energy: Bernstein polynomials times the squared bubble are nearly dependent
     const Eigen::MatrixXd r =
-        Eigen::HouseholderQR<Eigen::MatrixXd>(third).matrixQR().topRows(count).triangularView<Eigen::Upper>();
+        Eigen::HouseholderQR<Eigen::MatrixXd>(rows[3]).matrixQR().topRows(count).triangularView<Eigen::Upper>();
     combination = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(count, count));
-    third *= combination;
-    second *= combination;
-    for (Basis& rows : interior) rows *= combination;
-    third_normal = third.transpose() * third;
-    second_normal = second.transpose() * second;
+    for (Basis& all : interior) all *= combination;
+    for (int m = 1; m <= 3; ++m) {
+      rows[m] *= combination;
+      normal[m] = rows[m].transpose() * rows[m];
+    }
+
+    const std::array<double, 3> thirds = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+    const Barycentric<0> b(thirds.data());
+    const std::vector<Jet<0>> basis = Correction::scalar_basis(b, degree, bends);
+    middle.resize(count);
+    for (Index c = 0; c < count; ++c) middle[c] = basis[c].value();
+    middle *= combination;
+    middle_slope.resize(slopes);
+    for (int m = 0; m < slopes; ++m) functions[m].taylor(0.5, 0, &middle_slope[m]);
+    middle_slope *= Correction::slope_kernel(b, side_weights(b), 0).value();
 
     side_slope.resize(side_points, slopes);
     for (int k = 0; k < side_points; ++k) {
@@ -181,8 +191,9 @@ struct Shared {
     }
   }
 
-  static double third_factor(int d) { return d == 1 || d == 2 ? std::sqrt(3.0) : 1; }
-  static double second_factor(int d) { return d == 1 ? std::sqrt(2.0) : 1; }
+  /// Derivative d of order m counts as often as it occurs in D^m; where order m begins in Derivatives.
+  static double factor(int m, int d) { return std::sqrt(choose(m, d)); }
+  static int first_of(int m) { return (m - 1) * (m + 2) / 2; }
 };
 
 const Shared& shared(int degree, int bends, int slopes, int nodes) {
@@ -200,6 +211,12 @@ struct Quadratic {
   Eigen::VectorXd gradient;
   double constant = 0;
   double operator()(const Eigen::VectorXd& x) const { return std::max(0.0, x.dot(normal * x + 2 * gradient) + constant); }
+  Quadratic& operator+=(const Quadratic& o) {
+    normal += o.normal;
+    gradient += o.gradient;
+    constant += o.constant;
+    return *this;
+  }
 };
 
 /// The unknowns of one hole: the interior coefficients, component by component, then alpha and beta of each side.
@@ -212,39 +229,40 @@ public:
         sides_(sides),
         boundary_(boundary),
         options_(options) {
-    interior_ = shared_.third_normal.rows();
-    slopes_ = 6 * options.slopes;
+    interior_ = shared_.normal[3].rows();
     for (int i = 0; i < 3; ++i) {
-      along_[i] = sides[i].c.derivative();
-      if (!options.slopes_free[i] || sides[i].r.empty()) continue;
-      double r = 0, c = 0;
-      for (int k = 0; k <= 16; ++k) {
-        r += sides[i].r(k / 16.0).norm() / 17;
-        c += along_[i](k / 16.0).norm() / 17;
-      }
-      scale_[i] = {r > 0 ? size_ / r : 0, c > 0 ? size_ / c : 0};
+      first_[i] = slopes_;
+      slopes_ += options.slopes * static_cast<Index>(take_directions(i));
     }
     follow_curvature(base);
     basis_.resize(base_.size());
     for (std::size_t k = 0; k < base_.size(); ++k) {
       basis_[k].setZero(27, slopes_);
-      for (int i = 0; i < 3; ++i) {
-        if (scale_[i][0] == 0) continue;
-        const JetPoint<3> r = compose(sides_[i].r, shared_.parameter[k][i]), c = compose(along_[i], shared_.parameter[k][i]);
-        for (int m = 0; m < options.slopes; ++m)
-          for (int x = 0; x < 3; ++x) {
-            const Eigen::Matrix<double, 9, 1> dr = scale_[i][0] * derivatives_of(shared_.slope[k][i][m] * r.x[x]);
-            const Eigen::Matrix<double, 9, 1> dc = scale_[i][1] * derivatives_of(shared_.slope[k][i][m] * c.x[x]);
-            for (int d = 0; d < 9; ++d) {
-              basis_[k](3 * d + x, (2 * i) * options.slopes + m) = dr[d];
-              basis_[k](3 * d + x, (2 * i + 1) * options.slopes + m) = dc[d];
+      for (int i = 0; i < 3; ++i)
+        for (std::size_t f = 0; f < directions_[i].size(); ++f) {
+          const JetPoint<3> direction = compose(directions_[i][f], shared_.parameter[k][i]);
+          for (int m = 0; m < options.slopes; ++m)
+            for (int x = 0; x < 3; ++x) {
+              const Eigen::Matrix<double, 9, 1> d = derivatives_of(shared_.slope[k][i][m] * direction.x[x]);
+              for (int order = 0; order < 9; ++order) basis_[k](3 * order + x, first_[i] + f * options.slopes + m) = d[order];
             }
-          }
-      }
+        }
     }
   }
 
   Index unknowns() const { return 3 * interior_ + slopes_; }
+
+  /// What the unknowns add to the middle of the patch, three rows; none where the middle is free.
+  Eigen::MatrixXd held() const {
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(options_.middle ? 3 : 0, unknowns());
+    if (!options_.middle) return rows;
+    for (int x = 0; x < 3; ++x) rows.row(x).segment(x * interior_, interior_) = size_ * shared_.middle;
+    for (int i = 0; i < 3; ++i)
+      for (std::size_t f = 0; f < directions_[i].size(); ++f)
+        rows.middleCols(3 * interior_ + first_[i] + f * options_.slopes, options_.slopes) =
+            directions_[i][f](0.5) * shared_.middle_slope;
+    return rows;
+  }
 
   bool follows_curvature() const { return !followed_.empty(); }
 
@@ -260,7 +278,7 @@ public:
     for (std::size_t f = 0; f < followed_.size(); ++f) {
       const Followed& side = followed_[f];
       const int i = side.i;
-      const Index alpha_at = 3 * interior_ + 2 * i * m, beta_at = alpha_at + m;
+      const Index alpha_at = 3 * interior_ + first_[i], beta_at = alpha_at + m;
       const Eigen::VectorXd da = scale_[i][0] * (shared_.side_slope * x.segment(alpha_at, m)),
                             db = scale_[i][1] * (shared_.side_slope * x.segment(beta_at, m));
       for (int k = 0; k < points; ++k) {
@@ -293,12 +311,11 @@ public:
     return d;
   }
 
-  /// third_derivative or thin_plate, over the size squared.
-  Quadratic quadratic(bool third) const {
-    const int rows = third ? 4 : 3, first = third ? 5 : 2;
+  /// The integral of w |D^order P|^2 over the size squared: thin_plate (2), third_derivative (3), tension (1).
+  Quadratic quadratic(int order) const {
+    const int rows = order + 1, first = Shared::first_of(order);
     const Index n = static_cast<Index>(base_.size());
-    const Eigen::MatrixXd& inner = third ? shared_.third : shared_.second;
-    const Eigen::MatrixXd& inner_normal = third ? shared_.third_normal : shared_.second_normal;
+    const Eigen::MatrixXd &inner = shared_.rows[order], &inner_normal = shared_.normal[order];
     Quadratic q;
     q.normal.setZero(unknowns(), unknowns());
     q.gradient.setZero(unknowns());
@@ -308,7 +325,7 @@ public:
       for (Index k = 0; k < n; ++k) {
         const double w = std::sqrt(shared_.quadrature.weights[k]) / size_;
         for (int d = 0; d < rows; ++d) {
-          const double f = w * (third ? Shared::third_factor(d) : Shared::second_factor(d));
+          const double f = w * Shared::factor(order, d);
           slope.row(rows * k + d) = f * basis_[k].row(3 * (first + d) + c);
           value[rows * k + d] = f * base_[k](first + d, c);
         }
@@ -373,27 +390,30 @@ public:
     return quadratic_of(rows, value);
   }
 
-  /// Is alpha everywhere above a tenth of what it was?
-  bool open(const Eigen::VectorXd& x) const {
+  /// How much of x can be added until alpha falls below a tenth of what it was.
+  double reach(const Eigen::VectorXd& x) const {
+    double most = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
       if (scale_[i][0] == 0) continue;
-      const PiecewisePolynomial added = alpha(x, i);
+      const PiecewisePolynomial added = scale_[i][0] * combination(x, i, 0);
       for (int k = 1; k < 32; ++k) {
         double before, change;
         boundary_.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
         added.taylor(k / 32.0, 0, &change);
-        if (!(before + change >= 0.1 * before)) return false;
+        if (!(change >= 0)) most = std::min(most, -0.9 * before / change);
       }
     }
-    return true;
+    return most;
   }
+  bool open(const Eigen::VectorXd& x) const { return reach(x) >= 1; }
 
   SurfacePtr correction(const Eigen::VectorXd& x, const Sides& sides) const {
     std::array<PiecewisePolynomial, 3> slopes;
     for (int i = 0; i < 3; ++i) {
       const std::array<double, 3> none = {0, 0, 0};
-      slopes[i] = scale_[i][0] == 0 ? PiecewisePolynomial::constant(none)
-                                    : alpha(x, i) * sides[i].r + beta(x, i) * sides[i].c.derivative();
+      slopes[i] = PiecewisePolynomial::constant(none);
+      const std::vector<PiecewisePolynomial> directions = directions_of(sides[i], i);
+      for (std::size_t f = 0; f < directions.size(); ++f) slopes[i] = slopes[i] + combination(x, i, f) * directions[f];
     }
     Points a(interior_, 3);
     for (int c = 0; c < 3; ++c) a.col(c) = size_ * (shared_.combination * x.segment(c * interior_, interior_));
@@ -458,15 +478,42 @@ private:
     return q;
   }
 
-  PiecewisePolynomial combination(const Eigen::VectorXd& x, int i, int which) const {
+  /// What the derivative across side i may gain, each times the functions of t: r and c', or, where the side asks for its position
+  /// only, any direction; nothing where it is held.
+  std::vector<PiecewisePolynomial> directions_of(const Side& side, int i) const {
+    std::vector<PiecewisePolynomial> directions;
+    if (options_.position_only[i]) {
+      for (int x = 0; x < 3; ++x) {
+        const Vec3 unit = size_ * Vec3::Unit(x);
+        directions.push_back(PiecewisePolynomial::constant({unit.data(), 3}));
+      }
+    } else if (scale_[i][0] > 0) {
+      directions = {scale_[i][0] * side.r, scale_[i][1] * side.c.derivative()};
+    }
+    return directions;
+  }
+
+  std::size_t take_directions(int i) {
+    const PiecewisePolynomial along = sides_[i].c.derivative();
+    if (options_.slopes_free[i] && !options_.position_only[i] && !sides_[i].r.empty()) {
+      double r = 0, c = 0;
+      for (int k = 0; k <= 16; ++k) {
+        r += sides_[i].r(k / 16.0).norm() / 17;
+        c += along(k / 16.0).norm() / 17;
+      }
+      scale_[i] = {r > 0 ? size_ / r : 0, c > 0 ? size_ / c : 0};
+    }
+    directions_[i] = directions_of(sides_[i], i);
+    return directions_[i].size();
+  }
+
+  PiecewisePolynomial combination(const Eigen::VectorXd& x, int i, std::size_t direction) const {
     const int m = options_.slopes;
     std::vector<double> net(m);
-    for (int k = 0; k < m; ++k) net[k] = scale_[i][which] * x[3 * interior_ + (2 * i + which) * m + k];
+    for (int k = 0; k < m; ++k) net[k] = x[3 * interior_ + first_[i] + static_cast<Index>(direction) * m + k];
     const std::array<double, 3> arch = {0, 2, 0};
     return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(net, 1);
   }
-  PiecewisePolynomial alpha(const Eigen::VectorXd& x, int i) const { return combination(x, i, 0); }
-  PiecewisePolynomial beta(const Eigen::VectorXd& x, int i) const { return combination(x, i, 1); }
 
   const Shared& shared_;
   std::vector<Derivatives> base_;
@@ -474,17 +521,31 @@ private:
   const Sides& sides_;
   const Boundary& boundary_;
   FairingOptions options_;
-  Index interior_, slopes_;
-  std::array<PiecewisePolynomial, 3> along_;
+  Index interior_, slopes_ = 0;
+  std::array<Index, 3> first_ = {};  // of each side's slopes among all
+  std::array<std::vector<PiecewisePolynomial>, 3> directions_;
   std::vector<Followed> followed_;
-  std::array<std::array<double, 2>, 3> scale_ = {};                                // 0: the slopes of that side are held
+  std::array<std::array<double, 2>, 3> scale_ = {};                                // of r and c'; 0: alpha and beta are held
   std::vector<Eigen::Matrix<double, 27, Eigen::Dynamic, Eigen::RowMajor>> basis_;  // of the slopes, at each node
 };
 
-/// The minimum of a quadratic energy, slopes free; with the scalar functions alone where alpha would leave its bound. Curvature that is
-/// to be followed weighs a tenth of the energy at the start for each jump tolerated; two passes, because slopes enter it squared.
+/// The y that makes y . (normal y + 2 gradient) least among those with held y = 0; factor: of normal.
+template <class Factor>
+Eigen::VectorXd least(const Factor& factor, const Eigen::VectorXd& gradient, const Eigen::Ref<const Eigen::MatrixXd>& held) {
+  Eigen::VectorXd y = -factor.solve(gradient);
+  if (held.rows() == 0) return y;
+  const Eigen::MatrixXd across = factor.solve(held.transpose());
+  const Eigen::LDLT<Eigen::MatrixXd> small(held * across);
+  for (int pass = 0; pass < 2; ++pass) y -= across * small.solve(held * y);  // twice, for the last digits
+  return y;
+}
+
+/// The minimum of a quadratic energy, slopes free; where alpha would leave its bound, most of the way there from the minimum of the
+/// scalar functions alone. Curvature that is to be followed weighs a tenth of the energy at the start for each jump tolerated; two
+/// passes, because slopes enter it squared.
 Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
-  for (const Index m : {problem.unknowns(), problem.interior()}) {
+  const Eigen::MatrixXd held = problem.held();
+  const auto among = [&](Index m) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.unknowns());
     for (int pass = 0; pass < (problem.follows_curvature() ? 2 : 1); ++pass) {
       Eigen::MatrixXd normal = q.normal.topLeftCorner(m, m);
@@ -495,18 +556,31 @@ Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
         gradient += 0.1 * q.constant * jumps.gradient.head(m);
       }
       normal.diagonal().array() += 1e-12 * normal.trace() / m;
-      x.head(m) -= normal.ldlt().solve(gradient);
+      x.head(m) += least(normal.ldlt(), gradient, held.leftCols(m));
     }
-    if (x.allFinite() && problem.open(x)) return x;
-  }
-  return Eigen::VectorXd::Zero(problem.unknowns());
+    return x;
+  };
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
+  const Eigen::VectorXd all = among(problem.unknowns());
+  if (all.allFinite() && problem.open(all)) return all;
+  const Eigen::VectorXd scalars = among(problem.interior());
+  if (!scalars.allFinite()) return zero;
+  if (!all.allFinite()) return scalars;
+  const double share = 0.9 * problem.reach(all);
+  return share > 0 ? scalars + std::min(share, 1.0) * (all - scalars) : scalars;
 }
 
 /// A geometric energy as the logarithm of its value, so that "auto" weighs its two parts without units, plus the jumps of curvature.
 class Merit {
 public:
-  Merit(const Problem& problem, const Quadratic& third, const std::string& energy)
-      : problem_(problem), third_(third), quadric_(energy != "minimum_variation"), whole_(energy != "quadric_variation") {}
+  /// tension: added to the energy; without unknowns: none.
+  Merit(const Problem& problem, const Quadratic& third, const Quadratic& tension, const std::string& energy)
+      : problem_(problem),
+        third_(third),
+        tension_(tension),
+        held_(problem.held()),
+        quadric_(energy != "minimum_variation"),
+        whole_(energy != "quadric_variation") {}
 
   struct Value {
     double log = std::numeric_limits<double>::infinity();
@@ -519,7 +593,7 @@ public:
     if (!x.allFinite() || !problem_.open(x)) return v;
     std::tie(v.variation, v.quadric) = problem_.variation(x);
     v.third = third_(x);
-    v.energy = energy(v.variation, v.quadric);
+    v.energy = energy(v.variation, v.quadric) + tension(x);
     if (std::isfinite(v.energy)) {
       v.log = std::log(std::max(v.energy, 1e-300)) + parameterisation * std::log(std::max(v.third, 1e-300));
       if (problem_.follows_curvature()) v.log += problem_.jumps(x).squaredNorm();
@@ -560,13 +634,20 @@ public:
       if (!m.used[1]) share = 0;
       normal = parameterisation / third * third_.normal;
       gradient = parameterisation / third * third_gradient;
+      double part = 1;  // of the logarithm's derivative that is not tension's
+      if (tense()) {
+        const double bent = energy(variation, quadric), all = std::max(bent + tension(x + y), 1e-300);
+        part = bent / all;
+        normal += tension_.normal / all;
+        gradient += (tension_.normal * x + tension_.gradient) / all;
+      }
       if (m.used[0]) {
-        normal += (1 - share) / variation * m.variation[0].normal;
-        gradient += (1 - share) / variation * m.variation[0].gradient;
+        normal += part * (1 - share) / variation * m.variation[0].normal;
+        gradient += part * (1 - share) / variation * m.variation[0].gradient;
       }
       if (m.used[1]) {
-        normal += share / quadric * m.variation[1].normal;
-        gradient += share / quadric * m.variation[1].gradient;
+        normal += part * share / quadric * m.variation[1].normal;
+        gradient += part * share / quadric * m.variation[1].gradient;
       }
       if (problem_.follows_curvature()) {
         normal += m.jumps.normal;
@@ -574,12 +655,14 @@ public:
       }
       normal += damping * (normal.trace() / metric.trace()) * metric;
       normal.diagonal().array() += 1e-14 * normal.trace();  // held slopes have empty rows
-      y = -normal.llt().solve(gradient);
+      y = least(normal.llt(), gradient, held_);
     }
     return y;
   }
 
 private:
+  bool tense() const { return tension_.normal.size() > 0; }
+  double tension(const Eigen::VectorXd& x) const { return tense() ? tension_(x) : 0; }
   double energy(double variation, double quadric) const {
     return !quadric_ ? variation : !whole_ ? quadric : softly_smaller(variation, quadric);
   }
@@ -593,7 +676,8 @@ private:
   /// tenth (relative) of what it loses. Less than 0.05 and the minimiser depends on rounding.
   static constexpr double parameterisation = 0.1;
   const Problem& problem_;
-  const Quadratic& third_;
+  const Quadratic &third_, &tension_;
+  Eigen::MatrixXd held_;
   bool quadric_, whole_;
 };
 
@@ -730,21 +814,33 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
 
   FairResult result;
   result.energy = options.energy;
-  result.patch = base;
+  const SurfacePtr start = options.middle ? with_middle(base, *options.middle) : base;
+  result.patch = start;
   const Sides even = options.rebuild ? smoothed(sides) : sides;
-  const auto [even_boundary, even_base] = options.rebuild ? options.rebuild(even) : std::pair{boundary, base};
+  auto [even_boundary, even_base] = options.rebuild ? options.rebuild(even) : std::pair{boundary, base};
+  if (options.middle) even_base = with_middle(even_base, *options.middle);
   const Problem problem(*even_base, even, even_boundary, options);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
-  const Quadratic third = problem.quadratic(true);
+  const Quadratic third = problem.quadratic(3);
+  Quadratic tension;
+  if (options.tension > 0) {
+    tension = problem.quadratic(1);
+    const double wave = 2 * M_PI, weight = options.tension * std::pow(wave, options.energy == "thin_plate" ? 2 : 4);
+    tension.normal *= weight;
+    tension.gradient *= weight;
+    tension.constant *= weight;
+  }
   std::vector<std::pair<Eigen::VectorXd, double>> tried;  // best first
   if (quadratic) {
-    const Quadratic q = options.energy == "thin_plate" ? problem.quadratic(false) : third;
+    Quadratic q = options.energy == "thin_plate" ? problem.quadratic(2) : third;
+    if (options.tension > 0) q += tension;
     const double unit = boundary.size * boundary.size;
     result.before = unit * q.constant;
     const Eigen::VectorXd x = minimum(problem, q);
     tried.emplace_back(x, unit * q(x));
   } else {
-    const Merit merit(problem, third, options.energy);
+    if (options.tension > 0) tension.constant -= tension(least(tension.normal.ldlt(), tension.gradient, problem.held()));
+    const Merit merit(problem, third, tension, options.energy);
     Eigen::VectorXd x = minimum(problem, third);
     const Merit::Value before = merit(zero);
     Merit::Value value = merit(x);
@@ -759,10 +855,11 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   result.after = result.before;
   for (const auto& [x, e] : tried) {
     if (!(e <= result.before)) continue;
-    const SurfacePtr patch = sum(base, problem.correction(x, sides));
+    SurfacePtr patch = sum(base, problem.correction(x, sides));
+    if (options.middle) patch = with_middle(patch, *options.middle);  // last: `even` and `sides` differ a little
     if (options.folds) {
       const Index folds = options.folds(*patch);
-      if (folds > 0 && !result.folds) result.folds = options.folds(*base);  // counted only when needed
+      if (folds > 0 && !result.folds) result.folds = options.folds(*start);  // counted only when needed
       if (folds > 0 && folds > *result.folds) {
         result.warnings.push_back("The fairest patch would fold over itself; a less fair one is used");
         continue;

@@ -150,24 +150,31 @@ std::span<const Method> methods() {
 }
 
 Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides) {
-  static const std::array<std::string, 4> names = {"G0", "G1", "G2", "auto"};
+  static const std::array<std::string, 5> names = {"G0", "G1", "G2", "Free", "auto"};
   const bool keeps_tangent = method.continuity != names[0];
   const std::array<bool, 3> agree = keeps_tangent ? curvature_agrees(smoothed(sides)) : std::array<bool, 3>{};
   Continuity result;
   for (int i = 0; i < 3; ++i) {
     if (std::find(names.begin(), names.end(), asked[i]) == names.end())
-      throw InvalidArgument("continuity must be auto, G0, G1 or G2, not '" + asked[i] + "'");
+      throw InvalidArgument("continuity must be auto, Free, G0, G1 or G2, not '" + asked[i] + "'");
     const bool exact = asked[i] == "G2";
     if (!keeps_tangent && (exact || asked[i] == "G1"))
       throw Refusal(std::string("The method ") + method.name + " keeps " + method.continuity + " along the rim, not " + asked[i]);
     if (exact && sides[i].q.empty())
       throw Refusal("The curvature of the surroundings along side " + std::to_string(i) +
                     " is not known: G2 cannot be met there");
-    result.tangent[i] = keeps_tangent && asked[i] != "G0";
+    result.free[i] = asked[i] == "Free";
+    result.tangent[i] = keeps_tangent && !result.free[i] && asked[i] != "G0";
     result.curvature[i] = exact;
     result.followed[i] = exact || (asked[i] == "auto" && agree[i]);
   }
   return result;
+}
+
+std::array<std::string, 3> Continuity::names() const {
+  std::array<std::string, 3> out;
+  for (int i = 0; i < 3; ++i) out[i] = free[i] ? "Free" : curvature[i] ? "G2" : tangent[i] ? "G1" : "G0";
+  return out;
 }
 
 std::pair<Boundary, SurfacePtr> build(const Method& method, const Sides& sides, const RibbonOptions& ribbons,

@@ -1,8 +1,9 @@
 // The fairest patch among those that meet the surroundings just as well. Whatever patch keeps G1 keeps it with
 //   - the interior term (27 b0 b1 b2)^2 sum_K a_K B_K(b) added,
 //   - the second derivative across each side changed, by 1/2 b_i^2 (cubic side weight) times a polynomial of t, and
-//   - the slopes alpha(t), beta(t) of each side changed between the corners;
-// all are linear. The coefficients minimise a fairness energy.
+//   - the slopes alpha(t), beta(t) of each side changed between the corners (on a side that is met in position only: all of the
+//     derivative across it);
+// all are linear. The coefficients minimise a fairness energy, with the middle held where that is asked.
 #pragma once
 
 #include <array>
@@ -26,6 +27,12 @@ struct FairingOptions {
   int nodes = 8;                                         ///< of the quadrature, per direction
   int iterations = 8;                                    ///< of Gauss-Newton, at most
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
+  /// Sides whose tangent planes are not asked for: the derivative across is free in all directions.
+  std::array<bool, 3> position_only = {false, false, false};
+  /// Pulls the patch tight: the energy gains `tension` times the integral of w |DP|^2 (that of first derivatives), in the energy's
+  /// own unit times (2 pi)^4, thin_plate (2 pi)^2: at 1 it weighs what the energy does for a wave as long as the hole.
+  double tension = 0;
+  std::optional<Vec3> middle;  ///< where the patch is to have its point b = (1/3, 1/3, 1/3), scene units
   /// Sides whose curvature (Side::q) the patch follows by least squares: a jump of normal curvature of `curvature_jump`, relative
   /// to the sides' curvature, rms, costs as much as an energy that grows by a factor e.
   std::array<bool, 3> curvature = {false, false, false};
@@ -51,7 +58,7 @@ struct FairResult {
 Sides smoothed(const Sides& sides);
 
 /// `base` is any patch of `boundary` that keeps G1 to `sides`. The result has no higher energy and no more folds; if nothing
-/// better is found, it is `base` itself.
+/// better is found, it is `base` itself (with its middle where it is asked for).
 FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options = {});
 
 }  // namespace tripatch
