@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
-from shapes import octant
+from shapes import corner_removed, cube_sphere, octant
 from test_fairing import curvature_across, octant_sides
 from tripatch import __main__ as cli
 from tripatch import files, words
@@ -47,6 +47,43 @@ def test_g2_is_kept_where_the_middle_moves():
     np.testing.assert_allclose(patch.evaluate(MIDDLE)[0], (0.6, 0.55, 0.65), rtol=0, atol=1e-12)
     for i in range(3):
         assert np.abs(curvature_across(patch, i, np.linspace(0.01, 0.99, 99)) + 1).max() < 1e-5
+
+
+def curvature_of_surroundings(side, t, h=1e-6):
+    """Normal curvature at a right angle to a side, from its own second derivative and differences of r and c'."""
+    _, along, r, n = side.evaluate(t)
+    after, before = side.evaluate(t + h), side.evaluate(t - h)
+    xx = np.sum(n * side.second_derivative(t), 1)
+    yy, xy = (np.sum(n * (after[k] - before[k]), 1) / (2 * h) for k in (1, 2))
+    slant = np.sum(r * along, 1) / np.sum(along**2, 1)
+    return (xx - 2 * slant * xy + slant**2 * yy) / np.sum((r - slant[:, None] * along) ** 2, 1)
+
+
+@pytest.mark.parametrize(("n", "rings"), [(8, 2), (5, 2), (10, 3)])
+@pytest.mark.parametrize("stands", [True, False])
+def test_the_curvature_of_a_limit_surface_is_followed_and_met(n, rings, stands):
+    vertices, faces = cube_sphere(n)
+    left, gone = corner_removed(vertices, faces, rings)
+    rim = tripatch.find_holes(left)[0]
+    vertices = vertices * (1, 1.1, 0.95)
+    jump = {}
+    for continuity in ("G1", "auto", "G2"):
+        options = {"rim": rim, "surroundings": "limit", "continuity": continuity}
+        if stands:
+            fill = tripatch.fill(vertices, faces, replaced=gone, **options)
+        else:
+            fill = tripatch.fill(vertices, left, **options)
+        edges = len(rim) // 3  # cage edges a side: the curvature has kinks between them
+        t = (np.arange(edges)[:, None] + [0.06, 0.31, 0.62, 0.94]).ravel() / edges
+        t = t[(t > 0.01) & (t < 0.99)]
+        jump[continuity] = 0
+        for i, side in enumerate(fill.sides):
+            asked = curvature_of_surroundings(side, t)
+            jump[continuity] = max(
+                jump[continuity], np.abs(curvature_across(fill.patch, i, t) - asked).max() / np.abs(asked).max()
+            )
+    assert jump["G2"] < 1e-5
+    assert jump["auto"] < 0.75 * jump["G1"] or not stands  # an open cage's border is flat across, and nothing to be followed
 
 
 def test_a_middle_that_folds_is_told():

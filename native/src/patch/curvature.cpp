@@ -142,7 +142,21 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
       largest = std::max(largest, Vec3::Map(&lacks[3 * k]).norm());
     }
     const double tolerance = largest > 0 ? std::clamp(precision * scale / largest, 1e-9, 1e-2) : 1e-2;
-    fields[i] = PiecewisePolynomial::fit(lacking, 3, tolerance, 9, 7);
+    // between the rim's vertices, where the curvature of splines and of limit surfaces has kinks
+    const std::vector<double> whole = {0, 1}, &knots = sides[i].rim.empty() ? whole : sides[i].rim;
+    std::vector<PiecewisePolynomial> parts;
+    std::vector<double> shares;
+    for (std::size_t p = 0; p + 1 < knots.size(); ++p) {
+      const double from = knots[p], length = knots[p + 1] - from;
+      const auto part = [&](std::span<const double> t, std::span<double> out) {
+        std::vector<double> at;
+        for (double u : t) at.push_back(from + u * length);
+        lacking(at, out);
+      };
+      parts.push_back(PiecewisePolynomial::fit(part, 3, tolerance, 9, 7));
+      shares.push_back(length);
+    }
+    fields[i] = PiecewisePolynomial::joined(parts, shares);
   }
   return sum(patch, std::make_shared<Bends>(std::move(fields)));
 }

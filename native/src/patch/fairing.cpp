@@ -861,7 +861,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
       const Index folds = options.folds(*patch);
       if (folds > 0 && !result.folds) result.folds = options.folds(*start);  // counted only when needed
       if (folds > 0 && folds > *result.folds) {
-        result.warnings.push_back("The fairest patch would fold over itself; a less fair one is used");
+        result.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
         continue;
       }
       result.folds = folds;
