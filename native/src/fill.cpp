@@ -20,6 +20,7 @@
 #include "tripatch/output/triangulate.h"
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/fairing.h"
+#include "tripatch/patch/kinks.h"
 #include "tripatch/patch/methods.h"
 #include "tripatch/patch/middle.h"
 #include "tripatch/patch/szilvasi_nagy.h"
@@ -115,14 +116,16 @@ SurfacePtr construct(const Method& method, const Boundary& boundary, MethodOptio
 }
 
 /// The patch, made fair or not, from the start that the options of the method say, with its middle where `center` is.
-MadePatch make_patch(const Sides& sides, const Method& method, const Continuity& continuity, const FillOptions& options,
+MadePatch make_patch(const Sides& given, const Method& method, const Continuity& continuity, const FillOptions& options,
                      const std::optional<Vec3>& center, const MethodOptions& own, bool faired) {
+  const Kinks kinks(given);
+  const Sides& sides = kinks.rounded();
   const RibbonOptions ribbons = {options.cross_boundary, options.bulge, continuity.tangent};
   const Boundary boundary = make_boundary(sides, ribbons);
   MadePatch made;
   made.corner_mismatch_deg = boundary.corner_mismatch_deg;
   made.patch = construct(method, boundary, own, made.report);
-  std::optional<Index> folds;
+  std::optional<Index> folds;  // of `made.patch`, where fairing has counted them
   if (faired) {
     FairingOptions fairing;
     fairing.energy = options.fairing;
@@ -143,13 +146,14 @@ MadePatch make_patch(const Sides& sides, const Method& method, const Continuity&
   } else if (center) {
     made.patch = with_middle(made.patch, *center);
   }
+  const SurfacePtr counted = made.patch;
   const std::array<bool, 3>& exact = continuity.curvature;
   if (exact[0] || exact[1] || exact[2]) {
     made.patch = meet_curvature(made.patch, sides, exact);
     if (center) made.patch = with_middle(made.patch, *center, 3);
-    folds.reset();
   }
-  made.report.folds = folds ? *folds : count_folds(*made.patch, sides);
+  if (!kinks.empty()) made.patch = kinks.restored(made.patch, continuity.tangent);
+  made.report.folds = folds && made.patch == counted ? *folds : count_folds(*made.patch, given);
   made.report.continuity = continuity.names();
   return made;
 }

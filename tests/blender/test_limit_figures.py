@@ -140,8 +140,7 @@ def test_seam_and_area_of_every_cage(addon, change, kind):
     assert seam < 1e-5
     assert max(fill.report.seam_angle_max_by_side) < 1e-5
     assert area > 1e-3
-    # A sharp vertex on the rim still folds a few of the points beside it.
-    assert fill.report.folds <= (12 if change is cages.loose_edge else 0)
+    assert fill.report.folds == 0
 
 
 def corner_region(bm, selection):
@@ -180,4 +179,4 @@ def test_suzanne(addon):
         seam, area = figures(fill)
         print(f"FIGURE suzanne fairing {fairing} rms {distance[fairing]:.2e} of the diameter, seam {seam:.1e} area {area:.2g}")
         assert seam < 1e-5 and area > 1e-3
-    assert distance[None] < 7e-2 and distance["auto"] < 3.5e-2
+    assert distance[None] < 7e-2 and distance["auto"] < 2.5e-2

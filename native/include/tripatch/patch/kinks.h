@@ -1,0 +1,36 @@
+// Kinks inside sides: where the limit surface of a cage has an extraordinary vertex on the rim, or a crease that runs into it, the
+// side turns at once, and the constructions, which take c' and r along rays from the opposite corner, would tear there. So the patch
+// is made of sides that are rounded at their kinks and gets back what they lack in a strip beside the rim:
+//   P + phi(b_i / depth) (e(t) + b_i g(t)),  t at foot_i(b),  e = c - rounded c,  g = what takes dP/d(delta_i) into the true planes,
+// with phi = 1, phi' = phi'' = 0 at the side. Position and G1 are those of the sides as they are.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tripatch/boundary/side.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+class Kinks {
+public:
+  /// Where c' or r of a side jumps, by more than a thousandth of their length.
+  explicit Kinks(const Sides& sides);
+
+  bool empty() const { return kinks_[0].empty() && kinks_[1].empty() && kinks_[2].empty(); }
+  /// The sides, each kink replaced by quintics of c, r and q that reach half the way to the next kink or end.
+  const Sides& rounded() const { return rounded_; }
+  /// A patch of the rounded sides as one of the sides. tangent: sides to which it keeps the tangent planes.
+  SurfacePtr restored(const SurfacePtr& patch, const std::array<bool, 3>& tangent) const;
+
+private:
+  struct Kink {
+    double t, reach;  ///< rounded from t - reach to t + reach
+  };
+
+  Sides sides_, rounded_;
+  std::array<std::vector<Kink>, 3> kinks_;
+};
+
+}  // namespace tripatch

@@ -1,0 +1,178 @@
+#include "tripatch/patch/kinks.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tripatch {
+namespace {
+
+/// Whether a field jumps at a break, by more than a thousandth of its length there.
+bool jumps(const PiecewisePolynomial& field, double t, double before, double after) {
+  const Vec3 left = field.part(before, t)(1), right = field.part(t, after)(0);
+  return (right - left).norm() > 1e-3 * std::max(left.norm(), right.norm());
+}
+
+/// The quintic with the field's own values and first two derivatives at both ends, over [0, 1].
+PiecewisePolynomial bridge(const PiecewisePolynomial& field, double from, double to) {
+  const double h = to - from;
+  std::array<Vec3, 6> net;
+  for (int end = 0; end < 2; ++end) {
+    const double t = end ? to : from, s = end ? -h : h;
+    const Vec3 f = field(t), d = s * field.derivative_at(t), dd = s * s * field.derivative_at(t, 2);
+    net[end ? 5 : 0] = f;
+    net[end ? 4 : 1] = f + d / 5;
+    net[end ? 3 : 2] = f + 2 * d / 5 + dd / 20;
+  }
+  return PiecewisePolynomial::bezier({net[0].data(), 18}, 3);
+}
+
+/// What a patch of rounded sides lacks beside one kink.
+struct Strip {
+  int side;
+  double from, to;        ///< parameters on the side
+  double depth;           ///< in b_i
+  PiecewisePolynomial e;  ///< position, over [0, 1] from `from` to `to`
+  PiecewisePolynomial g;  ///< derivative along delta_i
+};
+
+class Strips final : public JetSurface<Strips> {
+public:
+  explicit Strips(std::vector<Strip> strips) : strips_(std::move(strips)) {}
+
+  Vec3 corner(int) const override { return Vec3::Zero(); }
+
+  template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    JetPoint<N> p;
+    for (const Strip& strip : strips_) {
+      const int i = strip.side;
+      if (b[i].value() >= strip.depth) continue;
+      const Jet<N> t = b[(i + 2) % 3] + 0.5 * b[i];
+      if (!(t.value() > strip.from && t.value() < strip.to)) continue;
+      const Jet<N> u = (1 / (strip.to - strip.from)) * (t - strip.from), x = (1 / strip.depth) * b[i], y = 1.0 - x;
+      // 1 - x^3 (10 - 15 x + 6 x^2)
+      const Jet<N> phi = y * square(y) * (1.0 + 3.0 * x + 6.0 * square(x));
+      p += phi * (compose(strip.e, u) + b[i] * compose(strip.g, u));
+    }
+    return p;
+  }
+
+private:
+  std::vector<Strip> strips_;
+};
+
+/// dP/d(delta_i) on side i at the parameters t.
+std::vector<Vec3> derivatives_inward(const Surface& patch, int i, std::span<const double> t) {
+  const Index n = static_cast<Index>(t.size());
+  std::vector<double> b(3 * t.size(), 0.0), jets(9 * t.size());
+  for (Index k = 0; k < n; ++k) {
+    b[3 * k + (i + 1) % 3] = 1 - t[k];
+    b[3 * k + (i + 2) % 3] = t[k];
+  }
+  patch.evaluate(b.data(), n, 1, jets.data());
+  std::vector<Vec3> out;
+  for (Index k = 0; k < n; ++k)
+    out.emplace_back((i == 0 ? 1 : -0.5) * Vec3::Map(&jets[9 * k + 3]) + (i == 1 ? 1 : -0.5) * Vec3::Map(&jets[9 * k + 6]));
+  return out;
+}
+
+Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
+
+/// At a kink whose two planes differ a derivative across that is in both: along the line where they meet, or zero where that line
+/// runs along the side.
+Vec3 in_both_planes(const Vec3& v, const Vec3& n0, const Vec3& n1) {
+  const Vec3 line = n0.cross(n1);
+  if (line.norm() < 1e-5) return in_plane(v, (n0 + n1).normalized());
+  const Vec3 along = line.normalized();
+  return std::abs(along.dot(v)) > 0.3 * v.norm() ? Vec3(along.dot(v) * along) : Vec3::Zero();
+}
+
+}  // namespace
+
+Kinks::Kinks(const Sides& sides) : sides_(sides), rounded_(sides) {
+  for (int i = 0; i < 3; ++i) {
+    const Side& side = sides[i];
+    const PiecewisePolynomial dc = side.c.derivative();
+    std::vector<double> breaks = side.c.breaks();
+    breaks.insert(breaks.end(), side.r.breaks().begin(), side.r.breaks().end());
+    std::sort(breaks.begin(), breaks.end());
+    std::vector<double> at;
+    for (double t : breaks) {
+      if (t < 1e-6 || t > 1 - 1e-6 || (!at.empty() && t < at.back() + 1e-6)) continue;
+      if (jumps(dc, t, 0, 1) || jumps(side.r, t, 0, 1)) at.push_back(t);
+    }
+    if (at.empty()) continue;
+    std::vector<PiecewisePolynomial> c, r, q;
+    std::vector<double> shares;
+    double done = 0;
+    const auto keep = [&](double to) {
+      if (!(to > done)) return;
+      c.push_back(side.c.part(done, to));
+      r.push_back(side.r.part(done, to));
+      if (!side.q.empty()) q.push_back(side.q.part(done, to));
+      shares.push_back(to - done);
+      done = to;
+    };
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const double before = k ? at[k - 1] : 0, after = k + 1 < at.size() ? at[k + 1] : 1;
+      const double reach = 0.5 * std::min(at[k] - before, after - at[k]);
+      kinks_[i].push_back({at[k], reach});
+      keep(at[k] - reach);
+      done = at[k] + reach;
+      c.push_back(bridge(side.c, at[k] - reach, done));
+      r.push_back(bridge(side.r, at[k] - reach, done));
+      if (!side.q.empty()) q.push_back(bridge(side.q, at[k] - reach, done));
+      shares.push_back(2 * reach);
+    }
+    keep(1);
+    rounded_[i].c = PiecewisePolynomial::joined(c, shares);
+    rounded_[i].r = PiecewisePolynomial::joined(r, shares);
+    if (!side.q.empty()) rounded_[i].q = PiecewisePolynomial::joined(q, shares);
+  }
+}
+
+SurfacePtr Kinks::restored(const SurfacePtr& patch, const std::array<bool, 3>& tangent) const {
+  std::vector<Strip> strips;
+  for (int i = 0; i < 3; ++i)
+    for (const Kink& kink : kinks_[i]) {
+      Strip strip;
+      strip.side = i;
+      strip.from = kink.t - kink.reach;
+      strip.to = kink.t + kink.reach;
+      // The strip keeps clear of the other sides, which are at t = b_i / 2 and 1 - b_i / 2, and of the middle.
+      strip.depth = std::min(2 * kink.reach, 1.0 / 3);
+      strip.e = (sides_[i].c - rounded_[i].c).part(strip.from, strip.to);
+      std::array<Side, 2> halves;
+      for (int h = 0; h < 2; ++h) {
+        const double from = h ? kink.t : strip.from, to = h ? strip.to : kink.t;
+        halves[h].c = sides_[i].c.part(from, to);
+        halves[h].r = sides_[i].r.part(from, to);
+      }
+      const Vec3 at_kink = derivatives_inward(*patch, i, {&kink.t, 1})[0];
+      const Vec3 common = in_both_planes(at_kink, halves[0].normal(1), halves[1].normal(0));
+      std::vector<PiecewisePolynomial> g;
+      for (int h = 0; h < 2; ++h) {
+        const Vec3 n_kink = halves[h].normal(h ? 0 : 1);
+        const Vec3 turn = common.isZero(0) ? Vec3(Vec3::Zero()) : Vec3(common - in_plane(at_kink, n_kink));
+        g.push_back(PiecewisePolynomial::fit(
+            [&](std::span<const double> u, std::span<double> out) {
+              std::vector<double> t;
+              for (double v : u) t.push_back((h ? kink.t : strip.from) + kink.reach * v);
+              const std::vector<Vec3> d = derivatives_inward(*patch, i, t);
+              for (std::size_t k = 0; k < u.size(); ++k) {
+                const double near = h ? 1 - u[k] : u[k];
+                const Vec3 n = halves[h].normal(u[k]);
+                const Vec3 wanted = in_plane(d[k] + near * near * (3 - 2 * near) * turn, n);
+                Vec3::Map(&out[3 * k]) = tangent[i] ? Vec3(wanted - d[k]) : Vec3(Vec3::Zero());
+              }
+            },
+            3, 1e-11));
+      }
+      strip.g = PiecewisePolynomial::joined(g);
+      strips.push_back(std::move(strip));
+    }
+  return sum(patch, std::make_shared<Strips>(std::move(strips)));
+}
+
+}  // namespace tripatch
