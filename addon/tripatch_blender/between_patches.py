@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import FloatProperty, IntProperty
 
 from . import filling, library, selection
 from .construction import Construction
@@ -123,10 +123,12 @@ def _mesh_borders(ob):
     return found
 
 
-def _seam(patch, sides):
-    """The largest angle in degrees between patch and surroundings, ends left out."""
+def _seam(patch, sides, kept):
+    """The largest angle in degrees between patch and surroundings, ends left out, on the sides that are kept, or else on all."""
     t, largest = np.linspace(0.01, 0.99, 99), 0.0
     for i, (side, _) in enumerate(sides):
+        if any(kept) and not kept[i]:
+            continue
         b = np.zeros((len(t), 3))
         b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
         own, others = patch.normal(b), side.evaluate(t)[3]
@@ -162,17 +164,6 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         max=10000,
         default=0,
     )
-    continuity: EnumProperty(
-        name="Continuity",
-        description="How the fill meets the surfaces",
-        items=[
-            ("auto", "Auto", "The best that the method keeps"),
-            ("G0", "Position", "Meets the edges (G0)"),
-            ("G1", "Tangent", "Continues the tangent planes (G1)"),
-            ("G2", "Curvature", "Continues the curvature as well (G2)"),
-        ],
-        default="auto",
-    )
 
     @classmethod
     def poll(cls, context):
@@ -188,8 +179,8 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         row = self.panel()
         row("tolerance")
         row("resolution")
-        row("continuity", active=self.keeps_tangents())
-        row("fairing")
+        self.sides_rows(row)
+        self.fairing_rows(row)
         self.construction_rows(row)
 
     def execute(self, context):
@@ -219,7 +210,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         new.select_set(True)
         context.view_layer.objects.active = new
         names = list(dict.fromkeys(curve.name for curve in loop.curves))
-        seam = max(_seam(patch, sides), 0.001)
+        seam = max(_seam(patch, sides, [continuity not in ("Free", "G0") for continuity in self.continuities()]), 0.001)
         self.report(
             {"INFO"},
             f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(loop.gaps):.2g} "

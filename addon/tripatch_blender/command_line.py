@@ -32,14 +32,24 @@ def _three(text):
     return corners
 
 
+def _by_side(kind):
+    """One value or three."""
+
+    def read(text):
+        values = tuple(kind(part) for part in text.split(","))
+        return values[0] if len(values) == 1 else values
+
+    read.__name__ = f"{kind.__name__} or three"
+    return read
+
+
 def _shape(text):
     if text == "optimal":
         return text
     try:
-        values = tuple(float(part) for part in text.split(","))
+        return _by_side(float)(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is neither numbers nor optimal") from None
-    return values[0] if len(values) == 1 else values
 
 
 def _parser(prog):
@@ -64,7 +74,7 @@ def _parser(prog):
     parser.add_argument("--odd", choices=["split", "triangle"], default="split", help="quads, cage: round an odd rim")
     parser.add_argument("--pole-offset", type=float, nargs=2, default=(0.0, 0.0), metavar=("U", "V"))
     parser.add_argument("--add-modifier", action="store_true", help="cage: give the object a Subdivision modifier if it has none")
-    parser.add_argument("--continuity", choices=["auto", "G0", "G1", "G2"], default="auto")
+    parser.add_argument("--continuity", type=_by_side(str), default="auto", metavar="C[,C,C]", help="auto, Free, G0, G1 or G2")
     parser.add_argument(
         "--fairing",
         choices=["auto", "none", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation"],
@@ -73,7 +83,9 @@ def _parser(prog):
     parser.add_argument(
         "--surroundings", choices=["mesh", "limit"], default="mesh", help="limit: as the modifier draws them, the fill beside"
     )
-    parser.add_argument("--bulge", type=float, default=1.0)
+    parser.add_argument("--bulge", type=_by_side(float), default=1.0, metavar="B[,B,B]", help="scales the slopes of the sides")
+    parser.add_argument("--tension", type=float, default=0.0, help="pulls the fill tight")
+    parser.add_argument("--center-offset", type=float, default=0.0, help="moves the middle of the fill along its normal")
     parser.add_argument("--cross-boundary", choices=["given", "consistent", "as_printed"], default="consistent")
     parser.add_argument("--shape", type=_shape, default=0.5, metavar="L[,L,L]", help="lambda, from 0 to 1, by side; or optimal")
     parser.add_argument("--reading", choices=["corrected", "as_printed"], default="corrected")
@@ -162,7 +174,7 @@ def _rims(bm, matrix, arguments):
 
 _OF_FILL = (
     *("method", "continuity", "surroundings", "bulge", "resolution", "tolerance", "cage_rim", "odd", "pole_offset"),
-    *("cross_boundary", "shape", "reading", "symmetric", "alpha"),
+    *("tension", "center_offset", "cross_boundary", "shape", "reading", "symmetric", "alpha"),
 )
 
 

@@ -7,6 +7,18 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 
 from . import library
 
+_CONTINUITY = [
+    ("auto", "Auto", "The best that the method keeps"),
+    ("Free", "Free", "Meets the rim; the slope there is the fairing's choice"),
+    ("G0", "Position", "Meets the rim (G0)"),
+    ("G1", "Tangent", "Continues the surrounding tangent planes (G1)"),
+    ("G2", "Curvature", "Continues the curvature as well (G2)"),
+]
+
+
+def _continuity(name, description):
+    return EnumProperty(name=name, description=description, items=_CONTINUITY, default="auto")
+
 
 def _method_items():
     if library.missing:
@@ -29,6 +41,39 @@ class Construction:
         soft_max=4.0,
         max=100.0,
         default=1.0,
+    )
+    continuity: _continuity("Continuity", "How the fill meets what surrounds it")
+    individual: BoolProperty(
+        name="Individual Sides", description="Continuity and bulge are chosen for each side by itself", default=False
+    )
+    continuity_0: _continuity("Side 1", "How the fill meets the side opposite its first corner")
+    continuity_1: _continuity("Side 2", "How the fill meets the side opposite its second corner")
+    continuity_2: _continuity("Side 3", "How the fill meets the side opposite its third corner")
+    bulges: FloatVectorProperty(
+        name="Bulge",
+        description="Scale of the slopes with which the fill leaves each of its sides; the corners are kept",
+        size=3,
+        min=0.01,
+        soft_max=4.0,
+        max=100.0,
+        default=(1.0, 1.0, 1.0),
+    )
+    tension: FloatProperty(
+        name="Tension",
+        description="Pulls the fill tight; the tangent planes are kept. Needs a fairing",
+        min=0.0,
+        soft_max=20.0,
+        max=1e6,
+        default=0.0,
+    )
+    center_offset: FloatProperty(
+        name="Center Offset",
+        description="Moves the middle of the fill along its normal, in scene units; the tangent planes are kept",
+        soft_min=-10.0,
+        soft_max=10.0,
+        precision=4,
+        default=0.0,
+        options={"SKIP_SAVE"},
     )
     fairing: EnumProperty(
         name="Fairing",
@@ -108,6 +153,20 @@ class Construction:
     def keeps_tangents(self):
         return library.tripatch.METHODS[self.method].continuity != "G0"
 
+    def sides_rows(self, row):
+        """How the sides are met, for all or for each."""
+        keeps = self.keeps_tangents()
+        row("continuity", active=keeps and not self.individual)
+        row("individual", active=keeps)
+        if self.individual and keeps:
+            for name in ("continuity_0", "continuity_1", "continuity_2"):
+                row(name)
+
+    def fairing_rows(self, row):
+        row("fairing")
+        row("tension", active=self.fairing != "none")
+        row("center_offset")
+
     def construction_rows(self, row):
         """The method and the options that it has."""
         row("method")
@@ -118,20 +177,32 @@ class Construction:
             elif name == "alpha":
                 row("permanence")
                 row("alpha", active=self.permanence)
+            elif name == "bulge" and self.individual:
+                row("bulges")
             elif name in ("cross_boundary", "bulge"):
-                row(name, active=self.continuity != "G0")
+                row(name, active=self.individual or self.continuity not in ("Free", "G0"))
             else:
                 row(name)
 
+    def continuities(self):
+        """By side."""
+        each = (self.continuity_0, self.continuity_1, self.continuity_2)
+        return each if self.individual else (self.continuity,) * 3
+
     def construction(self):
         """Arguments of `tripatch.fill` and `tripatch.patch`."""
-        arguments = {"method": self.method, "continuity": self.continuity if self.keeps_tangents() else "auto"}  # greyed out
+        arguments = {"method": self.method, "continuity": "auto", "center_offset": self.center_offset}
+        if self.keeps_tangents():  # else greyed out
+            arguments["continuity"] = self.continuities()
         arguments["fairing"] = None if self.fairing == "none" else self.fairing
+        arguments["tension"] = 0.0 if self.fairing == "none" else self.tension
         for name in library.tripatch.METHODS[self.method].options:
             if name == "shape":
                 arguments[name] = "optimal" if self.optimal_shape else tuple(self.shape)
             elif name == "alpha":
                 arguments[name] = self.alpha if self.permanence else None
+            elif name == "bulge" and self.individual:
+                arguments[name] = tuple(self.bulges)
             else:
                 arguments[name] = getattr(self, name)
         return arguments

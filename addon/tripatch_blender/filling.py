@@ -89,7 +89,7 @@ class _ToObject:
         return n / np.linalg.norm(n, axis=1, keepdims=True)
 
 
-def _planned(bm, rim, world, fill, arguments, count):
+def _planned(bm, rim, world, fill, count):
     """A `Planned` fill; Refusal if its faces cannot be joined to the mesh. count: vertices that the fill counts as the mesh's."""
     own, vertex = _ToObject(world), {v.index: v for v in rim.loop}
     planned = writeback.Planned(
@@ -99,7 +99,7 @@ def _planned(bm, rim, world, fill, arguments, count):
         own.points(fill.vertices),
         own.normals(fill.normals),
         own.normals(fill.rim_normals),
-        arguments.get("continuity") != "G0" and tripatch.METHODS[arguments.get("method", "side_vertex")].continuity != "G0",
+        tuple(continuity in ("G1", "G2") for continuity in fill.report.continuity),
     )
     planned.moved = list(zip([vertex[v] for v in fill.moved[0].tolist()], own.points(fill.moved[1]), strict=True))
     obstacle = writeback.obstacle(bm, planned, count)
@@ -130,7 +130,7 @@ def _plan(bm, rim, world, keys, options, around):
     corners = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset)
     arguments = dict(options.arguments, rim=loop, replaced=replaced)
     fill = tripatch.fill(positions, faces, corners=corners, **arguments)
-    planned, notes = _planned(bm, rim, world, fill, arguments, len(positions)), []
+    planned, notes = _planned(bm, rim, world, fill, len(positions)), []
     for name, shape in keys.items():
         try:
             in_key = tripatch.fill(*shape.around(rim)[:2], corners=fill.report.corners, **arguments)
@@ -156,7 +156,7 @@ def _plan_cages(bm, rims, world, keys, options, around, cage):
     for k, fill in zip(left, fills, strict=True):
         if not isinstance(fill, tripatch.Refusal):
             try:
-                results[k] = _planned(bm, rims[k], world, fill, arguments, len(positions)), []
+                results[k] = _planned(bm, rims[k], world, fill, len(positions)), []
                 continue
             except tripatch.Refusal as refusal:
                 fill = refusal

@@ -91,17 +91,6 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         description="Give the object a Subdivision modifier if it has none",
         default=True,
     )
-    continuity: EnumProperty(
-        name="Continuity",
-        description="How the fill meets the surrounding faces",
-        items=[
-            ("auto", "Auto", "The best that the method keeps"),
-            ("G0", "Position", "Meets the rim (G0)"),
-            ("G1", "Tangent", "Continues the surrounding tangent planes (G1)"),
-            ("G2", "Curvature", "Continues the curvature as well (G2)"),
-        ],
-        default="auto",
-    )
     corner_offset: IntProperty(
         name="Corner Offset",
         description="Slide the three corners along the rim by this many vertices",
@@ -147,6 +136,8 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
             row("cage_rim")
             row("odd")
             row("pole_offset")
+            self.sides_rows(row)
+            self.fairing_rows(row)
             self.construction_rows(row)
             row("corner_offset", "shading")
             row("add_modifier", active=not all(map(subdivision.modifier_of, context.objects_in_mode_unique_data)))
@@ -155,8 +146,8 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
             row("rows", "odd")
         else:
             row("resolution")
-        row("continuity", active=self.keeps_tangents())
-        row("fairing")
+        self.sides_rows(row)
+        self.fairing_rows(row)
         self.construction_rows(row)
         row("corner_offset")
         row("shading")

@@ -25,7 +25,7 @@ class Planned:
     positions: np.ndarray  # (k, 3) of the new vertices in object space
     normals: np.ndarray  # (k, 3)
     rim_normals: np.ndarray  # (r, 3)
-    tangent: bool  # to the surroundings
+    tangent: tuple  # to the surroundings, by side
     moved: list = field(default_factory=list)  # (BMVert, position in object space)
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
     moved_in_shape_keys: dict = field(default_factory=dict)  # name: (as many as `moved`, 3)
@@ -126,7 +126,9 @@ def _write_one(bm, planned, count, shading, custom):
             corners.append((corner, k - len(loop), continued))
     attributes.blend_corners(bm, ends, corners, blend)
     if custom is not None:
-        _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), custom, ends, corners)
+        on_side = {k: i for i, places in enumerate(sides(rows.barycentric)) for k in places}
+        tangent = [planned.tangent[on_side[k]] for k in range(len(loop))]
+        _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)
     _change_rim(bm, planned, {v: loop[k] for v, k in place.items()})
     return new_faces
 
@@ -147,17 +149,18 @@ def _change_rim(bm, planned, vertex):
             edge[layer] = max(edge[layer], value)
 
 
-def _give_normals(planned, custom, ends, corners):
-    """Adds the normals of the new face corners to `custom`: the exact ones of the fill. Where fill and surroundings are tangent,
-    a seam has the normal that the surroundings have there, which Blender keeps for both while no sharp edge parts them."""
+def _give_normals(planned, tangent, custom, ends, corners):
+    """Adds the normals of the new face corners to `custom`: the exact ones of the fill. Where fill and surroundings are tangent
+    (tangent: by rim edge), a seam has the normal that the surroundings have there, which Blender keeps for both while no sharp
+    edge parts them."""
     for corner, number, continued in corners:
         if not continued:
             custom[corner] = planned.normals[number]
             continue
         around = [custom[ends[end]] for end in continued]
-        agree = all(normal @ around[0] > SAME_NORMAL for normal in around)
+        agree = all(normal @ around[0] > SAME_NORMAL for normal in around) and all(tangent[end // 2] for end in continued)
         exact = planned.rim_normals[(continued[-1] + 1) // 2 % len(planned.loop)]
-        custom[corner] = around[0] if planned.tangent and agree else exact
+        custom[corner] = around[0] if agree else exact
 
 
 def write(bm, mesh, all_planned, shading):

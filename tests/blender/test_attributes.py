@@ -9,11 +9,11 @@ import scenes
 fill = bpy.ops.mesh.fill_three_sided
 
 
-def fill_in_edit_mode(ob):
+def fill_in_edit_mode(ob, **options):
     """The number of vertices and faces before; the object is in object mode again."""
     before = len(ob.data.vertices), len(ob.data.polygons)
     scenes.edit(ob)
-    assert fill() == {"FINISHED"}
+    assert fill(**options) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert not ob.data.validate(verbose=True)
     return before
@@ -210,6 +210,20 @@ def test_custom_normals_stay_and_those_of_the_fill_are_exact(smooth, tilt):
     true = np.column_stack([-1.2 * x + np.where(at_seam, tilt, 0), -1.2 * y, np.ones(len(x))])  # one shading over the seam
     assert angle(after[len(before) :], true).max() < 0.3
     assert not any(e.use_edge_sharp for e in ob.data.edges)
+
+
+def test_a_side_met_in_position_only_has_the_normals_of_the_fill():
+    """The seam of the others has those of the surroundings, here tilted ones."""
+    points, faces = scenes.lattice(size=24, holes=((6, 6, 8),))
+    ob = scenes.add_mesh(scenes.bowl(points), faces)
+    custom_normals(ob, 0.5)
+    before, at_rim = len(ob.data.loops), rim_indices(ob)
+    fill_in_edit_mode(ob, individual=True, continuity_0="G0")
+    new = np.array([loop.vertex_index for loop in ob.data.loops])[before:]
+    x, y, _ = np.array([v.co for v in ob.data.vertices])[new].T
+    off = angle(scenes.corner_normals(ob.data)[before:], np.column_stack([-1.2 * x, -1.2 * y, np.ones(len(x))]))
+    own = {v for v, a in zip(new.tolist(), off, strict=True) if a < 1} & set(at_rim)
+    assert 7 <= len(own) <= 9  # of the 24 vertices of the rim
 
 
 def test_custom_normals_around_a_replaced_region_stay():

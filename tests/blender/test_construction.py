@@ -18,9 +18,21 @@ VALUES = {  # of an operator; of a command; of tripatch.fill
     "symmetric": ({"symmetric": True}, ["--symmetric"], {"symmetric": True}),
     "alpha": ({"permanence": True, "alpha": 0.125}, ["--alpha", "0.125"], {"alpha": 0.125}),
 }
+CONTROLS = {
+    "tension": ({"tension": 2.0}, ["--tension", "2"], {"tension": 2}),
+    "center_offset": ({"center_offset": 0.125}, ["--center-offset", "0.125"], {"center_offset": 0.125}),
+    "free": ({"continuity": "Free"}, ["--continuity", "Free"], {"continuity": "Free"}),
+    "individual": (
+        {"individual": True, "continuity_1": "Free", "continuity_2": "G0", "bulges": (1.5, 1, 1), "continuity": "G0", "bulge": 3},
+        ["--continuity", "auto,Free,G0", "--bulge", "1.5,1,1"],
+        {"continuity": ("auto", "Free", "G0"), "bulge": (1.5, 1, 1)},
+    ),
+}
+VALUES |= CONTROLS
 CASES = [(method, name) for method, about in tripatch.METHODS.items() for name in about.options] + [
     ("szilvasi_nagy_c0", "optimal"),
     ("szilvasi_nagy_c1", "optimal"),
+    *(("side_vertex", name) for name in CONTROLS),
 ]
 
 
@@ -74,7 +86,7 @@ def test_so_does_the_command_line(addon, tmp_path, name):
 def test_the_panel_shows_the_options_that_the_method_has(addon, method):
     construction = importlib.import_module(addon.__name__ + ".construction").Construction
     shown = {}
-    state = types.SimpleNamespace(method=method, continuity="auto", optimal_shape=True, permanence=False)
+    state = types.SimpleNamespace(method=method, continuity="auto", individual=False, optimal_shape=True, permanence=False)
     construction.construction_rows(state, lambda *names, active=True: shown.update(dict.fromkeys(names, active)))
     options = {"optimal_shape" if name == "shape" else name for name in tripatch.METHODS[method].options}
     assert set(shown) - {"shape", "permanence"} == options | {"method"}
@@ -98,7 +110,8 @@ class Layout:
 
 @pytest.mark.parametrize("method", ["quintic", "szilvasi_nagy_c1", "coons_bezier"])
 @pytest.mark.parametrize("output", ["triangles", "quads", "cage", None])
-def test_panels_are_drawn(addon, method, output):
+@pytest.mark.parametrize("individual", [False, True])
+def test_panels_are_drawn(addon, method, output, individual):
     kind = ("operators", "MESH_OT_fill_three_sided") if output else ("between_patches", "OBJECT_OT_fill_between_patches")
     operator = getattr(importlib.import_module(f"{addon.__name__}.{kind[0]}"), kind[1])
     rna = (bpy.ops.mesh.fill_three_sided if output else bpy.ops.object.fill_between_patches).get_rna_type()
@@ -109,12 +122,30 @@ def test_panels_are_drawn(addon, method, output):
                 setattr(stub, name, types.MethodType(function, stub))
     for prop in rna.properties:  # they hide functions of the same name
         setattr(stub, prop.identifier, getattr(prop, "default", None))
-    stub.method, stub.output = method, output
+    stub.method, stub.output, stub.individual = method, output, individual
     stub.draw(bpy.context)
     shown = stub.layout.shown
     assert shown and len(shown) == len(set(shown)) and set(shown) <= {p.identifier for p in rna.properties}
     assert {"method", "resolution" if output in ("triangles", None) else "rows"} <= set(shown)
     assert ("cross_boundary" in shown) == (method != "coons_bezier") and ("alpha" in shown) == (method == "coons_bezier")
+    assert {"continuity", "individual", "fairing", "tension", "center_offset"} <= set(shown)
+    each = {"continuity_0", "continuity_1", "continuity_2", "bulges"}
+    assert each & set(shown) == (each if individual and method != "coons_bezier" else set())
+
+
+def test_undo_and_redo_with_controls():
+    ob = add_uneven_hole()
+    scenes.edit(ob)
+    bpy.ops.ed.undo_push(message="before")
+    before = scenes.state("A")
+    options = {"individual": True, "continuity_0": "Free", "continuity_1": "G2", "tension": 1.0, "center_offset": -0.1}
+    assert bpy.ops.mesh.fill_three_sided("EXEC_DEFAULT", True, **options) == {"FINISHED"}
+    after = scenes.state("A")
+    assert after != before
+    bpy.ops.ed.undo()
+    assert scenes.state("A") == before
+    bpy.ops.ed.redo()
+    assert scenes.state("A") == after
 
 
 @pytest.mark.parametrize("shape", ["0.5,x", "0.2,0.3", "0,0.5,0.5"])
