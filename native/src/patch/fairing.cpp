@@ -264,6 +264,8 @@ public:
     return rows;
   }
 
+  bool controlled() const { return options_.tension > 0 || options_.middle; }
+
   bool follows_curvature() const { return !followed_.empty(); }
 
   /// The relative jumps of normal curvature along the sides followed, over what is tolerated, as rows whose squares sum to the mean
@@ -540,8 +542,8 @@ Eigen::VectorXd least(const Factor& factor, const Eigen::VectorXd& gradient, con
   return y;
 }
 
-/// The minimum of a quadratic energy, slopes free; where alpha would leave its bound, most of the way there from the minimum of the
-/// scalar functions alone. Curvature that is to be followed weighs a tenth of the energy at the start for each jump tolerated; two
+/// The minimum of a quadratic energy, slopes free; with the scalar functions alone where alpha would leave its bound, or, where tension
+/// or the middle is a person's to change (which shall not jump), most of the way from there to the bound. Curvature that is to be followed weighs a tenth of the energy at the start for each jump tolerated; two
 /// passes, because slopes enter it squared.
 Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
   const Eigen::MatrixXd held = problem.held();
@@ -565,7 +567,7 @@ Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
   if (all.allFinite() && problem.open(all)) return all;
   const Eigen::VectorXd scalars = among(problem.interior());
   if (!scalars.allFinite()) return zero;
-  if (!all.allFinite()) return scalars;
+  if (!all.allFinite() || !problem.controlled()) return scalars;
   const double share = 0.9 * problem.reach(all);
   return share > 0 ? scalars + std::min(share, 1.0) * (all - scalars) : scalars;
 }
