@@ -166,7 +166,7 @@ def _rims(bm, matrix, arguments):
         return rims if arguments.outer else _inner(bm, rims, matrix)
     if arguments.object:
         return filling.only_hole(bm, matrix, _ADVICE)
-    found, _ = filling.three_sided(bm, matrix, selection.all_rims(bm))
+    found, _ = filling.three_sided(bm, matrix, filling.holes(bm, matrix))
     if len(found) > 1:
         raise filling.a_choice(found, _ADVICE)
     return found

@@ -257,6 +257,17 @@ def _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier):
     return outcome, new_faces
 
 
+def holes(bm, matrix):
+    """Every visible border loop but outer borders, which count where there is no other; the shortest first."""
+    bm.verts.index_update()
+    bm.faces.index_update()
+    around, rims = Surroundings(bm, matrix), selection.all_rims(bm)
+    if len(rims) < 2:
+        return rims
+    inner = [rim for rim in rims if not tripatch.is_outer_border(*around.around(rim)[:2], [v.index for v in rim.loop])]
+    return inner or rims
+
+
 def three_sided(bm, matrix, rims):
     """Those of some rims that have three corners, and why the others have not: [(vertex, sentence)]."""
     bm.verts.index_update()
@@ -282,7 +293,7 @@ def a_choice(found, advice):
 
 def only_hole(bm, matrix, advice="select the rim of one"):
     """The mesh's only three-sided hole; UnusableError if there is none, or a choice: how to choose is the advice."""
-    rims = selection.all_rims(bm)
+    rims = holes(bm, matrix)
     hidden = any(e.is_boundary and e.hide for e in bm.edges)
     if not rims:
         raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else "The mesh has no hole")

@@ -305,6 +305,13 @@ PYBIND11_MODULE(_native, m) {
     const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
     return std::array<Index, 3>{hole.rim[hole.corners[0]], hole.rim[hole.corners[1]], hole.rim[hole.corners[2]]};
   });
+  m.def("_is_outer_border",
+        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const std::vector<Index>& rim) {
+          const Faces faces = faces_from(offsets, corners);
+          const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+          py::gil_scoped_release release;
+          return is_outer_border({points, faces}, rim);
+        });
   m.def("_mesh_sides", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                           const std::vector<Index>& rim, const std::array<Index, 3>& at) {
     const Faces faces = faces_from(offsets, corners);

@@ -26,6 +26,23 @@ def test_nothing_selected_fills_the_only_three_sided_hole():
     assert rims(ob) == [36]
 
 
+def test_with_nothing_selected_the_outer_border_is_no_hole():
+    """Its three edges would do for a rim."""
+    angle = np.arange(3) * 2 * np.pi / 3
+    inner = np.column_stack([np.cos(angle), np.sin(angle), 0.1 + 0 * angle])
+    ring = [(k, (k + 1) % 3) for k in range(3)]
+    ob = scenes.add_mesh(np.vstack([inner, 3 * inner]), [[3 + a, 3 + b, b, a] for a, b in ring])
+    scenes.edit(ob)
+    assert fill() == {"FINISHED"}
+    assert rims(ob) == [3] and all(max(p.vertices) > 5 or set(p.vertices) == {0, 1, 2} for p in list(ob.data.polygons)[3:])
+
+
+def test_where_the_only_hole_cannot_be_filled_the_outer_border_is_not_mentioned(capfd):
+    scenes.edit(scenes.add_mesh(*scenes.square_hole()))
+    assert fill() == {"CANCELLED"}
+    assert "Warning: Rim has 4 corners; select three" in capfd.readouterr().out
+
+
 @pytest.mark.parametrize("mode", ["VERT", "EDGE"])
 def test_selected_rim(mode):
     ob = scenes.add_hole()

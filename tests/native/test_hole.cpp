@@ -636,6 +636,14 @@ TEST_CASE("the only hole with three corners") {
   CHECK(corner_vertices(find_hole(triangular(1, 1, 1).mesh())) == std::vector<Index>{0, 1, 2});
 }
 
+TEST_CASE("outer borders turn the other way as a whole") {
+  for (const Model& m : {triangular(1, 1, 1), triangular(5, 4, 3), surround(regular(4, 3))}) {
+    const std::vector<Loop> loops = find_holes(m.faces);
+    REQUIRE(loops.size() == 2);
+    for (const Loop& loop : loops) CHECK(is_outer_border(m.mesh(), loop) == (loop[0] != 0));  // the rim comes first
+  }
+}
+
 TEST_CASE("the border of a single face is no hole") {
   const Model triangle = model({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   const Model square = model({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}});

@@ -37,6 +37,16 @@ def test_a_region_to_be_replaced():
     assert set(tripatch.find_corners(vertices, faces, rim, replaced=region).tolist()) == expected
 
 
+def test_the_outer_border_turns_the_other_way():
+    vertices, faces, inside, _ = sheet()
+    faces = [f for f, cut in zip(faces, inside, strict=True) if not cut]
+    inner, outer = tripatch.find_holes(faces)
+    assert not tripatch.is_outer_border(vertices, faces, inner)
+    assert tripatch.is_outer_border(vertices, faces, outer)
+    with pytest.raises(ValueError, match="no vertex 99"):
+        tripatch.is_outer_border(vertices, faces, [0, 1, 99])
+
+
 def test_what_is_no_rim_is_refused():
     vertices, faces, _, _ = sheet()
     with pytest.raises(tripatch.Refusal):

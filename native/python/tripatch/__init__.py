@@ -51,6 +51,7 @@ __all__ = [
     "fill_all",
     "find_corners",
     "find_holes",
+    "is_outer_border",
     "patch",
     "sides_from_normals",
     "smits_patch",
@@ -382,6 +383,19 @@ def find_corners(vertices, faces, rim, *, replaced=()) -> np.ndarray:
     checked = _arrays.mesh(vertices, faces)
     corners = _native._find_corners(*checked, _arrays.indices(rim, "rim"), _arrays.indices(replaced, "replaced"))
     return np.array(corners, np.int64)
+
+
+def is_outer_border(vertices, faces, rim) -> bool:
+    """Whether a border loop is the outer border of an open mesh and no hole: as a whole it turns the other way.
+
+    Without a rim `fill` leaves such borders out, unless the mesh has no other.
+
+    Args:
+        vertices: (n, 3) positions.
+        faces: (m, 3) or (m, 4) int array, or a list of index lists; those around the border are enough.
+        rim: vertex indices of a loop of `find_holes`, in its direction.
+    """
+    return _native._is_outer_border(*_arrays.mesh(vertices, faces), _arrays.indices(rim, "rim"))
 
 
 @_takes_options

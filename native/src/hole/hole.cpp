@@ -486,6 +486,17 @@ RimShape measure(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
   return shape;
 }
 
+bool is_outer(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
+  const std::vector<double> turn = measure(mesh, around, rim).turn;
+  return std::accumulate(turn.begin(), turn.end(), 0.0) < -M_PI / 2;
+}
+
+void check_indices(const Mesh& mesh) {
+  for (Index v : mesh.faces.corners)
+    if (v >= mesh.vertices.rows())
+      throw InvalidArgument("A face has vertex " + name(v) + ": the mesh has " + name(mesh.vertices.rows()) + " vertices");
+}
+
 /// Places of the corners in the rim, in rim order; `rim` from its lowest vertex on, so that the same rim gives the same corners.
 std::vector<Index> detect_corners(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
   const Index n = static_cast<Index>(rim.size());
@@ -626,19 +637,21 @@ Hole make_hole(const Mesh& mesh, const std::vector<Index>& rim, const std::optio
   return make_hole(mesh, FacesAround(mesh, {rim}, replaced), rim, corners);
 }
 
+bool is_outer_border(const Mesh& mesh, const std::vector<Index>& rim) {
+  check_indices(mesh);
+  for (Index v : rim)
+    if (v < 0 || v >= mesh.vertices.rows()) throw InvalidArgument("The mesh has no vertex " + name(v));
+  if (rim.size() < 3) throw InvalidArgument("A border loop has three vertices or more");
+  return is_outer(mesh, FacesAround(mesh, {rim}), rim);
+}
+
 Hole find_hole(const Mesh& mesh) {
-  for (Index v : mesh.faces.corners)
-    if (v >= mesh.vertices.rows())
-      throw InvalidArgument("A face has vertex " + name(v) + ": the mesh has " + name(mesh.vertices.rows()) + " vertices");
+  check_indices(mesh);
   std::vector<Loop> loops = find_holes(mesh.faces);
   if (loops.empty()) throw Refusal("No hole: the mesh has no border");
   const FacesAround around(mesh, loops);
-  // a hole turns once round one way, the outer border of an open mesh the other; the latter is meant only where it is the only one
-  const auto is_outer = [&](const Loop& loop) {
-    const std::vector<double> turn = measure(mesh, around, loop).turn;
-    return std::accumulate(turn.begin(), turn.end(), 0.0) < -M_PI / 2;
-  };
-  if (loops.size() > 1 && !std::all_of(loops.begin(), loops.end(), is_outer)) std::erase_if(loops, is_outer);
+  const auto outer = [&](const Loop& loop) { return is_outer(mesh, around, loop); };
+  if (loops.size() > 1 && !std::all_of(loops.begin(), loops.end(), outer)) std::erase_if(loops, outer);
   std::vector<Hole> found;
   std::optional<Refusal> refusal;  // of the shortest
   for (const Loop& loop : loops) {

@@ -30,8 +30,11 @@ std::vector<std::vector<Index>> find_holes(const Faces& faces);
 Hole make_hole(const Mesh& mesh, const std::vector<Index>& rim, const std::optional<std::array<Index, 3>>& corners,
                const std::vector<Index>& replaced = {});
 
-/// The mesh's only border loop with three corners; else a Refusal that lists the candidates. Outer borders, which turn the other
-/// way as a whole, count only where the mesh has no other.
+/// Whether a border loop is the outer border of an open mesh: as a whole it turns the other way than a hole, which turns once round.
+bool is_outer_border(const Mesh& mesh, const std::vector<Index>& rim);
+
+/// The mesh's only border loop with three corners; else a Refusal that lists the candidates. Outer borders count only where the mesh
+/// has no other.
 Hole find_hole(const Mesh& mesh);
 
 }  // namespace tripatch
