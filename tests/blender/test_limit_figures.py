@@ -160,23 +160,80 @@ def corner_region(bm, selection):
     raise AssertionError("Suzanne has changed")
 
 
+def harmonic_fill(points, faces, inside, order):
+    """The vertices inside faces marked `inside` where Laplacian^order of position vanishes (2: thin plate, 3: triharmonic), those
+    outside held; with the areas and angles of the surface as it is, which a fill of a hole would have to guess. Returns
+    (indices, positions, areas)."""
+    used = np.unique(faces[np.isin(faces, faces[inside]).any(axis=1)])
+    for _ in range(order):
+        used = np.unique(faces[np.isin(faces, used).any(axis=1)])
+    near = np.isin(faces, used).all(axis=1)
+    inside, number = inside[near], np.full(len(points), -1)
+    number[used] = np.arange(len(used))
+    quads, x = number[faces[near]], points[used].astype(float)
+    laplacian, area = np.zeros((len(used), len(used))), np.zeros(len(used))
+    for triangle in (quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]):
+        for k in range(3):
+            i, j, m = (triangle[:, (k + step) % 3] for step in range(3))
+            u, v = x[j] - x[i], x[m] - x[i]
+            twice = np.linalg.norm(np.cross(u, v), axis=1)
+            weight = (u * v).sum(axis=1) / twice / 2  # half the cotangent at i, for the edge from j to m
+            for p, q in ((j, m), (m, j)):
+                np.add.at(laplacian, (p, p), weight)
+                np.add.at(laplacian, (p, q), -weight)
+            np.add.at(area, i, twice / 6)
+    power = laplacian
+    for _ in range(order - 1):
+        power = laplacian @ (power / area[:, None])
+    free = np.setdiff1d(quads[inside], quads[~inside])
+    held = np.setdiff1d(np.arange(len(used)), free)
+    x[free] = np.linalg.solve(power[np.ix_(free, free)], -power[np.ix_(free, held)] @ x[held])
+    return used[free], x[free], area[free]
+
+
 def test_suzanne(addon):
-    """Three rings of faces at the back of the jaw, on a quarter of the head: the rms distance to the surface that was there."""
+    """Three rings of faces at the back of the jaw, on a quarter of the head: the rms distance to the surface that was there.
+
+    It is not 1e-2 of the diameter: the rim knows too little of the jaw's edge inside, where the normal turns by more than 110 degrees
+    between each corner and the opposite side. Harmonic surfaces of the same rim are farther off, though they are given the metric.
+    """
     bpy.ops.mesh.primitive_monkey_add()
     ob = bpy.context.object
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    for elements in (bm.verts, bm.faces):
+        elements.index_update()
+        elements.ensure_lookup_table()
+    for f in corner_region(bm, cages.part(addon, "selection")).replaced:
+        ob.data.polygons[f.index].material_index = 1  # the modifier passes it on
+    bm.free()
     modifier = ob.modifiers.new("Subdivision", "SUBSURF")
     modifier.levels = 4
     points, _, faces = cages.evaluated(ob)
     tree = BVHTree.FromPolygons(points.tolist(), faces)
+
+    def far(points, weights=None):
+        return np.sqrt(np.average([tree.find_nearest(p)[3] ** 2 for p in points.tolist()], weights=weights)) / diameter
+
     modifier.levels = 3
     distance = {}
     for fairing in (None, "auto"):
         fill = limit_fill(addon, ob, corner_region, fairing=fairing)
         rim = fill.vertices[fill.border]
         diameter = np.linalg.norm(rim[:, None] - rim[None], axis=2).max()
-        off = np.array([tree.find_nearest(p)[3] for p in fill.vertices.tolist()])
-        distance[fairing] = np.sqrt(np.mean(off**2)) / diameter
+        distance[fairing] = far(fill.vertices)
         seam, area = figures(fill)
         print(f"FIGURE suzanne fairing {fairing} rms {distance[fairing]:.2e} of the diameter, seam {seam:.1e} area {area:.2g}")
         assert seam < 1e-5 and area > 1e-3
-    assert distance[None] < 7e-2 and distance["auto"] < 2.5e-2
+
+    modifier.levels = 2
+    points, _, faces = cages.evaluated(ob)
+    of = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    inside = np.array([p.material_index == 1 for p in of.to_mesh().polygons])
+    of.to_mesh_clear()
+    assert inside.sum() == 16 * 27
+    for order, fairing in ((2, None), (3, "auto")):
+        _, filled, areas = harmonic_fill(points, np.array(faces), inside, order)
+        rival = far(filled, areas)
+        print(f"FIGURE suzanne harmonic of order {order} rms {rival:.2e}")
+        assert distance[fairing] < rival
