@@ -194,8 +194,9 @@ def harmonic_fill(points, faces, inside, order):
 def test_suzanne(addon):
     """Three rings of faces at the back of the jaw, on a quarter of the head: the rms distance to the surface that was there.
 
-    It is not 1e-2 of the diameter: the rim knows too little of the jaw's edge inside, where the normal turns by more than 110 degrees
-    between each corner and the opposite side. Harmonic surfaces of the same rim are farther off, though they are given the metric.
+    It is not 1e-2 of the diameter: the rim knows too little of the jaw's edge inside, where the normal turns by more than 110
+    degrees between each corner and the opposite side. Harmonic surfaces of the same rim are farther off, though they are given
+    the metric.
     """
     bpy.ops.mesh.primitive_monkey_add()
     ob = bpy.context.object
