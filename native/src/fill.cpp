@@ -151,6 +151,10 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
   if (exact[0] || exact[1] || exact[2]) {
     made.patch = meet_curvature(made.patch, sides, exact);
     if (center) made.patch = with_middle(made.patch, *center, 3);
+    for (int i = 0; i < 3; ++i)
+      if (exact[i] && kinks.on(i))
+        made.report.warnings.push_back("Side " + std::to_string(i) +
+                                       " has a kink: the curvature of its surroundings is met away from it only");
   }
   if (!kinks.empty()) made.patch = kinks.restored(made.patch, continuity.tangent);
   made.report.folds = folds && made.patch == counted ? *folds : count_folds(*made.patch, given);

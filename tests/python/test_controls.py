@@ -86,6 +86,18 @@ def test_the_curvature_of_a_limit_surface_is_followed_and_met(n, rings, stands):
     assert jump["auto"] < 0.75 * jump["G1"] or not stands  # an open cage's border is flat across, and nothing to be followed
 
 
+def test_curvature_at_a_kink_inside_a_side_is_told():
+    vertices, faces = cube_sphere(3)
+    left, gone = corner_removed(vertices, faces, 3)  # extraordinary vertices in the middles of the sides
+    rim = tripatch.find_holes(left)[0]
+    fill = tripatch.fill(vertices, faces, rim=rim, replaced=gone, surroundings="limit", continuity="G2")
+    assert sum("curvature of its surroundings is met away from it only" in warning for warning in fill.report.warnings) == 3
+    t = np.array([0.03, 0.11, 0.19, 0.81, 0.88, 0.95])
+    for i, side in enumerate(fill.sides):
+        asked = curvature_of_surroundings(side, t)
+        assert np.abs(curvature_across(fill.patch, i, t) - asked).max() < 1e-5 * np.abs(asked).max()
+
+
 def test_a_middle_that_folds_is_told():
     report = hole(center=(-9, -9, -9)).report
     assert report.folds > 0

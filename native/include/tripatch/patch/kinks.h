@@ -18,6 +18,7 @@ public:
   /// Where c' or r of a side jumps, by more than a thousandth of their length.
   explicit Kinks(const Sides& sides);
 
+  bool on(int side) const { return !kinks_[side].empty(); }
   bool empty() const { return kinks_[0].empty() && kinks_[1].empty() && kinks_[2].empty(); }
   /// The sides, each kink replaced by quintics of c, r and q that reach half the way to the next kink or end.
   const Sides& rounded() const { return rounded_; }
