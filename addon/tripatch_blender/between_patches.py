@@ -31,8 +31,17 @@ def knots(count, order, cyclic, endpoint, bezier):
     return values
 
 
+def drawn_at(start, end, edges):
+    """Where Blender evaluates a surface between two knots, from 0 to 1: it adds up single-precision steps, and the sum strays."""
+    steps = np.full(edges + 1, np.float32(end - start) / np.float32(edges), np.float32)
+    steps[0] = start
+    t = (np.cumsum(steps, dtype=np.float32).astype(np.float64) - start) / (end - start)
+    t[-1] = 1  # the corner
+    return np.minimum(t, 1)
+
+
 def _surface(ob, spline, matrix):
-    """A tripatch.NurbsSurface in world space, and into how many edges Blender draws it along u and v."""
+    """A tripatch.NurbsSurface in world space, and where Blender draws it along u and v, from 0 to 1."""
     m, n = spline.point_count_u, spline.point_count_v
     if m < 2 or n < 2:
         raise UnusableError(f"{ob.name} holds a curve, not a surface")
@@ -51,13 +60,14 @@ def _surface(ob, spline, matrix):
         count = points.shape[k]
         order = min(order, count)
         axis = knots(count, order, cyclic, endpoint, bezier)
-        drawn.append(max(1, count * resolution - (not cyclic)))
+        edges = max(1, count * resolution - (not cyclic))
         if cyclic:
             count += order - 1
             points = np.concatenate([points, points.take(range(order - 1), axis=k)], axis=k)
         if not axis[count] > axis[order - 1]:
             raise UnusableError(f"{ob.name} has too few points in {name.upper()} for its order; Blender does not draw it either")
         axes.append(axis)
+        drawn.append(drawn_at(axis[order - 1], axis[count], edges))
     world = points[..., :3] @ matrix[:3, :3].T + matrix[:3, 3]
     try:
         return tripatch.NurbsSurface(world, points[..., 3], *axes), drawn
@@ -81,7 +91,8 @@ def _surface_edges(ob):
             if spline.use_cyclic_v if edge % 2 == 0 else spline.use_cyclic_u:
                 continue
             try:
-                found.append(tripatch.between.SurfaceEdge(ob.name, tripatch.Side(surface, edge), drawn[edge % 2], not mirrored))
+                t = drawn[edge % 2] if edge < 2 else 1 - drawn[edge % 2][::-1]
+                found.append(tripatch.between.SurfaceEdge(ob.name, tripatch.Side(surface, edge), t, not mirrored))
             except tripatch.Refusal as refusal:  # a single point: a corner of the surface; or flat to a line
                 refused.append(refusal.reason)
     if not found:

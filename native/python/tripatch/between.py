@@ -60,12 +60,14 @@ class SurfaceEdge(Curve):
     """An edge of a surface that is known exactly.
 
     Args:
-        edges: into how many edges it is drawn.
+        edges: into how many edges it is drawn, or the parameters at which it is, from 0 to 1.
         own: see `Curve`.
     """
 
-    def __init__(self, name: str, side: Side, edges: int, own: bool) -> None:
+    def __init__(self, name: str, side: Side, edges: int | np.ndarray, own: bool) -> None:
         self.name, self.side, self.own = name, side, own
+        drawn = np.linspace(0, 1, edges + 1) if np.ndim(edges) == 0 else np.asarray(edges, float)
+        edges = len(drawn) - 1
         dense = np.linspace(0, 1, max(257, 8 * edges + 1))
         self._dense, (c, along, across, _) = dense, side.evaluate(dense)
         self._positions, size = c, np.ptp(c, axis=0).max()
@@ -75,7 +77,7 @@ class SurfaceEdge(Curve):
         if not (spanned > 1e-9 * np.linalg.norm(along, axis=1) * np.linalg.norm(across, axis=1)).any():
             raise Refusal(f"{name} is flat to a line along an edge: it has no tangent planes there")
         self.closed = bool(np.linalg.norm(c[-1] - c[0]) < 1e-6 * size)
-        self.t = np.linspace(0, 1, edges + 1)[: edges + (not self.closed)]
+        self.t = drawn[: edges + (not self.closed)]
         self.points = self.at(self.t)
 
     def at(self, t):
@@ -95,7 +97,8 @@ class SurfaceEdge(Curve):
             t = t + ((points - c) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-300)
             t = np.clip(t, low, high)
         # to the last bit where the place is one that is drawn, an end or the seam
-        drawn = np.round(t * len(self.t)) / len(self.t) if self.closed else np.round(t * (len(self.t) - 1)) / (len(self.t) - 1)
+        drawn = np.append(self.t, 1.0) if self.closed else self.t
+        drawn = drawn[np.abs(t[:, None] - drawn).argmin(axis=1)]
         t = np.where(np.abs(t - drawn) < 1e-7, drawn, t)
         distance = np.linalg.norm(self.at(t) - points, axis=1)
         return np.mod(t, 1.0) if self.closed else t, distance
