@@ -117,7 +117,7 @@ SurfacePtr construct(const Method& method, const Boundary& boundary, MethodOptio
 
 /// The patch, made fair or not, from the start that the options of the method say, with its middle where `center` is.
 MadePatch make_patch(const Sides& given, const Method& method, const Continuity& continuity, const FillOptions& options,
-                     const std::optional<Vec3>& center, const MethodOptions& own, bool faired) {
+                     const std::optional<Vec3>& center, const MethodOptions& own, bool faired, const SurfacePoints* points) {
   const Kinks kinks(given);
   const Sides& sides = kinks.rounded();
   const RibbonOptions ribbons = {options.cross_boundary, options.bulge, continuity.tangent};
@@ -126,10 +126,12 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
   made.corner_mismatch_deg = boundary.corner_mismatch_deg;
   made.patch = construct(method, boundary, own, made.report);
   std::optional<Index> folds;  // of `made.patch`, where fairing has counted them
-  if (faired) {
-    FairingOptions fairing;
+  FairingOptions fairing;
+  for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = continuity.tangent[i] && options.bulge[i] == 1;
+  if (faired && points) {
+    made.patch = follow(made.patch, sides, boundary, *points, fairing);
+  } else if (faired) {
     fairing.energy = options.fairing;
-    for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = continuity.tangent[i] && options.bulge[i] == 1;
     fairing.position_only = continuity.free;
     fairing.tension = options.tension;
     fairing.middle = center;
@@ -164,13 +166,13 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
 
 /// The same, from plain rays where that folds less.
 MadePatch make_patch(const Sides& sides, const Method& method, const Continuity& continuity, const FillOptions& options,
-                     const std::optional<Vec3>& center, bool faired) {
+                     const std::optional<Vec3>& center, bool faired, const SurfacePoints* points) {
   MethodOptions own = options.own;
   own.to_be_faired = faired;
-  MadePatch made = make_patch(sides, method, continuity, options, center, own, faired);
+  MadePatch made = make_patch(sides, method, continuity, options, center, own, faired, points);
   if (!faired || made.report.folds == 0) return made;
   own.to_be_faired = false;
-  MadePatch plain = make_patch(sides, method, continuity, options, center, own, faired);
+  MadePatch plain = make_patch(sides, method, continuity, options, center, own, faired, points);
   return plain.report.folds < made.report.folds ? plain : made;
 }
 
@@ -187,27 +189,24 @@ LayoutOptions layout_options(const FillOptions& options) {
 
 /// Fills as cages, fitted together; their reports have the seams between the limit surfaces.
 std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, const FillOptions& options) {
-  const auto patch_on = [&](const Sides& sides, const std::string& fairing) {
-    FillOptions wanted = options;
-    if (wanted.fairing == "auto") wanted.fairing = fairing;
-    return make_patch(sides, wanted);
-  };
   // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
-  // sharply behind it, and no cage follows. Elsewhere curvature shall vary least.
-  const std::string fairing = options.cage_rim == CageRim::exact ? "none"
-                              : options.replaced.empty()         ? "minimum_variation"
-                                                                 : "auto";
+  // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
+  // the patch's own shape is asked for, in the patch.
+  FillOptions wanted = options;
+  const bool shaped = options.tension > 0 || options.center || options.center_offset != 0 ||
+                      options.bulge != std::array<double, 3>{1, 1, 1} ||
+                      std::find(options.continuity.begin(), options.continuity.end(), "Free") != options.continuity.end();
+  const bool follows = options.fairing == "auto" && options.cage_rim != CageRim::exact && !shaped;
+  if (options.fairing == "auto" && options.cage_rim == CageRim::exact && options.tension == 0) wanted.fairing = "none";
   std::vector<Fill> results(holes.size());
   std::vector<Report> reports(holes.size());
   std::vector<CageRequest> requests;
   for (std::size_t h = 0; h < holes.size(); ++h)
-    requests.push_back({holes[h],
-                        [&patch_on, &report = reports[h], &fairing](const Sides& sides) {
-                          MadePatch made = patch_on(sides, fairing);
+    requests.push_back({holes[h], [&, &report = reports[h]](const Sides& sides, const SurfacePoints& points) {
+                          MadePatch made = make_patch(sides, wanted, follows ? &points : nullptr);
                           report = std::move(made.report);
                           return made.patch;
-                        },
-                        [&patch_on](const Sides& sides) { return patch_on(sides, "thin_plate").patch; }});
+                        }});
   CageOptions cage_options;
   cage_options.rim = options.cage_rim;
   std::vector<CageFill> cages =
@@ -232,12 +231,14 @@ std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, con
     const Report& fair = reports[h];
     result.report = std::move(cage.report);
     result.report.continuity = fair.continuity;
-    result.report.fairing = fair.fairing;
-    result.report.energy_before = fair.energy_before;
-    result.report.energy_after = fair.energy_after;
+    if (!follows) {  // else the energy is that of the limit surface
+      result.report.fairing = fair.fairing;
+      result.report.energy_before = fair.energy_before;
+      result.report.energy_after = fair.energy_after;
+    }
     result.report.shape_path = fair.shape_path;
     result.report.warnings.insert(result.report.warnings.begin(), fair.warnings.begin(), fair.warnings.end());
-    result.report.folds = count_folds(*result.patch, result.sides);
+    result.report.folds = fair.folds;
   }
   return results;
 }
@@ -287,7 +288,7 @@ void finish(const Hole& hole, const std::array<double, 3>& corner_mismatch_deg, 
 
 }  // namespace
 
-MadePatch make_patch(const Sides& sides, const FillOptions& options) {
+MadePatch make_patch(const Sides& sides, const FillOptions& options, const SurfacePoints* points) {
   const Method& method = find_method(options.method);
   if (!method.from_boundary) throw InvalidArgument(options.method + " joins three surfaces; use tripatch.blend");
   const Continuity continuity = resolve_continuity(options.continuity, method, sides);
@@ -301,10 +302,10 @@ MadePatch make_patch(const Sides& sides, const FillOptions& options) {
   if (options.center && options.center_offset != 0)
     throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
 
-  MadePatch made = make_patch(sides, method, continuity, options, options.center, faired);
+  MadePatch made = make_patch(sides, method, continuity, options, options.center, faired, points);
   if (options.center_offset == 0) return made;
   const auto [middle, normal] = middle_of(*made.patch);
-  return make_patch(sides, method, continuity, options, Vec3(middle + options.center_offset * normal), faired);
+  return make_patch(sides, method, continuity, options, Vec3(middle + options.center_offset * normal), faired, points);
 }
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {

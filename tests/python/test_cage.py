@@ -74,6 +74,51 @@ def test_a_region_to_be_replaced_stays_near_the_whole_cage():
     assert fill.report.corners_moved_max < 1e-3 * diameter
 
 
+def limit_on_sphere(n, rings):
+    """The cube-sphere whose limit points at the vertices lie on the unit sphere, without a corner; the diameter of the hole."""
+    vertices, faces = cube_sphere(n)
+    wanted = vertices.copy()
+    for _ in range(40):
+        vertices = vertices + wanted - _native.limit_points(*_arrays.mesh(vertices, faces))
+    left, gone = corner_removed(vertices, faces, rings)
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 6 * rings)
+    corners = [v for v in rim if sum(v in face for face in left) == 3]
+    diameter = np.linalg.norm(vertices[rim][:, None] - vertices[rim], axis=-1).max()
+    return vertices, faces, left, gone, {"rim": rim, "corners": corners, "output": "cage"}, diameter
+
+
+@pytest.mark.parametrize(("n", "rings"), [(6, 2), (8, 2), (8, 3)])
+@pytest.mark.parametrize("cage_rim", ["smooth", "move"])
+def test_a_hole_in_a_sphere_is_closed_by_a_sphere(n, rings, cage_rim):
+    vertices, _, left, _, where, diameter = limit_on_sphere(n, rings)
+    fill = tripatch.fill(vertices, left, cage_rim=cage_rim, **where)
+    off = np.linalg.norm(fill.limit(3)[0], axis=1) - 1
+    assert np.sqrt(np.mean(off**2)) < 1.5e-3 * diameter
+    assert fill.report.cage_deviation_rms < 1e-3 * diameter
+    assert fill.report.fairing == "minimum_variation"
+    assert fill.report.energy_after < 0.2 * fill.report.energy_before
+
+
+@pytest.mark.parametrize(("n", "rings"), [(6, 3), (8, 2), (8, 3)])
+def test_a_region_of_a_sphere_is_replaced_by_a_sphere(n, rings):
+    vertices, faces, _, gone, where, diameter = limit_on_sphere(n, rings)
+    fill = tripatch.fill(vertices, faces, replaced=gone, **where)
+    off = np.linalg.norm(fill.limit(3)[0], axis=1) - 1
+    assert np.sqrt(np.mean(off**2)) < 1.5e-3 * diameter
+    assert fill.report.surroundings_moved_rms < 2e-4 * diameter
+
+
+@pytest.mark.parametrize("option", [{"fairing": "third_derivative"}, {"fairing": None}, {"tension": 0.2}, {"bulge": 1.4}])
+def test_a_cage_takes_the_shape_that_is_asked_of_the_patch(option):
+    vertices, _, left, _, rim = open_corner()
+    plain, asked = (tripatch.fill(vertices, left, rim=rim, output="cage", resolution=1, **o) for o in ({}, option))
+    limit = asked.limit(2)[0]
+    own = asked.patch.evaluate(np.random.default_rng(1).dirichlet([1, 1, 1], 20000))
+    distance = [np.linalg.norm(own - p, axis=1).min() for p in limit[:: max(1, len(limit) // 50)]]
+    assert np.median(distance) < 8e-3
+    assert np.abs(asked.vertices - plain.vertices).max() > 1e-4
+
+
 def test_exact_meets_its_surroundings_better_on_a_finer_cage():
     medians = []
     for n in (6, 12, 24):

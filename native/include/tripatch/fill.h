@@ -72,8 +72,8 @@ struct MadePatch {
 };
 /// By the options that concern a patch: method, continuity, cross_boundary, bulge, fairing ("auto" leaves the patches of G0 methods
 /// alone, unless a side is Free or there is tension), tension, center, center_offset and the method's own. Where a fair patch folds
-/// and one from plain rays folds less, that one is taken.
-MadePatch make_patch(const Sides& sides, const FillOptions& options);
+/// and one from plain rays folds less, that one is taken. points: those that it shall follow instead of being made fair.
+MadePatch make_patch(const Sides& sides, const FillOptions& options, const SurfacePoints* points = nullptr);
 
 Fill fill(const Mesh& mesh, const FillOptions& options = {});
 

@@ -219,6 +219,7 @@ struct LimitSurface::Impl {
   std::unique_ptr<far::PtexIndices> ptex;
   std::vector<Vertex> points;
   std::unique_ptr<const far::StencilTableReal<double>> stencils;  // made when first asked for
+  std::vector<int> column;                                        // of each local vertex, while stencils are put together
   // the true limit
   std::unique_ptr<bfr::RefinerSurfaceFactory<>> factory;
 
@@ -292,33 +293,50 @@ struct LimitSurface::Impl {
     }
   }
 
-  void stencil(int ptex_face, double u, double v, LimitStencil& out) {
+  LimitStencils stencils_at(int ptex_face, bool quarters, std::span<const FacePlace> places) {
     if (!stencils) make_stencils();
-    const far::PatchTable::PatchHandle* handle = map->FindPatch(ptex_face, u, v);
-    if (!handle) throw Refusal("The cage has a face without a limit surface");
     std::array<double, 20> w, wu, wv;
-    table->EvaluateBasis(*handle, u, v, w.data(), wu.data(), wv.data());
-    const far::ConstIndexArray cvs = table->GetPatchVertices(*handle);
-    out.vertices.clear();
-    out.p.clear();
-    out.pu.clear();
-    out.pv.clear();
-    for (int k = 0; k < cvs.size(); ++k) {
-      const far::StencilReal<double> s = stencils->GetStencil(cvs[k]);
-      for (int i = 0; i < s.GetSize(); ++i) {
-        const Index vertex = cage.vertex_of[s.GetVertexIndices()[i]];
-        std::size_t place = std::find(out.vertices.begin(), out.vertices.end(), vertex) - out.vertices.begin();
-        if (place == out.vertices.size()) {
-          out.vertices.push_back(vertex);
-          out.p.push_back(0);
-          out.pu.push_back(0);
-          out.pv.push_back(0);
+    struct Part {  // of a place: a point of the patch table and its weights
+      int place, point;
+      double p, pu, pv;
+    };
+    std::vector<Part> parts;
+    LimitStencils out;
+    column.resize(cage.vertices.size(), -1);
+    for (std::size_t n = 0; n < places.size(); ++n) {
+      const int face = ptex_face + (quarters ? places[n].quarter : 0);
+      const far::PatchTable::PatchHandle* handle = map->FindPatch(face, places[n].u, places[n].v);
+      if (!handle) throw Refusal("The cage has a face without a limit surface");
+      table->EvaluateBasis(*handle, places[n].u, places[n].v, w.data(), wu.data(), wv.data());
+      const far::ConstIndexArray cvs = table->GetPatchVertices(*handle);
+      for (int k = 0; k < cvs.size(); ++k) {
+        parts.push_back({static_cast<int>(n), cvs[k], w[k], wu[k], wv[k]});
+        const far::StencilReal<double> s = stencils->GetStencil(cvs[k]);
+        for (int i = 0; i < s.GetSize(); ++i) {
+          int& place = column[s.GetVertexIndices()[i]];
+          if (place >= 0) continue;
+          place = static_cast<int>(out.vertices.size());
+          out.vertices.push_back(s.GetVertexIndices()[i]);
         }
-        out.p[place] += w[k] * s.GetWeights()[i];
-        out.pu[place] += wu[k] * s.GetWeights()[i];
-        out.pv[place] += wv[k] * s.GetWeights()[i];
       }
     }
+    const Index rows = static_cast<Index>(places.size()), columns = static_cast<Index>(out.vertices.size());
+    for (LimitStencils::Weights* weights : {&out.p, &out.pu, &out.pv}) weights->setZero(rows, columns);
+    for (const Part& part : parts) {
+      const far::StencilReal<double> s = stencils->GetStencil(part.point);
+      for (int i = 0; i < s.GetSize(); ++i) {
+        const int place = column[s.GetVertexIndices()[i]];
+        const double weight = s.GetWeights()[i];
+        out.p(part.place, place) += part.p * weight;
+        out.pu(part.place, place) += part.pu * weight;
+        out.pv(part.place, place) += part.pv * weight;
+      }
+    }
+    for (Index& v : out.vertices) {
+      column[v] = -1;
+      v = cage.vertex_of[v];
+    }
+    return out;
   }
 
   /// The same turned and scaled: e along the edge, f into the face, in the ptex face's coordinates.
@@ -390,11 +408,11 @@ void LimitSurface::evaluate_edge(Index face, int edge, std::span<const double> t
   for (std::size_t k = 0; k < t.size(); ++k) out[k] = impl_->on_edge(local, edge, t[k]);
 }
 
-void LimitSurface::stencil(Index face, int quarter, double u, double v, LimitStencil& out) const {
+LimitStencils LimitSurface::stencils(Index face, std::span<const FacePlace> places) const {
   if (impl_->factory) throw InvalidArgument("stencils need a quality");
   int local = 0;
   impl_->cage.edge_face_corner(face, 0, local);
-  impl_->stencil(impl_->ptex->GetFaceId(local) + (impl_->loop || impl_->cage.sizes[local] == 4 ? 0 : quarter), u, v, out);
+  return impl_->stencils_at(impl_->ptex->GetFaceId(local), !impl_->loop && impl_->cage.sizes[local] != 4, places);
 }
 
 Points LimitSurface::grid(int steps) const {

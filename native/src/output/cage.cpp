@@ -1,7 +1,6 @@
 #include "tripatch/output/cage.h"
 
 #include <Eigen/Dense>
-#include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,11 +8,14 @@
 #include <set>
 
 #include "tripatch/boundary/limit_sides.h"
+#include "tripatch/output/cage_fair.h"
+#include "tripatch/output/cage_system.h"
 
 namespace tripatch {
 namespace {
 
-constexpr double anchor = 1e-5;  ///< weight that keeps a vertex near its start where nothing else holds it
+constexpr double anchor = 1e-10;  ///< relative, squared: keeps a vertex where it is where nothing else holds it
+constexpr int samples = 4;        ///< a row of each face, for positions
 
 /// The mesh with the fills in place of the holes.
 struct Closed {
@@ -21,7 +23,7 @@ struct Closed {
   Faces faces;
   std::vector<Index> kept;          ///< given face of each of the first faces
   std::vector<Index> first_face;    ///< of each fill, and the end
-  std::vector<Index> first_vertex;  ///< of each fill's inside, and the end
+  std::vector<Index> first_vertex;  ///< of each fill's inside, and the end; they start in the plane of the corners
   Mesh mesh() const { return {vertices, faces}; }
 };
 
@@ -49,33 +51,33 @@ Closed close(const Mesh& mesh, const std::vector<CageHole>& holes, const std::ve
   closed.first_vertex.push_back(n);
   closed.vertices.resize(n, 3);
   closed.vertices.topRows(mesh.vertices.rows()) = mesh.vertices;
+  for (std::size_t k = 0; k < holes.size(); ++k) {
+    const Hole& hole = holes[k].hole;
+    Eigen::Matrix3d corners;
+    for (int c = 0; c < 3; ++c) corners.row(c) = mesh.vertices.row(hole.rim[hole.corners[c]]);
+    const Index inside = closed.first_vertex[k + 1] - closed.first_vertex[k];
+    closed.vertices.middleRows(closed.first_vertex[k], inside) = holes[k].barycentric.bottomRows(inside) * corners;
+  }
   return closed;
 }
 
-/// A place on a face with what its limit should be.
-struct Sample {
-  Index face;
-  int quarter;
-  double u, v;
-};
-
 /// Places spread over a face: cell centres of a grid (of each quarter of an n-gon).
-std::vector<Sample> spread(Index face, std::size_t size, int count, bool loop) {
-  std::vector<Sample> samples;
+std::vector<FacePlace> spread(std::size_t size, bool loop) {
+  std::vector<FacePlace> places;
   if (loop) {  // the corners' thirds of the small triangles
-    for (int i = 0; i < count; ++i)
-      for (int j = 0; i + j < count; ++j) samples.push_back({face, 0, (i + 1.0 / 3) / count, (j + 1.0 / 3) / count});
-    return samples;
+    for (int i = 0; i < samples; ++i)
+      for (int j = 0; i + j < samples; ++j) places.push_back({0, (i + 1.0 / 3) / samples, (j + 1.0 / 3) / samples});
+    return places;
   }
-  const int per = size == 4 ? count : (count + 1) / 2;
+  const int per = size == 4 ? samples : (samples + 1) / 2;
   for (int q = 0; q < (size == 4 ? 1 : static_cast<int>(size)); ++q)
     for (int i = 0; i < per; ++i)
-      for (int j = 0; j < per; ++j) samples.push_back({face, q, (i + 0.5) / per, (j + 0.5) / per});
-  return samples;
+      for (int j = 0; j < per; ++j) places.push_back({q, (i + 0.5) / per, (j + 0.5) / per});
+  return places;
 }
 
 /// Barycentric coordinates there, bilinear between those of the face's corners.
-Vec3 barycentric_at(const Sample& s, std::span<const Index> face, const Points& rows, bool loop) {
+Vec3 barycentric_at(const FacePlace& s, std::span<const Index> face, const Points& rows, bool loop) {
   const auto row = [&](std::size_t k) { return Vec3(rows.row(face[k % face.size()])); };
   if (loop) return (1 - s.u - s.v) * row(0) + s.u * row(1) + s.v * row(2);
   std::array<Vec3, 4> q;
@@ -90,62 +92,6 @@ Vec3 barycentric_at(const Sample& s, std::span<const Index> face, const Points& 
   const Vec3 b = (1 - s.u) * (1 - s.v) * q[0] + s.u * (1 - s.v) * q[1] + s.u * s.v * q[2] + (1 - s.u) * s.v * q[3];
   return b.cwiseMax(0) / b.cwiseMax(0).sum();
 }
-
-Vec3 apply(const LimitStencil& s, const std::vector<double>& weights, const Points& vertices) {
-  Vec3 p = Vec3::Zero();
-  for (std::size_t k = 0; k < s.vertices.size(); ++k) p += weights[k] * vertices.row(s.vertices[k]).transpose();
-  return p;
-}
-
-/// Linear least squares in the free vertices of a cage.
-class System {
-public:
-  System(const Points& vertices, const std::vector<Index>& free)
-      : vertices_(vertices), free_(free), column_(vertices.rows(), -1) {
-    for (std::size_t k = 0; k < free_.size(); ++k) column_[free_[k]] = static_cast<int>(3 * k);
-  }
-
-  /// weight * direction . (sum of weights * vertices - target) = 0
-  void add(const LimitStencil& s, const std::vector<double>& weights, const Vec3& direction, const Vec3& target, double weight) {
-    double right = direction.dot(target);
-    bool any = false;
-    for (std::size_t k = 0; k < s.vertices.size(); ++k) {
-      const int column = column_[s.vertices[k]];
-      if (column < 0) {
-        right -= weights[k] * direction.dot(vertices_.row(s.vertices[k]));
-      } else if (weights[k] != 0) {
-        any = true;
-        for (int x = 0; x < 3; ++x) entries_.emplace_back(column + x, rows_, weight * weights[k] * direction[x]);
-      }
-    }
-    if (!any) return;
-    right_.push_back(weight * right);
-    ++rows_;
-  }
-
-  void solve(Points& vertices) const {
-    const Index n = 3 * static_cast<Index>(free_.size());
-    Eigen::SparseMatrix<double> transposed(n, rows_);  // built by its columns, which come in order
-    transposed.setFromTriplets(entries_.begin(), entries_.end());
-    Eigen::SparseMatrix<double> normal = transposed * transposed.transpose();
-    Eigen::VectorXd right = transposed * Eigen::Map<const Eigen::VectorXd>(right_.data(), rows_);
-    for (Index k = 0; k < n; ++k) {
-      normal.coeffRef(k, k) += anchor * anchor;
-      right[k] += anchor * anchor * vertices_(free_[k / 3], k % 3);
-    }
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
-    const Eigen::VectorXd x = solver.solve(right);
-    for (std::size_t k = 0; k < free_.size(); ++k) vertices.row(free_[k]) = x.segment<3>(3 * static_cast<Index>(k));
-  }
-
-private:
-  const Points& vertices_;
-  const std::vector<Index>& free_;
-  std::vector<int> column_;
-  std::vector<Eigen::Triplet<double>> entries_;
-  std::vector<double> right_;
-  int rows_ = 0;
-};
 
 /// Faces of the surroundings by ring: those that touch the rim, and those that touch them.
 std::array<std::vector<Index>, 2> rings(const Closed& closed, const Hole& hole) {
@@ -163,26 +109,6 @@ std::array<std::vector<Index>, 2> rings(const Closed& closed, const Hole& hole) 
     }
   }
   return result;
-}
-
-/// Barycentric coordinates of the point of the patch nearest to p, from b on (Gauss-Newton, kept in the triangle), and the distance.
-std::pair<Vec3, double> nearest(const Surface& patch, const Vec3& p, Vec3 b) {
-  std::pair<Vec3, double> best = {b, 1e300};
-  std::array<double, 9> jet;
-  for (int step = 0; step < 4; ++step) {
-    patch.evaluate(b.data(), 1, 1, jet.data());
-    const Eigen::Map<const Vec3> at(jet.data()), d0(jet.data() + 3), d1(jet.data() + 6);
-    const double distance = (p - at).norm();
-    if (distance < best.second) best = {b, distance};
-    Eigen::Matrix2d normal;
-    normal << d0.dot(d0), d0.dot(d1), d0.dot(d1), d1.dot(d1);
-    const Eigen::Vector2d move = normal.inverse() * Eigen::Vector2d(d0.dot(p - at), d1.dot(p - at));
-    if (!move.allFinite() || move.norm() < 1e-6) break;
-    b += Vec3(move[0], move[1], -move[0] - move[1]);
-    b = b.cwiseMax(0);
-    b /= b.sum();
-  }
-  return best;
 }
 
 double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
@@ -205,59 +131,95 @@ EdgePlaces directed_edges(const Faces& faces, const std::vector<CageHole>& holes
   return result;
 }
 
+/// Samples of a face: sums of the cage's vertices, their targets by row.
+struct SampledFace {
+  Index face;
+  Sums limit;
+  Points target, normal;  ///< outside: of the old limit surface
+  double trust = 1;
+};
+
 /// What is known of one hole while its cage is fitted.
 struct Work {
-  std::vector<Sample> inside;
-  std::vector<LimitStencil> inside_stencils;
-  Points coordinates;         ///< barycentric, of `inside`: where on the patch they shall be
-  std::vector<Index> around;  ///< faces of the first two rings
-  std::vector<Sample> outside;
-  std::vector<LimitStencil> outside_stencils;  ///< of the closed cage
-  std::vector<Vec3> outside_was, outside_normal;
-  std::vector<double> trust;  ///< of `outside`
-  bool region = false;        ///< replaces faces
+  std::vector<SampledFace> inside, outside;  ///< of the fill, and the first two rings around
+  Points coordinates;                        ///< barycentric, of the samples inside: where on the patch they shall be
+  std::size_t first_ring = 0;                ///< faces of `outside` that touch the rim
+  bool region = false;                       ///< replaces faces
+
+  /// Of the samples inside.
+  Points positions(const Points& free) const {
+    Points all(coordinates.rows(), 3);
+    Index row = 0;
+    for (const SampledFace& face : inside) {
+      all.middleRows(row, face.limit.rest.rows()) = face.limit.at(free);
+      row += face.limit.rest.rows();
+    }
+    return all;
+  }
 };
 
 /// The samples' targets go to the points of the patch that are nearest to where the samples are: along it nothing holds them.
-void slide(const Points& vertices, const Surface& patch, Work& work) {
-  for (std::size_t k = 0; k < work.inside.size(); ++k) {
-    const Index row = static_cast<Index>(k);
-    const Vec3 b = work.coordinates.row(row);
-    const LimitStencil& stencil = work.inside_stencils[k];
-    work.coordinates.row(row) = nearest(patch, apply(stencil, stencil.p, vertices), b).first;
-  }
+void slide(const Points& free, const Surface& patch, Work& work) { nearest(patch, work.positions(free), work.coordinates); }
+
+/// Distances across a plane and along it, by weights.
+Eigen::Matrix3d metric(const Vec3& normal, double across, double along) {
+  const Eigen::Matrix3d n = normal * normal.transpose();
+  return across * across * n + along * along * (Eigen::Matrix3d::Identity() - n);
 }
 
-void add_patch(const Surface& patch, const Work& work, const CageOptions& options, System& system) {
+void add_patch(const CageSystem& system, const Points& free, const Surface& patch, const Work& work, const CageOptions& options,
+               CageSystem::Term& term) {
   const auto [target, normal] = patch.positions_and_normals(work.coordinates);
-  for (std::size_t k = 0; k < work.inside.size(); ++k) {
-    const LimitStencil& stencil = work.inside_stencils[k];
-    const Vec3 p = target.row(static_cast<Index>(k)), m = normal.row(static_cast<Index>(k)), t = m.unitOrthogonal();
-    system.add(stencil, stencil.p, m, p, 1);
-    system.add(stencil, stencil.p, t, p, options.tangential);
-    system.add(stencil, stencil.p, m.cross(t), p, options.tangential);
+  Index row = 0;
+  for (const SampledFace& face : work.inside) {
+    const Points now = face.limit.at(free);
+    for (Index k = 0; k < now.rows(); ++k, ++row)
+      system.add(term, face.limit, k, metric(normal.row(row), 1, options.tangential), now.row(k) - target.row(row));
   }
 }
 
-void add_surroundings(const Work& work, const CageOptions& options, System& system) {
+void add_surroundings(const CageSystem& system, const Points& free, const Work& work, const CageOptions& options,
+                      CageSystem::Term& term) {
   const double across = work.region ? options.whole : options.surroundings,
                along = work.region ? options.whole : options.surroundings_tangential;
-  for (std::size_t k = 0; k < work.outside.size(); ++k) {
-    const LimitStencil& stencil = work.outside_stencils[k];
-    const Vec3 m = work.outside_normal[k], t = m.unitOrthogonal();
-    system.add(stencil, stencil.p, m, work.outside_was[k], work.trust[k] * across);
-    system.add(stencil, stencil.p, t, work.outside_was[k], work.trust[k] * along);
-    system.add(stencil, stencil.p, m.cross(t), work.outside_was[k], work.trust[k] * along);
+  for (const SampledFace& face : work.outside) {
+    if (face.limit.slots.empty()) continue;
+    const Points now = face.limit.at(free);
+    for (Index k = 0; k < now.rows(); ++k)
+      system.add(term, face.limit, k, metric(face.normal.row(k), face.trust * across, face.trust * along),
+                 now.row(k) - face.target.row(k));
   }
 }
 
-/// Along an exact rim the quads' derivative across shall lie in the tangent plane of the surroundings.
-void add_seam(const Hole& hole, const Sides& sides, const EdgePlaces& edges, const Closed& closed, const LimitSurface& limit,
-              bool loop, const CageOptions& options, System& system) {
-  double size_of_hole = 0;
-  for (Index v : hole.rim)
-    size_of_hole = std::max(size_of_hole, (closed.vertices.row(v) - closed.vertices.row(hole.rim[0])).norm());
-  LimitStencil stencil;
+/// What holds the old limit surface while the cage is made fair: its mean square movement over that which is tolerated.
+void hold_surroundings(const CageSystem& system, const Points& free, const Work& work, double tolerated, CageSystem::Term& term) {
+  double count = 0;
+  for (const SampledFace& face : work.outside)
+    if (face.trust == 1) count += static_cast<double>(face.target.rows());
+  for (const SampledFace& face : work.outside) {
+    if (face.trust < 1 || face.limit.slots.empty()) continue;
+    const Points now = face.limit.at(free);
+    for (Index k = 0; k < now.rows(); ++k)
+      system.add(term, face.limit, k, Eigen::Matrix3d::Identity() / (count * tolerated * tolerated),
+                 now.row(k) - face.target.row(k));
+  }
+}
+
+/// The rows of an exact rim: at a few places of each of its edges the derivative across.
+struct Seam {
+  struct Row {
+    Sums across;
+    Vec3 normal, inwards;
+    double trust;
+  };
+  std::vector<Row> rows;
+  double size = 0;  ///< of the hole
+};
+
+Seam seam_of(const Hole& hole, const Sides& sides, const EdgePlaces& edges, const Closed& closed, const LimitSurface& limit,
+             bool loop, const CageSystem& system) {
+  Seam seam;
+  for (Index v : hole.rim) seam.size = std::max(seam.size, (closed.vertices.row(v) - closed.vertices.row(hole.rim[0])).norm());
   for (int i = 0; i < 3; ++i) {
     const std::vector<Index> side = hole.side(i);
     for (std::size_t e = 0; e + 1 < side.size(); ++e) {
@@ -277,45 +239,48 @@ void add_seam(const Hole& hole, const Sides& sides, const EdgePlaces& edges, con
         const std::size_t edge = static_cast<std::size_t>(place.edge);
         const Eigen::Vector2d along = corner(edge + 1) - corner(edge), at = corner(edge) + s * along,
                               into = corner(edge + size - 1) - corner(edge);
-        limit.stencil(place.face, 0, at[0], at[1], stencil);
-        std::vector<double> across(stencil.p.size());
-        for (std::size_t k = 0; k < across.size(); ++k) across[k] = into[0] * stencil.pu[k] + into[1] * stencil.pv[k];
-        const Vec3 now = apply(stencil, across, closed.vertices);
-        const double width = now.norm();  // of the quad: the row is an angle
-        if (width == 0) continue;
-        const double weight = trust * options.seam * size_of_hole / width;
-        system.add(stencil, across, m, Vec3::Zero(), weight);
-        // else the quads may turn their first row over: that lies in the plane as well
-        system.add(stencil, across, inwards, now, options.seam_width * weight);
+        const FacePlace where = {0, at[0], at[1]};
+        const LimitStencils stencil = limit.stencils(place.face, {&where, 1});
+        seam.rows.push_back({system.sums(stencil.vertices, into[0] * stencil.pu + into[1] * stencil.pv), m, inwards, trust});
       }
     }
+  }
+  return seam;
+}
+
+/// Along an exact rim the quads' derivative across shall lie in the tangent plane of the surroundings.
+void add_seam(const CageSystem& system, const Points& free, const Seam& seam, const CageOptions& options,
+              CageSystem::Term& term) {
+  for (const Seam::Row& row : seam.rows) {
+    const Vec3 now = row.across.at(free).row(0);
+    const double width = now.norm();  // of the quad: the row is an angle
+    if (width == 0) continue;
+    const double weight = row.trust * options.seam * seam.size / width, held = options.seam_width * weight;
+    system.add(term, row.across, 0, weight * weight * row.normal * row.normal.transpose(), now);
+    // else the quads may turn their first row over: that lies in the plane as well
+    system.add(term, row.across, 0, held * held * row.inwards * row.inwards.transpose(), Vec3::Zero());
   }
 }
 
 /// The numbers of the report.
 void measure(const LimitSurface& was, const Closed& closed, const LimitSurface& limit, const EdgePlaces& edges, const Hole& hole,
-             const Work& work, CageFit& fit) {
-  LimitStencil stencil;
+             const Points& free, const Work& work, CageFit& fit) {
+  Points coordinates = work.coordinates;
+  const Eigen::VectorXd deviation = nearest(*fit.patch, work.positions(free), coordinates);
+  fit.deviation_max = deviation.maxCoeff();
+  fit.deviation_rms = std::sqrt(deviation.squaredNorm() / static_cast<double>(deviation.size()));
   double sum = 0;
-  for (std::size_t k = 0; k < work.inside.size(); ++k) {
-    const LimitStencil& stencil = work.inside_stencils[k];
-    const double d =
-        nearest(*fit.patch, apply(stencil, stencil.p, closed.vertices), work.coordinates.row(static_cast<Index>(k))).second;
-    fit.deviation_max = std::max(fit.deviation_max, d);
-    sum += d * d;
-  }
-  fit.deviation_rms = std::sqrt(sum / static_cast<double>(work.inside.size()));
-  sum = 0;
-  for (std::size_t k = 0; k < work.outside.size(); ++k) {
-    const LimitStencil& stencil = work.outside_stencils[k];
-    const double d = (apply(stencil, stencil.p, closed.vertices) - work.outside_was[k]).norm();
-    if (d > fit.surroundings_max) {
-      fit.surroundings_max = d;
-      fit.surroundings_where = closed.faces[work.outside[k].face][0];
+  Index row = 0;
+  for (const SampledFace& face : work.outside) {
+    const Eigen::VectorXd d = (face.limit.at(free) - face.target).rowwise().norm();
+    if (d.maxCoeff() > fit.surroundings_max) {
+      fit.surroundings_max = d.maxCoeff();
+      fit.surroundings_where = closed.faces[face.face][0];
     }
-    sum += d * d;
+    sum += d.squaredNorm();
+    row += d.size();
   }
-  if (!work.outside.empty()) fit.surroundings_rms = std::sqrt(sum / static_cast<double>(work.outside.size()));
+  if (row > 0) fit.surroundings_rms = std::sqrt(sum / static_cast<double>(row));
   const std::vector<double> t = {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
   std::vector<double> reversed(t.rbegin(), t.rend());
   std::vector<LimitJet> in(t.size()), out(t.size());
@@ -347,6 +312,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
                                const std::vector<Index>& replaced, const CageOptions& options,
                                const std::vector<CageFit>& coarser) {
   constexpr double sides_tolerance = 1e-7;
+  const bool exact = options.rim == CageRim::exact;
   Subdivision settings = given;
   if (!settings.quality) settings.quality = 5;  // stencils need patches
   settings.use_limit_surface = true;
@@ -358,14 +324,13 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
 
   Subdivision fitted = settings;
   std::vector<Index> around;
+  std::vector<std::array<std::vector<Index>, 2>> ring(count);
   for (std::size_t h = 0; h < count; ++h) {
     const std::vector<Index>& rim = holes[h].hole.rim;
     around.insert(around.end(), rim.begin(), rim.end());
-    const auto [first, second] = rings(closed, holes[h].hole);
-    for (Index f : first) around.insert(around.end(), closed.faces[f].begin(), closed.faces[f].end());
-    works[h].around = first;
-    works[h].around.insert(works[h].around.end(), second.begin(), second.end());
-    if (options.rim != CageRim::exact) continue;
+    ring[h] = rings(closed, holes[h].hole);
+    for (Index f : ring[h][0]) around.insert(around.end(), closed.faces[f].begin(), closed.faces[f].end());
+    if (!exact) continue;
     for (std::size_t k = 0; k < rim.size(); ++k) {
       fits[h].creases.push_back({rim[k], rim[(k + 1) % rim.size()]});
       fitted.crease_edges.push_back(fits[h].creases.back());
@@ -380,30 +345,9 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
   // What an exact rim leaves them: the creased border of an open hole.
   Faces left;
   for (Index f : closed.kept) left.add(mesh.faces[f]);
-  const bool part = options.rim == CageRim::exact && !replaced.empty();
+  const bool part = exact && !replaced.empty();
   const std::optional<LimitSurface> open =
       part ? std::optional<LimitSurface>(std::in_place, Mesh{mesh.vertices, left}, settings, around) : std::nullopt;
-  for (std::size_t h = 0; h < count; ++h) {
-    const CageHole& hole = holes[h];
-    Work& work = works[h];
-    const std::set<Index> gone(replaced.begin(), replaced.end());
-    for (Index f : gone) {
-      const auto face = mesh.faces[f];
-      for (std::size_t k = 0; k < face.size(); ++k)
-        work.region = work.region || (face[k] == hole.hole.rim[0] && face[(k + 1) % face.size()] == hole.hole.rim[1]);
-    }
-    if (!coarser.empty()) {
-      fits[h].sides = coarser[h].sides;
-      fits[h].patch = coarser[h].patch;
-    } else if (hole.start.rows() == 0) {
-      fits[h].sides = part ? sides_on(*open, {mesh.vertices, left}, hole.hole, {}, sides_tolerance)
-                           : sides_on(was, mesh, hole.hole, replaced, sides_tolerance);
-      fits[h].patch = hole.build(fits[h].sides);
-    }
-    const Index inside = closed.first_vertex[h + 1] - closed.first_vertex[h];
-    closed.vertices.middleRows(closed.first_vertex[h], inside) =
-        hole.start.rows() > 0 ? hole.start : fits[h].patch->positions(hole.barycentric.bottomRows(inside));
-  }
   std::vector<Index> free;
   for (Index v = n; v < closed.vertices.rows(); ++v) {
     around.push_back(v);
@@ -415,58 +359,148 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
   free.erase(std::unique(free.begin(), free.end()), free.end());
 
   LimitSurface limit(closed.mesh(), fitted, around);
-  const auto fill_faces = [&](std::size_t h) {
-    std::vector<Index> faces;
-    for (Index f = closed.first_face[h]; f < closed.first_face[h + 1]; ++f) faces.push_back(f);
-    return faces;
-  };
-  const auto rebuild = [&](std::size_t h) {
-    fits[h].sides = sides_on(limit, closed.mesh(), holes[h].hole, fill_faces(h), sides_tolerance);
-    fits[h].patch = holes[h].build(fits[h].sides);
-  };
-  LimitStencil stencil;
+  CageSystem system(closed.vertices, free);
+  Points x(static_cast<Index>(free.size()), 3);
+  for (std::size_t k = 0; k < free.size(); ++k) x.row(static_cast<Index>(k)) = closed.vertices.row(free[k]);
+
+  const std::set<Index> gone(replaced.begin(), replaced.end());
+  std::vector<std::vector<LimitStencils>> inside(count);
+  std::vector<const Sums*> together;
   for (std::size_t h = 0; h < count; ++h) {
+    const CageHole& hole = holes[h];
     Work& work = works[h];
-    if (!fits[h].patch) rebuild(h);
+    for (Index f : gone) {
+      const auto face = mesh.faces[f];
+      for (std::size_t k = 0; k < face.size(); ++k)
+        work.region = work.region || (face[k] == hole.hole.rim[0] && face[(k + 1) % face.size()] == hole.hole.rim[1]);
+    }
     std::vector<Vec3> coordinates;
-    for (Index f = 0; f < holes[h].layout.size(); ++f)
-      for (const Sample& s : spread(closed.first_face[h] + f, holes[h].layout[f].size(), options.samples, settings.loop)) {
-        work.inside.push_back(s);
-        limit.stencil(s.face, s.quarter, s.u, s.v, work.inside_stencils.emplace_back());
-        coordinates.push_back(barycentric_at(s, holes[h].layout[f], holes[h].barycentric, settings.loop));
-      }
+    for (Index f = 0; f < hole.layout.size(); ++f) {
+      const std::vector<FacePlace> places = spread(hole.layout[f].size(), settings.loop);
+      inside[h].push_back(limit.stencils(closed.first_face[h] + f, places));
+      work.inside.push_back({closed.first_face[h] + f, system.sums(inside[h].back().vertices, inside[h].back().p), {}, {}});
+      for (const FacePlace& s : places) coordinates.push_back(barycentric_at(s, hole.layout[f], hole.barycentric, settings.loop));
+    }
     work.coordinates.resize(static_cast<Index>(coordinates.size()), 3);
     for (std::size_t k = 0; k < coordinates.size(); ++k) work.coordinates.row(static_cast<Index>(k)) = coordinates[k];
     std::set<Index> corners;
-    for (Index c : holes[h].hole.corners) corners.insert(holes[h].hole.rim[c]);
-    for (Index f : work.around) {
-      const auto face = closed.faces[f];
-      const bool corner = std::any_of(face.begin(), face.end(), [&](Index v) { return corners.contains(v); });
-      for (const Sample& s : spread(f, face.size(), options.samples, settings.loop)) {
-        was.stencil(closed.kept[f], s.quarter, s.u, s.v, stencil);
-        work.outside.push_back(s);
-        limit.stencil(s.face, s.quarter, s.u, s.v, work.outside_stencils.emplace_back());
-        work.outside_was.push_back(apply(stencil, stencil.p, mesh.vertices));
-        work.outside_normal.push_back(
-            apply(stencil, stencil.pu, mesh.vertices).cross(apply(stencil, stencil.pv, mesh.vertices)).stableNormalized());
-        work.trust.push_back(corner && !work.region ? options.corner : 1);
+    for (Index c : hole.hole.corners) corners.insert(hole.hole.rim[c]);
+    work.first_ring = ring[h][0].size();
+    for (const std::vector<Index>& faces : ring[h])
+      for (Index f : faces) {
+        const auto face = closed.faces[f];
+        const bool corner = std::any_of(face.begin(), face.end(), [&](Index v) { return corners.contains(v); });
+        const std::vector<FacePlace> places = spread(face.size(), settings.loop);
+        const LimitStencils before = was.stencils(closed.kept[f], places), now = limit.stencils(f, places);
+        Points vertices(static_cast<Index>(before.vertices.size()), 3);
+        for (std::size_t k = 0; k < before.vertices.size(); ++k)
+          vertices.row(static_cast<Index>(k)) = mesh.vertices.row(before.vertices[k]);
+        const Points pu = before.pu * vertices, pv = before.pv * vertices;
+        Points normal(pu.rows(), 3);
+        for (Index k = 0; k < pu.rows(); ++k) normal.row(k) = Vec3(pu.row(k)).cross(Vec3(pv.row(k))).stableNormalized();
+        work.outside.push_back(
+            {f, system.sums(now.vertices, now.p), before.p * vertices, normal, corner && !work.region ? options.corner : 1});
       }
+    for (const auto* faces : {&work.inside, &work.outside})
+      for (const SampledFace& face : *faces) together.push_back(&face.limit);
+  }
+  if (!exact) system.prepare(together);
+
+  if (!exact && coarser.empty()) {
+    std::vector<FairHole> fair(count);
+    CageSystem::Term held = system.zero();
+    for (std::size_t h = 0; h < count; ++h) {
+      const Work& work = works[h];
+      for (Index v : holes[h].hole.rim)
+        fair[h].size = std::max(fair[h].size, (mesh.vertices.row(v) - mesh.vertices.row(holes[h].hole.rim[0])).norm());
+      const std::size_t corners = settings.loop ? 3 : 4;
+      for (const SampledFace& face : work.inside)
+        if (closed.faces[face.face].size() == corners) fair[h].inside.push_back(face_shape(face.limit, settings.loop));
+      for (std::size_t k = 0; k < work.first_ring; ++k) {
+        const SampledFace& face = work.outside[k];
+        if (closed.faces[face.face].size() == corners) fair[h].around.push_back(face_shape(face.limit, settings.loop));
+      }
+      hold_surroundings(system, x, work, (work.region ? options.fair_whole : options.fair_open) * fair[h].size, held);
+    }
+    std::vector<int> waiting;  // the rim's own vertices, for the fit
+    for (std::size_t k = 0; k < free.size(); ++k)
+      if (free[k] < n) waiting.push_back(static_cast<int>(k));
+    x = fair_cage(system, x, fair, held, waiting);
+    for (std::size_t h = 0; h < count; ++h) {
+      fits[h].fair_before = fair[h].before;
+      fits[h].fair_after = fair[h].after;
     }
   }
+  const auto take = [&] {
+    for (std::size_t k = 0; k < free.size(); ++k) closed.vertices.row(free[k]) = x.row(static_cast<Index>(k));
+    limit.move(closed.vertices);
+  };
+  take();
 
   const auto edges = directed_edges(closed.faces, holes);
-  for (int round = 0; round < options.rounds; ++round) {
-    System system(closed.vertices, free);
-    for (std::size_t h = 0; h < count; ++h) {
-      if (round > 0) slide(closed.vertices, *fits[h].patch, works[h]);
-      add_patch(*fits[h].patch, works[h], options, system);
-      add_surroundings(works[h], options, system);
-      if (options.rim == CageRim::exact)
-        add_seam(holes[h].hole, fits[h].sides, edges, closed, limit, settings.loop, options, system);
+  std::vector<Seam> seams(count);
+  for (std::size_t h = 0; h < count; ++h) {
+    CageFit& fit = fits[h];
+    const CageHole& hole = holes[h];
+    if (!coarser.empty()) {
+      fit.sides = coarser[h].sides;
+      fit.patch = coarser[h].patch;
+      fit.fair_before = coarser[h].fair_before;
+      fit.fair_after = coarser[h].fair_after;
+    } else {
+      std::vector<Index> fill;
+      for (Index f = closed.first_face[h]; f < closed.first_face[h + 1]; ++f) fill.push_back(f);
+      fit.sides = part                       ? sides_on(*open, {mesh.vertices, left}, hole.hole, {}, sides_tolerance)
+                  : exact || works[h].region ? sides_on(was, mesh, hole.hole, replaced, sides_tolerance)
+                                             : sides_on(limit, closed.mesh(), hole.hole, fill, sides_tolerance);
+      SurfacePoints points;
+      if (!exact) {
+        const Index rows = works[h].coordinates.rows();
+        points.barycentric = works[h].coordinates;
+        points.points.resize(rows, 3);
+        points.normals.resize(rows, 3);
+        Index row = 0;
+        for (const LimitStencils& face : inside[h]) {
+          Points vertices(static_cast<Index>(face.vertices.size()), 3);
+          for (std::size_t k = 0; k < face.vertices.size(); ++k)
+            vertices.row(static_cast<Index>(k)) = closed.vertices.row(face.vertices[k]);
+          const Points p = face.p * vertices, pu = face.pu * vertices, pv = face.pv * vertices;
+          for (Index k = 0; k < p.rows(); ++k, ++row) {
+            points.points.row(row) = p.row(k);
+            points.normals.row(row) = Vec3(pu.row(k)).cross(Vec3(pv.row(k))).stableNormalized();
+          }
+        }
+      }
+      fit.patch = hole.build(fit.sides, points);
     }
-    system.solve(closed.vertices);
-    limit.move(closed.vertices);
+    if (exact || !coarser.empty()) {
+      const Index inside_vertices = closed.first_vertex[h + 1] - closed.first_vertex[h];
+      const Points on_patch = fit.patch->positions(hole.barycentric.bottomRows(inside_vertices));
+      for (std::size_t k = 0; k < free.size(); ++k)
+        if (free[k] >= closed.first_vertex[h] && free[k] < closed.first_vertex[h + 1])
+          x.row(static_cast<Index>(k)) = on_patch.row(free[k] - closed.first_vertex[h]);
+    }
+    if (exact) seams[h] = seam_of(hole.hole, fit.sides, edges, closed, limit, settings.loop, system);
   }
+
+  if (exact) {
+    for (const Seam& seam : seams)
+      for (const Seam::Row& row : seam.rows) together.push_back(&row.across);
+    system.prepare(together);
+  }
+
+  for (int round = 0; round < options.rounds; ++round) {
+    CageSystem::Term term = system.zero();
+    for (std::size_t h = 0; h < count; ++h) {
+      if (round > 0 || !exact) slide(x, *fits[h].patch, works[h]);
+      add_patch(system, x, *fits[h].patch, works[h], options, term);
+      add_surroundings(system, x, works[h], options, term);
+      if (exact) add_seam(system, x, seams[h], options, term);
+    }
+    const Eigen::VectorXd y = system.step(term, Eigen::VectorXd::Zero(x.size()), anchor);
+    x += Eigen::Map<const Points>(y.data(), x.rows(), 3);
+  }
+  take();
 
   for (std::size_t h = 0; h < count; ++h) {
     CageFit& fit = fits[h];
@@ -478,7 +512,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
       for (std::size_t k = 0; k < hole.rim.size(); ++k)
         fit.moved_to.row(static_cast<Index>(k)) = closed.vertices.row(hole.rim[k]);
     }
-    measure(was, closed, limit, edges, hole, works[h], fit);
+    measure(was, closed, limit, edges, hole, x, works[h], fit);
   }
   return fits;
 }
@@ -492,12 +526,15 @@ void sample_limit(const Mesh& cage, const Subdivision& given, Index first_face, 
   const int steps = 1 << level;
   std::map<std::array<Index, 4>, Index> known;  // corner, edge or inside point -> vertex
   std::vector<Vec3> points;
-  LimitStencil stencil;
   const auto at = [&](const std::array<Index, 4>& key, Index f, int quarter, double u, double v) {
     const auto [place, fresh] = known.try_emplace(key, static_cast<Index>(points.size()));
     if (fresh) {
-      limit.stencil(f, quarter, u, v, stencil);
-      points.push_back(apply(stencil, stencil.p, cage.vertices));
+      const FacePlace where = {quarter, u, v};
+      const LimitStencils stencil = limit.stencils(f, {&where, 1});
+      Vec3 p = Vec3::Zero();
+      for (std::size_t k = 0; k < stencil.vertices.size(); ++k)
+        p += stencil.p(0, static_cast<Index>(k)) * cage.vertices.row(stencil.vertices[k]).transpose();
+      points.push_back(p);
     }
     return place->second;
   };

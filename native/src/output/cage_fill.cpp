@@ -6,7 +6,6 @@
 #include <set>
 #include <string>
 
-#include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/output/quad_layout.h"
 #include "tripatch/output/triangulate.h"
 
@@ -184,6 +183,11 @@ void write(Index n, Index middle, const Hole& hole, const Points& vertices, cons
   report.surroundings_moved_rms = fit.surroundings_rms;
   report.surroundings_moved_where = fit.surroundings_where;
   report.corners_moved_max = fit.corners_moved;
+  if (fit.fair_before > 0) {
+    report.fairing = "minimum_variation";
+    report.energy_before = fit.fair_before;
+    report.energy_after = fit.fair_after;
+  }
   write_seam(fit, hole, report);
   for (Index pole : layout.poles) {
     Index valence = 0;
@@ -209,27 +213,20 @@ std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRe
   const Split split = split_odd(mesh, requests, settings, layout_options.split_odd && !settings.loop, results);
   std::vector<CageHole> holes(count);
   std::vector<QuadLayout> layouts(count);
-  std::vector<MeshSides> estimated(count);
-  std::vector<SurfacePtr> control(count);
   std::vector<double> tolerance(count);
-  const bool starts = options.rim != CageRim::exact && replaced.empty();
   for (std::size_t h = 0; h < count; ++h) {
     holes[h].hole = split.holes[h];
     holes[h].build = requests[h].build;
     Points rim(static_cast<Index>(holes[h].hole.rim.size()), 3);
     for (Index k = 0; k < rim.rows(); ++k) rim.row(k) = split.vertices.row(holes[h].hole.rim[k]);
     tolerance[h] = layout_options.tolerance.value_or(1e-3 * diameter(rim));
-    if (!starts) continue;
-    // The control points run on through an open hole as any mesh does: what an open cage's limit says about its border, which is
-    // flat across and round at corners, is not what a closed one has there.
-    estimated[h] = mesh_sides(split.mesh(), holes[h].hole, replaced);
-    control[h] = requests[h].start(estimated[h].sides);
   }
   std::vector<CageFit> fits;
   std::vector<char> open(count, 1);  ///< asks for another layout
-  // Quads as large as those around come first: only with them do control points that run on make a limit surface that does.
+  // But for an exact rim quads as large as those around come first: only with them do the lines of the surroundings run on, as a
+  // fair cage needs them.
   const int last = settings.loop ? 0 : layout_options.rows.value_or(4);
-  for (int rows = starts || !layout_options.rows ? 0 : last; rows <= last;
+  for (int rows = options.rim != CageRim::exact || !layout_options.rows ? 0 : last; rows <= last;
        rows = layout_options.rows ? std::max(last, rows + 1) : rows + 1) {
     for (std::size_t h = 0; h < count; ++h) {
       if (!open[h]) continue;
@@ -237,12 +234,6 @@ std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRe
                                  : quad_layout(even_parameters(holes[h].hole), rows, layout_options.pole_offset);
       holes[h].barycentric = layouts[h].barycentric;
       holes[h].layout = layouts[h].faces;
-      holes[h].start.resize(0, 3);
-      if (!starts || !fits.empty()) continue;
-      const QuadLayout mesh_layout =
-          settings.loop ? layouts[h] : quad_layout(estimated[h].parameters, rows, layout_options.pole_offset);
-      holes[h].start =
-          control[h]->positions(mesh_layout.barycentric.bottomRows(mesh_layout.barycentric.rows() - mesh_layout.rim));
     }
     fits = fit_cages(split.mesh(), holes, split.settings, replaced, options, fits);
     for (std::size_t h = 0; h < count; ++h) open[h] = layout_options.rows || fits[h].deviation_rms > tolerance[h];

@@ -875,4 +875,93 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   return result;
 }
 
+SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, SurfacePoints points,
+                  const FairingOptions& options) {
+  const int slopes = options.slopes;
+  const Index scalars = Correction::scalars(options.degree, options.bends), n = points.points.rows();
+  std::vector<PiecewisePolynomial> functions;
+  for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
+  // r and c' are of any length; a hole is as long as its size
+  std::array<std::array<PiecewisePolynomial, 2>, 3> directions;
+  std::array<std::array<double, 2>, 3> scale = {};
+  for (int i = 0; i < 3; ++i) {
+    if (!options.slopes_free[i] || sides[i].r.empty()) continue;
+    directions[i] = {sides[i].r, sides[i].c.derivative()};
+    for (int d = 0; d < 2; ++d) {
+      double length = 0;
+      for (int k = 0; k <= 16; ++k) length += directions[i][d](k / 16.0).norm() / 17;
+      if (length > 0) scale[i][d] = boundary.size / length;
+    }
+  }
+  const auto added = [&](const Eigen::VectorXd& x, int i, int d) {
+    PiecewisePolynomial f = (scale[i][d] * x[3 * scalars + (2 * i + d) * slopes]) * functions[0];
+    for (int m = 1; m < slopes; ++m) f = f + (scale[i][d] * x[3 * scalars + (2 * i + d) * slopes + m]) * functions[m];
+    return f;
+  };
+  const auto keeps_alpha = [&](const Eigen::VectorXd& x) {
+    for (int i = 0; i < 3; ++i) {
+      if (scale[i][0] == 0) continue;
+      const PiecewisePolynomial change = added(x, i, 0);
+      for (int k = 1; k < 32; ++k) {
+        double before, more;
+        boundary.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
+        change.taylor(k / 32.0, 0, &more);
+        if (!(before + more >= 0.1 * before)) return false;
+      }
+    }
+    return true;
+  };
+
+  SurfacePtr patch = base;
+  for (int round = 0; round < 2; ++round) {
+    Points b = (points.barycentric.array() + 1e-9).matrix();  // at a vertex the terms are 0/0
+    for (Index k = 0; k < n; ++k) b.row(k) /= b.row(k).sum();
+    const Points missing = points.points - base->positions(b);
+    const Index unknowns = 3 * scalars + 6 * slopes;
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3 * n, unknowns);
+    Eigen::VectorXd right(3 * n);
+    for (Index k = 0; k < n; ++k) {
+      const Barycentric<0> at(b.row(k).data());
+      const std::vector<Jet<0>> basis = Correction::scalar_basis(at, options.degree, options.bends);
+      const std::array<Jet<0>, 3> weights = side_weights(at);
+      const Vec3 normal = points.normals.row(k);
+      const Eigen::Matrix3d across = 0.1 * Eigen::Matrix3d::Identity() + 0.9 * normal * normal.transpose();
+      for (Index s = 0; s < scalars; ++s) rows.block<3, 3>(3 * k, 3 * s) = boundary.size * basis[s].value() * across;
+      for (int i = 0; i < 3; ++i) {
+        const Jet<0> t = ray_parameter(at, i);
+        const double kernel = Correction::slope_kernel(at, weights, i).value();
+        for (int d = 0; d < 2; ++d) {
+          if (scale[i][d] == 0) continue;
+          const Vec3 direction = (kernel * scale[i][d]) * (across * directions[i][d](t.value()));
+          for (int m = 0; m < slopes; ++m) {
+            double f;
+            functions[m].taylor(t.value(), 0, &f);
+            rows.block<3, 1>(3 * k, 3 * scalars + (2 * i + d) * slopes + m) = f * direction;
+          }
+        }
+      }
+      right.segment<3>(3 * k) = across * missing.row(k).transpose();
+    }
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(unknowns);
+    for (const Index m : {unknowns, 3 * scalars}) {
+      Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(m, m);
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(m).transpose());
+      normal.diagonal().array() += 1e-6 * normal.trace() / static_cast<double>(m);
+      x.setZero();
+      x.head(m) = normal.selfadjointView<Eigen::Lower>().ldlt().solve(rows.leftCols(m).transpose() * right);
+      if (keeps_alpha(x)) break;
+    }
+    if (!x.allFinite()) return patch;
+    std::array<PiecewisePolynomial, 3> changes;
+    const std::array<double, 3> none = {0, 0, 0};
+    for (int i = 0; i < 3; ++i)
+      changes[i] = scale[i][0] == 0 && scale[i][1] == 0 ? PiecewisePolynomial::constant(none)
+                                                        : added(x, i, 0) * directions[i][0] + added(x, i, 1) * directions[i][1];
+    const Points coefficients = boundary.size * Eigen::Map<const Points>(x.data(), scalars, 3);
+    patch = sum(base, std::make_shared<Correction>(std::move(changes), options.degree, options.bends, coefficients));
+    if (round == 0) nearest(*patch, points.points, points.barycentric);
+  }
+  return patch;
+}
+
 }  // namespace tripatch

@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <future>
+#include <limits>
 #include <thread>
 #include <vector>
 
@@ -105,6 +107,31 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
       }
     }
   }
+}
+
+Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b) {
+  Eigen::VectorXd distance = Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
+  Points at = b;
+  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(points.rows(), 9);
+  for (int step = 0; step < 4; ++step) {
+    surface.evaluate(at.data(), at.rows(), 1, jets.data());
+    double largest = 0;
+    for (Index k = 0; k < points.rows(); ++k) {
+      const Vec3 off = points.row(k) - jets.row(k).head<3>(), d0 = jets.row(k).segment<3>(3), d1 = jets.row(k).tail<3>();
+      if (off.norm() < distance[k]) {
+        distance[k] = off.norm();
+        b.row(k) = at.row(k);
+      }
+      const double a00 = d0.squaredNorm(), a01 = d0.dot(d1), a11 = d1.squaredNorm(), det = a00 * a11 - a01 * a01;
+      const double r0 = d0.dot(off), r1 = d1.dot(off), m0 = (a11 * r0 - a01 * r1) / det, m1 = (a00 * r1 - a01 * r0) / det;
+      if (!std::isfinite(m0) || !std::isfinite(m1)) continue;
+      largest = std::max({largest, std::abs(m0), std::abs(m1)});
+      Eigen::RowVector3d moved = (at.row(k) + Eigen::RowVector3d(m0, m1, -m0 - m1)).cwiseMax(0);
+      at.row(k) = moved / moved.sum();
+    }
+    if (largest < 1e-6) break;
+  }
+  return distance;
 }
 
 }  // namespace tripatch

@@ -31,10 +31,19 @@ struct LimitJet {
   Vec3 p, pu, pv, puu, puv, pvv;
 };
 
-/// The same at one place as weights of the cage's vertices: the limit surface is linear in them.
-struct LimitStencil {
+/// On a quad face (u, v) from its first corner, quarter 0; on an n-gon in the quarter at its corner `quarter`. Loop: on a triangle,
+/// u towards its second corner and v towards its third.
+struct FacePlace {
+  int quarter;
+  double u, v;
+};
+
+/// Places of one face as weights of the cage's vertices, for the limit surface is linear in them: a row a place, a column one of
+/// `vertices`. Derivatives are in the face's own u and v.
+struct LimitStencils {
+  using Weights = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   std::vector<Index> vertices;
-  std::vector<double> p, pu, pv;
+  Weights p, pu, pv;
 };
 
 class LimitSurface {
@@ -49,10 +58,8 @@ public:
   void move(const PointsRef& vertices);
   /// Along edge `edge` (from its corner `edge` to the next) of face `face`, which must touch one of `around`; t in [0, 1].
   void evaluate_edge(Index face, int edge, std::span<const double> t, std::span<LimitJet> out) const;
-  /// On a quad face at (u, v) from its first corner, quarter 0; on an n-gon at (u, v) in the quarter at its corner `quarter`. Loop:
-  /// on a triangle, u towards its second corner and v towards its third.
-  /// Needs a quality.
-  void stencil(Index face, int quarter, double u, double v, LimitStencil& out) const;
+  /// Needs a quality. Not from two threads at once.
+  LimitStencils stencils(Index face, std::span<const FacePlace> places) const;
   /// Points of a (steps + 1)^2 grid on every quad face refined; n-gons: on each of their quarters.
   Points grid(int steps) const;
 

@@ -10,6 +10,7 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/side.h"
 #include "tripatch/hole/hole.h"
+#include "tripatch/patch/fairing.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
@@ -24,7 +25,6 @@ enum class CageRim {
 /// Weights are against 1 for distances across the patch.
 struct CageOptions {
   CageRim rim = CageRim::smooth;
-  int samples = 4;                     ///< a row of each face, for positions
   double tangential = 0.1;             ///< distances along the patch: where on it a point lies matters little
   double surroundings = 0.5;           ///< distances across the old limit surface around an open hole
   double surroundings_tangential = 2;  ///< and along it
@@ -33,16 +33,18 @@ struct CageOptions {
   double seam = 3;           ///< exact: tangent planes along the rim, radians times the size of the hole
   double seam_width = 0.03;  ///< exact: times `seam`: how far the first row reaches inwards
   int rounds = 3;            ///< how often it is fitted, each time to the points of the patch that have become the nearest
+  /// Movements of the old limit surface (rms, over the hole's size) that weigh as much as an energy of the fair cage e times as
+  /// large: around an open hole, and around a region to be replaced.
+  double fair_open = 6e-3, fair_whole = 6e-4;
 };
 
 /// A hole, and what is to close it.
 struct CageHole {
   Hole hole;
-  Points barycentric;                             ///< of the layout; the first hole.rim.size() rows are the rim's
-  Faces layout;                                   ///< by row
-  std::function<SurfacePtr(const Sides&)> build;  ///< the patch on given sides
-  /// Where the inside rows start, one cage that runs on through the hole; empty: on the patch of the given cage's limit.
-  Points start = Points(0, 3);
+  Points barycentric;  ///< of the layout; the first hole.rim.size() rows are the rim's
+  Faces layout;        ///< by row
+  /// The patch on given sides; with points (none for an exact rim), of those that meet the sides the one that is nearest to them.
+  std::function<SurfacePtr(const Sides&, const SurfacePoints&)> build;
 };
 
 struct CageFit {
@@ -56,6 +58,7 @@ struct CageFit {
   double surroundings_max = 0, surroundings_rms = 0;  ///< movement of the old limit surface, first two rings, scene units
   Index surroundings_where = -1;                      ///< a vertex of the face that moved most
   double corners_moved = 0;                           ///< largest movement of the limit at the three corners
+  double fair_before = 0, fair_after = 0;             ///< energy of the fair cage that the patch follows, see fair_cage
   std::array<std::vector<double>, 3>
       seam_angles;  ///< degrees, between the limit normals of the two faces along each rim edge; -1: none there
 };

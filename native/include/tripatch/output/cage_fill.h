@@ -27,11 +27,10 @@ struct CageFill {
   Report report;  ///< the seam is the one between the limit surfaces
 };
 
-/// A hole, and how the patch in it is made from given sides: the one that the cage is fitted to, and a quick one to start from.
+/// A hole, and how the patch in it is made, see CageHole::build.
 struct CageRequest {
   Hole hole;
-  std::function<SurfacePtr(const Sides&)> build;
-  std::function<SurfacePtr(const Sides&)> start;
+  std::function<SurfacePtr(const Sides&, const SurfacePoints&)> build;
 };
 
 /// Holes whose surroundings may overlap, fitted together. replaced: the faces in them, of all. Every result counts its new vertices

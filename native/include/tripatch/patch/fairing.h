@@ -61,4 +61,14 @@ Sides smoothed(const Sides& sides);
 /// better is found, it is `base` itself (with its middle where it is asked for).
 FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options = {});
 
+/// Points of a surface that a patch shall follow, with the barycentric coordinates where it is about to pass them, and unit normals.
+struct SurfacePoints {
+  Points barycentric = Points(0, 3), points = Points(0, 3), normals = Points(0, 3);
+};
+
+/// Of the patches that differ from `base` in the terms above the one that is nearest to the points, by least squares: distances along
+/// the surface count a tenth. Of `options` the numbers of coefficients and slopes_free are read.
+SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, SurfacePoints points,
+                  const FairingOptions& options = {});
+
 }  // namespace tripatch

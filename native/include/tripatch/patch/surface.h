@@ -30,6 +30,10 @@ public:
 };
 
 using SurfacePtr = std::shared_ptr<const Surface>;
+
+/// Moves barycentric coordinates b (n x 3) to where the surface is nearest to points (n x 3): Gauss-Newton from where they are, kept
+/// in the triangle. Returns the distances.
+Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b);
 /// a + b, point by point.
 SurfacePtr sum(SurfacePtr a, SurfacePtr b);
 
