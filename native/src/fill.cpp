@@ -137,7 +137,10 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
     fairing.middle = center;
     fairing.curvature = continuity.followed;
     fairing.rebuild = [&](const Sides& others) { return build(method, others, ribbons, own); };
-    fairing.folds = [&](const Surface& patch) { return count_folds(patch, sides); };
+    fairing.folds = [&](const Surface& patch) {
+      if (kinks.empty()) return count_folds(patch, given);
+      return count_folds(*kinks.restored({SurfacePtr(), &patch}, continuity.tangent), given);
+    };
     FairResult result = fair(made.patch, sides, boundary, fairing);
     made.patch = std::move(result.patch);
     made.report.fairing = result.energy;

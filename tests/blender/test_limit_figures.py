@@ -35,6 +35,20 @@ def everything(bm, gone):
     bmesh.ops.triangulate(bm, faces=outside[:2])
 
 
+def a_sharp_crease(bm, gone):
+    """It runs into the rim, straight on from the outside."""
+    cages.noise(bm, gone)
+    layer = bm.edges.layers.crease.verify() if hasattr(bm.edges.layers, "crease") else bm.edges.layers.float.new("crease_edge")
+    rim, _ = cages.around(bm, gone)
+    vertex = sorted({v for e in rim for v in e.verts}, key=lambda v: v.index)[2]
+    edge = next(e for e in vertex.link_edges if e not in rim and not gone & set(e.link_faces))
+    while edge:
+        edge[layer] = 1.0
+        vertex = edge.other_vert(vertex)
+        ahead = [e for e in vertex.link_edges if not set(e.link_faces) & set(edge.link_faces) and not e[layer]]
+        edge = ahead[0] if len(ahead) == 1 and not gone & set(ahead[0].link_faces) else None
+
+
 @pytest.mark.parametrize("levels", [1, 2, 3, 4, 5, 6])
 def test_no_crack_at_any_level(levels, capfd):
     ob = cages.add_cage(levels=levels, change=everything, n=4, rings=1)
@@ -137,7 +151,7 @@ def region(bm, selection):
 
 
 @pytest.mark.parametrize("kind", ["open", "replaced"])
-@pytest.mark.parametrize("change", [None, *cages.CHANGES, everything])
+@pytest.mark.parametrize("change", [None, *cages.CHANGES, everything, a_sharp_crease])
 def test_seam_and_area_of_every_cage(addon, change, kind):
     ob = cages.add_cage(remove=kind == "open", change=change, levels=3)
     fill = limit_fill(addon, ob, open_rim if kind == "open" else region)

@@ -105,6 +105,8 @@ TEST_CASE("at a kink where a crease ends the derivative across runs along the cr
   CHECK(side_error(*made.patch, sides) < 1e-13);
   CHECK(seam_error(*made.patch, sides) < 1e-6);
   CHECK(tear(*made.patch).first < 1e-7);
+  CHECK(made.report.folds == 0);
+  CHECK(planes_apart(sides[2], 0.5) > 30);  // so the fill has a crease there, which is no fold
 }
 
 TEST_CASE("rounded sides have no kinks and are the sides elsewhere") {

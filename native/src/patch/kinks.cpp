@@ -3,15 +3,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace tripatch {
 namespace {
 
-/// Whether a field jumps at a break, by more than a thousandth of its length there.
-bool jumps(const PiecewisePolynomial& field, double t, double before, double after) {
-  const Vec3 left = field.part(before, t)(1), right = field.part(t, after)(0);
-  return (right - left).norm() > 1e-3 * std::max(left.norm(), right.norm());
-}
+/// How far before a kink its left side is looked at: exactly there the piece behind it counts.
+constexpr double just_before = 1e-9;
+
+bool apart(const Vec3& left, const Vec3& right) { return (right - left).norm() > 1e-3 * std::max(left.norm(), right.norm()); }
 
 /// The quintic with the field's own values and first two derivatives at both ends, over [0, 1].
 PiecewisePolynomial bridge(const PiecewisePolynomial& field, double from, double to) {
@@ -79,29 +79,40 @@ std::vector<Vec3> derivatives_inward(const Surface& patch, int i, std::span<cons
 
 Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
-/// At a kink whose two planes differ a derivative across that is in both: along the line where they meet, or zero where that line
-/// runs along the side.
-Vec3 in_both_planes(const Vec3& v, const Vec3& n0, const Vec3& n1) {
-  const Vec3 line = n0.cross(n1);
+/// A derivative across that is in the planes of both sides of a kink and goes as far inwards as v: where they differ, along the line
+/// where they meet, which is the crease that ends there. None where that line runs along the side.
+std::optional<Vec3> in_both_planes(const Vec3& v, const Side& before, const Side& after) {
+  const Vec3 n0 = before.normal(1), n1 = after.normal(0), line = n0.cross(n1);
   if (line.norm() < 1e-5) return in_plane(v, (n0 + n1).normalized());
-  const Vec3 along = line.normalized();
-  return std::abs(along.dot(v)) > 0.3 * v.norm() ? Vec3(along.dot(v) * along) : Vec3::Zero();
+  const Vec3 inward = -(before.r(1).normalized() + after.r(0).normalized()).normalized();
+  const double slant = inward.dot(line.normalized());
+  if (std::abs(slant) < 0.2) return std::nullopt;
+  return inward.dot(v) / slant * line.normalized();
 }
 
 }  // namespace
 
+std::vector<double> kinks_of(const Side& side) {
+  std::vector<double> breaks = side.c.breaks(), at;
+  breaks.insert(breaks.end(), side.r.breaks().begin(), side.r.breaks().end());
+  std::sort(breaks.begin(), breaks.end());
+  for (double t : breaks) {
+    if (t < 1e-6 || t > 1 - 1e-6 || (!at.empty() && t < at.back() + 1e-6)) continue;
+    const double before = t - just_before;
+    if (apart(side.c.derivative_at(before), side.c.derivative_at(t)) || apart(side.r(before), side.r(t))) at.push_back(t);
+  }
+  return at;
+}
+
+double planes_apart(const Side& side, double kink) {
+  const Vec3 a = side.normal(kink - just_before), b = side.normal(kink);
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI;
+}
+
 Kinks::Kinks(const Sides& sides) : sides_(sides), rounded_(sides) {
   for (int i = 0; i < 3; ++i) {
     const Side& side = sides[i];
-    const PiecewisePolynomial dc = side.c.derivative();
-    std::vector<double> breaks = side.c.breaks();
-    breaks.insert(breaks.end(), side.r.breaks().begin(), side.r.breaks().end());
-    std::sort(breaks.begin(), breaks.end());
-    std::vector<double> at;
-    for (double t : breaks) {
-      if (t < 1e-6 || t > 1 - 1e-6 || (!at.empty() && t < at.back() + 1e-6)) continue;
-      if (jumps(dc, t, 0, 1) || jumps(side.r, t, 0, 1)) at.push_back(t);
-    }
+    const std::vector<double> at = kinks_of(side);
     if (at.empty()) continue;
     std::vector<PiecewisePolynomial> c, r, q;
     std::vector<double> shares;
@@ -150,11 +161,10 @@ SurfacePtr Kinks::restored(const SurfacePtr& patch, const std::array<bool, 3>& t
         halves[h].r = sides_[i].r.part(from, to);
       }
       const Vec3 at_kink = derivatives_inward(*patch, i, {&kink.t, 1})[0];
-      const Vec3 common = in_both_planes(at_kink, halves[0].normal(1), halves[1].normal(0));
+      const std::optional<Vec3> common = in_both_planes(at_kink, halves[0], halves[1]);
       std::vector<PiecewisePolynomial> g;
       for (int h = 0; h < 2; ++h) {
-        const Vec3 n_kink = halves[h].normal(h ? 0 : 1);
-        const Vec3 turn = common.isZero(0) ? Vec3(Vec3::Zero()) : Vec3(common - in_plane(at_kink, n_kink));
+        const Vec3 own = in_plane(at_kink, halves[h].normal(h ? 0 : 1)), turn = common.value_or(own) - own;
         g.push_back(PiecewisePolynomial::fit(
             [&](std::span<const double> u, std::span<double> out) {
               std::vector<double> t;

@@ -3,6 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "tripatch/patch/kinks.h"
 
 namespace tripatch {
 namespace {
@@ -91,12 +94,22 @@ Index count_folds(const Surface& patch, const Sides& sides) {
     const double* at = b.row(k).data();
     folds += vertex_of(at) < 0 && !(normals.row(k).dot(rim.at(at)) > 0);
   }
-  // Beside a corner whose planes differ every patch turns fast: neighbours there are not compared.
+  // Beside a corner or kink whose planes differ every patch turns fast: neighbours there are not compared.
   std::array<bool, 3> clear;
   for (int k = 0; k < 3; ++k) clear[k] = angle(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)) < 1;
+  std::vector<Vec3> creases;
+  for (int i = 0; i < 3; ++i)
+    for (double t : kinks_of(sides[i])) {
+      if (planes_apart(sides[i], t) < 1) continue;
+      creases.push_back(Vec3::Zero());
+      creases.back()[(i + 1) % 3] = 1 - t;
+      creases.back()[(i + 2) % 3] = t;
+    }
   auto far_apart = [&](Index a, Index c) {
     for (int k = 0; k < 3; ++k)
       if (!clear[k] && b(a, k) > 0.85) return false;
+    for (const Vec3& crease : creases)
+      if ((b.row(a).transpose() - crease).cwiseAbs().maxCoeff() < 0.15) return false;
     const Vec3 p = normals.row(a), q = normals.row(c);
     return p.dot(q) <= 0.5 && p.norm() > 0 && q.norm() > 0;  // 60 degrees
   };

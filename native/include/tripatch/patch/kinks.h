@@ -13,9 +13,13 @@
 
 namespace tripatch {
 
+/// Parameters inside a side where c' or r jumps, by more than a thousandth of their length.
+std::vector<double> kinks_of(const Side& side);
+/// Degrees between the planes before and behind a kink.
+double planes_apart(const Side& side, double kink);
+
 class Kinks {
 public:
-  /// Where c' or r of a side jumps, by more than a thousandth of their length.
   explicit Kinks(const Sides& sides);
 
   bool on(int side) const { return !kinks_[side].empty(); }

@@ -44,7 +44,7 @@ struct Report {
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples = 200);
 
 /// Folds on a 64 x 64 grid: points with (P_1 x P_2) . n <= 0, n the side-weight blend of the rim's normals, and neighbours whose
-/// normals are 60 degrees or more apart, but for the neighbourhood of corners whose planes differ.
+/// normals are 60 degrees or more apart, but for the neighbourhood of corners and kinks whose planes differ.
 Index count_folds(const Surface& patch, const Sides& sides);
 
 }  // namespace tripatch
