@@ -24,6 +24,7 @@
 #include "tripatch/patch/methods.h"
 #include "tripatch/patch/middle.h"
 #include "tripatch/patch/szilvasi_nagy.h"
+#include "tripatch/shares.h"
 
 namespace tripatch {
 namespace {
@@ -426,7 +427,9 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   }
   std::atomic<std::size_t> next = 0, done = 0;
   std::atomic<bool> stop = false;
+  const bool many = rims.size() > 1;
   const auto work = [&] {
+    one_of_many = many;
     for (std::size_t k = next++; k < rims.size() && !stop; k = next++) {
       try {
         results[k] = fill(mesh, each[k]);

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
+from frankes_functions import FUNCTIONS
 
 
 def octant_sides():
@@ -110,3 +111,33 @@ def test_corners_that_disagree_get_a_fan_of_normals():
             near[:, k], near[:, (k + 1) % 3], near[:, (k + 2) % 3] = 0.999, 0.001 * (1 - t), 0.001 * t
             turn = np.arctan2(*patch.normal(near)[:, [(k + 1) % 3, (k + 2) % 3]].T)
             assert (np.diff(turn) < 1e-9).all() or (np.diff(turn) > -1e-9).all()
+
+
+def hilly_graph(n=32, rings=4):
+    """Franke's first function, as he gave it, over a triangle in a lattice of triangles, and the rim of the hole in its middle.
+
+    A hill stands just inside the first corner, and the rim is too steep for the mesh to tell its curvature.
+    """
+    lattice = [(p, q) for p in range(-rings, n + 2 * rings + 1) for q in range(-rings, n + rings - p + 1)]
+    index = {at: k for k, at in enumerate(lattice)}
+    pq = np.array(lattice) / n
+    xy = np.array([0.1, 0.1]) + pq[:, :1] * [0.8, 0.05] + pq[:, 1:] * [0.25, 0.8]
+    faces = []
+    for p, q in lattice:
+        for triangle in (((p, q), (p + 1, q), (p, q + 1)), ((p + 1, q), (p + 1, q + 1), (p, q + 1))):
+            middle = np.mean(triangle, axis=0)
+            inside = middle.min() > 0 and middle.sum() < n
+            if not inside and all(at in index for at in triangle):
+                faces.append([index[at] for at in triangle])
+    rim = [(p, 0) for p in range(n)] + [(n - q, q) for q in range(n)] + [(0, q) for q in range(n, 0, -1)]
+    z = FUNCTIONS[0](*xy.T)[0] / 5.2
+    return np.column_stack([xy, z]), faces, [index[at] for at in rim]
+
+
+def test_a_patch_that_folds_is_unfolded():
+    vertices, faces, rim = hilly_graph()
+    corners = [rim[0], rim[32], rim[64]]
+    assert tripatch.fill(vertices, faces, rim=rim, corners=corners, fairing=None).report.folds > 0
+    fair = tripatch.fill(vertices, faces, rim=rim, corners=corners)
+    assert fair.report.folds == 0
+    assert fair.report.seam_angle_max < 1e-5

@@ -6,8 +6,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <string>
+
+#include "tripatch/shares.h"
 
 namespace tripatch {
 namespace {
@@ -16,7 +17,7 @@ constexpr int degree = 5;  // of the local polynomials
 constexpr int terms = 21;
 constexpr int max_rings = 6;          // rings of faces around a rim vertex
 constexpr int enough_points = 50;     // a stencil stops growing at this size
-constexpr int samples_a_side = 10;    // about as many stencils a side tell the sizes
+constexpr int samples_a_side = 6;     // about as many stencils a side tell the sizes
 constexpr int most_iterations = 14;   // of the sizes
 constexpr double settled = 0.03;      // relative change of a variance: no more iterations
 constexpr double flat_enough = 5e-4;  // slope over the guess of a plane: no second fit
@@ -328,33 +329,53 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
   sizes.term = {1, 100, bend, bend * bend, std::pow(bend, 3), std::pow(bend, 4)};
   sizes.noise = least * least;
   sizes.truncation = std::pow(bend, 5) / 720 / 720;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const Sizes before = sizes;
+  struct Explained {  // by one stencil
     std::array<double, degree + 1> sum = {}, count = {};
     double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0;
-    for (const Stencil& s : stencils) {
-      const Eigen::ArrayXd v = sizes.noise + sizes.truncation * s.g.array(), part = sizes.noise / v, w = s.share.array() / v;
-      const Solution fit = solve(s, sizes, w);
-      const SquareRows covariance = inverse(fit.factor);
-      for (int j = 0; j < terms; ++j) {
-        const int d = term[j].i + term[j].j;
-        sum[d] += fit.mean[j] * fit.mean[j];
-        count[d] += std::max(1 - covariance(j, j) / sizes.term[d], 1e-3);
+  };
+  const auto explain = [&](const Stencil& s) {
+    Explained e;
+    const Eigen::ArrayXd v = sizes.noise + sizes.truncation * s.g.array(), part = sizes.noise / v, w = s.share.array() / v;
+    const Solution fit = solve(s, sizes, w);
+    const SquareRows covariance = inverse(fit.factor);
+    for (int j = 0; j < terms; ++j) {
+      const int d = term[j].i + term[j].j;
+      e.sum[d] += fit.mean[j] * fit.mean[j];
+      e.count[d] += std::max(1 - covariance(j, j) / sizes.term[d], 1e-3);
+    }
+    // The points less the parameters that they determine: all, and those whose error is noise.
+    const auto m = moments<2 * degree>(s, w * part);
+    double noisy = 0;
+    for (int k = 0; k < terms; ++k)
+      for (int l = k; l < terms; ++l)
+        noisy +=
+            (k == l ? 1 : 2) * covariance(l, k) * term[k].over * term[l].over * m(term[k].i + term[l].i, term[k].j + term[l].j);
+    const double points = s.share.sum(), noise_points = (s.share.array() * part).sum();
+    const double all = terms - covariance.diagonal().dot(fit.prior);
+    e.noise_count = std::max(noise_points - noisy, 1e-3 * noise_points);
+    e.truncation_count = std::max(points - noise_points - (all - noisy), 1e-3 * (points - noise_points));
+    const Eigen::ArrayXd square = s.share.array() * (s.z - heights(s, fit.mean)).array().square();
+    e.noise = (part.square() * square).sum();
+    e.truncation = (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
+    return e;
+  };
+  std::vector<Explained> each(stencils.size());
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const Sizes before = sizes;
+    in_shares(0, static_cast<Index>(stencils.size()), 8, [&](Index from, Index to) {
+      for (Index k = from; k < to; ++k) each[k] = explain(stencils[k]);
+    });
+    std::array<double, degree + 1> sum = {}, count = {};
+    double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0;
+    for (const Explained& e : each) {
+      for (int d = 0; d <= degree; ++d) {
+        sum[d] += e.sum[d];
+        count[d] += e.count[d];
       }
-      // The points less the parameters that they determine: all, and those whose error is noise.
-      const auto m = moments<2 * degree>(s, w * part);
-      double noisy = 0;
-      for (int k = 0; k < terms; ++k)
-        for (int l = k; l < terms; ++l)
-          noisy +=
-              (k == l ? 1 : 2) * covariance(l, k) * term[k].over * term[l].over * m(term[k].i + term[l].i, term[k].j + term[l].j);
-      const double points = s.share.sum(), noise_points = (s.share.array() * part).sum();
-      const double all = terms - covariance.diagonal().dot(fit.prior);
-      noise_count += std::max(noise_points - noisy, 1e-3 * noise_points);
-      truncation_count += std::max(points - noise_points - (all - noisy), 1e-3 * (points - noise_points));
-      const Eigen::ArrayXd square = s.share.array() * (s.z - heights(s, fit.mean)).array().square();
-      noise += (part.square() * square).sum();
-      truncation += (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
+      noise += e.noise;
+      truncation += e.truncation;
+      noise_count += e.noise_count;
+      truncation_count += e.truncation_count;
     }
     const auto ratio = [](double above, double below) { return below > 0 ? above / below : 0; };
     sizes.noise = std::max(ratio(noise, noise_count), least * least);
@@ -363,7 +384,10 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
     sizes.term[2] = std::max(sizes.term[2], least_bend);
     const auto same = [](double a, double b) { return std::abs(a - b) <= settled * b; };
     bool done = same(sizes.noise, before.noise) && same(sizes.truncation, before.truncation);
-    for (int d = 2; d <= degree; ++d) done = done && same(sizes.term[d], before.term[d]);
+    for (int d = 2; d <= degree; ++d) {
+      const double unseen = 0.1 * sizes.noise / std::pow(radius, 2 * d);  // makes heights less than the noise
+      done = done && same(sizes.term[d] + unseen, before.term[d] + unseen);
+    }
     if (done) break;
   }
   return sizes;
@@ -696,9 +720,11 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     }
     return variances;
   };
-  std::array<std::future<double>, 3> known;  // of the slopes
-  for (int i = 0; i < 3; ++i) known[i] = std::async(rim_size < 60 ? std::launch::deferred : std::launch::async, fit_side, i);
-  const double variance = (known[0].get() + known[1].get() + known[2].get()) / (rim_size + 3);
+  std::array<double, 3> known;  // of the slopes
+  in_shares(0, 3, rim_size < 60 ? 3 : 1, [&](Index from, Index to) {
+    for (Index i = from; i < to; ++i) known[i] = fit_side(static_cast<int>(i));
+  });
+  const double variance = (known[0] + known[1] + known[2]) / (rim_size + 3);
   result.surroundings_error = std::atan(std::sqrt(variance)) * 180 / M_PI;
 
   // Corners: one plane, the average weighted by information, unless the two are further apart than 5 degrees and than what

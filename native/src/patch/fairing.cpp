@@ -12,6 +12,8 @@
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/energy.h"
 #include "tripatch/patch/middle.h"
+#include "tripatch/patch/rim_normals.h"
+#include "tripatch/shares.h"
 
 namespace tripatch {
 namespace {
@@ -236,18 +238,9 @@ public:
     }
     follow_curvature(base);
     basis_.resize(base_.size());
-    for (std::size_t k = 0; k < base_.size(); ++k) {
-      basis_[k].setZero(27, slopes_);
-      for (int i = 0; i < 3; ++i)
-        for (std::size_t f = 0; f < directions_[i].size(); ++f) {
-          const JetPoint<3> direction = compose(directions_[i][f], shared_.parameter[k][i]);
-          for (int m = 0; m < options.slopes; ++m)
-            for (int x = 0; x < 3; ++x) {
-              const Eigen::Matrix<double, 9, 1> d = derivatives_of(shared_.slope[k][i][m] * direction.x[x]);
-              for (int order = 0; order < 9; ++order) basis_[k](3 * order + x, first_[i] + f * options.slopes + m) = d[order];
-            }
-        }
-    }
+    in_shares(0, static_cast<Index>(base_.size()), nodes_a_share, [&](Index from, Index to) {
+      for (Index k = from; k < to; ++k) basis_[k] = slope_basis(k);
+    });
   }
 
   Index unknowns() const { return 3 * interior_ + slopes_; }
@@ -346,43 +339,34 @@ public:
 
   /// minimum_variation and quadric_variation at x.
   std::pair<double, double> variation(const Eigen::VectorXd& x) const {
-    double whole = 0, quadric = 0;
-    for (std::size_t k = 0; k < base_.size(); ++k) {
-      const CurvatureVariation v = curvature_variation(derivatives(k, x), flat_curvature(size_));
-      const double w = shared_.quadrature.weights[k] * size_ * size_ * v.area;
-      whole += w * v.variation.squaredNorm();
-      quadric += w * v.quadric.squaredNorm();
-    }
-    return {whole, quadric};
+    Eigen::MatrixX2d parts(static_cast<Index>(base_.size()), 2);
+    in_shares(0, parts.rows(), nodes_a_share, [&](Index from, Index to) {
+      for (Index k = from; k < to; ++k) {
+        const CurvatureVariation v = curvature_variation(derivatives(k, x), flat_curvature(size_));
+        parts.row(k) << v.variation.squaredNorm(), v.quadric.squaredNorm();
+        parts.row(k) *= shared_.quadrature.weights[k] * size_ * size_ * v.area;
+      }
+    });
+    return {parts.col(0).sum(), parts.col(1).sum()};
   }
 
   /// Gauss-Newton's model about x of minimum_variation (which = 0) or quadric_variation (1), those asked for.
   void linearise(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, std::array<Quadratic, 2>& model) const {
-    const Index n = static_cast<Index>(base_.size());
-    std::array<Rows, 2> jacobian;
-    std::array<Eigen::VectorXd, 2> value;
-    for (int which = 0; which < 2; ++which)
-      if (wanted[which]) {
-        jacobian[which].resize(4 * n, unknowns());
-        value[which].resize(4 * n);
-      }
-    for (Index k = 0; k < n; ++k) {
-      const CurvatureVariationRows v = curvature_variation_rows(derivatives(k, x), flat_curvature(size_));
-      const double w = std::sqrt(shared_.quadrature.weights[k]) * size_;
+    // in blocks of nodes, always the same, so that sums do not depend on the number of cores
+    constexpr Index block = 96;
+    const Index n = static_cast<Index>(base_.size()), blocks = (n + block - 1) / block;
+    std::vector<std::array<Quadratic, 2>> parts(blocks);
+    in_shares(0, blocks, 1, [&](Index from, Index to) {
+      for (Index at = from; at < to; ++at) parts[at] = linearise(x, wanted, at * block, std::min(n, (at + 1) * block));
+    });
+    model = std::move(parts[0]);
+    for (Index at = 1; at < blocks; ++at)
       for (int which = 0; which < 2; ++which) {
         if (!wanted[which]) continue;
-        value[which].segment<4>(4 * k) = w * v.value.segment<4>(4 * which);
-        const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
-        for (int c = 0; c < 3; ++c) {
-          Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
-          for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
-          jacobian[which].block(4 * k, c * interior_, 4, interior_) = part.lazyProduct(shared_.interior[k]);
-        }
-        jacobian[which].block(4 * k, 3 * interior_, 4, slopes_) = rows.lazyProduct(basis_[k]);
+        model[which].normal += parts[at][which].normal;
+        model[which].gradient += parts[at][which].gradient;
+        model[which].constant += parts[at][which].constant;
       }
-    }
-    for (int which = 0; which < 2; ++which)
-      if (wanted[which]) model[which] = quadratic_of(jacobian[which], value[which]);
   }
 
   Quadratic linearised_jumps(const Eigen::VectorXd& x) const {
@@ -424,6 +408,23 @@ public:
 
 private:
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using SlopeBasis = Eigen::Matrix<double, 27, Eigen::Dynamic, Eigen::RowMajor>;
+  static constexpr Index nodes_a_share = 64;
+
+  /// The derivatives, at a node, of what the free slopes add.
+  SlopeBasis slope_basis(Index node) const {
+    SlopeBasis basis = SlopeBasis::Zero(27, slopes_);
+    for (int i = 0; i < 3; ++i)
+      for (std::size_t f = 0; f < directions_[i].size(); ++f) {
+        const JetPoint<3> direction = compose(directions_[i][f], shared_.parameter[node][i]);
+        for (int m = 0; m < options_.slopes; ++m)
+          for (int x = 0; x < 3; ++x) {
+            const Eigen::Matrix<double, 9, 1> d = derivatives_of(shared_.slope[node][i][m] * direction.x[x]);
+            for (int order = 0; order < 9; ++order) basis(3 * order + x, first_[i] + f * options_.slopes + m) = d[order];
+          }
+      }
+    return basis;
+  }
 
   /// A side whose curvature the patch is to follow, at the points of Shared::side_t.
   struct Followed {
@@ -433,6 +434,38 @@ private:
     std::array<double, Shared::side_points> base;  // n . P_dd of the base
     std::array<double, Shared::side_points> weight;
   };
+
+  /// The same of some of the nodes.
+  std::array<Quadratic, 2> linearise(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from, Index to) const {
+    const Index n = to - from;
+    std::array<Rows, 2> jacobian;
+    std::array<Eigen::VectorXd, 2> value;
+    for (int which = 0; which < 2; ++which)
+      if (wanted[which]) {
+        jacobian[which].resize(4 * n, unknowns());
+        value[which].resize(4 * n);
+      }
+    for (Index k = from; k < to; ++k) {
+      const CurvatureVariationRows v = curvature_variation_rows(derivatives(k, x), flat_curvature(size_));
+      const double w = std::sqrt(shared_.quadrature.weights[k]) * size_;
+      const Index row = 4 * (k - from);
+      for (int which = 0; which < 2; ++which) {
+        if (!wanted[which]) continue;
+        value[which].segment<4>(row) = w * v.value.segment<4>(4 * which);
+        const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
+        for (int c = 0; c < 3; ++c) {
+          Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
+          for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
+          jacobian[which].block(row, c * interior_, 4, interior_) = part.lazyProduct(shared_.interior[k]);
+        }
+        jacobian[which].block(row, 3 * interior_, 4, slopes_) = rows.lazyProduct(basis_[k]);
+      }
+    }
+    std::array<Quadratic, 2> model;
+    for (int which = 0; which < 2; ++which)
+      if (wanted[which]) model[which] = quadratic_of(jacobian[which], value[which]);
+    return model;
+  }
 
   void follow_curvature(const Surface& base) {
     constexpr int points = Shared::side_points;
@@ -527,8 +560,8 @@ private:
   std::array<Index, 3> first_ = {};  // of each side's slopes among all
   std::array<std::vector<PiecewisePolynomial>, 3> directions_;
   std::vector<Followed> followed_;
-  std::array<std::array<double, 2>, 3> scale_ = {};                                // of r and c'; 0: alpha and beta are held
-  std::vector<Eigen::Matrix<double, 27, Eigen::Dynamic, Eigen::RowMajor>> basis_;  // of the slopes, at each node
+  std::array<std::array<double, 2>, 3> scale_ = {};  // of r and c'; 0: alpha and beta are held
+  std::vector<SlopeBasis> basis_;                    // of the slopes, at each node
 };
 
 /// The y that makes y . (normal y + 2 gradient) least among those with held y = 0; factor: of normal.
@@ -794,6 +827,93 @@ PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<dou
   }
 }
 
+/// A little of the interior term against folds (report.h): points of a grid that face away from the blend of the rim's normals, and
+/// neighbours whose normals are far apart. The least in third derivatives, with a penalty on each fold that grows. Returns the
+/// correction that leaves fewest, or none.
+SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, const std::function<Index(const Surface&)>& folds,
+                     Index& least) {
+  constexpr int rows = 64, rounds = 16, patience = 5, degree = 9;
+  constexpr double faces = 0.02, neighbours = 0.55;  // cosines: least wanted
+  const Shared& functions = shared(degree, 0, 0, 8);
+  const Index count = functions.combination.cols();
+  std::vector<Vec3> wanted;
+  std::vector<double> at;
+  std::vector<std::array<Index, 2>> edges;
+  const RimNormals rim(sides);
+  for (int q = 1; q < rows; ++q)
+    for (int p = 1; p + q < rows; ++p) {
+      const Index here = static_cast<Index>(wanted.size()), above = here + rows - 1 - q;
+      if (p + q + 1 < rows) edges.insert(edges.end(), {{here, here + 1}, {here, above}, {here + 1, above}});
+      const std::array<double, 3> b = {double(rows - p - q) / rows, double(p) / rows, double(q) / rows};
+      wanted.push_back(rim.at(b.data()).normalized());
+      at.insert(at.end(), b.begin(), b.end());
+    }
+  const Index points = static_cast<Index>(wanted.size());
+  Eigen::MatrixXd first(2 * points, count);  // derivatives of the functions in b0 and b1, over the size
+  for (Index k = 0; k < points; ++k) {
+    const std::vector<Jet<1>> basis = Correction::scalar_basis(Barycentric<1>(&at[3 * k]), degree, 0);
+    for (Index c = 0; c < count; ++c) first.block<2, 1>(2 * k, c) << basis[c].c[1], basis[c].c[2];
+  }
+  first = size * (first * functions.combination);
+  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(points, 9);
+  patch->evaluate(at.data(), points, 1, jets.data());
+
+  const std::array<double, 3> none = {0, 0, 0};
+  const PiecewisePolynomial zero = PiecewisePolynomial::constant(none);
+  SurfacePtr best;
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(count, 3);
+  double penalty = 10;
+  for (int round = 0, idle = 0; round < rounds && idle < patience && least > 0; ++round, ++idle, penalty *= 3) {
+    std::vector<Vec3> p(points), q(points), normal(points);
+    std::vector<double> area(points);
+    for (Index k = 0; k < points; ++k) {
+      p[k] = jets.row(k).segment<3>(3).transpose() + x.transpose() * first.row(2 * k).transpose();
+      q[k] = jets.row(k).segment<3>(6).transpose() + x.transpose() * first.row(2 * k + 1).transpose();
+      area[k] = p[k].cross(q[k]).norm();
+      normal[k] = p[k].cross(q[k]) / area[k];
+    }
+    Eigen::MatrixXd folded(3 * count, points + static_cast<Index>(edges.size()));  // what takes each fold away, one a column
+    Eigen::VectorXd lacking(folded.cols());
+    Index active = 0;
+    // what a change does to n_k . m: (dp x q + p x dq) . m' = dp . (q x m') + dq . (m' x p), m' the part of m across n_k, over the area
+    const auto add = [&](Index k, const Vec3& m) {
+      const Vec3 across = (m - normal[k] * normal[k].dot(m)) / area[k], of_p = q[k].cross(across), of_q = across.cross(p[k]);
+      for (int c = 0; c < 3; ++c)
+        folded.col(active).segment(c * count, count) += of_p[c] * first.row(2 * k) + of_q[c] * first.row(2 * k + 1);
+    };
+    for (Index k = 0; k < points; ++k) {
+      lacking[active] = faces - normal[k].dot(wanted[k]);
+      if (!(lacking[active] > 0)) continue;
+      folded.col(active).setZero();
+      add(k, wanted[k]);
+      ++active;
+    }
+    for (const auto& [a, b] : edges) {
+      lacking[active] = neighbours - normal[a].dot(normal[b]);
+      if (!(lacking[active] > 0)) continue;
+      folded.col(active).setZero();
+      add(a, normal[b]);
+      add(b, normal[a]);
+      ++active;
+    }
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(3 * count, 3 * count);
+    const auto columns = folded.leftCols(active);
+    matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns, penalty);
+    const Eigen::VectorXd right = penalty * columns * (lacking.head(active) + columns.transpose() * x.reshaped());
+    x.reshaped() = matrix.selfadjointView<Eigen::Lower>().llt().solve(right);
+    if (!x.allFinite()) break;
+    const SurfacePtr correction = std::make_shared<Correction>(std::array<PiecewisePolynomial, 3>{zero, zero, zero}, degree, 0,
+                                                               Points(size * (functions.combination * x)));
+    const Index left = folds(*sum(patch, correction));
+    if (left < least) {
+      least = left;
+      best = correction;
+      idle = -1;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 Sides smoothed(const Sides& sides) {
@@ -855,9 +975,11 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     if (result.iterations > 0) tried.emplace(tried.begin(), x, value.energy);
   }
   result.after = result.before;
+  SurfacePtr even_patch = even_base;  // the result, on smoothed sides: what energies are measured on
   for (const auto& [x, e] : tried) {
     if (!(e <= result.before)) continue;
-    SurfacePtr patch = sum(base, problem.correction(x, sides));
+    const SurfacePtr correction = problem.correction(x, sides);
+    SurfacePtr patch = sum(base, correction);
     if (options.middle) patch = with_middle(patch, *options.middle);  // last: `even` and `sides` differ a little
     if (options.folds) {
       const Index folds = options.folds(*patch);
@@ -870,8 +992,14 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     }
     result.patch = patch;
     result.after = e;
+    even_patch = sum(even_base, correction);
     break;
   }
+  if (options.folds && result.folds.value_or(0) > 0 && !options.middle)  // a given middle stays where it is
+    if (const SurfacePtr correction = unfolding(result.patch, sides, boundary.size, options.folds, *result.folds)) {
+      result.patch = sum(result.patch, correction);
+      if (options.tension == 0) result.after = energy(*sum(even_patch, correction), options.energy, boundary.size, options.nodes);
+    }
   return result;
 }
 

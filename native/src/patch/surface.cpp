@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <limits>
-#include <thread>
 #include <vector>
+
+#include "tripatch/shares.h"
 
 namespace tripatch {
 namespace {
@@ -53,33 +53,19 @@ std::pair<Points, Points> Surface::positions_and_normals(const PointsRef& b) con
   return {jets.leftCols<3>(), normals};
 }
 
-namespace {
-
-/// f(from, to) for shares of from .. to, at once where there are points enough to pay for a thread (some 0.3 us a point).
-template <class F>
-void in_shares(Index from, Index to, const F& f) {
-  constexpr Index least = 1000;
-  const Index n = to - from, shares = std::clamp<Index>(n / least, 1, std::max(1U, std::thread::hardware_concurrency()));
-  std::vector<std::future<void>> others;
-  for (Index k = 1; k < shares; ++k)
-    others.push_back(std::async(std::launch::async, f, from + n * k / shares, from + n * (k + 1) / shares));
-  if (n > 0) f(from, from + n / shares);
-  for (std::future<void>& other : others) other.get();
-}
-
-}  // namespace
-
 void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* out) const {
   if (order < 0 || order > max_order) throw InvalidArgument("derivatives must be from 0 to " + std::to_string(max_order));
   std::vector<Index> near;
   for (Index k = 0; k < n; ++k)
     if (vertex_of(b + 3 * k, vertex_radius[order]) >= 0) near.push_back(k);
-  // a run of points far from the vertices at a time
+  // A run of points far from the vertices at a time; a share of one is worth a thread (some 0.3 us a point without derivatives).
+  constexpr std::array<Index, max_order + 1> share = {1000, 500, 200, 100, 50};
   Index start = 0;
   const Index row = 3 * jet_size(order);
   for (std::size_t next = 0; start < n; ++next) {
     const Index end = next < near.size() ? near[next] : n;
-    in_shares(start, end, [&](Index from, Index to) { evaluate_regular(b + 3 * from, to - from, order, out + from * row); });
+    in_shares(start, end, share[order],
+              [&](Index from, Index to) { evaluate_regular(b + 3 * from, to - from, order, out + from * row); });
     start = end + 1;
   }
 

@@ -7,38 +7,13 @@
 
 #include "tripatch/patch/kinks.h"
 
+#include "tripatch/patch/rim_normals.h"
+
 namespace tripatch {
 namespace {
 
 /// Degrees, exact for small angles too (acos loses them).
 double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
-
-/// The rim's normals, looked up between samples: near enough to tell the side that a fill faces, and much cheaper than exact ones.
-class RimNormals {
-public:
-  explicit RimNormals(const Sides& sides) {
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k <= samples; ++k) normals_[i][k] = sides[i].normal(static_cast<double>(k) / samples);
-  }
-  /// The side-weight blend of the rim's normals at b: which way a fill without folds faces. Zero where the rim's normals cancel.
-  /// b must not be a vertex.
-  Vec3 at(const double* b) const {
-    const Barycentric<0> jet(b);
-    const std::array<Jet<0>, 3> weight = side_weights(jet);
-    Vec3 n = Vec3::Zero();
-    for (int i = 0; i < 3; ++i) {
-      if (!(weight[i].value() > 0)) continue;
-      const double t = samples * std::clamp(ray_parameter(jet, i).value(), 0.0, 1.0);
-      const int k = std::min(static_cast<int>(t), samples - 1);
-      n += weight[i].value() * ((k + 1 - t) * normals_[i][k] + (t - k) * normals_[i][k + 1]);
-    }
-    return n;
-  }
-
-private:
-  static constexpr int samples = 256;
-  std::array<std::array<Vec3, samples + 1>, 3> normals_;
-};
 
 }  // namespace
 
