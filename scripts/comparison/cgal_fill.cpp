@@ -1,10 +1,13 @@
-// The rival of the timing: CGAL's triangulate, refine and fair.
-//   cgal_fill IN CONTINUITY REPETITIONS
+// A rival: CGAL's triangulate, refine and fair.
+//   cgal_fill IN CONTINUITY REPETITIONS [OUT]
 // IN: a line "vertices faces", then a line for each vertex and each triangle, then the two vertices of one border edge of the hole.
-// Prints a line: the triangles of the fill, then the seconds of each repetition, arrays in to arrays out.
+// OUT: a line "vertices faces", then all vertices, the given ones first, and the new triangles.
+// Prints a line: the triangles of the fill, then the seconds of each repetition, arrays in to arrays out. Without arguments: the
+// version of CGAL.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/version.h>
 
 #include <array>
 #include <chrono>
@@ -19,7 +22,8 @@ using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 namespace processing = CGAL::Polygon_mesh_processing;
 
 int main(int argc, char** argv) {
-  if (argc != 4) return 2;
+  if (argc == 1) std::puts(CGAL_VERSION_STR);
+  if (argc < 4) return 2;
   std::ifstream in(argv[1]);
   std::size_t vertex_count = 0, face_count = 0;
   in >> vertex_count >> face_count;
@@ -31,24 +35,33 @@ int main(int argc, char** argv) {
   in >> a >> b;
   if (!in) return 2;
 
-  std::size_t made = 0;
+  Mesh mesh;
+  std::vector<Mesh::Face_index> new_faces;
   std::vector<double> seconds;
   for (int k = std::atoi(argv[3]); k > 0; --k) {
-    Mesh mesh;
+    mesh = Mesh();
+    new_faces.clear();
     std::vector<Mesh::Vertex_index> vertices;
     for (const auto& p : points) vertices.push_back(mesh.add_vertex({p[0], p[1], p[2]}));
     for (const auto& t : triangles) mesh.add_face(vertices[t[0]], vertices[t[1]], vertices[t[2]]);
     // the data structure is CGAL's own input: what it takes to make it is not charged
     const auto start = std::chrono::steady_clock::now();
-    std::vector<Mesh::Face_index> new_faces;
     std::vector<Mesh::Vertex_index> new_vertices;
     processing::triangulate_refine_and_fair_hole(mesh, mesh.halfedge(vertices[a], vertices[b]), std::back_inserter(new_faces),
                                                  std::back_inserter(new_vertices),
                                                  CGAL::parameters::fairing_continuity(std::atoi(argv[2])));
     seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    made = new_faces.size();
   }
-  std::printf("%zu", made);
+  std::printf("%zu", new_faces.size());
   for (double s : seconds) std::printf(" %.6f", s);
   std::printf("\n");
+  if (argc < 5) return 0;
+  std::ofstream out(argv[4]);
+  out.precision(17);
+  out << mesh.number_of_vertices() << ' ' << new_faces.size() << '\n';
+  for (const auto v : mesh.vertices()) out << mesh.point(v) << '\n';
+  for (const auto f : new_faces) {
+    for (const auto v : vertices_around_face(mesh.halfedge(f), mesh)) out << v.idx() << ' ';
+    out << '\n';
+  }
 }

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 RINGS = 4
 SUZANNE_LEVELS = {8: 2, 16: 3, 32: 4}
-SUZANNE_TRUTH = 5
+SUZANNE_TRUTH = 6
 
 
 @dataclass
@@ -55,8 +55,8 @@ def unit(v):
 def _mesh(name, counts, strip, step, *, gap=False, spacing=lambda i, t: t, nearest=None) -> Hole:
     """The surroundings as three strips.
 
-    strip(i, s, d) -> points and true normals at distance d (in its own measure) outside side i, in rings of `step`. gap: the strips
-    leave each other at the corners, and a flat quadrant joins them; else they share their ends.
+    strip(i, s, d) -> points and true normals at distance d (in its own measure) outside side i, in rings of `step`. gap: the
+    strips leave each other at the corners, and a flat quadrant joins them; else they share their ends.
     """
     points, normals, names, faces = [], [], {}, []
 
@@ -505,19 +505,19 @@ def suzanne(n, folder: Path):
 
 
 def _nearest_on_triangles(points, vertices, triangles):
-    """Nearest points of the triangles around the nearest few triangle centres."""
-    a, b, c = vertices[triangles].swapaxes(0, 1)
-    centres = (a + b + c) / 3
-    out = np.empty_like(points)
-    for k, p in enumerate(points):
-        f = np.argpartition(((centres - p) ** 2).sum(1), 24)[:24]
-        q = _nearest_on_each(p, a[f], b[f], c[f])
-        out[k] = q[((q - p) ** 2).sum(1).argmin()]
-    return out
+    """Nearest points of the triangles whose centres are the nearest few."""
+    corners = vertices[triangles]
+    best, least = np.empty_like(points), np.full(len(points), np.inf)
+    for f in cKDTree(corners.mean(1)).query(points, 24)[1].T:
+        found = _nearest_on_each(points, *corners[f].swapaxes(0, 1))
+        distance = ((found - points) ** 2).sum(1)
+        nearer = distance < least
+        best[nearer], least[nearer] = found[nearer], distance[nearer]
+    return best
 
 
 def _nearest_on_each(p, a, b, c):
-    """The nearest point to p on each triangle: its foot in the plane if that lies inside, else the best of the three edges."""
+    """The nearest point of each triangle to its own p: its foot in the plane if that lies inside, else the best of the edges."""
     u, v, w = b - a, c - a, p - a
     uu, uv, vv = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
     det = uu * vv - uv * uv

@@ -38,12 +38,29 @@ def seam(patch, sides, samples=200) -> float:
     return float(largest)
 
 
+def curvature_jump(patch, sides, samples=99) -> float:
+    """The largest difference of the normal curvatures of patch and surroundings across a side, over the largest of the rim.
+    Outside 1% of the side."""
+    t = np.linspace(0.01, 0.99, samples)
+    jumps, sizes = [], []
+    for i, side in enumerate(sides):
+        b = np.zeros((samples, 3))
+        b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+        _, first, second = patch.evaluate(b, 2)
+        _, _, r, normal = side.evaluate(t)
+        d = np.stack([np.linalg.lstsq(f.T, x, rcond=None)[0] for f, x in zip(first, r)])  # r in the patch's own derivatives
+        theirs = (side.second_derivative(t) * normal).sum(1)
+        ours = np.einsum("nk,nkd,nd->n", np.stack([d[:, 0] ** 2, 2 * d[:, 0] * d[:, 1], d[:, 1] ** 2], 1), second, normal)
+        jumps.append(np.abs(ours - theirs) / (r * r).sum(1))
+        sizes.append(np.abs(theirs) / (r * r).sum(1))
+    return float(np.max(jumps) / np.max(sizes))
+
+
 def surface_points(patch, count=10_000, rows=160) -> np.ndarray:
     """Points of a patch, uniform in its area: the parameter triangle in small triangles, each hit in proportion to its area."""
     p, q = np.array([(p, q) for q in range(rows + 1) for p in range(rows + 1 - q)]).T
     place = {(a, b): k for k, (a, b) in enumerate(zip(p.tolist(), q.tolist()))}
     b = np.stack([rows - p - q, p, q], 1) / rows
-    x = patch.evaluate(b)
     triangles = []
     for (i, j), k in place.items():
         if i + j < rows:
@@ -51,14 +68,19 @@ def surface_points(patch, count=10_000, rows=160) -> np.ndarray:
         if i + j < rows - 1:
             triangles.append((place[i + 1, j], place[i + 1, j + 1], place[i, j + 1]))
     triangles = np.array(triangles)
-    u, v, w = x[triangles].swapaxes(0, 1)
+    hit, weights = spread(patch.evaluate(b)[triangles], count)
+    return patch.evaluate(np.einsum("nk,nkd->nd", weights, b[triangles[hit]]))
+
+
+def spread(triangles, count=10_000):
+    """Places uniform in the area of triangles (m, 3, 3): which triangle, and the weights of its corners."""
+    u, v, w = triangles.swapaxes(0, 1)
     cumulative = np.cumsum(np.linalg.norm(np.cross(v - u, w - u), axis=1))
     k = np.arange(count)
     hit = np.searchsorted(cumulative, (k + 0.5) / count * cumulative[-1])
     r, s = (0.5 + k * 0.7548776662466927) % 1, (0.5 + k * 0.5698402909980532) % 1  # the R2 sequence
     r, s = np.where(r + s > 1, 1 - r, r), np.where(r + s > 1, 1 - s, s)
-    at = (1 - r - s)[:, None] * b[triangles[hit, 0]] + r[:, None] * b[triangles[hit, 1]] + s[:, None] * b[triangles[hit, 2]]
-    return patch.evaluate(at)
+    return hit, np.stack([1 - r - s, r, s], 1)
 
 
 def distance(hole: Hole, points) -> float:
@@ -77,7 +99,33 @@ def mesh_folds(vertices, faces) -> int:
 
 
 def limit_normals(vertices, faces, where) -> np.ndarray:
-    """One-sided limit normals of a triangle mesh at some of its vertices, from its own vertices alone.
+    """One-sided limit normals of a triangle mesh at some of its vertices, from its own vertices alone."""
+    return _fits(vertices, faces, where)[0]
+
+
+def mean_curvature(vertices, faces) -> np.ndarray:
+    """At the vertices of a triangle mesh by the same fits, positive where it bends towards its normals; NaN at other vertices."""
+    used = np.unique(faces)
+    slopes = _fits(vertices, faces, used)[1]
+    fx, fy, fxx, fxy, fyy = slopes.T
+    out = np.full(len(vertices), np.nan)
+    out[used] = ((1 + fy**2) * fxx - 2 * fx * fy * fxy + (1 + fx**2) * fyy) / (2 * (1 + fx**2 + fy**2) ** 1.5)
+    return out
+
+
+def roughness(vertices, faces) -> float:
+    """Integral of the squared gradient of mean curvature, linear on each triangle."""
+    curvature = mean_curvature(vertices, faces)[faces]
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    doubled = np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
+    opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+    along = (curvature[:, :, None] * opposite).sum(1)  # the gradient is this, turned in the plane, over twice the area
+    return float(((along**2).sum(1) / doubled / 2).sum())
+
+
+def _fits(vertices, faces, where):
+    """Unit normals, and the first and second derivatives (xx, xy, yy) of the height over the plane at a right angle to them.
 
     A height field over the vertex's tangent plane through the vertex, a least-squares cubic (less where vertices are few) over
     the nearest rings with 20 vertices or more, fitted twice: the second time over the plane that the first one found.
@@ -87,7 +135,7 @@ def limit_normals(vertices, faces, where) -> np.ndarray:
         for k in range(3):
             neighbours.setdefault(f[k], set()).update((f[k - 1], f[k - 2]))
     guess = _vertex_normals(vertices, faces)
-    out = np.empty((len(where), 3))
+    normals, slopes = np.empty((len(where), 3)), np.empty((len(where), 5))
     for row, v in enumerate(np.asarray(where).tolist()):
         around, front = {v}, {v}
         for _ in range(4):
@@ -98,12 +146,13 @@ def limit_normals(vertices, faces, where) -> np.ndarray:
         offsets = vertices[sorted(around - {v})] - vertices[v]
         normal = guess[v]
         for _ in range(2):
-            normal = _fitted_normal(offsets, normal)
-        out[row] = normal
-    return out
+            normal, slopes[row] = _fit(offsets, normal)
+        normals[row] = normal
+    return normals, slopes
 
 
-def _fitted_normal(offsets, normal):
+def _fit(offsets, normal):
+    """A better normal, and the derivatives of the height over the plane of the given one."""
     x_axis = unit(np.cross(normal, [1.0, 0, 0] if abs(normal[0]) < 0.6 else [0, 1.0, 0]))
     y_axis = np.cross(normal, x_axis)
     x, y, z = offsets @ x_axis, offsets @ y_axis, offsets @ normal
@@ -111,12 +160,14 @@ def _fitted_normal(offsets, normal):
     x, y, z = x / size, y / size, z / size
     columns = [x, y]
     if len(x) >= 6:
-        columns += [x * x, x * y, y * y]
+        columns += [x * x / 2, x * y, y * y / 2]
     if len(x) >= 12:
         columns += [x**3, x * x * y, x * y * y, y**3]
     weights = 1 / (0.3 + np.hypot(x, y))
-    slope = np.linalg.lstsq(np.stack(columns, 1) * weights[:, None], z * weights, rcond=1e-9)[0]
-    return unit(normal - slope[0] * x_axis - slope[1] * y_axis)
+    slopes = np.zeros(5)
+    found = np.linalg.lstsq(np.stack(columns, 1) * weights[:, None], z * weights, rcond=1e-9)[0][:5]
+    slopes[: len(found)] = found
+    return unit(normal - slopes[0] * x_axis - slopes[1] * y_axis), slopes / [1, 1, size, size, size]
 
 
 def _vertex_normals(vertices, faces):

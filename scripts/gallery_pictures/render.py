@@ -58,14 +58,15 @@ def normals_of(points):
 
 
 class Scene:
-    """Surfaces and curves seen from a direction (degrees)."""
+    """Surfaces and curves seen from a direction (degrees), the picture turned by `roll`."""
 
-    def __init__(self, azimuth=-60, elevation=30, stripes=9):
-        a, e = np.radians([azimuth, elevation])
+    def __init__(self, azimuth=-60, elevation=30, stripes=9, contrast=0.58, roll=0):
+        a, e, r = np.radians([azimuth, elevation, roll])
         self.eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
         self.right = np.array([-np.sin(a), np.cos(a), 0])
+        self.right = np.cos(r) * self.right + np.sin(r) * np.cross(self.eye, self.right)
         self.up = np.cross(self.eye, self.right)
-        self.stripes = stripes
+        self.stripes, self.contrast = stripes, contrast
         self.grids, self.meshes, self.curves = [], [], []
 
     def surface(self, points, normals, color=CLAY, zebra=False):
@@ -80,8 +81,9 @@ class Scene:
         return self
 
     def mesh(self, vertices, faces, normals, color=CLAY, zebra=False):
-        """A triangle mesh; normals (n, 3), or (m, 3) of flat faces."""
+        """A triangle mesh; normals (n, 3), or (m, 3) of flat faces; one color, or colors (n, 3)."""
         corners = normals[faces] if len(normals) == len(vertices) else np.repeat(normals[:, None], 3, axis=1)
+        color = color[faces] if np.ndim(color) > 1 else np.broadcast_to(color, corners.shape)
         self.meshes.append((vertices[faces], corners, color, zebra))
         return self
 
@@ -106,8 +108,8 @@ class Scene:
         n = unit(n)
         n = n * np.where(n @ self.eye < 0, -1, 1)[:, None]
         key = unit(self.eye + 0.7 * self.up - 0.6 * self.right)
-        light = 0.42 + 0.58 * np.clip(n @ key, 0, 1) ** 1.1
-        out = np.asarray(color) * light[:, None] + 0.18 * np.clip(n @ unit(key + self.eye), 0, 1)[:, None] ** 40
+        light = 1 - self.contrast + self.contrast * np.clip(n @ key, 0, 1) ** 1.1
+        out = np.asarray(color) * light[:, None] + 0.31 * self.contrast * np.clip(n @ unit(key + self.eye), 0, 1)[:, None] ** 40
         if zebra:
             mirrored = 2 * (n @ self.eye)[:, None] * n - self.eye
             angle = np.arcsin(np.clip(mirrored @ unit(self.up + 0.35 * self.right), -1, 1))
@@ -151,9 +153,9 @@ class Scene:
             for part in np.array_split(np.argsort(longest), max(1, len(corners) // 50)):
                 m = int(np.clip(1.5 * longest[part].max(), 2, 900))
                 b = np.array([(i, j, m - i - j) for i in range(m + 1) for j in range(m + 1 - i)]) / m
-                p, n = (np.einsum("kc,mcd->mkd", b, v[part]).reshape(-1, 3) for v in (corners, normals))
+                p, n, c = (np.einsum("kc,mcd->mkd", b, v[part]).reshape(-1, 3) for v in (corners, normals, color))
                 x, y, z = to_pixels(p)
-                put(x, y, z, self._shade(n, color, zebra))
+                put(x, y, z, self._shade(n, c, zebra))
         for points, color, thick, lift in self.curves:
             length = np.linalg.norm(np.diff(points, axis=0), axis=1)
             along = np.concatenate([[0], np.cumsum(length)])
@@ -191,11 +193,14 @@ def save(path: pathlib.Path, images, titles=None, columns=None):
     save_figure(path, figure)
 
 
-def save_figure(path: pathlib.Path, figure):
+def save_figure(path: pathlib.Path, figure, colors=256):
+    """As a PNG of so many colours, None: of all."""
     memory = io.BytesIO()
     figure.savefig(memory, format="png", dpi=100)
     plt.close(figure)
     path.parent.mkdir(parents=True, exist_ok=True)
     image = Image.open(memory).convert("RGB")
-    image.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    if colors:
+        image = image.quantize(colors, dither=Image.Dither.NONE)
+    image.save(path, optimize=True)
     print(f"{path.name}: {path.stat().st_size // 1000} kB", flush=True)

@@ -1,0 +1,424 @@
+"""python -m comparison.fairness: fills every hole with TriPatch and with its rivals, writes docs/fairness.md, draws pictures."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import importlib.metadata
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import tripatch
+
+from . import exact, holes, metrics, rivals
+from .__main__ import processor
+
+N = 32
+ENERGIES = ("thin_plate", "third_derivative", "minimum_variation", "quadric_variation", "auto")
+#: name -> wanted of the rms distances, and a second figure that is the aim
+WANTED = {
+    "sphere": (5e-5,),
+    "sphere10": (1e-7,),
+    "torus": (3e-4,),
+    "saddle": (5e-5, 5e-6),
+    "suitcase": (1e-4,),
+    "suzanne": (7e-5,),
+    "irregular": (4e-4,),
+    "franke": (4.5e-3,),
+}
+SEAM, ROUGHNESS, JUMP, FAIRING_MS = 1e-5, 3, 1e-5, (10, 1)
+PICTURED = ("suitcase", "sphere", "torus", "saddle", "suzanne")
+GRID, FILL = "Blender, Grid Fill", "Blender, Fill"
+OURS, CHART, ARC = "TriPatch", "TriPatch, exact sides: chart", "TriPatch, exact sides: arc length"
+SMOOTH = (OURS, CHART, ARC)
+
+# ------------------------------------------------------------------------------------------------------------------ measuring
+
+
+def points_of(filling: rivals.Filling) -> np.ndarray:
+    """10,000 points uniform in the area of the filling's smooth surface, or of its triangles."""
+    if filling.points is not None:
+        return filling.points
+    corners = filling.vertices[filling.faces]
+    hit, weights = metrics.spread(corners)
+    return np.einsum("nk,nkd->nd", weights, corners[hit])
+
+
+def figures(hole: holes.Hole, filling: rivals.Filling, true_roughness: float | None, patch=None) -> dict:
+    used = np.unique(filling.faces)
+    out = {
+        "triangles": len(filling.faces),
+        "seconds": filling.seconds,
+        "limit": metrics.rms(metrics.angle(metrics.limit_normals(filling.vertices, filling.faces, hole.rim), hole.rim_normals)),
+        "folds": metrics.mesh_folds(filling.vertices, filling.faces),
+    }
+    if filling.seam is not None:
+        out["seam"] = filling.seam
+    if hole.nearest:
+        out["points"] = metrics.distance(hole, metrics.surface_points(patch) if patch else points_of(filling))
+        if len(used) > len(hole.rim):
+            out["vertices"] = metrics.distance(hole, filling.vertices[used])
+            out["roughness"] = metrics.roughness(filling.vertices, filling.faces) / true_roughness
+    return out
+
+
+def best_of(call, repetitions=5):
+    least = np.inf
+    for _ in range(repetitions):
+        start = time.perf_counter()
+        result = call()
+        least = min(least, time.perf_counter() - start)
+    return result, least
+
+
+def of_sides(hole: holes.Hole, sides) -> dict:
+    """A patch of exact sides: its seam is against the truth itself."""
+    patch = tripatch.patch(sides, fairing="auto")
+    forced = tripatch.patch(sides, fairing="auto", continuity="G2")
+    out = {"seam": metrics.seam(patch, sides), "jump": metrics.curvature_jump(forced, sides)}
+    if hole.nearest:
+        out["points"] = metrics.distance(hole, metrics.surface_points(patch))
+        out["vertices"] = metrics.distance(hole, patch.evaluate(patch.triangles(N)[0]))
+    return out
+
+
+def measure(hole: holes.Hole, others: dict) -> tuple[dict, dict]:
+    """filler -> figures, and filler -> Filling."""
+
+    def fill(**options):
+        return tripatch.fill(hole.vertices, hole.faces, rim=hole.rim, corners=hole.corners, **options)
+
+    ours, seconds = best_of(fill)
+    vertices, faces = np.concatenate([hole.vertices, ours.vertices]), np.array(ours.faces)
+    made = {OURS: rivals.Filling(vertices, faces, seconds)}
+    true_roughness = None
+    if hole.nearest:
+        truth, used = vertices.copy(), np.unique(faces)
+        truth[used] = hole.nearest(vertices[used])
+        made["the truth"] = rivals.Filling(truth, faces, 0)
+        true_roughness = metrics.roughness(truth, faces)
+    result = {OURS: figures(hole, made[OURS], true_roughness, ours.patch)}
+    mine = result[OURS]
+    mine["folds"] += ours.report.folds
+    mine["fairing"] = seconds - best_of(lambda: fill(fairing=None))[1]
+    mine["quadratic"] = best_of(lambda: fill(fairing="third_derivative"))[1] - seconds + mine["fairing"]
+    every = {name: fill(fairing=name) for name in ENERGIES} | {"G2": fill(continuity="G2")}
+    mine["seam"] = max(metrics.seam(f.patch, f.sides) for f in every.values())
+    mine["folds_any"] = {name: f.report.folds for name, f in every.items() if f.report.folds}
+    if hole.strip:
+        result |= {CHART: of_sides(hole, exact.chart(hole)), ARC: of_sides(hole, exact.arc_length(hole))}
+    for name, call in others.items():
+        try:
+            made[name] = call(hole, ours)
+        except (RuntimeError, KeyError, subprocess.SubprocessError) as error:
+            result[OURS].setdefault("failed", {})[name] = str(error)
+            continue
+        result[name] = figures(hole, made[name], true_roughness)
+    return result, made
+
+
+# -------------------------------------------------------------------------------------------------------------------- the page
+
+
+def short(x, digits=2) -> str:
+    """1.2e-4; the plain number where that is as short."""
+    if x is None:
+        return "-"
+    if x == 0 or 0.1 <= abs(x) < 1000:
+        return f"{x:.0f}" if abs(x) >= 10 else f"{x:.{digits}g}"
+    return f"{x:.{digits - 1}e}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def rows(table: list[list[str]]) -> list[str]:
+    lines = ["| " + " | ".join(row) + " |" for row in table]
+    return [lines[0], "|" + "---|" * len(table[0]), *lines[1:], ""]
+
+
+def best_rival(result: dict, key: str) -> tuple[float, str]:
+    return min((figures[key], name) for name, figures in result.items() if name not in SMOOTH and key in figures)
+
+
+def reached(result: dict, filler: str, wanted: float | None) -> str:
+    """Whether both distances are."""
+    if wanted is None:
+        return ""
+    if filler not in result:
+        return "-"
+    return "yes" if max(result[filler]["vertices"], result[filler]["points"]) <= wanted else "**no**"
+
+
+def distances(results: dict) -> list[str]:
+    head = ["hole", "wanted", "best rival: vertices", "points", "TriPatch, from the mesh: vertices", "points", "reached"]
+    head += ["from exact sides, chart: vertices", "points", "reached", "arc length: vertices", "points", "reached"]
+    table = [head]
+    for name, result in results.items():
+        if "points" not in result[OURS]:
+            continue
+        for wanted in WANTED.get(name, (None,)):
+            row = [name, short(wanted, 2).replace(".0e", "e") if wanted else ""]
+            for key in ("vertices", "points"):
+                value, rival = best_rival(result, key)
+                row.append(f"{short(value)} ({rival})")
+            for filler in SMOOTH:
+                row += [short(result.get(filler, {}).get(key)) for key in ("vertices", "points")]
+                row.append(reached(result, filler, wanted))
+            table.append(row)
+    if not set(WANTED) & set(results):
+        table = [[cell for cell, title in zip(row, head) if title not in ("wanted", "reached")] for row in table]
+    return rows(table)
+
+
+def lost(results: dict) -> list[str]:
+    """Where a rival is nearer to the truth than the fill from the mesh."""
+    lines = []
+    for name, result in results.items():
+        if "points" not in result[OURS]:
+            continue
+        parts = []
+        for key in ("vertices", "points"):
+            value, rival = best_rival(result, key)
+            if value < result[OURS][key]:
+                parts.append(f"{key} {short(value)} ({rival}) against {short(result[OURS][key])}")
+        if parts:
+            lines.append(f"- {name}: {'; '.join(parts)}")
+    return lines
+
+
+def failures(results: dict) -> list[str]:
+    """Who gave nothing, and why."""
+    given = {}
+    for name, result in results.items():
+        for rival, reason in result[OURS].get("failed", {}).items():
+            given.setdefault((reason, name), []).append(rival)
+    return [*(f"- {name}, {'; '.join(rivals)}: {reason}" for (reason, name), rivals in given.items()), ""]
+
+
+def everyone(results: dict, key: str, fillers: list[str], lowest=True) -> list[str]:
+    table = [["hole", *fillers]]
+    for name, result in results.items():
+        values = [result.get(filler, {}).get(key) for filler in fillers]
+        known = [v for v in values if v is not None]
+        if not known:
+            continue
+        best = min(known) if lowest else None
+        table.append([name, *(f"**{short(v)}**" if v is not None and v == best else short(v) for v in values)])
+    return rows(table)
+
+
+def summary(results: dict, fillers: list[str]) -> list[str]:
+    def of(filler, key):
+        return {name: r[filler][key] for name, r in results.items() if key in r.get(filler, {})}
+
+    def worst(values):
+        name = max(values, key=values.get)
+        return f"{short(values[name])} ({name})"
+
+    table = [["what", "wanted", "the rivals", "TriPatch", "reached"]]
+
+    def row(what, wanted, theirs, mine, good):
+        table.append([what, wanted, theirs, mine, "yes" if good else "**no**"])
+
+    smooth = [f for f in fillers if any("seam" in r.get(f, {}) for r in results.values()) and f not in SMOOTH]
+    seam = of(OURS, "seam")
+    row(
+        "seam of the smooth patch, degrees, every hole, every energy and G2, against the planes used",
+        "1e-5 or less",
+        "; ".join(f"{f}: median {short(np.median(list(of(f, 'seam').values())))}, worst {worst(of(f, 'seam'))}" for f in smooth)
+        or "none is smooth",
+        worst(seam),
+        max(seam.values()) <= SEAM,
+    )
+    for filler in (CHART, ARC):
+        seam = of(filler, "seam")
+        row(f"the same, {filler[10:]}, against the truth", "1e-5 or less", "", worst(seam), max(seam.values()) <= SEAM)
+    roughness = {f: np.median(list(of(f, "roughness").values())) for f in fillers if of(f, "roughness")}
+    smoothest = min((f for f in roughness if f != OURS), key=roughness.get)
+    row(
+        "roughness over that of the truth, median",
+        f"{ROUGHNESS} or less",
+        f"{short(roughness[smoothest])} ({smoothest})",
+        short(roughness[OURS]),
+        roughness[OURS] <= ROUGHNESS,
+    )
+    folds = {f: sum(of(f, "folds").values()) for f in fillers if of(f, "folds")}
+    mine = {name: value for name, value in of(OURS, "folds").items() if value}
+    row(
+        "folds, all holes",
+        "0",
+        ", ".join(f"{f} {value}" for f, value in folds.items() if value and f != OURS),
+        ", ".join(f"{name} {value}" for name, value in mine.items()) or "0",
+        not mine,
+    )
+    for filler in (CHART, ARC):
+        jump = of(filler, "jump")
+        row(
+            f'`continuity="G2"`, {filler[10:]}: jump of the normal curvature over the rim\'s largest, 1% off the corners',
+            "1e-5 or less",
+            "",
+            worst(jump),
+            max(jump.values()) <= JUMP,
+        )
+    quickest = {f: of(f, "seconds") for f in fillers if f != OURS and "Blender" not in f}
+    theirs = ", ".join(f"{f} {1e3 * np.median(list(v.values())):.0f}" for f, v in quickest.items() if v)
+    for what, key, limit in (
+        ("`auto`", "fairing", FAIRING_MS[0]),
+        ("third derivative, one linear solve", "quadratic", FAIRING_MS[1]),
+    ):
+        times = {name: 1e3 * value for name, value in of(OURS, key).items()}
+        median = np.median(list(times.values()))
+        row(
+            f"milliseconds of the fairing alone, {what}: median, most",
+            f"{limit} or less",
+            f"all of the fill: {theirs}" if key == "fairing" else "",
+            f"{median:.1f}, {max(times.values()):.1f} ({max(times, key=times.get)})",
+            max(times.values()) <= limit,
+        )
+    return rows(table)
+
+
+HEAD = """# Fairness: TriPatch and its rivals
+
+Written by `scripts/fairness`; do not edit. {date}, version {version}, {processor}.
+
+Twenty holes cut out of surfaces that are known ([holes.py](../scripts/comparison/holes.py)), {n} edges a side, filled by TriPatch
+with default options (given vertices, faces and the rim with its corners) and by other programs, all in one run and measured by
+the same code ([metrics.py](../scripts/comparison/metrics.py), [rivals.py](../scripts/comparison/rivals.py)). How TriPatch makes
+its fills fair: [mathematics/fairing.md](mathematics/fairing.md).
+
+{versions}
+
+## What it looks like
+
+Above, reflection lines (surroundings blue, fill orange): where the surface has a crease they break, where its curvature jumps
+they bend sharply, where it is not fair they waver. Below, mean curvature on one scale for all four, estimated from the triangles
+of each in the same way, the truth's included. The rivals shown are the two nearest to the truth of different make; the number is
+the rms distance of 10,000 points of the surface to the truth over the diameter of the hole.
+"""
+
+CAPTIONS = {
+    "suitcase": "The corner of a suitcase: three fillets of equal radius meet at the corner of a cube. At the rim the curvature "
+    "jumps by right, from a cylinder's to a ball's: who continues that of the outside is wrong.",
+    "sphere": "An octant of a sphere.",
+    "torus": "On a torus, from positive to negative Gauss curvature.",
+    "saddle": "A saddle, z = x^2 - y^2.",
+    "suzanne": "Suzanne's forehead, on the limit surface of her subdivision.",
+}
+
+TELLS = """## How it was measured
+
+- **vertices**: rms distance of the fill's vertices, the rim's included, to the true surface, over the diameter of the hole (the
+  largest distance of two vertices of its rim). **points**: of 10,000 points uniform in area: of the smooth patch (TriPatch,
+  OpenCASCADE), else of the triangles, whose edges are chords: at this density that alone costs 2e-5 (sphere10) to 4e-4.
+- **from the mesh**: TriPatch sees four rings of triangles, as CGAL, PMP, libigl and Blender do. **exact sides**: it is given
+  functions ([exact.py](../scripts/comparison/exact.py)) through `Side.from_functions` with `q`, as OpenCASCADE is given B-spline
+  surfaces: of the hole's own chart, with its derivatives across, or by arc length with unit conormals. Suzanne has none.
+- **seam**: largest angle between the smooth patch and the tangent planes along the sides, from exact derivatives; OpenCASCADE's,
+  without its ends, is against the true planes. **limit normals**, of everybody's triangles: rms angle at the rim between the true
+  normal and a one-sided cubic fit to the new vertices. The same fit to the truth's own vertices is off by up to {floor} degrees.
+- **roughness**: integral of the squared gradient of mean curvature, which comes from fits to the vertices, over that of the truth
+  sampled at TriPatch's vertices. Where that is next to nothing (the spheres) the quotient says little, so the median counts.
+- **folds**: edges whose triangles face more than 120 degrees apart; TriPatch's also those of the patch on a grid of 64.
+- libigl fills no holes: it is given the flat triangulation of TriPatch's fill and finds the positions. Blender's Fill has no
+  vertices inside. OpenCASCADE's times are those of the surface alone, TriPatch's and the others' of the whole fill, arrays in to
+  arrays out.
+- OpenCASCADE's settings (degree, points a curve, tolerance over the diameter, segments): default as it comes; finer 3, 30, 1e-5,
+  30; finest 4, 40, 1e-6, 60.
+"""
+
+
+def page(results: dict, versions: list[str], pictures: list[str]) -> str:
+    ten = {name: r for name, r in results.items() if name not in holes.FURTHER}
+    further = {name: r for name, r in results.items() if name in holes.FURTHER}
+    fillers = list(dict.fromkeys(name for r in results.values() for name in r if name not in (CHART, ARC)))
+    head = HEAD.format(
+        date=datetime.date.today(),
+        version=tripatch.__version__,
+        processor=processor(),
+        n=N,
+        versions="Rivals: " + "; ".join(versions) + ". What is not here was not run.",
+    )
+    lines = [head]
+    for name in pictures:
+        lines += [f"![{name}: the truth, two rivals and TriPatch](images/fairness/{name}.png)", CAPTIONS[name], ""]
+    lines += ["## Distance to the truth: the ten holes", ""]
+    lines += ["Rms, over the diameter of the hole. Reached: both figures, vertices and points.", "", *distances(ten)]
+    if further:
+        lines += ["## Distance to the truth: ten further holes", "", "Nothing was tuned to these.", "", *distances(further)]
+    lines += [
+        "## Where a rival is nearer",
+        "",
+        "From the mesh, against whatever rival is best:",
+        "",
+        *(lost(results) or ["nowhere"]),
+        "",
+    ]
+    lines += ["## Seam, roughness, folds, curvature, time", "", "Over all holes.", "", *summary(results, fillers)]
+    lines += ["## Every filler", "", *failures(results), "### Distance of points", "", *everyone(results, "points", fillers)]
+    lines += ["### Distance of vertices", "", *everyone(results, "vertices", [f for f in fillers if f != FILL])]
+    lines += ["### Limit normals at the rim, degrees, rms", "", *everyone(results, "limit", fillers)]
+    lines += [
+        "### Roughness over the truth's",
+        "",
+        *everyone(results, "roughness", [f for f in fillers if f != FILL], lowest=False),
+    ]
+    lines += ["### Seconds", "", *everyone(results, "seconds", fillers)]
+    floor = max(r[OURS].get("floor", 0) for r in results.values())
+    return "\n".join([*lines, TELLS.format(floor=short(floor))])
+
+
+# ------------------------------------------------------------------------------------------------------------------------ main
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cases", help="names, separated by commas; all twenty by default")
+    parser.add_argument("--cache", type=Path, required=True, help="folder for what other programs write")
+    parser.add_argument("--cgal", help="the compiled cgal_fill")
+    parser.add_argument("--pmp", help="the compiled pmp_fill")
+    parser.add_argument("--blender", default="blender")
+    parser.add_argument("--pictures", type=Path, help="folder to draw into; default: none are drawn")
+    parser.add_argument("--out", type=Path, help="default: print")
+    args = parser.parse_args()
+    args.cache.mkdir(parents=True, exist_ok=True)
+
+    cases = dict(holes.ANALYTIC)
+    if shutil.which(args.blender):
+        holes.suzanne_meshes(args.cache, args.blender)
+        cases["suzanne"] = lambda n: holes.suzanne(n, args.cache)
+    cases |= holes.FURTHER
+    cases = {name: make(N) for name, make in cases.items() if not args.cases or name in args.cases.split(",")}
+    others = rivals.available(args.cgal, args.pmp)
+    versions = [f"CGAL {rivals.version(args.cgal)}"] if args.cgal else []
+    versions += [f"PMP {rivals.version(args.pmp)}"] if args.pmp else []
+    versions += [f"libigl {importlib.metadata.version('libigl')}", f"OpenCASCADE {importlib.metadata.version('cadquery-ocp')}"]
+    if shutil.which(args.blender):
+        version, fills = rivals.blender(cases, args.blender)
+        versions.append(f"Blender {version}")
+        others |= {name: lambda hole, _, mode=mode: fills[hole.name, mode] for name, mode in ((GRID, "grid"), (FILL, "fill"))}
+
+    results, drawn = {}, []
+    for name, hole in cases.items():
+        start = time.perf_counter()
+        results[name], made = measure(hole, others)
+        if "the truth" in made:
+            truth = made["the truth"]
+            normals = metrics.limit_normals(truth.vertices, truth.faces, hole.rim)
+            results[name][OURS]["floor"] = metrics.rms(metrics.angle(normals, hole.rim_normals))
+        print(f"{name}: {time.perf_counter() - start:.0f} s", flush=True)
+        if args.pictures and name in PICTURED:
+            from . import pictures
+
+            pictures.draw(args.pictures / f"{name}.png", hole, made, results[name])
+            drawn.append(name)
+    text = page(results, versions, sorted(drawn, key=PICTURED.index))
+    if args.out:
+        args.out.write_text(text)
+    else:
+        print(text)
+
+
+if __name__ == "__main__":
+    main()
