@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import tripatch
 
-from . import holes, metrics
+from . import holes, metrics, rivals
 
 DENSITIES = (8, 16, 32)
 #: name -> greatest value, of the largest density
@@ -54,11 +54,7 @@ def timings(cgal: str | None, folder: Path, repetitions: int) -> dict:
         result["tripatch"] = (len(fill.faces), min(seconds, result.get("tripatch", (0, np.inf))[1]))
     if cgal:
         given = folder / "sphere-100.txt"
-        with given.open("w") as file:
-            print(len(hole.vertices), len(hole.faces), file=file)
-            np.savetxt(file, hole.vertices, fmt="%.17g")
-            np.savetxt(file, hole.faces, fmt="%d")
-            print(*hole.rim[:2], file=file)
+        rivals.write_hole(hole, given)
         for continuity in (1, 2):
             command = [cgal, str(given), str(continuity), str(repetitions)]
             words = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()

@@ -7,6 +7,7 @@ import datetime
 import importlib.metadata
 import shutil
 import subprocess
+import textwrap
 import time
 from pathlib import Path
 
@@ -17,7 +18,17 @@ from . import exact, holes, metrics, rivals
 from .__main__ import processor
 
 N = 32
-ENERGIES = ("thin_plate", "third_derivative", "minimum_variation", "quadric_variation", "auto")
+#: what the fills of the table of energies are called there -> options
+ENERGIES = {
+    "plain": {"fairing": None},
+    "thin plate": {"fairing": "thin_plate"},
+    "third derivative": {"fairing": "third_derivative"},
+    "minimum variation": {"fairing": "minimum_variation"},
+    "quadric variation": {"fairing": "quadric_variation"},
+    "auto": {},
+    "auto, G1": {"continuity": "G1"},
+    "auto, G2": {"continuity": "G2"},
+}
 #: name -> wanted of the rms distances, and a second figure that is the aim
 WANTED = {
     "sphere": (5e-5,),
@@ -105,9 +116,12 @@ def measure(hole: holes.Hole, others: dict) -> tuple[dict, dict]:
     mine["folds"] += ours.report.folds
     mine["fairing"] = seconds - best_of(lambda: fill(fairing=None))[1]
     mine["quadratic"] = best_of(lambda: fill(fairing="third_derivative"))[1] - seconds + mine["fairing"]
-    every = {name: fill(fairing=name) for name in ENERGIES} | {"G2": fill(continuity="G2")}
+    every = {name: fill(**options) for name, options in ENERGIES.items()}
     mine["seam"] = max(metrics.seam(f.patch, f.sides) for f in every.values())
-    mine["folds_any"] = {name: f.report.folds for name, f in every.items() if f.report.folds}
+    mine["energies"] = {name: {"folds": f.report.folds} for name, f in every.items()}
+    if hole.nearest:
+        for name, f in every.items():
+            mine["energies"][name]["points"] = metrics.distance(hole, metrics.surface_points(f.patch))
     if hole.strip:
         result |= {CHART: of_sides(hole, exact.chart(hole)), ARC: of_sides(hole, exact.arc_length(hole))}
     for name, call in others.items():
@@ -321,9 +335,9 @@ TELLS = """## How it was measured
 - **roughness**: integral of the squared gradient of mean curvature, which comes from fits to the vertices, over that of the truth
   sampled at TriPatch's vertices. Where that is next to nothing (the spheres) the quotient says little, so the median counts.
 - **folds**: edges whose triangles face more than 120 degrees apart; TriPatch's also those of the patch on a grid of 64.
-- libigl fills no holes: it is given the flat triangulation of TriPatch's fill and finds the positions. Blender's Fill has no
-  vertices inside. OpenCASCADE's times are those of the surface alone, TriPatch's and the others' of the whole fill, arrays in to
-  arrays out.
+- libigl fills no holes: it is given a flat triangulation, regular where the sides have as many edges, else that of TriPatch's
+  fill, and finds the positions. Blender's Fill has no vertices inside. OpenCASCADE's times are those of the surface alone,
+  TriPatch's and the others' of the whole fill, arrays in to arrays out; the least of three, TriPatch's of five.
 - OpenCASCADE's settings (degree, points a curve, tolerance over the diameter, segments): default as it comes; finer 3, 30, 1e-5,
   30; finest 4, 40, 1e-6, 60.
 """
@@ -342,7 +356,8 @@ def page(results: dict, versions: list[str], pictures: list[str]) -> str:
     )
     lines = [head]
     for name in pictures:
-        lines += [f"![{name}: the truth, two rivals and TriPatch](images/fairness/{name}.png)", CAPTIONS[name], ""]
+        lines += [f"![{name}: the truth, two rivals and TriPatch](images/fairness/{name}.png)"]
+        lines += [textwrap.fill(CAPTIONS[name], 130), ""]
     lines += ["## Distance to the truth: the ten holes", ""]
     lines += ["Rms, over the diameter of the hole. Reached: both figures, vertices and points.", "", *distances(ten)]
     if further:
@@ -356,6 +371,11 @@ def page(results: dict, versions: list[str], pictures: list[str]) -> str:
         "",
     ]
     lines += ["## Seam, roughness, folds, curvature, time", "", "Over all holes.", "", *summary(results, fillers)]
+    energies = {name: r[OURS]["energies"] for name, r in results.items()}
+    lines += ["## Every energy", "", "Distance of points of TriPatch's fills from the mesh, by `fairing` and `continuity`.", ""]
+    lines += everyone(energies, "points", list(ENERGIES))
+    folded = [f"{name} {kind}: {v['folds']}" for name, r in energies.items() for kind, v in r.items() if v["folds"]]
+    lines += [f"Folds (grid of 64) among these: {'; '.join(folded) or 'none'}.", ""]
     lines += ["## Every filler", "", *failures(results), "### Distance of points", "", *everyone(results, "points", fillers)]
     lines += ["### Distance of vertices", "", *everyone(results, "vertices", [f for f in fillers if f != FILL])]
     lines += ["### Limit normals at the rim, degrees, rms", "", *everyone(results, "limit", fillers)]

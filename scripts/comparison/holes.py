@@ -120,20 +120,25 @@ def _nearest_on(surface, guess):
 
     def nearest(points):
         u, v = guess(points)
+        left = np.arange(len(points))  # those that still move
         for _ in range(60):
-            at, du, dv = _with_derivatives(surface, u, v)
-            away = points - at
-            a, b, c = (du * du).sum(1), (du * dv).sum(1), (dv * dv).sum(1)
+            to, a, b = points[left], u[left], v[left]
+            at, du, dv = _with_derivatives(surface, a, b)
+            away = to - at
+            uu, uv, vv = (du * du).sum(1), (du * dv).sum(1), (dv * dv).sum(1)
             p, q = (du * away).sum(1), (dv * away).sum(1)
-            det = np.maximum(a * c - b * b, 1e-30)
-            step_u, step_v = (c * p - b * q) / det, (a * q - b * p) / det
-            damping, best = np.ones(len(u)), (away * away).sum(1)
+            det = np.maximum(uu * vv - uv * uv, 1e-30)
+            step_u, step_v = (vv * p - uv * q) / det, (uu * q - uv * p) / det
+            damping, best = np.ones(len(left)), (away * away).sum(1)
             for _ in range(8):
-                worse = ((points - surface(u + damping * step_u, v + damping * step_v).real) ** 2).sum(1) > best
+                worse = ((to - surface(a + damping * step_u, b + damping * step_v).real) ** 2).sum(1) > best
+                if not worse.any():
+                    break
                 damping[worse] /= 2
             damping[worse] = 0
-            u, v = u + damping * step_u, v + damping * step_v
-            if np.abs(damping * np.stack([step_u, step_v])).max() < 1e-15:
+            u[left], v[left] = a + damping * step_u, b + damping * step_v
+            left = left[damping * np.hypot(step_u, step_v) > 1e-15]
+            if not len(left):
                 break
         return surface(u, v).real
 
@@ -212,7 +217,7 @@ def saddle(n):
 
     turn = 2 * np.pi * np.arange(3) / 3 + 0.4
     corners = 0.8 * np.stack([np.cos(turn), np.sin(turn)], 1)
-    return _in_chart("saddle", n, surface, corners, _nearest_on(surface, lambda p: (p[:, 0], p[:, 1])), step=2 / n)
+    return _in_chart("saddle", n, surface, corners, _nearest_on(surface, lambda p: p[:, :2].T.copy()), step=2 / n)
 
 
 def _franke(x, y):
@@ -225,7 +230,7 @@ def _franke(x, y):
 
 def franke(n):
     """A hole as large as the hills of Franke's first function, which the rim cannot know."""
-    nearest = _nearest_on(_franke, lambda p: (p[:, 0], p[:, 1]))
+    nearest = _nearest_on(_franke, lambda p: p[:, :2].T.copy())
     return _in_chart("franke", n, _franke, [(0.1, 0.1), (0.9, 0.15), (0.35, 0.9)], nearest, step=1 / n)
 
 
@@ -236,7 +241,7 @@ def irregular(n):
         return _stack(u, v * np.cos(1.2 * u), v * np.sin(1.2 * u))
 
     def guess(p):
-        return p[:, 0], p[:, 1] * np.cos(1.2 * p[:, 0]) + p[:, 2] * np.sin(1.2 * p[:, 0])
+        return p[:, 0].copy(), p[:, 1] * np.cos(1.2 * p[:, 0]) + p[:, 2] * np.sin(1.2 * p[:, 0])
 
     return _in_chart(
         "irregular",

@@ -39,20 +39,21 @@ def seam(patch, sides, samples=200) -> float:
 
 
 def curvature_jump(patch, sides, samples=99) -> float:
-    """The largest difference of the normal curvatures of patch and surroundings across a side, over the largest of the rim.
-    Outside 1% of the side."""
+    """The largest difference of the normal curvatures of patch and surroundings across a side, outside 1% of it, over the largest
+    of the surroundings along and across all sides."""
     t = np.linspace(0.01, 0.99, samples)
     jumps, sizes = [], []
     for i, side in enumerate(sides):
         b = np.zeros((samples, 3))
         b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
         _, first, second = patch.evaluate(b, 2)
-        _, _, r, normal = side.evaluate(t)
+        _, along, r, normal = side.evaluate(t)
         d = np.stack([np.linalg.lstsq(f.T, x, rcond=None)[0] for f, x in zip(first, r)])  # r in the patch's own derivatives
         theirs = (side.second_derivative(t) * normal).sum(1)
         ours = np.einsum("nk,nkd,nd->n", np.stack([d[:, 0] ** 2, 2 * d[:, 0] * d[:, 1], d[:, 1] ** 2], 1), second, normal)
         jumps.append(np.abs(ours - theirs) / (r * r).sum(1))
         sizes.append(np.abs(theirs) / (r * r).sum(1))
+        sizes.append(np.abs((np.gradient(normal, t, axis=0) * along).sum(1)) / (along * along).sum(1))
     return float(np.max(jumps) / np.max(sizes))
 
 
@@ -134,8 +135,7 @@ def _fits(vertices, faces, where):
     for f in faces.tolist():
         for k in range(3):
             neighbours.setdefault(f[k], set()).update((f[k - 1], f[k - 2]))
-    guess = _vertex_normals(vertices, faces)
-    normals, slopes = np.empty((len(where), 3)), np.empty((len(where), 5))
+    by_count = {}  # vertices with as many others around are fitted at once
     for row, v in enumerate(np.asarray(where).tolist()):
         around, front = {v}, {v}
         for _ in range(4):
@@ -143,31 +143,35 @@ def _fits(vertices, faces, where):
             around |= front
             if len(around) > 20:
                 break
-        offsets = vertices[sorted(around - {v})] - vertices[v]
-        normal = guess[v]
+        by_count.setdefault(len(around), []).append((row, v, sorted(around - {v})))
+    guess = _vertex_normals(vertices, faces)
+    normals, slopes = np.empty((len(where), 3)), np.empty((len(where), 5))
+    for group in by_count.values():
+        at, centre, around = (np.array(part) for part in zip(*group))
+        offsets, normals[at] = vertices[around] - vertices[centre][:, None], guess[centre]
         for _ in range(2):
-            normal, slopes[row] = _fit(offsets, normal)
-        normals[row] = normal
+            normals[at], slopes[at] = _fit(offsets, normals[at])
     return normals, slopes
 
 
-def _fit(offsets, normal):
-    """A better normal, and the derivatives of the height over the plane of the given one."""
-    x_axis = unit(np.cross(normal, [1.0, 0, 0] if abs(normal[0]) < 0.6 else [0, 1.0, 0]))
-    y_axis = np.cross(normal, x_axis)
-    x, y, z = offsets @ x_axis, offsets @ y_axis, offsets @ normal
-    size = np.sqrt(np.mean(x * x + y * y))
+def _fit(offsets, normals):
+    """Better normals, and the derivatives of the heights over the planes of the given ones: (m, k, 3) and (m, 3)."""
+    x_axes = unit(np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.6, [1.0, 0, 0], [0, 1.0, 0])))
+    y_axes = np.cross(normals, x_axes)
+    x, y, z = np.einsum("mkd,amd->amk", offsets, np.stack([x_axes, y_axes, normals]))
+    size = np.sqrt(np.mean(x * x + y * y, axis=1, keepdims=True))
     x, y, z = x / size, y / size, z / size
     columns = [x, y]
-    if len(x) >= 6:
+    if x.shape[1] >= 6:
         columns += [x * x / 2, x * y, y * y / 2]
-    if len(x) >= 12:
+    if x.shape[1] >= 12:
         columns += [x**3, x * x * y, x * y * y, y**3]
     weights = 1 / (0.3 + np.hypot(x, y))
-    slopes = np.zeros(5)
-    found = np.linalg.lstsq(np.stack(columns, 1) * weights[:, None], z * weights, rcond=1e-9)[0][:5]
-    slopes[: len(found)] = found
-    return unit(normal - slopes[0] * x_axis - slopes[1] * y_axis), slopes / [1, 1, size, size, size]
+    slopes = np.zeros((len(x), 5))
+    inverse = np.linalg.pinv(np.stack(columns, -1) * weights[..., None], rcond=1e-9)
+    found = np.einsum("mck,mk->mc", inverse, z * weights)[:, :5]
+    slopes[:, : found.shape[1]] = found
+    return unit(normals - slopes[:, :1] * x_axes - slopes[:, 1:2] * y_axes), slopes / np.hstack([size**0] * 2 + [size] * 3)
 
 
 def _vertex_normals(vertices, faces):

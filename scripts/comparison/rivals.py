@@ -22,7 +22,7 @@ from .holes import Hole, unit
 from .metrics import angle, spread
 
 REPETITIONS = 3
-PATIENCE = 15  # seconds that a rival which runs in this process may take
+PATIENCE = 60  # seconds that a rival which runs in this process may take
 
 
 @dataclass
@@ -111,14 +111,30 @@ def program(path: str, option: int) -> Callable:
 # ------------------------------------------------------------------------------------------------------------------ libigl
 
 
-def _flat(fill):
-    """The triangles of TriPatch's fill in an equilateral triangle: places in the plane by vertex of the whole mesh."""
+def _flat(hole: Hole, fill):
+    """Triangles in an equilateral triangle, and their places in the plane by vertex of the whole mesh: the regular grid where the
+    sides have as many edges, else what TriPatch's fill has."""
     corners = np.array([(0, 0, 0), (1, 0, 0), (0.5, np.sqrt(0.75), 0)])
-    faces = np.array(fill.faces)
-    places = np.full((faces.max() + 1, 3), np.nan)
-    places[fill.rim] = fill.rim_barycentric @ corners
-    places[len(places) - len(fill.barycentric) :] = fill.barycentric @ corners
-    return places, faces
+    n, count = hole.counts[0], len(hole.vertices)
+    if set(hole.counts) != {n}:
+        places = np.full((count + len(fill.barycentric), 3), np.nan)
+        places[fill.rim], places[count:] = fill.rim_barycentric @ corners, fill.barycentric @ corners
+        return places, np.array(fill.faces)
+    grid = {}  # steps towards corners 1 and 2 -> vertex; the rim runs from corner 0 to 1 to 2
+    for k in range(n):
+        grid[k, 0], grid[n - k, k], grid[0, n - k] = hole.rim[k], hole.rim[n + k], hole.rim[2 * n + k]
+    inside = [(a, b) for b in range(1, n) for a in range(1, n - b)]
+    grid |= {at: count + k for k, at in enumerate(inside)}
+    places = np.full((count + len(inside), 3), np.nan)
+    for (a, b), v in grid.items():
+        places[v] = np.array([n - a - b, a, b]) / n @ corners
+    faces = []
+    for (a, b), v in grid.items():
+        if a + b < n:
+            faces.append((v, grid[a + 1, b], grid[a, b + 1]))
+        if a + b < n - 1:
+            faces.append((grid[a + 1, b], grid[a + 1, b + 1], grid[a, b + 1]))
+    return places, np.array(faces)
 
 
 def _harmonic(places, faces, fixed, values):
@@ -135,10 +151,10 @@ def _harmonic(places, faces, fixed, values):
 
 
 def libigl(hole: Hole, fill, k: int) -> Filling:
-    """k-harmonic positions over the triangles of `fill`, the whole mesh around held."""
+    """k-harmonic positions over a flat triangulation, the whole mesh around held."""
     import igl
 
-    places, new = _flat(fill)
+    places, new = _flat(hole, fill)
     faces, held = np.concatenate([hole.faces, new]), np.arange(len(hole.vertices))
 
     def solve():
@@ -196,9 +212,11 @@ def _strip_face(hole: Hole, i):
 
 
 def occt(hole: Hole, fill, setting: str) -> Filling:
-    """BRepOffsetAPI_MakeFilling with G1 to the three strips; its surface over the triangles of `fill`."""
+    """BRepOffsetAPI_MakeFilling with G1 to the three strips; its surface over a flat triangulation."""
     if hole.strip is None:
         raise RuntimeError("no smooth surroundings")
+    import OCP  # noqa: F401 - here, so that not every process takes the time
+
     return _apart(lambda: _occt(hole, fill, setting))
 
 
@@ -243,12 +261,12 @@ def _occt(hole, fill, setting):
             out.append((n.X(), n.Y(), n.Z()))
         return unit(np.array(out))
 
-    t = np.linspace(0, 1, 52)[1:-1]
+    t = np.linspace(0, 1, 22)[1:-1]
     rims, true = zip(*(hole.strip(i, t, np.zeros(len(t))) for i in range(3)))
     found, true = normals(parameters(np.concatenate(rims))), np.concatenate(true)
     seam = angle(found * np.sign((found * true).sum()), true).max()
 
-    places, faces = _flat(fill)
+    places, faces = _flat(hole, fill)
     uv = _harmonic(places, faces, hole.rim, parameters(hole.vertices[hole.rim]))
     vertices = np.concatenate([hole.vertices, evaluate(uv[len(hole.vertices) :])])
     hit, weights = spread(vertices[faces])
