@@ -1,5 +1,5 @@
 """Three-sided holes whose true surface or surroundings are known exactly, each meshed at any density: ten (ANALYTIC and Suzanne),
-and ten more that nothing was tuned to (FURTHER).
+and ten more of other surfaces (FURTHER).
 
 Every case is a `Hole`: four rings of triangles around an open hole with n edges a side (case `irregular`: 40/10/5 at n = 16).
 Sides run from corner 0 to 1, 1 to 2 and 2 to 0 in this file, in the direction in which new faces traverse the rim.
