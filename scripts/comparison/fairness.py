@@ -361,7 +361,13 @@ def page(results: dict, versions: list[str], pictures: list[str]) -> str:
     lines += ["## Distance to the truth: the ten holes", ""]
     lines += ["Rms, over the diameter of the hole. Reached: both figures, vertices and points.", "", *distances(ten)]
     if further:
-        lines += ["## Distance to the truth: ten further holes", "", "Cut out of other surfaces; the distances and the rivals as above.", "", *distances(further)]
+        lines += [
+            "## Distance to the truth: ten further holes",
+            "",
+            "Cut out of other surfaces; the distances and the rivals as above.",
+            "",
+            *distances(further),
+        ]
     lines += [
         "## Where a rival is nearer",
         "",
