@@ -9,7 +9,6 @@ from mathutils.kdtree import KDTree
 
 from . import attributes, filling, selection, subdivision, writeback
 from .library import np, tripatch, words
-from .selection import UnusableError
 
 # Of the extent; what Blender draws and what the library computes agree to float32.
 _SAME_POINT = 2e-6
@@ -62,21 +61,6 @@ def _new_object(ob, vertices, faces, materials, smooth):
     return new
 
 
-def _in_cage(ob, cage, bm, rim):
-    """The rim of a BMesh in the cage that modifiers make of it."""
-    if cage is bm:
-        return rim
-    vertex = {v: cage.verts[v.index] for v in (*rim.loop, *rim.corners, *([rim.first] if rim.first else []))}
-    loop = [vertex[v] for v in rim.loop]
-    replaced = {cage.faces[f.index] for f in rim.replaced}
-    for edge, a in zip(selection.edges_of(cage, loop), loop, strict=True):
-        if edge is None or len([f for f in edge.link_faces if f not in replaced]) != 1:
-            raise UnusableError(
-                f"A modifier of {ob.name} closes the hole at vertex {a.index}, or changes its rim there; apply it"
-            )
-    return selection.Rim(loop, [vertex[v] for v in rim.corners], vertex.get(rim.first), replaced)
-
-
 def fill_rims(ob, bm, matrix, rims, options):
     """Fills rims of an object's BMesh by one new object. Returns (Outcome, the object or None)."""
     modifier = subdivision.usable(ob, limit=True)
@@ -84,7 +68,7 @@ def fill_rims(ob, bm, matrix, rims, options):
     bm.faces.index_update()
     cage = subdivision.cage_before(ob, bm, modifier)
     try:
-        return _fill_rims(ob, cage, modifier, matrix, [_in_cage(ob, cage, bm, rim) for rim in rims], options)
+        return _fill_rims(ob, cage, modifier, matrix, [subdivision.in_cage(ob, cage, bm, rim) for rim in rims], options)
     finally:
         if cage is not bm:
             cage.free()

@@ -95,6 +95,7 @@ def _planned(bm, rim, world, fill, count):
     planned = writeback.Planned(
         rim,
         fill,
+        count,
         [vertex[v] for v in fill.rim.tolist()],
         own.points(fill.vertices),
         own.normals(fill.normals),
@@ -102,7 +103,7 @@ def _planned(bm, rim, world, fill, count):
         tuple(continuity in ("G1", "G2") for continuity in fill.report.continuity),
     )
     planned.moved = list(zip([vertex[v] for v in fill.moved[0].tolist()], own.points(fill.moved[1]), strict=True))
-    obstacle = writeback.obstacle(bm, planned, count)
+    obstacle = writeback.obstacle(bm, planned)
     if obstacle:
         raise tripatch.Refusal(obstacle, [])
     return planned
@@ -140,10 +141,13 @@ def _plan(bm, rim, world, keys, options, around):
     return planned, notes
 
 
-def _plan_cages(bm, rims, world, keys, options, around, cage):
-    """For each rim a `Planned` fill and notes on it, or a Refusal and none; the cages are fitted together."""
+def _plan_cages(bm, rims, there, world, keys, options, around, cage):
+    """For each rim a `Planned` fill and notes on it, or a Refusal and none; the cages are fitted together.
+
+    there: the rims in the cage that modifiers make of the BMesh, of which `around` and `cage` are.
+    """
     loops = [[v.index for v in rim.loop] for rim in rims]
-    positions, faces, replaced = around.around(*rims)
+    positions, faces, replaced = around.around(*there)
     corners, results = [], [None] * len(rims)
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
         try:
@@ -164,7 +168,8 @@ def _plan_cages(bm, rims, world, keys, options, around, cage):
     left = [k for k in left if not isinstance(results[k][0], tripatch.Refusal)]
     same = [results[k][0].fill.report.corners for k in left]
     for name, shape in keys.items():
-        in_key = tripatch.fill_all(*shape.around(*rims)[:2], [loops[k] for k in left], corners=same, **arguments)
+        arguments["replaced"] = (in_shape := shape.around(*rims))[2]
+        in_key = tripatch.fill_all(*in_shape[:2], [loops[k] for k in left], corners=same, **arguments)
         for k, fill in zip(left, in_key, strict=True):
             planned, notes = results[k]
             notes += _in_shape_key(bm, planned, name, fill, world, True)
@@ -179,10 +184,10 @@ def _follow_rim(planned, layer):
     return planned.positions + blend(ends)
 
 
-def _shapes(bm, matrix, active_shape):
-    """Surroundings in each shape key but the one whose shape the vertices have now."""
+def _shapes(bm, matrix, active_shape, count=0):
+    """Surroundings in each shape key but the one whose shape the vertices have now; count: see Surroundings."""
     others = [(name, layer) for name, layer in bm.verts.layers.shape.items() if name != active_shape]
-    return {name: Surroundings(bm, matrix, layer) for name, layer in others}
+    return {name: Surroundings(bm, matrix, layer, count) for name, layer in others}
 
 
 def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None):
@@ -229,6 +234,19 @@ def _clear_of_each_other(rims):
     return [group for _, group in groups]
 
 
+def _plans_in_cage(bm, rims, matrix, options, active_shape, modifier):
+    """`_plan_cages` in the cage that the modifier subdivides: modifiers before it may have added to the BMesh."""
+    ob = modifier.id_data if modifier else None
+    made = subdivision.cage_before(ob, bm, modifier) if modifier else bm
+    try:
+        there = [subdivision.in_cage(ob, made, bm, rim) for rim in rims]
+        around, keys = Surroundings(made, matrix), _shapes(bm, matrix, active_shape, len(made.verts))
+        return _plan_cages(bm, rims, there, matrix, keys, options, around, subdivision.Cage(made, modifier))
+    finally:
+        if made is not bm:
+            made.free()
+
+
 def _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier):
     """Holes that touch each other are filled one after the other, all others together."""
     outcome, new_faces = Outcome(cage_rim=options.arguments.get("cage_rim", "smooth")), []
@@ -241,9 +259,8 @@ def _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier):
             continue
         bm.verts.index_update()
         bm.faces.index_update()
-        around, keys = Surroundings(bm, matrix), _shapes(bm, matrix, active_shape)
         planned = []
-        for plan, notes in _plan_cages(bm, usable, matrix, keys, options, around, subdivision.Cage(bm, modifier)):
+        for plan, notes in _plans_in_cage(bm, usable, matrix, options, active_shape, modifier):
             if isinstance(plan, tripatch.Refusal):
                 outcome.refused.append(words.refused(plan))
                 continue

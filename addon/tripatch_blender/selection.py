@@ -190,9 +190,10 @@ def selected_rims(bm, selection):
 class Surroundings:
     """World positions of what lies around rims, in the vertex numbers of the BMesh, so that refusals name its vertices."""
 
-    def __init__(self, bm, matrix, shape=None):
-        self._count, self._matrix, self._shape = len(bm.verts), matrix, shape
-        self.positions = np.zeros((self._count, 3))
+    def __init__(self, bm, matrix, shape=None, count=0):
+        """count: of the vertices, where there are more than those of the BMesh."""
+        self._matrix, self._shape = matrix, shape
+        self.positions = np.zeros((max(len(bm.verts), count), 3))
 
     def around(self, *rims):
         """(positions (n, 3), faces as index lists, indices of the replaced ones) for the faces around rims."""

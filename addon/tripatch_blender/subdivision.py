@@ -7,7 +7,7 @@ import bmesh
 import bpy
 
 from .library import np
-from .selection import UnusableError
+from .selection import Rim, UnusableError, edges_of
 
 # Modifiers that leave every vertex and edge where it is.
 _HARMLESS = {
@@ -22,6 +22,8 @@ _HARMLESS = {
     "VERTEX_WEIGHT_PROXIMITY",
     "WEIGHTED_NORMAL",
 }
+# Before a subdivision this leaves the object's own mesh, to which a cage's faces are added, where it is.
+_HARMLESS_BEFORE = _HARMLESS | {"MIRROR"}
 # After a subdivision these add faces elsewhere, or part faces, and move nothing.
 _HARMLESS_AFTER = _HARMLESS | {"ARRAY", "EDGE_SPLIT", "MIRROR", "TRIANGULATE"}
 
@@ -48,7 +50,7 @@ def usable(ob, limit=False):
     for other in ob.modifiers:
         if other == modifier:
             before = False
-        elif other.show_viewport and before and not limit and other.type not in _HARMLESS:
+        elif other.show_viewport and before and not limit and other.type not in _HARMLESS_BEFORE:
             raise UnusableError(
                 f"The modifier '{other.name}' of {ob.name} changes the cage before it is subdivided; apply it, or choose "
                 "Output: Triangles and Surroundings: Mesh"
@@ -94,6 +96,21 @@ def cage_before(ob, bm, modifier):
             "Output: Triangles and Surroundings: Mesh"
         )
     return made
+
+
+def in_cage(ob, cage, bm, rim):
+    """The rim of a BMesh in the cage that modifiers make of it."""
+    if cage is bm:
+        return rim
+    vertex = {v: cage.verts[v.index] for v in (*rim.loop, *rim.corners, *([rim.first] if rim.first else []))}
+    loop = [vertex[v] for v in rim.loop]
+    replaced = {cage.faces[f.index] for f in rim.replaced}
+    for edge, a in zip(edges_of(cage, loop), loop, strict=True):
+        if edge is None or len([f for f in edge.link_faces if f not in replaced]) != 1:
+            raise UnusableError(
+                f"A modifier of {ob.name} closes the hole at vertex {a.index}, or changes its rim there; apply it"
+            )
+    return Rim(loop, [vertex[v] for v in rim.corners], vertex.get(rim.first), replaced)
 
 
 def level_of(modifier):

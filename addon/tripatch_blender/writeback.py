@@ -21,6 +21,7 @@ class Planned:
 
     rim: Rim
     fill: object  # tripatch.Fill in world space, in the vertex numbers of the BMesh
+    count: int  # from this number on the fill's vertices are new
     loop: list  # BMVert from corner 0 on
     positions: np.ndarray  # (k, 3) of the new vertices in object space
     normals: np.ndarray  # (k, 3)
@@ -31,10 +32,10 @@ class Planned:
     moved_in_shape_keys: dict = field(default_factory=dict)  # name: (as many as `moved`, 3)
 
 
-def obstacle(bm, planned, count):
+def obstacle(bm, planned):
     """A sentence if the new faces cannot be joined to the mesh without damage to it."""
     rim = {v.index: v for v in planned.loop}
-    edges = {frozenset((a.index, b.index)) for a, b in pairs(planned.loop)}
+    edges, count = {frozenset((a.index, b.index)) for a, b in pairs(planned.loop)}, planned.count
     for face in planned.fill.faces:
         if all(v < count for v in face) and (old := bm.faces.get([rim[v] for v in face])) and old not in planned.rim.replaced:
             return f"There is a face between vertices {', '.join(map(str, face))} of the rim already"
@@ -64,7 +65,7 @@ class _Rows:
     split: int = 0  # so many of the fill's vertices are on the rim
 
 
-def _split_edges(bm, planned, count, custom):
+def _split_edges(bm, planned, custom):
     """Splits the rim edges that the fill asks for. custom: as in `_write_one`."""
     fill = planned.fill
     rows = _Rows(list(planned.loop), fill.rim.tolist(), fill.rim_barycentric, planned.rim_normals)
@@ -79,17 +80,17 @@ def _split_edges(bm, planned, count, custom):
             between = sum(custom.get(other, np.zeros(3)) for other in (corner.link_loop_prev, corner.link_loop_next))
             custom[corner] = between / max(np.linalg.norm(between), 1e-30)
         rows.loop.insert(place + 1, new)
-        rows.numbers.insert(place + 1, count + k)
+        rows.numbers.insert(place + 1, planned.count + k)
         rows.barycentric = np.insert(rows.barycentric, place + 1, fill.barycentric[k], axis=0)
         rows.normals = np.insert(rows.normals, place + 1, planned.normals[k], axis=0)
         rows.split += 1
     return rows
 
 
-def _write_one(bm, planned, count, shading, custom):
+def _write_one(bm, planned, shading, custom):
     """Creates the faces of one fill. custom: {face corner: normal} of the surroundings, or None. Returns the new faces."""
     fill, rim = planned.fill, planned.rim
-    rows = _split_edges(bm, planned, count, custom)
+    rows = _split_edges(bm, planned, custom)
     loop = rows.loop
     positions, own_normals, barycentric = (a[rows.split :] for a in (planned.positions, planned.normals, fill.barycentric))
     edges = edges_of(bm, loop)
@@ -113,7 +114,7 @@ def _write_one(bm, planned, count, shading, custom):
     all_barycentric = np.vstack([rows.barycentric, barycentric])
     new_faces, corners = [], []
     for face in fill.faces:
-        at = [place[v] if v in place else len(loop) + v - count - rows.split for v in face]
+        at = [place[v] if v in place else len(loop) + v - planned.count - rows.split for v in face]
         side = int(np.argmin(all_barycentric[at].sum(axis=0)))
         made = bm.faces.new([loop[k] if k < len(loop) else inside[k - len(loop)] for k in at], models[side])
         made.hide = False
@@ -165,7 +166,6 @@ def _give_normals(planned, tangent, custom, ends, corners):
 
 def write(bm, mesh, all_planned, shading):
     """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on."""
-    count = len(bm.verts)
     if any(len(planned.fill.creases[0]) for planned in all_planned):
         subdivision.edge_crease_layer(bm)  # before any other layer is held
     custom = None
@@ -177,7 +177,7 @@ def write(bm, mesh, all_planned, shading):
         custom = {corner: normal for corner, normal in custom.items() if corner.face not in gone}
     new_faces = []
     for planned in all_planned:
-        new_faces += _write_one(bm, planned, count, shading, custom)
+        new_faces += _write_one(bm, planned, shading, custom)
     if custom is not None:
         normals.set_corner_normals(bm, custom)
     return new_faces

@@ -393,14 +393,15 @@ def test_what_changes_the_cage_is_refused_by_name():
     ob = add_cage(levels=None)
     ob.modifiers.new("Half", "MIRROR")
     ob.modifiers.new("Subdivision", "SUBSURF")
-    refused(ob, "'Half' of Cage changes the cage")
     ob.modifiers[0].use_bisect_axis = (True, False, False)
+    refused(ob, "'Half' of Cage changes the cage")
     refused(ob, "'Half' of Cage changes the cage", surroundings="limit")
     ob.modifiers[0].show_viewport = False
     set_output(ob)
     ob = add_cage(levels=None)
     ob.modifiers.new("Fewer", "DECIMATE").ratio = 0.5
     ob.modifiers.new("Subdivision", "SUBSURF")
+    refused(ob, f"'Fewer' of {ob.name} changes the cage")
     refused(ob, f"'Fewer' of {ob.name} changes the cage", surroundings="limit")
 
 
@@ -446,6 +447,51 @@ def test_a_mirror_is_read(where):
     assert len(first[0]) and bits(first[0]) == bits(first[1])
 
 
+def beside_the_plane(ob, **options):
+    """Fills the hole of half a cage that is not on the plane, by default with a cage; returns the new vertices."""
+    before = len(ob.data.vertices)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bm = bmesh.from_edit_mesh(ob.data)
+    loop = next(loop for loop in scenes.border_loops(bm) if all(v.co.x < -0.01 for v in loop))
+    bpy.ops.mesh.select_mode(type="VERT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    scenes.select(bm, loop[:: len(loop) // 3][:3])
+    assert fill(rows=1, **options) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return np.array([v.co for v in ob.data.vertices[before:]])
+
+
+@pytest.mark.parametrize("cage_rim", ["smooth", "exact", "move"])
+def test_a_cage_is_fitted_to_both_halves_of_a_mirror(cage_rim):
+    """As if the Mirror modifier had been applied before: the image of the hole is still open when the first is fitted."""
+    made = []
+    for applied in (False, True):
+        ob = add_cage(levels=None, change=half, n=4, rings=1)
+        ob.matrix_world.identity()
+        ob.modifiers.new("Mirror", "MIRROR")
+        ob.modifiers.new("Subdivision", "SUBSURF").levels = 2
+        if applied:
+            bpy.ops.object.modifier_apply(modifier="Mirror")
+        made.append(beside_the_plane(ob, cage_rim=cage_rim))
+        if not applied:
+            assert not evaluated(ob)[1]  # the modifier mirrors the fill
+    assert len(made[0]) and np.abs(made[0] - made[1]).max() < 1e-6
+
+
+def test_shape_keys_of_a_mirrored_cage():
+    ob = add_cage(levels=None, change=half, n=6, rings=1)
+    ob.modifiers.new("Mirror", "MIRROR")
+    ob.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="Large")
+    for point in key.data:
+        point.co *= 1.5
+    new = len(beside_the_plane(ob))
+    keys = ob.data.shape_keys.key_blocks
+    basis, large = (np.array([point.co for point in keys[name].data])[-new:] for name in ("Basis", "Large"))
+    assert np.abs(large - 1.5 * basis).max() < 1e-2
+
+
 def test_a_hole_on_a_mirror_plane_is_refused():
     ob = add_cage(levels=None, remove=False, change=half)
     ob.modifiers.new("Mirror", "MIRROR")
@@ -456,6 +502,8 @@ def test_a_hole_on_a_mirror_plane_is_refused():
     scenes.select(bm, scenes.border_loops(bm)[0][::8][:3])
     with pytest.raises(RuntimeError, match="closes the hole at vertex"):
         fill(surroundings="limit")
+    with pytest.raises(RuntimeError, match="closes the hole at vertex"):
+        fill()
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
