@@ -26,7 +26,7 @@ struct FairHole {
 };
 
 struct FairCageOptions {
-  double parameters = 0.2;  ///< a step may gain this part, relative, on third derivatives of what it loses on the energy
+  double parameters = 0.5;  ///< a step may gain this part, relative, on third derivatives of what it loses on the energy
   int iterations = 8;
   double enough = 0.01;  ///< relative gain below which the iteration stops
 };
