@@ -130,6 +130,7 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
   FairingOptions fairing;
   for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = continuity.tangent[i] && options.bulge[i] == 1;
   if (faired && points) {
+    fairing.degree = 6;  // there is more to go by than an energy
     made.patch = follow(made.patch, sides, boundary, *points, fairing);
   } else if (faired) {
     fairing.energy = options.fairing;

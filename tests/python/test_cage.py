@@ -105,7 +105,7 @@ def test_a_region_of_a_sphere_is_replaced_by_a_sphere(n, rings):
     fill = tripatch.fill(vertices, faces, replaced=gone, **where)
     off = np.linalg.norm(fill.limit(3)[0], axis=1) - 1
     assert np.sqrt(np.mean(off**2)) < 1.5e-3 * diameter
-    assert fill.report.surroundings_moved_rms < 2e-4 * diameter
+    assert fill.report.surroundings_moved_rms < 4e-4 * diameter
 
 
 @pytest.mark.parametrize("option", [{"fairing": "third_derivative"}, {"fairing": None}, {"tension": 0.2}, {"bulge": 1.4}])

@@ -144,6 +144,7 @@ struct Work {
   std::vector<SampledFace> inside, outside;  ///< of the fill, and the first two rings around
   Points coordinates;                        ///< barycentric, of the samples inside: where on the patch they shall be
   std::size_t first_ring = 0;                ///< faces of `outside` that touch the rim
+  FairHole shape;                            ///< of the faces inside and of the first ring
   bool region = false;                       ///< replaces faces
 
   /// Of the samples inside.
@@ -406,21 +407,24 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
   }
   if (!exact) system.prepare(together);
 
+  for (std::size_t h = 0; h < count; ++h) {
+    Work& work = works[h];
+    for (Index v : holes[h].hole.rim)
+      work.shape.size = std::max(work.shape.size, (mesh.vertices.row(v) - mesh.vertices.row(holes[h].hole.rim[0])).norm());
+    const std::size_t corners = settings.loop ? 3 : 4;
+    for (const SampledFace& face : work.inside)
+      if (closed.faces[face.face].size() == corners) work.shape.inside.push_back(face_shape(face.limit, settings.loop));
+    for (std::size_t k = 0; k < work.first_ring; ++k) {
+      const SampledFace& face = work.outside[k];
+      if (closed.faces[face.face].size() == corners) work.shape.around.push_back(face_shape(face.limit, settings.loop));
+    }
+  }
   if (!exact && coarser.empty()) {
-    std::vector<FairHole> fair(count);
+    std::vector<FairHole> fair;
     CageSystem::Term held = system.zero();
-    for (std::size_t h = 0; h < count; ++h) {
-      const Work& work = works[h];
-      for (Index v : holes[h].hole.rim)
-        fair[h].size = std::max(fair[h].size, (mesh.vertices.row(v) - mesh.vertices.row(holes[h].hole.rim[0])).norm());
-      const std::size_t corners = settings.loop ? 3 : 4;
-      for (const SampledFace& face : work.inside)
-        if (closed.faces[face.face].size() == corners) fair[h].inside.push_back(face_shape(face.limit, settings.loop));
-      for (std::size_t k = 0; k < work.first_ring; ++k) {
-        const SampledFace& face = work.outside[k];
-        if (closed.faces[face.face].size() == corners) fair[h].around.push_back(face_shape(face.limit, settings.loop));
-      }
-      hold_surroundings(system, x, work, (work.region ? options.fair_whole : options.fair_open) * fair[h].size, held);
+    for (const Work& work : works) {
+      fair.push_back(work.shape);
+      hold_surroundings(system, x, work, (work.region ? options.fair_whole : options.fair_open) * work.shape.size, held);
     }
     std::vector<int> waiting;  // the rim's own vertices, for the fit
     for (std::size_t k = 0; k < free.size(); ++k)
@@ -496,6 +500,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
       add_patch(system, x, *fits[h].patch, works[h], options, term);
       add_surroundings(system, x, works[h], options, term);
       if (exact) add_seam(system, x, seams[h], options, term);
+      add_third_derivatives(system, works[h].shape, x, options.lines * options.lines, term);
     }
     const Eigen::VectorXd y = system.step(term, Eigen::VectorXd::Zero(x.size()), anchor);
     x += Eigen::Map<const Points>(y.data(), x.rows(), 3);

@@ -105,6 +105,20 @@ FaceShape face_shape(const Sums& positions, bool triangle) {
   return {{positions.slots, weights * positions.weights, weights * positions.rest}, triangle ? 1.0 / 6 : 0.25};
 }
 
+void add_third_derivatives(const CageSystem& system, const FairHole& hole, const Points& free, double weight,
+                           CageSystem::Term& term) {
+  for (const auto* faces : {&hole.inside, &hole.around})
+    for (const FaceShape& face : *faces) {
+      const Points now = face.derivatives.at(free);
+      for (Index row = 0; row < now.rows(); ++row) {
+        const Index d = row % 9;
+        if (d < 5) continue;
+        const double w = weight * face.area * (d == 6 || d == 7 ? 3 : 1);
+        system.add(term, face.derivatives, row, w * Eigen::Matrix3d::Identity(), now.row(row));
+      }
+    }
+}
+
 Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>& holes, const CageSystem::Term& held,
                  const std::vector<int>& fixed, const FairCageOptions& options) {
   const std::size_t count = holes.size();
@@ -118,16 +132,7 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
   }
   CageSystem::Term sum = pins;
   for (std::size_t h = 0; h < count; ++h) {
-    for (const auto* faces : {&holes[h].inside, &holes[h].around})
-      for (const FaceShape& face : *faces) {
-        const Points now = face.derivatives.at(start);
-        for (Index row = 0; row < now.rows(); ++row) {
-          const Index d = row % 9;
-          if (d < 5) continue;
-          const double weight = face.area * (d == 6 || d == 7 ? 3 : 1) / (holes[h].size * holes[h].size);
-          system.add(third[h], face.derivatives, row, weight * Eigen::Matrix3d::Identity(), now.row(row));
-        }
-      }
+    add_third_derivatives(system, holes[h], start, 1 / (holes[h].size * holes[h].size), third[h]);
     system.add(sum, 1, third[h]);
   }
   Eigen::VectorXd y = system.step(sum, Eigen::VectorXd::Zero(start.size()), 1e-10);

@@ -32,6 +32,7 @@ struct CageOptions {
   double whole = 1;          ///< around a region to be replaced, where the old limit surface is that of the whole cage
   double seam = 5;           ///< exact: tangent planes along the rim, radians times the size of the hole
   double seam_width = 0.05;  ///< exact: times `seam`: how far the first row reaches inwards
+  double lines = 0.01;       ///< third derivatives in the faces' parameters: where along the patch the lines run
   int rounds = 3;            ///< how often it is fitted, each time to the points of the patch that have become the nearest
   /// Movements of the old limit surface (rms, over the hole's size) that weigh as much as an energy of the fair cage e times as
   /// large: around an open hole, and around a region to be replaced.

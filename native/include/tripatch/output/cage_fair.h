@@ -25,6 +25,10 @@ struct FairHole {
   double before = 0, after = 0;           ///< the energy, see fair_cage
 };
 
+/// Adds weight times the integral of squared third derivatives, inside and around.
+void add_third_derivatives(const CageSystem& system, const FairHole& hole, const Points& free, double weight,
+                           CageSystem::Term& term);
+
 struct FairCageOptions {
   double parameters = 0.5;  ///< a step may gain this part, relative, on third derivatives of what it loses on the energy
   int iterations = 8;
