@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 import tripatch
+from shapes import corner_removed, cube_sphere
+from tripatch import _arrays, _native
 
 
 def sheet():
@@ -51,3 +53,23 @@ def test_what_is_no_rim_is_refused():
     vertices, faces, _, _ = sheet()
     with pytest.raises(tripatch.Refusal):
         tripatch.find_corners(vertices, faces, [0, 1, 2, 3])
+
+
+@pytest.mark.parametrize("replaced", [False, True])
+def test_where_the_lines_of_quads_turn_themselves_the_corners_are_those_of_the_grid(replaced):
+    # the cage whose limit lies on a sphere turns by 20 to 40 degrees more where its lines pass the edges of the cube
+    vertices, faces = cube_sphere(8)
+    wanted = vertices.copy()
+    for _ in range(40):
+        vertices = vertices + wanted - _native.limit_points(*_arrays.mesh(vertices, faces))
+    left, gone = corner_removed(vertices, faces, 2)
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 12)
+    expected = {int(v) for v in rim if sum(int(v) in face for face in left) == 3}
+    found = tripatch.find_corners(vertices, faces, rim, replaced=gone) if replaced else tripatch.find_corners(vertices, left, rim)
+    assert set(found.tolist()) == expected
+    # six corners of a hexagon are not made three
+    hexagon = np.array([[np.cos(a), np.sin(a), 0] for a in np.arange(6) * np.pi / 3])
+    points = np.concatenate([hexagon, 2 * hexagon])
+    ring = [[(k + 1) % 6, k, 6 + k, 6 + (k + 1) % 6] for k in range(6)]
+    with pytest.raises(tripatch.Refusal, match="6 corners"):
+        tripatch.find_corners(points, ring, np.arange(6))

@@ -541,9 +541,26 @@ std::vector<Index> detect_corners(const Mesh& mesh, const FacesAround& around, c
   return corners;
 }
 
+/// Where a rim of quads leaves the lines of its grid: three of their faces meet there, two at every other vertex of the rim. Empty
+/// where it is not so.
+std::vector<Index> grid_corners(const FacesAround& around, const Loop& rim) {
+  std::vector<Index> corners;
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    const auto faces = around.at(rim[k]);
+    if (faces.size() < 2 || faces.size() > 3) return {};
+    for (const FacesAround::Corner& c : faces)
+      if (around.face(c).size() != 4) return {};
+    if (faces.size() == 3) corners.push_back(static_cast<Index>(k));
+  }
+  return corners;
+}
+
 std::array<Index, 3> three_corners(const Mesh& mesh, const FacesAround& around, const Loop& rim) {
   const std::vector<Index> corners = detect_corners(mesh, around, rim);
   if (corners.size() == 3) return {corners[0], corners[1], corners[2]};
+  // on a round shape the lines themselves turn, as they do over the edges of a cube made a sphere
+  const std::vector<Index> of_grid = grid_corners(around, rim);
+  if (of_grid.size() == 3) return {of_grid[0], of_grid[1], of_grid[2]};
   Loop where;
   for (Index k : corners) where.push_back(rim[k]);
   if (corners.empty()) throw Refusal("Rim has no clear corners; select three", {rim[0]});
