@@ -61,7 +61,7 @@ def test_no_crack_at_any_level(levels, capfd):
     bpy.ops.mesh.select_all(action="DESELECT")
     cages.scenes.select(bm, convex_corners(loop))
     before = set(bpy.data.objects)
-    assert cages.fill(surroundings="limit", resolution=4) == {"FINISHED"}
+    assert cages.fill(surroundings="limit") == {"FINISHED"}
     assert "folds" not in capfd.readouterr().out
     bpy.ops.object.mode_set(mode="OBJECT")
     (new,) = set(bpy.data.objects) - before
