@@ -829,11 +829,12 @@ PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<dou
 
 /// A little of the interior term against folds (report.h): points of a grid that face away from the blend of the rim's normals, and
 /// neighbours whose normals are far apart. The least in third derivatives, with a penalty on each fold that grows. Returns the
-/// correction that leaves fewest, or none.
+/// correction that leaves fewest and does not go far, or none.
 SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, const std::function<Index(const Surface&)>& folds,
                      Index& least) {
   constexpr int rows = 64, rounds = 16, patience = 5, degree = 9;
   constexpr double faces = 0.02, neighbours = 0.55;  // cosines: least wanted
+  constexpr double far = 0.25;                       // times the size: where that is not enough, nothing is
   const Shared& functions = shared(degree, 0, 0, 8);
   const Index count = functions.combination.cols();
   std::vector<Vec3> wanted;
@@ -904,6 +905,8 @@ SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, c
     if (!x.allFinite()) break;
     const SurfacePtr correction = std::make_shared<Correction>(std::array<PiecewisePolynomial, 3>{zero, zero, zero}, degree, 0,
                                                                Points(size * (functions.combination * x)));
+    const Points added = correction->positions(Eigen::Map<const Points>(at.data(), points, 3));
+    if (!(added.rowwise().norm().maxCoeff() < far * size)) break;
     const Index left = folds(*sum(patch, correction));
     if (left < least) {
       least = left;
