@@ -285,6 +285,15 @@ TEST_CASE("a fairing that folds is not used") {
   CHECK(!result.warnings.empty());
 }
 
+TEST_CASE("folds that are not the patch's own are left alone") {
+  // as where they are counted on the patch with what its sides' kinks add
+  FairingOptions options;
+  options.folds = [](const Surface&) { return Index{1}; };
+  const FairResult result = faired(sphere_sides(octant), options);
+  CHECK(result.folds == 1);
+  CHECK(result.after < result.before);
+}
+
 TEST_CASE("an energy must have a known name") {
   FairingOptions options;
   options.energy = "bending";

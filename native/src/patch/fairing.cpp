@@ -897,6 +897,7 @@ SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, c
       add(b, normal[a]);
       ++active;
     }
+    if (active == 0) break;  // folds are counted on more than this grid, or on a patch with more added
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(3 * count, 3 * count);
     const auto columns = folded.leftCols(active);
     matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns, penalty);
