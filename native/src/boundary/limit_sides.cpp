@@ -23,9 +23,12 @@ std::map<std::pair<Index, Index>, FaceEdge> surrounding_faces(const Mesh& cage, 
   const std::size_t n = hole.rim.size();
   for (std::size_t k = 0; k < n; ++k) found[{hole.rim[k], hole.rim[(k + 1) % n]}] = {};
   const std::set<Index> gone(replaced.begin(), replaced.end());
+  std::vector<char> on_rim(cage.vertices.rows(), 0);
+  for (Index v : hole.rim) on_rim[v] = 1;
   for (Index f = 0; f < cage.faces.size(); ++f) {
     const auto face = cage.faces[f];
     for (std::size_t k = 0; k < face.size(); ++k) {
+      if (!on_rim[face[k]]) continue;
       const auto rim_edge = found.find({face[(k + 1) % face.size()], face[k]});
       if (rim_edge != found.end() && !gone.contains(f)) rim_edge->second = {f, static_cast<int>(k)};
     }

@@ -118,15 +118,17 @@ struct EdgePlace {
   int edge = 0;
 };
 using EdgePlaces = std::map<std::pair<Index, Index>, EdgePlace>;
-EdgePlaces directed_edges(const Faces& faces, const std::vector<CageHole>& holes) {
-  std::set<Index> on;
-  for (const CageHole& h : holes) on.insert(h.hole.rim.begin(), h.hole.rim.end());
+EdgePlaces directed_edges(const Closed& closed, const std::vector<CageHole>& holes) {
+  std::vector<char> on(closed.vertices.rows(), 0);
+  for (const CageHole& h : holes)
+    for (Index v : h.hole.rim) on[v] = 1;
   EdgePlaces result;
-  for (Index f = 0; f < faces.size(); ++f) {
-    const auto face = faces[f];
-    for (std::size_t k = 0; k < face.size(); ++k)
-      if (on.contains(face[k]) && on.contains(face[(k + 1) % face.size()]))
-        result[{face[k], face[(k + 1) % face.size()]}] = {f, static_cast<int>(k)};
+  for (Index f = 0; f < closed.faces.size(); ++f) {
+    const auto face = closed.faces[f];
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const Index a = face[k], b = face[(k + 1) % face.size()];
+      if (on[a] && on[b]) result[{a, b}] = {f, static_cast<int>(k)};
+    }
   }
   return result;
 }
@@ -344,9 +346,9 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
   // What the surroundings were: the cage as it was given, with the faces being replaced, where there were any, else open.
   const LimitSurface was(mesh, settings, around);
   // What an exact rim leaves them: the creased border of an open hole.
-  Faces left;
-  for (Index f : closed.kept) left.add(mesh.faces[f]);
   const bool part = exact && !replaced.empty();
+  Faces left;
+  for (std::size_t k = 0; part && k < closed.kept.size(); ++k) left.add(mesh.faces[closed.kept[k]]);
   const std::optional<LimitSurface> open =
       part ? std::optional<LimitSurface>(std::in_place, Mesh{mesh.vertices, left}, settings, around) : std::nullopt;
   std::vector<Index> free;
@@ -441,7 +443,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
   };
   take();
 
-  const auto edges = directed_edges(closed.faces, holes);
+  const auto edges = directed_edges(closed, holes);
   std::vector<Seam> seams(count);
   for (std::size_t h = 0; h < count; ++h) {
     CageFit& fit = fits[h];

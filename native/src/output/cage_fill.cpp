@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <string>
 
 #include "tripatch/output/quad_layout.h"
@@ -118,15 +117,22 @@ void write_seam(const CageFit& fit, const Hole& hole, Report& report) {
   report.seam_angle_median = all[all.size() / 2];
 }
 
-/// For each vertex the border edges of the mesh without the replaced faces; two where one border passes.
-std::vector<int> border_edges(const Mesh& mesh, const std::vector<Index>& replaced) {
+/// For each vertex of the rims the border edges of the mesh without the replaced faces; two where one border passes.
+std::map<Index, int> border_edges(const Mesh& mesh, const std::vector<CageRequest>& requests,
+                                  const std::vector<Index>& replaced) {
+  std::vector<char> on_rim(mesh.vertices.rows(), 0), gone(mesh.faces.size(), 0);
+  for (const CageRequest& request : requests)
+    for (Index v : request.hole.rim) on_rim[v] = 1;
+  for (Index f : replaced) gone[f] = 1;
   std::map<std::pair<Index, Index>, int> uses;
-  const std::set<Index> gone(replaced.begin(), replaced.end());
   for (Index f = 0; f < mesh.faces.size(); ++f) {
     const auto face = mesh.faces[f];
-    for (std::size_t k = 0; !gone.contains(f) && k < face.size(); ++k) ++uses[std::minmax(face[k], face[(k + 1) % face.size()])];
+    for (std::size_t k = 0; !gone[f] && k < face.size(); ++k) {
+      const Index a = face[k], b = face[(k + 1) % face.size()];
+      if (on_rim[a] || on_rim[b]) ++uses[std::minmax(a, b)];
+    }
   }
-  std::vector<int> count(mesh.vertices.rows(), 0);
+  std::map<Index, int> count;
   for (const auto& [edge, faces] : uses)
     if (faces == 1) {
       ++count[edge.first];
@@ -239,11 +245,11 @@ std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRe
     for (std::size_t h = 0; h < count; ++h) open[h] = layout_options.rows || fits[h].deviation_rms > tolerance[h];
     if (std::find(open.begin(), open.end(), 1) == open.end()) break;
   }
-  const std::vector<int> border = border_edges(mesh, replaced);
+  const std::map<Index, int> border = border_edges(mesh, requests, replaced);
   for (std::size_t h = 0; h < count; ++h) {
     write(mesh.vertices.rows(), split.middle[h], holes[h].hole, split.vertices, layouts[h], std::move(fits[h]), results[h]);
     for (Index v : requests[h].hole.rim)
-      if (border[v] > 2)
+      if (const auto edges = border.find(v); edges != border.end() && edges->second > 2)
         results[h].report.warnings.push_back(std::string("Another border touches the rim at vertex ") + std::to_string(v) +
                                              ": the limit surface is sharp there");
     if (!layout_options.rows && !settings.loop && open[h]) results[h].report.warnings.push_back(too_few_rows);
