@@ -268,14 +268,33 @@ def test_quads_of_an_odd_rim_leave_every_face_of_the_file(one, tmp_path, capsys)
 
 def test_cages_say_what_a_file_cannot_hold(one, tmp_path, capsys):
     out = tmp_path / "out.obj"
-    code, _, errors = run(capsys, "fill", one, out, "--output", "cage", "--cage-rim", "move")
-    assert code == 2 and "smooth or exact" in errors and not out.exists()
     code, _, errors = run(
         capsys, "fill", one, out, "--output", "cage", "--cage-rim", "exact", "--report", tmp_path / "r.json", "--resolution", 0
     )
     assert code == 0 and "creased" in errors and len(borders(out)) == 1
     creases = json.loads((tmp_path / "r.json").read_text())["holes"][0]["creases"]
     assert len(creases) == 18 and all(max(edge) < 18 for edge in creases)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".off", ".ply", ".vtk"])
+def test_a_moved_rim_is_moved_in_the_file(one, suffix, tmp_path, capsys):
+    out = tmp_path / f"out{suffix}"
+    code, _, errors = run(capsys, "fill", one, out, "--output", "cage", "--cage-rim", "move", "--resolution", 0)
+    assert code == 0, errors
+    given, found = files.read(one), files.read(out)
+    expected = tripatch.fill(given.vertices, given.faces, output="cage", cage_rim="move", resolution=0, odd="triangle")
+    moved, places = expected.moved
+    assert len(moved) == 18 and np.abs(places - given.vertices[moved]).max() > 1e-4
+    wanted = np.concatenate([given.vertices, expected.vertices])
+    wanted[moved] = places
+    assert np.abs(found.vertices - wanted).max() < 1e-12
+    assert sorted(map(sorted, found.faces)) == sorted(map(sorted, given.faces + expected.faces))
+
+
+def test_stl_files_move_nothing(one, tmp_path, capsys):
+    out = tmp_path / "out.stl"
+    code, _, errors = run(capsys, "fill", one, out, "--output", "cage", "--cage-rim", "move", "--resolution", 0)
+    assert code == 2 and "another format" in errors and not out.exists()
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".off", ".ply", ".stl"])

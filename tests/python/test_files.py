@@ -20,8 +20,8 @@ QUADS = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 TRIANGLES = [t for a, b, c, d in QUADS for t in ([a, b, c], [a, c, d])]
 
 
-def fan(rim, n, place=(1.5, 1.25, 0.1)):
-    """A fill of triangles around one new vertex, nearest to the first two of the rim."""
+def fan(rim, n, place=(1.5, 1.25, 0.1), moved=()):
+    """A fill of triangles around one new vertex, nearest to the first two of the rim; moved: pairs of vertex and place."""
     up = np.array([[0.0, 0.0, 1.0]])
     return SimpleNamespace(
         vertices=np.array([place]),
@@ -29,6 +29,7 @@ def fan(rim, n, place=(1.5, 1.25, 0.1)):
         faces=[[a, b, n] for a, b in zip(rim, rim[1:] + rim[:1])],
         rim=np.array(rim),
         rim_normals=np.repeat(up, len(rim), axis=0),
+        moved=([v for v, _ in moved], np.array([p for _, p in moved], float).reshape(-1, 3)),
     )
 
 
@@ -96,6 +97,50 @@ def test_obj_vertex_colours_come_from_the_rim(tmp_path):
     data = re.sub(rb"(?m)^(v \d \d \d)$", rb"\1 1 1 1", data)
     out = filled(data, "a.obj", tmp_path, [fan([4, 5, 6, 7], 8, (1.9, 1.2, 0))])
     assert b"\nv 1.9 1.2 0.0 0.25 0.5 1\n" in out
+
+
+MOVED = fan([4, 5, 6, 7], 8, moved=[(5, (2.5, 1, 0.125)), (6, (2, -0.5, 1e-3))])
+
+
+def test_obj_moved_vertices(tmp_path):
+    data = OBJ.replace(b"v 2 1 0\n", b"v  2 \\\n\t1 0 0.25 0.5 1 # red\n")
+    out = filled(data, "a.obj", tmp_path, [MOVED])
+    expected = data.replace(b"v  2 \\\n\t1 0 0.25", b"v  2.5 \\\n\t1.0 0.125 0.25").replace(b"v 2 2 0\n", b"v 2.0 -0.5 0.001\n")
+    assert out.startswith(expected + b"v 1.5 1.25 0.1")
+
+
+def test_off_moved_vertices(tmp_path):
+    data = b"COFF\n8 4 0 # a comment\n" + b"".join(b"%d %d %d  9 8 7 # %d\n" % (*p, k) for k, p in enumerate(FRAME.astype(int)))
+    data += b"".join(b"4 %d %d %d %d\n" % tuple(q) for q in QUADS)
+    out = filled(data, "a.off", tmp_path, [MOVED])
+    assert b"\n2.5 1.0 0.125  9 8 7 # 5\n2.0 -0.5 0.001  9 8 7 # 6\n1 2 0  9 8 7 # 7\n" in out
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_ply_moved_vertices(form, tmp_path):
+    head = f"ply\nformat {form} 1.0\nelement vertex 8\nproperty uchar red\nproperty list uchar int tags\nproperty double x\n"
+    head += "property double y\nproperty float z\nproperty float w\nelement face 4\n"
+    head += "property list uchar int vertex_indices\nend_header\n"
+    if form == "ascii":
+        body = b"".join(b"%d 2 5 6   %d %d %d 0.10\n" % (k, *p) for k, p in enumerate(FRAME.astype(int)))
+        body += b"".join(b"4 %d %d %d %d\n" % tuple(q) for q in QUADS)
+    else:
+        order = "<" if "little" in form else ">"
+        body = b"".join(struct.pack(f"{order}BB2i2d2f", k, 2, 5, 6, *p, 0.1) for k, p in enumerate(FRAME))
+        body += b"".join(struct.pack(f"{order}B4i", 4, *q) for q in QUADS)
+    data = head.encode() + body
+    out = filled(data, "a.ply", tmp_path, [MOVED])
+    wanted = FRAME.copy()
+    wanted[5], wanted[6] = MOVED.moved[1]
+    assert np.abs(reread(out, "b.ply", tmp_path).vertices[:8] - wanted).max() < 1e-9
+    if form == "ascii":
+        assert b"\n5 2 5 6   2.5 1.0 0.125 0.10\n6 2 5 6   2.0 -0.5 0.001 0.10\n7 2 5 6   1 2 0 0.10\n" in out
+    else:
+        size = struct.calcsize("<BB2i2d2f")
+        given_body, found = data[len(head) :], out[out.index(b"end_header\n") + 11 :]
+        for k in (0, 1, 2, 3, 4, 7):
+            assert found[k * size : (k + 1) * size] == given_body[k * size : (k + 1) * size]
+        assert found[5 * size : 5 * size + 10] == given_body[5 * size : 5 * size + 10]
 
 
 def test_obj_several_fills(tmp_path):

@@ -61,13 +61,7 @@ def _or_none(parse):
 
 def _odd(text: str) -> str:
     if text == "split":
-        raise argparse.ArgumentTypeError("split changes a face of the mesh, which a file keeps as it is; use triangle")
-    return text
-
-
-def _cage_rim(text: str) -> str:
-    if text == "move":
-        raise argparse.ArgumentTypeError("move moves vertices of the mesh, which a file keeps as it is; use smooth or exact")
+        raise argparse.ArgumentTypeError("split changes a face of the mesh, and a file keeps its faces as they are; use triangle")
     return text
 
 
@@ -114,7 +108,7 @@ OPTIONS = {
         "triangles: edges per side inside the fill, none follows the rim; quads: extra rows round the pole, none the fewest",
     ),
     "tolerance": (_or_none(float), "D", "quads: distance from the patch that decides on the rows (1e-3 of the hole's diameter)"),
-    "cage_rim": (_cage_rim, "NAME", "cage: smooth or exact (smooth)"),
+    "cage_rim": (str, "NAME", "cage: smooth, exact or move (smooth)"),
     "odd": (_odd, "NAME", "quads round an odd rim: triangle leaves one at the pole (triangle)"),
     "pole_offset": (_two, "X,Y", "moves the pole, in fractions of the hole (0,0)"),
     "bulge": (_one_or_three(float), "B[,B,B]", "scales the slopes inside each side, greater than 0 (1)"),

@@ -4,8 +4,9 @@ OBJ, OFF, PLY and STL are read by small passes of our own that keep the file's b
 texture coordinates, colours, other elements and the header stay as they are. All other formats (VTK, VTU, ...) go through meshio,
 which keeps points, cells, and the data of both, but not what it does not read: comments, the title line, VTK's POLYDATA.
 
-A new vertex takes what the file says of a vertex beyond its position and normal (colours, say) from the nearest rim vertex, a
-new face what the file says of a face (material, group, colour) from the faces around the rim.
+A vertex that a fill moves keeps its line or row but for the three numbers. A new vertex takes what the file says of a vertex
+beyond its position and normal (colours, say) from the nearest rim vertex, a new face what the file says of a face (material,
+group, colour) from the faces around the rim.
 """
 
 from __future__ import annotations
@@ -51,6 +52,8 @@ class MeshFile:
         """Adds a `tripatch.Fill` of this mesh (one of several, in any order)."""
         n = len(self.vertices)
         faces = [[v if v < n else v + self._added for v in face] for face in fill.faces]
+        for v, place in zip(*fill.moved):
+            self._move(int(v), place)
         self._append(fill, faces, self._near(fill), self._around(fill.rim))
         self._added += len(fill.vertices)
 
@@ -66,6 +69,10 @@ class MeshFile:
                 part.unlink(missing_ok=True)
         except OSError as error:
             raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+
+    def _move(self, v: int, place: np.ndarray) -> None:
+        """The file's own vertex v goes to another place."""
+        raise NotImplementedError
 
     def _append(self, fill, faces: list[list[int]], near: np.ndarray, around: np.ndarray) -> None:
         """near: for each new vertex the rim vertex that it takes after; around: the faces at the rim."""
@@ -111,6 +118,14 @@ def _numbers(row) -> bytes:
     return b" ".join(map(_number, row))
 
 
+def _with_numbers(text: bytes, first: int, values) -> bytes:
+    """A line, or several that continue it, with other numbers from word `first` on; what is between the words stays."""
+    words = list(re.finditer(rb"(?:(?!\\\r?\n)\S)+", text))[first : first + len(values)]
+    for word, value in reversed(list(zip(words, values))):
+        text = text[: word.start()] + value + text[word.end() :]
+    return text
+
+
 def _lines(data: bytes) -> list[bytes]:
     return data.splitlines(keepends=True)
 
@@ -129,17 +144,18 @@ class ObjFile(MeshFile):
     """Wavefront OBJ. All bytes stay; what is new is added at the end, so that no negative index changes its meaning."""
 
     def __init__(self, data: bytes) -> None:
-        self._data, self._new = data, []
+        self._new: list[bytes] = []
         vertices, extras, faces = [], [], []
+        self._vertex_lines = []  # first and end
         self._normals = 0
-        lines = _lines(data)
+        lines = self._lines = _lines(data)
         self._eol = _line_end(lines)
         state: dict[bytes, bytes] = {}  # the last line of each keyword that later faces are under
         self._states, self._state_of = [state], []
         self._with_normals = False
         number = 0
         while number < len(lines):
-            line = lines[number]
+            line, start = lines[number], number
             number += 1
             while line.rstrip(b"\r\n").endswith(b"\\") and number < len(lines):
                 line = line.rstrip(b"\r\n")[:-1] + b" " + lines[number]
@@ -152,6 +168,7 @@ class ObjFile(MeshFile):
                 if keyword == b"v":
                     vertices.append((float(words[1]), float(words[2]), float(words[3])))
                     extras.append(words[4:])
+                    self._vertex_lines.append((start, number))
                 elif keyword == b"vn":
                     self._normals += 1
                 elif keyword == b"f":
@@ -179,6 +196,11 @@ class ObjFile(MeshFile):
         rows = [b"v " + _numbers(p) for p in vertices] + [b"f " + b" ".join(b"%d" % (v + 1) for v in face) for face in faces]
         return cls(b"\n".join(rows) + b"\n")
 
+    def _move(self, v, place):
+        start, end = self._vertex_lines[v]
+        self._lines[start] = _with_numbers(b"".join(self._lines[start:end]), 1, [_number(x) for x in place])
+        self._lines[start + 1 : end] = [b""] * (end - start - 1)
+
     def _append(self, fill, faces, near, around):
         new = self._new
         like = self._states[_most(self._state_of[f] for f in around)] if len(around) else {}
@@ -202,13 +224,14 @@ class ObjFile(MeshFile):
             new.append(b"f " + b" ".join(b"%d" % (v + 1) + normal_of.get(v, b"") for v in face))
 
     def _save(self, path):
+        data = b"".join(self._lines)
         with path.open("wb") as out:
-            out.write(self._data)
+            out.write(data)
             if not self._new:
                 return
-            if self._data.rstrip(b"\r\n").endswith(b"\\"):
+            if data.rstrip(b"\r\n").endswith(b"\\"):
                 out.write(self._eol)
-            if self._data and not self._data.endswith((b"\n", b"\r")):
+            if data and not data.endswith((b"\n", b"\r")):
                 out.write(self._eol)
             out.writelines(line + self._eol for line in self._new)
 
@@ -244,6 +267,7 @@ class OffFile(MeshFile):
                 raise FileError(f"The file announces {n} vertices and {m} faces, but has {len(rows) - 1} lines of them")
             points, facets = rows[1 : 1 + n], rows[1 + n : 1 + n + m]
             self._vertex_rest = [words[3:] for _, words in points]
+            self._vertex_lines = [k for k, _ in points]
             if n and len(points[0][1]) < 3:
                 raise ValueError
             vertices = np.array([words[:3] for _, words in points], dtype="S").astype(float).reshape(-1, 3)
@@ -269,6 +293,10 @@ class OffFile(MeshFile):
         rows = [b"OFF", b"%d %d 0" % (len(vertices), len(faces))] + [_numbers(p) for p in vertices]
         rows += [b"%d " % len(face) + b" ".join(b"%d" % v for v in face) for face in faces]
         return cls(b"\n".join(rows) + b"\n")
+
+    def _move(self, v, place):
+        k = self._vertex_lines[v]
+        self._lines[k] = _with_numbers(self._lines[k], 0, [_number(x) for x in place])
 
     def _append(self, fill, faces, near, around):
         for point, normal, v in zip(fill.vertices, fill.normals, near):
@@ -341,7 +369,7 @@ class PlyFile(MeshFile):
         end = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", data)
         if not data.startswith(b"ply") or not end:
             raise FileError("The file is no PLY file: its header is missing or has no end")
-        self._data, self._eol = data, end[1]
+        self._data, self._eol = bytearray(data), end[1]
         self._elements: list[_PlyElement] = []
         form = ""
         for line in data[: end.start()].decode("latin-1").splitlines()[1:]:
@@ -504,6 +532,20 @@ class PlyFile(MeshFile):
                 parts += [str(v).encode() for v in values]
         return b"".join(parts) if self._order else b" ".join(parts) + self._eol
 
+    def _move(self, v, place):
+        vertex, start = self._vertex, self._vertex.starts[v]
+        row = self._row(vertex, v)
+        for k, value in zip(self._xyz, place):
+            row[k] = float(value)
+        if self._order:
+            encoded = self._encode(vertex, row)
+            self._data[start : start + len(encoded)] = encoded
+            return
+        words = self._encode(vertex, row).split()
+        for k in self._xyz:  # the other numbers as they are written
+            first = sum(1 + len(value) if p[2] else 1 for p, value in zip(vertex.properties[:k], row))
+            self._lines[start] = _with_numbers(self._lines[start], first, [words[first]])
+
     def _append(self, fill, faces, near, around):
         vertex, face = self._vertex, self._face
         normal = [vertex.index(c) for c in _PLY_NORMAL]
@@ -593,6 +635,9 @@ class StlFile(MeshFile):
         MeshFile.__init__(stl, vertices, faces)  # numbered as given, not by first use
         return stl
 
+    def _move(self, v, place):
+        raise FileError("An STL file has a copy of a vertex for every triangle and none is moved; write another format")
+
     def _append(self, fill, faces, near, around):
         triangles = np.array(_corner_triangles(fill.faces), int).reshape(-1, 3)
         places = np.concatenate([self.vertices, fill.vertices])
@@ -681,6 +726,11 @@ class MeshioFile(MeshFile):
         for face in faces:
             by_size.setdefault(len(face), []).append(face)
         return [({3: "triangle", 4: "quad"}.get(k, "polygon"), np.array(rows, np.int64)) for k, rows in sorted(by_size.items())]
+
+    def _move(self, v, place):
+        if self._mesh.points.dtype.kind != "f":
+            self._mesh.points = self._mesh.points.astype(float)
+        self._mesh.points[v] = place[: self._mesh.points.shape[1]]
 
     def _append(self, fill, faces, near, around):
         meshio, mesh = _meshio(self._suffix), self._mesh
