@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+import tripatch
 from mathutils.bvhtree import BVHTree
 
 fill = bpy.ops.mesh.fill_three_sided
@@ -558,3 +559,35 @@ def test_custom_normals_elsewhere_keep(change):
     assert len(same) >= len(before) - 1 and np.mean(same) > 0.9
     far = [f for f in before if f in after and not set(f) & {v.index for v in mesh.vertices if v.select}]
     assert far and all(np.abs(after[f] - before[f]).max() < 1e-3 for f in far)
+
+
+def test_a_region_of_suzanne_by_blenders_own_modifier():
+    """Three rings round the vertex of three edges at the jaw: the evaluated modifier before and after."""
+    bpy.ops.mesh.primitive_monkey_add()
+    ob = bpy.context.object
+    modifier = ob.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels = 4
+    points, _, faces = evaluated(ob)
+    tree = BVHTree.FromPolygons(points.tolist(), faces)
+    vertices = np.array([v.co for v in ob.data.vertices], float)
+    cage = [list(p.vertices) for p in ob.data.polygons]
+    valence = np.bincount(np.concatenate(cage), minlength=len(vertices))
+    near, gone = {int(np.argmin(np.linalg.norm(vertices - [0.33, -0.4, -0.91], axis=1) + 10 * (valence != 3)))}, set()
+    for _ in range(3):
+        gone |= {f for f, face in enumerate(cage) if near & set(face)}
+        near = {v for f in gone for v in cage[f]}
+    left = [face for f, face in enumerate(cage) if f not in gone]
+    rim = next(r for r in tripatch.find_holes(left) if set(r.tolist()) <= near)
+    corners = next(r for r in (rim[k::6].tolist() for k in range(6)) if all(sum(v in f for f in left) >= 3 for v in r))
+    result = tripatch.fill(vertices, cage, rim=rim, corners=corners, replaced=sorted(gone), output="cage")
+    assert len(result.faces) == 27
+    mesh = bpy.data.meshes.new("Filled")
+    mesh.from_pydata(np.concatenate([vertices, result.vertices]).tolist(), [], left + result.faces)
+    ob.data = mesh
+    modifier.levels = 3
+    after = evaluated(ob)[0][::3]
+    distance = np.array([tree.find_nearest(p)[3] for p in after.tolist()])
+    width = np.ptp(vertices, axis=0).max()
+    print(f"FIGURE suzanne cage rms {np.sqrt(np.mean(distance**2)) / width:.1e} of the width, most {distance.max() / width:.1e}")
+    assert np.sqrt(np.mean(distance**2)) < 2e-3 * width
+    assert distance.max() < 3e-2 * width
