@@ -20,8 +20,9 @@ QUADS = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 TRIANGLES = [t for a, b, c, d in QUADS for t in ([a, b, c], [a, c, d])]
 
 
-def fan(rim, n, place=(1.5, 1.25, 0.1), moved=()):
-    """A fill of triangles around one new vertex, nearest to the first two of the rim; moved: pairs of vertex and place."""
+def fan(rim, n, place=(1.5, 1.25, 0.1), moved=(), split=()):
+    """A fill of triangles around one new vertex, nearest to the first two of the rim; moved: pairs of vertex and place; split: an
+    edge and where, which takes that vertex."""
     up = np.array([[0.0, 0.0, 1.0]])
     return SimpleNamespace(
         vertices=np.array([place]),
@@ -29,6 +30,7 @@ def fan(rim, n, place=(1.5, 1.25, 0.1), moved=()):
         faces=[[a, b, n] for a, b in zip(rim, rim[1:] + rim[:1])],
         rim=np.array(rim),
         rim_normals=np.repeat(up, len(rim), axis=0),
+        split_edges=([edge for edge, _ in split], [t for _, t in split]),
         moved=([v for v, _ in moved], np.array([p for _, p in moved], float).reshape(-1, 3)),
     )
 
@@ -141,6 +143,69 @@ def test_ply_moved_vertices(form, tmp_path):
         for k in (0, 1, 2, 3, 4, 7):
             assert found[k * size : (k + 1) * size] == given_body[k * size : (k + 1) * size]
         assert found[5 * size : 5 * size + 10] == given_body[5 * size : 5 * size + 10]
+
+
+SPLIT = fan([4, 5, 6, 7], 8, split=[((6, 5), 0.25)])  # of the second quad
+
+
+def test_obj_split_face(tmp_path):
+    data = OBJ_V + b"vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 1\nvn 0 0 1\nusemtl red\nf 1 2 6 5\nusemtl blue\n"
+    data += b"f -7/-4/1 \\\n -6/-3/1 -2/-2/1 -3/-1/1 # mine\nusemtl red\n"
+    data += b"".join(b"f " + b" ".join(b"%d" % (v + 1) for v in q) + b"\n" for q in QUADS[2:])
+    out = filled(data, "a.obj", tmp_path, [SPLIT])
+    kept, added = out[: out.index(b"v 1.5")], out[out.index(b"v 1.5") :].splitlines()
+    assert kept == data.replace(b"f -7/-4/1 \\\n -6/-3/1 -2/-2/1 -3/-1/1 # mine", b"# mine")
+    assert b"vt 0.875 1.0" in added  # a quarter of the way from the third corner to the fourth
+    at = added.index(b"f 2/1/1 3/2/1 7/3/1 9/5/1 6/4/1")
+    assert b"usemtl blue" in added[:at] and added[at - 1] == b"vt 0.875 1.0"
+    assert reread(out, "b.obj", tmp_path).faces[-1] == [1, 2, 6, 8, 5]
+
+
+def test_off_split_face(tmp_path):
+    data = b"OFF\n8 4 0\n" + b"".join(b"%d %d %d\n" % tuple(p) for p in FRAME.astype(int))
+    data += b"".join(b" 4  %d %d %d %d  255 0 %d # c\n" % (*q, k) for k, q in enumerate(QUADS))
+    out = filled(data, "a.off", tmp_path, [SPLIT])
+    assert b"\n 5  1 2 6 8 5  255 0 1 # c\n 4  2 3 7 6  255 0 2 # c\n" in out
+    assert reread(out, "b.off", tmp_path).faces[1] == [1, 2, 6, 8, 5]
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_ply_split_face(form, tmp_path):
+    head = f"ply\nformat {form} 1.0\nelement vertex 8\nproperty double x\nproperty double y\nproperty double z\nelement face 4\n"
+    head += "property uchar red\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+    uv = [0, 0, 1, 0, 1, 1, 0.5, 1]
+    if form == "ascii":
+        body = b"".join(b"%d %d %d\n" % tuple(p) for p in FRAME.astype(int))
+        body += b"".join(b"7 4 %d %d %d %d 8 0 0 1 0 1 1 0.5 1\n" % tuple(q) for q in QUADS)
+    else:
+        order = "<" if "little" in form else ">"
+        body = FRAME.astype(order + "f8").tobytes()
+        body += b"".join(struct.pack(f"{order}BB4iB8f", 7, 4, *q, 8, *uv) for q in QUADS)
+    out = filled(head.encode() + body, "a.ply", tmp_path, [SPLIT])
+    mesh = reread(out, "b.ply", tmp_path)
+    assert mesh.faces[:4] == [QUADS[0], [1, 2, 6, 8, 5], *QUADS[2:]]
+    row = mesh._row(mesh._face, 1)
+    assert row[0] == 7 and np.allclose(row[2], [0, 0, 1, 0, 1, 1, 0.875, 1, 0.5, 1])
+    assert mesh._row(mesh._face, 2)[2] == pytest.approx(uv)
+
+
+@pytest.mark.parametrize("suffix", [".vtk", ".vtu"])
+def test_meshio_split_face(suffix, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    path = tmp_path / f"a{suffix}"
+    cells = [("quad", np.array(QUADS))]
+    meshio.Mesh(FRAME, cells, cell_data={"kind": [np.array([1, 2, 3, 4])]}).write(path)
+    mesh = files.read(path)
+    mesh.append(SPLIT)
+    mesh.write(tmp_path / f"b{suffix}")
+    back = meshio.read(tmp_path / f"b{suffix}")
+    kinds = {
+        tuple(sorted(face)): int(kind)
+        for b, k in zip(back.cells, back.cell_data["kind"])
+        for face, kind in zip(b.data.tolist(), k)
+    }
+    assert kinds[1, 2, 5, 6, 8] == 2 and kinds[0, 1, 4, 5] == 1 and kinds[2, 3, 6, 7] == 3
+    assert files.read(tmp_path / f"b{suffix}").faces.count([1, 2, 6, 8, 5]) == 1
 
 
 def test_obj_several_fills(tmp_path):

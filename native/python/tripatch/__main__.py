@@ -59,12 +59,6 @@ def _or_none(parse):
     return read
 
 
-def _odd(text: str) -> str:
-    if text == "split":
-        raise argparse.ArgumentTypeError("split changes a face of the mesh, and a file keeps its faces as they are; use triangle")
-    return text
-
-
 def _three_numbers(text: str) -> tuple[float, float, float]:
     try:
         x, y, z = (float(part) for part in text.split(","))
@@ -109,7 +103,7 @@ OPTIONS = {
     ),
     "tolerance": (_or_none(float), "D", "quads: distance from the patch that decides on the rows (1e-3 of the hole's diameter)"),
     "cage_rim": (str, "NAME", "cage: smooth, exact or move (smooth)"),
-    "odd": (_odd, "NAME", "quads round an odd rim: triangle leaves one at the pole (triangle)"),
+    "odd": (str, "NAME", "quads round an odd rim: split its longest edge, or triangle, which leaves one at the pole (triangle)"),
     "pole_offset": (_two, "X,Y", "moves the pole, in fractions of the hole (0,0)"),
     "bulge": (_one_or_three(float), "B[,B,B]", "scales the slopes inside each side, greater than 0 (1)"),
     "tension": (float, "T", "pulls the fill tight, 0 or greater (0)"),

@@ -4,9 +4,10 @@ OBJ, OFF, PLY and STL are read by small passes of our own that keep the file's b
 texture coordinates, colours, other elements and the header stay as they are. All other formats (VTK, VTU, ...) go through meshio,
 which keeps points, cells, and the data of both, but not what it does not read: comments, the title line, VTK's POLYDATA.
 
-A vertex that a fill moves keeps its line or row but for the three numbers. A new vertex takes what the file says of a vertex
-beyond its position and normal (colours, say) from the nearest rim vertex, a new face what the file says of a face (material,
-group, colour) from the faces around the rim.
+A vertex that a fill moves keeps its line or row but for the three numbers. A face whose edge a fill splits keeps all that the
+file says of it, texture coordinates by corner are interpolated; in OBJ it goes to the end, after its new vertex. A new vertex
+takes what the file says of a vertex beyond its position and normal (colours, say) from the nearest rim vertex, a new face what
+the file says of a face (material, group, colour) from the faces around the rim.
 """
 
 from __future__ import annotations
@@ -55,6 +56,14 @@ class MeshFile:
         for v, place in zip(*fill.moved):
             self._move(int(v), place)
         self._append(fill, faces, self._near(fill), self._around(fill.rim))
+        for k, ((a, b), t) in enumerate(zip(*fill.split_edges)):
+            for f in self._around([a, b]):
+                face = self.faces[f]
+                for place, ends in enumerate(zip(face, face[1:] + face[:1])):
+                    if set(ends) == {a, b}:
+                        self._split(int(f), place, n + self._added + k, t if ends[0] == a else 1 - t)
+                        face.insert(place + 1, n + self._added + k)
+                        break
         self._added += len(fill.vertices)
 
     def write(self, path) -> None:
@@ -72,6 +81,10 @@ class MeshFile:
 
     def _move(self, v: int, place: np.ndarray) -> None:
         """The file's own vertex v goes to another place."""
+        raise NotImplementedError
+
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
+        """The file's own face f gets the new vertex v after its corner `place`, the part t of the way to the next."""
         raise NotImplementedError
 
     def _append(self, fill, faces: list[list[int]], near: np.ndarray, around: np.ndarray) -> None:
@@ -146,7 +159,10 @@ class ObjFile(MeshFile):
     def __init__(self, data: bytes) -> None:
         self._new: list[bytes] = []
         vertices, extras, faces = [], [], []
-        self._vertex_lines = []  # first and end
+        self._vertex_lines, self._face_lines = [], []  # first and end
+        self._counts: list[tuple[int, int, int]] = []  # of v, vt and vn before each face, for negative indices
+        self._textures: list[list[bytes]] = []
+        self._changed: dict[int, tuple[int, list]] = {}  # faces that were split: place in `new`, corners
         self._normals = 0
         lines = self._lines = _lines(data)
         self._eol = _line_end(lines)
@@ -171,6 +187,8 @@ class ObjFile(MeshFile):
                     self._vertex_lines.append((start, number))
                 elif keyword == b"vn":
                     self._normals += 1
+                elif keyword == b"vt":
+                    self._textures.append(words[1:])
                 elif keyword == b"f":
                     if b"#" in line:
                         words = line.split(b"#")[0].split()
@@ -180,6 +198,8 @@ class ObjFile(MeshFile):
                     if len(face) >= 3:
                         faces.append([v - 1 if v > 0 else v + len(vertices) for v in face])
                         self._state_of.append(len(self._states) - 1)
+                        self._face_lines.append((start, number))
+                        self._counts.append((len(vertices), len(self._textures), self._normals))
                         if words[1].count(b"/") == 2 and not words[1].endswith(b"/"):
                             self._with_normals = True
                 elif keyword in _OBJ_STATE:
@@ -214,14 +234,44 @@ class ObjFile(MeshFile):
                 self._normals += 1
                 normal_of[v] = b"//%d" % self._normals
                 new.append(b"vn " + _numbers(normal))
+        self._go_under(like)
+        for face in faces:
+            new.append(b"f " + b" ".join(b"%d" % (v + 1) + normal_of.get(v, b"") for v in face))
+
+    def _go_under(self, like: dict[bytes, bytes]) -> None:
         for keyword in _OBJ_STATE:
             # without a line of that kind before them the faces around the rim have the default
             wanted = like.get(keyword, {b"g": b"g default", b"s": b"s off"}.get(keyword, b""))
             if keyword in self._state and wanted and wanted != self._state[keyword]:
-                new.append(wanted)
+                self._new.append(wanted)
                 self._state = {**self._state, keyword: wanted}
-        for face in faces:
-            new.append(b"f " + b" ".join(b"%d" % (v + 1) + normal_of.get(v, b"") for v in face))
+
+    def _split(self, f, place, v, t):
+        # a face must not come before its vertices: it goes to the end, as it was
+        if f not in self._changed:
+            start, end = self._face_lines[f]
+            text = b"".join(self._lines[start:end])
+            words = re.sub(rb"\\\r?\n", b" ", text).split(b"#")[0].split()[1:]
+            corners = []
+            for word in words:
+                parts = [int(part) if part else 0 for part in word.split(b"/")]
+                corners.append([x if x >= 0 else x + n + 1 for x, n in zip(parts, self._counts[f])])
+            self._lines[start:end] = [text[text.index(b"#") :] if b"#" in text else b""] + [b""] * (end - start - 1)
+            self._go_under(self._states[self._state_of[f]])
+            self._new.append(b"")
+            self._changed[f] = len(self._new) - 1, corners
+        at, corners = self._changed[f]
+        first, second = corners[place], corners[(place + 1) % len(corners)]
+        between = [v + 1, *first[1:]]
+        if len(between) > 1 and first[1] and second[1]:
+            ends = [np.array(list(map(float, self._textures[x[1] - 1]))) for x in (first, second)]
+            self._textures.append([_number(x) for x in (1 - t) * ends[0] + t * ends[1]])
+            between[1] = len(self._textures)
+            self._new.insert(at, b"vt " + b" ".join(self._textures[-1]))
+            self._changed = {g: (k + (k >= at), c) for g, (k, c) in self._changed.items()}
+            at += 1
+        corners.insert(place + 1, between)
+        self._new[at] = b"f " + b" ".join(b"/".join(b"%d" % x if x else b"" for x in corner) for corner in corners)
 
     def _save(self, path):
         data = b"".join(self._lines)
@@ -271,14 +321,15 @@ class OffFile(MeshFile):
             if n and len(points[0][1]) < 3:
                 raise ValueError
             vertices = np.array([words[:3] for _, words in points], dtype="S").astype(float).reshape(-1, 3)
-            faces, self._face_rest = [], []
-            for _, words in facets:
+            faces, self._face_rest, self._face_lines = [], [], []
+            for k, words in facets:
                 size = int(words[0])
                 if size < 0 or len(words) < 1 + size:
                     raise ValueError
                 if size >= 3:
                     faces.append([int(v) for v in words[1 : 1 + size]])
                     self._face_rest.append(tuple(words[1 + size :]))
+                    self._face_lines.append(k)
         except FileError:
             raise
         except (ValueError, IndexError):
@@ -297,6 +348,13 @@ class OffFile(MeshFile):
     def _move(self, v, place):
         k = self._vertex_lines[v]
         self._lines[k] = _with_numbers(self._lines[k], 0, [_number(x) for x in place])
+
+    def _split(self, f, place, v, t):
+        text = self._lines[self._face_lines[f]]
+        words = list(re.finditer(rb"\S+", text))
+        size, corner = words[0], words[1 + place]
+        text = text[: corner.end()] + b" %d" % v + text[corner.end() :]
+        self._lines[self._face_lines[f]] = text[: size.start()] + b"%d" % (int(size[0]) + 1) + text[size.end() :]
 
     def _append(self, fill, faces, near, around):
         for point, normal, v in zip(fill.vertices, fill.normals, near):
@@ -407,6 +465,7 @@ class PlyFile(MeshFile):
         faces = (rows if isinstance(rows, np.ndarray) else np.array(rows, object)).tolist() if len(rows) else []
         keep = [f for f, face in enumerate(faces) if len(face) >= 3]
         self._row_of = keep
+        self._changed: dict[int, list] = {}  # rows of faces that were split
         super().__init__(vertices, [[int(v) for v in faces[f]] for f in keep])
 
     @classmethod
@@ -546,6 +605,22 @@ class PlyFile(MeshFile):
             first = sum(1 + len(value) if p[2] else 1 for p, value in zip(vertex.properties[:k], row))
             self._lines[start] = _with_numbers(self._lines[start], first, [words[first]])
 
+    def _split(self, f, place, v, t):
+        k, size = self._row_of[f], len(self.faces[f])
+        row = self._changed.get(k) or self._row(self._face, k)
+        for p, (_, kind, list_kind) in enumerate(self._face.properties):
+            values = list(row[p]) if list_kind else []
+            if p == self._index:
+                values.insert(place + 1, v)
+            elif values and len(values) % size == 0:  # so many by corner, as texture coordinates
+                each = len(values) // size
+                ends = [values[each * q : each * (q + 1)] for q in (place, (place + 1) % size)]
+                between = [(1 - t) * x + t * y for x, y in zip(*ends)] if kind in "fd" else ends[0]
+                values[each * (place + 1) : each * (place + 1)] = between
+            if list_kind:
+                row[p] = values
+        self._changed[k] = row
+
     def _append(self, fill, faces, near, around):
         vertex, face = self._vertex, self._face
         normal = [vertex.index(c) for c in _PLY_NORMAL]
@@ -575,16 +650,19 @@ class PlyFile(MeshFile):
             head = re.sub(pattern, lambda m, e=element: m[1] + b"%d" % (e.count + len(e.new)), head, count=1)
         at = 0
         for element in self._elements:
-            if self._order:
-                end = element.starts[-1] - self._body
-                pieces.append(body[at:end])
-            else:
-                end = element.starts[-1] if element.count else at
-                pieces.append(b"".join(self._lines[at:end]))
-            if element.new and pieces[-1] and not self._order and not pieces[-1].endswith((b"\n", b"\r")):
+            end = element.starts[-1] - (self._body if self._order else 0) if element.count else at
+            rows = self._changed if element is self._face else {}
+            for k in [*sorted(rows), None]:  # what is before each changed row, and that row
+                first, after = (
+                    (end, end) if k is None else (x - (self._body if self._order else 0) for x in element.starts[k : k + 2])
+                )
+                pieces.append(bytes(body[at:first]) if self._order else b"".join(self._lines[at:first]))
+                pieces += [] if k is None else [self._encode(element, rows[k])]
+                at = after
+            last = next((piece for piece in reversed(pieces) if piece), b"\n")
+            if element.new and not self._order and not last.endswith((b"\n", b"\r")):
                 pieces.append(self._eol)
             pieces += element.new
-            at = end
         pieces.append(body[at:] if self._order else b"".join(self._lines[at:]))
         with path.open("wb") as out:
             out.write(head)
@@ -637,6 +715,9 @@ class StlFile(MeshFile):
 
     def _move(self, v, place):
         raise FileError("An STL file has a copy of a vertex for every triangle and none is moved; write another format")
+
+    def _split(self, f, place, v, t):
+        raise FileError("An STL file holds triangles, and one with a split edge is none; write another format")
 
     def _append(self, fill, faces, near, around):
         triangles = np.array(_corner_triangles(fill.faces), int).reshape(-1, 3)
@@ -731,6 +812,26 @@ class MeshioFile(MeshFile):
         if self._mesh.points.dtype.kind != "f":
             self._mesh.points = self._mesh.points.astype(float)
         self._mesh.points[v] = place[: self._mesh.points.shape[1]]
+
+    def _split(self, f, place, v, t):
+        meshio, mesh = _meshio(self._suffix), self._mesh
+        (block, row), face = self._cell_of[f], list(self.faces[f])
+        face.insert(place + 1, v)
+        cells = [(b.type, np.asarray(b.data)) for b in mesh.cells]
+        data = {name: [np.asarray(x) for x in values] for name, values in mesh.cell_data.items()}
+        cells.append(("polygon" if len(face) > 4 else "quad", np.array([face])))
+        cells[block] = cells[block][0], np.delete(cells[block][1], row, axis=0)
+        for values in data.values():
+            values.append(values[block][row : row + 1])
+            values[block] = np.delete(values[block], row, axis=0)
+        self._cell_of = [(b, k - (b == block and k > row)) for b, k in self._cell_of]
+        self._cell_of[f] = len(cells) - 1, 0
+        if not len(cells[block][1]):
+            del cells[block]
+            for values in data.values():
+                del values[block]
+            self._cell_of = [(b - (b > block), k) for b, k in self._cell_of]
+        self._mesh = meshio.Mesh(mesh.points, cells, point_data=mesh.point_data, cell_data=data, field_data=mesh.field_data)
 
     def _append(self, fill, faces, near, around):
         meshio, mesh = _meshio(self._suffix), self._mesh
