@@ -268,7 +268,7 @@ def suzanne_evaluated(blender, folder: Path) -> tuple[float, float]:
     return rms(distance) / width, distance.max() / width
 
 
-def timing(cgal: str | None, folder: Path, repetitions=30):
+def timing(cgal: str | None, folder: Path, repetitions=100):
     """Milliseconds, least and median, from a rim of 4 + 4 + 4 edges to its cage, and of CGAL's filler on the same hole."""
     cage = cube_sphere(8, 2, on_limit=False)
     rim, left, corners = cage.rim(), cage.left, cage.corners()

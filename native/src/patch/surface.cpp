@@ -115,7 +115,7 @@ Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b)
       Eigen::RowVector3d moved = (at.row(k) + Eigen::RowVector3d(m0, m1, -m0 - m1)).cwiseMax(0);
       at.row(k) = moved / moved.sum();
     }
-    if (largest < 1e-6) break;
+    if (largest < 1e-4) break;  // the distance is within its square
   }
   return distance;
 }
