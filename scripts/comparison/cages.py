@@ -314,12 +314,12 @@ def table(blender, cgal, folder) -> str:
         )
         print(lines[-1], flush=True)
 
-    for n, rings in ((6, 2), (8, 2), (8, 3), (16, 4), (16, 6)):
+    for n, rings in ((6, 2), (6, 3), (8, 2), (8, 3), (16, 4), (16, 6)):
         for cage_rim in ("smooth", "exact", "move"):
             row(cube_sphere(n, rings), False, cage_rim, 0)
     for n, rings in ((8, 2), (16, 4)):
         row(cube_sphere(n, rings, on_limit=False), False, "exact", 0)
-    for n, rings in ((8, 2), (8, 3)):
+    for n, rings in ((6, 2), (6, 3), (8, 2), (8, 3)):
         row(cube_sphere(n, rings), True, "smooth", 0)
     others = [rounded_box(), torus()] + ([suzanne_from(blender, folder)] if blender else [])
     for cage in [cube_sphere(8, 2, on_limit=False), *others]:
