@@ -22,6 +22,7 @@ constexpr int most_iterations = 14;   // of the sizes
 constexpr double settled = 0.03;      // relative change of a variance: no more iterations
 constexpr double flat_enough = 5e-4;  // slope over the guess of a plane: no second fit
 constexpr double same_sheet = 0.5;    // cosine: faces turned further from the vertex's own are another sheet (a cube's edge)
+constexpr double steep = 0.5;         // cosine: what is turned further counts for nothing, and fully from 0.8 on
 constexpr double sharp_bend = 8 * M_PI / 180;  // radians: edges that bend less are never sharp
 constexpr double least_noise = 1e-7;           // of the stencil radius: keeps the normal equations solvable
 using Square = Eigen::Matrix<double, terms, terms>;
@@ -241,6 +242,7 @@ struct Sizes {
   double noise = 1e-6;    // variance of a height
   double truncation = 1;  // variance over radius^(2 degree + 2): what the polynomial leaves out
   std::array<double, degree + 1> term = {1, 100, 1, 1, 1, 1};  // variances of the derivatives of each degree
+  double tilt = 100;                                           // variance of the slope across the rim against the faces beside it
 };
 
 /// The heights around one rim vertex over its first guess of a tangent plane.
@@ -248,6 +250,8 @@ struct Stencil {
   Vec3 e1, e2, e3;              // along the rim, outward, normal
   Columns x, y;                 // powers 0 .. 2 degree of the places
   Eigen::VectorXd z, share, g;  // height, weight by place, radius^(2 degree + 2)
+  double faces = 0;             // slope across the rim of the faces beside it
+  double faces_noise = 0;       // its variance over that of the noise
   double slope_noise = 1;       // of the rim's own direction: variance over that of the noise,
   int slope_order = 4;          // and what its interpolation leaves out: (derivative of this degree x slope_truncation)
   double slope_truncation = 0;
@@ -290,6 +294,8 @@ Solution solve(const Stencil& s, const Sizes& sizes, const Eigen::VectorXd& w) {
     b[k] = term[k].over * right(term[k].i, term[k].j);
     r.prior[k] = 1 / sizes.term[term[k].i + term[k].j];
   }
+  r.prior[2] = 1 / (sizes.tilt + sizes.noise * s.faces_noise);
+  b[2] += r.prior[2] * s.faces;
   r.prior[1] += 1 / (sizes.noise * s.slope_noise + sizes.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
   p.diagonal() += r.prior;
   r.factor.compute(p);
@@ -317,7 +323,9 @@ Solution solve(const Stencil& s, const Sizes& sizes) {
 }
 
 /// Sizes that make the heights of all stencils likeliest (MacKay 1992, eqs. 4.9 to 4.11: each size is the mean square of what it
-/// explains over the number of its well-determined parameters). `radius`: mean distance of the points;
+/// explains over the number of its well-determined parameters). The slopes across the rim are those of the faces beside it but for a
+/// tilt of a size of its own: where the next vertices are far, as beside a bevel of long strips, that is all there is to know them by,
+/// and its likeliest size is next to nothing. `radius`: mean distance of the points;
 /// `bend`: squared curvature that the faces show. Starts from no noise, so that coarse but clean meshes are not smoothed.
 Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double bend) {
   Sizes sizes;
@@ -328,10 +336,11 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
   bend = std::max(bend, 0.01 / (radius * radius));
   sizes.term = {1, 100, bend, bend * bend, std::pow(bend, 3), std::pow(bend, 4)};
   sizes.noise = least * least;
+  sizes.tilt = bend;
   sizes.truncation = std::pow(bend, 5) / 720 / 720;
   struct Explained {  // by one stencil
     std::array<double, degree + 1> sum = {}, count = {};
-    double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0;
+    double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0, tilt = 0, tilt_count = 0;
   };
   const auto explain = [&](const Stencil& s) {
     Explained e;
@@ -340,9 +349,12 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
     const SquareRows covariance = inverse(fit.factor);
     for (int j = 0; j < terms; ++j) {
       const int d = term[j].i + term[j].j;
+      if (d == 1) continue;
       e.sum[d] += fit.mean[j] * fit.mean[j];
       e.count[d] += std::max(1 - covariance(j, j) / sizes.term[d], 1e-3);
     }
+    e.tilt = std::pow(fit.mean[2] - s.faces, 2);
+    e.tilt_count = std::max(1 - covariance(2, 2) * fit.prior[2], 1e-3);
     // The points less the parameters that they determine: all, and those whose error is noise.
     const auto m = moments<2 * degree>(s, w * part);
     double noisy = 0;
@@ -366,7 +378,7 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
       for (Index k = from; k < to; ++k) each[k] = explain(stencils[k]);
     });
     std::array<double, degree + 1> sum = {}, count = {};
-    double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0;
+    double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0, tilt = 0, tilt_count = 0;
     for (const Explained& e : each) {
       for (int d = 0; d <= degree; ++d) {
         sum[d] += e.sum[d];
@@ -376,12 +388,15 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
       truncation += e.truncation;
       noise_count += e.noise_count;
       truncation_count += e.truncation_count;
+      tilt += e.tilt;
+      tilt_count += e.tilt_count;
     }
     const auto ratio = [](double above, double below) { return below > 0 ? above / below : 0; };
     sizes.noise = std::max(ratio(noise, noise_count), least * least);
     sizes.truncation = std::max(ratio(truncation, truncation_count), 1e-6 * floor(degree + 1));
     for (int d = 2; d <= degree; ++d) sizes.term[d] = std::max(ratio(sum[d], count[d]), floor(d));
     sizes.term[2] = std::max(sizes.term[2], least_bend);
+    sizes.tilt = std::max(ratio(tilt, tilt_count), 1e-4 * bend);
     const auto same = [](double a, double b) { return std::abs(a - b) <= settled * b; };
     bool done = same(sizes.noise, before.noise) && same(sizes.truncation, before.truncation);
     for (int d = 2; d <= degree; ++d) {
@@ -399,7 +414,8 @@ struct Draft {
   std::vector<double> t;
   double length = 0;          // of the chords, in scaled units
   std::vector<Vec3> tangent;  // unit, of the curve as it stands
-  std::vector<Vec3> guess;    // normal
+  std::vector<Vec3> faces;    // unit normals: of the faces beside the rim,
+  std::vector<Vec3> guess;    // and the best known so far
   std::vector<int> face;      // beside the edges
   std::vector<Vec3> normal;
   std::vector<Eigen::Matrix3d> second;  // second fundamental form, of tangent vectors
@@ -513,6 +529,7 @@ Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int
   s.e1 = side.tangent[k];
   s.e3 = (side.guess[k] - s.e1 * s.e1.dot(side.guess[k])).normalized();
   s.e2 = s.e1.cross(s.e3);
+  s.faces = -side.faces[k].dot(s.e2) / side.faces[k].dot(s.e3);
 
   // As far as the rings reach: the side's own vertices, and at its ends those of its neighbours. Only what lies in front of
   // this side counts, because curvature may jump at the corners (where a fillet ends).
@@ -594,6 +611,12 @@ Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int
       if (share > 0) used.emplace_back(v, share);
     }
   }
+  // Where the surface has turned far away, its height over this plane is no polynomial any more.
+  for (auto& [v, share] : used) {
+    Vec3 n = Vec3::Zero();
+    for (int e = w.fan_offsets[v]; e < w.fan_offsets[v + 1]; ++e) n += w.area[w.fan[e]];
+    if (n.norm() > 0) share *= std::max(fade((n.dot(s.e3) / n.norm() - steep) / 0.3), 1e-6);
+  }
   const Index size = static_cast<Index>(used.size());
   s.x.resize(size, Eigen::NoChange);
   s.y.resize(size, Eigen::NoChange);
@@ -613,6 +636,11 @@ Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int
     m->col(0).setOnes();
     for (int k = 2; k <= 2 * degree; ++k) m->col(k) = m->col(k - 1).cwiseProduct(m->col(1));
   }
+
+  double depth = 0;  // of the faces beside the rim
+  for (int e : {std::max(k - 1, 0), std::min(k, edges - 1)})
+    depth += 0.5 * w.area[side.face[e]].norm() / (w.position[side.vertex[e + 1]] - w.position[side.vertex[e]]).norm();
+  s.faces_noise = 1 / (depth * depth);
 
   // how well the interpolating curve knows its own direction here
   const auto chord = [&](int e) { return (w.position[side.vertex[e + 1]] - w.position[side.vertex[e]]).norm(); };
@@ -657,6 +685,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
       if (!(sum.norm() > 0))
         throw Refusal("The faces beside vertex " + name(w.vertex[side.vertex[k]]) + " have no area", {w.vertex[side.vertex[k]]});
       side.guess.push_back(sum.normalized());
+      side.faces.push_back(side.guess.back());
     }
   }
 
