@@ -13,7 +13,7 @@ namespace tripatch {
 /// True in threads that are themselves one of several at work: they share nothing out.
 inline thread_local bool one_of_many = false;
 
-/// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time.
+/// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time. A thread costs some 0.1 ms.
 template <class F>
 void in_shares(Index from, Index to, Index least, const F& f) {
   const Index n = to - from, cores = one_of_many ? 1 : std::max(1U, std::thread::hardware_concurrency());

@@ -371,15 +371,12 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
     e.truncation = (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
     return e;
   };
-  std::vector<Explained> each(stencils.size());
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const Sizes before = sizes;
-    in_shares(0, static_cast<Index>(stencils.size()), 8, [&](Index from, Index to) {
-      for (Index k = from; k < to; ++k) each[k] = explain(stencils[k]);
-    });
     std::array<double, degree + 1> sum = {}, count = {};
     double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0, tilt = 0, tilt_count = 0;
-    for (const Explained& e : each) {
+    for (const Stencil& s : stencils) {
+      const Explained e = explain(s);
       for (int d = 0; d <= degree; ++d) {
         sum[d] += e.sum[d];
         count[d] += e.count[d];
