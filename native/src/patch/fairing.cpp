@@ -437,33 +437,47 @@ private:
 
   /// The same of some of the nodes.
   std::array<Quadratic, 2> linearise(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from, Index to) const {
-    const Index n = to - from;
+    constexpr Index block = 24;  // nodes: their rows stay in the cache
+    std::array<Quadratic, 2> model;
     std::array<Rows, 2> jacobian;
     std::array<Eigen::VectorXd, 2> value;
-    for (int which = 0; which < 2; ++which)
-      if (wanted[which]) {
+    for (int which = 0; which < 2; ++which) {
+      if (!wanted[which]) continue;
+      model[which].normal.setZero(unknowns(), unknowns());
+      model[which].gradient.setZero(unknowns());
+    }
+    for (Index start = from; start < to; start += block) {
+      const Index n = std::min(block, to - start);
+      for (int which = 0; which < 2; ++which) {
+        if (!wanted[which]) continue;
         jacobian[which].resize(4 * n, unknowns());
         value[which].resize(4 * n);
       }
-    for (Index k = from; k < to; ++k) {
-      const CurvatureVariationRows v = curvature_variation_rows(derivatives(k, x), flat_curvature(size_));
-      const double w = std::sqrt(shared_.quadrature.weights[k]) * size_;
-      const Index row = 4 * (k - from);
+      for (Index k = start; k < start + n; ++k) {
+        const CurvatureVariationRows v = curvature_variation_rows(derivatives(k, x), flat_curvature(size_));
+        const double w = std::sqrt(shared_.quadrature.weights[k]) * size_;
+        const Index row = 4 * (k - start);
+        for (int which = 0; which < 2; ++which) {
+          if (!wanted[which]) continue;
+          value[which].segment<4>(row) = w * v.value.segment<4>(4 * which);
+          const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
+          for (int c = 0; c < 3; ++c) {
+            Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
+            for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
+            jacobian[which].block(row, c * interior_, 4, interior_) = part.lazyProduct(shared_.interior[k]);
+          }
+          jacobian[which].block(row, 3 * interior_, 4, slopes_) = rows.lazyProduct(basis_[k]);
+        }
+      }
       for (int which = 0; which < 2; ++which) {
         if (!wanted[which]) continue;
-        value[which].segment<4>(row) = w * v.value.segment<4>(4 * which);
-        const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
-        for (int c = 0; c < 3; ++c) {
-          Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
-          for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
-          jacobian[which].block(row, c * interior_, 4, interior_) = part.lazyProduct(shared_.interior[k]);
-        }
-        jacobian[which].block(row, 3 * interior_, 4, slopes_) = rows.lazyProduct(basis_[k]);
+        model[which].normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian[which].transpose());
+        model[which].gradient.noalias() += jacobian[which].transpose() * value[which];
+        model[which].constant += value[which].squaredNorm();
       }
     }
-    std::array<Quadratic, 2> model;
     for (int which = 0; which < 2; ++which)
-      if (wanted[which]) model[which] = quadratic_of(jacobian[which], value[which]);
+      if (wanted[which]) model[which].normal = model[which].normal.selfadjointView<Eigen::Lower>();
     return model;
   }
 
@@ -717,9 +731,9 @@ private:
 };
 
 /// Levenberg and Marquardt, damped in `metric` so that what the energy leaves open stays put: every step goes down. Stops when a step
-/// gains less than `enough` (relative). Returns the steps taken.
-int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& x, Merit::Value& value, int iterations,
-            double enough) {
+/// gains less than `enough` (relative) or the energy is next to none. Returns the steps taken.
+int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& x, Merit::Value& value, int iterations) {
+  constexpr double enough = 5e-3, none = 1e-4;
   double damping = 1e-4;
   for (int step = 0; step < iterations; ++step) {
     const Merit::Model model = merit.linearise(x, value);
@@ -736,7 +750,7 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
         damping *= 10;
       }
     }
-    if (gain < enough) return step + (gain > 0 ? 1 : 0);
+    if (gain < enough || value.energy < none) return step + (gain > 0 ? 1 : 0);
   }
   return iterations;
 }
@@ -975,7 +989,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
       tried.emplace_back(x, value.energy);
     else
       x = zero, value = before;
-    result.iterations = descend(merit, third.normal, x, value, options.iterations, 1e-3);
+    result.iterations = descend(merit, third.normal, x, value, options.iterations);
     if (result.iterations > 0) tried.emplace(tried.begin(), x, value.energy);
   }
   result.after = result.before;
