@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "tripatch/patch/kinks.h"
-
 #include "tripatch/patch/rim_normals.h"
 
 namespace tripatch {
