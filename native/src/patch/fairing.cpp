@@ -4,208 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <tuple>
 
+#include "tripatch/boundary/smoothed.h"
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/energy.h"
+#include "tripatch/patch/fairing_space.h"
 #include "tripatch/patch/middle.h"
-#include "tripatch/patch/rim_normals.h"
+#include "tripatch/patch/unfolding.h"
 #include "tripatch/shares.h"
 
 namespace tripatch {
 namespace {
-
-double choose(int n, int k) {
-  double r = 1;
-  for (int i = 1; i <= k; ++i) r = r * (n - k + i) / i;
-  return r;
-}
-
-/// What a fairing adds to a patch.
-class Correction final : public JetSurface<Correction> {
-public:
-  /// slopes: on each side, what is added to the derivative across it; coefficients: of scalar_basis, one a row.
-  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, Points coefficients)
-      : slopes_(std::move(slopes)), degree_(degree), bends_(bends), coefficients_(std::move(coefficients)) {}
-
-  Vec3 corner(int) const { return Vec3::Zero(); }
-
-  template <int N>
-  JetPoint<N> at(const Barycentric<N>& b) const {
-    JetPoint<N> p;
-    const std::array<Jet<N>, 3> w = side_weights(b);
-    for (int i = 0; i < 3; ++i) p += slope_kernel(b, w, i) * compose(slopes_[i], ray_parameter(b, i));
-    const std::vector<Jet<N>> basis = scalar_basis(b, degree_, bends_);
-    for (std::size_t k = 0; k < basis.size(); ++k)
-      for (int x = 0; x < 3; ++x) p.x[x] += basis[k] * coefficients_(k, x);
-    return p;
-  }
-
-  /// The part of a side-vertex patch that multiplies the derivative across side i.
-  template <int N>
-  static Jet<N> slope_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
-    const Jet<N> s = b[(i + 1) % 3] + b[(i + 2) % 3];
-    return -(w[i] * (square(s) * b[i]));
-  }
-
-  static int scalars(int degree, int bends) { return (degree + 1) * (degree + 2) / 2 + 3 * bends; }
-
-  /// The interior functions (27 b0 b1 b2)^2 B_K(b), then those that bend the patch across side i: 1/2 b_i^2, times the cubic side
-  /// weight, times the Bernstein polynomials of t of degree bends - 1. These reach to the corners, where the interior is too flat.
-  template <int N>
-  static std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int bends) {
-    std::array<std::vector<Jet<N>>, 3> power;
-    for (int i = 0; i < 3; ++i) {
-      power[i].assign(degree + 1, Jet<N>(1.0));
-      for (int k = 1; k <= degree; ++k) power[i][k] = power[i][k - 1] * b[i];
-    }
-    const Jet<N> bubble = square(27.0 * (b[0] * b[1] * b[2]));
-    std::vector<Jet<N>> basis;
-    basis.reserve(scalars(degree, bends));
-    for (int i = degree; i >= 0; --i) {
-      const Jet<N> first = bubble * power[0][i];
-      for (int j = degree - i; j >= 0; --j)
-        basis.push_back((choose(degree, i) * choose(degree - i, j)) * (first * (power[1][j] * power[2][degree - i - j])));
-    }
-    if (bends == 0) return basis;
-    const std::array<Jet<N>, 3> weight = cubic_side_weights(b);
-    for (int i = 0; i < 3; ++i) {
-      const Jet<N> kernel = 0.5 * (square(b[i]) * weight[i]), t = ray_parameter(b, i), s = 1.0 - t;
-      for (int m = 0; m < bends; ++m) {
-        Jet<N> f = choose(bends - 1, m) * kernel;
-        for (int k = 0; k < m; ++k) f *= t;
-        for (int k = m + 1; k < bends; ++k) f *= s;
-        basis.push_back(f);
-      }
-    }
-    return basis;
-  }
-
-private:
-  std::array<PiecewisePolynomial, 3> slopes_;
-  int degree_, bends_;
-  Points coefficients_;
-};
-
-/// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
-PiecewisePolynomial slope_function(int count, int m) {
-  const std::array<double, 3> arch = {0, 2, 0};
-  std::vector<double> net(count, 0.0);
-  net[m] = 1;
-  return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(net, 1);
-}
-
-template <int N>
-Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
-  Eigen::Matrix<double, 9, 1> d;
-  for (int k = 0; k < 9; ++k) d[k] = f.c[k + 1];
-  for (int k : {2, 4}) d[k] *= 2;
-  for (int k : {5, 8}) d[k] *= 6;
-  for (int k : {6, 7}) d[k] *= 2;
-  return d;
-}
-
-/// What is the same for all holes: nodes, the interior basis and the kernels of the slopes at them.
-struct Shared {
-  using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
-  Quadrature quadrature;
-  std::vector<Basis> interior;                            // at each node
-  std::vector<std::array<Jet<3>, 3>> parameter;           // t_i at each node
-  std::vector<std::array<std::vector<Jet<3>>, 3>> slope;  // kernel times function m, of side i, at each node
-  std::array<Eigen::MatrixXd, 4> rows, normal;            // by order m of derivatives: rows sqrt(w) D^m of the interior basis
-  Eigen::MatrixXd combination;                            // of the scalar functions, one basis function a column
-  static constexpr int side_points = 12;
-  double side_sum = 0;                         // of sin(pi t)
-  std::vector<double> side_t;                  // where curvature is compared along a side: denser towards the corners
-  std::array<Eigen::MatrixXd, 3> side_second;  // there: second derivative of each basis function across side i
-  Eigen::MatrixXd side_slope;                  // there: the functions of alpha and beta
-  Eigen::RowVectorXd middle, middle_slope;     // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
-
-  Shared(int degree, int bends, int slopes, int nodes) : quadrature(corner_quadrature(nodes)) {
-    const Index n = quadrature.b.rows(), count = Correction::scalars(degree, bends);
-    std::vector<PiecewisePolynomial> functions;
-    for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
-    for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
-    for (Index k = 0; k < n; ++k) {
-      const Barycentric<3> b = cartesian_barycentric<3>(quadrature.b.row(k).data());
-      const std::vector<Jet<3>> basis = Correction::scalar_basis(b, degree, bends);
-      Basis all(9, count);
-      for (Index c = 0; c < count; ++c) all.col(c) = derivatives_of(basis[c]);
-      const double w = std::sqrt(quadrature.weights[k]);
-      for (int m = 1; m <= 3; ++m)
-        for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * all.row(first_of(m) + d);
-      interior.push_back(std::move(all));
-      const std::array<Jet<3>, 3> weights = side_weights(b);
-      std::array<Jet<3>, 3> t;
-      std::array<std::vector<Jet<3>>, 3> kernels;
-      for (int i = 0; i < 3; ++i) {
-        t[i] = ray_parameter(b, i);
-        const Jet<3> kernel = Correction::slope_kernel(b, weights, i);
-        for (const PiecewisePolynomial& f : functions) {
-          std::array<double, 4> series;
-          f.taylor(t[i].value(), 3, series.data());
-          kernels[i].push_back(kernel * compose<3>(series.data(), 1, t[i]));
-        }
-      }
-      parameter.push_back(t);
-      slope.push_back(std::move(kernels));
-    }
-    // orthonormal in the third-derivative energy: Bernstein polynomials times the squared bubble are nearly dependent
-    const Eigen::MatrixXd r =
-        Eigen::HouseholderQR<Eigen::MatrixXd>(rows[3]).matrixQR().topRows(count).triangularView<Eigen::Upper>();
-    combination = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(count, count));
-    for (Basis& all : interior) all *= combination;
-    for (int m = 1; m <= 3; ++m) {
-      rows[m] *= combination;
-      normal[m] = rows[m].transpose() * rows[m];
-    }
-
-    const std::array<double, 3> thirds = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    const Barycentric<0> b(thirds.data());
-    const std::vector<Jet<0>> basis = Correction::scalar_basis(b, degree, bends);
-    middle.resize(count);
-    for (Index c = 0; c < count; ++c) middle[c] = basis[c].value();
-    middle *= combination;
-    middle_slope.resize(slopes);
-    for (int m = 0; m < slopes; ++m) functions[m].taylor(0.5, 0, &middle_slope[m]);
-    middle_slope *= Correction::slope_kernel(b, side_weights(b), 0).value();
-
-    side_slope.resize(side_points, slopes);
-    for (int k = 0; k < side_points; ++k) {
-      side_t.push_back(0.5 * (1 - std::cos(M_PI * (k + 0.5) / side_points)));
-      side_sum += std::sin(M_PI * side_t[k]);
-      for (int m = 0; m < slopes; ++m) functions[m].taylor(side_t[k], 0, &side_slope(k, m));
-    }
-    for (int i = 0; i < 3; ++i) {
-      side_second[i].resize(side_points, count);
-      for (int k = 0; k < side_points; ++k) {
-        Barycentric<2> b;  // db0: the way along delta_i
-        b[i] = Jet<2>::linear(0, 1, 0);
-        b[(i + 1) % 3] = Jet<2>::linear(1 - side_t[k], -0.5, 0);
-        b[(i + 2) % 3] = Jet<2>::linear(side_t[k], -0.5, 0);
-        const std::vector<Jet<2>> basis = Correction::scalar_basis(b, degree, bends);
-        for (Index c = 0; c < count; ++c) side_second[i](k, c) = 2 * basis[c].c[jet_index(2, 0)];
-      }
-      side_second[i] *= combination;
-    }
-  }
-
-  /// Derivative d of order m counts as often as it occurs in D^m; where order m begins in Derivatives.
-  static double factor(int m, int d) { return std::sqrt(choose(m, d)); }
-  static int first_of(int m) { return (m - 1) * (m + 2) / 2; }
-};
-
-const Shared& shared(int degree, int bends, int slopes, int nodes) {
-  static std::mutex mutex;
-  static std::map<std::array<int, 4>, std::unique_ptr<Shared>> all;
-  const std::lock_guard<std::mutex> lock(mutex);
-  std::unique_ptr<Shared>& one = all[{degree, bends, slopes, nodes}];
-  if (!one) one = std::make_unique<Shared>(degree, bends, slopes, nodes);
-  return *one;
-}
 
 /// sum of squares |A x + r|^2 = x' normal x + 2 x' gradient + constant.
 struct Quadratic {
@@ -225,7 +36,7 @@ struct Quadratic {
 class Problem {
 public:
   Problem(const Surface& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options)
-      : shared_(shared(options.degree, options.bends, options.slopes, options.nodes)),
+      : shared_(fairing_space(options.degree, options.bends, options.slopes, options.nodes)),
         base_(cartesian_derivatives(base, shared_.quadrature.b)),
         size_(boundary.size),
         sides_(sides),
@@ -266,7 +77,7 @@ public:
   /// n . P_dd = II(d, d), d = alpha r + beta c', and what a change (a, b) of alpha, beta adds to n . P_dd of a patch whose slopes are
   /// carried by slope_kernel is 2 (1/2 - t) n . (a r' + b c'').
   Eigen::VectorXd jumps(const Eigen::VectorXd& x, Eigen::MatrixXd* rows = nullptr) const {
-    constexpr int points = Shared::side_points;
+    constexpr int points = FairingSpace::side_points;
     const int m = options_.slopes;
     Eigen::VectorXd value(points * static_cast<Index>(followed_.size()));
     if (rows) rows->setZero(value.size(), unknowns());
@@ -308,7 +119,7 @@ public:
 
   /// The integral of w |D^order P|^2 over the size squared: thin_plate (2), third_derivative (3), tension (1).
   Quadratic quadratic(int order) const {
-    const int rows = order + 1, first = Shared::first_of(order);
+    const int rows = order + 1, first = FairingSpace::first_of(order);
     const Index n = static_cast<Index>(base_.size());
     const Eigen::MatrixXd &inner = shared_.rows[order], &inner_normal = shared_.normal[order];
     Quadratic q;
@@ -320,7 +131,7 @@ public:
       for (Index k = 0; k < n; ++k) {
         const double w = std::sqrt(shared_.quadrature.weights[k]) / size_;
         for (int d = 0; d < rows; ++d) {
-          const double f = w * Shared::factor(order, d);
+          const double f = w * FairingSpace::factor(order, d);
           slope.row(rows * k + d) = f * basis_[k].row(3 * (first + d) + c);
           value[rows * k + d] = f * base_[k](first + d, c);
         }
@@ -426,13 +237,13 @@ private:
     return basis;
   }
 
-  /// A side whose curvature the patch is to follow, at the points of Shared::side_t.
+  /// A side whose curvature the patch is to follow, at the points of FairingSpace::side_t.
   struct Followed {
     int i;
-    std::array<SideForm, Shared::side_points> form;
-    std::array<double, Shared::side_points> alpha, beta;
-    std::array<double, Shared::side_points> base;  // n . P_dd of the base
-    std::array<double, Shared::side_points> weight;
+    std::array<SideForm, FairingSpace::side_points> form;
+    std::array<double, FairingSpace::side_points> alpha, beta;
+    std::array<double, FairingSpace::side_points> base;  // n . P_dd of the base
+    std::array<double, FairingSpace::side_points> weight;
   };
 
   /// The same of some of the nodes.
@@ -482,7 +293,7 @@ private:
   }
 
   void follow_curvature(const Surface& base) {
-    constexpr int points = Shared::side_points;
+    constexpr int points = FairingSpace::side_points;
     double curvature = 0;  // mean square of the sides'
     for (int i = 0; i < 3; ++i) {
       if (!options_.curvature[i] || sides_[i].q.empty() || scale_[i][0] == 0) continue;
@@ -564,7 +375,7 @@ private:
     return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(net, 1);
   }
 
-  const Shared& shared_;
+  const FairingSpace& shared_;
   std::vector<Derivatives> base_;
   double size_;
   const Sides& sides_;
@@ -755,194 +566,7 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
   return iterations;
 }
 
-/// The polynomial that has f's value and first kept - 1 derivatives at both ends.
-class Ends {
-public:
-  Ends(const PiecewisePolynomial& f, int kept) : coefficients_(2 * kept, 3) {
-    if (kept == 0) return;
-    Eigen::MatrixXd conditions(2 * kept, 2 * kept), given(2 * kept, 3);
-    for (int end = 0; end < 2; ++end)
-      for (int order = 0; order < kept; ++order) {
-        for (int k = 0; k < 2 * kept; ++k) conditions(end * kept + order, k) = end == 0 ? double(k == order) : choose(k, order);
-        given.row(end * kept + order) = (order == 0 ? f(end) : f.derivative_at(end, order)) / (order == 2 ? 2 : 1);
-      }
-    coefficients_ = conditions.partialPivLu().solve(given);
-  }
-
-  Eigen::RowVector3d operator()(double t) const {
-    Eigen::RowVector3d p = Eigen::RowVector3d::Zero();
-    for (Index k = coefficients_.rows() - 1; k >= 0; --k) p = t * p + coefficients_.row(k);
-    return p;
-  }
-
-private:
-  Eigen::MatrixXd coefficients_;  // of powers of t
-};
-
-/// Polynomial of t by least squares with given ends.
-struct FittedPolynomial {
-  int degree, kept;
-  const Ends& ends;
-  Eigen::MatrixXd coefficients;
-  double residual;  // largest, at the values
-
-  FittedPolynomial(const Eigen::VectorXd& t, const Eigen::MatrixXd& values, int of_degree, int of_kept, const Ends& given)
-      : degree(of_degree), kept(of_kept), ends(given) {
-    const Index n = t.size();
-    Eigen::MatrixXd basis(n, degree + 1), rest = values;
-    for (Index k = 0; k < n; ++k) {
-      basis.row(k) = chebyshev(t[k]);
-      rest.row(k) -= ends(t[k]);
-    }
-    coefficients = basis.householderQr().solve(rest);
-    residual = (basis * coefficients - rest).rowwise().norm().maxCoeff();
-  }
-
-  Eigen::RowVectorXd chebyshev(double t) const {
-    Eigen::RowVectorXd row(degree + 1);
-    const double x = 2 * t - 1;
-    row[0] = 1;
-    if (degree > 0) row[1] = x;
-    for (int d = 2; d <= degree; ++d) row[d] = 2 * x * row[d - 1] - row[d - 2];
-    return row * std::pow(4 * t * (1 - t), kept);
-  }
-
-  PiecewisePolynomial field() const {
-    return PiecewisePolynomial::fit(
-        [&](std::span<const double> t, std::span<double> out) {
-          for (std::size_t k = 0; k < t.size(); ++k) {
-            const Eigen::RowVector3d v = chebyshev(t[k]) * coefficients + ends(t[k]);
-            std::copy_n(v.data(), 3, out.begin() + static_cast<Index>(3 * k));
-          }
-        },
-        3, 1e-11, degree + 2 * kept, 0);
-  }
-};
-
-/// The polynomial of least degree that is nearly as near as that of the highest, or the field itself where that is not near or
-/// where it has few pieces. `rim`: the parameters of the mesh vertices; `kept`: how much of the ends, see Ends.
-PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<double>& rim, int kept) {
-  constexpr std::size_t few = 8;
-  if (f.empty() || rim.size() <= few) return f;
-  const Eigen::Map<const Eigen::VectorXd> t(rim.data(), static_cast<Index>(rim.size()));
-  Eigen::MatrixXd values(t.size(), 3);
-  double scale = 0;
-  for (Index k = 0; k < t.size(); ++k) {
-    values.row(k) = f(t[k]);
-    scale = std::max(scale, (values.row(k) - values.row(0)).norm() + (kept == 3 ? 0 : values.row(k).norm()));
-  }
-  const Ends ends(f, kept);
-  const int most = static_cast<int>(std::clamp<Index>((t.size() - 1) / 2 - kept, 4, 16));
-  const double best = FittedPolynomial(t, values, most, kept, ends).residual;
-  if (best > 1e-3 * scale) return f;
-  for (int degree = std::min(6, most);; degree += 2) {
-    const FittedPolynomial polynomial(t, values, std::min(degree, most), kept, ends);
-    if (polynomial.residual <= std::max(2 * best, 2e-5 * scale) || degree >= most) return polynomial.field();
-  }
-}
-
-/// A little of the interior term against folds (report.h): points of a grid that face away from the blend of the rim's normals, and
-/// neighbours whose normals are far apart. The least in third derivatives, with a penalty on each fold that grows. Returns the
-/// correction that leaves fewest and does not go far, or none.
-SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, const std::function<Index(const Surface&)>& folds,
-                     Index& least) {
-  constexpr int rows = 64, rounds = 16, patience = 5, degree = 9;
-  constexpr double faces = 0.02, neighbours = 0.55;  // cosines: least wanted
-  constexpr double far = 0.25;                       // times the size: where that is not enough, nothing is
-  const Shared& functions = shared(degree, 0, 0, 8);
-  const Index count = functions.combination.cols();
-  std::vector<Vec3> wanted;
-  std::vector<double> at;
-  std::vector<std::array<Index, 2>> edges;
-  const RimNormals rim(sides);
-  for (int q = 1; q < rows; ++q)
-    for (int p = 1; p + q < rows; ++p) {
-      const Index here = static_cast<Index>(wanted.size()), above = here + rows - 1 - q;
-      if (p + q + 1 < rows) edges.insert(edges.end(), {{here, here + 1}, {here, above}, {here + 1, above}});
-      const std::array<double, 3> b = {double(rows - p - q) / rows, double(p) / rows, double(q) / rows};
-      wanted.push_back(rim.at(b.data()).normalized());
-      at.insert(at.end(), b.begin(), b.end());
-    }
-  const Index points = static_cast<Index>(wanted.size());
-  Eigen::MatrixXd first(2 * points, count);  // derivatives of the functions in b0 and b1, over the size
-  for (Index k = 0; k < points; ++k) {
-    const std::vector<Jet<1>> basis = Correction::scalar_basis(Barycentric<1>(&at[3 * k]), degree, 0);
-    for (Index c = 0; c < count; ++c) first.block<2, 1>(2 * k, c) << basis[c].c[1], basis[c].c[2];
-  }
-  first = size * (first * functions.combination);
-  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(points, 9);
-  patch->evaluate(at.data(), points, 1, jets.data());
-
-  const std::array<double, 3> none = {0, 0, 0};
-  const PiecewisePolynomial zero = PiecewisePolynomial::constant(none);
-  SurfacePtr best;
-  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(count, 3);
-  double penalty = 10;
-  for (int round = 0, idle = 0; round < rounds && idle < patience && least > 0; ++round, ++idle, penalty *= 3) {
-    std::vector<Vec3> p(points), q(points), normal(points);
-    std::vector<double> area(points);
-    for (Index k = 0; k < points; ++k) {
-      p[k] = jets.row(k).segment<3>(3).transpose() + x.transpose() * first.row(2 * k).transpose();
-      q[k] = jets.row(k).segment<3>(6).transpose() + x.transpose() * first.row(2 * k + 1).transpose();
-      area[k] = p[k].cross(q[k]).norm();
-      normal[k] = p[k].cross(q[k]) / area[k];
-    }
-    Eigen::MatrixXd folded(3 * count, points + static_cast<Index>(edges.size()));  // what takes each fold away, one a column
-    Eigen::VectorXd lacking(folded.cols());
-    Index active = 0;
-    // what a change does to n_k . m: (dp x q + p x dq) . m' = dp . (q x m') + dq . (m' x p), m' the part of m across n_k, over the area
-    const auto add = [&](Index k, const Vec3& m) {
-      const Vec3 across = (m - normal[k] * normal[k].dot(m)) / area[k], of_p = q[k].cross(across), of_q = across.cross(p[k]);
-      for (int c = 0; c < 3; ++c)
-        folded.col(active).segment(c * count, count) += of_p[c] * first.row(2 * k) + of_q[c] * first.row(2 * k + 1);
-    };
-    for (Index k = 0; k < points; ++k) {
-      lacking[active] = faces - normal[k].dot(wanted[k]);
-      if (!(lacking[active] > 0)) continue;
-      folded.col(active).setZero();
-      add(k, wanted[k]);
-      ++active;
-    }
-    for (const auto& [a, b] : edges) {
-      lacking[active] = neighbours - normal[a].dot(normal[b]);
-      if (!(lacking[active] > 0)) continue;
-      folded.col(active).setZero();
-      add(a, normal[b]);
-      add(b, normal[a]);
-      ++active;
-    }
-    if (active == 0) break;  // folds are counted on more than this grid, or on a patch with more added
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(3 * count, 3 * count);
-    const auto columns = folded.leftCols(active);
-    matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns, penalty);
-    const Eigen::VectorXd right = penalty * columns * (lacking.head(active) + columns.transpose() * x.reshaped());
-    x.reshaped() = matrix.selfadjointView<Eigen::Lower>().llt().solve(right);
-    if (!x.allFinite()) break;
-    const SurfacePtr correction = std::make_shared<Correction>(std::array<PiecewisePolynomial, 3>{zero, zero, zero}, degree, 0,
-                                                               Points(size * (functions.combination * x)));
-    const Points added = correction->positions(Eigen::Map<const Points>(at.data(), points, 3));
-    if (!(added.rowwise().norm().maxCoeff() < far * size)) break;
-    const Index left = folds(*sum(patch, correction));
-    if (left < least) {
-      least = left;
-      best = correction;
-      idle = -1;
-    }
-  }
-  return best;
-}
-
 }  // namespace
-
-Sides smoothed(const Sides& sides) {
-  Sides out = sides;
-  for (Side& side : out) {
-    side.c = smoothed(side.c, side.rim, 3);  // what the patch's second derivatives at the corners are made of stays
-    side.r = smoothed(side.r, side.rim, 2);
-    side.q = smoothed(side.q, side.rim, 0);
-  }
-  return out;
-}
 
 FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options) {
   const std::array<std::string, 5> names = {"thin_plate", "third_derivative", "minimum_variation", "quadric_variation", "auto"};

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "tripatch/boundary/smoothed.h"
 #include "tripatch/patch/barnhill_birkhoff_gordon.h"
 #include "tripatch/patch/coons_bezier.h"
 #include "tripatch/patch/curvature.h"
-#include "tripatch/patch/fairing.h"
 #include "tripatch/patch/gordon_coons.h"
 #include "tripatch/patch/gregory.h"
 #include "tripatch/patch/nielson_blend.h"

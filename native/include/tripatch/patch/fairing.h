@@ -53,10 +53,6 @@ struct FairResult {
   std::vector<std::string> warnings;
 };
 
-/// Sides through mesh vertices (Side::rim) as single polynomials of degree 6 to 16 by least squares, ends kept, where that comes
-/// near; others as they are.
-Sides smoothed(const Sides& sides);
-
 /// `base` is any patch of `boundary` that keeps G1 to `sides`. The result has no higher energy and no more folds; if nothing
 /// better is found, it is `base` itself (with its middle where it is asked for).
 FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options = {});

@@ -1,0 +1,130 @@
+// What a fairing adds to a patch: functions that keep G1, the same for all holes, and their derivatives at the nodes of a quadrature.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "tripatch/boundary/piecewise_polynomial.h"
+#include "tripatch/patch/curvature.h"
+#include "tripatch/patch/energy.h"
+#include "tripatch/patch/side_weights.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+/// Binomial coefficient.
+inline double choose(int n, int k) {
+  double r = 1;
+  for (int i = 1; i <= k; ++i) r = r * (n - k + i) / i;
+  return r;
+}
+
+/// What a fairing adds to a patch.
+class Correction final : public JetSurface<Correction> {
+public:
+  /// slopes: on each side, what is added to the derivative across it; coefficients: of scalar_basis, one a row.
+  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, Points coefficients)
+      : slopes_(std::move(slopes)), degree_(degree), bends_(bends), coefficients_(std::move(coefficients)) {}
+
+  Vec3 corner(int) const { return Vec3::Zero(); }
+
+  template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    JetPoint<N> p;
+    const std::array<Jet<N>, 3> w = side_weights(b);
+    for (int i = 0; i < 3; ++i) p += slope_kernel(b, w, i) * compose(slopes_[i], ray_parameter(b, i));
+    const std::vector<Jet<N>> basis = scalar_basis(b, degree_, bends_);
+    for (std::size_t k = 0; k < basis.size(); ++k)
+      for (int x = 0; x < 3; ++x) p.x[x] += basis[k] * coefficients_(k, x);
+    return p;
+  }
+
+  /// The part of a side-vertex patch that multiplies the derivative across side i.
+  template <int N>
+  static Jet<N> slope_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
+    const Jet<N> s = b[(i + 1) % 3] + b[(i + 2) % 3];
+    return -(w[i] * (square(s) * b[i]));
+  }
+
+  static int scalars(int degree, int bends) { return (degree + 1) * (degree + 2) / 2 + 3 * bends; }
+
+  /// The interior functions (27 b0 b1 b2)^2 B_K(b), then those that bend the patch across side i: 1/2 b_i^2, times the cubic side
+  /// weight, times the Bernstein polynomials of t of degree bends - 1. These reach to the corners, where the interior is too flat.
+  template <int N>
+  static std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int bends) {
+    std::array<std::vector<Jet<N>>, 3> power;
+    for (int i = 0; i < 3; ++i) {
+      power[i].assign(degree + 1, Jet<N>(1.0));
+      for (int k = 1; k <= degree; ++k) power[i][k] = power[i][k - 1] * b[i];
+    }
+    const Jet<N> bubble = square(27.0 * (b[0] * b[1] * b[2]));
+    std::vector<Jet<N>> basis;
+    basis.reserve(scalars(degree, bends));
+    for (int i = degree; i >= 0; --i) {
+      const Jet<N> first = bubble * power[0][i];
+      for (int j = degree - i; j >= 0; --j)
+        basis.push_back((choose(degree, i) * choose(degree - i, j)) * (first * (power[1][j] * power[2][degree - i - j])));
+    }
+    if (bends == 0) return basis;
+    const std::array<Jet<N>, 3> weight = cubic_side_weights(b);
+    for (int i = 0; i < 3; ++i) {
+      const Jet<N> kernel = 0.5 * (square(b[i]) * weight[i]), t = ray_parameter(b, i), s = 1.0 - t;
+      for (int m = 0; m < bends; ++m) {
+        Jet<N> f = choose(bends - 1, m) * kernel;
+        for (int k = 0; k < m; ++k) f *= t;
+        for (int k = m + 1; k < bends; ++k) f *= s;
+        basis.push_back(f);
+      }
+    }
+    return basis;
+  }
+
+private:
+  std::array<PiecewisePolynomial, 3> slopes_;
+  int degree_, bends_;
+  Points coefficients_;
+};
+
+/// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
+PiecewisePolynomial slope_function(int count, int m);
+
+/// The nine derivatives of orders 1 to 3, as Derivatives has them.
+template <int N>
+Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
+  Eigen::Matrix<double, 9, 1> d;
+  for (int k = 0; k < 9; ++k) d[k] = f.c[k + 1];
+  for (int k : {2, 4}) d[k] *= 2;
+  for (int k : {5, 8}) d[k] *= 6;
+  for (int k : {6, 7}) d[k] *= 2;
+  return d;
+}
+
+/// What is the same for all holes: nodes, the interior basis and the kernels of the slopes at them.
+struct FairingSpace {
+  using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
+  Quadrature quadrature;
+  std::vector<Basis> interior;                            // at each node
+  std::vector<std::array<Jet<3>, 3>> parameter;           // t_i at each node
+  std::vector<std::array<std::vector<Jet<3>>, 3>> slope;  // kernel times function m, of side i, at each node
+  std::array<Eigen::MatrixXd, 4> rows, normal;            // by order m of derivatives: rows sqrt(w) D^m of the interior basis
+  Eigen::MatrixXd combination;                            // of the scalar functions, one basis function a column
+  static constexpr int side_points = 12;
+  double side_sum = 0;                         // of sin(pi t)
+  std::vector<double> side_t;                  // where curvature is compared along a side: denser towards the corners
+  std::array<Eigen::MatrixXd, 3> side_second;  // there: second derivative of each basis function across side i
+  Eigen::MatrixXd side_slope;                  // there: the functions of alpha and beta
+  Eigen::RowVectorXd middle, middle_slope;     // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
+
+  FairingSpace(int degree, int bends, int slopes, int nodes);
+
+  /// Derivative d of order m counts as often as it occurs in D^m; where order m begins in Derivatives.
+  static double factor(int m, int d) { return std::sqrt(choose(m, d)); }
+  static int first_of(int m) { return (m - 1) * (m + 2) / 2; }
+};
+
+/// Made once for each set of numbers and kept.
+const FairingSpace& fairing_space(int degree, int bends, int slopes, int nodes);
+
+}  // namespace tripatch
