@@ -1,9 +1,10 @@
 #include "tripatch/boundary/smoothed.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "tripatch/linear.h"
 
 namespace tripatch {
 namespace {
@@ -22,7 +23,7 @@ public:
         }
         given.row(end * kept + order) = (order == 0 ? f(end) : f.derivative_at(end, order)) / (order == 2 ? 2 : 1);
       }
-    coefficients_ = conditions.partialPivLu().solve(given);
+    coefficients_ = least_squares(conditions, given);
   }
 
   Eigen::RowVector3d operator()(double t) const {
@@ -50,7 +51,7 @@ struct FittedPolynomial {
       basis.row(k) = chebyshev(t[k]);
       rest.row(k) -= ends(t[k]);
     }
-    coefficients = basis.householderQr().solve(rest);
+    coefficients = least_squares(basis, rest);
     residual = (basis * coefficients - rest).rowwise().norm().maxCoeff();
   }
 
