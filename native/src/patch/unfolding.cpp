@@ -12,7 +12,7 @@ namespace tripatch {
 
 SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, const std::function<Index(const Surface&)>& folds,
                      Index& least) {
-  constexpr int rows = 64, rounds = 16, patience = 5, degree = 9;
+  constexpr int rows = 64, rounds = 16, degree = 9;
   constexpr double faces = 0.02, neighbours = 0.55;  // cosines: least wanted
   constexpr double far = 0.25;                       // times the size: where that is not enough, nothing is
   const FairingSpace& functions = fairing_space(degree, 0, 0, 8);
@@ -44,7 +44,7 @@ SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, c
   SurfacePtr best;
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(count, 3);
   double penalty = 10;
-  for (int round = 0, idle = 0; round < rounds && idle < patience && least > 0; ++round, ++idle, penalty *= 3) {
+  for (int round = 0; round < rounds && least > 0; ++round, penalty *= 3) {
     std::vector<Vec3> p(points), q(points), normal(points);
     std::vector<double> area(points);
     for (Index k = 0; k < points; ++k) {
@@ -92,7 +92,6 @@ SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, c
     if (left < least) {
       least = left;
       best = correction;
-      idle = -1;
     }
   }
   return best;
