@@ -160,7 +160,7 @@ def main() -> None:
     parser.add_argument("--cgal", help="the compiled cgal_fill")
     parser.add_argument("--blender", default="blender")
     parser.add_argument("--method", default="side_vertex")
-    parser.add_argument("--repetitions", type=int, default=20)
+    parser.add_argument("--repetitions", type=int, default=15)
     parser.add_argument("--out", type=Path, help="default: print")
     args = parser.parse_args()
     args.cache.mkdir(parents=True, exist_ok=True)
