@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import datetime
 import platform
-import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -165,10 +164,7 @@ def main() -> None:
     args = parser.parse_args()
     args.cache.mkdir(parents=True, exist_ok=True)
 
-    cases = dict(holes.ANALYTIC)
-    if shutil.which(args.blender):
-        holes.suzanne_meshes(args.cache, args.blender)
-        cases["suzanne"] = lambda n: holes.suzanne(n, args.cache)
+    cases = holes.ten(args.cache, args.blender)
     if args.cases:
         cases = {name: cases[name] for name in args.cases.split(",")}
     results = {}

@@ -413,11 +413,7 @@ def main() -> None:
     args = parser.parse_args()
     args.cache.mkdir(parents=True, exist_ok=True)
 
-    cases = dict(holes.ANALYTIC)
-    if shutil.which(args.blender):
-        holes.suzanne_meshes(args.cache, args.blender)
-        cases["suzanne"] = lambda n: holes.suzanne(n, args.cache)
-    cases |= holes.FURTHER
+    cases = holes.ten(args.cache, args.blender) | holes.FURTHER
     cases = {name: make(N) for name, make in cases.items() if not args.cases or name in args.cases.split(",")}
     others = rivals.available(args.cgal, args.pmp)
     versions = [f"CGAL {rivals.version(args.cgal)}"] if args.cgal else []

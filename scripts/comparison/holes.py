@@ -8,6 +8,7 @@ Sides run from corner 0 to 1, 1 to 2 and 2 to 0 in this file, in the direction i
 from __future__ import annotations
 
 import functools
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -540,4 +541,23 @@ def _nearest_on_each(p, a, b, c):
     return best
 
 
+def lattice_triangles(index) -> np.ndarray:
+    """The triangles (m, 3) of a triangular lattice whose points (i, j) have the vertices index[i, j], counter-clockwise."""
+    triangles = []
+    for i, j in index:
+        for corners in (((i, j), (i + 1, j), (i, j + 1)), ((i + 1, j), (i + 1, j + 1), (i, j + 1))):
+            if all(corner in index for corner in corners):
+                triangles.append([index[corner] for corner in corners])
+    return np.array(triangles)
+
+
 ANALYTIC = {f.__name__: f for f in (sphere, sphere10, torus, saddle, franke, suitcase, fillets3, bezier3, irregular)}
+
+
+def ten(folder: Path, blender: str) -> dict:
+    """Name -> hole of n edges a side. Suzanne, which Blender writes into `folder`, is left out where there is no Blender."""
+    cases = dict(ANALYTIC)
+    if shutil.which(blender):
+        suzanne_meshes(folder, blender)
+        cases["suzanne"] = lambda n: suzanne(n, folder)
+    return cases

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .holes import Hole, unit
+from .holes import Hole, lattice_triangles, unit
 
 
 def angle(a, b):
@@ -62,13 +62,7 @@ def surface_points(patch, count=10_000, rows=160) -> np.ndarray:
     p, q = np.array([(p, q) for q in range(rows + 1) for p in range(rows + 1 - q)]).T
     place = {(a, b): k for k, (a, b) in enumerate(zip(p.tolist(), q.tolist()))}
     b = np.stack([rows - p - q, p, q], 1) / rows
-    triangles = []
-    for (i, j), k in place.items():
-        if i + j < rows:
-            triangles.append((k, place[i + 1, j], place[i, j + 1]))
-        if i + j < rows - 1:
-            triangles.append((place[i + 1, j], place[i + 1, j + 1], place[i, j + 1]))
-    triangles = np.array(triangles)
+    triangles = lattice_triangles(place)
     hit, weights = spread(patch.evaluate(b)[triangles], count)
     return patch.evaluate(np.einsum("nk,nkd->nd", weights, b[triangles[hit]]))
 

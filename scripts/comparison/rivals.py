@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .holes import Hole, unit
+from .holes import Hole, lattice_triangles, unit
 from .metrics import angle, spread
 
 REPETITIONS = 3
@@ -128,13 +128,7 @@ def _flat(hole: Hole, fill):
     places = np.full((count + len(inside), 3), np.nan)
     for (a, b), v in grid.items():
         places[v] = np.array([n - a - b, a, b]) / n @ corners
-    faces = []
-    for (a, b), v in grid.items():
-        if a + b < n:
-            faces.append((v, grid[a + 1, b], grid[a, b + 1]))
-        if a + b < n - 1:
-            faces.append((grid[a + 1, b], grid[a + 1, b + 1], grid[a, b + 1]))
-    return places, np.array(faces)
+    return places, lattice_triangles(grid)
 
 
 def _harmonic(places, faces, fixed, values):

@@ -395,9 +395,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
         const bool corner = std::any_of(face.begin(), face.end(), [&](Index v) { return corners.contains(v); });
         const std::vector<FacePlace> places = spread(face.size(), settings.loop);
         const LimitStencils before = was.stencils(closed.kept[f], places), now = limit.stencils(f, places);
-        Points vertices(static_cast<Index>(before.vertices.size()), 3);
-        for (std::size_t k = 0; k < before.vertices.size(); ++k)
-          vertices.row(static_cast<Index>(k)) = mesh.vertices.row(before.vertices[k]);
+        const Points vertices = mesh.vertices(before.vertices, Eigen::all);
         const Points pu = before.pu * vertices, pv = before.pv * vertices;
         Points normal(pu.rows(), 3);
         for (Index k = 0; k < pu.rows(); ++k) normal.row(k) = Vec3(pu.row(k)).cross(Vec3(pv.row(k))).stableNormalized();
@@ -467,9 +465,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
         points.normals.resize(rows, 3);
         Index row = 0;
         for (const LimitStencils& face : inside[h]) {
-          Points vertices(static_cast<Index>(face.vertices.size()), 3);
-          for (std::size_t k = 0; k < face.vertices.size(); ++k)
-            vertices.row(static_cast<Index>(k)) = closed.vertices.row(face.vertices[k]);
+          const Points vertices = closed.vertices(face.vertices, Eigen::all);
           const Points p = face.p * vertices, pu = face.pu * vertices, pv = face.pv * vertices;
           for (Index k = 0; k < p.rows(); ++k, ++row) {
             points.points.row(row) = p.row(k);

@@ -4,11 +4,7 @@
 
 namespace tripatch {
 
-Points Sums::at(const Points& free) const {
-  Points gathered(static_cast<Index>(slots.size()), 3);
-  for (std::size_t k = 0; k < slots.size(); ++k) gathered.row(static_cast<Index>(k)) = free.row(slots[k]);
-  return rest + weights * gathered;
-}
+Points Sums::at(const Points& free) const { return rest + weights * Points(free(slots, Eigen::all)); }
 
 CageSystem::CageSystem(const Points& vertices, std::vector<Index> free)
     : vertices_(vertices), free_(std::move(free)), slot_(vertices.rows(), -1), rows_(free_.size()) {

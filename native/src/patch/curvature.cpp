@@ -10,30 +10,6 @@
 namespace tripatch {
 namespace {
 
-/// First and second derivative of a surface in the direction -delta_i at points of side i.
-struct Across {
-  Vec3 first, second;
-};
-
-std::vector<Across> derivatives_across(const Surface& patch, int i, std::span<const double> t) {
-  const Index n = static_cast<Index>(t.size());
-  std::vector<double> b(3 * t.size()), jets(18 * t.size());
-  for (Index k = 0; k < n; ++k) {
-    b[3 * k + i] = 0;
-    b[3 * k + (i + 1) % 3] = 1 - t[k];
-    b[3 * k + (i + 2) % 3] = t[k];
-  }
-  patch.evaluate(b.data(), n, 2, jets.data());
-  const double d0 = i == 0 ? -1 : 0.5, d1 = i == 1 ? -1 : 0.5;
-  std::vector<Across> out(t.size());
-  for (Index k = 0; k < n; ++k) {
-    const Eigen::Map<const Eigen::Matrix<double, 6, 3, Eigen::RowMajor>> c(jets.data() + 18 * k);
-    out[k].first = d0 * c.row(1) + d1 * c.row(2);
-    out[k].second = 2 * (d0 * d0 * c.row(3) + d0 * d1 * c.row(4) + d1 * d1 * c.row(5));
-  }
-  return out;
-}
-
 class Bends final : public JetSurface<Bends> {
 public:
   /// fields: what the second derivative across side i gains; empty: nothing.
@@ -55,6 +31,25 @@ private:
 };
 
 }  // namespace
+
+std::vector<Across> derivatives_across(const Surface& patch, int i, std::span<const double> t, int order) {
+  const Index n = static_cast<Index>(t.size()), row = jet_size(order);
+  std::vector<double> b(3 * t.size()), jets(3 * row * n);
+  for (Index k = 0; k < n; ++k) {
+    b[3 * k + i] = 0;
+    b[3 * k + (i + 1) % 3] = 1 - t[k];
+    b[3 * k + (i + 2) % 3] = t[k];
+  }
+  patch.evaluate(b.data(), n, order, jets.data());
+  const double d0 = i == 0 ? -1 : 0.5, d1 = i == 1 ? -1 : 0.5;
+  std::vector<Across> out(t.size());
+  for (Index k = 0; k < n; ++k) {
+    const auto derivative = [&](Index which) { return Vec3::Map(&jets[3 * (row * k + which)]); };
+    out[k].first = d0 * derivative(1) + d1 * derivative(2);
+    if (order > 1) out[k].second = 2 * (d0 * d0 * derivative(3) + d0 * d1 * derivative(4) + d1 * d1 * derivative(5));
+  }
+  return out;
+}
 
 double SideForm::across(const Vec3& v) const { return (v - v.dot(dc) / dc.squaredNorm() * dc).squaredNorm(); }
 

@@ -32,6 +32,25 @@ struct Quadratic {
   }
 };
 
+/// What makes a field of any length as long as the hole; 0 where it vanishes.
+double scale_to(double size, const PiecewisePolynomial& field) {
+  double length = 0;
+  for (int k = 0; k <= 16; ++k) length += field(k / 16.0).norm() / 17;
+  return length > 0 ? size / length : 0;
+}
+
+/// How much of `added` side i's alpha can gain until it falls below a tenth of what it was.
+double alpha_reach(const Boundary& boundary, int i, const PiecewisePolynomial& added) {
+  double most = std::numeric_limits<double>::infinity();
+  for (int k = 1; k < 32; ++k) {
+    double before, change;
+    boundary.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
+    added.taylor(k / 32.0, 0, &change);
+    if (!(change >= 0)) most = std::min(most, -0.9 * before / change);
+  }
+  return most;
+}
+
 /// The unknowns of one hole: the interior coefficients, component by component, then alpha and beta of each side.
 class Problem {
 public:
@@ -172,12 +191,8 @@ public:
     });
     model = std::move(parts[0]);
     for (Index at = 1; at < blocks; ++at)
-      for (int which = 0; which < 2; ++which) {
-        if (!wanted[which]) continue;
-        model[which].normal += parts[at][which].normal;
-        model[which].gradient += parts[at][which].gradient;
-        model[which].constant += parts[at][which].constant;
-      }
+      for (int which = 0; which < 2; ++which)
+        if (wanted[which]) model[which] += parts[at][which];
   }
 
   Quadratic linearised_jumps(const Eigen::VectorXd& x) const {
@@ -192,13 +207,7 @@ public:
     double most = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
       if (scale_[i][0] == 0) continue;
-      const PiecewisePolynomial added = scale_[i][0] * combination(x, i, 0);
-      for (int k = 1; k < 32; ++k) {
-        double before, change;
-        boundary_.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
-        added.taylor(k / 32.0, 0, &change);
-        if (!(change >= 0)) most = std::min(most, -0.9 * before / change);
-      }
+      most = std::min(most, alpha_reach(boundary_, i, scale_[i][0] * combination(x, i, 0)));
     }
     return most;
   }
@@ -299,23 +308,14 @@ private:
       if (!options_.curvature[i] || sides_[i].q.empty() || scale_[i][0] == 0) continue;
       Followed side;
       side.i = i;
-      Eigen::Matrix<double, points, 3, Eigen::RowMajor> b = Eigen::Matrix<double, points, 3, Eigen::RowMajor>::Zero();
-      Eigen::Matrix<double, points, 18, Eigen::RowMajor> jets;
-      for (int k = 0; k < points; ++k) {
-        b(k, (i + 1) % 3) = 1 - shared_.side_t[k];
-        b(k, (i + 2) % 3) = shared_.side_t[k];
-      }
-      base.evaluate(b.data(), points, 2, jets.data());
-      const double d0 = i == 0 ? 1 : -0.5, d1 = i == 1 ? 1 : -0.5;
+      const std::vector<Across> across = derivatives_across(base, i, shared_.side_t);
       for (int k = 0; k < points; ++k) {
         const double t = shared_.side_t[k];
         const SideForm form = side_form(sides_[i], t);
         side.form[k] = form;
         boundary_.ribbons[i].alpha.taylor(t, 0, &side.alpha[k]);
         boundary_.ribbons[i].beta.taylor(t, 0, &side.beta[k]);
-        const Vec3 second = 2 * (d0 * d0 * jets.row(k).segment<3>(9) + d0 * d1 * jets.row(k).segment<3>(12) +
-                                 d1 * d1 * jets.row(k).segment<3>(15));
-        side.base[k] = form.n.dot(second);
+        side.base[k] = form.n.dot(across[k].second);
         side.weight[k] = 1 / form.across(side.alpha[k] * form.r);
         curvature += form.squared_norm() / points / 3;
       }
@@ -354,25 +354,15 @@ private:
   }
 
   std::size_t take_directions(int i) {
-    const PiecewisePolynomial along = sides_[i].c.derivative();
-    if (options_.slopes_free[i] && !options_.position_only[i] && !sides_[i].r.empty()) {
-      double r = 0, c = 0;
-      for (int k = 0; k <= 16; ++k) {
-        r += sides_[i].r(k / 16.0).norm() / 17;
-        c += along(k / 16.0).norm() / 17;
-      }
-      scale_[i] = {r > 0 ? size_ / r : 0, c > 0 ? size_ / c : 0};
-    }
+    if (options_.slopes_free[i] && !options_.position_only[i] && !sides_[i].r.empty())
+      scale_[i] = {scale_to(size_, sides_[i].r), scale_to(size_, sides_[i].c.derivative())};
     directions_[i] = directions_of(sides_[i], i);
     return directions_[i].size();
   }
 
   PiecewisePolynomial combination(const Eigen::VectorXd& x, int i, std::size_t direction) const {
-    const int m = options_.slopes;
-    std::vector<double> net(m);
-    for (int k = 0; k < m; ++k) net[k] = x[3 * interior_ + first_[i] + static_cast<Index>(direction) * m + k];
-    const std::array<double, 3> arch = {0, 2, 0};
-    return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(net, 1);
+    const std::size_t m = options_.slopes;
+    return slope_function({&x[3 * interior_ + first_[i] + static_cast<Index>(direction * m)], m});
   }
 
   const FairingSpace& shared_;
@@ -401,8 +391,8 @@ Eigen::VectorXd least(const Factor& factor, const Eigen::VectorXd& gradient, con
 }
 
 /// The minimum of a quadratic energy, slopes free; with the scalar functions alone where alpha would leave its bound, or, where tension
-/// or the middle is a person's to change (which shall not jump), most of the way from there to the bound. Curvature that is to be followed weighs a tenth of the energy at the start for each jump tolerated; two
-/// passes, because slopes enter it squared.
+/// or the middle is a person's to change (which shall not jump), most of the way from there to the bound. Curvature that is to be
+/// followed weighs a tenth of the energy at the start for each jump tolerated; two passes, because slopes enter it squared.
 Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
   const Eigen::MatrixXd held = problem.held();
   const auto among = [&](Index m) {
@@ -657,29 +647,15 @@ SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& bo
   for (int i = 0; i < 3; ++i) {
     if (!options.slopes_free[i] || sides[i].r.empty()) continue;
     directions[i] = {sides[i].r, sides[i].c.derivative()};
-    for (int d = 0; d < 2; ++d) {
-      double length = 0;
-      for (int k = 0; k <= 16; ++k) length += directions[i][d](k / 16.0).norm() / 17;
-      if (length > 0) scale[i][d] = boundary.size / length;
-    }
+    for (int d = 0; d < 2; ++d) scale[i][d] = scale_to(boundary.size, directions[i][d]);
   }
   const auto added = [&](const Eigen::VectorXd& x, int i, int d) {
-    PiecewisePolynomial f = (scale[i][d] * x[3 * scalars + (2 * i + d) * slopes]) * functions[0];
-    for (int m = 1; m < slopes; ++m) f = f + (scale[i][d] * x[3 * scalars + (2 * i + d) * slopes + m]) * functions[m];
-    return f;
+    return scale[i][d] * slope_function({&x[3 * scalars + (2 * i + d) * slopes], static_cast<std::size_t>(slopes)});
   };
   const auto keeps_alpha = [&](const Eigen::VectorXd& x) {
-    for (int i = 0; i < 3; ++i) {
-      if (scale[i][0] == 0) continue;
-      const PiecewisePolynomial change = added(x, i, 0);
-      for (int k = 1; k < 32; ++k) {
-        double before, more;
-        boundary.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
-        change.taylor(k / 32.0, 0, &more);
-        if (!(before + more >= 0.1 * before)) return false;
-      }
-    }
-    return true;
+    for (int i = 0; i < 3; ++i)
+      if (scale[i][0] > 0 && !(alpha_reach(boundary, i, added(x, i, 0)) >= 1)) return false;
+    return x.allFinite();
   };
 
   SurfacePtr patch = base;

@@ -8,10 +8,14 @@
 namespace tripatch {
 
 PiecewisePolynomial slope_function(int count, int m) {
-  const std::array<double, 3> arch = {0, 2, 0};
   std::vector<double> net(count, 0.0);
   net[m] = 1;
-  return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(net, 1);
+  return slope_function(net);
+}
+
+PiecewisePolynomial slope_function(std::span<const double> coefficients) {
+  const std::array<double, 3> arch = {0, 2, 0};
+  return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(coefficients, 1);
 }
 
 FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes) : quadrature(corner_quadrature(nodes)) {

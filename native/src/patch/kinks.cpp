@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "tripatch/patch/curvature.h"
+
 namespace tripatch {
 namespace {
 
@@ -61,21 +63,6 @@ public:
 private:
   std::vector<Strip> strips_;
 };
-
-/// dP/d(delta_i) on side i at the parameters t.
-std::vector<Vec3> derivatives_inward(const Surface& patch, int i, std::span<const double> t) {
-  const Index n = static_cast<Index>(t.size());
-  std::vector<double> b(3 * t.size(), 0.0), jets(9 * t.size());
-  for (Index k = 0; k < n; ++k) {
-    b[3 * k + (i + 1) % 3] = 1 - t[k];
-    b[3 * k + (i + 2) % 3] = t[k];
-  }
-  patch.evaluate(b.data(), n, 1, jets.data());
-  std::vector<Vec3> out;
-  for (Index k = 0; k < n; ++k)
-    out.emplace_back((i == 0 ? 1 : -0.5) * Vec3::Map(&jets[9 * k + 3]) + (i == 1 ? 1 : -0.5) * Vec3::Map(&jets[9 * k + 6]));
-  return out;
-}
 
 Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
@@ -160,7 +147,7 @@ SurfacePtr Kinks::restored(const SurfacePtr& patch, const std::array<bool, 3>& t
         halves[h].c = sides_[i].c.part(from, to);
         halves[h].r = sides_[i].r.part(from, to);
       }
-      const Vec3 at_kink = derivatives_inward(*patch, i, {&kink.t, 1})[0];
+      const Vec3 at_kink = -derivatives_across(*patch, i, {&kink.t, 1}, 1)[0].first;
       const std::optional<Vec3> common = in_both_planes(at_kink, halves[0], halves[1]);
       std::vector<PiecewisePolynomial> g;
       for (int h = 0; h < 2; ++h) {
@@ -169,12 +156,12 @@ SurfacePtr Kinks::restored(const SurfacePtr& patch, const std::array<bool, 3>& t
             [&](std::span<const double> u, std::span<double> out) {
               std::vector<double> t;
               for (double v : u) t.push_back((h ? kink.t : strip.from) + kink.reach * v);
-              const std::vector<Vec3> d = derivatives_inward(*patch, i, t);
+              const std::vector<Across> across = derivatives_across(*patch, i, t, 1);
               for (std::size_t k = 0; k < u.size(); ++k) {
                 const double near = h ? 1 - u[k] : u[k];
-                const Vec3 n = halves[h].normal(u[k]);
-                const Vec3 wanted = in_plane(d[k] + near * near * (3 - 2 * near) * turn, n);
-                Vec3::Map(&out[3 * k]) = tangent[i] ? Vec3(wanted - d[k]) : Vec3(Vec3::Zero());
+                const Vec3 n = halves[h].normal(u[k]), d = -across[k].first;
+                const Vec3 wanted = in_plane(d + near * near * (3 - 2 * near) * turn, n);
+                Vec3::Map(&out[3 * k]) = tangent[i] ? Vec3(wanted - d) : Vec3(Vec3::Zero());
               }
             },
             3, 1e-11));

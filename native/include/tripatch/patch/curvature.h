@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "tripatch/boundary/side.h"
 #include "tripatch/patch/side_weights.h"
@@ -30,6 +32,13 @@ std::array<Jet<N>, 3> cubic_side_weights(const Barycentric<N>& b) {
   w[k] = wk * inverse;
   return w;
 }
+
+/// First and second derivative of a surface in the direction -delta_i at points of side i.
+struct Across {
+  Vec3 first, second;
+};
+/// At the parameters t of side i; with order 1 the second stay undefined.
+std::vector<Across> derivatives_across(const Surface& patch, int i, std::span<const double> t, int order = 2);
 
 /// The surroundings' second fundamental form at a point of a side, and the frame it is in.
 struct SideForm {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "tripatch/boundary/piecewise_polynomial.h"
@@ -89,6 +90,8 @@ private:
 
 /// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
 PiecewisePolynomial slope_function(int count, int m);
+/// The sum of them with the given coefficients.
+PiecewisePolynomial slope_function(std::span<const double> coefficients);
 
 /// The nine derivatives of orders 1 to 3, as Derivatives has them.
 template <int N>
