@@ -223,15 +223,25 @@ TEST_CASE("the list of singular mask and permanence systems") {
 }
 
 TEST_CASE("every degree from 4 up has singular alphas") {
-  // (identity - mask) is A - alpha B: singular at the inverses of the real eigenvalues of A^-1 B
+  // where the determinant of (identity - mask), a polynomial in alpha, changes its sign
   for (int n = 4; n <= 12; ++n) {
     const Eigen::MatrixXd a = inside_of(mask_equations(n, CoonsKind::permanence, 0.0), n);
     const Eigen::MatrixXd b = a - inside_of(mask_equations(n, CoonsKind::permanence, 1.0), n);
-    double largest = 0;
-    for (const std::complex<double>& e : Eigen::EigenSolver<Eigen::MatrixXd>(a.inverse() * b).eigenvalues())
-      if (e.imag() == 0 && std::abs(e) > std::abs(largest)) largest = e.real();
-    REQUIRE(largest != 0);
-    const double alpha = 1 / largest;
+    const auto sign = [&](double alpha) {
+      return std::copysign(1.0, Eigen::FullPivLU<Eigen::MatrixXd>(a - alpha * b).determinant());
+    };
+    double step = 0.01, from = 0;
+    while (std::abs(from) < 10 && sign(from) == sign(from + step)) {
+      from = -from;
+      step = -step;
+      if (step > 0) from += step;
+    }
+    REQUIRE(std::abs(from) < 10);
+    while (std::abs(step) > 1e-15 * std::abs(from)) {
+      step /= 2;
+      if (sign(from) == sign(from + step)) from += step;
+    }
+    const double alpha = from + step;
     INFO("degree " << n << ", alpha " << alpha);
     CHECK(mask_rank(n, CoonsKind::permanence, alpha) < a.cols());
     CHECK_THROWS_AS(coons_bezier(random_boundary(n, 1), CoonsKind::permanence, alpha), Refusal);

@@ -7,6 +7,7 @@
 namespace tripatch {
 
 using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
+using VectorRef = Eigen::Ref<const Eigen::VectorXd>;
 
 /// The shortest x (n, k) of those with the least |a x - b|, for a (m, n) and b (m, k).
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b);
@@ -17,6 +18,10 @@ struct ShortestSolution {
   Index rank;
 };
 ShortestSolution shortest_solution(const MatrixRef& a, const MatrixRef& b, double threshold);
+
+/// The x (n) that makes x . (a x + 2 b) least among those with held x = 0, for a symmetric, positive definite a (n, n), of which the
+/// lower triangle is read, b (n) and held (k, n), k from 0 on. Not finite where a is not definite.
+Eigen::VectorXd least_quadratic(const MatrixRef& a, const VectorRef& b, const MatrixRef& held);
 
 /// (x, y) such that x a + y b is nearest to v; the shortest such where a and b are parallel or zero.
 Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v);

@@ -480,8 +480,12 @@ PiecewisePolynomial quintic(const std::vector<double>& t, const std::vector<Vec3
   return {t, 5, 3, coefficients};
 }
 
-/// v of the plane with normal `from` carried into the plane with normal `to` without turning (Levi-Civita's transport).
-Vec3 carried(const Vec3& v, const Vec3& from, const Vec3& to) { return Eigen::Quaterniond::FromTwoVectors(from, to) * v; }
+/// v of the plane with normal `from` carried into the plane with normal `to` without turning (Levi-Civita's transport), by
+/// Rodrigues' formula.
+Vec3 carried(const Vec3& v, const Vec3& from, const Vec3& to) {
+  const Vec3 axis = from.cross(to);
+  return v + axis.cross(v) + axis.cross(axis.cross(v)) / std::max(1 + from.dot(to), 1e-12);
+}
 
 /// The cross derivative to be read at each vertex of a side with normals n and derivatives dc: one unit across, and along it as
 /// much as the corners' own cross derivatives have, mixed, so that alpha and beta of the ribbons, which are linear, need not undo

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <tuple>
 
 #include "tripatch/boundary/smoothed.h"
+#include "tripatch/linear.h"
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/energy.h"
 #include "tripatch/patch/fairing_space.h"
@@ -223,7 +223,7 @@ public:
     }
     Points a(interior_, 3);
     for (int c = 0; c < 3; ++c) a.col(c) = size_ * (shared_.combination * x.segment(c * interior_, interior_));
-    return std::make_shared<Correction>(std::move(slopes), options_.degree, options_.bends, std::move(a));
+    return tripatch::correction(std::move(slopes), options_.degree, options_.bends, std::move(a));
   }
 
 private:
@@ -379,17 +379,6 @@ private:
   std::vector<SlopeBasis> basis_;                    // of the slopes, at each node
 };
 
-/// The y that makes y . (normal y + 2 gradient) least among those with held y = 0; factor: of normal.
-template <class Factor>
-Eigen::VectorXd least(const Factor& factor, const Eigen::VectorXd& gradient, const Eigen::Ref<const Eigen::MatrixXd>& held) {
-  Eigen::VectorXd y = -factor.solve(gradient);
-  if (held.rows() == 0) return y;
-  const Eigen::MatrixXd across = factor.solve(held.transpose());
-  const Eigen::LDLT<Eigen::MatrixXd> small(held * across);
-  for (int pass = 0; pass < 2; ++pass) y -= across * small.solve(held * y);  // twice, for the last digits
-  return y;
-}
-
 /// The minimum of a quadratic energy, slopes free; with the scalar functions alone where alpha would leave its bound, or, where tension
 /// or the middle is a person's to change (which shall not jump), most of the way from there to the bound. Curvature that is to be
 /// followed weighs a tenth of the energy at the start for each jump tolerated; two passes, because slopes enter it squared.
@@ -406,7 +395,7 @@ Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
         gradient += 0.1 * q.constant * jumps.gradient.head(m);
       }
       normal.diagonal().array() += 1e-12 * normal.trace() / m;
-      x.head(m) += least(normal.ldlt(), gradient, held.leftCols(m));
+      x.head(m) += least_quadratic(normal, gradient, held.leftCols(m));
     }
     return x;
   };
@@ -505,7 +494,7 @@ public:
       }
       normal += damping * (normal.trace() / metric.trace()) * metric;
       normal.diagonal().array() += 1e-14 * normal.trace();  // held slopes have empty rows
-      y = least(normal.llt(), gradient, held_);
+      y = least_quadratic(normal, gradient, held_);
     }
     return y;
   }
@@ -593,7 +582,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     const Eigen::VectorXd x = minimum(problem, q);
     tried.emplace_back(x, unit * q(x));
   } else {
-    if (options.tension > 0) tension.constant -= tension(least(tension.normal.ldlt(), tension.gradient, problem.held()));
+    if (options.tension > 0) tension.constant -= tension(least_quadratic(tension.normal, tension.gradient, problem.held()));
     const Merit merit(problem, third, tension, options.energy);
     Eigen::VectorXd x = minimum(problem, third);
     const Merit::Value before = merit(zero);
@@ -638,7 +627,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
 SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, SurfacePoints points,
                   const FairingOptions& options) {
   const int slopes = options.slopes;
-  const Index scalars = Correction::scalars(options.degree, options.bends), n = points.points.rows();
+  const Index inner = scalars(options.degree, options.bends), n = points.points.rows();
   std::vector<PiecewisePolynomial> functions;
   for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
   // r and c' are of any length; a hole is as long as its size
@@ -650,7 +639,7 @@ SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& bo
     for (int d = 0; d < 2; ++d) scale[i][d] = scale_to(boundary.size, directions[i][d]);
   }
   const auto added = [&](const Eigen::VectorXd& x, int i, int d) {
-    return scale[i][d] * slope_function({&x[3 * scalars + (2 * i + d) * slopes], static_cast<std::size_t>(slopes)});
+    return scale[i][d] * slope_function({&x[3 * inner + (2 * i + d) * slopes], static_cast<std::size_t>(slopes)});
   };
   const auto keeps_alpha = [&](const Eigen::VectorXd& x) {
     for (int i = 0; i < 3; ++i)
@@ -663,38 +652,38 @@ SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& bo
     Points b = (points.barycentric.array() + 1e-9).matrix();  // at a vertex the terms are 0/0
     for (Index k = 0; k < n; ++k) b.row(k) /= b.row(k).sum();
     const Points missing = points.points - base->positions(b);
-    const Index unknowns = 3 * scalars + 6 * slopes;
+    const Index unknowns = 3 * inner + 6 * slopes;
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3 * n, unknowns);
     Eigen::VectorXd right(3 * n);
     for (Index k = 0; k < n; ++k) {
       const Barycentric<0> at(b.row(k).data());
-      const std::vector<Jet<0>> basis = Correction::scalar_basis(at, options.degree, options.bends);
+      const std::vector<Jet<0>> basis = scalar_basis(at, options.degree, options.bends);
       const std::array<Jet<0>, 3> weights = side_weights(at);
       const Vec3 normal = points.normals.row(k);
       const Eigen::Matrix3d across = 0.1 * Eigen::Matrix3d::Identity() + 0.9 * normal * normal.transpose();
-      for (Index s = 0; s < scalars; ++s) rows.block<3, 3>(3 * k, 3 * s) = boundary.size * basis[s].value() * across;
+      for (Index s = 0; s < inner; ++s) rows.block<3, 3>(3 * k, 3 * s) = boundary.size * basis[s].value() * across;
       for (int i = 0; i < 3; ++i) {
         const Jet<0> t = ray_parameter(at, i);
-        const double kernel = Correction::slope_kernel(at, weights, i).value();
+        const double kernel = slope_kernel(at, weights, i).value();
         for (int d = 0; d < 2; ++d) {
           if (scale[i][d] == 0) continue;
           const Vec3 direction = (kernel * scale[i][d]) * (across * directions[i][d](t.value()));
           for (int m = 0; m < slopes; ++m) {
             double f;
             functions[m].taylor(t.value(), 0, &f);
-            rows.block<3, 1>(3 * k, 3 * scalars + (2 * i + d) * slopes + m) = f * direction;
+            rows.block<3, 1>(3 * k, 3 * inner + (2 * i + d) * slopes + m) = f * direction;
           }
         }
       }
       right.segment<3>(3 * k) = across * missing.row(k).transpose();
     }
     Eigen::VectorXd x = Eigen::VectorXd::Zero(unknowns);
-    for (const Index m : {unknowns, 3 * scalars}) {
+    for (const Index m : {unknowns, 3 * inner}) {
       Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(m, m);
       normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(m).transpose());
       normal.diagonal().array() += 1e-6 * normal.trace() / static_cast<double>(m);
       x.setZero();
-      x.head(m) = normal.selfadjointView<Eigen::Lower>().ldlt().solve(rows.leftCols(m).transpose() * right);
+      x.head(m) = least_quadratic(normal, -rows.leftCols(m).transpose() * right, Eigen::MatrixXd(0, m));
       if (keeps_alpha(x)) break;
     }
     if (!x.allFinite()) return patch;
@@ -703,8 +692,8 @@ SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& bo
     for (int i = 0; i < 3; ++i)
       changes[i] = scale[i][0] == 0 && scale[i][1] == 0 ? PiecewisePolynomial::constant(none)
                                                         : added(x, i, 0) * directions[i][0] + added(x, i, 1) * directions[i][1];
-    const Points coefficients = boundary.size * Eigen::Map<const Points>(x.data(), scalars, 3);
-    patch = sum(base, std::make_shared<Correction>(std::move(changes), options.degree, options.bends, coefficients));
+    const Points coefficients = boundary.size * Eigen::Map<const Points>(x.data(), inner, 3);
+    patch = sum(base, tripatch::correction(std::move(changes), options.degree, options.bends, coefficients));
     if (round == 0) nearest(*patch, points.points, points.barycentric);
   }
   return patch;

@@ -6,6 +6,37 @@
 #include <mutex>
 
 namespace tripatch {
+namespace {
+
+class Correction final : public JetSurface<Correction> {
+public:
+  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, Points coefficients)
+      : slopes_(std::move(slopes)), degree_(degree), bends_(bends), coefficients_(std::move(coefficients)) {}
+
+  Vec3 corner(int) const { return Vec3::Zero(); }
+
+  template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    JetPoint<N> p;
+    const std::array<Jet<N>, 3> w = side_weights(b);
+    for (int i = 0; i < 3; ++i) p += slope_kernel(b, w, i) * compose(slopes_[i], ray_parameter(b, i));
+    const std::vector<Jet<N>> basis = scalar_basis(b, degree_, bends_);
+    for (std::size_t k = 0; k < basis.size(); ++k)
+      for (int x = 0; x < 3; ++x) p.x[x] += basis[k] * coefficients_(k, x);
+    return p;
+  }
+
+private:
+  std::array<PiecewisePolynomial, 3> slopes_;
+  int degree_, bends_;
+  Points coefficients_;
+};
+
+}  // namespace
+
+SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, Points coefficients) {
+  return std::make_shared<Correction>(std::move(slopes), degree, bends, std::move(coefficients));
+}
 
 PiecewisePolynomial slope_function(int count, int m) {
   std::vector<double> net(count, 0.0);
@@ -19,13 +50,13 @@ PiecewisePolynomial slope_function(std::span<const double> coefficients) {
 }
 
 FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes) : quadrature(corner_quadrature(nodes)) {
-  const Index n = quadrature.b.rows(), count = Correction::scalars(degree, bends);
+  const Index n = quadrature.b.rows(), count = scalars(degree, bends);
   std::vector<PiecewisePolynomial> functions;
   for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
   for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
   for (Index k = 0; k < n; ++k) {
     const Barycentric<3> b = cartesian_barycentric<3>(quadrature.b.row(k).data());
-    const std::vector<Jet<3>> basis = Correction::scalar_basis(b, degree, bends);
+    const std::vector<Jet<3>> basis = scalar_basis(b, degree, bends);
     Basis all(9, count);
     for (Index c = 0; c < count; ++c) all.col(c) = derivatives_of(basis[c]);
     const double w = std::sqrt(quadrature.weights[k]);
@@ -37,7 +68,7 @@ FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes) : quadr
     std::array<std::vector<Jet<3>>, 3> kernels;
     for (int i = 0; i < 3; ++i) {
       t[i] = ray_parameter(b, i);
-      const Jet<3> kernel = Correction::slope_kernel(b, weights, i);
+      const Jet<3> kernel = slope_kernel(b, weights, i);
       for (const PiecewisePolynomial& f : functions) {
         std::array<double, 4> series;
         f.taylor(t[i].value(), 3, series.data());
@@ -59,13 +90,13 @@ FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes) : quadr
 
   const std::array<double, 3> thirds = {1.0 / 3, 1.0 / 3, 1.0 / 3};
   const Barycentric<0> b(thirds.data());
-  const std::vector<Jet<0>> basis = Correction::scalar_basis(b, degree, bends);
+  const std::vector<Jet<0>> basis = scalar_basis(b, degree, bends);
   middle.resize(count);
   for (Index c = 0; c < count; ++c) middle[c] = basis[c].value();
   middle *= combination;
   middle_slope.resize(slopes);
   for (int m = 0; m < slopes; ++m) functions[m].taylor(0.5, 0, &middle_slope[m]);
-  middle_slope *= Correction::slope_kernel(b, side_weights(b), 0).value();
+  middle_slope *= slope_kernel(b, side_weights(b), 0).value();
 
   side_slope.resize(side_points, slopes);
   for (int k = 0; k < side_points; ++k) {
@@ -80,7 +111,7 @@ FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes) : quadr
       b[i] = Jet<2>::linear(0, 1, 0);
       b[(i + 1) % 3] = Jet<2>::linear(1 - side_t[k], -0.5, 0);
       b[(i + 2) % 3] = Jet<2>::linear(side_t[k], -0.5, 0);
-      const std::vector<Jet<2>> basis = Correction::scalar_basis(b, degree, bends);
+      const std::vector<Jet<2>> basis = scalar_basis(b, degree, bends);
       for (Index c = 0; c < count; ++c) side_second[i](k, c) = 2 * basis[c].c[jet_index(2, 0)];
     }
     side_second[i] *= combination;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "tripatch/linear.h"
 #include "tripatch/patch/fairing_space.h"
 #include "tripatch/patch/rim_normals.h"
 
@@ -32,7 +33,7 @@ SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, c
   const Index points = static_cast<Index>(wanted.size());
   Eigen::MatrixXd first(2 * points, count);  // derivatives of the functions in b0 and b1, over the size
   for (Index k = 0; k < points; ++k) {
-    const std::vector<Jet<1>> basis = Correction::scalar_basis(Barycentric<1>(&at[3 * k]), degree, 0);
+    const std::vector<Jet<1>> basis = scalar_basis(Barycentric<1>(&at[3 * k]), degree, 0);
     for (Index c = 0; c < count; ++c) first.block<2, 1>(2 * k, c) << basis[c].c[1], basis[c].c[2];
   }
   first = size * (first * functions.combination);
@@ -82,16 +83,16 @@ SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, c
     const auto columns = folded.leftCols(active);
     matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns, penalty);
     const Eigen::VectorXd right = penalty * columns * (lacking.head(active) + columns.transpose() * x.reshaped());
-    x.reshaped() = matrix.selfadjointView<Eigen::Lower>().llt().solve(right);
+    x.reshaped() = least_quadratic(matrix, -right, Eigen::MatrixXd(0, 3 * count));
     if (!x.allFinite()) break;
-    const SurfacePtr correction = std::make_shared<Correction>(std::array<PiecewisePolynomial, 3>{zero, zero, zero}, degree, 0,
-                                                               Points(size * (functions.combination * x)));
-    const Points added = correction->positions(Eigen::Map<const Points>(at.data(), points, 3));
+    const SurfacePtr candidate =
+        correction(std::array<PiecewisePolynomial, 3>{zero, zero, zero}, degree, 0, Points(size * (functions.combination * x)));
+    const Points added = candidate->positions(Eigen::Map<const Points>(at.data(), points, 3));
     if (!(added.rowwise().norm().maxCoeff() < far * size)) break;
-    const Index left = folds(*sum(patch, correction));
+    const Index left = folds(*sum(patch, candidate));
     if (left < least) {
       least = left;
-      best = correction;
+      best = candidate;
     }
   }
   return best;

@@ -22,71 +22,49 @@ inline double choose(int n, int k) {
   return r;
 }
 
-/// What a fairing adds to a patch.
-class Correction final : public JetSurface<Correction> {
-public:
-  /// slopes: on each side, what is added to the derivative across it; coefficients: of scalar_basis, one a row.
-  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, Points coefficients)
-      : slopes_(std::move(slopes)), degree_(degree), bends_(bends), coefficients_(std::move(coefficients)) {}
+/// The part of a side-vertex patch that multiplies the derivative across side i.
+template <int N>
+Jet<N> slope_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
+  const Jet<N> s = b[(i + 1) % 3] + b[(i + 2) % 3];
+  return -(w[i] * (square(s) * b[i]));
+}
 
-  Vec3 corner(int) const { return Vec3::Zero(); }
+inline int scalars(int degree, int bends) { return (degree + 1) * (degree + 2) / 2 + 3 * bends; }
 
-  template <int N>
-  JetPoint<N> at(const Barycentric<N>& b) const {
-    JetPoint<N> p;
-    const std::array<Jet<N>, 3> w = side_weights(b);
-    for (int i = 0; i < 3; ++i) p += slope_kernel(b, w, i) * compose(slopes_[i], ray_parameter(b, i));
-    const std::vector<Jet<N>> basis = scalar_basis(b, degree_, bends_);
-    for (std::size_t k = 0; k < basis.size(); ++k)
-      for (int x = 0; x < 3; ++x) p.x[x] += basis[k] * coefficients_(k, x);
-    return p;
+/// The interior functions (27 b0 b1 b2)^2 B_K(b), then those that bend the patch across side i: 1/2 b_i^2, times the cubic side
+/// weight, times the Bernstein polynomials of t of degree bends - 1. These reach to the corners, where the interior is too flat.
+template <int N>
+std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int bends) {
+  std::array<std::vector<Jet<N>>, 3> power;
+  for (int i = 0; i < 3; ++i) {
+    power[i].assign(degree + 1, Jet<N>(1.0));
+    for (int k = 1; k <= degree; ++k) power[i][k] = power[i][k - 1] * b[i];
   }
-
-  /// The part of a side-vertex patch that multiplies the derivative across side i.
-  template <int N>
-  static Jet<N> slope_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
-    const Jet<N> s = b[(i + 1) % 3] + b[(i + 2) % 3];
-    return -(w[i] * (square(s) * b[i]));
+  const Jet<N> bubble = square(27.0 * (b[0] * b[1] * b[2]));
+  std::vector<Jet<N>> basis;
+  basis.reserve(scalars(degree, bends));
+  for (int i = degree; i >= 0; --i) {
+    const Jet<N> first = bubble * power[0][i];
+    for (int j = degree - i; j >= 0; --j)
+      basis.push_back((choose(degree, i) * choose(degree - i, j)) * (first * (power[1][j] * power[2][degree - i - j])));
   }
-
-  static int scalars(int degree, int bends) { return (degree + 1) * (degree + 2) / 2 + 3 * bends; }
-
-  /// The interior functions (27 b0 b1 b2)^2 B_K(b), then those that bend the patch across side i: 1/2 b_i^2, times the cubic side
-  /// weight, times the Bernstein polynomials of t of degree bends - 1. These reach to the corners, where the interior is too flat.
-  template <int N>
-  static std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int bends) {
-    std::array<std::vector<Jet<N>>, 3> power;
-    for (int i = 0; i < 3; ++i) {
-      power[i].assign(degree + 1, Jet<N>(1.0));
-      for (int k = 1; k <= degree; ++k) power[i][k] = power[i][k - 1] * b[i];
+  if (bends == 0) return basis;
+  const std::array<Jet<N>, 3> weight = cubic_side_weights(b);
+  for (int i = 0; i < 3; ++i) {
+    const Jet<N> kernel = 0.5 * (square(b[i]) * weight[i]), t = ray_parameter(b, i), s = 1.0 - t;
+    for (int m = 0; m < bends; ++m) {
+      Jet<N> f = choose(bends - 1, m) * kernel;
+      for (int k = 0; k < m; ++k) f *= t;
+      for (int k = m + 1; k < bends; ++k) f *= s;
+      basis.push_back(f);
     }
-    const Jet<N> bubble = square(27.0 * (b[0] * b[1] * b[2]));
-    std::vector<Jet<N>> basis;
-    basis.reserve(scalars(degree, bends));
-    for (int i = degree; i >= 0; --i) {
-      const Jet<N> first = bubble * power[0][i];
-      for (int j = degree - i; j >= 0; --j)
-        basis.push_back((choose(degree, i) * choose(degree - i, j)) * (first * (power[1][j] * power[2][degree - i - j])));
-    }
-    if (bends == 0) return basis;
-    const std::array<Jet<N>, 3> weight = cubic_side_weights(b);
-    for (int i = 0; i < 3; ++i) {
-      const Jet<N> kernel = 0.5 * (square(b[i]) * weight[i]), t = ray_parameter(b, i), s = 1.0 - t;
-      for (int m = 0; m < bends; ++m) {
-        Jet<N> f = choose(bends - 1, m) * kernel;
-        for (int k = 0; k < m; ++k) f *= t;
-        for (int k = m + 1; k < bends; ++k) f *= s;
-        basis.push_back(f);
-      }
-    }
-    return basis;
   }
+  return basis;
+}
 
-private:
-  std::array<PiecewisePolynomial, 3> slopes_;
-  int degree_, bends_;
-  Points coefficients_;
-};
+/// What a fairing adds to a patch. slopes: on each side, what is added to the derivative across it; coefficients: of scalar_basis,
+/// one a row.
+SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, Points coefficients);
 
 /// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
 PiecewisePolynomial slope_function(int count, int m);
