@@ -137,7 +137,8 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
     fairing.position_only = continuity.free;
     fairing.tension = options.tension;
     fairing.middle = center;
-    fairing.curvature = continuity.followed;
+    fairing.curvature = continuity.curvature;
+    fairing.automatic = continuity.automatic;
     fairing.rebuild = [&](const Sides& others) { return build(method, others, ribbons, own); };
     fairing.folds = [&](const Surface& patch) {
       if (kinks.empty()) return count_folds(patch, given);

@@ -488,11 +488,13 @@ def suzanne(n, folder: Path):
     triangles = np.concatenate([truth_quads[:, [0, 1, 2]], truth_quads[:, [0, 2, 3]]])
     low, high = points[sorted(kept)].min(0) - 0.05, points[sorted(kept)].max(0) + 0.05
     triangles = triangles[((truth[triangles[:, 0]] > low) & (truth[triangles[:, 0]] < high)).all(1)]
-    a, b, c = truth[triangles].swapaxes(0, 1)
-    normals = np.zeros_like(truth)
-    for k in range(3):
-        np.add.at(normals, triangles[:, k], np.cross(b - a, c - a))
+    # normals from the quads' diagonals, which no cut of a quad favours
     near = np.unique(triangles)
+    normals = np.zeros_like(truth)
+    beside = truth_quads[np.isin(truth_quads, near).any(1)]
+    a, b, c, d = truth[beside].swapaxes(0, 1)
+    for k in range(4):
+        np.add.at(normals, beside[:, k], np.cross(c - a, d - b))
     used = np.unique(faces)
     there = near[[np.linalg.norm(truth[near] - p, axis=1).argmin() for p in points[used]]]
 

@@ -327,7 +327,7 @@ Solution solve(const Stencil& s, const Sizes& sizes) {
 /// tilt of a size of its own: where the next vertices are far, as beside a bevel of long strips, that is all there is to know them by,
 /// and its likeliest size is next to nothing. `radius`: mean distance of the points;
 /// `bend`: squared curvature that the faces show. Starts from no noise, so that coarse but clean meshes are not smoothed.
-Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double bend) {
+Sizes estimate_sizes(const std::array<std::vector<Stencil>, 3>& stencils, double radius, double bend) {
   Sizes sizes;
   const double least = least_noise * radius;
   // the variance of a term of this degree that makes heights of `least` at the radius
@@ -371,23 +371,25 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
     e.truncation = (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
     return e;
   };
+  bool all = false;  // every second stencil of a side tells nearly the same
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const Sizes before = sizes;
     std::array<double, degree + 1> sum = {}, count = {};
     double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0, tilt = 0, tilt_count = 0;
-    for (const Stencil& s : stencils) {
-      const Explained e = explain(s);
-      for (int d = 0; d <= degree; ++d) {
-        sum[d] += e.sum[d];
-        count[d] += e.count[d];
+    for (const std::vector<Stencil>& side : stencils)
+      for (std::size_t k = all ? 0 : 1; k < side.size(); k += all ? 1 : 2) {
+        const Explained e = explain(side[k]);
+        for (int d = 0; d <= degree; ++d) {
+          sum[d] += e.sum[d];
+          count[d] += e.count[d];
+        }
+        noise += e.noise;
+        truncation += e.truncation;
+        noise_count += e.noise_count;
+        truncation_count += e.truncation_count;
+        tilt += e.tilt;
+        tilt_count += e.tilt_count;
       }
-      noise += e.noise;
-      truncation += e.truncation;
-      noise_count += e.noise_count;
-      truncation_count += e.truncation_count;
-      tilt += e.tilt;
-      tilt_count += e.tilt_count;
-    }
     const auto ratio = [](double above, double below) { return below > 0 ? above / below : 0; };
     sizes.noise = std::max(ratio(noise, noise_count), least * least);
     sizes.truncation = std::max(ratio(truncation, truncation_count), 1e-6 * floor(degree + 1));
@@ -400,7 +402,8 @@ Sizes estimate_sizes(const std::vector<Stencil>& stencils, double radius, double
       const double unseen = 0.1 * sizes.noise / std::pow(radius, 2 * d);  // makes heights less than the noise
       done = done && same(sizes.term[d] + unseen, before.term[d] + unseen);
     }
-    if (done) break;
+    if (done && all) break;
+    all = all || done || iteration >= most_iterations / 2;
   }
   return sizes;
 }
@@ -691,16 +694,17 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
   }
 
   Marks marks = {std::vector<int>(w.vertex.size(), 0), std::vector<int>(w.area.size(), 0), 0};
-  std::vector<Stencil> samples;
+  std::array<std::vector<Stencil>, 3> samples;
   double radius = 0, points = 0;
   for (int i = 0; i < 3; ++i) {
     const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / samples_a_side);
-    for (int k = 0; k < n; k += step) samples.push_back(make_stencil(w, drafts, i, k, marks));
+    for (int k = 0; k < n; k += step) samples[i].push_back(make_stencil(w, drafts, i, k, marks));
   }
-  for (const Stencil& s : samples) {
-    radius += s.g.array().pow(1.0 / (2 * degree + 2)).sum();
-    points += static_cast<double>(s.g.size());
-  }
+  for (const std::vector<Stencil>& side : samples)
+    for (const Stencil& s : side) {
+      radius += s.g.array().pow(1.0 / (2 * degree + 2)).sum();
+      points += static_cast<double>(s.g.size());
+    }
   // the squared curvature that the faces beside the rim show, to start with
   double bend = 0;
   for (int k = 0; k < rim_size; ++k) {

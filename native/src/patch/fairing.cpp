@@ -562,7 +562,12 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   const Sides even = options.rebuild ? smoothed(sides) : sides;
   auto [even_boundary, even_base] = options.rebuild ? options.rebuild(even) : std::pair{boundary, base};
   if (options.middle) even_base = with_middle(even_base, *options.middle);
-  const Problem problem(*even_base, even, even_boundary, options);
+  FairingOptions own = options;
+  if (options.automatic[0] || options.automatic[1] || options.automatic[2]) {
+    const std::array<bool, 3> agree = curvature_agrees(even);
+    for (int i = 0; i < 3; ++i) own.curvature[i] = options.curvature[i] || (options.automatic[i] && agree[i]);
+  }
+  const Problem problem(*even_base, even, even_boundary, own);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
   const Quadratic third = problem.quadratic(3);
   Quadratic tension;

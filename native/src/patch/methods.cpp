@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "tripatch/boundary/smoothed.h"
 #include "tripatch/patch/barnhill_birkhoff_gordon.h"
 #include "tripatch/patch/coons_bezier.h"
 #include "tripatch/patch/curvature.h"
@@ -152,7 +151,6 @@ std::span<const Method> methods() {
 Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides) {
   static const std::array<std::string, 5> names = {"G0", "G1", "G2", "Free", "auto"};
   const bool keeps_tangent = method.continuity != names[0];
-  const std::array<bool, 3> agree = keeps_tangent ? curvature_agrees(smoothed(sides)) : std::array<bool, 3>{};
   Continuity result;
   for (int i = 0; i < 3; ++i) {
     if (std::find(names.begin(), names.end(), asked[i]) == names.end())
@@ -166,7 +164,7 @@ Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Met
     result.free[i] = asked[i] == "Free";
     result.tangent[i] = keeps_tangent && !result.free[i] && asked[i] != "G0";
     result.curvature[i] = exact;
-    result.followed[i] = exact || (asked[i] == "auto" && agree[i]);
+    result.automatic[i] = keeps_tangent && asked[i] == "auto";
   }
   return result;
 }

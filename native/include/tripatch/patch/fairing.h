@@ -36,6 +36,7 @@ struct FairingOptions {
   /// Sides whose curvature (Side::q) the patch follows by least squares: a jump of normal curvature of `curvature_jump`, relative
   /// to the sides' curvature, rms, costs as much as an energy that grows by a factor e.
   std::array<bool, 3> curvature = {false, false, false};
+  std::array<bool, 3> automatic = {false, false, false};  ///< the same, where curvature_agrees
   double curvature_jump = 0.1;
   /// Makes the patch that is to be faired from other sides. With it the energy is that of smoothed sides (see smoothed): third
   /// derivatives of splines through mesh vertices are mostly noise. The patch still meets the sides as they are.

@@ -43,12 +43,12 @@ struct Continuity {
   std::array<bool, 3> free;       ///< position only, the slope is left to the energy
   std::array<bool, 3> tangent;    ///< the surroundings' tangent planes
   std::array<bool, 3> curvature;  ///< and their curvature, exactly
-  std::array<bool, 3> followed;   ///< and their curvature, by least squares, when the patch is made fair
+  std::array<bool, 3> automatic;  ///< a fairing chooses whether to follow their curvature
   /// Free, G0, G1 or G2, by side.
   std::array<std::string, 3> names() const;
 };
-/// asked: auto, Free, G0, G1 or G2, by side. "auto" takes the method's own and follows the curvature where it is known and agrees with that
-/// of the neighbours at both corners. Refuses more than the method keeps, and G2 where the surroundings' curvature is not known.
+/// asked: auto, Free, G0, G1 or G2, by side; "auto" takes the method's own. Refuses more than the method keeps, and G2 where the
+/// surroundings' curvature is not known.
 Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides);
 
 std::span<const Method> methods();
