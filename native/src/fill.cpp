@@ -19,6 +19,7 @@
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/output/triangulate.h"
 #include "tripatch/patch/curvature.h"
+#include "tripatch/patch/energy.h"
 #include "tripatch/patch/fairing.h"
 #include "tripatch/patch/kinks.h"
 #include "tripatch/patch/methods.h"
@@ -151,6 +152,7 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
     made.report.energy_after = result.after;
     for (std::string& warning : result.warnings) made.report.warnings.push_back(std::move(warning));
     folds = result.folds;
+    made.gave_up = result.gave_up;
   } else if (center) {
     made.patch = with_middle(made.patch, *center);
   }
@@ -170,16 +172,22 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
   return made;
 }
 
-/// The same, from plain rays where that folds less.
+/// The same, from plain rays where that folds less, and just these where no energy serves.
 MadePatch make_patch(const Sides& sides, const Method& method, const Continuity& continuity, const FillOptions& options,
                      const std::optional<Vec3>& center, bool faired, const SurfacePoints* points) {
   MethodOptions own = options.own;
   own.to_be_faired = faired;
   MadePatch made = make_patch(sides, method, continuity, options, center, own, faired, points);
-  if (!faired || made.report.folds == 0) return made;
+  if (!faired || (made.report.folds == 0 && !made.gave_up)) return made;
   own.to_be_faired = false;
-  MadePatch plain = make_patch(sides, method, continuity, options, center, own, faired, points);
-  return plain.report.folds < made.report.folds ? plain : made;
+  MadePatch plain = make_patch(sides, method, continuity, options, center, own, !made.gave_up, points);
+  if (made.gave_up && plain.report.folds <= made.report.folds) {
+    const double bends = energy(*plain.patch, options.fairing, size_of(*plain.patch));
+    made.patch = plain.patch;
+    made.report.folds = plain.report.folds;
+    made.report.energy_before = made.report.energy_after = bends;
+  }
+  return plain.report.folds < made.report.folds && !made.gave_up ? plain : made;
 }
 
 std::string degrees(double angle) {

@@ -113,8 +113,8 @@ def test_corners_that_disagree_get_a_fan_of_normals():
             assert (np.diff(turn) < 1e-9).all() or (np.diff(turn) > -1e-9).all()
 
 
-def hilly_graph(n=32, rings=4):
-    """Franke's first function, as he gave it, over a triangle in a lattice of triangles, and the rim of the hole in its middle.
+def hilly_graph(n=32, rings=4, height=lambda x, y: FUNCTIONS[0](x, y)[0] / 5.2):
+    """Franke's first function, as he gave it, or another, over a triangle in a lattice of triangles; and the rim of a hole there.
 
     A hill stands just inside the first corner, and the rim is too steep for the mesh to tell its curvature.
     """
@@ -130,8 +130,24 @@ def hilly_graph(n=32, rings=4):
             if not inside and all(at in index for at in triangle):
                 faces.append([index[at] for at in triangle])
     rim = [(p, 0) for p in range(n)] + [(n - q, q) for q in range(n)] + [(0, q) for q in range(n, 0, -1)]
-    z = FUNCTIONS[0](*xy.T)[0] / 5.2
-    return np.column_stack([xy, z]), faces, [index[at] for at in rim]
+    return np.column_stack([xy, height(*xy.T)]), faces, [index[at] for at in rim]
+
+
+def test_where_surroundings_wave_within_the_hole_the_plain_patch_is_nearer():
+    """Three waves within the hole: whatever is fairest between these rims, it is not the truth."""
+
+    def height(x, y):
+        return 0.03 * np.sin(20 * x + 1) * np.cos(20 * y)
+
+    vertices, faces, rim = hilly_graph(height=height)
+    corners = [rim[0], rim[32], rim[64]]
+    plain = tripatch.fill(vertices, faces, rim=rim, corners=corners, fairing=None)
+    fair = tripatch.fill(vertices, faces, rim=rim, corners=corners)
+    assert np.array_equal(fair.vertices, plain.vertices)
+    assert fair.report.energy_after == fair.report.energy_before > 1e4
+    assert any("bend too much" in warning for warning in fair.report.warnings)
+    tight = tripatch.fill(vertices, faces, rim=rim, corners=corners, tension=1)
+    assert not np.allclose(tight.vertices, plain.vertices), "what is asked for is done"
 
 
 def test_a_patch_that_folds_is_unfolded():

@@ -69,6 +69,7 @@ struct MadePatch {
   SurfacePtr patch;
   std::array<double, 3> corner_mismatch_deg = {0, 0, 0};  ///< angle between the tangent planes of the two sides at corner i
   Report report;                                          ///< of fairing, lambda and folds, and warnings
+  bool gave_up = false;                                   ///< no energy serves here, so that the patch is a plain one
 };
 /// By the options that concern a patch: method, continuity, cross_boundary, bulge, fairing ("auto" leaves the patches of G0 methods
 /// alone, unless a side is Free or there is tension), tension, center, center_offset and the method's own. Where a fair patch folds

@@ -11,8 +11,8 @@
 
 namespace tripatch {
 
-SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, const std::function<Index(const Surface&)>& folds,
-                     Index& least) {
+SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size,
+                     const std::function<Index(const Surface&)>& folds) {
   constexpr int rows = 64, rounds = 16, degree = 9;
   constexpr double faces = 0.02, neighbours = 0.55;  // cosines: least wanted
   constexpr double far = 0.25;                       // times the size: where that is not enough, nothing is
@@ -42,10 +42,9 @@ SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, c
 
   const std::array<double, 3> none = {0, 0, 0};
   const PiecewisePolynomial zero = PiecewisePolynomial::constant(none);
-  SurfacePtr best;
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(count, 3);
   double penalty = 10;
-  for (int round = 0; round < rounds && least > 0; ++round, penalty *= 3) {
+  for (int round = 0; round < rounds; ++round, penalty *= 3) {
     std::vector<Vec3> p(points), q(points), normal(points);
     std::vector<double> area(points);
     for (Index k = 0; k < points; ++k) {
@@ -78,24 +77,20 @@ SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size, c
       add(b, normal[a]);
       ++active;
     }
-    if (active == 0) break;  // folds are counted on more than this grid, or on a patch with more added
+    if (active == 0) return nullptr;  // folds are counted on more than this grid, or on a patch with more added
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(3 * count, 3 * count);
     const auto columns = folded.leftCols(active);
     matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns, penalty);
     const Eigen::VectorXd right = penalty * columns * (lacking.head(active) + columns.transpose() * x.reshaped());
     x.reshaped() = least_quadratic(matrix, -right, Eigen::MatrixXd(0, 3 * count));
-    if (!x.allFinite()) break;
+    if (!x.allFinite()) return nullptr;
     const SurfacePtr candidate =
         correction(std::array<PiecewisePolynomial, 3>{zero, zero, zero}, degree, 0, Points(size * (functions.combination * x)));
     const Points added = candidate->positions(Eigen::Map<const Points>(at.data(), points, 3));
-    if (!(added.rowwise().norm().maxCoeff() < far * size)) break;
-    const Index left = folds(*sum(patch, candidate));
-    if (left < least) {
-      least = left;
-      best = candidate;
-    }
+    if (!(added.rowwise().norm().maxCoeff() < far * size)) return nullptr;
+    if (folds(*sum(patch, candidate)) == 0) return candidate;
   }
-  return best;
+  return nullptr;
 }
 
 }  // namespace tripatch

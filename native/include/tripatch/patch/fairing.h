@@ -51,6 +51,7 @@ struct FairResult {
   double after = 0;
   int iterations = 0;
   std::optional<Index> folds;  ///< of `patch`, where they had to be counted
+  bool gave_up = false;        ///< the energies tell nothing here: `patch` is the one that was given, without folds if that was possible
   std::vector<std::string> warnings;
 };
 
