@@ -719,7 +719,8 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     Eigen::Matrix3d information;  // of the normal
   };
   std::array<std::array<End, 2>, 3> ends;
-  const auto fit_side = [&](int i) {  // sum of the variances
+  std::array<double, 3> bend_variance = {};  // of the second derivative across, mean over the side
+  const auto fit_side = [&](int i) {         // sum of the variances
     Draft& side = drafts[i];
     Marks reached = {std::vector<int>(w.vertex.size(), 0), std::vector<int>(w.area.size(), 0), 0};
     double variances = 0;
@@ -747,6 +748,8 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
       const Eigen::Matrix<double, terms, 2> units = Square::Identity().middleCols<2>(1);
       const Eigen::Matrix2d covariance = fit.factor.solve(units).middleRows<2>(1);
       variances += covariance.trace();
+      const Column across = Column::Unit(5);
+      bend_variance[i] += fit.factor.solve(across)[5] / (edges + 1);
       if (end) {
         const Eigen::Matrix2d information = covariance.inverse();
         ends[i][k == 0 ? 0 : 1] = {side.normal.back(), frame * information * frame.transpose()};
@@ -837,6 +840,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     result.sides[i].c = quintic(side.t, c, dc, ddc);
     result.sides[i].r = w.scale * quintic(side.t, r, dr, second_derivatives(side.t, r, dr));
     result.sides[i].q = w.scale * spline(side.t, q);
+    result.sides[i].curvature_error = std::sqrt(bend_variance[i]) / w.scale;
     result.parameters[i] = result.sides[i].rim = side.t;
   }
   return result;

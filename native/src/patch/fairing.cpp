@@ -322,11 +322,13 @@ private:
       }
       followed_.push_back(side);
     }
-    const double unit = options_.curvature_jump * std::sqrt(curvature + flat_curvature(size_));
-    for (Followed& side : followed_)
+    const double tolerated = options_.curvature_jump * std::sqrt(curvature + flat_curvature(size_));
+    for (Followed& side : followed_) {
+      const double unit = std::hypot(tolerated, 3 * sides_[side.i].curvature_error);
       for (int k = 0; k < points; ++k)
         side.weight[k] *=
             std::sqrt((0.05 + std::sin(M_PI * shared_.side_t[k])) / (3 * (0.05 * points + shared_.side_sum))) / unit;
+    }
   }
 
   static Quadratic quadratic_of(const Eigen::Ref<const Rows>& jacobian, const Eigen::VectorXd& value) {
@@ -546,10 +548,10 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
   return iterations;
 }
 
-/// A geometric energy that stays above this is that of waves of a 13th of the hole, shorter than what the unknowns and the quadrature
+/// A geometric energy that stays above this is that of waves of an eighth of the hole, shorter than what the unknowns and the quadrature
 /// can follow (it grows with the fourth power); what is least then is not near to anything. Of 407 holes in Suzanne's limit surface,
 /// corners anywhere, 281 were so: their fairest patches were half again as far from the truth as plain ones, of the others half as far.
-constexpr double hopeless = 3e4;
+constexpr double hopeless = 5e3;
 
 constexpr Index few_folds = 100;  // of a grid's 2145 points: where more fold, a little of the interior term cannot help
 
@@ -654,7 +656,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   FairResult plain = best_of({});
   plain.gave_up = true;
   plain.warnings = {
-      "The surroundings bend too much within the length of the hole to be continued fairly; the plain patch is used"};
+      "The surroundings waver too much over the length of the hole to be continued fairly; the plain patch is used"};
   if (plain.folds.value_or(0) == 0) return plain;
   if (beyond) fairest = best_of(tried);
   return fairest.folds == Index{0} ? fairest : plain;

@@ -16,6 +16,7 @@ struct Side {
   /// Parameters of the rim vertices on the side, from 0 to 1; empty where the side comes from no mesh. Methods that replace c by
   /// a curve of their own keep it at these.
   std::vector<double> rim = {};
+  double curvature_error = 0;  ///< how well q is known: standard deviation of the normal curvature across, rms, 1 / length
 
   /// Unit normal on the outer side of the mesh, r x c' (zero where they are parallel).
   Vec3 normal(double t) const;

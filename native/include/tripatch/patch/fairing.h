@@ -34,10 +34,10 @@ struct FairingOptions {
   double tension = 0;
   std::optional<Vec3> middle;  ///< where the patch is to have its point b = (1/3, 1/3, 1/3), scene units
   /// Sides whose curvature (Side::q) the patch follows by least squares: a jump of normal curvature of `curvature_jump`, relative
-  /// to the sides' curvature, rms, costs as much as an energy that grows by a factor e.
+  /// to the sides' curvature, rms, and of three times Side::curvature_error, costs as much as an energy that grows by a factor e.
   std::array<bool, 3> curvature = {false, false, false};
   std::array<bool, 3> automatic = {false, false, false};  ///< the same, where curvature_agrees
-  double curvature_jump = 0.1;
+  double curvature_jump = 0.025;
   /// Makes the patch that is to be faired from other sides. With it the energy is that of smoothed sides (see smoothed): third
   /// derivatives of splines through mesh vertices are mostly noise. The patch still meets the sides as they are.
   std::function<std::pair<Boundary, SurfacePtr>(const Sides&)> rebuild;
@@ -51,7 +51,8 @@ struct FairResult {
   double after = 0;
   int iterations = 0;
   std::optional<Index> folds;  ///< of `patch`, where they had to be counted
-  bool gave_up = false;        ///< the energies tell nothing here: `patch` is the one that was given, without folds if that was possible
+  bool gave_up =
+      false;  ///< the energies tell nothing here: `patch` is the one that was given, without folds if that was possible
   std::vector<std::string> warnings;
 };
 
