@@ -181,7 +181,7 @@ MadePatch make_patch(const Sides& sides, const Method& method, const Continuity&
   if (!faired || (made.report.folds == 0 && !made.gave_up)) return made;
   own.to_be_faired = false;
   MadePatch plain = make_patch(sides, method, continuity, options, center, own, !made.gave_up, points);
-  if (made.gave_up && plain.report.folds <= made.report.folds) {
+  if (made.gave_up && (plain.report.folds == 0 || made.report.folds > 0)) {
     const double bends = energy(*plain.patch, options.fairing, size_of(*plain.patch));
     made.patch = plain.patch;
     made.report.folds = plain.report.folds;

@@ -420,6 +420,27 @@ TEST_CASE("curve and cross derivative are twice continuously differentiable, q i
   }
 }
 
+TEST_CASE("how well the curvature across is known is told, in 1 / length, and does not depend on the size") {
+  for (double noise : {0.0, 1e-3, 1e-2}) {
+    TestMesh m = make(sphere(), {.edges = {24, 24, 24}, .depth = 0.07});
+    add_noise(m, noise);
+    const MeshSides s = m.sides();
+    double error = 0, told = 0;  // mean squares
+    for (const Side& side : s.sides) {
+      told += std::pow(side.curvature_error, 2) / 3;
+      for (int k = 0; k <= 24; ++k) {
+        const double t = side.rim[k], curvature = side.normal(t).dot(side.q(t)) / side.r(t).squaredNorm();
+        error += std::pow(curvature + 1, 2) / 75;
+      }
+    }
+    CAPTURE(noise, std::sqrt(error), std::sqrt(told));
+    CHECK(told > error / 16);
+    CHECK(told < error * 16);
+    m.vertices *= 1e3;
+    CHECK(m.sides().sides[1].curvature_error == Approx(1e-3 * s.sides[1].curvature_error).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("a rim that zigzags along the surface keeps its planes") {
   const TestSurface straight = sphere();
   TestSurface wavy = straight;
