@@ -143,8 +143,8 @@ Ten holes with four rings of surroundings each (`scripts/comparison/holes.py`), 
 - **seam**: the largest angle between the smooth patch and the tangent planes that it was given, from exact derivatives, 200
   points a side. **surroundings known to**: the fill's own report of how well the mesh determines those planes.
 - **limit normals**: what the finished triangles say about the seam: the rms angle between the true normal of the surroundings at
-  each rim vertex and the limit normal of the fill's triangles there, by a local cubic fit. It has a floor of its own (0.07 on
-  `suzanne`). **exact normals**: the same with the fill's own exact normals.
+  each rim vertex and the limit normal of the fill's triangles there, by a local cubic fit. The fit has
+  an error of its own. **exact normals**: the same with the fill's own exact normals.
 - **vertices**, **surface**: rms distance of the fill's vertices, and of 10,000 points spread evenly over the patch, to the true
   surface.
 - **folds**: of the patch (on a grid) and of the triangles.
