@@ -745,11 +745,12 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
       Eigen::Matrix2d hessian;
       hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
       side.second.push_back(frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * frame.transpose());
-      const Eigen::Matrix<double, terms, 2> units = Square::Identity().middleCols<2>(1);
-      const Eigen::Matrix2d covariance = fit.factor.solve(units).middleRows<2>(1);
+      Eigen::Matrix<double, terms, 3> columns;  // of the covariance: the two slopes, the second derivative across
+      columns << Column::Unit(1), Column::Unit(2), Column::Unit(5);
+      fit.factor.solveInPlace(columns);
+      const Eigen::Matrix2d covariance = columns.block<2, 2>(1, 0);
       variances += covariance.trace();
-      const Column across = Column::Unit(5);
-      bend_variance[i] += fit.factor.solve(across)[5] / (edges + 1);
+      bend_variance[i] += columns(5, 2) / (edges + 1);
       if (end) {
         const Eigen::Matrix2d information = covariance.inverse();
         ends[i][k == 0 ? 0 : 1] = {side.normal.back(), frame * information * frame.transpose()};

@@ -51,8 +51,8 @@ struct FairResult {
   double after = 0;
   int iterations = 0;
   std::optional<Index> folds;  ///< of `patch`, where they had to be counted
-  bool gave_up =
-      false;  ///< the energies tell nothing here: `patch` is the one that was given, without folds if that was possible
+  /// The energies tell nothing here: `patch` is the one that was given, without folds if that was possible.
+  bool gave_up = false;
   std::vector<std::string> warnings;
 };
 
