@@ -2,9 +2,43 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
+#include <algorithm>
 #include <limits>
 
+// Eigen's products take what the compiler may assume of every machine. This one is compiled for newer ones too, and chosen at run time.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__)
+#define TRIPATCH_FOR_EACH_MACHINE __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define TRIPATCH_FOR_EACH_MACHINE
+#endif
+
 namespace tripatch {
+namespace {
+
+TRIPATCH_FOR_EACH_MACHINE void add_gram(const double* __restrict a, Index m, Index n, double* __restrict c) {
+  constexpr Index rows = 4, columns = 8;  // of c: what the registers hold
+  for (Index i = 0; i < n; i += rows)
+    for (Index j = 0; j < i + rows && j < n; j += columns) {
+      if (i + rows <= n && j + columns <= n) {
+        double sum[rows][columns] = {};
+        for (Index k = 0; k < m; ++k) {
+          const double* row = a + k * n;
+          for (Index p = 0; p < rows; ++p)
+            for (Index q = 0; q < columns; ++q) sum[p][q] += row[i + p] * row[j + q];
+        }
+        for (Index p = 0; p < rows; ++p)
+          for (Index q = 0; q < columns; ++q) c[(i + p) * n + j + q] += sum[p][q];
+      } else {
+        for (Index k = 0; k < m; ++k)
+          for (Index p = i; p < std::min(n, i + rows); ++p)
+            for (Index q = j; q < std::min(n, j + columns); ++q) c[p * n + q] += a[k * n + p] * a[k * n + q];
+      }
+    }
+}
+
+}  // namespace
+
+void add_gram(const RowMajor& a, RowMajor& c) { add_gram(a.data(), a.rows(), a.cols(), c.data()); }
 
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b) { return a.completeOrthogonalDecomposition().solve(b); }
 

@@ -23,6 +23,10 @@ ShortestSolution shortest_solution(const MatrixRef& a, const MatrixRef& b, doubl
 /// lower triangle is read, b (n) and held (k, n), k from 0 on. Not finite where a is not definite.
 Eigen::VectorXd least_quadratic(const MatrixRef& a, const VectorRef& b, const MatrixRef& held);
 
+/// Adds a' a to c, of which only the lower triangle is kept up, for a (m, n) and c (n, n).
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+void add_gram(const RowMajor& a, RowMajor& c);
+
 /// (x, y) such that x a + y b is nearest to v; the shortest such where a and b are parallel or zero.
 Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v);
 

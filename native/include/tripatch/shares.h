@@ -16,7 +16,8 @@ inline thread_local bool one_of_many = false;
 /// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time. A thread costs some 0.1 ms.
 template <class F>
 void in_shares(Index from, Index to, Index least, const F& f) {
-  const Index n = to - from, cores = one_of_many ? 1 : std::max(1U, std::thread::hardware_concurrency());
+  static const Index all_cores = std::max(1U, std::thread::hardware_concurrency());
+  const Index n = to - from, cores = one_of_many ? 1 : all_cores;
   const Index shares = std::clamp<Index>(n / least, 1, cores);
   std::vector<std::future<void>> others;
   for (Index k = 1; k < shares; ++k)

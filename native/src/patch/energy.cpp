@@ -73,7 +73,10 @@ struct LocalFrame {
     parameter.row(6).segment<2>(5) << a * a * p, a * a * q;
     parameter.row(7).segment<3>(5) << a * p * p, 2 * a * p * q, a * q * q;
     parameter.row(8).segment<4>(5) << p * p * p, 3 * p * p * q, 3 * p * q * q, q * q * q;
-    d.noalias() = parameter * given * space.transpose();
+    const Eigen::Matrix<double, 9, 3, Eigen::RowMajor> turned = given.lazyProduct(space.transpose());
+    d.topRows<2>() = parameter.block<2, 2>(0, 0).lazyProduct(turned.topRows<2>());
+    d.middleRows<3>(2) = parameter.block<3, 3>(2, 2).lazyProduct(turned.middleRows<3>(2));
+    d.bottomRows<4>() = parameter.block<4, 4>(5, 5).lazyProduct(turned.bottomRows<4>());
   }
 };
 
@@ -178,7 +181,9 @@ CurvatureVariationRows curvature_variation_rows(const Derivatives& given, double
   // First variation in the frame, where P_i = e_i, g_ij = delta_ij, Gamma^l_ij = P_ij . e_l, h_ij = P_ij . n:
   //   d h_ij = dP_ij . n - Gamma^l_ij dP_l . n,   d Gamma^l_ij = dP_ij . e_l - Gamma^m_ij dP_m . e_l + h_ij dP_l . n,
   // and the frame itself turns by -1/2 dg.
-  using Row = Eigen::Matrix<double, 1, 27>;
+  // Rows are over first and second derivatives; of the third only the normal parts matter.
+  using Row = Eigen::Matrix<double, 1, 15>;
+  using Rows = Eigen::Matrix<double, 4, 15, Eigen::RowMajor>;
   const LocalFrame frame(given);
   const Derivatives& d = frame.d;
   const auto at = [](int derivative, int x) { return 3 * derivative + x; };
@@ -198,11 +203,9 @@ CurvatureVariationRows curvature_variation_rows(const Derivatives& given, double
       gamma[at(l, 2)] += d(2 + s, 2);
     }
   }
-  const auto half_metric = [&](int i, int j) {  // 1/2 dg_ij
-    Row r = Row::Zero();
-    r[at(i, j)] += 0.5;
-    r[at(j, i)] += 0.5;
-    return r;
+  const auto subtract_half_metric = [&](auto&& row, double factor, int i, int j) {  // factor / 2 dg_ij
+    row[at(i, j)] -= 0.5 * factor;
+    row[at(j, i)] -= 0.5 * factor;
   };
 
   Eigen::Vector4d c;
@@ -211,30 +214,34 @@ CurvatureVariationRows curvature_variation_rows(const Derivatives& given, double
     plain[m] = variation(d, component[m][0], component[m][1], component[m][2]);
     c[m] = multiplicity[m] * plain[m];
   }
-  Eigen::Matrix<double, 4, 27, Eigen::RowMajor> c_rows;
+  Rows c_rows;
   for (int m = 0; m < 4; ++m) {
     const auto [i, j, k] = component[m];
     Row r = Row::Zero();
-    r[at(third(i, j, k), 2)] = 1;
     for (int l = 0; l < 2; ++l) {
       r[at(l, 2)] -= d(third(i, j, k), l);
       for (const auto& [a, b, e] : {std::array{i, j, k}, std::array{i, k, j}, std::array{j, k, i}})
         r -= d(second(l, e), 2) * gamma_row[l][a + b] + d(second(a, b), l) * h_row[l + e];
     }
-    for (int l = 0; l < 2; ++l)
-      r -= plain[l + j + k] * half_metric(i, l) + plain[l + i + k] * half_metric(j, l) + plain[l + i + j] * half_metric(k, l);
+    for (int l = 0; l < 2; ++l) {
+      subtract_half_metric(r, plain[l + j + k], i, l);
+      subtract_half_metric(r, plain[l + i + k], j, l);
+      subtract_half_metric(r, plain[l + i + j], k, l);
+    }
     c_rows.row(m) = multiplicity[m] * r;
   }
   // h in the turning frame
   std::array<Row, 3> h_frame = h_row;
   for (int i = 0; i < 2; ++i)
     for (int j = i; j < 2; ++j)
-      for (int l = 0; l < 2; ++l)
-        h_frame[i + j] -= d(second(l, j), 2) * half_metric(i, l) + d(second(i, l), 2) * half_metric(j, l);
+      for (int l = 0; l < 2; ++l) {
+        subtract_half_metric(h_frame[i + j], d(second(l, j), 2), i, l);
+        subtract_half_metric(h_frame[i + j], d(second(i, l), 2), j, l);
+      }
 
   const Rest rest(d, c, flat);
   const Eigen::Matrix<double, 4, 4> project = rest.directions.topRows<4>().transpose();
-  Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rest_rows = c_rows;
+  Rows rest_rows = c_rows;
   const double t1 = rest.theta[0], t2 = rest.theta[1];
   rest_rows.row(0) -= t1 * h_frame[0];
   rest_rows.row(1) -= (2 * t1 * h_frame[1] + t2 * h_frame[0]) / root3;
@@ -244,12 +251,27 @@ CurvatureVariationRows curvature_variation_rows(const Derivatives& given, double
   CurvatureVariationRows out;
   const double s = std::sqrt(frame.area);
   out.value << s * c, s * (project * c);
-  Eigen::Matrix<double, 8, 27, Eigen::RowMajor> local;
-  local << s * c_rows, s * (project * rest_rows);
+  Eigen::Matrix<double, 8, 15, Eigen::RowMajor> local;
+  local.topRows<4>() = s * c_rows;
+  local.bottomRows<4>() = s * project.lazyProduct(rest_rows);
   for (int l = 0; l < 2; ++l) local.col(at(l, l)) += 0.5 * out.value;  // of the area element
-  for (int m = 0; m < 8; ++m)
-    Eigen::Map<Derivatives>(out.derivative.row(m).data()).noalias() =
-        frame.parameter.transpose() * Eigen::Map<const Derivatives>(local.row(m).data()) * frame.space;
+  Eigen::Matrix<double, 8, 4> thirds;                                  // of n . P_111, P_112, P_122, P_222
+  thirds.setZero();
+  for (int m = 0; m < 4; ++m) {
+    thirds(m, m) = s * multiplicity[m];
+    thirds.col(m).tail<4>() = s * multiplicity[m] * project.col(m);
+  }
+  // back to the parameters and the space that were given: derivatives of one order come from those of the same
+  const Eigen::Matrix2d first = frame.parameter.block<2, 2>(0, 0).transpose();
+  const Eigen::Matrix3d second = frame.parameter.block<3, 3>(2, 2).transpose();
+  const Eigen::Matrix<double, 8, 4> normal = thirds.lazyProduct(frame.parameter.block<4, 4>(5, 5));
+  for (int m = 0; m < 8; ++m) {
+    const Eigen::Map<const Eigen::Matrix<double, 5, 3, Eigen::RowMajor>> in(local.row(m).data());
+    Eigen::Map<Derivatives> derivative(out.derivative.row(m).data());
+    derivative.topRows<2>() = first.lazyProduct(in.topRows<2>().lazyProduct(frame.space).eval());
+    derivative.middleRows<3>(2) = second.lazyProduct(in.bottomRows<3>().lazyProduct(frame.space).eval());
+    derivative.bottomRows<4>() = normal.row(m).transpose().lazyProduct(frame.space.row(2));
+  }
   return out;
 }
 

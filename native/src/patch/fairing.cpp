@@ -55,8 +55,8 @@ double alpha_reach(const Boundary& boundary, int i, const PiecewisePolynomial& a
 /// The unknowns of one hole: the interior coefficients, component by component, then alpha and beta of each side.
 class Problem {
 public:
-  Problem(const Surface& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options)
-      : shared_(fairing_space(options.degree, options.bends, options.slopes, options.nodes)),
+  Problem(const Surface& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options, int nodes)
+      : shared_(fairing_space(options.degree, options.bends, options.slopes, nodes)),
         base_(cartesian_derivatives(base, shared_.quadrature.b)),
         size_(boundary.size),
         sides_(sides),
@@ -68,9 +68,10 @@ public:
       slopes_ += options.slopes * static_cast<Index>(take_directions(i));
     }
     follow_curvature(base);
-    basis_.resize(base_.size());
-    in_shares(0, static_cast<Index>(base_.size()), nodes_a_share, [&](Index from, Index to) {
-      for (Index k = from; k < to; ++k) basis_[k] = slope_basis(k);
+    const Index n = static_cast<Index>(base_.size());
+    basis_.setZero(27 * n, slopes_);
+    in_shares(0, n, nodes_a_share, [&](Index from, Index to) {
+      for (Index k = from; k < to; ++k) add_slopes(k);
     });
   }
 
@@ -130,11 +131,15 @@ public:
   }
   Index interior() const { return 3 * interior_; }
 
-  Derivatives derivatives(std::size_t node, const Eigen::VectorXd& x) const {
-    Derivatives d = base_[node];
-    const Eigen::Map<const Eigen::MatrixXd> scalars(x.data(), interior_, 3);
-    d += size_ * shared_.interior[node].lazyProduct(scalars);
-    Eigen::Map<Eigen::Matrix<double, 27, 1>>(d.data()) += basis_[node].lazyProduct(x.tail(slopes_));
+  /// Of the patch, at the nodes [from, to).
+  std::vector<Derivatives> derivatives(Index from, Index to, const Eigen::VectorXd& x) const {
+    std::vector<Derivatives> d(base_.begin() + from, base_.begin() + to);
+    const Index n = to - from;
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(d[0].data(), 9 * n, 3);
+    Eigen::Map<Eigen::VectorXd> all(d[0].data(), 27 * n);
+    rows.noalias() +=
+        size_ * shared_.interior.middleRows(9 * from, 9 * n) * Eigen::Map<const Eigen::MatrixXd>(x.data(), interior_, 3);
+    all.noalias() += basis_.middleRows(27 * from, 27 * n) * x.tail(slopes_);
     return d;
   }
 
@@ -153,7 +158,7 @@ public:
         const double w = std::sqrt(shared_.quadrature.weights[k]) / size_;
         for (int d = 0; d < rows; ++d) {
           const double f = w * FairingSpace::factor(order, d);
-          slope.row(rows * k + d) = f * basis_[k].row(3 * (first + d) + c);
+          slope.row(rows * k + d) = f * basis_.row(27 * k + 3 * (first + d) + c);
           value[rows * k + d] = f * base_[k](first + d, c);
         }
       }
@@ -173,8 +178,9 @@ public:
   std::pair<double, double> variation(const Eigen::VectorXd& x) const {
     Eigen::MatrixX2d parts(static_cast<Index>(base_.size()), 2);
     in_shares(0, parts.rows(), nodes_a_share, [&](Index from, Index to) {
+      const std::vector<Derivatives> d = derivatives(from, to, x);
       for (Index k = from; k < to; ++k) {
-        const CurvatureVariation v = curvature_variation(derivatives(k, x), flat_curvature(size_));
+        const CurvatureVariation v = curvature_variation(d[k - from], flat_curvature(size_));
         parts.row(k) << v.variation.squaredNorm(), v.quadric.squaredNorm();
         parts.row(k) *= shared_.quadrature.weights[k] * size_ * size_ * v.area;
       }
@@ -225,27 +231,26 @@ public:
     }
     Points a(interior_, 3);
     for (int c = 0; c < 3; ++c) a.col(c) = size_ * (shared_.combination * x.segment(c * interior_, interior_));
-    return tripatch::correction(std::move(slopes), options_.degree, options_.bends, std::move(a));
+    return tripatch::correction(std::move(slopes), options_.degree, options_.bends, a);
   }
 
 private:
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  using SlopeBasis = Eigen::Matrix<double, 27, Eigen::Dynamic, Eigen::RowMajor>;
+  using Rows = FairingSpace::Rows;
   static constexpr Index nodes_a_share = 64;
 
   /// The derivatives, at a node, of what the free slopes add.
-  SlopeBasis slope_basis(Index node) const {
-    SlopeBasis basis = SlopeBasis::Zero(27, slopes_);
+  void add_slopes(Index node) {
     for (int i = 0; i < 3; ++i)
       for (std::size_t f = 0; f < directions_[i].size(); ++f) {
-        const JetPoint<3> direction = compose(directions_[i][f], shared_.parameter[node][i]);
-        for (int m = 0; m < options_.slopes; ++m)
-          for (int x = 0; x < 3; ++x) {
-            const Eigen::Matrix<double, 9, 1> d = derivatives_of(shared_.slope[node][i][m] * direction.x[x]);
-            for (int order = 0; order < 9; ++order) basis(3 * order + x, first_[i] + f * options_.slopes + m) = d[order];
-          }
+        const FairingSpace::Slope& slope = shared_.slope[node][i];
+        Eigen::Matrix<double, 4, 3, Eigen::RowMajor> series;  // of the direction
+        directions_[i][f].taylor(slope.t, 3, series.data());
+        for (int m = 0; m < options_.slopes; ++m) {
+          const Derivatives d = slope.rows.middleRows<9>(9 * m).lazyProduct(series);
+          basis_.block<27, 1>(27 * node, first_[i] + f * options_.slopes + m) =
+              Eigen::Map<const Eigen::Matrix<double, 27, 1>>(d.data());
+        }
       }
-    return basis;
   }
 
   /// A side whose curvature the patch is to follow, at the points of FairingSpace::side_t.
@@ -259,13 +264,13 @@ private:
 
   /// The same of some of the nodes.
   std::array<Quadratic, 2> linearise(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from, Index to) const {
-    constexpr Index block = 24;  // nodes: their rows stay in the cache
+    constexpr Index block = 12;  // nodes: their rows stay in the cache
     std::array<Quadratic, 2> model;
-    std::array<Rows, 2> jacobian;
+    std::array<Rows, 2> jacobian, normal;
     std::array<Eigen::VectorXd, 2> value;
     for (int which = 0; which < 2; ++which) {
       if (!wanted[which]) continue;
-      model[which].normal.setZero(unknowns(), unknowns());
+      normal[which].setZero(unknowns(), unknowns());
       model[which].gradient.setZero(unknowns());
     }
     for (Index start = from; start < to; start += block) {
@@ -275,8 +280,9 @@ private:
         jacobian[which].resize(4 * n, unknowns());
         value[which].resize(4 * n);
       }
+      const std::vector<Derivatives> d = derivatives(start, start + n, x);
       for (Index k = start; k < start + n; ++k) {
-        const CurvatureVariationRows v = curvature_variation_rows(derivatives(k, x), flat_curvature(size_));
+        const CurvatureVariationRows v = curvature_variation_rows(d[k - start], flat_curvature(size_));
         const double w = std::sqrt(shared_.quadrature.weights[k]) * size_;
         const Index row = 4 * (k - start);
         for (int which = 0; which < 2; ++which) {
@@ -286,20 +292,20 @@ private:
           for (int c = 0; c < 3; ++c) {
             Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
             for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
-            jacobian[which].block(row, c * interior_, 4, interior_) = part.lazyProduct(shared_.interior[k]);
+            jacobian[which].block(row, c * interior_, 4, interior_) = part.lazyProduct(shared_.interior.middleRows<9>(9 * k));
           }
-          jacobian[which].block(row, 3 * interior_, 4, slopes_) = rows.lazyProduct(basis_[k]);
+          jacobian[which].block(row, 3 * interior_, 4, slopes_) = rows.lazyProduct(basis_.middleRows<27>(27 * k));
         }
       }
       for (int which = 0; which < 2; ++which) {
         if (!wanted[which]) continue;
-        model[which].normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian[which].transpose());
+        add_gram(jacobian[which], normal[which]);
         model[which].gradient.noalias() += jacobian[which].transpose() * value[which];
         model[which].constant += value[which].squaredNorm();
       }
     }
     for (int which = 0; which < 2; ++which)
-      if (wanted[which]) model[which].normal = model[which].normal.selfadjointView<Eigen::Lower>();
+      if (wanted[which]) model[which].normal = normal[which].selfadjointView<Eigen::Lower>();
     return model;
   }
 
@@ -380,7 +386,7 @@ private:
   std::array<std::vector<PiecewisePolynomial>, 3> directions_;
   std::vector<Followed> followed_;
   std::array<std::array<double, 2>, 3> scale_ = {};  // of r and c'; 0: alpha and beta are held
-  std::vector<SlopeBasis> basis_;                    // of the slopes, at each node
+  Rows basis_;                                       // derivatives of what the slopes add, 27 rows a node
 };
 
 /// The minimum of a quadratic energy, slopes free; with the scalar functions alone where alpha would leave its bound, or, where tension
@@ -527,7 +533,7 @@ private:
 /// Levenberg and Marquardt, damped in `metric` so that what the energy leaves open stays put: every step goes down. Stops when a step
 /// gains less than `enough` (relative) or the energy is next to none. Returns the steps taken.
 int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& x, Merit::Value& value, int iterations) {
-  constexpr double enough = 5e-3, none = 1e-4;
+  constexpr double enough = 1e-2, none = 1e-4;
   double damping = 1e-4;
   for (int step = 0; step < iterations; ++step) {
     const Merit::Model model = merit.linearise(x, value);
@@ -578,40 +584,50 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     const std::array<bool, 3> agree = curvature_agrees(even);
     for (int i = 0; i < 3; ++i) own.curvature[i] = options.curvature[i] || (options.automatic[i] && agree[i]);
   }
-  const Problem problem(*even_base, even, even_boundary, own);
+  const Problem problem(*even_base, even, even_boundary, own, options.nodes);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
-  const Quadratic third = problem.quadratic(3);
-  Quadratic tension;
-  if (options.tension > 0) {
-    tension = problem.quadratic(1);
+  const double unit = boundary.size * boundary.size;
+  const auto tension_of = [&](const Problem& p) {
+    Quadratic tension;
+    if (!(options.tension > 0)) return tension;
+    tension = p.quadratic(1);
     const double wave = 2 * M_PI, weight = options.tension * std::pow(wave, options.energy == "thin_plate" ? 2 : 4);
     tension.normal *= weight;
     tension.gradient *= weight;
     tension.constant *= weight;
-  }
+    return tension;
+  };
   using Candidate = std::pair<Eigen::VectorXd, double>;  // and its energy
   std::vector<Candidate> tried;                          // best first
   bool beyond = false;                                   // what an energy can tell
   if (quadratic) {
-    Quadratic q = options.energy == "thin_plate" ? problem.quadratic(2) : third;
-    if (options.tension > 0) q += tension;
-    const double unit = boundary.size * boundary.size;
+    Quadratic q = problem.quadratic(options.energy == "thin_plate" ? 2 : 3);
+    if (options.tension > 0) q += tension_of(problem);
     result.before = unit * q.constant;
     const Eigen::VectorXd x = minimum(problem, q);
     tried.emplace_back(x, unit * q(x));
   } else {
-    if (options.tension > 0) tension.constant -= tension(least_quadratic(tension.normal, tension.gradient, problem.held()));
-    const Merit merit(problem, third, tension, options.energy);
-    Eigen::VectorXd x = minimum(problem, third);
-    const Merit::Value before = merit(zero);
-    Merit::Value value = merit(x);
+    // with fewer nodes first: a third of the work, and the last step is the exact one's
+    const Problem rough(*even_base, even, even_boundary, own, options.rough_nodes);
+    const Quadratic third = rough.quadratic(3);
+    Quadratic tension = tension_of(rough);
+    if (options.tension > 0) tension.constant -= tension(least_quadratic(tension.normal, tension.gradient, rough.held()));
+    const Merit early(rough, third, tension, options.energy), merit(problem, third, tension, options.energy);
+    const Eigen::VectorXd start = minimum(rough, third);
+    const Merit::Value before = merit(zero), quadratic_value = merit(start);
     result.before = before.energy;
-    if (value.log < before.log)
-      tried.emplace_back(x, value.energy);
+    if (quadratic_value.log < before.log) tried.emplace_back(start, quadratic_value.energy);
+    Eigen::VectorXd x = tried.empty() ? zero : start;
+    Merit::Value value = early(x);
+    result.iterations = descend(early, third.normal, x, value, options.iterations);
+    value = merit(x);
+    result.iterations += descend(merit, third.normal, x, value, 1);
+
+    const Merit::Value& least = tried.empty() ? before : quadratic_value;
+    if (value.log < least.log)
+      tried.emplace(tried.begin(), x, value.energy);
     else
-      x = zero, value = before;
-    result.iterations = descend(merit, third.normal, x, value, options.iterations);
-    if (result.iterations > 0) tried.emplace(tried.begin(), x, value.energy);
+      value = least;
     const std::array<bool, 3>& free = options.position_only;
     beyond =
         value.energy > hopeless && !problem.follows_all_curvature() && !problem.controlled() && !free[0] && !free[1] && !free[2];
@@ -653,6 +669,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   FairResult fairest;
   if (!beyond) {
     fairest = best_of(tried);
+
     if (fairest.folds.value_or(0) <= few_folds) return fairest;
   }
   FairResult plain = best_of({});

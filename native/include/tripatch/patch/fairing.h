@@ -25,7 +25,8 @@ struct FairingOptions {
   int bends = 4;                                         ///< coefficients of the second derivative across each side
   int slopes = 4;                                        ///< coefficients of each of alpha and beta on each side
   int nodes = 8;                                         ///< of the quadrature, per direction
-  int iterations = 8;                                    ///< of Gauss-Newton, at most
+  int rough_nodes = 5;                                   ///< of the one that Gauss-Newton begins with
+  int iterations = 8;                                    ///< of Gauss-Newton with that, at most; one follows with `nodes`
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
   /// Sides whose tangent planes are not asked for: the derivative across is free in all directions.
   std::array<bool, 3> position_only = {false, false, false};

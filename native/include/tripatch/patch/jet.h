@@ -169,6 +169,26 @@ struct JetPoint {
   }
 };
 
+/// f(s, t) for jets s and t and the Taylor coefficients of f at their values, in the order of jet_index.
+template <int N>
+JetPoint<N> compose(const std::array<Eigen::Vector3d, Jet<N>::size>& taylor, const Jet<N>& s, const Jet<N>& t) {
+  std::array<Jet<N>, Jet<N>::size> power;  // (s - s.value())^i (t - t.value())^j
+  JetPoint<N> r(taylor[0]);
+  if constexpr (N > 0) {
+    power[1] = s;
+    power[2] = t;
+    power[1].c[0] = power[2].c[0] = 0;
+  }
+  for (int i = 0; i <= N; ++i)
+    for (int j = 0; i + j <= N; ++j) {
+      const int at = jet_index(i, j);
+      if (i + j > 1) power[at] = i > 0 ? power[1] * power[jet_index(i - 1, j)] : power[2] * power[jet_index(0, j - 1)];
+      if (at == 0) continue;
+      for (int x = 0; x < 3; ++x) r.x[x] += taylor[at][x] * power[at];
+    }
+  return r;
+}
+
 /// Writes the jet_size(N) x 3 Taylor coefficients of a point, the layout of Surface::evaluate; returns the end.
 template <int N>
 double* store(const JetPoint<N>& p, double* out) {

@@ -55,17 +55,6 @@ JetPoint<N> compose(const PiecewisePolynomial& f, const Jet<N>& t) {
   return p;
 }
 
-/// f(t) and f'(t) together, from one look-up.
-template <int N>
-void compose_with_derivative(const PiecewisePolynomial& f, const Jet<N>& t, JetPoint<N>& value, JetPoint<N>& derivative) {
-  std::array<double, 3 * (N + 2)> series;
-  f.taylor(t.value(), N + 1, series.data());
-  for (int x = 0; x < 3; ++x) value.x[x] = compose<N>(series.data() + x, 3, t);
-  for (int k = 1; k <= N + 1; ++k)
-    for (int x = 0; x < 3; ++x) series[3 * (k - 1) + x] = k * series[3 * k + x];
-  for (int x = 0; x < 3; ++x) derivative.x[x] = compose<N>(series.data() + x, 3, t);
-}
-
 /// The vertex that b is (within radius, measured by the sum of the two other coordinates), or -1.
 inline int vertex_of(const double* b, double radius = 1e-30) {
   for (int i = 0; i < 3; ++i)

@@ -20,36 +20,65 @@ public:
   /// Everywhere the vertex; elsewhere the ends of the side.
   Vec3 corner(int k) const override { return corner_[k]; }
 
+  /// A polynomial in s and a field of t for each thing that is interpolated, so everything is done in (s, t) first.
   template <int N>
   JetPoint<N> at(const Barycentric<N>& b) const {
     const Jet<N> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3];  // fraction of the ray, 0 at the vertex
     const Jet<N> t = ray_parameter(b, i_);
-    JetPoint<N> c, dc;
-    compose_with_derivative(ribbon_.c, t, c, dc);
-    // d/ds = -delta_i + (t - 1/2) (along the side)
-    const JetPoint<N> side_slope = compose(ribbon_.d, t) + (t - 0.5) * dc;
-    const Jet<N> u = 1.0 - s;
-    if (degree_ == RayDegree::quadratic) return square(u) * JetPoint<N>(corner_[i_]) + (s * (2.0 - s)) * c - (s * u) * side_slope;
-    const JetPoint<N> vertex_slope = (1.0 - t) * JetPoint<N>(to_next_) + t * JetPoint<N>(to_previous_);
-    const Jet<N> ss = square(s);
-    if (degree_ == RayDegree::quintic) {
-      const Jet<N> uu = square(u), suu = s * uu, suuu = suu * u, ssu = ss * u, sssu = s * ssu;
-      return (u * uu * (1.0 + 3.0 * s + 6.0 * ss)) * JetPoint<N>(corner_[i_]) + (suuu * (1.0 + 3.0 * s)) * vertex_slope +
-             (0.5 * (s * suuu)) * polynomial(vertex_second_, t) + (ss * s * (10.0 - 15.0 * s + 6.0 * ss)) * c -
-             (sssu * (4.0 - 3.0 * s)) * side_slope + (0.5 * (sssu * u)) * polynomial(side_second_, t);
+    using Field = std::array<Vec3, N + 1>;  // Taylor coefficients in t
+    std::array<Vec3, N + 2> c, d;
+    ribbon_.c.taylor(t.value(), N + 1, c[0].data());
+    ribbon_.d.taylor(t.value(), N, d[0].data());
+    std::array<Field, 6> fields;
+    for (Field& f : fields) f.fill(Vec3::Zero());
+    fields[0][0] = corner_[i_];
+    fields[1][0] = to_next_ + t.value() * (to_previous_ - to_next_);
+    if constexpr (N > 0) fields[1][1] = to_previous_ - to_next_;
+    for (int k = 0; k <= N; ++k) {
+      fields[3][k] = c[k];
+      // d/ds = -delta_i + (t - 1/2) (along the side)
+      fields[4][k] = d[k] + (t.value() - 0.5) * (k + 1.0) * c[k + 1] + static_cast<double>(k) * c[k];
     }
-    return (square(u) * (1.0 + 2.0 * s)) * JetPoint<N>(corner_[i_]) + (s * square(u)) * vertex_slope +
-           (ss * (3.0 - 2.0 * s)) * c - (ss * u) * side_slope;
+    if (degree_ == RayDegree::quintic) {
+      taylor<N>(vertex_second_, t.value(), Vec3(Vec3::Zero()), fields[2]);
+      taylor<N>(side_second_, t.value(), Vec3(Vec3::Zero()), fields[5]);
+    }
+    const Hermite& hermite = hermites[static_cast<int>(degree_)];
+    std::array<Vec3, Jet<N>::size> polar;
+    polar.fill(Vec3::Zero());
+    for (int f = 0; f < 6; ++f) {
+      std::array<double, N + 1> along;
+      taylor<N>(hermite[f], s.value(), 0.0, along);
+      for (int k = 0; k <= N; ++k)
+        for (int l = 0; k + l <= N; ++l) polar[jet_index(k, l)] += along[k] * fields[f][l];
+    }
+    return compose(polar, s, t);
   }
 
 private:
   /// Coefficients of 1, t, t^2, t^3.
   using Cubic = std::array<Vec3, 4>;
-  template <int N>
-  static JetPoint<N> polynomial(const Cubic& a, const Jet<N>& t) {
-    JetPoint<N> p(a[3]);
-    for (int k = 2; k >= 0; --k) p = t * p + JetPoint<N>(a[k]);
-    return p;
+  /// By powers of s: what multiplies position, slope and second derivative at the vertex, then the same at the side.
+  using Hermite = std::array<std::array<double, 6>, 6>;
+  static constexpr std::array<Hermite, 3> hermites = {{
+      {{{1, -2, 1}, {}, {}, {0, 2, -1}, {0, -1, 1}, {}}},
+      {{{1, 0, -3, 2}, {0, 1, -2, 1}, {}, {0, 0, 3, -2}, {0, 0, -1, 1}, {}}},
+      {{{1, 0, 0, -10, 15, -6},
+        {0, 1, 0, -6, 8, -3},
+        {0, 0, 0.5, -1.5, 1.5, -0.5},
+        {0, 0, 0, 10, -15, 6},
+        {0, 0, 0, -4, 7, -3},
+        {0, 0, 0, 0.5, -1, 0.5}}},
+  }};
+
+  /// Taylor coefficients, to order N, of a polynomial about a place.
+  template <int N, class T, std::size_t count>
+  static void taylor(const std::array<T, count>& a, double at, const T& zero, std::array<T, N + 1>& out) {
+    out.fill(zero);
+    for (std::size_t k = count; k-- > 0;) {
+      for (int j = N; j > 0; --j) out[j] = out[j] * at + out[j - 1];
+      out[0] = out[0] * at + a[k];
+    }
   }
 
   int i_;
