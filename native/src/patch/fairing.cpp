@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/linear.h"
@@ -70,9 +71,7 @@ public:
     follow_curvature(base);
     const Index n = static_cast<Index>(base_.size());
     basis_.setZero(27 * n, slopes_);
-    in_shares(0, n, nodes_a_share, [&](Index from, Index to) {
-      for (Index k = from; k < to; ++k) add_slopes(k);
-    });
+    for (Index k = 0; k < n; ++k) add_slopes(k);
   }
 
   Index unknowns() const { return 3 * interior_ + slopes_; }
@@ -176,16 +175,15 @@ public:
 
   /// minimum_variation and quadric_variation at x.
   std::pair<double, double> variation(const Eigen::VectorXd& x) const {
-    Eigen::MatrixX2d parts(static_cast<Index>(base_.size()), 2);
-    in_shares(0, parts.rows(), nodes_a_share, [&](Index from, Index to) {
-      const std::vector<Derivatives> d = derivatives(from, to, x);
-      for (Index k = from; k < to; ++k) {
-        const CurvatureVariation v = curvature_variation(d[k - from], flat_curvature(size_));
-        parts.row(k) << v.variation.squaredNorm(), v.quadric.squaredNorm();
-        parts.row(k) *= shared_.quadrature.weights[k] * size_ * size_ * v.area;
-      }
-    });
-    return {parts.col(0).sum(), parts.col(1).sum()};
+    double variation = 0, quadric = 0;
+    const std::vector<Derivatives> d = derivatives(0, static_cast<Index>(base_.size()), x);
+    for (std::size_t k = 0; k < d.size(); ++k) {
+      const CurvatureVariation v = curvature_variation(d[k], flat_curvature(size_));
+      const double w = shared_.quadrature.weights[k] * size_ * size_ * v.area;
+      variation += w * v.variation.squaredNorm();
+      quadric += w * v.quadric.squaredNorm();
+    }
+    return {variation, quadric};
   }
 
   /// Gauss-Newton's model about x of minimum_variation (which = 0) or quadric_variation (1), those asked for.
@@ -194,7 +192,7 @@ public:
     constexpr Index block = 96;
     const Index n = static_cast<Index>(base_.size()), blocks = (n + block - 1) / block;
     std::vector<std::array<Quadratic, 2>> parts(blocks);
-    in_shares(0, blocks, 1, [&](Index from, Index to) {
+    in_shares(0, blocks, 2, [&](Index from, Index to) {
       for (Index at = from; at < to; ++at) parts[at] = linearise(x, wanted, at * block, std::min(n, (at + 1) * block));
     });
     model = std::move(parts[0]);
@@ -236,7 +234,6 @@ public:
 
 private:
   using Rows = FairingSpace::Rows;
-  static constexpr Index nodes_a_share = 64;
 
   /// The derivatives, at a node, of what the free slopes add.
   void add_slopes(Index node) {
@@ -471,6 +468,7 @@ public:
   Eigen::VectorXd step(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::MatrixXd& metric,
                        double damping) const {
     constexpr int rounds = 4;
+    constexpr double near = 0.1;  // where another round changes so little (relative), it is the last
     Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
     const Eigen::VectorXd third_gradient = third_.normal * x + third_.gradient;
     Eigen::MatrixXd normal;
@@ -504,7 +502,8 @@ public:
       }
       normal += damping * (normal.trace() / metric.trace()) * metric;
       normal.diagonal().array() += 1e-14 * normal.trace();  // held slopes have empty rows
-      y = least_quadratic(normal, gradient, held_);
+      const Eigen::VectorXd last = std::exchange(y, least_quadratic(normal, gradient, held_));
+      if ((y - last).norm() < near * y.norm()) break;
     }
     return y;
   }

@@ -59,7 +59,7 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
   for (Index k = 0; k < n; ++k)
     if (vertex_of(b + 3 * k, vertex_radius[order]) >= 0) near.push_back(k);
   // A run of points far from the vertices at a time; a share of one is worth a thread (some 0.3 us a point without derivatives).
-  constexpr std::array<Index, max_order + 1> share = {1000, 1000, 400, 200, 100};
+  constexpr std::array<Index, max_order + 1> share = {2000, 1000, 600, 400, 200};
   Index start = 0;
   const Index row = 3 * jet_size(order);
   for (std::size_t next = 0; start < n; ++next) {
