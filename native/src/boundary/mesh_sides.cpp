@@ -55,6 +55,7 @@ struct Patchwork {
   std::vector<int> rim;               // local
   std::vector<int> beside;            // face that holds rim edge k reversed
   std::vector<int> across;            // face beyond the edge that starts at a corner; -1: none, or the edge is sharp
+  std::vector<char> on_chord;         // vertices that say nothing of the surface, see put_on_edge
   Vec3 origin = Vec3::Zero();
   double scale = 1;  // mean rim edge
 };
@@ -178,6 +179,42 @@ Patchwork take_out(const Mesh& mesh, const Hole& hole, const std::vector<Index>&
   return w;
 }
 
+/// True for a vertex that was put on an edge between a and b and left there: straight between them, in faces that would be those of
+/// the edge without it (it has no other neighbours, or those of triangles that were cut in two). It lies on a chord of the surface.
+bool put_on_edge(const Patchwork& w, int v) {
+  constexpr double straight = 1e-4;
+  std::vector<std::array<int, 2>> beside;  // v's neighbours in each face, as they follow each other around it
+  bool triangles = true;
+  for (int e = w.fan_offsets[v]; e < w.fan_offsets[v + 1]; ++e) {
+    const int from = w.offsets[w.fan[e]], size = w.offsets[w.fan[e] + 1] - from;
+    const int* c = &w.corners[from];
+    const auto k = std::find(c, c + size, v) - c;
+    beside.push_back({c[(k + 1) % size], c[(k + size - 1) % size]});
+    triangles = triangles && size == 3;
+  }
+  const auto between = [&](int a, int b) {
+    const Vec3 p = w.position[a] - w.position[v], q = w.position[b] - w.position[v];
+    return p.dot(q) < 0 && p.cross(q).norm() <= straight * p.norm() * q.norm();
+  };
+  const std::size_t faces = beside.size();
+  if (faces == 0) return false;
+  const auto [first, second] = beside[0];
+  if (faces == 1 || (faces == 2 && beside[1][0] == second && beside[1][1] == first)) return between(first, second);
+  if (!triangles || (faces != 2 && faces != 4)) return false;
+  const auto starts = [&](int a) { return std::find_if(beside.begin(), beside.end(), [&](const auto& o) { return o[0] == a; }); };
+  const auto ends = [&](int a) { return std::any_of(beside.begin(), beside.end(), [&](const auto& o) { return o[1] == a; }); };
+  std::vector<int> around = {first};  // from the open end, where there is one
+  for (const auto& o : beside)
+    if (!ends(o[0])) around = {o[0]};
+  for (std::size_t k = 0; k < faces; ++k) {
+    const auto next = starts(around.back());
+    if (next == beside.end()) return false;
+    around.push_back((*next)[1]);
+  }
+  if (faces == 2) return between(around[0], around[2]);
+  return around[4] == around[0] && (between(around[0], around[2]) || between(around[1], around[3]));
+}
+
 /// Neighbours of the faces within the rings. An edge is sharp if it bends by more than 8 degrees and twice as much as any
 /// edge near it that runs its way: a chamfer's edge is, the edges of a coarse sphere or cylinder are not.
 void find_neighbours(Patchwork& w) {
@@ -215,6 +252,9 @@ void find_neighbours(Patchwork& w) {
       if (across[c] >= 0) bend[c] = std::atan2(w.area[f].cross(w.area[across[c]]).norm(), w.area[f].dot(w.area[across[c]]));
     }
   w.across = across;
+  w.on_chord.assign(w.vertex.size(), 0);
+  for (std::size_t v = 0; v < seen.size(); ++v) w.on_chord[v] = seen[v] && put_on_edge(w, static_cast<int>(v));
+  for (int v : w.rim) w.on_chord[v] = 0;
   for (int f : near)
     for (int c = w.offsets[f]; c < w.offsets[f + 1]; ++c) {
       if (bend[c] <= sharp_bend) continue;
@@ -569,6 +609,7 @@ Stencil make_stencil(const Patchwork& w, const std::array<Draft, 3>& drafts, int
     if (marks.vertex[v] == marks.now) return;
     marks.vertex[v] = marks.now;
     next.push_back(v);
+    if (w.on_chord[v]) return;
     all.push_back(v);
     const double share = in_front(v, true);
     if (share > 0) used.emplace_back(v, share);
