@@ -150,18 +150,21 @@ def test_where_surroundings_wave_within_the_hole_the_plain_patch_is_nearer():
     assert not np.allclose(tight.vertices, plain.vertices), "what is asked for is done"
 
 
-@pytest.mark.parametrize("noise", [1e-3, 3e-3, 1e-2])
-def test_fair_patches_of_noisy_meshes_are_no_farther_than_plain_ones(noise):
+@pytest.mark.parametrize(("noise", "share"), [(1e-3, 0.2), (3e-3, 0.4), (1e-2, 0.9)])
+def test_fair_patches_of_noisy_meshes_are_nearer_than_plain_ones(noise, share):
     def height(x, y):
         return x**2 - 0.5 * y**2 + 0.3 * x * y
 
-    vertices, faces, rim = hilly_graph(height=height)
-    vertices = vertices + np.random.default_rng(4).normal(size=vertices.shape) * noise / 40
-    far = {}
-    for fairing in (None, "auto"):
-        points = tripatch.fill(vertices, faces, rim=rim, corners=[rim[0], rim[32], rim[64]], fairing=fairing).vertices
-        far[fairing] = np.sqrt(np.mean((points[:, 2] - height(*points[:, :2].T)) ** 2))
-    assert far["auto"] < 1.05 * far[None]
+    clean, faces, rim = hilly_graph(height=height)
+    shares = []
+    for seed in (4, 5, 6):
+        vertices = clean + np.random.default_rng(seed).normal(size=clean.shape) * noise / 40
+        far = {}
+        for fairing in (None, "auto"):
+            points = tripatch.fill(vertices, faces, rim=rim, corners=[rim[0], rim[32], rim[64]], fairing=fairing).vertices
+            far[fairing] = np.sqrt(np.mean((points[:, 2] - height(*points[:, :2].T)) ** 2))
+        shares.append(far["auto"] / far[None])
+    assert np.exp(np.mean(np.log(shares))) < share
 
 
 def test_a_patch_that_folds_is_unfolded():

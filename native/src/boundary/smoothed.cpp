@@ -91,7 +91,7 @@ PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<dou
   const Ends ends(f, kept);
   const int most = static_cast<int>(std::clamp<Index>((t.size() - 1) / 2 - kept, 4, 16));
   const double best = FittedPolynomial(t, values, most, kept, ends).residual;
-  if (best > 1e-3 * scale) return f;
+  if (best > 0.1 * scale) return f;
   for (int degree = std::min(6, most);; degree += 2) {
     const FittedPolynomial polynomial(t, values, std::min(degree, most), kept, ends);
     if (polynomial.residual <= std::max(2 * best, 2e-5 * scale) || degree >= most) return polynomial.field();

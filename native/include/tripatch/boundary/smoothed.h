@@ -6,7 +6,7 @@
 namespace tripatch {
 
 /// Sides through mesh vertices (Side::rim) as single polynomials of degree 6 to 16 by least squares, ends kept, where that comes
-/// near; others as they are.
+/// within a tenth of their extent; others as they are.
 Sides smoothed(const Sides& sides);
 
 }  // namespace tripatch
