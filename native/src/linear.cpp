@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-// Eigen's products take what the compiler may assume of every machine. This one is compiled for newer ones too, and chosen at run time.
+// Eigen's products take what the compiler may assume of every machine. These are compiled for newer ones too, and chosen at run time.
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__)
 #define TRIPATCH_FOR_EACH_MACHINE __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
@@ -37,6 +37,26 @@ TRIPATCH_FOR_EACH_MACHINE void add_gram(const double* __restrict a, Index m, Ind
 }
 
 }  // namespace
+
+TRIPATCH_FOR_EACH_MACHINE void multiply_four(const double* __restrict a, Index k, const double* __restrict b, Index n,
+                                             double* __restrict out, Index stride) {
+  constexpr Index rows = 4, columns = 8;
+  Index j = 0;
+  for (; j + columns <= n; j += columns) {
+    double sum[rows][columns] = {};
+    for (Index l = 0; l < k; ++l)
+      for (Index p = 0; p < rows; ++p)
+        for (Index q = 0; q < columns; ++q) sum[p][q] += a[p * k + l] * b[l * n + j + q];
+    for (Index p = 0; p < rows; ++p)
+      for (Index q = 0; q < columns; ++q) out[p * stride + j + q] = sum[p][q];
+  }
+  for (; j < n; ++j)
+    for (Index p = 0; p < rows; ++p) {
+      double sum = 0;
+      for (Index l = 0; l < k; ++l) sum += a[p * k + l] * b[l * n + j];
+      out[p * stride + j] = sum;
+    }
+}
 
 void add_gram(const RowMajor& a, RowMajor& c) { add_gram(a.data(), a.rows(), a.cols(), c.data()); }
 

@@ -26,6 +26,8 @@ Eigen::VectorXd least_quadratic(const MatrixRef& a, const VectorRef& b, const Ma
 /// Adds a' a to c, of which only the lower triangle is kept up, for a (m, n) and c (n, n).
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 void add_gram(const RowMajor& a, RowMajor& c);
+/// out = a b for a (4, k) and b (k, n), by rows; a row of `out` begins `stride` after the last one.
+void multiply_four(const double* a, Index k, const double* b, Index n, double* out, Index stride);
 
 /// (x, y) such that x a + y b is nearest to v; the shortest such where a and b are parallel or zero.
 Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v);

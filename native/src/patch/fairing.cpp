@@ -10,6 +10,7 @@
 
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/linear.h"
+#include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/energy.h"
 #include "tripatch/patch/fairing_space.h"
@@ -86,6 +87,19 @@ public:
         rows.middleCols(3 * interior_ + first_[i] + f * options_.slopes, options_.slopes) =
             directions_[i][f](0.5) * shared_.middle_slope;
     return rows;
+  }
+
+  /// The same in the unknowns of this problem, for those of one with an interior term of lower degree.
+  Eigen::VectorXd raised(const Problem& lower, const Eigen::VectorXd& x) const {
+    Eigen::VectorXd out(unknowns());
+    out.tail(slopes_) = x.tail(slopes_);
+    const Points a = lower.shared_.combination * Eigen::Map<const Eigen::MatrixXd>(x.data(), lower.interior_, 3);
+    BezierTriangle inside(a.topRows(interior_scalars(lower.options_.degree)));
+    while (inside.degree() < options_.degree) inside = inside.elevated();
+    Eigen::MatrixXd all(interior_, 3);
+    all << inside.net(), a.bottomRows(3 * options_.bends);
+    Eigen::Map<Eigen::MatrixXd>(out.data(), interior_, 3) = shared_.combination.triangularView<Eigen::Upper>().solve(all);
+    return out;
   }
 
   bool controlled() const { return options_.tension > 0 || options_.middle; }
@@ -286,12 +300,13 @@ private:
           if (!wanted[which]) continue;
           value[which].segment<4>(row) = w * v.value.segment<4>(4 * which);
           const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
+          double* const out = jacobian[which].row(row).data();
           for (int c = 0; c < 3; ++c) {
             Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
             for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
-            jacobian[which].block(row, c * interior_, 4, interior_) = part.lazyProduct(shared_.interior.middleRows<9>(9 * k));
+            multiply_four(part.data(), 9, shared_.interior.row(9 * k).data(), interior_, out + c * interior_, unknowns());
           }
-          jacobian[which].block(row, 3 * interior_, 4, slopes_) = rows.lazyProduct(basis_.middleRows<27>(27 * k));
+          multiply_four(rows.data(), 27, basis_.row(27 * k).data(), slopes_, out + 3 * interior_, unknowns());
         }
       }
       for (int which = 0; which < 2; ++which) {
@@ -420,10 +435,10 @@ Eigen::VectorXd minimum(const Problem& problem, const Quadratic& q) {
 class Merit {
 public:
   /// tension: added to the energy; without unknowns: none.
-  Merit(const Problem& problem, const Quadratic& third, const Quadratic& tension, const std::string& energy)
+  Merit(const Problem& problem, const Quadratic& third, Quadratic tension, const std::string& energy)
       : problem_(problem),
         third_(third),
-        tension_(tension),
+        tension_(std::move(tension)),
         held_(problem.held()),
         quadric_(energy != "minimum_variation"),
         whole_(energy != "quadric_variation") {}
@@ -524,7 +539,8 @@ private:
   /// tenth (relative) of what it loses. Less than 0.05 and the minimiser depends on rounding.
   static constexpr double parameterisation = 0.1;
   const Problem& problem_;
-  const Quadratic &third_, &tension_;
+  const Quadratic& third_;
+  Quadratic tension_;
   Eigen::MatrixXd held_;
   bool quadric_, whole_;
 };
@@ -583,8 +599,6 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     const std::array<bool, 3> agree = curvature_agrees(even);
     for (int i = 0; i < 3; ++i) own.curvature[i] = options.curvature[i] || (options.automatic[i] && agree[i]);
   }
-  const Problem problem(*even_base, even, even_boundary, own, options.nodes);
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
   const double unit = boundary.size * boundary.size;
   const auto tension_of = [&](const Problem& p) {
     Quadratic tension;
@@ -598,38 +612,51 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   };
   using Candidate = std::pair<Eigen::VectorXd, double>;  // and its energy
   std::vector<Candidate> tried;                          // best first
+  std::optional<Problem> problem;                        // whose unknowns they are
   bool beyond = false;                                   // what an energy can tell
   if (quadratic) {
-    Quadratic q = problem.quadratic(options.energy == "thin_plate" ? 2 : 3);
-    if (options.tension > 0) q += tension_of(problem);
+    problem.emplace(*even_base, even, even_boundary, own, options.nodes);
+    Quadratic q = problem->quadratic(options.energy == "thin_plate" ? 2 : 3);
+    if (options.tension > 0) q += tension_of(*problem);
     result.before = unit * q.constant;
-    const Eigen::VectorXd x = minimum(problem, q);
+    const Eigen::VectorXd x = minimum(*problem, q);
     tried.emplace_back(x, unit * q(x));
   } else {
-    // with fewer nodes first: a third of the work, and the last step is the exact one's
+    const auto merit_of = [&](const Problem& p, const Quadratic& third) {
+      Quadratic tension = tension_of(p);
+      if (options.tension > 0) tension.constant -= tension(least_quadratic(tension.normal, tension.gradient, p.held()));
+      return Merit(p, third, std::move(tension), options.energy);
+    };
+    // with few nodes and unknowns first: the last steps are those of the exact energy
     const Problem rough(*even_base, even, even_boundary, own, options.rough_nodes);
-    const Quadratic third = rough.quadratic(3);
-    Quadratic tension = tension_of(rough);
-    if (options.tension > 0) tension.constant -= tension(least_quadratic(tension.normal, tension.gradient, rough.held()));
-    const Merit early(rough, third, tension, options.energy), merit(problem, third, tension, options.energy);
-    const Eigen::VectorXd start = minimum(rough, third);
-    const Merit::Value before = merit(zero), quadratic_value = merit(start);
-    result.before = before.energy;
-    if (quadratic_value.log < before.log) tried.emplace_back(start, quadratic_value.energy);
-    Eigen::VectorXd x = tried.empty() ? zero : start;
+    Quadratic third = rough.quadratic(3);
+    const Merit early = merit_of(rough, third);
+    Eigen::VectorXd start = minimum(rough, third), x = start;
     Merit::Value value = early(x);
+    if (!(value.log < early(Eigen::VectorXd::Zero(x.size())).log)) {
+      x.setZero();
+      value = early(x);
+    }
     result.iterations = descend(early, third.normal, x, value, options.iterations);
-    value = merit(x);
-    result.iterations += descend(merit, third.normal, x, value, 1);
 
-    const Merit::Value& least = tried.empty() ? before : quadratic_value;
-    if (value.log < least.log)
-      tried.emplace(tried.begin(), x, value.energy);
-    else
-      value = least;
+    if (value.energy > options.rich) own.degree = std::max(options.degree, options.high_degree);
+    problem.emplace(*even_base, even, even_boundary, own, options.nodes);
+    if (own.degree > options.degree) {
+      third = problem->quadratic(3);
+      start = problem->raised(rough, start);
+      x = problem->raised(rough, x);
+    }
+    const Merit merit = merit_of(*problem, third);
+    const Merit::Value before = merit(Eigen::VectorXd::Zero(problem->unknowns()));
+    value = merit(x);
+    result.before = before.energy;
+    result.iterations += descend(merit, third.normal, x, value, own.degree > options.degree ? 2 : 1);
+    if (value.log < before.log) tried.emplace_back(x, value.energy);
+    if (const Merit::Value quadratic_value = merit(start); quadratic_value.log < before.log)
+      tried.emplace_back(start, quadratic_value.energy);
+    const double least = tried.empty() ? before.energy : tried[0].second;
     const std::array<bool, 3>& free = options.position_only;
-    beyond =
-        value.energy > hopeless && !problem.follows_all_curvature() && !problem.controlled() && !free[0] && !free[1] && !free[2];
+    beyond = least > hopeless && !problem->follows_all_curvature() && !problem->controlled() && !free[0] && !free[1] && !free[2];
   }
 
   const auto best_of = [&](std::span<const Candidate> candidates) {
@@ -639,7 +666,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     if (options.folds && candidates.empty()) best.folds = options.folds(*start);
     for (const auto& [x, e] : candidates) {
       if (!(e <= best.before)) continue;
-      const SurfacePtr correction = problem.correction(x, sides);
+      const SurfacePtr correction = problem->correction(x, sides);
       SurfacePtr patch = sum(base, correction);
       if (options.middle) patch = with_middle(patch, *options.middle);  // last: `even` and `sides` differ a little
       if (options.folds) {

@@ -21,12 +21,14 @@ struct FairingOptions {
   /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, auto (see energy.h):
   /// geometric, by damped Gauss-Newton from the third-derivative solution.
   std::string energy = "auto";
-  int degree = 4;                                        ///< of the interior term's polynomial
-  int bends = 4;                                         ///< coefficients of the second derivative across each side
-  int slopes = 4;                                        ///< coefficients of each of alpha and beta on each side
-  int nodes = 8;                                         ///< of the quadrature, per direction
-  int rough_nodes = 5;                                   ///< of the one that Gauss-Newton begins with
-  int iterations = 8;                                    ///< of Gauss-Newton with that, at most; one follows with `nodes`
+  int degree = 4;       ///< of the interior term's polynomial
+  int high_degree = 8;  ///< the same for the last steps, two of them, where a geometric energy stays above `rich`
+  double rich = 1;      ///< and what is that: a surface with features of its own
+  int bends = 4;        ///< coefficients of the second derivative across each side
+  int slopes = 4;       ///< coefficients of each of alpha and beta on each side
+  int nodes = 8;        ///< of the quadrature, per direction
+  int rough_nodes = 5;  ///< of the one that Gauss-Newton begins with
+  int iterations = 8;   ///< of Gauss-Newton with that, at most; one or two follow with `nodes`
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
   /// Sides whose tangent planes are not asked for: the derivative across is free in all directions.
   std::array<bool, 3> position_only = {false, false, false};
