@@ -574,6 +574,7 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
 /// can follow (it grows with the fourth power); what is least then is not near to anything. Of 407 holes in Suzanne's limit surface,
 /// corners anywhere, 317 were so: their fairest patches were 1.4 times as far from the truth as plain ones, of the others half as far.
 constexpr double hopeless = 5e3;
+constexpr double hopeless_even_so = 2e4;  // where the curvature along all sides is known well enough to be followed
 
 constexpr Index few_folds = 100;  // of a grid's 2145 points: where more fold, a little of the interior term cannot help
 
@@ -656,7 +657,8 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
       tried.emplace_back(start, quadratic_value.energy);
     const double least = tried.empty() ? before.energy : tried[0].second;
     const std::array<bool, 3>& free = options.position_only;
-    beyond = least > hopeless && !problem->follows_all_curvature() && !problem->controlled() && !free[0] && !free[1] && !free[2];
+    const double bound = problem->follows_all_curvature() ? hopeless_even_so : hopeless;
+    beyond = least > bound && !problem->controlled() && !free[0] && !free[1] && !free[2];
   }
 
   const auto best_of = [&](std::span<const Candidate> candidates) {
