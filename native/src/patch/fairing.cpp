@@ -89,8 +89,9 @@ public:
     return rows;
   }
 
-  /// The same in the unknowns of this problem, for those of one with an interior term of lower degree.
+  /// The same in the unknowns of this problem, for those of one whose interior term is of the same degree or lower.
   Eigen::VectorXd raised(const Problem& lower, const Eigen::VectorXd& x) const {
+    if (lower.options_.degree == options_.degree) return x;
     Eigen::VectorXd out(unknowns());
     out.tail(slopes_) = x.tail(slopes_);
     const Points a = lower.shared_.combination * Eigen::Map<const Eigen::MatrixXd>(x.data(), lower.interior_, 3);
@@ -628,33 +629,44 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
       if (options.tension > 0) tension.constant -= tension(least_quadratic(tension.normal, tension.gradient, p.held()));
       return Merit(p, third, std::move(tension), options.energy);
     };
+    struct Descent {
+      Eigen::VectorXd first, x;  // the third-derivative solution, and what became of it
+      Merit::Value value;
+    };
+    const auto descent = [&](const Problem& p) {
+      const Quadratic third = p.quadratic(3);
+      const Merit m = merit_of(p, third);
+      const Eigen::VectorXd none = Eigen::VectorXd::Zero(p.unknowns());
+      Descent d;
+      d.first = minimum(p, third);
+      d.x = d.first;
+      d.value = m(d.x);
+      if (const Merit::Value unchanged = m(none); !(d.value.log < unchanged.log)) d.x = none, d.value = unchanged;
+      result.iterations += descend(m, third.normal, d.x, d.value, options.iterations);
+      return d;
+    };
     // with few nodes and unknowns first: the last steps are those of the exact energy
     const Problem rough(*even_base, even, even_boundary, own, options.rough_nodes);
-    Quadratic third = rough.quadratic(3);
-    const Merit early = merit_of(rough, third);
-    Eigen::VectorXd start = minimum(rough, third), x = start;
-    Merit::Value value = early(x);
-    if (!(value.log < early(Eigen::VectorXd::Zero(x.size())).log)) {
-      x.setZero();
-      value = early(x);
-    }
-    result.iterations = descend(early, third.normal, x, value, options.iterations);
-
-    if (value.energy > options.rich) own.degree = std::max(options.degree, options.high_degree);
+    Descent d = descent(rough);
+    const FairingOptions low = own;
+    if (d.value.energy > options.rich) own.degree = std::max(options.degree, options.high_degree);
     problem.emplace(*even_base, even, even_boundary, own, options.nodes);
-    if (own.degree > options.degree) {
-      third = problem->quadratic(3);
-      start = problem->raised(rough, start);
-      x = problem->raised(rough, x);
-    }
+    const Quadratic third = problem->quadratic(3);
     const Merit merit = merit_of(*problem, third);
+    Eigen::VectorXd x = problem->raised(rough, d.x);
+    Merit::Value value = merit(x);
+    if (value.energy > std::max(options.rich, 1.25 * d.value.energy)) {  // it wavers between the few nodes
+      d = descent(Problem(*even_base, even, even_boundary, low, options.nodes));
+      x = problem->raised(rough, d.x);
+      value = merit(x);
+    }
+    const Eigen::VectorXd first = problem->raised(rough, d.first);
     const Merit::Value before = merit(Eigen::VectorXd::Zero(problem->unknowns()));
-    value = merit(x);
     result.before = before.energy;
+    tried = {{x, value.energy}, {first, merit(first).energy}};
     result.iterations += descend(merit, third.normal, x, value, own.degree > options.degree ? 2 : 1);
-    if (value.log < before.log) tried.emplace_back(x, value.energy);
-    if (const Merit::Value quadratic_value = merit(start); quadratic_value.log < before.log)
-      tried.emplace_back(start, quadratic_value.energy);
+    tried.emplace(tried.begin(), x, value.energy);
+    std::erase_if(tried, [&](const Candidate& c) { return !(merit(c.first).log < before.log); });
     const double least = tried.empty() ? before.energy : tried[0].second;
     const std::array<bool, 3>& free = options.position_only;
     const double bound = problem->follows_all_curvature() ? hopeless_even_so : hopeless;
@@ -666,38 +678,40 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     best.after = best.before;
     SurfacePtr even_patch = even_base;  // the result, on smoothed sides: what energies are measured on
     if (options.folds && candidates.empty()) best.folds = options.folds(*start);
+    // takes the folds out of best.patch, unless there are too many or that would bend it more than the start
+    const auto unfold = [&] {
+      const Index folds = best.folds.value_or(0);
+      if (folds == 0 || folds > few_folds || options.middle) return false;  // a given middle stays where it is
+      const SurfacePtr correction = unfolding(best.patch, sides, boundary.size, options.folds);
+      if (!correction) return false;
+      best.patch = sum(best.patch, correction);
+      best.folds = 0;
+      if (options.tension == 0) best.after = energy(*sum(even_patch, correction), options.energy, boundary.size, options.nodes);
+      return true;
+    };
     for (const auto& [x, e] : candidates) {
       if (!(e <= best.before)) continue;
       const SurfacePtr correction = problem->correction(x, sides);
-      SurfacePtr patch = sum(base, correction);
-      if (options.middle) patch = with_middle(patch, *options.middle);  // last: `even` and `sides` differ a little
-      if (options.folds) {
-        const Index folds = options.folds(*patch);
-        if (folds > 0 && !best.folds) best.folds = options.folds(*start);  // counted only when needed
-        if (folds > 0 && folds > *best.folds) {
-          best.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
-          continue;
-        }
-        best.folds = folds;
-      }
-      best.patch = patch;
-      best.after = e;
+      FairResult now = best;
+      now.patch = sum(base, correction);
+      if (options.middle) now.patch = with_middle(now.patch, *options.middle);  // last: `even` and `sides` differ a little
+      now.after = e;
+      if (options.folds) now.folds = options.folds(*now.patch);
       even_patch = sum(even_base, correction);
-      break;
+      std::swap(best, now);
+      if (best.folds.value_or(0) == 0) return best;
+      if (!now.folds) now.folds = options.folds(*start);  // counted only when needed
+      if ((unfold() && best.after <= best.before) || *best.folds <= *now.folds) return best;
+      best = std::move(now);
+      even_patch = even_base;
+      best.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
     }
-    const Index folds = best.folds.value_or(0);
-    if (folds > 0 && folds <= few_folds && !options.middle)  // a given middle stays where it is
-      if (const SurfacePtr correction = unfolding(best.patch, sides, boundary.size, options.folds)) {
-        best.patch = sum(best.patch, correction);
-        best.folds = 0;
-        if (options.tension == 0) best.after = energy(*sum(even_patch, correction), options.energy, boundary.size, options.nodes);
-      }
+    unfold();
     return best;
   };
   FairResult fairest;
   if (!beyond) {
     fairest = best_of(tried);
-
     if (fairest.folds.value_or(0) <= few_folds) return fairest;
   }
   FairResult plain = best_of({});
