@@ -633,8 +633,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
       Eigen::VectorXd first, x;  // the third-derivative solution, and what became of it
       Merit::Value value;
     };
-    const auto descent = [&](const Problem& p) {
-      const Quadratic third = p.quadratic(3);
+    const auto descent = [&](const Problem& p, const Quadratic& third) {
       const Merit m = merit_of(p, third);
       const Eigen::VectorXd none = Eigen::VectorXd::Zero(p.unknowns());
       Descent d;
@@ -647,26 +646,33 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     };
     // with few nodes and unknowns first: the last steps are those of the exact energy
     const Problem rough(*even_base, even, even_boundary, own, options.rough_nodes);
-    Descent d = descent(rough);
+    Quadratic third = rough.quadratic(3);
+    Descent d = descent(rough, third);
     const FairingOptions low = own;
     if (d.value.energy > options.rich) own.degree = std::max(options.degree, options.high_degree);
     problem.emplace(*even_base, even, even_boundary, own, options.nodes);
-    const Quadratic third = problem->quadratic(3);
+    if (own.degree > low.degree) third = problem->quadratic(3);
     const Merit merit = merit_of(*problem, third);
     Eigen::VectorXd x = problem->raised(rough, d.x);
     Merit::Value value = merit(x);
     if (value.energy > std::max(options.rich, 1.25 * d.value.energy)) {  // it wavers between the few nodes
-      d = descent(Problem(*even_base, even, even_boundary, low, options.nodes));
+      const Problem all(*even_base, even, even_boundary, low, options.nodes);
+      d = descent(all, all.quadratic(3));
       x = problem->raised(rough, d.x);
       value = merit(x);
     }
     const Eigen::VectorXd first = problem->raised(rough, d.first);
     const Merit::Value before = merit(Eigen::VectorXd::Zero(problem->unknowns()));
     result.before = before.energy;
-    tried = {{x, value.energy}, {first, merit(first).energy}};
+    const auto take = [&](const Eigen::VectorXd& candidate, const Merit::Value& v) {
+      if (v.log < before.log) tried.emplace_back(candidate, v.energy);
+    };
+    const Eigen::VectorXd early = x;
+    const Merit::Value early_value = value;
     result.iterations += descend(merit, third.normal, x, value, own.degree > options.degree ? 2 : 1);
-    tried.emplace(tried.begin(), x, value.energy);
-    std::erase_if(tried, [&](const Candidate& c) { return !(merit(c.first).log < before.log); });
+    take(x, value);
+    take(early, early_value);
+    take(first, merit(first));
     const double least = tried.empty() ? before.energy : tried[0].second;
     const std::array<bool, 3>& free = options.position_only;
     const double bound = problem->follows_all_curvature() ? hopeless_even_so : hopeless;
