@@ -72,10 +72,10 @@ private:
   }};
 
   /// Taylor coefficients, to order N, of a polynomial about a place.
-  template <int N, class T, std::size_t count>
-  static void taylor(const std::array<T, count>& a, double at, const T& zero, std::array<T, N + 1>& out) {
+  template <int N, class T, std::size_t Count>
+  static void taylor(const std::array<T, Count>& a, double at, const T& zero, std::array<T, N + 1>& out) {
     out.fill(zero);
-    for (std::size_t k = count; k-- > 0;) {
+    for (std::size_t k = Count; k-- > 0;) {
       for (int j = N; j > 0; --j) out[j] = out[j] * at + out[j - 1];
       out[0] = out[0] * at + a[k];
     }
