@@ -6,7 +6,7 @@
 #include <limits>
 
 // Eigen's products take what the compiler may assume of every machine. These are compiled for newer ones too, and chosen at run time.
-#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__)
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && __GNUC__ >= 12
 #define TRIPATCH_FOR_EACH_MACHINE __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define TRIPATCH_FOR_EACH_MACHINE
