@@ -48,12 +48,15 @@ Eigen::Matrix<double, 9, 9> chart_change() {
   return m;
 }
 
-/// The point seen in its own frame: parameters and space turned so that P_1 = e1, P_2 = e2, n = e3.
+/// The point seen in its own frame: parameters and space turned so that P_1 = e1, P_2 = e2, n = e3. Derivatives of one order there are
+/// made of those of the same order.
 struct LocalFrame {
   double area;
-  Eigen::Matrix3d space;                  // rows e1, e2, n
-  Eigen::Matrix<double, 9, 9> parameter;  // of the nine derivatives
-  Derivatives d;                          // in the frame
+  Eigen::Matrix3d space;  // rows e1, e2, n
+  Eigen::Matrix2d first;  // of the parameters, by order
+  Eigen::Matrix3d second;
+  Eigen::Matrix4d third;
+  Derivatives d;  // in the frame
 
   explicit LocalFrame(const Derivatives& given) {
     const Vec3 p1 = given.row(0), p2 = given.row(1), cross = p1.cross(p2);
@@ -63,20 +66,14 @@ struct LocalFrame {
     space << e1.transpose(), e2.transpose(), n.transpose();
     const double g = area / length, f = p2.dot(e1);
     const double a = 1 / length, p = -f / (length * g), q = 1 / g;  // e1 = a d/dx, e2 = p d/dx + q d/dy
-    parameter.setZero();
-    parameter(0, 0) = a;
-    parameter.row(1).head<2>() << p, q;
-    parameter(2, 2) = a * a;
-    parameter.row(3).segment<2>(2) << a * p, a * q;
-    parameter.row(4).segment<3>(2) << p * p, 2 * p * q, q * q;
-    parameter(5, 5) = a * a * a;
-    parameter.row(6).segment<2>(5) << a * a * p, a * a * q;
-    parameter.row(7).segment<3>(5) << a * p * p, 2 * a * p * q, a * q * q;
-    parameter.row(8).segment<4>(5) << p * p * p, 3 * p * p * q, 3 * p * q * q, q * q * q;
+    first << a, 0, p, q;
+    second << a * a, 0, 0, a * p, a * q, 0, p * p, 2 * p * q, q * q;
+    third << a * a * a, 0, 0, 0, a * a * p, a * a * q, 0, 0, a * p * p, 2 * a * p * q, a * q * q, 0, p * p * p, 3 * p * p * q,
+        3 * p * q * q, q * q * q;
     const Eigen::Matrix<double, 9, 3, Eigen::RowMajor> turned = given.lazyProduct(space.transpose());
-    d.topRows<2>() = parameter.block<2, 2>(0, 0).lazyProduct(turned.topRows<2>());
-    d.middleRows<3>(2) = parameter.block<3, 3>(2, 2).lazyProduct(turned.middleRows<3>(2));
-    d.bottomRows<4>() = parameter.block<4, 4>(5, 5).lazyProduct(turned.bottomRows<4>());
+    d.topRows<2>() = first.lazyProduct(turned.topRows<2>());
+    d.middleRows<3>(2) = second.lazyProduct(turned.middleRows<3>(2));
+    d.bottomRows<4>() = third.lazyProduct(turned.bottomRows<4>());
   }
 };
 
@@ -261,15 +258,13 @@ CurvatureVariationRows curvature_variation_rows(const Derivatives& given, double
     thirds(m, m) = s * multiplicity[m];
     thirds.col(m).tail<4>() = s * multiplicity[m] * project.col(m);
   }
-  // back to the parameters and the space that were given: derivatives of one order come from those of the same
-  const Eigen::Matrix2d first = frame.parameter.block<2, 2>(0, 0).transpose();
-  const Eigen::Matrix3d second = frame.parameter.block<3, 3>(2, 2).transpose();
-  const Eigen::Matrix<double, 8, 4> normal = thirds.lazyProduct(frame.parameter.block<4, 4>(5, 5));
+  // back to the parameters and the space that were given
+  const Eigen::Matrix<double, 8, 4> normal = thirds.lazyProduct(frame.third);
   for (int m = 0; m < 8; ++m) {
     const Eigen::Map<const Eigen::Matrix<double, 5, 3, Eigen::RowMajor>> in(local.row(m).data());
     Eigen::Map<Derivatives> derivative(out.derivative.row(m).data());
-    derivative.topRows<2>() = first.lazyProduct(in.topRows<2>().lazyProduct(frame.space).eval());
-    derivative.middleRows<3>(2) = second.lazyProduct(in.bottomRows<3>().lazyProduct(frame.space).eval());
+    derivative.topRows<2>() = frame.first.transpose().lazyProduct(in.topRows<2>().lazyProduct(frame.space).eval());
+    derivative.middleRows<3>(2) = frame.second.transpose().lazyProduct(in.bottomRows<3>().lazyProduct(frame.space).eval());
     derivative.bottomRows<4>() = normal.row(m).transpose().lazyProduct(frame.space.row(2));
   }
   return out;

@@ -10,7 +10,6 @@
 
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/linear.h"
-#include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/energy.h"
 #include "tripatch/patch/fairing_space.h"
@@ -95,7 +94,7 @@ public:
     Eigen::VectorXd out(unknowns());
     out.tail(slopes_) = x.tail(slopes_);
     const Points a = lower.shared_.combination * Eigen::Map<const Eigen::MatrixXd>(x.data(), lower.interior_, 3);
-    BezierTriangle inside(a.topRows(interior_scalars(lower.options_.degree)));
+    BezierTriangle inside(a.topRows(BezierTriangle::net_size(lower.options_.degree)));
     while (inside.degree() < options_.degree) inside = inside.elevated();
     Eigen::MatrixXd all(interior_, 3);
     all << inside.net(), a.bottomRows(3 * options_.bends);
@@ -112,7 +111,7 @@ public:
   /// square; their derivatives where `rows` is given. With alpha and beta free the surroundings' part is quadratic in them:
   /// n . P_dd = II(d, d), d = alpha r + beta c', and what a change (a, b) of alpha, beta adds to n . P_dd of a patch whose slopes are
   /// carried by slope_kernel is 2 (1/2 - t) n . (a r' + b c'').
-  Eigen::VectorXd jumps(const Eigen::VectorXd& x, Eigen::MatrixXd* rows = nullptr) const {
+  Eigen::VectorXd jumps(const Eigen::VectorXd& x, RowMajor* rows = nullptr) const {
     constexpr int points = FairingSpace::side_points;
     const int m = options_.slopes;
     Eigen::VectorXd value(points * static_cast<Index>(followed_.size()));
@@ -217,10 +216,11 @@ public:
   }
 
   Quadratic linearised_jumps(const Eigen::VectorXd& x) const {
-    Eigen::MatrixXd columns;
-    const Eigen::VectorXd value = jumps(x, &columns);
-    const Rows rows = columns;
-    return quadratic_of(rows, value);
+    RowMajor rows;
+    const Eigen::VectorXd value = jumps(x, &rows);
+    RowMajor normal = RowMajor::Zero(unknowns(), unknowns());
+    add_gram(rows, normal);
+    return {normal.selfadjointView<Eigen::Lower>(), rows.transpose() * value, value.squaredNorm()};
   }
 
   /// How much of x can be added until alpha falls below a tenth of what it was.
@@ -248,8 +248,6 @@ public:
   }
 
 private:
-  using Rows = FairingSpace::Rows;
-
   /// The derivatives, at a node, of what the free slopes add.
   void add_slopes(Index node) {
     for (int i = 0; i < 3; ++i)
@@ -278,7 +276,7 @@ private:
   std::array<Quadratic, 2> linearise(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from, Index to) const {
     constexpr Index block = 12;  // nodes: their rows stay in the cache
     std::array<Quadratic, 2> model;
-    std::array<Rows, 2> jacobian, normal;
+    std::array<RowMajor, 2> jacobian, normal;
     std::array<Eigen::VectorXd, 2> value;
     for (int which = 0; which < 2; ++which) {
       if (!wanted[which]) continue;
@@ -351,16 +349,6 @@ private:
     }
   }
 
-  static Quadratic quadratic_of(const Eigen::Ref<const Rows>& jacobian, const Eigen::VectorXd& value) {
-    Quadratic q;
-    q.normal.setZero(jacobian.cols(), jacobian.cols());
-    q.normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
-    q.normal = q.normal.selfadjointView<Eigen::Lower>();
-    q.gradient.noalias() = jacobian.transpose() * value;
-    q.constant = value.squaredNorm();
-    return q;
-  }
-
   /// What the derivative across side i may gain, each times the functions of t: r and c', or, where the side asks for its position
   /// only, any direction; nothing where it is held.
   std::vector<PiecewisePolynomial> directions_of(const Side& side, int i) const {
@@ -399,7 +387,7 @@ private:
   std::array<std::vector<PiecewisePolynomial>, 3> directions_;
   std::vector<Followed> followed_;
   std::array<std::array<double, 2>, 3> scale_ = {};  // of r and c'; 0: alpha and beta are held
-  Rows basis_;                                       // derivatives of what the slopes add, 27 rows a node
+  RowMajor basis_;                                   // derivatives of what the slopes add, 27 rows a node
 };
 
 /// The minimum of a quadratic energy, slopes free; with the scalar functions alone where alpha would leave its bound, or, where tension
@@ -669,9 +657,10 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     };
     const Eigen::VectorXd early = x;
     const Merit::Value early_value = value;
-    result.iterations += descend(merit, third.normal, x, value, own.degree > options.degree ? 2 : 1);
+    const int last = descend(merit, third.normal, x, value, own.degree > low.degree ? 2 : 1);
+    result.iterations += last;
     take(x, value);
-    take(early, early_value);
+    if (last > 0) take(early, early_value);
     take(first, merit(first));
     const double least = tried.empty() ? before.energy : tried[0].second;
     const std::array<bool, 3>& free = options.position_only;
@@ -684,7 +673,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     best.after = best.before;
     SurfacePtr even_patch = even_base;  // the result, on smoothed sides: what energies are measured on
     if (options.folds && candidates.empty()) best.folds = options.folds(*start);
-    // takes the folds out of best.patch, unless there are too many or that would bend it more than the start
+    // takes the folds out of best.patch, unless there are too many
     const auto unfold = [&] {
       const Index folds = best.folds.value_or(0);
       if (folds == 0 || folds > few_folds || options.middle) return false;  // a given middle stays where it is
@@ -707,7 +696,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
       std::swap(best, now);
       if (best.folds.value_or(0) == 0) return best;
       if (!now.folds) now.folds = options.folds(*start);  // counted only when needed
-      if ((unfold() && best.after <= best.before) || *best.folds <= *now.folds) return best;
+      if (unfold() ? best.after <= best.before : *best.folds <= *now.folds) return best;
       best = std::move(now);
       even_patch = even_base;
       best.warnings = {"The fairest patch would fold over itself; a less fair one is used"};

@@ -11,7 +11,7 @@ namespace {
 class Correction final : public JetSurface<Correction> {
 public:
   Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, const Points& coefficients)
-      : slopes_(std::move(slopes)), degree_(degree), inside_(coefficients.topRows(interior_scalars(degree))) {
+      : slopes_(std::move(slopes)), degree_(degree), inside_(coefficients.topRows(BezierTriangle::net_size(degree))) {
     const std::vector<double> factor = multinomials(degree);
     for (Index k = 0; k < inside_.rows(); ++k) inside_.row(k) *= factor[k];
     if (bends == 0) return;

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "tripatch/boundary/piecewise_polynomial.h"
+#include "tripatch/linear.h"
+#include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/curvature.h"
 #include "tripatch/patch/energy.h"
 #include "tripatch/patch/side_weights.h"
@@ -41,8 +43,7 @@ Jet<N> bubble(const Barycentric<N>& b) {
   return square(27.0 * (b[0] * b[1] * b[2]));
 }
 
-inline int interior_scalars(int degree) { return (degree + 1) * (degree + 2) / 2; }
-inline int scalars(int degree, int bends) { return interior_scalars(degree) + 3 * bends; }
+inline Index scalars(int degree, int bends) { return BezierTriangle::net_size(degree) + 3 * bends; }
 
 constexpr int highest_interior = 9;  // degree
 
@@ -112,10 +113,9 @@ Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
 
 /// What is the same for all holes: nodes, the interior basis and the kernels of the slopes at them.
 struct FairingSpace {
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Quadrature quadrature;
   Eigen::MatrixXd combination;  // of the scalar functions, one basis function a column
-  Rows interior;                // derivatives of the interior basis, nine rows a node
+  RowMajor interior;            // derivatives of the interior basis, nine rows a node
   /// Side i at a node: t_i there, and the derivatives of the kernel times function m times (t - t_i)^k: row 9 m + derivative, column k.
   struct Slope {
     double t;
