@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "tripatch/constructions/methods.h"
 #include "tripatch/output/triangulate.h"
-#include "tripatch/patch/methods.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;

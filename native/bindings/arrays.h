@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "tripatch/patch/jet.h"
+#include "tripatch/math/jet.h"
 #include "tripatch/types.h"
 
 namespace py = pybind11;

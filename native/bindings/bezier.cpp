@@ -5,11 +5,11 @@
 #include "tripatch/boundary/bezier_rectangle.h"
 #include "tripatch/boundary/normal_sides.h"
 #include "tripatch/boundary/nurbs_surface.h"
-#include "tripatch/output/smooth_triangles.h"
+#include "tripatch/constructions/coons_bezier.h"
+#include "tripatch/constructions/coons_rectangle.h"
+#include "tripatch/constructions/smits_patch.h"
 #include "tripatch/patch/bezier_triangle.h"
-#include "tripatch/patch/coons_bezier.h"
-#include "tripatch/patch/coons_rectangle.h"
-#include "tripatch/patch/smits_patch.h"
+#include "tripatch/smooth_triangles.h"
 
 using namespace tripatch;
 

@@ -2,7 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.h"
-#include "tripatch/patch/szilvasi_nagy.h"
+#include "tripatch/constructions/szilvasi_nagy.h"
 
 using namespace tripatch;
 

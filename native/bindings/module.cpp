@@ -8,12 +8,12 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/constructions/methods.h"
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/fairing.h"
 #include "tripatch/fill.h"
 #include "tripatch/output/triangulate.h"
-#include "tripatch/patch/curvature.h"
-#include "tripatch/patch/energy.h"
-#include "tripatch/patch/fairing.h"
-#include "tripatch/patch/methods.h"
 
 namespace py = pybind11;
 using namespace tripatch;

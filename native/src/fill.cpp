@@ -15,17 +15,17 @@
 
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/boundary/mesh_sides.h"
-#include "tripatch/output/cage_fill.h"
+#include "tripatch/cage/cage_fill.h"
+#include "tripatch/constructions/methods.h"
+#include "tripatch/constructions/szilvasi_nagy.h"
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/fairing.h"
+#include "tripatch/fairing/kinks.h"
+#include "tripatch/fairing/middle.h"
+#include "tripatch/math/parallel.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/output/triangulate.h"
-#include "tripatch/patch/curvature.h"
-#include "tripatch/patch/energy.h"
-#include "tripatch/patch/fairing.h"
-#include "tripatch/patch/kinks.h"
-#include "tripatch/patch/methods.h"
-#include "tripatch/patch/middle.h"
-#include "tripatch/patch/szilvasi_nagy.h"
-#include "tripatch/shares.h"
 
 namespace tripatch {
 namespace {

@@ -1,5 +1,5 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/barnhill_birkhoff_gordon.h"
+#include "tripatch/constructions/barnhill_birkhoff_gordon.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

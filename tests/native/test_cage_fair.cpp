@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "tripatch/boundary/limit_surface.h"
-#include "tripatch/output/cage_fair.h"
-#include "tripatch/output/cage_system.h"
+#include "tripatch/cage/cage_fair.h"
+#include "tripatch/cage/cage_system.h"
 
 using namespace tripatch;
 

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "test_surfaces.h"
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/middle.h"
 #include "tripatch/fill.h"
-#include "tripatch/patch/curvature.h"
-#include "tripatch/patch/energy.h"
-#include "tripatch/patch/middle.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

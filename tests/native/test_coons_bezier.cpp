@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "tripatch/linear.h"
-#include "tripatch/patch/coons_bezier.h"
-#include "tripatch/patch/methods.h"
+#include "tripatch/constructions/coons_bezier.h"
+#include "tripatch/constructions/methods.h"
+#include "tripatch/math/linear.h"
 
 using namespace tripatch;
 

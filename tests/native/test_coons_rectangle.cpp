@@ -3,7 +3,7 @@
 #include <functional>
 #include <random>
 
-#include "tripatch/patch/coons_rectangle.h"
+#include "tripatch/constructions/coons_rectangle.h"
 
 using namespace tripatch;
 

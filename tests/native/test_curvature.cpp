@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tripatch/patch/curvature.h"
-#include "tripatch/patch/fairing.h"
-#include "tripatch/patch/methods.h"
-#include "tripatch/patch/side_vertex.h"
+#include "tripatch/constructions/methods.h"
+#include "tripatch/constructions/side_vertex.h"
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/fairing.h"
 
 using namespace tripatch;
 

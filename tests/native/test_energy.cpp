@@ -1,6 +1,6 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/energy.h"
-#include "tripatch/patch/side_vertex.h"
+#include "tripatch/constructions/side_vertex.h"
+#include "tripatch/fairing/energy.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <functional>
 
-#include "tripatch/patch/energy.h"
-#include "tripatch/patch/fairing.h"
-#include "tripatch/patch/side_vertex.h"
+#include "tripatch/constructions/side_vertex.h"
+#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/fairing.h"
 
 using namespace tripatch;
 

@@ -1,5 +1,5 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/gordon_coons.h"
+#include "tripatch/constructions/gordon_coons.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

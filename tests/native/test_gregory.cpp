@@ -1,5 +1,5 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/gregory.h"
+#include "tripatch/constructions/gregory.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "test_surfaces.h"
+#include "tripatch/fairing/kinks.h"
 #include "tripatch/fill.h"
-#include "tripatch/patch/kinks.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "tripatch/linear.h"
+#include "tripatch/math/linear.h"
 
 using namespace tripatch;
 

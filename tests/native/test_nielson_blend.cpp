@@ -1,5 +1,5 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/nielson_blend.h"
+#include "tripatch/constructions/nielson_blend.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

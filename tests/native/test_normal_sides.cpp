@@ -4,8 +4,8 @@
 #include <random>
 
 #include "tripatch/boundary/normal_sides.h"
-#include "tripatch/patch/side_vertex.h"
-#include "tripatch/patch/smits_patch.h"
+#include "tripatch/constructions/side_vertex.h"
+#include "tripatch/constructions/smits_patch.h"
 
 using namespace tripatch;
 

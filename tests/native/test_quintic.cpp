@@ -1,5 +1,5 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/quintic.h"
+#include "tripatch/constructions/quintic.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -5,8 +5,8 @@
 
 #include "tripatch/boundary/bezier_rectangle.h"
 #include "tripatch/boundary/nurbs_surface.h"
+#include "tripatch/constructions/side_vertex.h"
 #include "tripatch/patch/bezier_triangle.h"
-#include "tripatch/patch/side_vertex.h"
 
 using namespace tripatch;
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tripatch/patch/side_vertex.h"
+#include "tripatch/constructions/side_vertex.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;

@@ -1,8 +1,8 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/gregory.h"
-#include "tripatch/patch/methods.h"
-#include "tripatch/patch/quintic.h"
-#include "tripatch/patch/side_vertex.h"
+#include "tripatch/constructions/gregory.h"
+#include "tripatch/constructions/methods.h"
+#include "tripatch/constructions/quintic.h"
+#include "tripatch/constructions/side_vertex.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;

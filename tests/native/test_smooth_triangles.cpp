@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "tripatch/output/smooth_triangles.h"
-#include "tripatch/patch/side_vertex.h"
+#include "tripatch/constructions/side_vertex.h"
+#include "tripatch/smooth_triangles.h"
 
 using namespace tripatch;
 

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "tripatch/boundary/ribbon.h"
-#include "tripatch/patch/blend.h"
+#include "tripatch/constructions/blend.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch::testing {

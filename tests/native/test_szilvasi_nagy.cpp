@@ -1,6 +1,6 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/energy.h"
-#include "tripatch/patch/szilvasi_nagy.h"
+#include "tripatch/constructions/szilvasi_nagy.h"
+#include "tripatch/fairing/energy.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

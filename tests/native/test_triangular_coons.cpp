@@ -1,5 +1,5 @@
 #include "test_surfaces.h"
-#include "tripatch/patch/triangular_coons.h"
+#include "tripatch/constructions/triangular_coons.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -10,9 +10,9 @@
 
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/cage/cage.h"
+#include "tripatch/constructions/methods.h"
 #include "tripatch/hole/hole.h"
-#include "tripatch/output/cage.h"
-#include "tripatch/patch/methods.h"
 #include "tripatch/report/report.h"
 
 namespace tripatch {

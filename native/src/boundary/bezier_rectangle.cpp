@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "tripatch/patch/jet.h"
+#include "tripatch/math/jet.h"
 
 namespace tripatch {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "tripatch/linear.h"
+#include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {

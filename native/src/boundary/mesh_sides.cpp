@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-#include "tripatch/shares.h"
+#include "tripatch/math/parallel.h"
 
 namespace tripatch {
 namespace {
@@ -800,7 +800,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index
     return variances;
   };
   std::array<double, 3> known;  // of the slopes
-  in_shares(0, 3, rim_size < 60 ? 3 : 1, [&](Index from, Index to) {
+  parallel_for(0, 3, rim_size < 60 ? 3 : 1, [&](Index from, Index to) {
     for (Index i = from; i < to; ++i) known[i] = fit_side(static_cast<int>(i));
   });
   const double variance = (known[0] + known[1] + known[2]) / (rim_size + 3);

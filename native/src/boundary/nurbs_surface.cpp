@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "tripatch/patch/jet.h"
+#include "tripatch/math/jet.h"
 
 namespace tripatch {
 namespace {

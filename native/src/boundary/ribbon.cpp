@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "tripatch/linear.h"
+#include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "tripatch/linear.h"
+#include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {

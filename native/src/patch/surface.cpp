@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "tripatch/shares.h"
+#include "tripatch/math/parallel.h"
 
 namespace tripatch {
 namespace {
@@ -64,8 +64,8 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
   const Index row = 3 * jet_size(order);
   for (std::size_t next = 0; start < n; ++next) {
     const Index end = next < near.size() ? near[next] : n;
-    in_shares(start, end, share[order],
-              [&](Index from, Index to) { evaluate_regular(b + 3 * from, to - from, order, out + from * row); });
+    parallel_for(start, end, share[order],
+                 [&](Index from, Index to) { evaluate_regular(b + 3 * from, to - from, order, out + from * row); });
     start = end + 1;
   }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tripatch/patch/kinks.h"
+#include "tripatch/fairing/kinks.h"
 #include "tripatch/patch/rim_normals.h"
 
 namespace tripatch {

@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-#include "tripatch/boundary/piecewise_polynomial.h"
+#include "tripatch/math/piecewise_polynomial.h"
 
 namespace tripatch {
 

@@ -1,8 +1,8 @@
 // Shared pieces of the constructions over the triangle: side weights, feet, ray parameters.
 #pragma once
 
-#include "tripatch/boundary/piecewise_polynomial.h"
-#include "tripatch/patch/jet.h"
+#include "tripatch/math/jet.h"
+#include "tripatch/math/piecewise_polynomial.h"
 
 namespace tripatch {
 

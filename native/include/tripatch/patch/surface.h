@@ -7,7 +7,7 @@
 #include <string>
 #include <type_traits>
 
-#include "tripatch/patch/jet.h"
+#include "tripatch/math/jet.h"
 #include "tripatch/patch/side_weights.h"
 #include "tripatch/types.h"
 

@@ -1,0 +1,143 @@
+// What a fairing adds to a patch: functions that keep G1, the same for all holes, and their derivatives at the nodes of a quadrature.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/energy.h"
+#include "tripatch/math/linear.h"
+#include "tripatch/math/piecewise_polynomial.h"
+#include "tripatch/patch/bezier_triangle.h"
+#include "tripatch/patch/side_weights.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+/// Binomial coefficient.
+inline double choose(int n, int k) {
+  double r = 1;
+  for (int i = 1; i <= k; ++i) r = r * (n - k + i) / i;
+  return r;
+}
+
+/// The part of a side-vertex patch that multiplies the derivative across side i.
+template <int N>
+Jet<N> slope_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
+  const Jet<N> s = b[(i + 1) % 3] + b[(i + 2) % 3];
+  return -(w[i] * (square(s) * b[i]));
+}
+
+/// What multiplies the second derivative across side i: w: cubic_side_weights.
+template <int N>
+Jet<N> bend_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
+  return 0.5 * (square(b[i]) * w[i]);
+}
+
+/// What multiplies the interior polynomial.
+template <int N>
+Jet<N> bubble(const Barycentric<N>& b) {
+  return square(27.0 * (b[0] * b[1] * b[2]));
+}
+
+inline Index scalars(int degree, int bends) { return BezierTriangle::net_size(degree) + 3 * bends; }
+
+constexpr int highest_interior = 9;  // degree
+
+/// f(K, b^K) for each monomial of that degree, in the order of a BezierTriangle's net.
+template <int N, class F>
+void for_monomials(const Barycentric<N>& b, int degree, const F& f) {
+  std::array<std::array<Jet<N>, highest_interior + 1>, 3> power;
+  for (int i = 0; i < 3; ++i) {
+    power[i][0] = 1.0;
+    for (int k = 1; k <= degree; ++k) power[i][k] = power[i][k - 1] * b[i];
+  }
+  int at = 0;
+  for (int i = degree; i >= 0; --i)
+    for (int j = degree - i; j >= 0; --j) f(at++, power[0][i] * (power[1][j] * power[2][degree - i - j]));
+}
+
+/// What makes Bernstein polynomials of those.
+inline std::vector<double> multinomials(int degree) {
+  std::vector<double> m;
+  for (int i = degree; i >= 0; --i)
+    for (int j = degree - i; j >= 0; --j) m.push_back(choose(degree, i) * choose(degree - i, j));
+  return m;
+}
+
+/// The interior functions (27 b0 b1 b2)^2 B_K(b), then those that bend the patch across side i: 1/2 b_i^2, times the cubic side
+/// weight, times the Bernstein polynomials of t of degree bends - 1. These reach to the corners, where the interior is too flat.
+template <int N>
+std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int bends) {
+  std::vector<Jet<N>> basis;
+  basis.reserve(scalars(degree, bends));
+  const Jet<N> inside = bubble(b);
+  const std::vector<double> factor = multinomials(degree);
+  for_monomials(b, degree, [&](int k, const Jet<N>& f) { basis.push_back(factor[k] * (inside * f)); });
+  if (bends == 0) return basis;
+  const std::array<Jet<N>, 3> weight = cubic_side_weights(b);
+  for (int i = 0; i < 3; ++i) {
+    const Jet<N> kernel = bend_kernel(b, weight, i), t = ray_parameter(b, i), s = 1.0 - t;
+    for (int m = 0; m < bends; ++m) {
+      Jet<N> f = choose(bends - 1, m) * kernel;
+      for (int k = 0; k < m; ++k) f *= t;
+      for (int k = m + 1; k < bends; ++k) f *= s;
+      basis.push_back(f);
+    }
+  }
+  return basis;
+}
+
+/// What a fairing adds to a patch. slopes: on each side, what is added to the derivative across it; coefficients: of scalar_basis,
+/// one a row.
+SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, const Points& coefficients);
+
+/// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
+PiecewisePolynomial slope_function(int count, int m);
+/// The sum of them with the given coefficients.
+PiecewisePolynomial slope_function(std::span<const double> coefficients);
+
+/// The nine derivatives of orders 1 to 3, as Derivatives has them.
+template <int N>
+Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
+  Eigen::Matrix<double, 9, 1> d;
+  for (int k = 0; k < 9; ++k) d[k] = f.c[k + 1];
+  for (int k : {2, 4}) d[k] *= 2;
+  for (int k : {5, 8}) d[k] *= 6;
+  for (int k : {6, 7}) d[k] *= 2;
+  return d;
+}
+
+/// What is the same for all holes: nodes, the interior basis and the kernels of the slopes at them.
+struct FairingSpace {
+  Quadrature quadrature;
+  Eigen::MatrixXd combination;  // of the scalar functions, one basis function a column
+  RowMajor interior;            // derivatives of the interior basis, nine rows a node
+  /// Side i at a node: t_i there, and the derivatives of the kernel times function m times (t - t_i)^k: row 9 m + derivative, column k.
+  struct Slope {
+    double t;
+    Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> rows;
+  };
+  std::vector<std::array<Slope, 3>> slope;      // at each node
+  std::array<Eigen::MatrixXd, 4> rows, normal;  // by order m of derivatives: rows sqrt(w) D^m of the interior basis
+  static constexpr int side_points = 12;
+  double side_sum = 0;                         // of sin(pi t)
+  std::vector<double> side_t;                  // where curvature is compared along a side: denser towards the corners
+  std::array<Eigen::MatrixXd, 3> side_second;  // there: second derivative of each basis function across side i
+  Eigen::MatrixXd side_slope;                  // there: the functions of alpha and beta
+  Eigen::RowVectorXd middle, middle_slope;     // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
+
+  FairingSpace(int degree, int bends, int slopes, int nodes);
+
+  /// Derivative d of order m counts as often as it occurs in D^m; where order m begins in Derivatives.
+  static double factor(int m, int d) { return std::sqrt(choose(m, d)); }
+  static int first_of(int m) { return (m - 1) * (m + 2) / 2; }
+};
+
+/// Made once for each set of numbers and kept.
+const FairingSpace& fairing_space(int degree, int bends, int slopes, int nodes);
+
+}  // namespace tripatch

@@ -1,0 +1,320 @@
+#include "tripatch/constructions/coons_bezier.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "tripatch/math/linear.h"
+
+namespace tripatch {
+namespace {
+
+using Exponents = std::array<int, 3>;
+
+/// All (i, j, k) of a degree in the order of a net.
+std::vector<Exponents> exponents(int degree) {
+  std::vector<Exponents> all;
+  for (int r = 0; r <= degree; ++r)
+    for (int k = 0; k <= r; ++k) all.push_back({degree - r, r - k, k});
+  return all;
+}
+
+bool interior(const Exponents& e) { return e[0] > 0 && e[1] > 0 && e[2] > 0; }
+Index row(const Exponents& e) { return BezierTriangle::row(e[0], e[1], e[2]); }
+
+double factorial(int n) { return std::tgamma(n + 1.0); }
+double multinomial(const Exponents& e) {
+  return factorial(e[0] + e[1] + e[2]) / (factorial(e[0]) * factorial(e[1]) * factorial(e[2]));
+}
+
+/// Inner products of the Bernstein polynomials of one degree over the unit triangle (of area 1/2).
+Eigen::MatrixXd bernstein_gram(int degree) {
+  const std::vector<Exponents> all = exponents(degree);
+  Eigen::MatrixXd gram(all.size(), all.size());
+  for (std::size_t a = 0; a < all.size(); ++a)
+    for (std::size_t b = 0; b < all.size(); ++b) {
+      const Exponents sum = {all[a][0] + all[b][0], all[a][1] + all[b][1], all[a][2] + all[b][2]};
+      gram(a, b) = multinomial(all[a]) * multinomial(all[b]) / multinomial(sum) / ((2 * degree + 1) * (2 * degree + 2));
+    }
+  return gram;
+}
+
+/// The net of x_uv as a matrix on the net of x: the derivatives in the directions e_p - e_s and e_q - e_s, where s is the vertex
+/// at which both u and v vanish.
+Eigen::MatrixXd mixed_derivative(int degree, int p, int q, int s) {
+  const std::vector<Exponents> rows = exponents(degree - 2);
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(rows.size(), BezierTriangle::net_size(degree));
+  const double factor = degree * (degree - 1.0);
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const auto add = [&](int first, int second, double weight) {
+      Exponents e = rows[a];
+      ++e[first];
+      ++e[second];
+      d(a, row(e)) += factor * weight;
+    };
+    add(p, q, 1);
+    add(p, s, -1);
+    add(q, s, -1);
+    add(s, s, 1);
+  }
+  return d;
+}
+
+struct Split {
+  std::vector<Index> inside, rim;  // rows of the net
+};
+Split split(int degree) {
+  Split s;
+  for (const Exponents& e : exponents(degree)) (interior(e) ? s.inside : s.rim).push_back(row(e));
+  return s;
+}
+
+/// The interior of the extremals of one degree as a linear map of the rim: factored once.
+struct Extremal {
+  Split points;
+  Eigen::MatrixXd form;
+  Eigen::LDLT<Eigen::MatrixXd> inside;
+};
+
+const Extremal& extremal(int degree, bool symmetric) {
+  static std::mutex mutex;
+  static std::map<std::pair<int, bool>, Extremal> cache;
+  const std::lock_guard<std::mutex> lock(mutex);
+  auto [place, is_new] = cache.try_emplace({degree, symmetric});
+  if (is_new) {
+    Extremal& e = place->second;
+    e.points = split(degree);
+    e.form = coons_form(degree, symmetric);
+    e.inside.compute(e.form(e.points.inside, e.points.inside));
+  }
+  return place->second;
+}
+
+/// Definition 1 read on the polygons: with shift 1 the net of degree n + 1 of the transfinite Coons patch of curves of degree n;
+/// with shift 0 a net of degree n, the Coons interpolant of the boundary polygons themselves.
+Points coons_net(const BoundaryCurves& boundary, int shift) {
+  const int n = static_cast<int>(boundary[0].rows()) - 1, degree = n + shift;
+  // P_(n-k,k,0) and so on: the control point on side s that lies `k` steps from corner s + 1.
+  const auto on = [&](int s, int k) -> Vec3 { return boundary[s].row(k); };
+  const std::array<Vec3, 3> corner = {on(2, 0), on(0, 0), on(1, 0)};
+  Points net(BezierTriangle::net_size(degree), 3);
+  for (const Exponents& e : exponents(degree)) {
+    Vec3 p = Vec3::Zero();
+    for (int c = 0; c < 3; ++c) {
+      if (e[c] == 0) continue;
+      const int next = (c + 1) % 3, previous = (c + 2) % 3;
+      // corner c's term: the point with exponent e[next] on the side from c to next, and the same on the side to previous
+      p += e[c] * (on(previous, e[next]) + on(next, n - e[previous]) - corner[c]);
+    }
+    net.row(row(e)) = p / std::max(degree, 1);
+  }
+  for (int i = 0; i < 3; ++i) {  // the curves themselves, free of rounding
+    const Points curve = shift == 1 ? elevated_curve(boundary[i]) : boundary[i];
+    for (int k = 0; k < degree || k == 0; ++k) net.row(side_row(degree, i, k)) = curve.row(k);
+  }
+  return net;
+}
+
+BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double alpha, std::vector<std::string>* warnings) {
+  const int n = static_cast<int>(boundary[0].rows()) - 1;
+  Points net = coons_net(boundary, 0);
+  const Split points = split(n);
+  if (points.inside.empty()) return BezierTriangle(std::move(net));
+  const Eigen::MatrixXd equations = mask_equations(n, kind, alpha);
+  const Eigen::MatrixXd inside = equations(Eigen::all, points.inside);
+  // Unknown: the distance from the Coons net of the polygons. Where the system is singular the decomposition gives the shortest.
+  const Points right = -equations * net;
+  const auto [correction, rank_found] = shortest_solution(inside, right, 1e-11);
+  if (rank_found < inside.cols()) {
+    const std::string name =
+        kind == CoonsKind::mask ? "The mask's system of degree " + std::to_string(n)
+                                : "The permanence system of degree " + std::to_string(n) + " with alpha " + std::to_string(alpha);
+    const std::string rank = " is singular (rank " + std::to_string(rank_found) + " of " + std::to_string(inside.cols()) + ")";
+    const double left = (inside * correction - right).cwiseAbs().maxCoeff();
+    const double size = (net.rowwise() - net.row(0)).cwiseAbs().maxCoeff();
+    if (left > 1e-10 * size)
+      throw Refusal(name + rank + " and has no solution for this boundary; take another degree" +
+                    (kind == CoonsKind::mask ? "" : " or alpha"));
+    if (warnings) warnings->push_back(name + rank + ": the net nearest to the Coons net was taken");
+  }
+  net(points.inside, Eigen::all) += correction;
+  return BezierTriangle(std::move(net));
+}
+
+constexpr int max_side_degree = 12;
+
+/// Bernstein polynomials of a degree at parameters t, one a column.
+Eigen::MatrixXd bernstein(int degree, const std::vector<double>& t) {
+  Eigen::MatrixXd values(t.size(), degree + 1);
+  for (std::size_t r = 0; r < t.size(); ++r)
+    for (int k = 0; k <= degree; ++k)
+      values(r, k) = multinomial({degree - k, k, 0}) * std::pow(1 - t[r], degree - k) * std::pow(t[r], k);
+  return values;
+}
+
+/// Least-squares Bezier curve of a degree through samples of a side; the largest distance that is left.
+double fit_curve(const PiecewisePolynomial& c, const std::vector<double>& t, int degree, Points& curve) {
+  Points samples(t.size(), 3);
+  for (std::size_t k = 0; k < t.size(); ++k) samples.row(k) = c(t[k]);
+  const Vec3 origin = samples.colwise().mean();  // far from the origin digits would be lost
+  samples.rowwise() -= origin.transpose();
+  const Eigen::MatrixXd basis = bernstein(degree, t);
+  curve = least_squares(basis, samples);
+  const double left = (basis * curve - samples).rowwise().norm().maxCoeff();
+  curve.rowwise() += origin.transpose();
+  return left;
+}
+
+Points bezier_side(const Ribbon& ribbon, int i, double size) {
+  const std::string side = "Side " + std::to_string(i);
+  Points curve;
+  std::vector<double> t;
+  const std::vector<double>& breaks = ribbon.c.breaks();
+  for (std::size_t p = 0; p + 1 < breaks.size(); ++p)
+    for (double s : {0.02, 0.15, 0.31, 0.5, 0.69, 0.85, 0.98}) t.push_back(breaks[p] + s * (breaks[p + 1] - breaks[p]));
+  if (breaks.size() <= 4)  // enough samples for any degree
+    for (int k = 0; k < 2 * max_side_degree; ++k) t.push_back(0.5 - 0.5 * std::cos(M_PI * (k + 0.5) / (2 * max_side_degree)));
+  const double rounding = 1e-13 * size + 1e-15 * ribbon.c(0.5).norm();
+  for (int degree = 1; degree <= max_side_degree; ++degree)
+    if (fit_curve(ribbon.c, t, degree, curve) <= rounding) return curve;
+  const int degree = static_cast<int>(ribbon.rim.size()) - 1;
+  if (degree < 1) throw Refusal(side + " is not a Bezier curve of degree " + std::to_string(max_side_degree) + " or less");
+  if (degree > max_side_degree)
+    throw Refusal(side + " has " + std::to_string(degree + 1) +
+                  " rim vertices: the Bezier methods take a curve of degree at most " + std::to_string(max_side_degree) +
+                  ", which passes through " + std::to_string(max_side_degree + 1));
+  if (!(fit_curve(ribbon.c, ribbon.rim, degree, curve) <= 1e-10 * size))
+    throw Refusal(side + ": no Bezier curve of degree " + std::to_string(degree) + " passes through its rim vertices");
+  return curve;
+}
+
+void check(const BoundaryCurves& boundary) {
+  double size = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (boundary[i].rows() == 0) throw InvalidArgument("Boundary curve " + std::to_string(i) + " has no control points");
+    if (boundary[i].rows() != boundary[0].rows())
+      throw InvalidArgument("The boundary curves must have one degree: curve " + std::to_string(i) + " has " +
+                            std::to_string(boundary[i].rows()) + " control points, curve 0 has " +
+                            std::to_string(boundary[0].rows()));
+    for (Index k = 0; k < boundary[i].rows(); ++k)
+      if (!boundary[i].row(k).allFinite())
+        throw InvalidArgument("Control point " + std::to_string(k) + " of boundary curve " + std::to_string(i) +
+                              " is not finite");
+    size = std::max(size, (boundary[i].rowwise() - boundary[0].row(0)).cwiseAbs().maxCoeff());
+  }
+  const Index n = boundary[0].rows() - 1;
+  if (n > max_boundary_degree)
+    throw InvalidArgument("Boundary curves may have a degree of at most " + std::to_string(max_boundary_degree) + ", not " +
+                          std::to_string(n));
+  for (int i = 0; i < 3; ++i) {
+    const double gap = (boundary[i].row(n) - boundary[(i + 1) % 3].row(0)).norm();
+    if (!(gap <= 1e-9 * size))
+      throw InvalidArgument("Boundary curves " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " " +
+                            gap_at_corner((i + 2) % 3, gap));
+  }
+}
+
+}  // namespace
+
+Eigen::MatrixXd coons_form(int degree, bool symmetric) {
+  const Index size = BezierTriangle::net_size(degree);
+  Eigen::MatrixXd form = Eigen::MatrixXd::Zero(size, size);
+  if (degree < 2) return form;
+  const Eigen::MatrixXd gram = bernstein_gram(degree - 2);
+  for (int s = symmetric ? 0 : 2; s < 3; ++s) {
+    const Eigen::MatrixXd d = mixed_derivative(degree, (s + 1) % 3, (s + 2) % 3, s);
+    form += d.transpose() * gram * d;
+  }
+  return form;
+}
+
+double coons_energy(const BezierTriangle& triangle, bool symmetric) {
+  const int n = triangle.degree();
+  if (n < 2) return 0;
+  // Through the net of x_uv, not through C: there nothing cancels.
+  const Eigen::MatrixXd gram = bernstein_gram(n - 2);
+  double energy = 0;
+  for (int s = symmetric ? 0 : 2; s < 3; ++s) {
+    const Points d = mixed_derivative(n, (s + 1) % 3, (s + 2) % 3, s) * triangle.net();
+    energy += (d.transpose() * gram * d).trace();
+  }
+  return energy;
+}
+
+Eigen::MatrixXd mask_equations(int degree, CoonsKind kind, double alpha) {
+  std::vector<std::pair<Exponents, double>> mask;  // weights of the neighbours
+  if (kind == CoonsKind::mask) {
+    mask = {{{-1, 0, 1}, 0.5}, {{-1, 1, 0}, -0.5}, {{0, -1, 1}, 0.5}, {{0, 1, -1}, 0.5}, {{1, -1, 0}, -0.5}, {{1, 0, -1}, 0.5}};
+  } else if (kind == CoonsKind::permanence) {
+    const double beta = (1 - 3 * alpha) / 6;
+    mask = {{{-1, -1, 2}, alpha}, {{-1, 2, -1}, alpha}, {{2, -1, -1}, alpha}, {{-1, 0, 1}, beta}, {{-1, 1, 0}, beta},
+            {{0, -1, 1}, beta},   {{0, 1, -1}, beta},   {{1, -1, 0}, beta},   {{1, 0, -1}, beta}};
+  } else {
+    throw InvalidArgument("only mask and permanence nets have mask equations");
+  }
+  const std::vector<Exponents> all = exponents(degree);
+  const Index inside = std::count_if(all.begin(), all.end(), interior);
+  Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(inside, static_cast<Index>(all.size()));
+  Index r = 0;
+  for (const Exponents& e : all) {
+    if (!interior(e)) continue;
+    equations(r, row(e)) = 1;
+    for (const auto& [step, weight] : mask) equations(r, row({e[0] + step[0], e[1] + step[1], e[2] + step[2]})) -= weight;
+    ++r;
+  }
+  return equations;
+}
+
+BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std::optional<double> alpha,
+                            std::vector<std::string>* warnings) {
+  check(boundary);
+  if (alpha && kind != CoonsKind::permanence) throw InvalidArgument("alpha belongs to the permanence patches only");
+  if (alpha && !std::isfinite(*alpha)) throw InvalidArgument("alpha is not finite");
+  const int n = static_cast<int>(boundary[0].rows()) - 1;
+  switch (kind) {
+    case CoonsKind::discrete: return BezierTriangle(coons_net(boundary, 1));
+    case CoonsKind::mask:
+    case CoonsKind::permanence: return solve_mask(boundary, kind, alpha.value_or(coons_alpha), warnings);
+    case CoonsKind::extremal:
+    case CoonsKind::extremal_symmetric: break;
+  }
+  Points net = coons_net(boundary, 0);
+  if (n >= 3) {
+    const Extremal& e = extremal(n, kind == CoonsKind::extremal_symmetric);
+    const Eigen::MatrixXd inside =
+        e.inside.solve(Eigen::MatrixXd(-e.form(e.points.inside, e.points.rim) * net(e.points.rim, Eigen::all)));
+    net(e.points.inside, Eigen::all) = inside;
+  }
+  if (n > 12 && warnings)
+    warnings->push_back("The extremal of degree " + std::to_string(n) +
+                        " solves an ill-conditioned system: digits are lost above degree 12");
+  return BezierTriangle(std::move(net));
+}
+
+BoundaryCurves bezier_sides(const Boundary& boundary) {
+  BoundaryCurves curves;
+  Index points = 0;
+  for (int i = 0; i < 3; ++i) {
+    curves[i] = bezier_side(boundary.ribbons[i], i, boundary.size);
+    points = std::max(points, curves[i].rows());
+  }
+  for (int i = 0; i < 3; ++i) {
+    while (curves[i].rows() < points) curves[i] = elevated_curve(curves[i]);
+    curves[i].row(0) = boundary.ribbons[i].c(0);
+  }
+  for (int i = 0; i < 3; ++i) curves[i].row(points - 1) = curves[(i + 1) % 3].row(0);
+  return curves;
+}
+
+SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind, std::optional<double> alpha, std::vector<std::string>* warnings) {
+  BoundaryCurves curves = bezier_sides(boundary);
+  if (kind == CoonsKind::mask && curves[0].rows() % 2 == 1)
+    for (Points& curve : curves) curve = elevated_curve(curve);
+  return std::make_shared<BezierTriangle>(coons_bezier(curves, kind, alpha, warnings));
+}
+
+}  // namespace tripatch

@@ -1,0 +1,194 @@
+#include "tripatch/constructions/methods.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "tripatch/constructions/barnhill_birkhoff_gordon.h"
+#include "tripatch/constructions/coons_bezier.h"
+#include "tripatch/constructions/gordon_coons.h"
+#include "tripatch/constructions/gregory.h"
+#include "tripatch/constructions/nielson_blend.h"
+#include "tripatch/constructions/quintic.h"
+#include "tripatch/constructions/side_vertex.h"
+#include "tripatch/constructions/szilvasi_nagy.h"
+#include "tripatch/constructions/triangular_coons.h"
+#include "tripatch/fairing/curvature.h"
+
+namespace tripatch {
+namespace {
+
+using Surfaces = std::array<SurfacePtr, 3>;
+
+std::array<PiecewisePolynomial, 3> curves(const Boundary& boundary) {
+  return {boundary.ribbons[0].c, boundary.ribbons[1].c, boundary.ribbons[2].c};
+}
+
+SurfacePtr szilvasi_nagy(const Surfaces& surfaces, int continuity, const MethodOptions& options) {
+  SzilvasiNagyOptions own;
+  own.continuity = continuity;
+  own.shape = options.shape;
+  own.optimal = options.optimal_shape;
+  own.as_printed = options.as_printed;
+  return std::make_shared<SzilvasiNagy>(surfaces, own);
+}
+
+/// A construction from the boundary alone, without options.
+std::function<SurfacePtr(const Boundary&, const MethodOptions&)> plain(SurfacePtr (*make)(const Boundary&)) {
+  return [make](const Boundary& boundary, const MethodOptions&) { return make(boundary); };
+}
+std::function<SurfacePtr(const Boundary&, const MethodOptions&)> from_curves(
+    SurfacePtr (*make)(std::array<PiecewisePolynomial, 3>)) {
+  return [make](const Boundary& boundary, const MethodOptions&) { return make(curves(boundary)); };
+}
+
+}  // namespace
+
+std::span<const Method> methods() {
+  static const std::vector<std::string> slopes = {"cross_boundary", "bulge"}, lambda = {"shape", "reading"};
+  static const std::vector<Method> all = {
+      {"gordon_coons",
+       "Boolean sum of linear lofts between the curves",
+       "Barnhill, Birkhoff and Gordon 1973; Szilvasi-Nagy and Szabo 2006",
+       true,
+       "G0",
+       {},
+       from_curves(gordon_coons),
+       {}},
+      {"triangular_coons",
+       "Sums of the two curves at each corner, mixed linearly",
+       "Nielson, Thomas and Wixom 1978",
+       true,
+       "G0",
+       {},
+       from_curves(triangular_coons),
+       {}},
+      {"barnhill_birkhoff_gordon",
+       "Boolean sum of cubic lofts with slopes",
+       "Barnhill, Birkhoff and Gordon 1973",
+       true,
+       "G1",
+       slopes,
+       plain(barnhill_birkhoff_gordon),
+       {}},
+      {"nielson_blend", "Three surfaces, one for each side, blended by the side weights", "Nielson 1979; Szilvasi-Nagy 2003",
+       true, "G1", slopes, [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
+       [](const Surfaces& surfaces, const MethodOptions&) { return nielson_blend(surfaces); }},
+      {"szilvasi_nagy_c0", "Coons-type blend of three surfaces with shape parameters, position",
+       "Szilvasi-Nagy and Szabo 2006, Definition 1", true, "G0", lambda,
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return szilvasi_nagy(hole_surfaces(boundary, 0), 0, options);
+       },
+       [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 0, options); }},
+      {"szilvasi_nagy_c1",
+       "Coons-type blend of three surfaces with shape parameters, position and tangent plane",
+       "Szilvasi-Nagy and Szabo 2006, Definition 2",
+       true,
+       "G1",
+       {"cross_boundary", "bulge", "shape", "reading"},
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return szilvasi_nagy(hole_surfaces(boundary, 1), 1, options);
+       },
+       [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 1, options); }},
+      {"side_vertex",
+       "Three rays from the corners to the opposite sides, blended",
+       "Nielson 1979; Hagen 1986",
+       true,
+       "G1",
+       slopes,
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return options.to_be_faired ? curved_side_vertex(boundary) : side_vertex(boundary);
+       },
+       {}},
+      {"quintic",
+       "A quintic fitted to the boundary, plus the side-vertex patch of what it misses",
+       "Zhang, Ji and Yang 2005",
+       true,
+       "G1",
+       slopes,
+       plain(quintic),
+       {}},
+      {"gregory",
+       "Three interpolants to two sides each, blended, without twist constraints",
+       "Gregory 1974",
+       true,
+       "G1",
+       slopes,
+       plain(gregory),
+       {}},
+      {"coons_bezier",
+       "Discrete Coons net: a Bezier triangle that is the Coons patch of the three sides",
+       "Arnal and Lluch, Definition 1",
+       true,
+       "G0",
+       {"alpha"},
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return coons_fill(boundary, options.alpha ? CoonsKind::permanence : CoonsKind::discrete, options.alpha,
+                           options.warnings);
+       },
+       {}},
+      {"coons_extremal",
+       "Bezier triangle with the least integral of |x_uv|^2 between the three sides",
+       "Arnal and Lluch, Propositions 2 and 3",
+       true,
+       "G0",
+       {"symmetric"},
+       [](const Boundary& boundary, const MethodOptions& options) {
+         return coons_fill(boundary, options.symmetric ? CoonsKind::extremal_symmetric : CoonsKind::extremal);
+       },
+       {}},
+      {"coons_mask",
+       "Bezier triangle whose net satisfies the mask of the cubic extremals",
+       "Arnal and Lluch, eq. 11",
+       true,
+       "G0",
+       {},
+       [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::mask); },
+       {}},
+  };
+  return all;
+}
+
+Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides) {
+  static const std::array<std::string, 5> names = {"G0", "G1", "G2", "Free", "auto"};
+  const bool keeps_tangent = method.continuity != names[0];
+  Continuity result;
+  for (int i = 0; i < 3; ++i) {
+    if (std::find(names.begin(), names.end(), asked[i]) == names.end())
+      throw InvalidArgument("continuity must be auto, Free, G0, G1 or G2, not '" + asked[i] + "'");
+    const bool exact = asked[i] == "G2";
+    if (!keeps_tangent && (exact || asked[i] == "G1"))
+      throw Refusal(std::string("The method ") + method.name + " keeps " + method.continuity + " along the rim, not " + asked[i]);
+    if (exact && sides[i].q.empty())
+      throw Refusal("The curvature of the surroundings along side " + std::to_string(i) +
+                    " is not known: G2 cannot be met there");
+    result.free[i] = asked[i] == "Free";
+    result.tangent[i] = keeps_tangent && !result.free[i] && asked[i] != "G0";
+    result.curvature[i] = exact;
+    result.automatic[i] = keeps_tangent && asked[i] == "auto";
+  }
+  return result;
+}
+
+std::array<std::string, 3> Continuity::names() const {
+  std::array<std::string, 3> out;
+  for (int i = 0; i < 3; ++i) out[i] = free[i] ? "Free" : curvature[i] ? "G2" : tangent[i] ? "G1" : "G0";
+  return out;
+}
+
+std::pair<Boundary, SurfacePtr> build(const Method& method, const Sides& sides, const RibbonOptions& ribbons,
+                                      const MethodOptions& options) {
+  Boundary boundary = make_boundary(sides, ribbons);
+  SurfacePtr patch = method.from_boundary(boundary, options);
+  return {std::move(boundary), std::move(patch)};
+}
+
+const Method& find_method(const std::string& name) {
+  std::string names;
+  for (const Method& method : methods()) {
+    if (name == method.name) return method;
+    names += std::string(names.empty() ? "" : ", ") + method.name;
+  }
+  throw InvalidArgument("No method is called '" + name + "'; there are: " + names);
+}
+
+}  // namespace tripatch

@@ -1,0 +1,410 @@
+#include "tripatch/constructions/szilvasi_nagy.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "tripatch/constructions/vertex_ray.h"
+#include "tripatch/fairing/energy.h"
+
+namespace tripatch {
+namespace {
+
+constexpr double shape_bound = 1e-3;
+constexpr Index batch = 256;
+
+/// The printed feet: along lines on which v, u and again u are constant.
+FootDirections printed_feet() { return {Vec3(1, 0, -1), Vec3(0, 1, -1), Vec3(0, -1, 1)}; }
+
+/// mu_i or its first or second derivative with respect to lambda_i.
+template <int N>
+Jet<N> mu_jet(const Barycentric<N>& b, int i, double lambda, int derivative = 0) {
+  const int k = (i + 2) % 3;
+  const double scale = 1 / (b[i].value() + b[k].value());  // homogeneous: nothing underflows beside the corner where both vanish
+  const Jet<N> u = square(b[i] * scale), w = square(b[k] * scale);
+  const Jet<N> r = reciprocal(lambda * u + (1 - lambda) * w);
+  if (derivative == 0) return (1 - lambda) * (w * r);
+  if (derivative == 1) return -(u * w * square(r));
+  return 2.0 * (u * w * (u - w) * square(r) * r);
+}
+
+/// f is a sum of three linear terms L_i of the blends G_i = r_{i+1} + mu_{i+2} (r_{i+2} - r_{i+1}): everything about a point that
+/// does not depend on lambda, for derivatives of order N.
+template <int N, int C>
+struct Point {
+  static constexpr int M = N + C;
+  Barycentric<N> b;
+  std::array<Jet<N>, 3> weight;
+  std::array<Barycentric<M>, 3> foot;
+  std::array<JetPoint<N>, 3> base, difference;
+  std::array<JetPoint<M>, 3> base_at_foot, difference_at_foot;
+};
+
+template <int N, int C>
+class Formula {
+public:
+  static constexpr int M = N + C;
+
+  Formula(const std::array<SurfacePtr, 3>& surfaces, bool as_printed)
+      : surfaces_(surfaces), as_printed_(as_printed), directions_(as_printed ? printed_feet() : perpendicular_feet()) {
+    for (int i = 0; i < 3; ++i) to_foot_[i] = foot_substitution<N>(directions_[i], i);
+  }
+
+  /// visit(k, point) for each of n points.
+  template <class Visit>
+  void for_each(const double* b, Index n, const Visit& visit) const {
+    for (Index start = 0; start < n; start += batch) {
+      const Index count = std::min(batch, n - start);
+      const double* here = b + 3 * start;
+      constexpr Index stride = 3 * jet_size(N), foot_stride = 3 * jet_size(M);
+      std::array<std::vector<double>, 3> at_b, foot, next_at_foot, last_at_foot;
+      for (int i = 0; i < 3; ++i) {
+        at_b[i].resize(count * stride);
+        surfaces_[i]->evaluate(here, count, N, at_b[i].data());
+        foot[i] = feet(here, count, i, directions_[i]);
+        next_at_foot[i].resize(count * foot_stride);
+        last_at_foot[i].resize(count * foot_stride);
+        surfaces_[(i + 1) % 3]->evaluate(foot[i].data(), count, M, next_at_foot[i].data());
+        surfaces_[(i + 2) % 3]->evaluate(foot[i].data(), count, M, last_at_foot[i].data());
+      }
+      Point<N, C> p;
+      for (Index k = 0; k < count; ++k) {
+        p.b = Barycentric<N>(here + 3 * k);
+        p.weight = side_weights(p.b);
+        for (int i = 0; i < 3; ++i) {
+          p.base[i] = load<N>(&at_b[(i + 1) % 3][k * stride]);
+          p.difference[i] = load<N>(&at_b[(i + 2) % 3][k * stride]) - p.base[i];
+          p.foot[i] = Barycentric<M>(&foot[i][3 * k]);
+          p.base_at_foot[i] = load<M>(&next_at_foot[i][k * foot_stride]);
+          p.difference_at_foot[i] = load<M>(&last_at_foot[i][k * foot_stride]) - p.base_at_foot[i];
+        }
+        visit(start + k, p);
+      }
+    }
+  }
+
+  /// G_i or, with `derivative`, its derivative with respect to lambda, at b.
+  JetPoint<N> blend(const Point<N, C>& p, int i, double lambda, int derivative = 0) const {
+    const JetPoint<N> varying = mu_jet(p.b, (i + 2) % 3, lambda, derivative) * p.difference[i];
+    return derivative ? varying : p.base[i] + varying;
+  }
+  /// The same at foot_i(b), times W_i.
+  JetPoint<N> correction(const Point<N, C>& p, int i, double lambda, int derivative = 0) const {
+    const JetPoint<M> g = at_foot(p, i, mu_jet(p.foot[i], (i + 2) % 3, lambda, derivative), derivative);
+    JetPoint<N> q;
+    for (int x = 0; x < 3; ++x) q.x[x] = p.weight[i] * to_foot_[i](truncated<N>(g.x[x]));
+    return q;
+  }
+  /// b_i W_i times the derivative of G_i across side i at foot_i(b), halved.
+  JetPoint<N> slope_correction(const Point<N, C>& p, int i, double lambda, int derivative = 0) const {
+    static_assert(C == 1);
+    const Vec3& v = directions_[i];
+    const Jet<M> mu = mu_jet(p.foot[i], (i + 2) % 3, lambda, derivative);
+    JetPoint<N> slope;
+    if (as_printed_) {  // eq. (9): mu itself is not differentiated
+      for (int x = 0; x < 3; ++x) {
+        slope.x[x] = truncated<N>(mu) * directional(p.difference_at_foot[i].x[x], v[0], v[1]);
+        if (!derivative) slope.x[x] += directional(p.base_at_foot[i].x[x], v[0], v[1]);
+      }
+    } else {
+      const JetPoint<M> g = at_foot(p, i, mu, derivative);
+      for (int x = 0; x < 3; ++x) slope.x[x] = directional(g.x[x], v[0], v[1]);
+    }
+    const Jet<N> factor = 0.5 * (p.b[i] * p.weight[i]);
+    for (int x = 0; x < 3; ++x) slope.x[x] = factor * to_foot_[i](slope.x[x]);
+    return slope;
+  }
+  /// The i-th of the three terms whose sum is f.
+  JetPoint<N> term(const Point<N, C>& p, int i, double lambda, int derivative = 0) const {
+    const double share = as_printed_ && C == 1 ? 1.0 : 0.5;  // eq. (11) as printed subtracts all of q
+    JetPoint<N> f = 0.5 * blend(p, i, lambda, derivative) - share * correction(p, i, lambda, derivative);
+    if constexpr (C == 1) f -= slope_correction(p, i, lambda, derivative);
+    return f;
+  }
+
+private:
+  JetPoint<M> at_foot(const Point<N, C>& p, int i, const Jet<M>& mu, int derivative) const {
+    const JetPoint<M> varying = mu * p.difference_at_foot[i];
+    return derivative ? varying : p.base_at_foot[i] + varying;
+  }
+
+  const std::array<SurfacePtr, 3>& surfaces_;
+  bool as_printed_;
+  FootDirections directions_;
+  std::array<Substitution<N>, 3> to_foot_;
+};
+
+/// The energy as a function of lambda. f is linear in each of the three mu_i, so with the terms of the energy of each L_i stacked
+/// into one long vector, the energy is the squared length of their sum, and its derivatives are inner products.
+template <int C>
+class ShapeEnergy {
+public:
+  ShapeEnergy(const std::array<SurfacePtr, 3>& surfaces, bool as_printed, int quadrature) : formula_(surfaces, as_printed) {
+    const Quadrature q = corner_quadrature(quadrature);
+    root_weight_.resize(q.b.rows());
+    for (Index k = 0; k < q.b.rows(); ++k) root_weight_[k] = std::sqrt(q.weights[k]);
+    points_.reserve(q.b.rows());
+    formula_.for_each(q.b.data(), q.b.rows(), [&](Index, const Point<2, C>& p) { points_.push_back(p); });
+  }
+
+  /// The stacked second derivatives of the term that depends on lambda[i], or of its derivatives with respect to it.
+  Eigen::VectorXd stacked(int i, double lambda, int derivative = 0) const {
+    Eigen::VectorXd v(9 * static_cast<Index>(points_.size()));
+    // second Taylor coefficients in (x, y) of the equilateral triangle: db0 = dx - dy / sqrt 3, db1 = 2 dy / sqrt 3
+    const Substitution<2> to_plane(1, -1 / std::sqrt(3.0), 0, 2 / std::sqrt(3.0));
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      const JetPoint<2> f = formula_.term(points_[k], (i + 1) % 3, lambda, derivative);  // mu_i is in G_{i+1}
+      for (int x = 0; x < 3; ++x) {
+        const Jet<2> p = to_plane(f.x[x]);  // xx / 2, xy, yy / 2
+        v.segment<3>(9 * k + 3 * x) = root_weight_[k] * Vec3(2 * p.c[3], std::sqrt(2.0) * p.c[4], 2 * p.c[5]);
+      }
+    }
+    return v;
+  }
+
+private:
+  Formula<2, C> formula_;
+  std::vector<Point<2, C>> points_;
+  Eigen::VectorXd root_weight_;
+};
+
+using Vector3 = Eigen::Vector3d;
+
+/// Newton's method in x = log(lambda / (1 - lambda)), kept inside the bounds, from the best local minima of a scan.
+template <int C>
+std::vector<SzilvasiNagy::Step> least_energy(const ShapeEnergy<C>& energy, const std::array<double, 3>& given) {
+  const double bound = std::log((1 - shape_bound) / shape_bound);
+  const auto to_lambda = [](double x) { return 1 / (1 + std::exp(-x)); };
+
+  // Scan: all inner products between terms at nodes of one grid give the energy at all combinations.
+  constexpr int nodes = 9;
+  std::array<double, nodes> x;
+  for (int k = 0; k < nodes; ++k) x[k] = 0.9 * bound * (2.0 * k / (nodes - 1) - 1);  // the middle one is lambda = 1/2
+  Eigen::MatrixXd all(energy.stacked(0, 0.5).size(), 3 * nodes);
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < nodes; ++k) all.col(i * nodes + k) = energy.stacked(i, to_lambda(x[k]));
+  const Eigen::MatrixXd gram = all.transpose() * all;
+  const auto scanned = [&](int a, int b, int c) {
+    const std::array<int, 3> at = {a, nodes + b, 2 * nodes + c};
+    double sum = 0;
+    for (int p : at)
+      for (int q : at) sum += gram(p, q);
+    return sum;
+  };
+  struct Start {
+    double energy;
+    std::array<int, 3> at;
+  };
+  std::vector<Start> starts;
+  for (int a = 0; a < nodes; ++a)
+    for (int b = 0; b < nodes; ++b)
+      for (int c = 0; c < nodes; ++c) {
+        const double here = scanned(a, b, c);
+        bool lowest = true;
+        for (int da = -1; da <= 1 && lowest; ++da)
+          for (int db = -1; db <= 1 && lowest; ++db)
+            for (int dc = -1; dc <= 1 && lowest; ++dc) {
+              const int na = a + da, nb = b + db, nc = c + dc;
+              if (std::min({na, nb, nc}) >= 0 && std::max({na, nb, nc}) < nodes) lowest = here <= scanned(na, nb, nc);
+            }
+        if (lowest) starts.push_back({here, {a, b, c}});
+      }
+  constexpr int m = nodes / 2;
+  const double middle = scanned(m, m, m);
+  std::sort(starts.begin(), starts.end(), [](const Start& p, const Start& q) { return p.energy < q.energy; });
+  if (starts.size() > 4) starts.resize(4);
+  // a flat energy (the three surfaces agree): nothing to choose
+  const double tiny = 1e-12 * gram.diagonal().maxCoeff();
+  if (middle - starts[0].energy <= tiny) starts = {{middle, {m, m, m}}};
+
+  const auto total = [&](const Vector3& at) -> Eigen::VectorXd {
+    return energy.stacked(0, to_lambda(at[0])) + energy.stacked(1, to_lambda(at[1])) + energy.stacked(2, to_lambda(at[2]));
+  };
+  const auto step_of = [&](const Vector3& at, double e) {
+    return SzilvasiNagy::Step{{to_lambda(at[0]), to_lambda(at[1]), to_lambda(at[2])}, e};
+  };
+  std::vector<SzilvasiNagy::Step> best;
+  for (const Start& start : starts) {
+    Vector3 at(x[start.at[0]], x[start.at[1]], x[start.at[2]]);
+    Eigen::VectorXd f = total(at);
+    double e = f.squaredNorm();
+    std::vector<SzilvasiNagy::Step> path = {step_of(at, e)};
+    for (int iteration = 0; iteration < 50; ++iteration) {
+      Vector3 gradient;
+      Eigen::Matrix3d hessian;
+      std::array<Eigen::VectorXd, 3> slope;
+      for (int i = 0; i < 3; ++i) {
+        const double lambda = to_lambda(at[i]), d = lambda * (1 - lambda);
+        slope[i] = d * energy.stacked(i, lambda, 1);
+        gradient[i] = 2 * f.dot(slope[i]);
+        hessian(i, i) = 2 * d * d * f.dot(energy.stacked(i, lambda, 2)) + (1 - 2 * lambda) * gradient[i];
+      }
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) hessian(i, j) = (i == j ? hessian(i, i) : 0) + 2 * slope[i].dot(slope[j]);
+      // held at a bound that the energy pushes against
+      std::array<bool, 3> held;
+      for (int i = 0; i < 3; ++i) {
+        held[i] = (at[i] >= bound && gradient[i] < 0) || (at[i] <= -bound && gradient[i] > 0);
+        if (!held[i]) continue;
+        gradient[i] = 0;
+        hessian.row(i).setZero();
+        hessian.col(i).setZero();
+        hessian(i, i) = 1;
+      }
+      if (gradient.norm() <= 1e-10 * e || e <= tiny) break;
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(hessian);
+      const Vector3 curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-8 * eigen.eigenvalues().cwiseAbs().maxCoeff());
+      Vector3 direction =
+          -(eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * gradient);
+      if (direction.norm() > 2) direction *= 2 / direction.norm();
+      bool better = false;
+      for (double length = 1; length > 1e-6 && !better; length *= 0.5) {
+        const Vector3 next = (at + length * direction).cwiseMax(-bound).cwiseMin(bound);
+        const Eigen::VectorXd f_next = total(next);
+        const double e_next = f_next.squaredNorm();
+        if (e_next < e) {
+          better = e - e_next > 1e-14 * e;
+          at = next;
+          f = f_next;
+          e = e_next;
+          path.push_back(step_of(at, e));
+          if (!better) break;
+        }
+      }
+      if (!better) break;
+    }
+    if (best.empty() || path.back().energy < best.back().energy) best = std::move(path);
+  }
+  Vector3 first;
+  for (int i = 0; i < 3; ++i) first[i] = std::log(given[i] / (1 - given[i]));
+  best.insert(best.begin(), {given, total(first).squaredNorm()});
+  return best;
+}
+
+}  // namespace
+
+SzilvasiNagy::SzilvasiNagy(const std::array<SurfacePtr, 3>& surfaces, const SzilvasiNagyOptions& options)
+    : surfaces_(surfaces),
+      corner_(common_corners(surfaces)),
+      continuity_(options.continuity),
+      as_printed_(options.as_printed),
+      shape_(options.shape) {
+  if (continuity_ != 0 && continuity_ != 1) throw InvalidArgument("continuity of a Szilvasi-Nagy blend must be 0 or 1");
+  for (int i = 0; i < 3; ++i)
+    if (!(shape_[i] > 0 && shape_[i] < 1))
+      throw InvalidArgument("shape[" + std::to_string(i) + "] must lie between 0 and 1, ends excluded");
+  if (options.optimal) optimise(options.quadrature);
+}
+
+void SzilvasiNagy::optimise(int quadrature) {
+  path_ = continuity_ == 0 ? least_energy(ShapeEnergy<0>(surfaces_, as_printed_, quadrature), shape_)
+                           : least_energy(ShapeEnergy<1>(surfaces_, as_printed_, quadrature), shape_);
+  shape_ = path_.back().shape;
+}
+
+void SzilvasiNagy::evaluate_regular(const double* b, Index n, int order, double* out) const {
+  const auto run = [&](const auto& formula, auto size) {
+    formula.for_each(b, n, [&](Index k, const auto& p) {
+      auto f = formula.term(p, 0, shape_[2]);
+      for (int i = 1; i < 3; ++i) f += formula.term(p, i, shape_[i - 1]);
+      store(f, out + k * 3 * size);
+    });
+  };
+  if (continuity_ == 0)
+    with_order<0, max_order>(order, [&](auto N) { run(Formula<N.value, 0>(surfaces_, as_printed_), jet_size(N.value)); });
+  else
+    with_order<0, max_order - 1>(order, [&](auto N) { run(Formula<N.value, 1>(surfaces_, as_printed_), jet_size(N.value)); });
+}
+
+std::array<double, 3> SzilvasiNagy::mu(const double* b) const {
+  std::array<double, 3> mu;
+  for (int i = 0; i < 3; ++i) {
+    const bool corner = b[i] == 0 && b[(i + 2) % 3] == 0;
+    mu[i] = corner ? 1 : mu_jet(Barycentric<0>(b), i, shape_[i]).value();
+  }
+  return mu;
+}
+
+Points SzilvasiNagy::auxiliary_curve(int i, const std::vector<double>& t) const {
+  if (i < 0 || i > 2) throw InvalidArgument("a side is 0, 1 or 2, not " + std::to_string(i));
+  Points b = Points::Zero(static_cast<Index>(t.size()), 3);
+  for (Index k = 0; k < b.rows(); ++k) {
+    b(k, (i + 1) % 3) = 1 - t[k];
+    b(k, (i + 2) % 3) = t[k];
+  }
+  const Points next = surfaces_[(i + 1) % 3]->positions(b), last = surfaces_[(i + 2) % 3]->positions(b);
+  Points curve(b.rows(), 3);
+  for (Index k = 0; k < b.rows(); ++k) {
+    const double m = mu(&b(k, 0))[(i + 2) % 3];
+    curve.row(k) = m * last.row(k) + (1 - m) * next.row(k);
+  }
+  return curve;
+}
+
+Points SzilvasiNagy::correction(const PointsRef& b) const {
+  const Points points = b;
+  Points q(points.rows(), 3);
+  const Formula<0, 0> formula(surfaces_, as_printed_);
+  formula.for_each(points.data(), points.rows(), [&](Index k, const auto& p) {
+    JetPoint<0> sum;
+    for (int i = 0; i < 3; ++i) sum += formula.correction(p, i, shape_[(i + 2) % 3]);
+    store(sum, &q(k, 0));
+  });
+  for (Index k = 0; k < points.rows(); ++k)
+    if (const int v = vertex_of(&points(k, 0)); v >= 0) q.row(k) = corner_[v];
+  return q;
+}
+
+Points SzilvasiNagy::slope_correction(const PointsRef& b) const {
+  const Points points = b;
+  Points s = Points::Zero(points.rows(), 3);
+  if (continuity_ == 0) return s;
+  const Formula<0, 1> formula(surfaces_, as_printed_);
+  formula.for_each(points.data(), points.rows(), [&](Index k, const auto& p) {
+    JetPoint<0> sum;
+    for (int i = 0; i < 3; ++i) sum += formula.slope_correction(p, i, shape_[(i + 2) % 3]);
+    store(sum, &s(k, 0));
+  });
+  for (Index k = 0; k < points.rows(); ++k)
+    if (vertex_of(&points(k, 0)) >= 0) s.row(k).setZero();
+  return s;
+}
+
+namespace {
+
+class HoleSurface final : public JetSurface<HoleSurface> {
+public:
+  HoleSurface(std::shared_ptr<const Boundary> boundary, int i, int continuity)
+      : boundary_(std::move(boundary)), ray_(*boundary_, i, RayDegree::cubic), continuity_(continuity) {}
+
+  Vec3 corner(int i) const override { return ray_.corner(i); }
+
+  template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    const std::array<Jet<N>, 3> w = side_weights(b);
+    JetPoint<N> sum = 2.0 * ray_.at(b);
+    for (int i = 0; i < 3; ++i) {
+      const Jet<N> t = foot(b, i)[(i + 2) % 3];
+      JetPoint<N> continued = compose(boundary_->ribbons[i].c, t);
+      if (continuity_ == 1) continued -= b[i] * compose(boundary_->ribbons[i].d, t);
+      sum += w[i] * continued;
+    }
+    return (1.0 / 3) * sum;
+  }
+
+private:
+  std::shared_ptr<const Boundary> boundary_;
+  VertexRay ray_;
+  int continuity_;
+};
+
+}  // namespace
+
+std::array<SurfacePtr, 3> hole_surfaces(const Boundary& boundary, int continuity) {
+  const auto shared = std::make_shared<const Boundary>(boundary);
+  std::array<SurfacePtr, 3> surfaces;
+  for (int i = 0; i < 3; ++i) surfaces[i] = std::make_shared<HoleSurface>(shared, i, continuity);
+  return surfaces;
+}
+
+}  // namespace tripatch

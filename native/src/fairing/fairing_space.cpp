@@ -1,0 +1,163 @@
+#include "tripatch/fairing/fairing_space.h"
+
+#include <Eigen/Dense>
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace tripatch {
+namespace {
+
+class Correction final : public JetSurface<Correction> {
+public:
+  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, const Points& coefficients)
+      : slopes_(std::move(slopes)), degree_(degree), inside_(coefficients.topRows(BezierTriangle::net_size(degree))) {
+    const std::vector<double> factor = multinomials(degree);
+    for (Index k = 0; k < inside_.rows(); ++k) inside_.row(k) *= factor[k];
+    if (bends == 0) return;
+    for (int i = 0; i < 3; ++i) {
+      const Points of_side = coefficients.middleRows(inside_.rows() + i * bends, bends);
+      bends_[i] = PiecewisePolynomial::bezier({of_side.data(), static_cast<std::size_t>(of_side.size())}, 3);
+    }
+  }
+
+  Vec3 corner(int) const { return Vec3::Zero(); }
+
+  template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    JetPoint<N> p;
+    for_monomials(b, degree_, [&](int k, const Jet<N>& f) {
+      for (int x = 0; x < 3; ++x) p.x[x] += inside_(k, x) * f;
+    });
+    p = bubble(b) * p;
+    const std::array<Jet<N>, 3> weights = side_weights(b), bend_weights = cubic_side_weights(b);
+    for (int i = 0; i < 3; ++i) {
+      const Jet<N> t = ray_parameter(b, i);
+      p += slope_kernel(b, weights, i) * compose(slopes_[i], t);
+      if (!bends_[i].empty()) p += bend_kernel(b, bend_weights, i) * compose(bends_[i], t);
+    }
+    return p;
+  }
+
+private:
+  std::array<PiecewisePolynomial, 3> slopes_, bends_;  // bends_: empty where there are none
+  int degree_;
+  Points inside_;  // by monomials of b
+};
+
+}  // namespace
+
+SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, const Points& coefficients) {
+  return std::make_shared<Correction>(std::move(slopes), degree, bends, coefficients);
+}
+
+namespace {
+
+using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
+
+Basis derivatives_at(const Barycentric<3>& b, int degree, int bends) {
+  const std::vector<Jet<3>> basis = scalar_basis(b, degree, bends);
+  Basis all(9, basis.size());
+  for (std::size_t c = 0; c < basis.size(); ++c) all.col(c) = derivatives_of(basis[c]);
+  return all;
+}
+
+/// Of the scalar functions, what is orthonormal in the third-derivative energy: Bernstein polynomials times the squared bubble are
+/// nearly dependent. The same whatever the nodes.
+Eigen::MatrixXd orthonormal(int degree, int bends) {
+  const Quadrature quadrature = corner_quadrature(8);
+  const Index count = scalars(degree, bends);
+  Eigen::MatrixXd rows(4 * quadrature.b.rows(), count);
+  for (Index k = 0; k < quadrature.b.rows(); ++k) {
+    const Basis all = derivatives_at(cartesian_barycentric<3>(quadrature.b.row(k).data()), degree, bends);
+    for (int d = 0; d <= 3; ++d)
+      rows.row(4 * k + d) =
+          std::sqrt(quadrature.weights[k]) * FairingSpace::factor(3, d) * all.row(FairingSpace::first_of(3) + d);
+  }
+  const Eigen::MatrixXd r = Eigen::HouseholderQR<Eigen::MatrixXd>(rows).matrixQR().topRows(count).triangularView<Eigen::Upper>();
+  return r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(count, count));
+}
+
+}  // namespace
+
+PiecewisePolynomial slope_function(int count, int m) {
+  std::vector<double> net(count, 0.0);
+  net[m] = 1;
+  return slope_function(net);
+}
+
+PiecewisePolynomial slope_function(std::span<const double> coefficients) {
+  const std::array<double, 3> arch = {0, 2, 0};
+  return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(coefficients, 1);
+}
+
+FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes)
+    : quadrature(corner_quadrature(nodes)), combination(orthonormal(degree, bends)) {
+  const Index n = quadrature.b.rows(), count = scalars(degree, bends);
+  std::vector<PiecewisePolynomial> functions;
+  for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
+  interior.resize(9 * n, count);
+  for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
+  for (Index k = 0; k < n; ++k) {
+    const Barycentric<3> b = cartesian_barycentric<3>(quadrature.b.row(k).data());
+    interior.middleRows(9 * k, 9) = derivatives_at(b, degree, bends) * combination;
+    const double w = std::sqrt(quadrature.weights[k]);
+    for (int m = 1; m <= 3; ++m)
+      for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * interior.row(9 * k + first_of(m) + d);
+    const std::array<Jet<3>, 3> weights = side_weights(b);
+    std::array<Slope, 3> sides;
+    for (int i = 0; i < 3; ++i) {
+      const Jet<3> t = ray_parameter(b, i), kernel = slope_kernel(b, weights, i);
+      sides[i].t = t.value();
+      sides[i].rows.resize(9 * slopes, 4);
+      for (int m = 0; m < slopes; ++m) {
+        std::array<double, 4> series;
+        functions[m].taylor(t.value(), 3, series.data());
+        Jet<3> f = kernel * compose<3>(series.data(), 1, t);
+        for (int p = 0; p < 4; ++p, f *= t - t.value()) sides[i].rows.block<9, 1>(9 * m, p) = derivatives_of(f);
+      }
+    }
+    slope.push_back(std::move(sides));
+  }
+  for (int m = 1; m <= 3; ++m) normal[m] = rows[m].transpose() * rows[m];
+
+  const std::array<double, 3> thirds = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+  const Barycentric<0> b(thirds.data());
+  const std::vector<Jet<0>> basis = scalar_basis(b, degree, bends);
+  middle.resize(count);
+  for (Index c = 0; c < count; ++c) middle[c] = basis[c].value();
+  middle *= combination;
+  middle_slope.resize(slopes);
+  for (int m = 0; m < slopes; ++m) functions[m].taylor(0.5, 0, &middle_slope[m]);
+  middle_slope *= slope_kernel(b, side_weights(b), 0).value();
+
+  side_slope.resize(side_points, slopes);
+  for (int k = 0; k < side_points; ++k) {
+    side_t.push_back(0.5 * (1 - std::cos(M_PI * (k + 0.5) / side_points)));
+    side_sum += std::sin(M_PI * side_t[k]);
+    for (int m = 0; m < slopes; ++m) functions[m].taylor(side_t[k], 0, &side_slope(k, m));
+  }
+  for (int i = 0; i < 3; ++i) {
+    side_second[i].resize(side_points, count);
+    for (int k = 0; k < side_points; ++k) {
+      Barycentric<2> b;  // db0: the way along delta_i
+      b[i] = Jet<2>::linear(0, 1, 0);
+      b[(i + 1) % 3] = Jet<2>::linear(1 - side_t[k], -0.5, 0);
+      b[(i + 2) % 3] = Jet<2>::linear(side_t[k], -0.5, 0);
+      const std::vector<Jet<2>> basis = scalar_basis(b, degree, bends);
+      for (Index c = 0; c < count; ++c) side_second[i](k, c) = 2 * basis[c].c[jet_index(2, 0)];
+    }
+    side_second[i] *= combination;
+  }
+}
+
+const FairingSpace& fairing_space(int degree, int bends, int slopes, int nodes) {
+  static std::mutex mutex;
+  static std::map<std::array<int, 4>, std::unique_ptr<FairingSpace>> all;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::unique_ptr<FairingSpace>& one = all[{degree, bends, slopes, nodes}];
+  if (!one) one = std::make_unique<FairingSpace>(degree, bends, slopes, nodes);
+  return *one;
+}
+
+}  // namespace tripatch
