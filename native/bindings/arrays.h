@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tripatch/math/jet.h"
+#include "tripatch/output/fill_result.h"
 #include "tripatch/types.h"
 
 namespace py = pybind11;
@@ -29,6 +30,16 @@ inline Array array_from(const tripatch::Points& p) {
   Array a({p.rows(), tripatch::Index{3}});
   std::copy_n(p.data(), p.size(), a.mutable_data());
   return a;
+}
+
+/// None where there is none.
+inline py::object array_from(const tripatch::PlanePoints& p) {
+  if (p.rows() == 0) return py::none();
+  return Array({p.rows(), tripatch::Index{2}}, p.data());
+}
+inline py::object array_from(const Eigen::VectorXd& v) {
+  if (v.size() == 0) return py::none();
+  return Array(v.size(), v.data());
 }
 
 inline IndexArray array_from(const std::vector<tripatch::Index>& v) {

@@ -8,6 +8,7 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/cage/limit_mesh.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
@@ -166,13 +167,12 @@ PYBIND11_MODULE(_native, m) {
                             const Subdivision& settings, Index first_face, int level) {
     const Faces faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    Points limit;
-    Faces limit_faces;
+    LimitMesh limit;
     {
       py::gil_scoped_release release;
-      sample_limit({points, faces}, settings, first_face, level, limit, limit_faces);
+      limit = sample_limit({points, faces}, settings, first_face, level);
     }
-    return py::make_tuple(array_from(limit), array_from(limit_faces.corners));
+    return py::make_tuple(array_from(limit.vertices), array_from(limit.faces.corners));
   });
   py::class_<Subdivision>(m, "Subdivision")
       .def(py::init<>())
@@ -239,6 +239,12 @@ PYBIND11_MODULE(_native, m) {
       .def_readonly("energy_after", &Report::energy_after, "That energy of the fill.")
       .def_readonly("shape_path", &Report::shape_path,
                     R"(With shape="optimal": a list of (lambda by side, energy), the last of which was taken.)")
+      .def_readonly("method", &Report::method, "Name of the method used.")
+      .def_readonly("method_reason", &Report::method_reason, "Why that method was used.")
+      .def_readonly("deviation_max", &Report::deviation_max,
+                    "Largest standard deviation of a new vertex, in units of the mesh; None: the method does not know it.")
+      .def_readonly("triangles_folded", &Report::triangles_folded,
+                    "Edges between new faces (of a cage: of its limit surface) whose triangles face more than 120 degrees apart.")
       .def_readonly("folds", &Report::folds, "Places of a 64 x 64 grid where the patch folds over itself.")
       .def_readonly("corners", &Report::corners, "Vertex indices of the three corners.")
       .def_readonly("cage_deviation_max", &Report::cage_deviation_max,
@@ -264,6 +270,9 @@ PYBIND11_MODULE(_native, m) {
       .def_property_readonly("barycentric", [](const Fill& f) { return array_from(f.barycentric); })
       .def_property_readonly("rim_normals", [](const Fill& f) { return array_from(f.rim_normals); })
       .def_property_readonly("rim_barycentric", [](const Fill& f) { return array_from(f.rim_barycentric); })
+      .def_property_readonly("uv", [](const Fill& f) { return array_from(f.uv); })
+      .def_property_readonly("rim_uv", [](const Fill& f) { return array_from(f.rim_uv); })
+      .def_property_readonly("deviation", [](const Fill& f) { return array_from(f.deviation); })
       .def_property_readonly("moved", [](const Fill& f) { return array_from(f.moved); })
       .def_property_readonly("moved_to", [](const Fill& f) { return array_from(f.moved_to); })
       .def_readonly("creases", &Fill::creases)

@@ -26,6 +26,7 @@
 #include "tripatch/math/parallel.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/output/triangulate.h"
+#include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
 namespace {
@@ -234,7 +235,7 @@ std::vector<Fill> cages_of(const Mesh& mesh, const std::vector<Hole>& holes, con
     result.rim = holes[h].rim;
     result.rim_barycentric = std::move(cage.rim_barycentric);
     result.patch = std::move(cage.patch);
-    result.sides = std::move(cage.sides);
+    result.sides.assign(cage.sides.begin(), cage.sides.end());
     result.normals = result.patch->normals(result.barycentric);
     result.rim_normals = result.patch->normals(result.rim_barycentric);
     result.split_edges = std::move(cage.split_edges);
@@ -290,7 +291,9 @@ std::vector<std::vector<std::size_t>> groups_of(const Mesh& mesh, const std::vec
   return result;
 }
 
-void finish(const Hole& hole, const std::array<double, 3>& corner_mismatch_deg, Report& report) {
+void finish(const Hole& hole, const FillOptions& options, const std::array<double, 3>& corner_mismatch_deg, Report& report) {
+  report.method = find_method(options.method).name;
+  report.method_reason = "it was asked for";
   for (int k = 0; k < 3; ++k) {
     report.corners[k] = hole.rim[hole.corners[k]];
     if (corner_mismatch_deg[k] > 1)
@@ -332,14 +335,14 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const Hole hole = hole_of(mesh, options);
   if (options.output == "cage") {
     Fill result = std::move(cages_of(mesh, {hole}, options)[0]);
-    finish(hole, {0, 0, 0}, result.report);
+    finish(hole, options, {0, 0, 0}, result.report);
     result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
   Surroundings surroundings = surroundings_of(mesh, hole, options);
   Fill result;
-  result.sides = surroundings.sides;
-  MadePatch made = make_patch(result.sides, options);
+  result.sides.assign(surroundings.sides.begin(), surroundings.sides.end());
+  MadePatch made = make_patch(surroundings.sides, options);
   result.patch = std::move(made.patch);
   result.report = std::move(made.report);
 
@@ -363,10 +366,11 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   result.rim_normals = result.patch->normals(result.rim_barycentric);
 
   Report& report = result.report;
-  measure_seam(*result.patch, result.sides, report);
+  measure_seam(*result.patch, surroundings.sides, report);
+  report.triangles_folded = count_folded_edges(mesh.vertices, result.vertices, result.faces);
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
-  finish(hole, made.corner_mismatch_deg, report);
+  finish(hole, options, made.corner_mismatch_deg, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
@@ -396,7 +400,7 @@ void fill_all_with_cages(const Mesh& mesh, const std::vector<FillOptions>& each,
       std::vector<Fill> fills = cages_of(mesh, together, options);
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       for (std::size_t k = 0; k < group.size(); ++k) {
-        finish(together[k], {0, 0, 0}, fills[k].report);
+        finish(together[k], options, {0, 0, 0}, fills[k].report);
         fills[k].report.seconds = seconds / static_cast<double>(group.size());
         results[place[group[k]]] = std::move(fills[k]);
       }

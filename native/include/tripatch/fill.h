@@ -13,6 +13,7 @@
 #include "tripatch/cage/cage.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/hole.h"
+#include "tripatch/output/fill_result.h"
 #include "tripatch/report/report.h"
 
 namespace tripatch {
@@ -40,28 +41,6 @@ struct FillOptions {
   std::optional<Vec3> center;                  ///< where the middle of the patch is to be, S(1/3, 1/3, 1/3), scene units
   double center_offset = 0;                    ///< scene units: moves the middle along its normal from where it would be
   MethodOptions own;                           ///< what the method reads besides
-};
-
-struct Fill {
-  Points vertices;         ///< the new vertices only
-  Faces faces;             ///< 0 .. n-1 are the mesh's own vertices, n .. are `vertices`
-  Points normals;          ///< exact unit normals of the patch at `vertices`
-  Points barycentric;      ///< of `vertices`
-  std::vector<Index> rim;  ///< from corner 0 on
-  Points rim_normals;      ///< exact one-sided normals of the fill at the rim
-  Points rim_barycentric;
-  /// Limit surroundings: a cage's vertices do not lie on its surface, so the fill is a mesh of its own (faces use n .. only);
-  /// indices into `vertices` of its border, which takes the points that the modifier makes.
-  std::vector<Index> border;
-  /// Rim edges that were split, and where; the k-th takes vertices[k].
-  std::vector<std::array<Index, 2>> split_edges;
-  std::vector<double> split_t;
-  std::vector<Index> moved;                   ///< cage, rim `move`: vertices of the mesh
-  Points moved_to = Points(0, 3);             ///< and where they go
-  std::vector<std::array<Index, 2>> creases;  ///< cage, rim `exact`: edges to be creased with 1
-  SurfacePtr patch;
-  Sides sides;  ///< the surroundings used
-  Report report;
 };
 
 /// A patch from three sides.

@@ -68,7 +68,7 @@ _CONTINUITY = ("auto", "Free", "G0", "G1", "G2")
 _FAIRING = (None, "auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation")
 _REPORT = """
     seam_angle_max seam_angle_rms seam_angle_max_by_side seam_angle_rms_by_side continuity surroundings_error
-    fairing energy_before energy_after shape_path folds corners
+    fairing energy_before energy_after shape_path method method_reason deviation_max triangles_folded folds corners
     cage_deviation_max cage_deviation_rms surroundings_moved_max surroundings_moved_rms surroundings_moved_where
     corners_moved_max seam_angle_median seam_angle_max_inside poles warnings seconds
 """.split()
@@ -81,14 +81,16 @@ class Fill:
         vertices: (k, 3) the new vertices only.
         faces: index lists; 0 .. n-1 are the mesh's own vertices (the rim's are reused), n .. are `vertices`.
         normals: (k, 3) exact unit normals of the patch at `vertices`.
-        barycentric: (k, 3) of `vertices`.
+        barycentric: (k, 3) of `vertices`, on a patch of three sides.
+        uv, rim_uv: (k, 2), (r, 2) of `vertices` and of the rim, on a patch over a plane domain, else None.
+        deviation: (k,) standard deviation of `vertices`, in units of the mesh; None where the method does not know it.
         rim: (r,) vertex indices from corner 0 on, no repeat.
         rim_normals: (r, 3) exact one-sided normals of the fill at the rim.
         rim_barycentric: (r, 3).
         moved, split_edges, creases: what a cage option changed outside the fill, as (indices, positions), (edges, t),
             (edges, values); empty where unused.
         border: indices into `vertices` of a fill that is a mesh of its own; empty where the rim is reused.
-        sides: the three `Side` objects of the surroundings used.
+        sides: the three `Side` objects of the surroundings used; none of a patch without sides.
         patch: the `Patch`.
         report: the `Report`.
     """
@@ -98,6 +100,8 @@ class Fill:
         self.vertices = native.vertices
         self.normals = native.normals
         self.barycentric = native.barycentric
+        self.uv, self.rim_uv = native.uv, native.rim_uv
+        self.deviation = native.deviation
         self.rim = native.rim
         self.rim_normals = native.rim_normals
         self.rim_barycentric = native.rim_barycentric

@@ -88,6 +88,10 @@ class Report:
     energy_before: float
     energy_after: float
     shape_path: list[tuple[list[float], float]]
+    method: str
+    method_reason: str
+    deviation_max: float | None
+    triangles_folded: int
     folds: int
     corners: list[int]
     cage_deviation_max: float
@@ -108,6 +112,9 @@ class Fill:
     faces: list[list[int]]
     normals: Floats
     barycentric: Floats
+    uv: Floats | None
+    rim_uv: Floats | None
+    deviation: Floats | None
     rim: Indices
     rim_normals: Floats
     rim_barycentric: Floats
@@ -115,7 +122,7 @@ class Fill:
     split_edges: tuple[Indices, Floats]
     creases: tuple[Indices, Floats]
     border: Indices
-    sides: tuple[Side, Side, Side]
+    sides: tuple[Side, ...]
     patch: Patch
     report: Report
     def limit(self, level: int = 3) -> tuple[Floats, Indices]: ...

@@ -10,12 +10,15 @@
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/cage/cage_fair.h"
 #include "tripatch/cage/cage_system.h"
+#include "tripatch/cage/limit_mesh.h"
+#include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
 namespace {
 
 constexpr double anchor = 1e-10;  ///< relative, squared: keeps a vertex where it is where nothing else holds it
 constexpr int samples = 4;        ///< a row of each face, for positions
+constexpr int folds_level = 3;    ///< of the limit surface whose folds are counted: 8 x 8 quads a face, what `Fill.limit` gives
 
 /// The mesh with the fills in place of the holes.
 struct Closed {
@@ -317,7 +320,7 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
   constexpr double sides_tolerance = 1e-7;
   const bool exact = options.rim == CageRim::exact;
   Subdivision settings = given;
-  if (!settings.quality) settings.quality = 5;  // stencils need patches
+  if (!settings.quality) settings.quality = stencil_quality;
   settings.use_limit_surface = true;
   const Index n = mesh.vertices.rows();
   const std::size_t count = holes.size();
@@ -516,85 +519,11 @@ std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& ho
         fit.moved_to.row(static_cast<Index>(k)) = closed.vertices.row(hole.rim[k]);
     }
     measure(was, closed, limit, edges, hole, x, works[h], fit);
+    const LimitMesh surface =
+        sample_limit(limit, closed.mesh(), settings.loop, closed.first_face[h], closed.first_face[h + 1], folds_level);
+    fit.triangles_folded = count_folded_edges(surface.vertices, Points(0, 3), surface.faces);
   }
   return fits;
-}
-
-void sample_limit(const Mesh& cage, const Subdivision& given, Index first_face, int level, Points& vertices, Faces& faces) {
-  Subdivision settings = given;
-  if (!settings.quality) settings.quality = 5;
-  std::vector<Index> around;
-  for (Index f = first_face; f < cage.faces.size(); ++f) around.insert(around.end(), cage.faces[f].begin(), cage.faces[f].end());
-  const LimitSurface limit(cage, settings, around);
-  const int steps = 1 << level;
-  std::map<std::array<Index, 4>, Index> known;  // corner, edge or inside point -> vertex
-  std::vector<Vec3> points;
-  const auto at = [&](const std::array<Index, 4>& key, Index f, int quarter, double u, double v) {
-    const auto [place, fresh] = known.try_emplace(key, static_cast<Index>(points.size()));
-    if (fresh) {
-      const FacePlace where = {quarter, u, v};
-      const LimitStencils stencil = limit.stencils(f, {&where, 1});
-      Vec3 p = Vec3::Zero();
-      for (std::size_t k = 0; k < stencil.vertices.size(); ++k)
-        p += stencil.p(0, static_cast<Index>(k)) * cage.vertices.row(stencil.vertices[k]).transpose();
-      points.push_back(p);
-    }
-    return place->second;
-  };
-  const auto on_edge = [](Index a, Index b, int place, int whole) -> std::array<Index, 4> {
-    if (place == 0) return {-1, a, 0, 0};
-    if (place == whole) return {-1, b, 0, 0};
-    return a < b ? std::array<Index, 4>{-2, a, b, place} : std::array<Index, 4>{-2, b, a, whole - place};
-  };
-  for (Index f = first_face; settings.loop && f < cage.faces.size(); ++f) {
-    const auto face = cage.faces[f];
-    const auto vertex = [&](int i, int j) {
-      const std::array<Index, 4> key = j == 0           ? on_edge(face[0], face[1], i, steps)
-                                       : i == 0         ? on_edge(face[0], face[2], j, steps)
-                                       : i + j == steps ? on_edge(face[1], face[2], j, steps)
-                                                        : std::array<Index, 4>{f, 0, i, j};
-      return at(key, f, 0, static_cast<double>(i) / steps, static_cast<double>(j) / steps);
-    };
-    for (int i = 0; i < steps; ++i)
-      for (int j = 0; i + j < steps; ++j) {
-        faces.add(std::array<Index, 3>{vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)});
-        if (i + j + 1 < steps) faces.add(std::array<Index, 3>{vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
-      }
-  }
-  for (Index f = first_face; !settings.loop && f < cage.faces.size(); ++f) {
-    const auto face = cage.faces[f];
-    const Index size = static_cast<Index>(face.size());
-    // a quad is one block; an n-gon has a block at each corner, half as wide
-    const int blocks = size == 4 ? 1 : static_cast<int>(size), width = size == 4 ? steps : std::max(1, steps / 2);
-    for (int q = 0; q < blocks; ++q) {
-      const auto edge = [&](Index k, int place, int whole) {
-        return on_edge(face[k % size], face[(k + 1) % size], place, whole);
-      };
-      const auto key = [&](int i, int j) -> std::array<Index, 4> {
-        if (size == 4) {
-          if (j == 0) return edge(0, i, width);
-          if (i == width) return edge(1, j, width);
-          if (j == width) return edge(2, width - i, width);
-          if (i == 0) return edge(3, width - j, width);
-          return {f, 0, i, j};
-        }
-        if (j == 0) return edge(q, i, 2 * width);
-        if (i == 0) return edge(q + size - 1, 2 * width - j, 2 * width);
-        if (i == width && j == width) return {f, -1, 0, 0};
-        if (i == width) return {f, -2, q, j};
-        if (j == width) return {f, -2, (q + size - 1) % size, i};
-        return {f, q, i, j};
-      };
-      const auto vertex = [&](int i, int j) {
-        return at(key(i, j), f, q, static_cast<double>(i) / width, static_cast<double>(j) / width);
-      };
-      for (int i = 0; i < width; ++i)
-        for (int j = 0; j < width; ++j)
-          faces.add(std::array<Index, 4>{vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
-    }
-  }
-  vertices.resize(static_cast<Index>(points.size()), 3);
-  for (std::size_t k = 0; k < points.size(); ++k) vertices.row(static_cast<Index>(k)) = points[k];
 }
 
 }  // namespace tripatch

@@ -189,6 +189,7 @@ void write(Index n, Index middle, const Hole& hole, const Points& vertices, cons
   report.surroundings_moved_rms = fit.surroundings_rms;
   report.surroundings_moved_where = fit.surroundings_where;
   report.corners_moved_max = fit.corners_moved;
+  report.triangles_folded = fit.triangles_folded;
   if (fit.fair_before > 0) {
     report.fairing = "minimum_variation";
     report.energy_before = fit.fair_before;

@@ -59,6 +59,7 @@ struct CageFit {
   double surroundings_max = 0, surroundings_rms = 0;  ///< movement of the old limit surface, first two rings, scene units
   Index surroundings_where = -1;                      ///< a vertex of the face that moved most
   double corners_moved = 0;                           ///< largest movement of the limit at the three corners
+  Index triangles_folded = 0;                         ///< edges of the fill's limit surface, see count_folded_edges
   double fair_before = 0, fair_after = 0;             ///< energy of the fair cage that the patch follows, see fair_cage
   std::array<std::vector<double>, 3>
       seam_angles;  ///< degrees, between the limit normals of the two faces along each rim edge; -1: none there
@@ -69,8 +70,5 @@ struct CageFit {
 std::vector<CageFit> fit_cages(const Mesh& mesh, const std::vector<CageHole>& holes, const Subdivision& settings,
                                const std::vector<Index>& replaced, const CageOptions& options = {},
                                const std::vector<CageFit>& coarser = {});
-
-/// The limit surface of a fitted cage's fill: a grid of 2^level quads a side on each face.
-void sample_limit(const Mesh& cage, const Subdivision& settings, Index first_face, int level, Points& vertices, Faces& faces);
 
 }  // namespace tripatch

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +24,11 @@ struct Report {
   double energy_after = 0;
   /// The optimiser's path where lambda of a Szilvasi-Nagy method was to be optimal: (lambda, thin-plate energy), the last was taken.
   std::vector<std::pair<std::array<double, 3>, double>> shape_path;
-  Index folds = 0;                           ///< on a 64 x 64 grid
+  std::string method;                   ///< name of the method used
+  std::string method_reason;            ///< and why it was
+  std::optional<double> deviation_max;  ///< largest of Fill::deviation, scene units; none: unknown
+  Index triangles_folded = 0;           ///< edges between the new faces that are folded, of a cage those of its limit surface
+  Index folds = 0;                      ///< of the patch, on a 64 x 64 grid
   std::array<Index, 3> corners = {0, 0, 0};  ///< vertex indices
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
   double cage_deviation_max = 0;  ///< fill's limit surface to the patch

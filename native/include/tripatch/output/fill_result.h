@@ -1,0 +1,44 @@
+// What a fill is: new vertices and faces, what changes in the mesh around, the patch that they lie on, and the report.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tripatch/boundary/side.h"
+#include "tripatch/patch/surface.h"
+#include "tripatch/report/report.h"
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// n points of a plane domain, one a row.
+using PlanePoints = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
+/// Made once by `fill` and completed by the rooms that it passes through.
+struct Fill {
+  Points vertices;                     ///< the new vertices only
+  Faces faces;                         ///< 0 .. n-1 are the mesh's own vertices, n .. are `vertices`
+  Points normals = Points(0, 3);       ///< exact unit normals of the patch at `vertices`
+  Points barycentric = Points(0, 3);   ///< of `vertices`, on a patch of three sides
+  PlanePoints uv = PlanePoints(0, 2);  ///< of `vertices`, on a patch over a plane domain
+  std::vector<Index> rim;              ///< from corner 0 on
+  Points rim_normals = Points(0, 3);   ///< exact one-sided normals of the fill at the rim
+  Points rim_barycentric = Points(0, 3);
+  PlanePoints rim_uv = PlanePoints(0, 2);
+  /// Posterior standard deviation at each of `vertices`, scene units; empty: the method does not know it.
+  Eigen::VectorXd deviation;
+  /// Limit surroundings: a cage's vertices do not lie on its surface, so the fill is a mesh of its own (faces use n .. only);
+  /// indices into `vertices` of its border, which takes the points that the modifier makes.
+  std::vector<Index> border;
+  /// Rim edges that were split, and where; the k-th takes vertices[k].
+  std::vector<std::array<Index, 2>> split_edges;
+  std::vector<double> split_t;
+  std::vector<Index> moved;                   ///< cage, rim `move`: vertices of the mesh
+  Points moved_to = Points(0, 3);             ///< and where they go
+  std::vector<std::array<Index, 2>> creases;  ///< cage, rim `exact`: edges to be creased with 1
+  SurfacePtr patch;
+  std::vector<Side> sides;  ///< the surroundings used; empty where the patch has no sides
+  Report report;
+};
+
+}  // namespace tripatch

@@ -1,0 +1,57 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tripatch/report/folded_triangles.h"
+
+using namespace tripatch;
+
+namespace {
+
+/// Two triangles at the edge from 0 to 1; the second turned about it, so that the normals are `angle` degrees apart.
+struct Hinge {
+  Points vertices = Points::Zero(4, 3);
+  Faces faces;
+  explicit Hinge(double angle) {
+    const double a = angle * M_PI / 180;
+    vertices << 0, 0, 0, 1, 0, 0, 0.4, 1, 0, 0.3, -std::cos(a), -std::sin(a);
+    faces.add(std::array<Index, 3>{0, 1, 2});
+    faces.add(std::array<Index, 3>{1, 0, 3});
+  }
+  Index folded() const { return count_folded_edges(vertices, Points(0, 3), faces); }
+};
+
+}  // namespace
+
+TEST_CASE("an edge is folded where its triangles face more than 120 degrees apart") {
+  for (double angle : {0.0, 60.0, 119.9, -119.9}) CHECK(Hinge(angle).folded() == 0);
+  for (double angle : {120.1, 150.0, 180.0, -120.1}) CHECK(Hinge(angle).folded() == 1);
+}
+
+TEST_CASE("folds are counted at any size and for vertices of the mesh and new ones") {
+  Hinge hinge(150);
+  hinge.vertices *= 1e-100;
+  CHECK(hinge.folded() == 1);
+  CHECK(count_folded_edges(hinge.vertices.topRows(3), hinge.vertices.bottomRows(1), hinge.faces) == 1);
+}
+
+TEST_CASE("of more than two triangles at an edge each is compared with the first") {
+  Hinge hinge(150);
+  hinge.faces.add(std::array<Index, 3>{1, 0, 3});
+  CHECK(hinge.folded() == 2);
+  hinge.faces = {};
+  for (int k = 0; k < 2; ++k) hinge.faces.add(std::array<Index, 3>{1, 0, 3});
+  hinge.faces.add(std::array<Index, 3>{0, 1, 2});
+  CHECK(hinge.folded() == 1);
+}
+
+TEST_CASE("a quad counts as a fan of two triangles, and a triangle without area folds over nothing") {
+  Points square(4, 3);
+  square << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0;
+  Faces quad;
+  quad.add(std::array<Index, 4>{0, 1, 2, 3});
+  CHECK(count_folded_edges(square, Points(0, 3), quad) == 0);
+  square.row(1) << 0.2, 0.7, 0;  // beyond the diagonal that the fan is cut along
+  CHECK(count_folded_edges(square, Points(0, 3), quad) == 1);
+  square.row(1) << 0.5, 0.5, 0;  // on it
+  CHECK(count_folded_edges(square, Points(0, 3), quad) == 0);
+}
