@@ -1,0 +1,371 @@
+// Dynamic programming over the chords of the rim: the best fill of the polygon beyond chord (i, k) is the best apex m with the best
+// fills beyond (i, m) and (m, k). A chord's apexes are compared in one go, in single precision, four to an instruction; angles by
+// the signed square of their cosine, which needs no root.
+#include "tripatch/spline/rough_fill.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace tripatch {
+namespace {
+
+using Row = Eigen::Array<float, 1, Eigen::Dynamic>;
+using Square = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr Index largest_exact = 200;  // vertices: 1.3 million triangles are compared, in some 5 ms
+// Angles whose signed squared cosines round to the same are equally good, and the area decides: within 4 degrees at 0 and 90.
+// Numbers of this size are 1 / 256 apart.
+constexpr float rounder = 49152;
+constexpr float flat = 1e-8F;  // squared: twice the area over the squared longest edge of a triangle that has no normal
+constexpr float unknown = 2;   // in place of the cosine's square where no face lies beyond: more than any
+constexpr float joined_already = -2, impossible = -4;  // in place of the square: worse than any angle; an edge to itself
+
+/// A closed polygon of rim vertices, some of which may occur twice (bridges). normals[k]: beyond the edge from k to the next.
+struct Polygon {
+  std::vector<Index> vertices;
+  std::vector<Vec3> normals;
+  Index size() const { return static_cast<Index>(vertices.size()); }
+};
+
+std::array<Index, 2> ordered(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
+
+class Filler {
+public:
+  Filler(const PointsRef& points, std::vector<std::array<Index, 2>> joined, std::vector<std::array<Index, 2>> bridges)
+      : points_(points), joined_(std::move(joined)), bridges_(std::move(bridges)), place_(points.rows(), -1) {}
+
+  void fill(const Polygon& polygon, std::vector<std::array<Index, 3>>& out) {
+    if (polygon.size() <= largest_exact) {
+      for (const auto& t : exact(polygon))
+        out.push_back({polygon.vertices[t[0]], polygon.vertices[t[1]], polygon.vertices[t[2]]});
+      return;
+    }
+    by_parts(polygon, out);
+  }
+
+private:
+  /// Triangulates every so-maniest vertex first, and then what lies between each of that fill's edges and the rim.
+  void by_parts(const Polygon& polygon, std::vector<std::array<Index, 3>>& out) {
+    const std::vector<Index> sample = samples(polygon);
+    const Index s = static_cast<Index>(sample.size()), n = polygon.size();
+    Polygon coarse;
+    for (Index j = 0; j < s; ++j) {
+      coarse.vertices.push_back(polygon.vertices[sample[j]]);
+      Vec3 sum = Vec3::Zero();
+      for (Index k = sample[j]; k < (j + 1 < s ? sample[j + 1] : n); ++k) sum += polygon.normals[k];
+      coarse.normals.push_back(sum.stableNormalized());
+    }
+    for (const auto& t : exact(coarse)) {
+      out.push_back({coarse.vertices[t[0]], coarse.vertices[t[1]], coarse.vertices[t[2]]});
+      const Vec3 a = points_.row(out.back()[0]), b = points_.row(out.back()[1]), c = points_.row(out.back()[2]);
+      const Vec3 normal = (b - a).cross(c - a).stableNormalized();
+      for (int e = 0; e < 3; ++e) {
+        const Index from = t[e], to = t[(e + 1) % 3];
+        if (to != (from + 1) % s) continue;
+        const Index first = sample[from], last = to ? sample[to] : n;
+        if (last - first < 2) continue;
+        Polygon part;
+        for (Index k = first; k <= last; ++k) {
+          part.vertices.push_back(polygon.vertices[k % n]);
+          part.normals.push_back(k < last ? polygon.normals[k] : normal);
+        }
+        fill(part, out);
+      }
+    }
+  }
+
+  /// Some `largest_exact` places of the polygon evenly, those where a loop is left or entered among them, none next to another by an
+  /// edge that the mesh has already.
+  std::vector<Index> samples(const Polygon& polygon) const {
+    const Index n = polygon.size(), stride = (2 * n + largest_exact - 1) / largest_exact;
+    std::vector<char> keep(n, 0);
+    for (Index k = 0; k < n; k += stride) keep[k] = 1;
+    for (Index k = 0; k < n; ++k)
+      if (is_one(bridges_, polygon.vertices[k], polygon.vertices[(k + 1) % n])) keep[k] = keep[(k + 1) % n] = 1;
+    for (Index last = 0, k = 1; k < n; ++k) {
+      if (!keep[k]) continue;
+      const bool bad = k - last > 1 && is_one(joined_, polygon.vertices[last], polygon.vertices[k]);
+      if (bad) keep[k - 1] = 1;
+      last = k;
+    }
+    std::vector<Index> sample;
+    for (Index k = 0; k < n; ++k)
+      if (keep[k]) sample.push_back(k);
+    return sample;
+  }
+
+  static bool is_one(const std::vector<std::array<Index, 2>>& pairs, Index a, Index b) {
+    return std::binary_search(pairs.begin(), pairs.end(), ordered(a, b));
+  }
+
+  /// What is asked of chord (i, k) itself: `unknown` or more for nothing.
+  void mark(const Polygon& polygon, Square& worst) {
+    const Index n = polygon.size();
+    worst.setConstant(n, n, unknown);
+    std::vector<Index> next(n, -1);  // the place before it of the same vertex
+    for (Index k = 0; k < n; ++k) {
+      next[k] = place_[polygon.vertices[k]];
+      place_[polygon.vertices[k]] = k;
+    }
+    const auto forbid = [&](Index a, Index b, float how) {
+      for (Index i = place_[a]; i >= 0; i = next[i])
+        for (Index k = place_[b]; k >= 0; k = next[k]) {
+          const Index apart = std::abs(i - k);
+          if (apart > 1 && apart < n - 1) worst(i, k) = worst(k, i) = std::min(worst(i, k), how);
+        }
+    };
+    for (const auto& [a, b] : joined_) forbid(a, b, joined_already);
+    for (const auto& [a, b] : bridges_) forbid(a, b, impossible), forbid(a, a, impossible), forbid(b, b, impossible);
+    for (Index v : polygon.vertices) place_[v] = -1;
+  }
+
+  /// Triangles of the best fill by places in the polygon.
+  std::vector<std::array<Index, 3>> exact(const Polygon& polygon) {
+    const Index n = polygon.size();
+    prepare(polygon);
+    for (Index i = n - 2; i-- > 0;)
+      for (Index k = i + 2; k < n; ++k) choose(i, k, n, polygon);
+    std::vector<std::array<Index, 3>> out;
+    std::vector<std::array<Index, 2>> open = {{0, n - 1}};
+    while (!open.empty()) {
+      const auto [i, k] = open.back();
+      open.pop_back();
+      if (k - i < 2) continue;
+      const Index m = apex_(i, k);
+      out.push_back({i, m, k});
+      open.push_back({i, m});
+      open.push_back({m, k});
+    }
+    return out;
+  }
+
+  void prepare(const Polygon& polygon) {
+    const Index n = polygon.size();
+    mark(polygon, worst_);
+    apex_.setConstant(n, n, -1);
+    area_.setZero(n, n);
+    score_.resize(n);
+    for (Row& row : work_) row.resize(n);
+    Vec3 middle = Vec3::Zero();
+    for (Index v : polygon.vertices) middle += points_.row(v) / static_cast<double>(n);
+    double size = 0;
+    for (Index v : polygon.vertices) size = std::max(size, (Vec3(points_.row(v)) - middle).norm());
+    const double scale = size > 0 ? 1 / size : 1;
+    for (int c = 0; c < 3; ++c) {
+      normal_[c].setZero(n, n);
+      x_[c].resize(n);
+      for (Index k = 0; k < n; ++k) x_[c][k] = static_cast<float>((points_(polygon.vertices[k], c) - middle[c]) * scale);
+      for (Index k = 0; k + 1 < n; ++k) normal_[c](k, k + 1) = normal_[c](k + 1, k) = static_cast<float>(polygon.normals[k][c]);
+    }
+  }
+
+  /// The best apex of chord (i, k).
+  void choose(Index i, Index k, Index n, const Polygon& polygon) {
+    const Index first = i + 1, count = k - i - 1;
+    compare(i, k, n);
+    float* const score = score_.data();
+    if (polygon.normals[i].isZero()) rescore(score[0], i, first, k, normal_at(k, first), worst_(k, first));
+    if (polygon.normals[k - 1].isZero()) rescore(score[count - 1], i, k - 1, k, normal_at(i, k - 1), worst_(i, k - 1));
+    if (k - i == n - 1 && !polygon.normals[n - 1].isZero()) {
+      const Eigen::Vector3f beyond = polygon.normals[n - 1].cast<float>();
+      for (Index j = 0; j < count; ++j) score[j] = std::min(score[j], rounded(signed_square(triangle(i, first + j, k), beyond)));
+    }
+    const float best = std::min(score_.head(count).maxCoeff(), worst_(i, k));
+    float least = std::numeric_limits<float>::infinity();
+    Index apex = -1;
+    for (Index j = 0; j < count; ++j) {
+      if (score[j] < best) continue;
+      const float area = triangle(i, first + j, k).norm() + area_(i, first + j) + area_(k, first + j);
+      if (apex < 0 || area < least) least = area, apex = first + j;
+    }
+    apex_(i, k) = static_cast<int>(apex);
+    worst_(i, k) = worst_(k, i) = best;
+    area_(i, k) = area_(k, i) = least;
+    const Eigen::Vector3f normal = triangle(i, apex, k).stableNormalized();
+    for (int c = 0; c < 3; ++c) normal_[c](i, k) = normal_[c](k, i) = normal[c];
+  }
+
+  /// The scores of all apexes of chord (i, k): the worst angle of the triangle with the two fills beyond it, and theirs. Written so
+  /// that Eigen takes four at a time: without a branch.
+  void compare(Index i, Index k, Index n) {
+    const Index from = i + 1, count = k - i - 1;
+    const auto of = [&](const Square& square, Index row) { return Eigen::Map<const Row>(square.data() + row * n + from, count); };
+    auto nx = work_[0].head(count), ny = work_[1].head(count), nz = work_[2].head(count), square = work_[3].head(count),
+         least = work_[4].head(count), score = score_.head(count);
+    const float ex = x_[0][k] - x_[0][i], ey = x_[1][k] - x_[1][i], ez = x_[2][k] - x_[2][i], e2 = ex * ex + ey * ey + ez * ez;
+    const auto ux = x_[0].segment(from, count) - x_[0][i], uy = x_[1].segment(from, count) - x_[1][i],
+               uz = x_[2].segment(from, count) - x_[2][i];
+    nx = uy * ez - uz * ey;
+    ny = uz * ex - ux * ez;
+    nz = ux * ey - uy * ex;
+    square = nx.square() + ny.square() + nz.square();
+    least = (e2 + ux.square() + uy.square() + uz.square()).square() * flat + std::numeric_limits<float>::min();
+    least = (square / least).min(1.0F);  // below 1: the triangle has no normal to speak of
+    score = (nx * of(normal_[0], i) + ny * of(normal_[1], i) + nz * of(normal_[2], i))
+                .min(nx * of(normal_[0], k) + ny * of(normal_[1], k) + nz * of(normal_[2], k));
+    score = score * score.abs() / (square + std::numeric_limits<float>::min()) * least - (1 - least);
+    score = ((score + rounder) - rounder).min(of(worst_, i)).min(of(worst_, k));
+  }
+  void rescore(float& score, Index i, Index m, Index k, const Eigen::Vector3f& beyond, float worst) const {
+    const bool alone = m - i == 1 && k - m == 1 && beyond.isZero();
+    score = std::min(alone ? 1.0F : rounded(signed_square(triangle(i, m, k), beyond)), worst);
+  }
+  static float rounded(float s) { return (s + rounder) - rounder; }
+  /// Of the cosine of the angle between a normal of any length and a unit normal; -1 for a triangle without a normal.
+  static float signed_square(const Eigen::Vector3f& normal, const Eigen::Vector3f& beyond) {
+    const float c = normal.dot(beyond), square = normal.squaredNorm();
+    return square > 0 ? std::clamp(c * std::abs(c) / square, -1.0F, 1.0F) : -1;
+  }
+  Eigen::Vector3f triangle(Index i, Index m, Index k) const {
+    const Eigen::Vector3f a(x_[0][i], x_[1][i], x_[2][i]), b(x_[0][m], x_[1][m], x_[2][m]), c(x_[0][k], x_[1][k], x_[2][k]);
+    return (b - a).cross(c - a);
+  }
+  Eigen::Vector3f normal_at(Index i, Index k) const { return {normal_[0](i, k), normal_[1](i, k), normal_[2](i, k)}; }
+
+  const PointsRef& points_;
+  std::vector<std::array<Index, 2>> joined_, bridges_;  // ordered pairs, sorted
+  std::vector<Index> place_;
+  std::array<Square, 3> normal_;  // of the triangle at chord (i, k), and at (k, i) again; of the faces beyond for (k, k + 1)
+  Square worst_, area_;           // worst angle, twice the area
+  Eigen::Array<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> apex_;
+  std::array<Row, 3> x_;
+  Row score_;
+  std::array<Row, 5> work_;
+};
+
+struct Bridge {
+  Index from, to;  // place in the polygon, row of the point
+};
+
+/// The shortest that joins the polygon to a loop not yet taken, if possible none of the mesh's edges.
+Bridge shortest_bridge(const PointsRef& points, const Polygon& polygon, const std::vector<char>& taken,
+                       const std::vector<std::array<Index, 2>>& joined) {
+  Bridge best{0, -1};
+  for (const bool all : {false, true}) {
+    double least = std::numeric_limits<double>::infinity();
+    for (Index k = 0; k < polygon.size(); ++k)
+      for (Index v = 0; v < points.rows(); ++v) {
+        if (taken[v]) continue;
+        const double squared = (points.row(polygon.vertices[k]) - points.row(v)).squaredNorm();
+        if (!(squared < least)) continue;
+        if (!all && std::binary_search(joined.begin(), joined.end(), ordered(polygon.vertices[k], v))) continue;
+        least = squared;
+        best = {k, v};
+      }
+    if (best.to >= 0) break;
+  }
+  return best;
+}
+
+void check(const PointsRef& points, const RimSurroundings& rim) {
+  const Index r = points.rows();
+  Index start = 0;
+  for (std::size_t k = 0; k <= rim.islands.size(); ++k) {
+    const Index end = k < rim.islands.size() ? rim.islands[k] : r;
+    if (end - start < 3 || end > r) throw InvalidArgument("every loop of a rim needs three vertices or more");
+    start = end;
+  }
+  if (rim.normals.size() && rim.normals.rows() != r) throw InvalidArgument("normals: one for each edge of the rim");
+  for (const auto& [a, b] : rim.joined)
+    if (std::min(a, b) < 0 || std::max(a, b) >= r) throw InvalidArgument("joined: pairs of rows of the rim's points");
+}
+
+/// All loops as one polygon, which walks every bridge twice.
+Polygon one_polygon(const PointsRef& points, const RimSurroundings& rim, const std::vector<std::array<Index, 2>>& joined,
+                    std::vector<std::array<Index, 2>>& bridges) {
+  const Index r = points.rows();
+  std::vector<Index> start = {0};
+  start.insert(start.end(), rim.islands.begin(), rim.islands.end());
+  start.push_back(r);
+  const auto normal = [&](Index k) { return rim.normals.size() ? Vec3(rim.normals.row(k)) : Vec3(Vec3::Zero()); };
+  Polygon polygon;
+  for (Index k = 0; k < start[1]; ++k) {
+    polygon.vertices.push_back(k);
+    polygon.normals.push_back(normal(k));
+  }
+  std::vector<char> taken(r, 0);
+  std::fill_n(taken.begin(), start[1], 1);
+  for (std::size_t island = 1; island + 1 < start.size(); ++island) {
+    const auto [place, v] = shortest_bridge(points, polygon, taken, joined);
+    const auto end = std::upper_bound(start.begin(), start.end(), v);
+    const Index low = *(end - 1), count = *end - low;
+    bridges.push_back(ordered(polygon.vertices[place], v));
+    Polygon walk;  // from the polygon's vertex over the island back to it
+    walk.vertices.push_back(polygon.vertices[place]);
+    walk.normals.push_back(Vec3::Zero());
+    for (Index k = 0; k <= count; ++k) {
+      walk.vertices.push_back(low + (v - low + k) % count);
+      walk.normals.push_back(k < count ? normal(walk.vertices.back()) : Vec3(Vec3::Zero()));
+    }
+    polygon.vertices.insert(polygon.vertices.begin() + place, walk.vertices.begin(), walk.vertices.end());
+    polygon.normals.insert(polygon.normals.begin() + place, walk.normals.begin(), walk.normals.end());
+    std::fill_n(taken.begin() + low, count, 1);
+  }
+  std::sort(bridges.begin(), bridges.end());
+  return polygon;
+}
+
+/// Flips inner edges that the mesh has already to where nothing joins their opposite vertices yet. False if some are left, or an
+/// edge occurs twice.
+bool without_doubles(std::vector<std::array<Index, 3>>& triangles, const std::vector<std::array<Index, 2>>& joined) {
+  std::vector<std::array<Index, 2>> edges;
+  for (const auto& t : triangles)
+    for (int k = 0; k < 3; ++k) edges.push_back({t[k], t[(k + 1) % 3]});
+  std::sort(edges.begin(), edges.end());
+  if (std::adjacent_find(edges.begin(), edges.end()) != edges.end()) return false;
+  const auto has = [](const auto& sorted, Index a, Index b) {
+    return std::binary_search(sorted.begin(), sorted.end(), std::array<Index, 2>{a, b});
+  };
+  std::vector<std::array<Index, 2>> doubled;
+  for (const auto& pair : joined)
+    if (has(edges, pair[0], pair[1]) && has(edges, pair[1], pair[0])) doubled.push_back(pair);
+  if (doubled.empty()) return true;
+  std::map<std::array<Index, 2>, std::size_t> triangle;  // of a directed edge
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) triangle[{triangles[t][k], triangles[t][(k + 1) % 3]}] = t;
+  const auto opposite = [](const std::array<Index, 3>& t, Index a, Index b) {
+    return t[0] != a && t[0] != b ? t[0] : t[1] != a && t[1] != b ? t[1] : t[2];
+  };
+  const auto put = [&](std::size_t t, Index a, Index b, Index c) {
+    triangles[t] = {a, b, c};
+    triangle[{a, b}] = triangle[{b, c}] = triangle[{c, a}] = t;
+  };
+  for (bool changed = true; changed && !doubled.empty();) {
+    changed = false;
+    for (auto pair = doubled.begin(); pair != doubled.end();) {
+      const auto [a, b] = *pair;
+      const std::size_t left = triangle.at({a, b}), right = triangle.at({b, a});
+      const Index c = opposite(triangles[left], a, b), d = opposite(triangles[right], a, b);
+      if (c == d || triangle.count({c, d}) || triangle.count({d, c}) || has(joined, std::min(c, d), std::max(c, d))) {
+        ++pair;
+        continue;
+      }
+      triangle.erase({a, b});
+      triangle.erase({b, a});
+      put(left, c, d, b);
+      put(right, d, c, a);
+      pair = doubled.erase(pair);
+      changed = true;
+    }
+  }
+  return doubled.empty();
+}
+
+}  // namespace
+
+RoughFill rough_fill(const PointsRef& points, const RimSurroundings& rim) {
+  check(points, rim);
+  std::vector<std::array<Index, 2>> joined, bridges;
+  for (const auto& [a, b] : rim.joined) joined.push_back(ordered(a, b));
+  std::sort(joined.begin(), joined.end());
+  const Polygon polygon = one_polygon(points, rim, joined, bridges);
+  RoughFill result;
+  Filler(points, joined, bridges).fill(polygon, result.triangles);
+  joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
+  result.doubles_edges = !without_doubles(result.triangles, joined);
+  return result;
+}
+
+}  // namespace tripatch

@@ -1,0 +1,201 @@
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+
+#include "tripatch/spline/rough_fill.h"
+
+using namespace tripatch;
+
+namespace {
+
+Points ring(int n, double radius, double height = 0, double wobble = 0, bool backwards = false) {
+  Points x(n, 3);
+  for (int k = 0; k < n; ++k) {
+    const double a = (backwards ? -1 : 1) * 2 * M_PI * k / n;
+    x.row(k) << radius * std::cos(a), radius * std::sin(a), height + wobble * std::sin(3 * a);
+  }
+  return x;
+}
+
+Points stacked(const Points& a, const Points& b) {
+  Points x(a.rows() + b.rows(), 3);
+  x << a, b;
+  return x;
+}
+
+/// What must hold of every fill; empty when it does.
+std::string flaw(const RoughFill& fill, Index r, const std::vector<Index>& islands = {}) {
+  std::map<std::pair<Index, Index>, int> directed;
+  for (const auto& t : fill.triangles)
+    for (int k = 0; k < 3; ++k) ++directed[{t[k], t[(k + 1) % 3]}];
+  std::vector<Index> start = {0};
+  start.insert(start.end(), islands.begin(), islands.end());
+  start.push_back(r);
+  std::set<std::pair<Index, Index>> rim;
+  for (std::size_t l = 0; l + 1 < start.size(); ++l)
+    for (Index k = start[l]; k < start[l + 1]; ++k) rim.insert({k, k + 1 < start[l + 1] ? k + 1 : start[l]});
+  for (const auto& [edge, count] : directed) {
+    if (count != 1) return "an edge twice in one direction";
+    if (edge.first == edge.second) return "an edge from a vertex to itself";
+    const bool inner = directed.count({edge.second, edge.first});
+    if (inner == (rim.count(edge) > 0)) return "the border is not the rim";
+  }
+  for (const auto& edge : rim)
+    if (!directed.count(edge)) return "a rim edge without a triangle";
+  const Index loops = static_cast<Index>(start.size()) - 1;
+  if (static_cast<Index>(fill.triangles.size()) != r - 2 + 2 * (loops - 1)) return "number of triangles";
+  return "";
+}
+
+double area(const Points& x, const RoughFill& fill) {
+  double sum = 0;
+  for (const auto& t : fill.triangles) sum += Vec3(x.row(t[1]) - x.row(t[0])).cross(Vec3(x.row(t[2]) - x.row(t[0]))).norm() / 2;
+  return sum;
+}
+
+bool has_edge(const RoughFill& fill, Index a, Index b) {
+  for (const auto& t : fill.triangles)
+    for (int k = 0; k < 3; ++k)
+      if ((t[k] == a && t[(k + 1) % 3] == b) || (t[k] == b && t[(k + 1) % 3] == a)) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("a rough fill of a plane polygon covers it once, convex or not") {
+  for (int n : {3, 4, 5, 17, 150, 200, 201, 1000}) {
+    INFO(n);
+    const Points x = ring(n, 2);
+    const RoughFill fill = rough_fill(x);
+    CHECK(flaw(fill, n) == "");
+    CHECK_FALSE(fill.doubles_edges);
+    CHECK(area(x, fill) == Approx(n * 2 * std::sin(2 * M_PI / n)).epsilon(1e-6));
+  }
+  Points star = ring(40, 1);
+  for (int k = 0; k < 40; k += 2) star.row(k) *= 0.4;
+  CHECK(area(star, rough_fill(star)) == Approx(40 * 0.5 * 0.4 * std::sin(2 * M_PI / 40)).epsilon(1e-6));
+}
+
+TEST_CASE("a straight run of rim vertices makes no triangle without area where another is possible") {
+  Points square(16, 3);
+  for (int k = 0; k < 4; ++k) {
+    square.row(k) << k, 0, 0;
+    square.row(4 + k) << 4, k, 0;
+    square.row(8 + k) << 4 - k, 4, 0;
+    square.row(12 + k) << 0, 4 - k, 0;
+  }
+  const RoughFill fill = rough_fill(square);
+  CHECK(flaw(fill, 16) == "");
+  for (const auto& t : fill.triangles)
+    CHECK(Vec3(square.row(t[1]) - square.row(t[0])).cross(Vec3(square.row(t[2]) - square.row(t[0])))[2] > 0.5);
+}
+
+TEST_CASE("the faces around decide which way a fill bends") {
+  Points x(4, 3);  // over 1-3 it bends by 23 degrees, over 0-2 by 53
+  x << -1, 0, 0, 0, -0.4, 0.2, 1, 0, 0, 0, 0.4, 0.2;
+  CHECK(has_edge(rough_fill(x), 1, 3));
+  RimSurroundings steep;  // 34 degrees off the triangles over 0-2, 61 off the others
+  steep.normals.resize(4, 3);
+  for (int k = 0; k < 4; ++k) steep.normals.row(k) = Vec3(0, k < 2 ? std::sqrt(3.0) / 2 : -std::sqrt(3.0) / 2, 0.5);
+  CHECK(has_edge(rough_fill(x, steep), 0, 2));
+}
+
+TEST_CASE("the area decides where angles cannot: a quadrilateral takes the smaller of two bends") {
+  Points x(4, 3);
+  x << 0, 0, 0, 1, 0, 0.01, 1, 1, 0, 0, 1, 0.01;
+  const RoughFill fill = rough_fill(x);
+  Points turned(4, 3);
+  for (int k = 0; k < 4; ++k) turned.row(k) = x.row((k + 1) % 4);
+  CHECK(area(x, fill) <= area(turned, rough_fill(turned)) + 1e-9);
+}
+
+TEST_CASE("edges that the mesh has already are not made again") {
+  const Points x = ring(4, 1);
+  RimSurroundings rim;
+  rim.joined = {{2, 0}, {0, 1}};  // a rim edge among them says nothing
+  RoughFill fill = rough_fill(x, rim);
+  CHECK(has_edge(fill, 1, 3));
+  CHECK_FALSE(fill.doubles_edges);
+  rim.joined = {{0, 2}, {3, 1}};
+  fill = rough_fill(x, rim);
+  CHECK(flaw(fill, 4) == "");
+  CHECK(fill.doubles_edges);
+  for (int n : {30, 500}) {  // of the ears all but one in seven are taken; where it is done by parts, one in three
+    rim.joined.clear();
+    for (Index k = 0; k < n; ++k)
+      if (n == 30 ? k % 7 != 0 : k % 3 == 0) rim.joined.push_back({k, (k + 2) % n});
+    const Points y = ring(n, 1);
+    fill = rough_fill(y, rim);
+    CHECK(flaw(fill, n) == "");
+    CHECK_FALSE(fill.doubles_edges);
+  }
+}
+
+TEST_CASE("islands and strips") {
+  SECTION("an island in a plane") {
+    const Points x = stacked(ring(20, 2), ring(7, 0.5, 0, 0, true));
+    RimSurroundings rim;
+    rim.islands = {20};
+    const RoughFill fill = rough_fill(x, rim);
+    CHECK(flaw(fill, 27, {20}) == "");
+    CHECK_FALSE(fill.doubles_edges);
+    const double expected = 20 * 2 * std::sin(2 * M_PI / 20) - 7 * 0.125 * std::sin(2 * M_PI / 7);
+    CHECK(area(x, fill) == Approx(expected).epsilon(1e-6));
+  }
+  SECTION("three islands") {
+    Points small = ring(5, 0.2, 0, 0, true);
+    Points x = ring(40, 2);
+    for (double at : {-1.0, 0.0, 1.0}) {
+      Points moved = small;
+      moved.col(0).array() += at;
+      x = stacked(x, moved);
+    }
+    RimSurroundings rim;
+    rim.islands = {40, 45, 50};
+    const RoughFill fill = rough_fill(x, rim);
+    CHECK(flaw(fill, 55, {40, 45, 50}) == "");
+    CHECK_FALSE(fill.doubles_edges);
+    CHECK(area(x, fill) == Approx(40 * 2 * std::sin(2 * M_PI / 40) - 3 * 5 * 0.02 * std::sin(2 * M_PI / 5)).epsilon(1e-6));
+  }
+  for (int n : {12, 400}) {  // a cylinder between two rims
+    const Points x = stacked(ring(n, 1), ring(n, 1, 0.5, 0, true));
+    RimSurroundings rim;
+    rim.islands = {n};
+    const RoughFill fill = rough_fill(x, rim);
+    CHECK(flaw(fill, 2 * n, {n}) == "");
+    CHECK_FALSE(fill.doubles_edges);
+    CHECK(area(x, fill) == Approx(0.5 * n * 2 * std::sin(M_PI / n)).epsilon(n > 200 ? 0.2 : 0.02));
+  }
+}
+
+TEST_CASE("a rough fill is the same turned and scaled, and whatever degenerates") {
+  const Points x = ring(60, 1, 0, 0.3);
+  Points moved = x * (Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix().transpose() * 1e5);
+  moved.rowwise() += Eigen::RowVector3d(3e5, 0, -1e5);
+  CHECK(flaw(rough_fill(moved), 60) == "");
+  CHECK(area(moved, rough_fill(moved)) == Approx(1e10 * area(x, rough_fill(x))).epsilon(1e-2));
+  CHECK(flaw(rough_fill(Points::Zero(9, 3)), 9) == "");
+  Points line = Points::Zero(30, 3);
+  for (int k = 0; k < 30; ++k) line(k, 0) = k;
+  CHECK(flaw(rough_fill(line), 30) == "");
+  CHECK_THROWS_AS(rough_fill(ring(2, 1)), InvalidArgument);
+  RimSurroundings rim;
+  rim.islands = {10};
+  CHECK_THROWS_AS(rough_fill(ring(12, 1), rim), InvalidArgument);
+}
+
+TEST_CASE("a rough fill of a rim of 10,000 vertices takes less than a second") {
+  std::mt19937 random(3);
+  Points x = ring(10'000, 100, 0, 20);
+  for (int k = 0; k < x.rows(); ++k) x.row(k) *= 1 + 1e-4 * static_cast<double>(random() % 1000) / 1000;
+  const auto begin = std::chrono::steady_clock::now();
+  const RoughFill fill = rough_fill(x);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  CHECK(flaw(fill, 10'000) == "");
+  CHECK(area(x, fill) < 1.2 * M_PI * 1e4);
+  CHECK(seconds < 1);
+}
