@@ -5,6 +5,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/output/triangulate.h"
+#include "tripatch/fairing/folds.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;

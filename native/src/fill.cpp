@@ -15,14 +15,16 @@
 
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/boundary/mesh_sides.h"
+#include "tripatch/boundary/smoothed.h"
 #include "tripatch/cage/cage_fill.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/constructions/szilvasi_nagy.h"
+#include "tripatch/fairing/center.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing.h"
+#include "tripatch/fairing/folds.h"
 #include "tripatch/fairing/kinks.h"
-#include "tripatch/fairing/middle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/output/triangulate.h"
@@ -129,24 +131,21 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
   made.corner_mismatch_deg = boundary.corner_mismatch_deg;
   made.patch = construct(method, boundary, own, made.report);
   std::optional<Index> folds;  // of `made.patch`, where fairing has counted them
+  const FairingBase base = {sides, boundary, made.patch};
   FairingOptions fairing;
   for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = continuity.tangent[i] && options.bulge[i] == 1;
   if (faired && points) {
     fairing.degree = 6;  // there is more to go by than an energy
-    made.patch = follow(made.patch, sides, boundary, *points, fairing);
+    made.patch = follow(base, *points, fairing);
   } else if (faired) {
     fairing.energy = options.fairing;
     fairing.position_only = continuity.free;
     fairing.tension = options.tension;
-    fairing.middle = center;
+    fairing.center = center;
     fairing.curvature = continuity.curvature;
     fairing.automatic = continuity.automatic;
-    fairing.rebuild = [&](const Sides& others) { return build(method, others, ribbons, own); };
-    fairing.folds = [&](const Surface& patch) {
-      if (kinks.empty()) return count_folds(patch, given);
-      return count_folds(*kinks.restored({SurfacePtr(), &patch}, continuity.tangent), given);
-    };
-    FairResult result = fair(made.patch, sides, boundary, fairing);
+    const FoldCounter counter(kinks, continuity.tangent);
+    FairResult result = fair(base, build(method, smoothed(sides), ribbons, own), fairing, &counter);
     made.patch = std::move(result.patch);
     made.report.fairing = result.energy;
     made.report.energy_before = result.before;
@@ -155,13 +154,13 @@ MadePatch make_patch(const Sides& given, const Method& method, const Continuity&
     folds = result.folds;
     made.gave_up = result.gave_up;
   } else if (center) {
-    made.patch = with_middle(made.patch, *center);
+    made.patch = with_center(made.patch, *center);
   }
   const SurfacePtr counted = made.patch;
   const std::array<bool, 3>& exact = continuity.curvature;
   if (exact[0] || exact[1] || exact[2]) {
     made.patch = meet_curvature(made.patch, sides, exact);
-    if (center) made.patch = with_middle(made.patch, *center, 3);
+    if (center) made.patch = with_center(made.patch, *center, 3);
     for (int i = 0; i < 3; ++i)
       if (exact[i] && kinks.on(i))
         made.report.warnings.push_back("Side " + std::to_string(i) +
@@ -321,7 +320,7 @@ MadePatch make_patch(const Sides& sides, const FillOptions& options, const Surfa
 
   MadePatch made = make_patch(sides, method, continuity, options, options.center, faired, points);
   if (options.center_offset == 0) return made;
-  const auto [middle, normal] = middle_of(*made.patch);
+  const auto [middle, normal] = center_of(*made.patch);
   return make_patch(sides, method, continuity, options, Vec3(middle + options.center_offset * normal), faired, points);
 }
 

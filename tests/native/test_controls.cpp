@@ -5,7 +5,7 @@
 #include "test_surfaces.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
-#include "tripatch/fairing/middle.h"
+#include "tripatch/fairing/center.h"
 #include "tripatch/fill.h"
 
 using namespace tripatch;
@@ -43,7 +43,7 @@ double membrane(const Surface& patch) {
 
 double off_sphere(const Surface& patch) { return (patch.positions(grid(20)).rowwise().norm().array() - 1).abs().maxCoeff(); }
 
-Vec3 middle(const Surface& patch) { return middle_of(patch).first; }
+Vec3 middle(const Surface& patch) { return center_of(patch).first; }
 
 }  // namespace
 
@@ -128,7 +128,7 @@ TEST_CASE("an offset moves the middle along its normal") {
   const Sides sides = sides_of(wave());
   for (const char* energy : {"none", "auto"})
     for (double offset : {-0.05, 0.1}) {
-      const auto [p, n] = middle_of(*made(sides, energy).patch);
+      const auto [p, n] = center_of(*made(sides, energy).patch);
       const SurfacePtr patch = made(sides, energy, [&](FillOptions& o) { o.center_offset = offset; }).patch;
       CHECK((middle(*patch) - (p + offset * n)).norm() < 1e-12);
     }

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "tripatch/constructions/side_vertex.h"
+#include "tripatch/fairing/center.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing.h"
 
@@ -157,9 +158,20 @@ double seam_angle(const Surface& patch, const Sides& sides) {
   return worst;
 }
 
-FairResult faired(const Sides& sides, FairingOptions options = {}) {
+FairResult faired(const Sides& sides, const FairingOptions& options = {}, const FoldCounter* folds = nullptr) {
   const Boundary boundary = make_boundary(sides);
-  return fair(side_vertex(boundary), sides, boundary, options);
+  const FairingBase base = {sides, boundary, side_vertex(boundary)};
+  return fair(base, base, options, folds);
+}
+
+/// A side that has nothing but a normal: this one at every t.
+Side with_normal(const Vec3& n) {
+  const Vec3 along = n.unitOrthogonal(), across = along.cross(n);
+  const std::array<double, 6> net = {0, 0, 0, along[0], along[1], along[2]};
+  Side side;
+  side.c = PiecewisePolynomial::bezier(net, 3);
+  side.r = PiecewisePolynomial::constant({across.data(), 3});
+  return side;
 }
 
 }  // namespace
@@ -209,12 +221,12 @@ TEST_CASE("curvature variation has exact derivatives") {
 TEST_CASE("every fairing lowers its energy and keeps the seam") {
   for (const Sides& sides : {sphere_sides(octant), chart_sides<Saddle>(chart), chart_sides<Cubic>(chart)}) {
     const Boundary boundary = make_boundary(sides);
-    const SurfacePtr base = side_vertex(boundary);
+    const FairingBase base = {sides, boundary, side_vertex(boundary)};
     for (const char* name : energies) {
       INFO(name);
       FairingOptions options;
       options.energy = name;
-      const FairResult result = fair(base, sides, boundary, options);
+      const FairResult result = fair(base, base, options);
       CHECK(result.after < 0.9 * result.before);
       CHECK(energy(*result.patch, name, boundary.size, 14) == Approx(result.after).epsilon(0.07));
       CHECK(seam_angle(*result.patch, sides) < 1e-5);
@@ -276,20 +288,34 @@ TEST_CASE("fairing moves, turns and scales with the hole") {
 TEST_CASE("a fairing that folds is not used") {
   const Sides sides = sphere_sides(octant);
   const Boundary boundary = make_boundary(sides);
-  const SurfacePtr base = side_vertex(boundary);
-  FairingOptions options;
-  options.folds = [&](const Surface& surface) { return &surface == base.get() ? Index{0} : Index{1}; };
-  const FairResult result = fair(base, sides, boundary, options);
-  CHECK(result.patch == base);
+  const FairingBase base = {sides, boundary, with_center(side_vertex(boundary), 1.2 * Vec3::Ones().normalized())};
+  // The fair patch is nearly the sphere, this one is raised. Normals of the rim between what the planes of the two say near the center:
+  Sides seen;
+  for (int i = 0; i < 3; ++i) seen[i] = with_normal(Vec3::Ones() - 3.005 * Vec3::Unit(i));
+  const FoldCounter folds(seen);
+  REQUIRE(folds(*base.patch) == 0);
+  REQUIRE(folds(*fair(base, base).patch) > 0);
+  const FairResult result = fair(base, base, {}, &folds);
+  CHECK(result.patch == base.patch);
   CHECK(result.after == result.before);
   CHECK(!result.warnings.empty());
 }
 
 TEST_CASE("folds that are not the patch's own are left alone") {
-  // as where they are counted on the patch with what its sides' kinks add
-  FairingOptions options;
-  options.folds = [](const Surface&) { return Index{1}; };
-  const FairResult result = faired(sphere_sides(octant), options);
+  // as where they are counted on the patch with what its sides' kinks add: here at one point of side 0, whose normal no patch changes
+  const double angle = 13.0 / 64 * M_PI / 2;
+  const Vec3 n(0, std::cos(angle), std::sin(angle)), dip = Vec3::UnitX().cross(n) - 1e-4 * n;
+  Sides seen = {with_normal(Vec3(0, 1, 1)), with_normal(Vec3::Ones()), with_normal(Vec3::Ones())};
+  const Vec3 r = Vec3::UnitX().cross(Vec3(0, 1, 1)), at_dip = Vec3::UnitX().cross(dip);
+  const auto line = [](const Vec3& a, const Vec3& b) {
+    const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
+    return PiecewisePolynomial::bezier(net, 3);
+  };
+  seen[0].c = line(Vec3::Zero(), Vec3::UnitX());
+  seen[0].r = PiecewisePolynomial::joined({line(r, r), line(r, at_dip), line(at_dip, r), line(r, r)},
+                                          {51.0 / 256, 1.0 / 256, 1.0 / 256, 203.0 / 256});
+  const FoldCounter folds(seen);
+  const FairResult result = faired(sphere_sides(octant), {}, &folds);
   CHECK(result.folds == 1);
   CHECK(result.after < result.before);
 }

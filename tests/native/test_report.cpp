@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tripatch/constructions/side_vertex.h"
+#include "tripatch/fairing/folds.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;

@@ -12,7 +12,7 @@
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/constructions/szilvasi_nagy.h"
 #include "tripatch/constructions/triangular_coons.h"
-#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/fairing.h"
 
 namespace tripatch {
 namespace {
@@ -33,12 +33,13 @@ SurfacePtr szilvasi_nagy(const Surfaces& surfaces, int continuity, const MethodO
 }
 
 /// A construction from the boundary alone, without options.
-std::function<SurfacePtr(const Boundary&, const MethodOptions&)> plain(SurfacePtr (*make)(const Boundary&)) {
-  return [make](const Boundary& boundary, const MethodOptions&) { return make(boundary); };
+template <SurfacePtr (*make)(const Boundary&)>
+SurfacePtr plain(const Boundary& boundary, const MethodOptions&) {
+  return make(boundary);
 }
-std::function<SurfacePtr(const Boundary&, const MethodOptions&)> from_curves(
-    SurfacePtr (*make)(std::array<PiecewisePolynomial, 3>)) {
-  return [make](const Boundary& boundary, const MethodOptions&) { return make(curves(boundary)); };
+template <SurfacePtr (*make)(std::array<PiecewisePolynomial, 3>)>
+SurfacePtr from_curves(const Boundary& boundary, const MethodOptions&) {
+  return make(curves(boundary));
 }
 
 }  // namespace
@@ -52,7 +53,7 @@ std::span<const Method> methods() {
        true,
        "G0",
        {},
-       from_curves(gordon_coons),
+       from_curves<gordon_coons>,
        {}},
       {"triangular_coons",
        "Sums of the two curves at each corner, mixed linearly",
@@ -60,7 +61,7 @@ std::span<const Method> methods() {
        true,
        "G0",
        {},
-       from_curves(triangular_coons),
+       from_curves<triangular_coons>,
        {}},
       {"barnhill_birkhoff_gordon",
        "Boolean sum of cubic lofts with slopes",
@@ -68,7 +69,7 @@ std::span<const Method> methods() {
        true,
        "G1",
        slopes,
-       plain(barnhill_birkhoff_gordon),
+       plain<barnhill_birkhoff_gordon>,
        {}},
       {"nielson_blend", "Three surfaces, one for each side, blended by the side weights", "Nielson 1979; Szilvasi-Nagy 2003",
        true, "G1", slopes, [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
@@ -105,7 +106,7 @@ std::span<const Method> methods() {
        true,
        "G1",
        slopes,
-       plain(quintic),
+       plain<quintic>,
        {}},
       {"gregory",
        "Three interpolants to two sides each, blended, without twist constraints",
@@ -113,7 +114,7 @@ std::span<const Method> methods() {
        true,
        "G1",
        slopes,
-       plain(gregory),
+       plain<gregory>,
        {}},
       {"coons_bezier",
        "Discrete Coons net: a Bezier triangle that is the Coons patch of the three sides",
@@ -175,11 +176,10 @@ std::array<std::string, 3> Continuity::names() const {
   return out;
 }
 
-std::pair<Boundary, SurfacePtr> build(const Method& method, const Sides& sides, const RibbonOptions& ribbons,
-                                      const MethodOptions& options) {
+FairingBase build(const Method& method, const Sides& sides, const RibbonOptions& ribbons, const MethodOptions& options) {
   Boundary boundary = make_boundary(sides, ribbons);
   SurfacePtr patch = method.from_boundary(boundary, options);
-  return {std::move(boundary), std::move(patch)};
+  return {sides, std::move(boundary), std::move(patch)};
 }
 
 const Method& find_method(const std::string& name) {

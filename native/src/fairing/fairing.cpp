@@ -8,12 +8,11 @@
 #include <tuple>
 #include <utility>
 
-#include "tripatch/boundary/smoothed.h"
+#include "tripatch/fairing/center.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing_space.h"
-#include "tripatch/fairing/middle.h"
-#include "tripatch/fairing/unfolding.h"
+#include "tripatch/fairing/fold_removal.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
 
@@ -78,8 +77,8 @@ public:
 
   /// What the unknowns add to the middle of the patch, three rows; none where the middle is free.
   Eigen::MatrixXd held() const {
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(options_.middle ? 3 : 0, unknowns());
-    if (!options_.middle) return rows;
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(options_.center ? 3 : 0, unknowns());
+    if (!options_.center) return rows;
     for (int x = 0; x < 3; ++x) rows.row(x).segment(x * interior_, interior_) = size_ * shared_.middle;
     for (int i = 0; i < 3; ++i)
       for (std::size_t f = 0; f < directions_[i].size(); ++f)
@@ -102,7 +101,7 @@ public:
     return out;
   }
 
-  bool controlled() const { return options_.tension > 0 || options_.middle; }
+  bool controlled() const { return options_.tension > 0 || options_.center; }
 
   bool follows_curvature() const { return !followed_.empty(); }
   bool follows_all_curvature() const { return followed_.size() == 3; }
@@ -569,7 +568,7 @@ constexpr Index few_folds = 100;  // of a grid's 2145 points: where more fold, a
 
 }  // namespace
 
-FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options) {
+FairResult fair(const FairingBase& base, const FairingBase& measured, const FairingOptions& options, const FoldCounter* folds) {
   const std::array<std::string, 5> names = {"thin_plate", "third_derivative", "minimum_variation", "quadric_variation", "auto"};
   const auto name = std::find(names.begin(), names.end(), options.energy);
   if (name == names.end())
@@ -579,17 +578,17 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
 
   FairResult result;
   result.energy = options.energy;
-  const SurfacePtr start = options.middle ? with_middle(base, *options.middle) : base;
+  const SurfacePtr start = options.center ? with_center(base.patch, *options.center) : base.patch;
   result.patch = start;
-  const Sides even = options.rebuild ? smoothed(sides) : sides;
-  auto [even_boundary, even_base] = options.rebuild ? options.rebuild(even) : std::pair{boundary, base};
-  if (options.middle) even_base = with_middle(even_base, *options.middle);
+  const Sides& even = measured.sides;
+  const Boundary& even_boundary = measured.boundary;
+  const SurfacePtr even_base = options.center ? with_center(measured.patch, *options.center) : measured.patch;
   FairingOptions own = options;
   if (options.automatic[0] || options.automatic[1] || options.automatic[2]) {
     const std::array<bool, 3> agree = curvature_agrees(even);
     for (int i = 0; i < 3; ++i) own.curvature[i] = options.curvature[i] || (options.automatic[i] && agree[i]);
   }
-  const double unit = boundary.size * boundary.size;
+  const double size = base.boundary.size, unit = size * size;
   const auto tension_of = [&](const Problem& p) {
     Quadratic tension;
     if (!(options.tension > 0)) return tension;
@@ -643,7 +642,7 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     const Merit merit = merit_of(*problem, third);
     Eigen::VectorXd x = problem->raised(rough, d.x);
     Merit::Value value = merit(x);
-    if (value.energy > std::max(options.rich, 1.25 * d.value.energy)) {  // it wavers between the few nodes
+    if (value.energy > std::max(options.rich, 1.25 * d.value.energy)) {  // it oscillates between the few nodes
       const Problem all(*even_base, even, even_boundary, low, options.nodes);
       d = descent(all, all.quadratic(3));
       x = problem->raised(rough, d.x);
@@ -672,30 +671,30 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
     FairResult best = result;
     best.after = best.before;
     SurfacePtr even_patch = even_base;  // the result, on smoothed sides: what energies are measured on
-    if (options.folds && candidates.empty()) best.folds = options.folds(*start);
+    if (folds && candidates.empty()) best.folds = (*folds)(*start);
     // takes the folds out of best.patch, unless there are too many
     const auto unfold = [&] {
-      const Index folds = best.folds.value_or(0);
-      if (folds == 0 || folds > few_folds || options.middle) return false;  // a given middle stays where it is
-      const SurfacePtr correction = unfolding(best.patch, sides, boundary.size, options.folds);
+      const Index found = best.folds.value_or(0);
+      if (found == 0 || found > few_folds || options.center) return false;  // a given middle stays where it is
+      const SurfacePtr correction = fold_removal(best.patch, base.sides, size, *folds);
       if (!correction) return false;
       best.patch = sum(best.patch, correction);
       best.folds = 0;
-      if (options.tension == 0) best.after = energy(*sum(even_patch, correction), options.energy, boundary.size, options.nodes);
+      if (options.tension == 0) best.after = energy(*sum(even_patch, correction), options.energy, size, options.nodes);
       return true;
     };
     for (const auto& [x, e] : candidates) {
       if (!(e <= best.before)) continue;
-      const SurfacePtr correction = problem->correction(x, sides);
+      const SurfacePtr correction = problem->correction(x, base.sides);
       FairResult now = best;
-      now.patch = sum(base, correction);
-      if (options.middle) now.patch = with_middle(now.patch, *options.middle);  // last: `even` and `sides` differ a little
+      now.patch = sum(base.patch, correction);
+      if (options.center) now.patch = with_center(now.patch, *options.center);  // last: `even` and `sides` differ a little
       now.after = e;
-      if (options.folds) now.folds = options.folds(*now.patch);
+      if (folds) now.folds = (*folds)(*now.patch);
       even_patch = sum(even_base, correction);
       std::swap(best, now);
       if (best.folds.value_or(0) == 0) return best;
-      if (!now.folds) now.folds = options.folds(*start);  // counted only when needed
+      if (!now.folds) now.folds = (*folds)(*start);  // counted only when needed
       if (unfold() ? best.after <= best.before : *best.folds <= *now.folds) return best;
       best = std::move(now);
       even_patch = even_base;
@@ -712,14 +711,14 @@ FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boun
   FairResult plain = best_of({});
   plain.gave_up = true;
   plain.warnings = {
-      "The surroundings waver too much over the length of the hole to be continued fairly; the plain patch is used"};
+      "The surroundings vary too rapidly over the length of the hole to be continued fairly; the plain patch is used"};
   if (plain.folds.value_or(0) == 0) return plain;
   if (beyond) fairest = best_of(tried);
   return fairest.folds == Index{0} ? fairest : plain;
 }
 
-SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, SurfacePoints points,
-                  const FairingOptions& options) {
+SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOptions& options) {
+  const auto& [sides, boundary, plain] = base;
   const int slopes = options.slopes;
   const Index inner = scalars(options.degree, options.bends), n = points.points.rows();
   std::vector<PiecewisePolynomial> functions;
@@ -741,11 +740,11 @@ SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& bo
     return x.allFinite();
   };
 
-  SurfacePtr patch = base;
+  SurfacePtr patch = plain;
   for (int round = 0; round < 2; ++round) {
     Points b = (points.barycentric.array() + 1e-9).matrix();  // at a vertex the terms are 0/0
     for (Index k = 0; k < n; ++k) b.row(k) /= b.row(k).sum();
-    const Points missing = points.points - base->positions(b);
+    const Points missing = points.points - plain->positions(b);
     const Index unknowns = 3 * inner + 6 * slopes;
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3 * n, unknowns);
     Eigen::VectorXd right(3 * n);
@@ -787,7 +786,7 @@ SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& bo
       changes[i] = scale[i][0] == 0 && scale[i][1] == 0 ? PiecewisePolynomial::constant(none)
                                                         : added(x, i, 0) * directions[i][0] + added(x, i, 1) * directions[i][1];
     const Points coefficients = boundary.size * Eigen::Map<const Points>(x.data(), inner, 3);
-    patch = sum(base, tripatch::correction(std::move(changes), options.degree, options.bends, coefficients));
+    patch = sum(plain, tripatch::correction(std::move(changes), options.degree, options.bends, coefficients));
     if (round == 0) nearest(*patch, points.points, points.barycentric);
   }
   return patch;

@@ -1,11 +1,11 @@
 #include "tripatch/fairing/kinks.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "tripatch/fairing/curvature.h"
+#include "tripatch/math/angle.h"
 
 namespace tripatch {
 namespace {
@@ -93,7 +93,7 @@ std::vector<double> kinks_of(const Side& side) {
 
 double planes_apart(const Side& side, double kink) {
   const Vec3 a = side.normal(kink - just_before), b = side.normal(kink);
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI;
+  return degrees_between(a, b);
 }
 
 Kinks::Kinks(const Sides& sides) : sides_(sides), rounded_(sides) {

@@ -2,17 +2,17 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
+
+struct FairingBase;
 
 /// Options of single constructions; the others do not read them.
 struct MethodOptions {
@@ -32,10 +32,10 @@ struct Method {
   bool fills_holes;                  ///< can be made from the three sides of a hole
   const char* continuity;            ///< "G0" or "G1": what it keeps along the sides
   std::vector<std::string> options;  ///< names of the options of `fill` that it reads and not every method does
-  /// From the boundary of a hole; empty where fills_holes is false.
-  std::function<SurfacePtr(const Boundary&, const MethodOptions&)> from_boundary;
-  /// From three surfaces over one triangle, surface i carries side i; empty where it does not apply.
-  std::function<SurfacePtr(const std::array<SurfacePtr, 3>&, const MethodOptions&)> from_surfaces;
+  /// From the boundary of a hole; none where fills_holes is false.
+  SurfacePtr (*from_boundary)(const Boundary&, const MethodOptions&);
+  /// From three surfaces over one triangle, surface i carries side i; none where it does not apply.
+  SurfacePtr (*from_surfaces)(const std::array<SurfacePtr, 3>&, const MethodOptions&);
 };
 
 /// What a patch keeps along each side.
@@ -52,9 +52,8 @@ struct Continuity {
 Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides);
 
 std::span<const Method> methods();
-/// The patch of a method from three sides, with the boundary that it was made of.
-std::pair<Boundary, SurfacePtr> build(const Method& method, const Sides& sides, const RibbonOptions& ribbons,
-                                      const MethodOptions& options);
+/// The patch of a method from three sides, with what it was made of.
+FairingBase build(const Method& method, const Sides& sides, const RibbonOptions& ribbons, const MethodOptions& options);
 /// Throws InvalidArgument that lists the names.
 const Method& find_method(const std::string& name);
 

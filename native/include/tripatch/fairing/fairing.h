@@ -3,16 +3,16 @@
 //   - the second derivative across each side changed, by 1/2 b_i^2 (cubic side weight) times a polynomial of t, and
 //   - the slopes alpha(t), beta(t) of each side changed between the corners (on a side that is met in position only: all of the
 //     derivative across it);
-// all are linear. The coefficients minimise a fairness energy, with the middle held where that is asked.
+// all are linear. The coefficients minimise a fairness energy, with the center held where that is asked.
 #pragma once
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/fairing/folds.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
@@ -35,16 +35,19 @@ struct FairingOptions {
   /// Pulls the patch tight: the energy gains `tension` times the integral of w |DP|^2 (that of first derivatives), in the energy's
   /// own unit times (2 pi)^4, thin_plate (2 pi)^2: at 1 it weighs what the energy does for a wave as long as the hole.
   double tension = 0;
-  std::optional<Vec3> middle;  ///< where the patch is to have its point b = (1/3, 1/3, 1/3), scene units
+  std::optional<Vec3> center;  ///< where the patch is to have its point b = (1/3, 1/3, 1/3), scene units
   /// Sides whose curvature (Side::q) the patch follows by least squares: a jump of normal curvature of `curvature_jump`, relative
   /// to the sides' curvature, rms, and of three times Side::curvature_error, costs as much as an energy that grows by a factor e.
   std::array<bool, 3> curvature = {false, false, false};
   std::array<bool, 3> automatic = {false, false, false};  ///< the same, where curvature_agrees
   double curvature_jump = 0.025;
-  /// Makes the patch that is to be faired from other sides. With it the energy is that of smoothed sides (see smoothed): third
-  /// derivatives of splines through mesh vertices are mostly noise. The patch still meets the sides as they are.
-  std::function<std::pair<Boundary, SurfacePtr>(const Sides&)> rebuild;
-  std::function<Index(const Surface&)> folds;  ///< counts folds; empty: none are counted
+};
+
+/// A patch of `boundary` that keeps G1 to `sides`.
+struct FairingBase {
+  Sides sides;
+  Boundary boundary;
+  SurfacePtr patch;
 };
 
 struct FairResult {
@@ -59,9 +62,12 @@ struct FairResult {
   std::vector<std::string> warnings;
 };
 
-/// `base` is any patch of `boundary` that keeps G1 to `sides`. The result has no higher energy and no more folds; if nothing
-/// better is found, it is `base` itself (with its middle where it is asked for).
-FairResult fair(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, const FairingOptions& options = {});
+/// `measured` is what energies are measured on: the same as `base`, but made from smoothed sides (see smoothed), because third
+/// derivatives of splines through mesh vertices are mostly noise. What makes it fair is added to `base`, which meets the sides as they
+/// are. The result has no higher energy and no more folds (without `folds` they are not counted); if nothing better is found, it is
+/// the patch of `base` itself (with its center where it is asked for).
+FairResult fair(const FairingBase& base, const FairingBase& measured, const FairingOptions& options = {},
+                const FoldCounter* folds = nullptr);
 
 /// Points of a surface that a patch shall follow, with the barycentric coordinates where it is about to pass them, and unit normals.
 struct SurfacePoints {
@@ -70,7 +76,6 @@ struct SurfacePoints {
 
 /// Of the patches that differ from `base` in the terms above the one that is nearest to the points, by least squares: distances along
 /// the surface count a tenth. Of `options` the numbers of coefficients and slopes_free are read.
-SurfacePtr follow(const SurfacePtr& base, const Sides& sides, const Boundary& boundary, SurfacePoints points,
-                  const FairingOptions& options = {});
+SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOptions& options = {});
 
 }  // namespace tripatch

@@ -24,6 +24,7 @@ public:
 
   bool on(int side) const { return !kinks_[side].empty(); }
   bool empty() const { return kinks_[0].empty() && kinks_[1].empty() && kinks_[2].empty(); }
+  const Sides& sides() const { return sides_; }
   /// The sides, each kink replaced by quintics of c, r and q that reach half the way to the next kink or end.
   const Sides& rounded() const { return rounded_; }
   /// A patch of the rounded sides as one of the sides. tangent: sides to which it keeps the tangent planes.

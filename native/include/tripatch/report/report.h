@@ -28,7 +28,7 @@ struct Report {
   std::string method_reason;            ///< and why it was
   std::optional<double> deviation_max;  ///< largest of Fill::deviation, scene units; none: unknown
   Index triangles_folded = 0;           ///< edges between the new faces that are folded, of a cage those of its limit surface
-  Index folds = 0;                      ///< of the patch, on a 64 x 64 grid
+  Index folds = 0;                      ///< of the patch, see FoldCounter
   std::array<Index, 3> corners = {0, 0, 0};  ///< vertex indices
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
   double cage_deviation_max = 0;  ///< fill's limit surface to the patch
@@ -47,9 +47,5 @@ struct Report {
 /// Seam angles of a patch against its sides, `samples` points a side, ends included where the two planes of the corner agree to
 /// 1e-6 degrees, else outside 1% of the side.
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples = 200);
-
-/// Folds on a 64 x 64 grid: points with (P_1 x P_2) . n <= 0, n the side-weight blend of the rim's normals, and neighbours whose
-/// normals are 60 degrees or more apart, but for the neighbourhood of corners and kinks whose planes differ.
-Index count_folds(const Surface& patch, const Sides& sides);
 
 }  // namespace tripatch

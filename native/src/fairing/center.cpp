@@ -1,4 +1,4 @@
-#include "tripatch/fairing/middle.h"
+#include "tripatch/fairing/center.h"
 
 namespace tripatch {
 namespace {
@@ -24,17 +24,17 @@ private:
   int power_;
 };
 
-Points middle() { return Points::Constant(1, 3, 1.0 / 3); }
+Points center() { return Points::Constant(1, 3, 1.0 / 3); }
 
 }  // namespace
 
-std::pair<Vec3, Vec3> middle_of(const Surface& patch) {
-  const auto [position, normal] = patch.positions_and_normals(middle());
+std::pair<Vec3, Vec3> center_of(const Surface& patch) {
+  const auto [position, normal] = patch.positions_and_normals(center());
   return {position.row(0), normal.row(0)};
 }
 
-SurfacePtr with_middle(const SurfacePtr& patch, const Vec3& position, int power) {
-  const Vec3 lift = position - patch->positions(middle()).row(0).transpose();
+SurfacePtr with_center(const SurfacePtr& patch, const Vec3& position, int power) {
+  const Vec3 lift = position - patch->positions(center()).row(0).transpose();
   return sum(patch, std::make_shared<Bubble>(lift, power));
 }
 

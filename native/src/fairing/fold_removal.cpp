@@ -1,4 +1,4 @@
-#include "tripatch/fairing/unfolding.h"
+#include "tripatch/fairing/fold_removal.h"
 
 #include <Eigen/Dense>
 #include <array>
@@ -11,8 +11,7 @@
 
 namespace tripatch {
 
-SurfacePtr unfolding(const SurfacePtr& patch, const Sides& sides, double size,
-                     const std::function<Index(const Surface&)>& folds) {
+SurfacePtr fold_removal(const SurfacePtr& patch, const Sides& sides, double size, const FoldCounter& folds) {
   constexpr int rows = 64, rounds = 16, degree = 9;
   constexpr double faces = 0.02, neighbours = 0.55;  // cosines: least wanted
   constexpr double far = 0.25;                       // times the size: where that is not enough, nothing is
