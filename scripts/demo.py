@@ -121,7 +121,8 @@ def make_object(name, vertices, faces, normals):
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([tuple(v) for v in vertices], [], [tuple(f) for f in faces])
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
-    mesh.use_auto_smooth = True  # what makes Blender before 4.1 use the normals that a mesh brings
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True  # what makes Blender before 4.1 use the normals that a mesh brings
     mesh.normals_split_custom_set_from_vertices([tuple(n) for n in normals])
     mesh.validate()
     thing = bpy.data.objects.new(name, mesh)

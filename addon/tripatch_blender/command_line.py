@@ -11,7 +11,7 @@ import sys
 import bmesh
 import bpy
 
-from . import beside, filling, library, selection, subdivision
+from . import beside, filling, layers, library, selection, subdivision
 
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 
@@ -192,7 +192,12 @@ def _fill(ob, arguments, options):
     if ob.library or mesh.library or mesh.override_library:
         raise selection.UnusableError(f"The mesh '{mesh.name}' is linked from another file; make it local first")
     matrix = filling.world_matrix(ob.name, ob.matrix_world)
-    bm = bmesh.new()
+    with layers.mesh_without_matrices(mesh):
+        return _fill_mesh(ob, matrix, arguments, options)
+
+
+def _fill_mesh(ob, matrix, arguments, options):
+    mesh, bm = ob.data, bmesh.new()
     try:
         bm.from_mesh(mesh)
         rims = _rims(bm, matrix, arguments)

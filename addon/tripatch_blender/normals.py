@@ -25,10 +25,15 @@ def free_layer(bm):
     return bm.loops.layers.float_vector.get("custom_normal")
 
 
-def _encoded_template():
-    """A mesh with the layer of encoded custom normals, of one triangle."""
+def _encoded_template(of):
+    """A mesh of one triangle with the layer of encoded custom normals and every attribute that the corners of a mesh have."""
     mesh = bpy.data.meshes.new("TriPatch")
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    for attribute in of.attributes:
+        # A name with a dot is Blender's own, as the vertices of corners are.
+        if attribute.domain == "CORNER" and not attribute.name.startswith(".") and attribute.name not in mesh.attributes:
+            if attribute.name != "custom_normal":
+                mesh.attributes.new(attribute.name, attribute.data_type, "CORNER")
     mesh.normals_split_custom_set([(0, 0, 1)] * 3)
     return mesh
 
@@ -60,8 +65,8 @@ def _copy_of(bm, faces, template):
 class _Scratch:
     """A mesh for decoding or encoding, removed again."""
 
-    def __init__(self, bm, faces):
-        self._template = _encoded_template()
+    def __init__(self, bm, mesh, faces):
+        self._template = _encoded_template(mesh)
         self.bm = _copy_of(bm, faces, self._template)
         self.mesh = bpy.data.meshes.new("TriPatch")
 
@@ -86,13 +91,13 @@ class _Scratch:
         return values.reshape(-1, 3).astype(np.float64)
 
 
-def corner_normals(bm, vertices):
+def corner_normals(bm, mesh, vertices):
     """{face corner: unit normal} for all corners at these vertices."""
     free = free_layer(bm)
     if free is not None:
         return {loop: np.array(loop[free]) for v in vertices for loop in v.link_loops}
     faces = sorted({f for v in vertices for f in v.link_faces}, key=lambda f: f.index)
-    with _Scratch(bm, faces) as scratch:
+    with _Scratch(bm, mesh, faces) as scratch:
         values = scratch.decoded()
     at, normals = set(vertices), {}
     for loop, normal in zip((corner for f in faces for corner in f.loops), values, strict=True):
@@ -101,7 +106,7 @@ def corner_normals(bm, vertices):
     return normals
 
 
-def set_corner_normals(bm, normals):
+def set_corner_normals(bm, mesh, normals):
     """Sets custom normals at all corners of some vertices: {face corner: unit normal}."""
     free = free_layer(bm)
     if free is not None:
@@ -111,7 +116,7 @@ def set_corner_normals(bm, normals):
     # A closed fan is counted from its first face on, so the order of the faces matters.
     bm.faces.index_update()
     faces = sorted({f for loop in normals for f in loop.vert.link_faces}, key=lambda f: f.index)
-    with _Scratch(bm, faces) as scratch:
+    with _Scratch(bm, mesh, faces) as scratch:
         corners = [corner for f in faces for corner in f.loops]
         scratch.mesh.normals_split_custom_set([tuple(normals.get(corner, (0.0, 0.0, 0.0))) for corner in corners])
         encoded = bmesh.new()

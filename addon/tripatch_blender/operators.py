@@ -7,7 +7,7 @@ import bmesh
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 
-from . import beside, filling, library, selection, subdivision
+from . import beside, filling, layers, library, selection, subdivision
 from .construction import Construction
 
 
@@ -170,6 +170,10 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         return filling.Options(arguments, self.corner_offset, self.shading)
 
     def execute(self, context):
+        with layers.without_matrices(context, context.objects_in_mode_unique_data):
+            return self._execute(context)
+
+    def _execute(self, context):
         objects = context.objects_in_mode_unique_data
         selected = [ob for ob in objects if ob.data.total_vert_sel]
         if not self.properties.is_property_set("output"):

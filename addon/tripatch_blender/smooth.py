@@ -9,7 +9,7 @@ import bmesh
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
-from . import attributes, filling, library, normals, selection, writeback
+from . import attributes, filling, layers, library, normals, selection, writeback
 from .library import np, tripatch
 from .selection import UnusableError
 
@@ -84,6 +84,7 @@ class _Planned:
     """Smoothed triangles that are ready to be written: nothing in the BMesh has changed yet."""
 
     bm: bmesh.types.BMesh
+    mesh: bpy.types.Mesh
     faces: list  # BMFace
     triangles: list  # their vertices' indices
     smooth: object  # tripatch.SmoothMesh in world space, in the vertex numbers of the BMesh
@@ -145,14 +146,14 @@ def _plan(ob, resolution, curve):
     custom, given = None, {}
     if normals.has_custom_normals(bm, mesh):
         changed = {f for face in faces for e in face.edges for f in e.link_faces}
-        custom = normals.corner_normals(bm, {v for f in changed for v in f.verts})
+        custom = normals.corner_normals(bm, mesh, {v for f in changed for v in f.verts})
         given = dict(zip(custom, _unit(np.array(list(custom.values())) @ inverse), strict=True))
     try:
         smooth = smoothed(lambda v: v.co, given)
     except tripatch.Refusal as refusal:
         raise UnusableError(refusal.reason) from None
     weights = _Weights(smooth, triangles, count, resolution)
-    planned = _Planned(bm, faces, triangles, smooth, to_object(smooth), _unit(smooth.normals @ linear), weights, custom)
+    planned = _Planned(bm, mesh, faces, triangles, smooth, to_object(smooth), _unit(smooth.normals @ linear), weights, custom)
 
     active = ob.active_shape_key
     for name, layer in bm.verts.layers.shape.items():
@@ -242,7 +243,7 @@ def _write(planned):
         at = planned.smooth.faces.ravel().tolist()
         for corner, v in zip(corners, at, strict=True):
             custom[corner] = planned.normals[v] if corner.face.smooth else np.array(corner.face.normal)
-        normals.set_corner_normals(bm, custom)
+        normals.set_corner_normals(bm, planned.mesh, custom)
     return new_faces
 
 
@@ -278,6 +279,10 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
         layout.prop(self, "curve")
 
     def execute(self, context):
+        with layers.without_matrices(context, context.objects_in_mode_unique_data):
+            return self._execute(context)
+
+    def _execute(self, context):
         objects = context.objects_in_mode_unique_data
         plans = {}
         for ob in objects:

@@ -171,7 +171,7 @@ def write(bm, mesh, all_planned, shading):
     custom = None
     if normals.has_custom_normals(bm, mesh):
         kept = {v for planned in all_planned for v in planned.loop}
-        custom = normals.corner_normals(bm, kept)
+        custom = normals.corner_normals(bm, mesh, kept)
     gone = {f for planned in all_planned for f in planned.rim.replaced}
     if custom is not None:
         custom = {corner: normal for corner, normal in custom.items() if corner.face not in gone}
@@ -179,5 +179,5 @@ def write(bm, mesh, all_planned, shading):
     for planned in all_planned:
         new_faces += _write_one(bm, planned, shading, custom)
     if custom is not None:
-        normals.set_corner_normals(bm, custom)
+        normals.set_corner_normals(bm, mesh, custom)
     return new_faces

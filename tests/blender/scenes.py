@@ -122,7 +122,10 @@ def arrays(ob):
     mesh, state = ob.data, {}
     for attribute in mesh.attributes:
         if attribute.domain in {"POINT", "EDGE", "FACE", "CORNER"} and not attribute.name.startswith("."):
-            state[attribute.name] = [tuple(getattr(d, _field(d))) if _long(d) else getattr(d, _field(d)) for d in attribute.data]
+            # numbers, not vectors: the rows of a matrix go on reading its memory
+            state[attribute.name] = [
+                np.ravel(getattr(d, _field(d))).tolist() if _long(d) else getattr(d, _field(d)) for d in attribute.data
+            ]
     state["vertices"] = np.array([v.co for v in mesh.vertices], np.float32).tobytes()
     state["edges"] = [tuple(e.vertices) for e in mesh.edges]
     state["faces"] = [(tuple(p.vertices), p.material_index, p.use_smooth, p.select) for p in mesh.polygons]

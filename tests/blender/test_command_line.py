@@ -49,6 +49,22 @@ def test_all_filled(run):
     assert rims("A") == rims("B") == [36]
 
 
+@pytest.mark.skipif(bpy.app.version < (4, 5), reason="this Blender has no matrices")
+def test_attributes_that_are_matrices_stay(run):
+    """Making elements beside them would end Blender."""
+    ob = scenes.add_hole()
+    ob.name = "A"
+    layer = ob.data.attributes.new("M", "FLOAT4X4", "POINT")
+    before = np.arange(16 * len(layer.data), dtype=np.float32)
+    layer.data.foreach_set("value", before)
+    assert run()[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    layer = bpy.data.objects["A"].data.attributes["M"]
+    after = np.empty(16 * len(layer.data), np.float32)
+    layer.data.foreach_get("value", after)
+    np.testing.assert_array_equal(after[: len(before)], before)
+
+
 def test_named_objects_only(run):
     scenes.add_hole().name = "A"
     scenes.add_hole().name = "B"

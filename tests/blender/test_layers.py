@@ -1,0 +1,158 @@
+"""Attributes of every type that the running Blender has: a fill changes none of what the mesh had before."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+fill = bpy.ops.mesh.fill_three_sided
+
+TYPES = [item.identifier for item in bpy.types.Attribute.bl_rna.properties["data_type"].enum_items]
+FIELD = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector", "FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
+WIDTH = {
+    "FLOAT_VECTOR": 3,
+    "FLOAT_COLOR": 4,
+    "BYTE_COLOR": 4,
+    "FLOAT2": 2,
+    "INT16_2D": 2,
+    "INT32_2D": 2,
+    "QUATERNION": 4,
+    "FLOAT4X4": 16,
+}
+
+
+def give(mesh, kind, domain):
+    """A new attribute with a value of its own on every element."""
+    layer = mesh.attributes.new("Own", kind, domain)
+    count, width = len(layer.data), WIDTH.get(kind, 1)
+    if kind == "STRING":
+        for k, item in enumerate(layer.data):
+            item.value = f"s{k}".encode() if bpy.app.version >= (4, 5) else f"s{k}"
+        return
+    whole = np.arange(count * width)
+    values = {"BOOLEAN": whole % 2 == 0, "INT8": whole % 120, "INT": whole}.get(kind)
+    if kind.startswith(("INT16", "INT32")):
+        values = whole % 3000
+    if values is None:
+        values = np.random.default_rng(1).random(count * width, np.float32)
+    layer.data.foreach_set(FIELD.get(kind, "value"), values)
+
+
+def values_of(mesh, kind):
+    """(elements, width) of what `give` gave, in bytes that can be compared."""
+    layer = mesh.attributes["Own"]
+    assert layer.data_type == kind
+    return [np.ravel(getattr(item, FIELD.get(kind, "value"))).tolist() if kind != "STRING" else item.value for item in layer.data]
+
+
+def hole(custom):
+    ob = scenes.add_hole()
+    if custom:
+        if hasattr(ob.data, "use_auto_smooth"):
+            ob.data.use_auto_smooth = True
+        ob.data.normals_split_custom_set_from_vertices([(0.0, 0.6, 0.8)] * len(ob.data.vertices))
+    return ob
+
+
+@pytest.mark.parametrize("custom", [False, True], ids=["plain", "custom normals"])
+@pytest.mark.parametrize("domain", ["POINT", "EDGE", "FACE", "CORNER"])
+@pytest.mark.parametrize("kind", TYPES)
+def test_what_elements_had_before_stays(kind, domain, custom):
+    ob = hole(custom)
+    give(ob.data, kind, domain)
+    before = values_of(ob.data, kind)
+    scenes.edit(ob)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after = values_of(ob.data, kind)
+    assert len(after) > len(before) > 80
+    assert after[: len(before)] == before
+    assert [a.name for a in ob.data.attributes if "tripatch" in a.name.lower()] == []
+
+
+@pytest.mark.skipif("FLOAT4X4" not in TYPES, reason="this Blender has no matrices")
+def test_matrices_are_blended_at_new_vertices():
+    points, faces = scenes.lattice()
+    ob = scenes.add_mesh(scenes.flat(points), faces)
+    layer = ob.data.attributes.new("Own", "FLOAT4X4", "POINT")
+    slopes = np.arange(16) / 16
+    layer.data.foreach_set("value", (0.5 + points[:, :1] * slopes).astype(np.float32).ravel())
+    old = len(ob.data.vertices)
+    scenes.edit(ob)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    got = np.array(values_of(ob.data, "FLOAT4X4"))
+    x = np.array([v.co.x for v in ob.data.vertices])
+    order = np.ravel(np.array(got[0]))  # rows or columns first: as the vertices that were there have it
+    assert order.shape == (16,)
+    np.testing.assert_allclose(got[old:] - 0.5, (x[old:, None] / x[0]) * (got[0] - 0.5), atol=1e-3)
+
+
+@pytest.mark.skipif("FLOAT4X4" not in TYPES, reason="this Blender has no matrices")
+def test_matrices_do_not_end_the_mode_or_the_selection_of_other_objects():
+    obs = [hole(False) for _ in range(2)]
+    give(obs[0].data, "FLOAT4X4", "POINT")
+    bms = scenes.edit(*obs)
+    scenes.select_rim(bms[0], scenes.border_loops(bms[0])[0])
+    obs[1].select_set(False)
+    assert fill() == {"FINISHED"}
+    assert all(ob.mode == "EDIT" for ob in obs)
+    assert [ob.select_get() for ob in obs] == [True, False]
+    assert "FLOAT4X4" == obs[0].data.attributes["Own"].data_type
+    bm = bmesh.from_edit_mesh(obs[0].data)
+    assert any(f.select for f in bm.faces) and len(scenes.border_loops(bm)) == 1
+
+
+@pytest.mark.skipif("FLOAT4X4" not in TYPES, reason="this Blender has no matrices")
+def test_matrices_of_a_mesh_that_is_refused_stay(capfd):
+    ob = scenes.add_mesh(*scenes.square_hole())
+    give(ob.data, "FLOAT4X4", "CORNER")
+    before = values_of(ob.data, "FLOAT4X4")
+    scenes.edit(ob)
+    assert fill() == {"CANCELLED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert values_of(ob.data, "FLOAT4X4") == before
+
+
+@pytest.mark.skipif("FLOAT4X4" not in TYPES, reason="this Blender has no matrices")
+@pytest.mark.parametrize("domain", ["POINT", "EDGE", "FACE", "CORNER"])
+def test_smoothed_triangles_keep_the_matrices_of_others(domain):
+    ob = scenes.add_hole()
+    give(ob.data, "FLOAT4X4", domain)
+    (bm,) = scenes.edit(ob, mode="FACE")
+    scenes.select(bm, faces=list(bm.faces)[-2:])
+    assert bpy.ops.mesh.smooth_triangles(resolution=4) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert ob.data.attributes["Own"].data_type == "FLOAT4X4"
+    assert not ob.data.validate(verbose=True)
+
+
+@pytest.mark.skipif("FLOAT4X4" not in TYPES, reason="this Blender has no matrices")
+def test_a_clash_of_names_is_no_trouble():
+    """The stand-ins of a matrix take names that are free."""
+    ob = hole(False)
+    give(ob.data, "FLOAT4X4", "POINT")
+    ob.data.attributes.new("TriPatch", "INT", "POINT")
+    scenes.edit(ob)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert ob.data.attributes["TriPatch"].data_type == "INT"
+
+
+@pytest.mark.skipif("FLOAT4X4" not in TYPES, reason="this Blender has no matrices")
+def test_undo_brings_matrices_back():
+    ob = hole(False)
+    give(ob.data, "FLOAT4X4", "CORNER")
+    scenes.edit(ob)
+    name = ob.name
+    bpy.ops.ed.undo_push(message="before")
+    before = scenes.state(name)
+    bpy.ops.ed.undo_push(message="before")
+    assert fill("EXEC_DEFAULT", True) == {"FINISHED"}
+    after = scenes.state(name)
+    assert after != before
+    bpy.ops.ed.undo()
+    assert scenes.state(name) == before
+    bpy.ops.ed.redo()
+    assert scenes.state(name) == after
