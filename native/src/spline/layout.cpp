@@ -1,0 +1,562 @@
+#include "tripatch/spline/layout.h"
+
+#include <Eigen/Dense>
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace tripatch {
+namespace {
+
+using Triangle = std::array<int, 3>;
+using Vec2 = Eigen::Vector2d;
+using Matrix2 = Eigen::Matrix2d;
+using Sparse = Eigen::SparseMatrix<double>;
+
+constexpr double least_height = 1e-3;      // of a triangle's longest edge; flatter ones are laid out as if they were that high
+constexpr double least_length = 1e-4;      // of that longest edge over the side of the mean triangle
+constexpr double weight_of_filled = 1e-2;  // of a triangle that closes an inner hole, times its area: as good as free to deform
+constexpr double least_cotangent = 0.05;   // of the weights of Tutte's embedding, which must be positive
+constexpr int reweightings = 4;            // of Tutte's embedding
+constexpr double to_barrier = 0.9;         // of the way to where the first triangle loses its area: as far as a step goes
+
+// ------------------------------------------------------------------------------------------------------- connectivity
+
+/// The triangles connected across edges with the first one, by their own count of vertices, its inner holes closed.
+struct Disc {
+  std::vector<Triangle> triangles;  // the first `real` of them are the caller's
+  std::size_t real = 0;
+  std::vector<Index> vertices;           // of the caller; those added to close holes come after them
+  int count = 0;                         // of vertices, with those added
+  std::vector<std::vector<int>> filled;  // the loops; loop k is closed by vertex vertices.size() + k
+  std::vector<int> border;               // the outer one, as the triangles traverse it
+};
+
+/// An edge is 3 * triangle + k, from the triangle's corner k to the next.
+int next_in_triangle(int edge) { return edge % 3 == 2 ? edge - 2 : edge + 1; }
+
+/// Across edge k of triangle t the other triangle's edge, or -1. False where an edge is no manifold's.
+bool find_neighbors(const std::vector<Triangle>& triangles, std::vector<int>& across) {
+  std::vector<std::array<int, 3>> edges;
+  edges.reserve(3 * triangles.size());
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+      if (a == b) return false;
+      edges.push_back({std::min(a, b), std::max(a, b), 2 * (3 * t + k) + (a < b)});
+    }
+  std::sort(edges.begin(), edges.end());
+  across.assign(3 * triangles.size(), -1);
+  const auto same = [&](std::size_t i, std::size_t j) {
+    return j < edges.size() && edges[i][0] == edges[j][0] && edges[i][1] == edges[j][1];
+  };
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!same(i, i + 1)) continue;
+    if (same(i, i + 2) || (edges[i][2] & 1) == (edges[i + 1][2] & 1)) return false;
+    across[edges[i][2] / 2] = edges[i + 1][2] / 2;
+    across[edges[i + 1][2] / 2] = edges[i][2] / 2;
+    ++i;
+  }
+  return true;
+}
+
+/// Loops of border edges as the triangles traverse them, no vertex twice in one.
+std::vector<std::vector<int>> border_loops(const std::vector<Triangle>& triangles, const std::vector<int>& across, int count) {
+  std::vector<std::vector<int>> loops;
+  std::vector<char> done(across.size(), 0);
+  std::vector<int> place(count, -1);
+  for (int start = 0; start < static_cast<int>(across.size()); ++start) {
+    if (across[start] >= 0 || done[start]) continue;
+    std::vector<int> walk;
+    for (int h = start; !done[h];) {
+      done[h] = 1;
+      const int v = triangles[h / 3][h % 3];
+      if (place[v] >= 0) {  // a part of the walk is closed
+        loops.emplace_back(walk.begin() + place[v], walk.end());
+        for (int u : loops.back()) place[u] = -1;
+        walk.resize(walk.size() - loops.back().size());
+      }
+      place[v] = static_cast<int>(walk.size());
+      walk.push_back(v);
+      h = next_in_triangle(h);
+      while (across[h] >= 0) h = next_in_triangle(across[h]);
+    }
+    for (int u : walk) place[u] = -1;
+    loops.push_back(std::move(walk));
+  }
+  return loops;
+}
+
+/// Every vertex has one fan of triangles.
+bool fans_are_whole(const std::vector<Triangle>& triangles, const std::vector<int>& across, int count) {
+  std::vector<int> corners(count, 0), turned(count, -1);
+  for (const Triangle& t : triangles)
+    for (int v : t) ++corners[v];
+  for (int h = 0; h < static_cast<int>(across.size()); ++h) {
+    const int v = triangles[h / 3][h % 3];
+    if (turned[v] >= 0) continue;
+    int first = h, n = 1;  // back to the border or around
+    for (int g = across[first]; g >= 0 && (first = next_in_triangle(g)) != h; g = across[first]) {
+    }
+    const auto next = [&](int g) { return across[next_in_triangle(next_in_triangle(g))]; };
+    for (int g = next(first); g >= 0 && g != first; g = next(g)) ++n;
+    turned[v] = n;
+    if (n != corners[v]) return false;
+  }
+  return true;
+}
+
+std::optional<Disc> make_disc(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles) {
+  Disc disc;
+  if (triangles.empty()) return std::nullopt;
+  std::vector<Triangle> all;
+  for (const auto& t : triangles) {
+    for (Index v : t)
+      if (v < 0 || v >= points.rows()) throw InvalidArgument("triangles of rows that the points do not have");
+    all.push_back({static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
+  }
+  std::vector<int> across;
+  if (!find_neighbors(all, across)) return std::nullopt;
+  std::vector<char> reached(all.size(), 0);
+  std::vector<int> open = {0};
+  reached[0] = 1;
+  while (!open.empty()) {
+    const int t = open.back();
+    open.pop_back();
+    for (int k = 0; k < 3; ++k)
+      if (const int h = across[3 * t + k]; h >= 0 && !reached[h / 3]) reached[h / 3] = 1, open.push_back(h / 3);
+  }
+  std::vector<int> number(points.rows(), -1);
+  for (std::size_t t = 0; t < all.size(); ++t) {
+    if (!reached[t]) continue;
+    for (int& v : all[t]) {
+      if (number[v] < 0) {
+        number[v] = disc.count++;
+        disc.vertices.push_back(v);
+      }
+      v = number[v];
+    }
+    disc.triangles.push_back(all[t]);
+  }
+  disc.real = disc.triangles.size();
+
+  find_neighbors(disc.triangles, across);
+  std::vector<std::vector<int>> loops = border_loops(disc.triangles, across, disc.count);
+  if (loops.empty()) return std::nullopt;
+  std::size_t outer = 0;
+  double longest = -1;
+  for (std::size_t l = 0; l < loops.size(); ++l) {
+    double length = 0;
+    for (std::size_t k = 0; k < loops[l].size(); ++k)
+      length += (points.row(disc.vertices[loops[l][k]]) - points.row(disc.vertices[loops[l][(k + 1) % loops[l].size()]])).norm();
+    if (length > longest) longest = length, outer = l;
+  }
+  for (std::size_t l = 0; l < loops.size(); ++l) {
+    if (l == outer) continue;
+    if (loops[l].size() < 3) return std::nullopt;
+    for (std::size_t k = 0; k < loops[l].size(); ++k)
+      disc.triangles.push_back({loops[l][(k + 1) % loops[l].size()], loops[l][k], disc.count});
+    ++disc.count;
+    disc.filled.push_back(std::move(loops[l]));
+  }
+  disc.border = std::move(loops[outer]);
+  if (!find_neighbors(disc.triangles, across) || !fans_are_whole(disc.triangles, across, disc.count)) return std::nullopt;
+  const auto border_edges = static_cast<std::size_t>(std::count(across.begin(), across.end(), -1));
+  const std::size_t edges = (across.size() + border_edges) / 2;
+  if (border_edges != disc.border.size() || disc.count + disc.triangles.size() != edges + 1) return std::nullopt;
+  return disc;
+}
+
+// ------------------------------------------------------------------------------------------------------- energy
+
+/// A triangle in space: gradients of its three hat functions in its own plane, and its share of the energy.
+struct Shape {
+  std::array<Vec2, 3> gradient;
+  std::array<double, 3> cotangent;  // at its corners
+  double weight;
+};
+
+Shape shape_of(const Vec3& a, const Vec3& b, const Vec3& c, double shortest) {
+  const std::array<Vec3, 3> x = {a, b, c};
+  int base = 0;
+  double length = -1;
+  for (int k = 0; k < 3; ++k)
+    if (const double l = (x[(k + 1) % 3] - x[k]).norm(); l > length) length = l, base = k;
+  const Vec3 e = x[(base + 1) % 3] - x[base], u = x[(base + 2) % 3] - x[base];
+  double foot = length > 0 ? std::clamp(e.dot(u) / length, 0.0, length) : 0, height = length > 0 ? e.cross(u).norm() / length : 0;
+  if (length < shortest) {
+    length = shortest;
+    foot = std::min(foot, length);
+  }
+  height = std::max(height, least_height * length);
+  Shape shape;
+  shape.weight = length * height / 2;
+  shape.gradient[base] = Vec2(-1 / length, (foot / length - 1) / height);
+  shape.gradient[(base + 1) % 3] = Vec2(1 / length, -foot / length / height);
+  shape.gradient[(base + 2) % 3] = Vec2(0, 1 / height);
+  for (int k = 0; k < 3; ++k)  // grad_i . grad_j = -cot(k) / (2 area)
+    shape.cotangent[k] = -2 * shape.weight * shape.gradient[(k + 1) % 3].dot(shape.gradient[(k + 2) % 3]);
+  return shape;
+}
+
+class Problem {
+public:
+  Problem(const PointsRef& points, const Disc& disc) : disc_(disc), n_(disc.count) {
+    const int known = static_cast<int>(disc.vertices.size());
+    std::vector<Vec3> x(n_, Vec3::Zero());
+    const Vec3 origin = points.row(disc.vertices[0]);
+    for (int v = 0; v < known; ++v) x[v] = Vec3(points.row(disc.vertices[v])) - origin;
+    for (std::size_t l = 0; l < disc.filled.size(); ++l) {
+      for (int v : disc.filled[l]) x[known + l] += x[v];
+      x[known + l] /= static_cast<double>(disc.filled[l].size());
+    }
+    double area = 0, squares = 0;
+    for (std::size_t t = 0; t < disc.real; ++t) {
+      const auto& [a, b, c] = disc.triangles[t];
+      area += (x[b] - x[a]).cross(x[c] - x[a]).norm() / 2;
+      squares += (x[b] - x[a]).squaredNorm() + (x[c] - x[b]).squaredNorm() + (x[a] - x[c]).squaredNorm();
+    }
+    area_ = area;
+    const double whole = std::max(area, least_height * squares);
+    scale_ = whole > 0 ? std::sqrt(whole) : 1;
+    for (Vec3& p : x) p /= scale_;
+    const double shortest = least_length / std::sqrt(static_cast<double>(disc.triangles.size()));
+    double weights = 0;
+    for (std::size_t t = 0; t < disc.triangles.size(); ++t) {
+      const auto& [a, b, c] = disc.triangles[t];
+      shapes_.push_back(shape_of(x[a], x[b], x[c], shortest));
+      if (t >= disc.real) shapes_.back().weight *= weight_of_filled;
+      weights += shapes_.back().weight;
+    }
+    for (Shape& s : shapes_) s.weight /= weights;
+    border_angles(x);
+    order();
+  }
+
+  double scale() const { return scale_; }
+  double area() const { return area_; }
+
+  Matrix2 jacobian(std::size_t t, const PlanePoints& uv) const {
+    Matrix2 J = Matrix2::Zero();
+    for (int k = 0; k < 3; ++k) J += uv.row(disc_.triangles[t][k]).transpose() * shapes_[t].gradient[k].transpose();
+    return J;
+  }
+
+  /// Infinite where a triangle is turned over or has lost its area.
+  double energy(const PlanePoints& uv) const {
+    double sum = 0;
+    for (std::size_t t = 0; t < shapes_.size(); ++t) {
+      const Matrix2 J = jacobian(t, uv);
+      const double det = J.determinant(), square = J.squaredNorm();
+      if (!(det > 0)) return std::numeric_limits<double>::infinity();
+      sum += shapes_[t].weight * square * (1 + 1 / (det * det));
+    }
+    return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+  }
+
+  /// Scales uv to the least energy of all sizes.
+  void resize(PlanePoints& uv) const {
+    double squares = 0, inverse = 0;
+    for (std::size_t t = 0; t < shapes_.size(); ++t) {
+      const Matrix2 J = jacobian(t, uv);
+      const double det = J.determinant(), square = shapes_[t].weight * J.squaredNorm();
+      squares += square;
+      inverse += square / (det * det);
+    }
+    uv *= std::pow(inverse / squares, 0.25);
+  }
+
+  /// Tutte's embedding, its weights made anew some times so that triangles that come out small get larger; of those that turn
+  /// nothing over the one of the least energy.
+  std::optional<PlanePoints> tutte() const {
+    std::vector<double> conductance(shapes_.size(), 1);
+    std::optional<PlanePoints> best;
+    double least = std::numeric_limits<double>::infinity(), previous = least;
+    for (int round = 0; round <= reweightings; ++round) {
+      PlanePoints uv = embedding(conductance);
+      double found = energy(uv);
+      if (std::isfinite(found)) {
+        resize(uv);
+        found = energy(uv);
+      }
+      if (found < least) least = found, best = uv;
+      if (round > 0 && best && !(found < 0.99 * previous)) break;
+      previous = found;
+      for (std::size_t t = 0; t < shapes_.size(); ++t)
+        conductance[t] *= std::sqrt(std::max(std::abs(jacobian(t, uv).determinant()), 1e-12));
+    }
+    return best;
+  }
+
+  /// One step of Newton's method; false where nothing is gained.
+  bool step(PlanePoints& uv, double& now) {
+    assemble(uv);
+    solver_.factorize(hessian_);
+    if (solver_.info() != Eigen::Success) return false;
+    const Eigen::VectorXd way = -solver_.solve(gradient_);
+    PlanePoints d(n_, 2);
+    for (int v = 0; v < n_; ++v) d.row(v) = way.segment<2>(2 * rank_[v]);
+    const double slope = gradient_.dot(way);
+    if (!(slope < 0)) return false;
+    double length = std::min(1.0, to_barrier * to_first_flip(uv, d));
+    for (int attempt = 0; attempt < 40; ++attempt, length *= 0.5) {
+      const PlanePoints moved = uv + length * d;
+      const double then = energy(moved);
+      if (!(then <= now + 1e-4 * length * slope)) continue;
+      const bool gained = then < now;
+      uv = moved;
+      now = then;
+      return gained;
+    }
+    return false;
+  }
+
+private:
+  void border_angles(const std::vector<Vec3>& x) {
+    const std::size_t n = disc_.border.size();
+    std::vector<double> length(n);
+    for (std::size_t k = 0; k < n; ++k) length[k] = (x[disc_.border[(k + 1) % n]] - x[disc_.border[k]]).norm();
+    const double all = std::accumulate(length.begin(), length.end(), 0.0);
+    for (double& l : length) l = std::max(l, 1e-2 * all / static_cast<double>(n));
+    const double sum = std::accumulate(length.begin(), length.end(), 0.0);
+    const double turn = sum > 0 ? 2 * EIGEN_PI / sum : 0;
+    double along = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      angle_.push_back(sum > 0 ? turn * along : 2 * EIGEN_PI * static_cast<double>(k) / static_cast<double>(n));
+      along += length[k];
+    }
+  }
+
+  /// An order of elimination for the vertices, and the pattern of the Hessian in it: 2 x 2 blocks below the diagonal.
+  void order() {
+    std::vector<std::array<int, 2>> pairs;
+    std::vector<Eigen::Triplet<double>> ones;
+    for (const Triangle& t : disc_.triangles)
+      for (int k = 0; k < 3; ++k) {
+        const int a = t[k], b = t[(k + 1) % 3];
+        ones.emplace_back(a, b, 1);
+        ones.emplace_back(b, a, 1);
+      }
+    for (int v = 0; v < n_; ++v) ones.emplace_back(v, v, 1);
+    Sparse pattern(n_, n_);
+    pattern.setFromTriplets(ones.begin(), ones.end());
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> inverse;
+    Eigen::AMDOrdering<int>()(pattern, inverse);
+    rank_.resize(n_);
+    for (int k = 0; k < n_; ++k) rank_[inverse.indices()[k]] = k;
+    std::vector<std::vector<int>> below(n_);
+    for (int c = 0; c < n_; ++c)
+      for (Sparse::InnerIterator it(pattern, c); it; ++it)
+        if (rank_[it.row()] > rank_[c]) below[rank_[c]].push_back(rank_[static_cast<int>(it.row())]);
+    std::vector<int> start(2 * n_ + 1, 0), rows;
+    for (int c = 0; c < n_; ++c) {
+      std::sort(below[c].begin(), below[c].end());
+      for (int half = 0; half < 2; ++half) {
+        start[2 * c + half] = static_cast<int>(rows.size());
+        for (int p = half; p < 2; ++p) rows.push_back(2 * c + p);
+        for (int r : below[c])
+          for (int p = 0; p < 2; ++p) rows.push_back(2 * r + p);
+      }
+    }
+    start[2 * n_] = static_cast<int>(rows.size());
+    const std::vector<double> zeros(rows.size(), 0);
+    hessian_ = Eigen::Map<const Sparse>(2 * n_, 2 * n_, static_cast<Index>(rows.size()), start.data(), rows.data(), zeros.data());
+    solver_.analyzePattern(hessian_);
+    for (const Triangle& t : disc_.triangles)
+      for (int k = 0; k < 3; ++k) {
+        const int p = rank_[t[k]], q = rank_[t[(k + 1) % 3]], low = std::min(p, q), high = std::max(p, q);
+        const auto j = std::lower_bound(below[low].begin(), below[low].end(), high) - below[low].begin();
+        block_.push_back({start[2 * low] + 2 + 2 * static_cast<int>(j), start[2 * low + 1] + 1 + 2 * static_cast<int>(j)});
+      }
+  }
+
+  PlanePoints embedding(const std::vector<double>& conductance) const {
+    PlanePoints uv = PlanePoints::Zero(n_, 2);
+    std::vector<char> held(n_, 0);
+    const double radius = 1 / std::sqrt(EIGEN_PI);
+    for (std::size_t k = 0; k < disc_.border.size(); ++k) {
+      uv.row(disc_.border[k]) << radius * std::cos(angle_[k]), radius * std::sin(angle_[k]);
+      held[disc_.border[k]] = 1;
+    }
+    std::vector<int> row(n_, -1), inside(n_);  // in the order of elimination
+    for (int v = 0; v < n_; ++v) inside[rank_[v]] = v;
+    int count = 0;
+    for (int v : inside)
+      if (!held[v]) row[v] = count++;
+    if (count == 0) return uv;
+    std::vector<Eigen::Triplet<double>> entries;
+    PlanePoints right = PlanePoints::Zero(count, 2);
+    for (std::size_t t = 0; t < shapes_.size(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const double w = conductance[t] * std::max(shapes_[t].cotangent[(k + 2) % 3], least_cotangent);
+        const int a = disc_.triangles[t][k], b = disc_.triangles[t][(k + 1) % 3];
+        for (const auto& [p, q] : {std::pair(a, b), std::pair(b, a)}) {
+          if (held[p]) continue;
+          entries.emplace_back(row[p], row[p], w);
+          if (held[q])
+            right.row(row[p]) += w * uv.row(q);
+          else if (row[p] > row[q])
+            entries.emplace_back(row[p], row[q], -w);
+        }
+      }
+    Sparse laplacian(count, count);
+    laplacian.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver(laplacian);
+    const Eigen::MatrixXd solution = solver.solve(right);
+    for (int v = 0; v < n_; ++v)
+      if (row[v] >= 0) uv.row(v) = solution.row(row[v]);
+    return uv;
+  }
+
+  void assemble(const PlanePoints& uv) {
+    double* const values = hessian_.valuePtr();
+    std::fill_n(values, hessian_.nonZeros(), 0.0);
+    gradient_.setZero(2 * n_);
+    for (std::size_t t = 0; t < shapes_.size(); ++t) {
+      Eigen::Matrix<double, 6, 6> H;
+      Eigen::Matrix<double, 6, 1> g;
+      local(t, uv, g, H);
+      for (int k = 0; k < 3; ++k) {
+        const int p = rank_[disc_.triangles[t][k]], next = (k + 1) % 3, q = rank_[disc_.triangles[t][next]];
+        gradient_.segment<2>(2 * p) += g.segment<2>(2 * k);
+        const int* const start = hessian_.outerIndexPtr();
+        values[start[2 * p]] += H(2 * k, 2 * k);
+        values[start[2 * p] + 1] += H(2 * k + 1, 2 * k);
+        values[start[2 * p + 1]] += H(2 * k + 1, 2 * k + 1);
+        const auto [first, second] = block_[3 * t + k];
+        const int high = p > q ? k : next, low = p > q ? next : k;
+        for (int r = 0; r < 2; ++r) {
+          values[first + r] += H(2 * high + r, 2 * low);
+          values[second + r] += H(2 * high + r, 2 * low + 1);
+        }
+      }
+    }
+    double trace = 0;
+    for (int c = 0; c < 2 * n_; ++c) trace += values[hessian_.outerIndexPtr()[c]];
+    const double shift = 1e-9 * trace / (2 * n_);  // the energy does not see where the whole lies and how it is turned
+    for (int c = 0; c < 2 * n_; ++c) values[hessian_.outerIndexPtr()[c]] += shift;
+  }
+
+  /// One triangle's gradient and the definite part of its Hessian by (u, v) of its corners. The eigenmatrices of the second
+  /// derivative by J = U diag(s) V': the two stretches, the turn and the mirrored turn.
+  void local(std::size_t t, const PlanePoints& uv, Eigen::Matrix<double, 6, 1>& g, Eigen::Matrix<double, 6, 6>& H) const {
+    const Matrix2 J = jacobian(t, uv);
+    const double e = (J(0, 0) + J(1, 1)) / 2, f = (J(0, 0) - J(1, 1)) / 2, p = (J(1, 0) + J(0, 1)) / 2,
+                 q = (J(1, 0) - J(0, 1)) / 2;
+    const double s1 = std::hypot(e, q) + std::hypot(f, p), s2 = J.determinant() / s1;
+    const double sum = std::atan2(p, f), difference = std::atan2(q, e), left = (sum + difference) / 2,
+                 right = (difference - sum) / 2;
+    Matrix2 U, V;
+    U << std::cos(left), -std::sin(left), std::sin(left), std::cos(left);
+    V << std::cos(right), std::sin(right), -std::sin(right), std::cos(right);
+    const auto slope = [](double s) { return 2 * s - 2 / (s * s * s); };
+    const auto bend = [](double s) { return 2 + 6 / (s * s * s * s); };
+    const double w = shapes_[t].weight, half = std::sqrt(0.5);
+    const double s = s1 * s2, turn = (slope(s1) + slope(s2)) / (s1 + s2),
+                 mirrored = 2 + 2 * (s1 * s1 + s + s2 * s2) / (s * s * s);
+    const std::array<Matrix2, 4> mode = {U.col(0) * V.col(0).transpose(), U.col(1) * V.col(1).transpose(),
+                                         half * (U.col(1) * V.col(0).transpose() - U.col(0) * V.col(1).transpose()),
+                                         half * (U.col(1) * V.col(0).transpose() + U.col(0) * V.col(1).transpose())};
+    const std::array<double, 4> value = {bend(s1), bend(s2), std::max(turn, 0.0), mirrored};
+    H.setZero();
+    for (int m = 0; m < 4; ++m) {
+      Eigen::Matrix<double, 6, 1> d;
+      for (int k = 0; k < 3; ++k) d.segment<2>(2 * k) = mode[m] * shapes_[t].gradient[k];
+      H += w * value[m] * d * d.transpose();
+      if (m == 0) g = w * slope(s1) * d;
+      if (m == 1) g += w * slope(s2) * d;
+    }
+  }
+
+  /// How far along d the first triangle loses its area.
+  double to_first_flip(const PlanePoints& uv, const PlanePoints& d) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [i, j, k] : disc_.triangles) {
+      const Vec2 a = uv.row(j) - uv.row(i), b = uv.row(k) - uv.row(i), da = d.row(j) - d.row(i), db = d.row(k) - d.row(i);
+      const double c0 = a[0] * b[1] - a[1] * b[0], c2 = da[0] * db[1] - da[1] * db[0];
+      const double c1 = a[0] * db[1] - a[1] * db[0] + da[0] * b[1] - da[1] * b[0];
+      const double root = c1 * c1 - 4 * c0 * c2;  // the least positive x of c0 + c1 x + c2 x^2 = 0
+      if (root < 0) continue;
+      if (c1 < 0)
+        least = std::min(least, 2 * c0 / (std::sqrt(root) - c1));
+      else if (c2 < 0)
+        least = std::min(least, (-c1 - std::sqrt(root)) / (2 * c2));
+    }
+    return least;
+  }
+
+  const Disc& disc_;
+  int n_;
+  double scale_ = 1, area_ = 0;
+  std::vector<Shape> shapes_;
+  std::vector<double> angle_;              // of the border's vertices on the circle
+  std::vector<int> rank_;                  // of each vertex in the order of elimination
+  std::vector<std::array<int, 2>> block_;  // of each triangle's edges in the Hessian: where the columns' entries begin
+  Sparse hessian_;                         // lower half
+  Eigen::VectorXd gradient_;
+  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver_;
+};
+
+/// The caller's start by the disc's vertices, with those added in the middle of their loops.
+PlanePoints start_of(const Disc& disc, const PlanePoints& start, double scale) {
+  PlanePoints uv = PlanePoints::Zero(disc.count, 2);
+  const Index known = static_cast<Index>(disc.vertices.size());
+  for (Index v = 0; v < known; ++v) uv.row(v) = start.row(disc.vertices[v]) / scale;
+  for (std::size_t l = 0; l < disc.filled.size(); ++l) {
+    for (int v : disc.filled[l]) uv.row(known + static_cast<Index>(l)) += uv.row(v);
+    uv.row(known + static_cast<Index>(l)) /= static_cast<double>(disc.filled[l].size());
+  }
+  return uv;
+}
+
+double plane_area(const Disc& disc, const PlanePoints& uv, bool& flipped) {
+  double sum = 0;
+  for (std::size_t t = 0; t < disc.real; ++t) {
+    const auto& [a, b, c] = disc.triangles[t];
+    const Vec2 p = uv.row(b) - uv.row(a), q = uv.row(c) - uv.row(a);
+    const double twice = p[0] * q[1] - p[1] * q[0];
+    flipped |= !(twice > 0);
+    sum += twice / 2;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::optional<Layout> lay_out(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
+                              const LayoutOptions& options, const PlanePoints* start) {
+  const std::optional<Disc> disc = make_disc(points, triangles);
+  if (!disc) return std::nullopt;
+  if (start && start->rows() != points.rows()) throw InvalidArgument("start: a row of the plane for each point");
+  Problem problem(points, *disc);
+  std::optional<PlanePoints> uv;
+  if (start) {
+    uv = start_of(*disc, *start, problem.scale());
+    if (!std::isfinite(problem.energy(*uv))) uv.reset();
+  }
+  if (!uv) uv = problem.tutte();
+  if (!uv) return std::nullopt;
+  Layout layout;
+  double energy = problem.energy(*uv);
+  layout.energies.push_back(energy);
+  for (int k = 0; k < options.iterations; ++k) {
+    const double before = energy;
+    const bool gained = problem.step(*uv, energy);
+    if (gained) layout.energies.push_back(energy);
+    if (!gained || before - energy < options.tolerance * before) break;
+  }
+  bool flipped = false;
+  const double area = plane_area(*disc, *uv, flipped);
+  *uv *= problem.area() > 0 ? std::sqrt(problem.area() / area) : problem.scale();
+  plane_area(*disc, *uv, flipped);
+  if (flipped) return std::nullopt;
+  layout.uv = PlanePoints::Constant(points.rows(), 2, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t v = 0; v < disc->vertices.size(); ++v) layout.uv.row(disc->vertices[v]) = uv->row(static_cast<Index>(v));
+  layout.holes_filled = static_cast<Index>(disc->filled.size());
+  return layout;
+}
+
+}  // namespace tripatch
