@@ -1,187 +1,36 @@
-"""python -m comparison: measures the ten holes and writes the table of figures."""
+"""python -m comparison: measures, and writes the pages of measurements."""
 
 from __future__ import annotations
 
 import argparse
-import datetime
-import platform
-import subprocess
-import time
+import importlib
+import shutil
 from pathlib import Path
 
-import numpy as np
-import tripatch
+from .page import Setting
 
-from . import holes, metrics, rivals
-
-DENSITIES = (8, 16, 32)
-#: name -> greatest value, of the largest density
-LIMIT_NORMAL = {"sphere": 0.05, "suitcase": 0.05, "suzanne": 0.13}
-DISTANCE = {"sphere": 1.2e-2, "suitcase": 1.2e-2, "torus": 4e-3}
-CONVERGE = ("sphere", "suitcase", "torus", "saddle")
-SEAM, ORDER, TIMES_FASTER = 1e-4, 2.0, 20.0
-
-
-def measure(hole: holes.Hole, options: dict) -> dict:
-    fill = tripatch.fill(hole.vertices, hole.faces, rim=hole.rim, corners=hole.corners, **options)
-    vertices, faces = np.concatenate([hole.vertices, fill.vertices]), np.array(fill.faces)
-    normals = metrics.limit_normals(vertices, faces, hole.rim)
-    exact = fill.rim_normals[np.argsort(fill.rim)][np.argsort(np.argsort(hole.rim))]
-    result = {
-        "triangles": len(faces),
-        "seam": metrics.seam(fill.patch, fill.sides),
-        "surroundings": fill.report.surroundings_error,
-        "limit": metrics.rms(metrics.angle(normals, hole.rim_normals)),
-        "exact": metrics.rms(metrics.angle(exact, hole.rim_normals)),
-        "folds": fill.report.folds,
-        "mesh_folds": metrics.mesh_folds(vertices, faces),
-    }
-    if hole.nearest:
-        result["vertices"] = metrics.distance(hole, vertices[np.unique(faces)])
-        result["surface"] = metrics.distance(hole, metrics.surface_points(fill.patch))
-    return result
-
-
-def timings(cgal: str | None, folder: Path, repetitions: int) -> dict:
-    """Seconds, the least of the repetitions, of a sphere octant with 100 edges a side: arrays in, arrays out."""
-    hole = holes.sphere(100)
-    result = {}
-    for _ in range(repetitions):
-        start = time.perf_counter()
-        fill = tripatch.fill(hole.vertices, hole.faces, rim=hole.rim, corners=hole.corners, fairing=None)
-        seconds = time.perf_counter() - start
-        result["tripatch"] = (len(fill.faces), min(seconds, result.get("tripatch", (0, np.inf))[1]))
-    if cgal:
-        given = folder / "sphere-100.txt"
-        rivals.write_hole(hole, given)
-        for continuity in (1, 2):
-            command = [cgal, str(given), str(continuity), str(repetitions)]
-            words = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
-            result[f"cgal {continuity}"] = (int(words[0]), min(map(float, words[1:])))
-    return result
-
-
-def processor() -> str:
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":")[1].strip()
-    return platform.machine()
-
-
-def table(results: dict, times: dict) -> str:
-    last = DENSITIES[-1]
-
-    def row(what, wanted, values, good):
-        return f"| {what} | {wanted} | {values} | {'yes' if good else '**no**'} |"
-
-    def all_of(limits, key):
-        known = {name: limit for name, limit in limits.items() if name in results}
-        values = ", ".join(f"{name} {results[name][last][key]:.3g}" for name in known)
-        return values, len(known) == len(limits) and all(results[name][last][key] <= limit for name, limit in known.items())
-
-    def bounds(limits):
-        return "; ".join(f"{name} {limit:g}" for name, limit in limits.items())
-
-    seam = max(results, key=lambda name: results[name][last]["seam"])
-    folded = {name: folds for name, r in results.items() if (folds := r[last]["folds"] + r[last]["mesh_folds"])}
-    orders = {name: metrics.order([results[name][n]["limit"] for n in DENSITIES]) for name in CONVERGE}
-    lines = [
-        f"## Figures (n = {last} unless said, defaults)",
-        "",
-        "| what | wanted | measured | reached |",
-        "|---|---|---|---|",
-        row(
-            "largest angle between the patch and the surroundings used, degrees",
-            f"{SEAM:g} or less, all cases",
-            f"{results[seam][last]['seam']:.1e} ({seam})",
-            results[seam][last]["seam"] <= SEAM,
-        ),
-        row("limit normals against the true normals, rms degrees", bounds(LIMIT_NORMAL), *all_of(LIMIT_NORMAL, "limit")),
-        row(
-            f"order of convergence of that, n = {', '.join(map(str, DENSITIES))}",
-            f"{ORDER:g} or more",
-            ", ".join(f"{name} {value:.2f}" for name, value in orders.items()),
-            min(orders.values()) >= ORDER,
-        ),
-        row("rms distance to the truth / diameter, vertices", bounds(DISTANCE), *all_of(DISTANCE, "vertices")),
-        row("the same, 10,000 area-uniform points of the patch", bounds(DISTANCE), *all_of(DISTANCE, "surface")),
-        row("folds of patch and mesh, all cases", "0", folded or "0", not folded),
-    ]
-    if "cgal 1" in times:
-        ratio = times["cgal 1"][1] / times["tripatch"][1]
-        lines.append(
-            row(
-                "10,000 triangles, sphere, against CGAL refine and fair (continuity 1)",
-                f"{TIMES_FASTER:g} times faster or more",
-                f"{ratio:.1f} times",
-                ratio >= TIMES_FASTER,
-            )
-        )
-    lines += ["", "## Every case", "", "Angles in degrees, distances over the diameter of the hole.", ""]
-    lines += [
-        "| hole | n | triangles | seam | surroundings known to | limit normals | exact normals | vertices | surface | folds |",
-        "|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    for name, by_density in results.items():
-        for n, r in by_density.items():
-            numbers = [f"{r[key]:.2g}" for key in ("seam", "surroundings", "limit", "exact")]
-            numbers += [f"{r[key]:.2e}" if key in r else "" for key in ("vertices", "surface")]
-            lines.append(f"| {name} | {n} | {r['triangles']} | {' | '.join(numbers)} | {r['folds'] + r['mesh_folds']} |")
-    lines += ["", "## Time of one fill, sphere, 100 edges a side", "", "| filler | triangles | seconds |", "|---|---|---|"]
-    names = {"tripatch": "TriPatch", "cgal 1": "CGAL refine and fair, continuity 1", "cgal 2": "CGAL, continuity 2"}
-    lines += [f"| {names[name]} | {count} | {seconds:.5f} |" for name, (count, seconds) in times.items()]
-    return "\n".join(lines) + "\n"
-
-
-HEAD = """# Figures
-
-Written by `scripts/compare`; do not edit. {date}, version {version}, {processor}.
-
-Ten holes with four rings of surroundings each (`scripts/comparison/holes.py`), n edges a side, default options. The columns
-(`scripts/comparison/metrics.py`):
-
-- **seam**: the largest angle between the smooth patch and the tangent planes that it was given, from exact derivatives, 200
-  points a side. **surroundings known to**: the fill's own report of how well the mesh determines those planes.
-- **limit normals**: what the finished triangles say about the seam: the rms angle between the true normal of the surroundings at
-  each rim vertex and the limit normal of the fill's triangles there, by a local cubic fit. The fit has
-  an error of its own. **exact normals**: the same with the fill's own exact normals.
-- **vertices**, **surface**: rms distance of the fill's vertices, and of 10,000 points spread evenly over the patch, to the true
-  surface.
-- **folds**: of the patch (on a grid) and of the triangles.
-
-"""
+PARTS = ("accuracy", "fairness", "cages")  # modules with a function write(Setting)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", help="names, separated by commas; all ten by default")
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; default: all")
+    parser.add_argument("--quick", action="store_true", help="few cases, to see that everything works")
+    parser.add_argument("--docs", type=Path, required=True, help="the folder of the pages")
     parser.add_argument("--cache", type=Path, required=True, help="folder for what other programs write")
     parser.add_argument("--cgal", help="the compiled cgal_fill")
+    parser.add_argument("--pmp", help="the compiled pmp_fill")
     parser.add_argument("--blender", default="blender")
-    parser.add_argument("--method", default="side_vertex")
-    parser.add_argument("--repetitions", type=int, default=15)
-    parser.add_argument("--out", type=Path, help="default: print")
     args = parser.parse_args()
+    for part in args.parts:
+        if part not in PARTS:
+            parser.error(f"no part {part}; there are {', '.join(PARTS)}")
     args.cache.mkdir(parents=True, exist_ok=True)
-
-    cases = holes.ten(args.cache, args.blender)
-    if args.cases:
-        cases = {name: cases[name] for name in args.cases.split(",")}
-    results = {}
-    for name, make in cases.items():
-        results[name] = {n: measure(make(n), {"method": args.method}) for n in DENSITIES}
-        print(name, {key: f"{value:.3g}" for key, value in results[name][DENSITIES[-1]].items()}, flush=True)
-    times = timings(args.cgal, args.cache, args.repetitions)
-    print(times)
-    if len(cases) < 9:
-        return
-    head = HEAD.format(date=datetime.date.today(), version=tripatch.__version__, processor=processor())
-    text = head + table(results, times)
-    if args.out:
-        args.out.parent.mkdir(exist_ok=True)
-        args.out.write_text(text)
-    else:
-        print(text)
+    blender = shutil.which(args.blender) or ""
+    setting = Setting(args.docs, args.cache, args.cgal or None, args.pmp or None, blender, args.quick)
+    for part in args.parts or PARTS:
+        print(f"== {part}", flush=True)
+        importlib.import_module(f"comparison.{part}").write(setting)
 
 
 if __name__ == "__main__":

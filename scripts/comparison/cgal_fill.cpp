@@ -1,4 +1,4 @@
-// A rival: CGAL's triangulate, refine and fair.
+// A baseline: CGAL's triangulate, refine and fair.
 //   cgal_fill IN CONTINUITY REPETITIONS [OUT]
 // IN: a line "vertices faces", then a line for each vertex and each triangle, then the two vertices of one border edge of the hole.
 // OUT: a line "vertices faces", then all vertices, the given ones first, and the new triangles.

@@ -1,21 +1,18 @@
-"""python -m comparison.fairness: fills every hole with TriPatch and with its rivals, writes docs/fairness.md, draws pictures."""
+"""docs/fairness.md and its pictures: every hole filled by TriPatch and by the baselines."""
 
 from __future__ import annotations
 
-import argparse
-import datetime
 import importlib.metadata
-import shutil
+import importlib.util
 import subprocess
 import textwrap
 import time
-from pathlib import Path
 
 import numpy as np
 import tripatch
 
-from . import exact, holes, metrics, rivals
-from .__main__ import processor
+from . import baselines, exact, holes, metrics
+from .page import Setting, provenance
 
 N = 32
 #: what the fills of the table of energies are called there -> options
@@ -49,7 +46,7 @@ SMOOTH = (OURS, CHART, ARC)
 # ------------------------------------------------------------------------------------------------------------------ measuring
 
 
-def points_of(filling: rivals.Filling) -> np.ndarray:
+def points_of(filling: baselines.Filling) -> np.ndarray:
     """10,000 points uniform in the area of the filling's smooth surface, or of its triangles."""
     if filling.points is not None:
         return filling.points
@@ -58,7 +55,7 @@ def points_of(filling: rivals.Filling) -> np.ndarray:
     return np.einsum("nk,nkd->nd", weights, corners[hit])
 
 
-def figures(hole: holes.Hole, filling: rivals.Filling, true_roughness: float | None, patch=None) -> dict:
+def figures(hole: holes.Hole, filling: baselines.Filling, true_roughness: float | None, patch=None) -> dict:
     used = np.unique(filling.faces)
     out = {
         "triangles": len(filling.faces),
@@ -104,12 +101,12 @@ def measure(hole: holes.Hole, others: dict) -> tuple[dict, dict]:
 
     ours, seconds = best_of(fill)
     vertices, faces = np.concatenate([hole.vertices, ours.vertices]), np.array(ours.faces)
-    made = {OURS: rivals.Filling(vertices, faces, seconds)}
+    made = {OURS: baselines.Filling(vertices, faces, seconds)}
     true_roughness = None
     if hole.nearest:
         truth, used = vertices.copy(), np.unique(faces)
         truth[used] = hole.nearest(vertices[used])
-        made["the truth"] = rivals.Filling(truth, faces, 0)
+        made["the truth"] = baselines.Filling(truth, faces, 0)
         true_roughness = metrics.roughness(truth, faces)
     result = {OURS: figures(hole, made[OURS], true_roughness, ours.patch)}
     mine = result[OURS]
@@ -151,7 +148,7 @@ def rows(table: list[list[str]]) -> list[str]:
     return [lines[0], "|" + "---|" * len(table[0]), *lines[1:], ""]
 
 
-def best_rival(result: dict, key: str) -> tuple[float, str]:
+def nearest_baseline(result: dict, key: str) -> tuple[float, str]:
     return min((figures[key], name) for name, figures in result.items() if name not in SMOOTH and key in figures)
 
 
@@ -165,7 +162,7 @@ def reached(result: dict, filler: str, wanted: float | None) -> str:
 
 
 def distances(results: dict) -> list[str]:
-    head = ["hole", "wanted", "best rival: vertices", "points", "TriPatch, from the mesh: vertices", "points", "reached"]
+    head = ["hole", "wanted", "best baseline: vertices", "points", "TriPatch, from the mesh: vertices", "points", "reached"]
     head += ["from exact sides, chart: vertices", "points", "reached", "arc length: vertices", "points", "reached"]
     table = [head]
     for name, result in results.items():
@@ -174,8 +171,8 @@ def distances(results: dict) -> list[str]:
         for wanted in WANTED.get(name, (None,)):
             row = [name, short(wanted, 2).replace(".0e", "e") if wanted else ""]
             for key in ("vertices", "points"):
-                value, rival = best_rival(result, key)
-                row.append(f"{short(value)} ({rival})")
+                value, baseline = nearest_baseline(result, key)
+                row.append(f"{short(value)} ({baseline})")
             for filler in SMOOTH:
                 row += [short(result.get(filler, {}).get(key)) for key in ("vertices", "points")]
                 row.append(reached(result, filler, wanted))
@@ -186,16 +183,16 @@ def distances(results: dict) -> list[str]:
 
 
 def lost(results: dict) -> list[str]:
-    """Where a rival is nearer to the truth than the fill from the mesh."""
+    """Where a baseline is nearer to the truth than the fill from the mesh."""
     lines = []
     for name, result in results.items():
         if "points" not in result[OURS]:
             continue
         parts = []
         for key in ("vertices", "points"):
-            value, rival = best_rival(result, key)
+            value, baseline = nearest_baseline(result, key)
             if value < result[OURS][key]:
-                parts.append(f"{key} {short(value)} ({rival}) against {short(result[OURS][key])}")
+                parts.append(f"{key} {short(value)} ({baseline}) against {short(result[OURS][key])}")
         if parts:
             lines.append(f"- {name}: {'; '.join(parts)}")
     return lines
@@ -205,9 +202,9 @@ def failures(results: dict) -> list[str]:
     """Who gave nothing, and why."""
     given = {}
     for name, result in results.items():
-        for rival, reason in result[OURS].get("failed", {}).items():
-            given.setdefault((reason, name), []).append(rival)
-    return [*(f"- {name}, {'; '.join(rivals)}: {reason}" for (reason, name), rivals in given.items()), ""]
+        for baseline, reason in result[OURS].get("failed", {}).items():
+            given.setdefault((reason, name), []).append(baseline)
+    return [*(f"- {name}, {'; '.join(baselines)}: {reason}" for (reason, name), baselines in given.items()), ""]
 
 
 def everyone(results: dict, key: str, fillers: list[str], lowest=True) -> list[str]:
@@ -230,7 +227,7 @@ def summary(results: dict, fillers: list[str]) -> list[str]:
         name = max(values, key=values.get)
         return f"{short(values[name])} ({name})"
 
-    table = [["what", "wanted", "the rivals", "TriPatch", "reached"]]
+    table = [["what", "wanted", "the baselines", "TriPatch", "reached"]]
 
     def row(what, wanted, theirs, mine, good):
         table.append([what, wanted, theirs, mine, "yes" if good else "**no**"])
@@ -293,14 +290,14 @@ def summary(results: dict, fillers: list[str]) -> list[str]:
     return rows(table)
 
 
-HEAD = """# Fairness: TriPatch and its rivals
+HEAD = """# Fairness: TriPatch and other programs
 
-Written by `scripts/fairness`; do not edit. {date}, version {version}, {processor}.
+{provenance}
 
-Twenty holes cut out of surfaces that are known ([holes.py](../scripts/comparison/holes.py)), {n} edges a side, filled by TriPatch
-with default options (given vertices, faces and the rim with its corners) and by other programs, all in one run and measured by
-the same code ([metrics.py](../scripts/comparison/metrics.py), [rivals.py](../scripts/comparison/rivals.py)). How TriPatch makes
-its fills fair: [mathematics/fairing.md](mathematics/fairing.md).
+{count} holes cut out of surfaces that are known ([holes.py](../scripts/comparison/holes.py)), {n} edges a side, filled by
+TriPatch and by other programs, all in one run and measured by the same code ([metrics.py](../scripts/comparison/metrics.py),
+[baselines.py](../scripts/comparison/baselines.py)). How TriPatch makes its fills fair:
+[mathematics/fairing.md](mathematics/fairing.md).
 
 {versions}
 
@@ -308,8 +305,8 @@ its fills fair: [mathematics/fairing.md](mathematics/fairing.md).
 
 Above, reflection lines (surroundings blue, fill orange): where the surface has a crease they break, where its curvature jumps
 they bend sharply, where it is not fair they waver. Below, mean curvature on one scale for all four, estimated from the triangles
-of each in the same way, the truth's included. The rivals shown are the two nearest to the truth of different make; the number is
-the rms distance of 10,000 points of the surface to the truth over the diameter of the hole.
+of each in the same way, the truth's included. The baselines shown are the two nearest to the truth of different make; the
+number is the rms distance of 10,000 points of the surface to the truth over the diameter of the hole.
 """
 
 CAPTIONS = {
@@ -344,20 +341,21 @@ TELLS = """## How it was measured
 """
 
 
-def page(results: dict, versions: list[str], pictures: list[str]) -> str:
+def page(results: dict, versions: list[str], pictures: list[str], setting: Setting) -> str:
     ten = {name: r for name, r in results.items() if name not in holes.FURTHER}
     further = {name: r for name, r in results.items() if name in holes.FURTHER}
     fillers = list(dict.fromkeys(name for r in results.values() for name in r if name not in (CHART, ARC)))
     head = HEAD.format(
-        date=datetime.date.today(),
-        version=tripatch.__version__,
-        processor=processor(),
+        provenance=provenance(
+            "vertices, faces and the rim with its corners; all else at its default unless a table says so", setting
+        ),
+        count=len(results),
         n=N,
-        versions="Rivals: " + "; ".join(versions) + ". What is not here was not run.",
+        versions="Baselines: " + "; ".join(versions) + ". What is not here was not run.",
     )
     lines = [head]
     for name in pictures:
-        lines += [f"![{name}: the truth, two rivals and TriPatch](images/fairness/{name}.png)"]
+        lines += [f"![{name}: the truth, two baselines and TriPatch](images/fairness/{name}.png)"]
         lines += [textwrap.fill(CAPTIONS[name], 130), ""]
     lines += ["## Distance to the truth: the ten holes", ""]
     lines += ["Rms, over the diameter of the hole. Reached: both figures, vertices and points.", "", *distances(ten)]
@@ -365,14 +363,14 @@ def page(results: dict, versions: list[str], pictures: list[str]) -> str:
         lines += [
             "## Distance to the truth: ten further holes",
             "",
-            "Cut out of other surfaces; the distances and the rivals as above.",
+            "Cut out of other surfaces; the distances and the baselines as above.",
             "",
             *distances(further),
         ]
     lines += [
-        "## Where a rival is nearer",
+        "## Where a baseline is nearer",
         "",
-        "From the mesh, against whatever rival is best:",
+        "From the mesh, against whatever baseline is best:",
         "",
         *(lost(results) or ["nowhere"]),
         "",
@@ -401,26 +399,20 @@ def page(results: dict, versions: list[str], pictures: list[str]) -> str:
 # ------------------------------------------------------------------------------------------------------------------------ main
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", help="names, separated by commas; all twenty by default")
-    parser.add_argument("--cache", type=Path, required=True, help="folder for what other programs write")
-    parser.add_argument("--cgal", help="the compiled cgal_fill")
-    parser.add_argument("--pmp", help="the compiled pmp_fill")
-    parser.add_argument("--blender", default="blender")
-    parser.add_argument("--pictures", type=Path, help="folder to draw into; default: none are drawn")
-    parser.add_argument("--out", type=Path, help="default: print")
-    args = parser.parse_args()
-    args.cache.mkdir(parents=True, exist_ok=True)
+def installed() -> list[str]:
+    """The Python packages among the baselines, with their versions."""
+    packages = {"igl": ("libigl", "libigl"), "OCP": ("OpenCASCADE", "cadquery-ocp")}
+    return [f"{name} {importlib.metadata.version(p)}" for m, (name, p) in packages.items() if importlib.util.find_spec(m)]
 
-    cases = holes.ten(args.cache, args.blender) | holes.FURTHER
-    cases = {name: make(N) for name, make in cases.items() if not args.cases or name in args.cases.split(",")}
-    others = rivals.available(args.cgal, args.pmp)
-    versions = [f"CGAL {rivals.version(args.cgal)}"] if args.cgal else []
-    versions += [f"PMP {rivals.version(args.pmp)}"] if args.pmp else []
-    versions += [f"libigl {importlib.metadata.version('libigl')}", f"OpenCASCADE {importlib.metadata.version('cadquery-ocp')}"]
-    if shutil.which(args.blender):
-        version, fills = rivals.blender(cases, args.blender)
+
+def write(setting: Setting) -> None:
+    cases = holes.ten(setting.cache, setting.blender) | holes.FURTHER
+    cases = {name: make(N) for name, make in cases.items() if not setting.quick or name in ("sphere", "cone")}
+    others = baselines.available(setting.cgal, setting.pmp)
+    versions = [f"{name} {baselines.version(path)}" for name, path in (("CGAL", setting.cgal), ("PMP", setting.pmp)) if path]
+    versions += installed()
+    if setting.blender:
+        version, fills = baselines.blender(cases, setting.blender)
         versions.append(f"Blender {version}")
         others |= {name: lambda hole, _, mode=mode: fills[hole.name, mode] for name, mode in ((GRID, "grid"), (FILL, "fill"))}
 
@@ -433,17 +425,9 @@ def main() -> None:
             normals = metrics.limit_normals(truth.vertices, truth.faces, hole.rim)
             results[name][OURS]["floor"] = metrics.rms(metrics.angle(normals, hole.rim_normals))
         print(f"{name}: {time.perf_counter() - start:.0f} s", flush=True)
-        if args.pictures and name in PICTURED:
+        if name in PICTURED and not setting.quick:
             from . import pictures
 
-            pictures.draw(args.pictures / f"{name}.png", hole, made, results[name])
+            pictures.draw(setting.docs / "images" / "fairness" / f"{name}.png", hole, made, results[name])
             drawn.append(name)
-    text = page(results, versions, sorted(drawn, key=PICTURED.index))
-    if args.out:
-        args.out.write_text(text)
-    else:
-        print(text)
-
-
-if __name__ == "__main__":
-    main()
+    (setting.docs / "fairness.md").write_text(page(results, versions, sorted(drawn, key=PICTURED.index), setting))

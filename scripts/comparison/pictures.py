@@ -1,4 +1,4 @@
-"""The pictures of docs/fairness.md: the truth, two rivals and TriPatch, in reflection lines and in colours of mean curvature."""
+"""The pictures of docs/fairness.md: truth, two baselines and TriPatch, in reflection lines and in colours of mean curvature."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from gallery_pictures import render
 
 from . import metrics
-from .fairness import FILL, GRID, OURS, SMOOTH, best_rival, short
+from .fairness import FILL, GRID, OURS, SMOOTH, nearest_baseline, short
 from .holes import Hole, unit
 
 SIZE = {"width": 300, "height": 290}
@@ -18,10 +18,10 @@ COLOURS = matplotlib.colormaps["RdYlBu_r"]
 
 
 def chosen(result: dict) -> list[str]:
-    """The rival whose points are nearest to the truth, and the nearest of another make."""
+    """The baseline whose points are nearest to the truth, and the nearest of another make."""
     left = {name: figures for name, figures in result.items() if name not in (FILL, GRID, *SMOOTH)}
-    first = best_rival(left, "points")[1]
-    second = best_rival({name: f for name, f in left.items() if name.split(",")[0] != first.split(",")[0]}, "points")[1]
+    first = nearest_baseline(left, "points")[1]
+    second = nearest_baseline({name: f for name, f in left.items() if name.split(",")[0] != first.split(",")[0]}, "points")[1]
     return [first, second]
 
 

@@ -1,4 +1,4 @@
-// A rival: PMP's fill_hole, then fair with k = 3 of what is new (k = 2: fill_hole alone, which ends with it).
+// A baseline: PMP's fill_hole, then fair with k = 3 of what is new (k = 2: fill_hole alone, which ends with it).
 //   pmp_fill IN K REPETITIONS OUT
 // IN, OUT and what is printed: as in cgal_fill.cpp. PMP is compiled with it, from its own sources; PMP_VERSION says which they are.
 #include <pmp/algorithms/fairing.h>

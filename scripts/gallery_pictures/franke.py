@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import tripatch
+from comparison.page import provenance
 from frankes_functions import DEGREE, FUNCTIONS, POINTS, errors, sides, surface, triangles
 
 from .render import CLAY, Scene, save, save_figure, unit
@@ -37,7 +38,7 @@ def page(figures):
         f"degree {DEGREE} that meets the function at Chebyshev's points of the side; coons_extremal and coons_mask favour the",
         "third corner of each triangle.",
         "",
-        "Written by `scripts/gallery`.",
+        provenance("patches of three sides each, neither made fair nor scaled"),
         "",
     ]
     for title, which in (("Largest error", 0), ("Rms error", 1)):

@@ -5,6 +5,7 @@ what scripts/test does. Without it, while developing, the add-on and the package
 """
 
 import os
+import site
 import sys
 import tempfile
 from pathlib import Path
@@ -38,6 +39,8 @@ def _enable() -> str:
         name = _install(archive)
     else:
         sys.path[:0] = [str(ROOT / "native" / "python"), str(ROOT / "addon")]
+        for folder in (ROOT / "build" / "env" / "dev").glob("lib/python3.*/site-packages"):
+            site.addsitedir(str(folder))  # what pip install -e . made there finds the compiled module
         name = "tripatch_blender"
         addon_utils.enable(name)
     assert addon_utils.check(name)[1], f"{name} could not be enabled"

@@ -7,6 +7,7 @@ own strips. libigl has no filler of holes: it is given the triangulation of TriP
 from __future__ import annotations
 
 import functools
+import importlib.util
 import json
 import multiprocessing
 import subprocess
@@ -22,7 +23,7 @@ from .holes import Hole, lattice_triangles, unit
 from .metrics import angle, spread
 
 REPETITIONS = 3
-PATIENCE = 60  # seconds that a rival which runs in this process may take
+PATIENCE = 60  # seconds that a baseline which runs in this process may take
 
 
 @dataclass
@@ -340,11 +341,14 @@ def blender(holes: dict, program: str) -> tuple[str, dict]:
 
 
 def available(cgal: str | None, pmp: str | None) -> dict:
-    """name -> (hole, TriPatch's fill) -> Filling, of the rivals that can be run one hole at a time."""
+    """name -> (hole, TriPatch's fill) -> Filling, of the baselines that can be run one hole at a time."""
     found = {}
     for k in (1, 2) if cgal else ():
         found[f"CGAL, continuity {k}"] = program(cgal, k)
     for k in (2, 3) if pmp else ():
         found[f"PMP, k = {k}"] = program(pmp, k)
-    found |= {f"libigl, k = {k}": functools.partial(libigl, k=k) for k in (2, 3)}
-    return found | {f"OpenCASCADE, {setting}": functools.partial(occt, setting=setting) for setting in OCCT}
+    if importlib.util.find_spec("igl"):
+        found |= {f"libigl, k = {k}": functools.partial(libigl, k=k) for k in (2, 3)}
+    if importlib.util.find_spec("OCP"):
+        found |= {f"OpenCASCADE, {setting}": functools.partial(occt, setting=setting) for setting in OCCT}
+    return found
