@@ -1,0 +1,106 @@
+// A triangulation of a plane domain that isotropic remeshing works on: splits, flips and collapses of edges, sizes, and what is
+// asked of the triangles around a vertex. Every step keeps every triangle positively oriented in the domain, so the result is a
+// triangulation of it, hence watertight and manifold, whatever the surface does in space.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// 1 for an equilateral triangle, 0 for one without area.
+double shape(const Vec3& a, const Vec3& b, const Vec3& c);
+
+class DomainMesh {
+public:
+  virtual ~DomainMesh() = default;
+
+protected:
+  static constexpr double growth = 0.4;  // of the size per distance, where the rim is finer than the inside
+  static constexpr double too_long = 4.0 / 3, too_short = 0.75;  // times the size: where edges are split and collapsed
+
+  struct Triangle {
+    std::array<int, 3> v;  // v[0] < 0: removed
+    std::array<int, 3> n;  // n[k]: the triangle across the edge opposite v[k], -1 at the rim
+  };
+  struct Edge {
+    int triangle, k;
+    double excess;
+  };
+
+  explicit DomainMesh(int rim) : rim_(rim) {}
+
+  /// Length wanted for edges at b, from what the rim has.
+  virtual double wanted(const Vec3& b) const = 0;
+  /// Is anything missing on the rim between two of its vertices that the border joins?
+  virtual bool rim_is_complete(int, int) const { return true; }
+  /// Positively oriented beyond doubt?
+  virtual bool valid(int a, int b, int c) const { return positive(b_[a], b_[b], b_[c]); }
+  /// Should edge a-b between triangles (c, a, b) and (d, b, a) become c-d?
+  virtual bool wants_flip(int a, int b, int c, int d) const = 0;
+  /// Neither moved nor taken away.
+  virtual bool is_fixed(int v) const { return on_rim(v); }
+  /// May an edge join them?
+  virtual bool may_join(int, int) const { return true; }
+
+  int add_vertex(const Vec3& b, const Vec3& x);
+  bool on_rim(int v) const { return v < rim_; }
+  bool alive(int t) const { return triangles_[t].v[0] >= 0; }
+  std::size_t alive_triangles() const;
+  double length(int a, int b) const { return (x_[a] - x_[b]).norm(); }
+  double shape_of(int a, int b, int c) const { return shape(x_[a], x_[b], x_[c]); }
+  static bool positive(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const double ux = b[1] - a[1], uy = b[2] - a[2], vx = c[1] - a[1], vy = c[2] - a[2];
+    const double longest = std::max(std::max(std::abs(ux), std::abs(uy)), std::max(std::abs(vx), std::abs(vy)));
+    return ux * vy - vx * uy > 1e-15 * longest;
+  }
+
+  /// Sizes of inner vertices: what is wanted; more near longer rim edges; not more than what shorter neighbors allow; and, next to
+  /// a rim edge, what lets its triangle be tall enough.
+  void limit_sizes();
+  double size_of_edge(int a, int b) const { return 0.5 * (size_[a] + size_[b]); }
+
+  void link(int t, int old_neighbor, int new_neighbor);
+  int slot(int t, int neighbor) const {
+    const auto& n = triangles_[t].n;
+    return n[0] == neighbor ? 0 : n[1] == neighbor ? 1 : 2;
+  }
+  int corner_of(int t, int v) const {
+    const auto& c = triangles_[t].v;
+    return c[0] == v ? 0 : c[1] == v ? 1 : 2;
+  }
+  /// Puts vertex m on the edge opposite v[k] of triangle t, on both sides of it.
+  void split_edge(int t, int k, int m);
+  /// Can the inner edge opposite v[k] of t be halved at m, nothing turned over?
+  bool can_split(int t, int k, const Vec3& m) const;
+  void look_at_all();
+  /// Flips edges while that is wanted.
+  void flip_all();
+  /// Triangles around an inner vertex, in order.
+  const std::vector<int>& around(int v);
+  /// Takes inner vertices away where edges are too short, by pulling them onto a neighbor.
+  void collapse_short();
+
+  bool star_is_valid(int v, const Vec3& b);
+  /// The worst shape around v when it stands at x; negative where a triangle faces away from the others.
+  double star_quality(int v, const Vec3& x);
+
+  int rim_;               // vertices 0 .. rim_ - 1 are the rim
+  double decline_ = 0.8;  // of the size per distance, where the rim is coarser
+  std::vector<Vec3> b_;   // in the domain: the last two coordinates count
+  std::vector<Vec3> x_;   // in space
+  std::vector<double> size_;
+  std::vector<int> triangle_of_;  // one triangle of each vertex, -1: removed
+  std::vector<Triangle> triangles_;
+  std::vector<std::array<int, 2>> dirty_;  // edges (triangle, opposite corner) to be looked at
+  std::vector<int> ring_;
+
+private:
+  void raise_beside_rim(double fall);
+  bool collapse(int v, int w);
+  Vec3 star_normal(int t, int v, const Vec3& x) const;
+};
+
+}  // namespace tripatch

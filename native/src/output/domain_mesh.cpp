@@ -1,0 +1,242 @@
+#include "tripatch/output/domain_mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tripatch {
+
+double shape(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u = b - a, v = c - a, w = c - b;
+  const double squares = u.squaredNorm() + v.squaredNorm() + w.squaredNorm();
+  return squares > 0 ? 2 * std::sqrt(3.0) * u.cross(v).norm() / squares : 0;
+}
+
+std::size_t DomainMesh::alive_triangles() const {
+  return static_cast<std::size_t>(
+      std::count_if(triangles_.begin(), triangles_.end(), [](const Triangle& f) { return f.v[0] >= 0; }));
+}
+
+int DomainMesh::add_vertex(const Vec3& b, const Vec3& x) {
+  b_.push_back(b);
+  x_.push_back(x);
+  size_.push_back(0);
+  triangle_of_.push_back(-1);
+  return static_cast<int>(b_.size()) - 1;
+}
+
+void DomainMesh::limit_sizes() {
+  for (int v = rim_; v < static_cast<int>(b_.size()); ++v)
+    if (triangle_of_[v] >= 0) size_[v] = wanted(b_[v]);
+  raise_beside_rim(decline_);
+  const int count = static_cast<int>(triangles_.size());
+  auto relax = [&](int t, auto&& rule) {
+    const Triangle& f = triangles_[t];
+    if (f.v[0] < 0) return;
+    for (int k = 0; k < 3; ++k) rule(f.v[k], f.v[(k + 1) % 3]);
+  };
+  auto raise = [&](int a, int b) {
+    if (on_rim(a) || on_rim(b)) return;
+    const double fall = decline_ * length(a, b);
+    size_[a] = std::max(size_[a], size_[b] - fall);
+    size_[b] = std::max(size_[b], size_[a] - fall);
+  };
+  auto lower = [&](int a, int b) {
+    const double allowed = growth * length(a, b);
+    if (!on_rim(a)) size_[a] = std::min(size_[a], size_[b] + allowed);
+    if (!on_rim(b)) size_[b] = std::min(size_[b], size_[a] + allowed);
+  };
+  for (int t = 0; t < count; ++t) relax(t, raise);
+  for (int t = count; t-- > 0;) relax(t, raise);
+  for (int sweep = 0; sweep < 2; ++sweep) {
+    for (int t = 0; t < count; ++t) relax(t, lower);
+    for (int t = count; t-- > 0;) relax(t, lower);
+  }
+  raise_beside_rim(2 * decline_);
+}
+void DomainMesh::raise_beside_rim(double fall) {
+  for (const Triangle& f : triangles_)
+    for (int k = 0; k < 3 && f.v[0] >= 0; ++k) {
+      const int a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3], apex = f.v[k];
+      if (f.n[k] >= 0 || on_rim(apex) || !rim_is_complete(a, b)) continue;
+      const Vec3 e = x_[b] - x_[a];
+      const double height = e.cross(x_[apex] - x_[a]).norm() / std::max(e.norm(), 1e-300);
+      size_[apex] = std::max(size_[apex], e.norm() - fall * height);
+    }
+}
+
+void DomainMesh::link(int t, int old_neighbor, int new_neighbor) {
+  if (t < 0) return;
+  for (int& n : triangles_[t].n)
+    if (n == old_neighbor) {
+      n = new_neighbor;
+      return;
+    }
+}
+
+void DomainMesh::split_edge(int t, int k, int m) {
+  const int other = triangles_[t].n[k];
+  auto halve = [&](int f, int j) {  // f keeps (apex, first, m); the new one is (apex, m, second)
+    const int made = static_cast<int>(triangles_.size());
+    Triangle& old = triangles_[f];
+    const int apex = old.v[j], second = old.v[(j + 2) % 3], beyond = old.n[(j + 1) % 3];
+    old.v[(j + 2) % 3] = m;
+    old.n[(j + 1) % 3] = made;
+    triangles_.push_back({{apex, m, second}, {-1, beyond, f}});
+    link(beyond, f, made);
+    triangle_of_[second] = made;
+    triangle_of_[apex] = made;
+    for (int a = 0; a < 3; ++a) dirty_.push_back({f, a}), dirty_.push_back({made, a});
+    return made;
+  };
+  const int j = other >= 0 ? slot(other, t) : -1;
+  const int made = halve(t, k);
+  triangle_of_[m] = t;
+  if (other < 0) return;
+  // t keeps (first, m), so across it lies the half of `other` with (m, first): the one that is made
+  const int mirrored = halve(other, j);
+  triangles_[t].n[k] = mirrored;
+  triangles_[mirrored].n[0] = t;
+  triangles_[other].n[j] = made;
+  triangles_[made].n[0] = other;
+}
+
+void DomainMesh::look_at_all() {
+  for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (alive(t) && t < triangles_[t].n[k]) dirty_.push_back({t, k});
+}
+
+void DomainMesh::flip_all() {
+  std::size_t budget = 40 * alive_triangles() + 1000;  // where the surface folds over itself there may be no end
+  while (!dirty_.empty() && budget-- > 0) {
+    const auto [t, k] = dirty_.back();
+    dirty_.pop_back();
+    const int o = alive(t) ? triangles_[t].n[k] : -1;
+    if (o < 0) continue;
+    Triangle &f = triangles_[t], &g = triangles_[o];
+    const int j = slot(o, t);
+    const int c = f.v[k], a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3], d = g.v[j];
+    if (!valid(c, a, d) || !valid(c, d, b)) continue;
+    if (!wants_flip(a, b, c, d)) continue;
+    const int f_b = f.n[(k + 2) % 3], f_a = f.n[(k + 1) % 3];  // across c-a and across b-c
+    const int g_a = g.n[(j + 2) % 3], g_b = g.n[(j + 1) % 3];  // across d-b and across a-d
+    // g is (d, b, a): its slot j + 1 holds b, so n[j + 1] is across a-d and n[j + 2] across d-b
+    f = {{c, a, d}, {g_b, o, f_b}};
+    g = {{c, d, b}, {g_a, f_a, t}};
+    link(g_b, o, t);
+    link(f_a, t, o);
+    triangle_of_[c] = t, triangle_of_[a] = t, triangle_of_[d] = o, triangle_of_[b] = o;
+    for (int i = 0; i < 3; ++i)
+      if (i != 1) dirty_.push_back({t, i});
+    for (int i = 0; i < 2; ++i) dirty_.push_back({o, i});
+  }
+  dirty_.clear();
+}
+
+const std::vector<int>& DomainMesh::around(int v) {
+  ring_.clear();
+  int t = triangle_of_[v];
+  do {
+    ring_.push_back(t);
+    const Triangle& f = triangles_[t];
+    const int k = corner_of(t, v);
+    t = f.n[(k + 1) % 3];
+  } while (t != ring_.front());
+  return ring_;
+}
+
+void DomainMesh::collapse_short() {
+  std::vector<Edge> edges;  // triangle: the vertex that goes, k: where to
+  for (int v = rim_; v < static_cast<int>(b_.size()); ++v) {
+    if (triangle_of_[v] < 0 || is_fixed(v)) continue;
+    for (int t : around(v)) {
+      const Triangle& f = triangles_[t];
+      const int k = corner_of(t, v), w = f.v[(k + 1) % 3];
+      const double ratio = length(v, w) / (too_short * std::min(size_[v], size_[w]));
+      if (ratio < 1) edges.push_back({v, w, ratio});
+    }
+  }
+  std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) { return p.excess < q.excess; });
+  for (const Edge& e : edges) collapse(e.triangle, e.k);
+}
+
+bool DomainMesh::collapse(int v, int w) {
+  if (triangle_of_[v] < 0 || (!on_rim(w) && triangle_of_[w] < 0)) return false;
+  const std::vector<int> ring = around(v);
+  std::vector<int> link_of_v, link_triangles;  // neighbors in order; ring[i] spans link_of_v[i], link_of_v[i + 1]
+  for (int t : ring) {
+    const Triangle& f = triangles_[t];
+    const int k = corner_of(t, v);
+    link_of_v.push_back(f.v[(k + 1) % 3]);
+    link_triangles.push_back(f.n[k]);
+  }
+  const int n = static_cast<int>(ring.size());
+  const int at = static_cast<int>(std::find(link_of_v.begin(), link_of_v.end(), w) - link_of_v.begin());
+  if (at == n) return false;
+  double before = 1, after = 1;
+  for (int i = 0; i < n; ++i) {
+    const int p = link_of_v[i], q = link_of_v[(i + 1) % n];
+    before = std::min(before, shape_of(v, p, q));
+    if (p == w || q == w) continue;
+    if (!valid(w, p, q) || !may_join(w, p) || !may_join(w, q)) return false;
+    after = std::min(after, shape_of(w, p, q));
+    if (p != link_of_v[(at + 1) % n] && length(w, p) > too_long * size_of_edge(w, p)) return false;
+  }
+  if (after < std::min(0.4, before)) return false;
+  // ring[at] = (v, w, next) and ring[at - 1] = (v, previous, w) go
+  const int gone = ring[at], gone2 = ring[(at + n - 1) % n];
+  const int next = link_of_v[(at + 1) % n], previous = link_of_v[(at + n - 1) % n];
+  const int inside = ring[(at + 1) % n], inside2 = ring[(at + n - 2) % n];
+  const int outside = link_triangles[at], outside2 = link_triangles[(at + n - 1) % n];
+  link(inside, gone, outside);
+  link(outside, gone, inside);
+  link(inside2, gone2, outside2);
+  link(outside2, gone2, inside2);
+  for (int i = 2; i < n; ++i) {
+    const int t = ring[(at + i - 1) % n];
+    for (int& corner : triangles_[t].v)
+      if (corner == v) corner = w;
+    for (int k = 0; k < 3; ++k) dirty_.push_back({t, k});
+  }
+  triangles_[gone].v[0] = triangles_[gone2].v[0] = -1;
+  triangle_of_[w] = triangle_of_[next] = inside;
+  triangle_of_[previous] = inside2;
+  triangle_of_[v] = -1;
+  return true;
+}
+
+bool DomainMesh::star_is_valid(int v, const Vec3& b) {
+  for (int t : around(v)) {
+    const Triangle& f = triangles_[t];
+    const int k = corner_of(t, v);
+    if (!positive(b, b_[f.v[(k + 1) % 3]], b_[f.v[(k + 2) % 3]])) return false;
+  }
+  return true;
+}
+
+double DomainMesh::star_quality(int v, const Vec3& x) {
+  Vec3 facing = Vec3::Zero();
+  for (int t : around(v)) facing += star_normal(t, v, x);
+  double worst = 1;
+  for (int t : ring_) {
+    const Triangle& f = triangles_[t];
+    const int k = corner_of(t, v);
+    const double s = shape(x, x_[f.v[(k + 1) % 3]], x_[f.v[(k + 2) % 3]]);
+    worst = std::min(worst, star_normal(t, v, x).dot(facing) > 0 ? s : -s);
+  }
+  return worst;
+}
+Vec3 DomainMesh::star_normal(int t, int v, const Vec3& x) const {
+  const Triangle& f = triangles_[t];
+  const int k = corner_of(t, v);
+  return (x_[f.v[(k + 1) % 3]] - x).cross(x_[f.v[(k + 2) % 3]] - x);
+}
+
+bool DomainMesh::can_split(int t, int k, const Vec3& m) const {
+  const Triangle& f = triangles_[t];
+  const int a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3], c = f.v[k], d = triangles_[f.n[k]].v[slot(f.n[k], t)];
+  return positive(b_[c], b_[a], m) && positive(b_[c], m, b_[b]) && positive(b_[d], b_[b], m) && positive(b_[d], m, b_[a]);
+}
+
+}  // namespace tripatch

@@ -1,0 +1,121 @@
+// The inner points are moved by a transfinite blend of the rim's parameters.
+#include "tripatch/output/regular_grid.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "tripatch/output/domain_mesh.h"
+
+namespace tripatch {
+namespace {
+
+using Parameters = std::array<std::vector<double>, 3>;
+using Position = std::function<Points(const PointsRef&)>;
+
+/// Vertex of the grid p steps towards corner 1 and q steps towards corner 2, rim first.
+Index grid_vertex(Index n, Index p, Index q) {
+  if (q == 0) return p;
+  if (p + q == n) return n + q;
+  if (p == 0) return 3 * n - q;
+  return 3 * n + (q - 1) * (n - 1) - q * (q - 1) / 2 + p - 1;
+}
+
+TriangleMesh blended_grid(const Parameters& parameters, const Points& rim, Index n) {
+  TriangleMesh mesh;
+  mesh.rim = 3 * n;
+  mesh.barycentric.resize((n + 1) * (n + 2) / 2, 3);
+  mesh.barycentric.topRows(3 * n) = rim;
+  std::array<std::vector<double>, 3> shift;  // of the parameter against the even one
+  for (int i = 0; i < 3; ++i)
+    for (Index k = 0; k <= n; ++k) shift[i].push_back(parameters[i][k] - static_cast<double>(k) / static_cast<double>(n));
+  for (Index q = 1; q < n; ++q)
+    for (Index p = 1; p + q < n; ++p) {
+      const std::array<Index, 3> step = {n - p - q, p, q};
+      std::array<double, 3> b;
+      for (int i = 0; i < 3; ++i) b[i] = static_cast<double>(step[i]) / static_cast<double>(n);
+      for (int i = 0; i < 3; ++i) {  // seen from corner i, the shift of the opposite side fades like the square of the distance
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const double share = static_cast<double>(step[j] + step[k]) / static_cast<double>(n);
+        const double at = static_cast<double>(step[k]) / share;
+        const Index first = std::min(static_cast<Index>(at), n - 1);
+        const double e = shift[i][first] + (at - static_cast<double>(first)) * (shift[i][first + 1] - shift[i][first]);
+        b[j] -= share * share * e;
+        b[k] += share * share * e;
+      }
+      mesh.barycentric.row(grid_vertex(n, p, q)) << b[0], b[1], 1 - b[0] - b[1];
+    }
+  mesh.triangles.reserve(n * n);
+  for (Index q = 0; q < n; ++q)
+    for (Index p = 0; p + q < n; ++p) {
+      mesh.triangles.push_back({grid_vertex(n, p, q), grid_vertex(n, p + 1, q), grid_vertex(n, p, q + 1)});
+      if (p + q + 1 < n)
+        mesh.triangles.push_back({grid_vertex(n, p + 1, q), grid_vertex(n, p + 1, q + 1), grid_vertex(n, p, q + 1)});
+    }
+  return mesh;
+}
+
+/// No triangle turned over or squeezed in the domain, measured in the equilateral triangle?
+bool fits_in_domain(const TriangleMesh& mesh) {
+  for (const auto& t : mesh.triangles) {
+    std::array<Vec3, 3> x;
+    for (int k = 0; k < 3; ++k) x[k] = mesh.barycentric.row(t[k]);
+    const Vec3 u = x[1] - x[0], v = x[2] - x[0];
+    if (!(u[1] * v[2] - u[2] * v[1] > 0) || shape(x[0], x[1], x[2]) < 0.1) return false;
+  }
+  return true;
+}
+
+/// And in space, on a part of the grid, corners left out?
+bool fits_in_space(const TriangleMesh& mesh, Index n, const Position& position) {
+  const Index stride = (n + 11) / 12, rows = n / stride;
+  Points b((rows + 1) * (rows + 2) / 2, 3);
+  auto place = [&](Index p, Index q) { return q * (rows + 1) - q * (q - 1) / 2 + p; };
+  for (Index q = 0; q <= rows; ++q)
+    for (Index p = 0; p + q <= rows; ++p) b.row(place(p, q)) = mesh.barycentric.row(grid_vertex(n, stride * p, stride * q));
+  const Points x = position(b);
+  auto squeezed = [&](Index a, Index c, Index d) { return shape(x.row(a), x.row(c), x.row(d)) < 0.2; };
+  for (Index q = 0; q < rows; ++q)
+    for (Index p = 0; p + q < rows; ++p) {
+      const bool corner = p + q == 0 || p + 1 == rows || q + 1 == rows;
+      if (!corner && squeezed(place(p, q), place(p + 1, q), place(p, q + 1))) return false;
+      if (p + q + 1 < rows && squeezed(place(p + 1, q), place(p + 1, q + 1), place(p, q + 1))) return false;
+    }
+  return true;
+}
+
+/// Where the rim goes straight on at a corner, the one triangle there has no area: its inner edge is turned towards the corner.
+void mend_corners(TriangleMesh& mesh, Index n, const Position& position) {
+  for (int corner = 0; corner < 3 && n > 1; ++corner) {
+    const Index c = corner * n, after = c + 1, before = (c + 3 * n - 1) % (3 * n);
+    std::array<Index, 3>*tip = nullptr, *next = nullptr;
+    for (auto& t : mesh.triangles) {
+      int both = 0, tips = 0;
+      for (Index v : t) both += v == after || v == before, tips += v == c;
+      if (both == 2) (tips ? tip : next) = &t;
+    }
+    if (!tip || !next) continue;  // n == 2: another corner has taken the middle triangle
+    Index across = 0;
+    for (Index v : *next)
+      if (v != after && v != before) across = v;
+    Points q(4, 3);
+    int row = 0;
+    for (Index v : {c, after, across, before}) q.row(row++) = mesh.barycentric.row(v);
+    q = position(q);
+    const double now = std::min(shape(q.row(0), q.row(1), q.row(3)), shape(q.row(1), q.row(2), q.row(3)));
+    const double then = std::min(shape(q.row(0), q.row(1), q.row(2)), shape(q.row(0), q.row(2), q.row(3)));
+    if (then > now) *tip = {c, after, across}, *next = {c, across, before};
+  }
+}
+
+}  // namespace
+
+std::optional<TriangleMesh> regular_grid(const Parameters& parameters, const Points& rim, const Position& position) {
+  const Index n = static_cast<Index>(parameters[0].size()) - 1;
+  TriangleMesh mesh = blended_grid(parameters, rim, n);
+  if (!fits_in_domain(mesh) || !fits_in_space(mesh, n, position)) return std::nullopt;
+  mend_corners(mesh, n, position);
+  return mesh;
+}
+
+}  // namespace tripatch
