@@ -369,7 +369,7 @@ PYBIND11_MODULE(_native, m) {
   m.def("_patch", [](const Sides& sides, const py::dict& given) {
     const FillOptions options = options_from(given);
     const py::gil_scoped_release release;
-    MadePatch made = make_patch(sides, options);
+    MadePatch made = patch_from_sides(sides, options);
     return std::make_pair(std::const_pointer_cast<Surface>(made.patch), std::move(made.report.warnings));
   });
   m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,

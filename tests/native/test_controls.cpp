@@ -29,7 +29,7 @@ MadePatch made(const Sides& sides, const std::string& fairing, const std::functi
   FillOptions options;
   options.fairing = fairing;
   if (set) set(options);
-  return make_patch(sides, options);
+  return patch_from_sides(sides, options);
 }
 
 /// The integral of w |DP|^2, which tension makes small.

@@ -88,7 +88,7 @@ TEST_CASE("patches of sides with kinks are whole and keep the sides") {
       FillOptions options;
       options.method = method;
       options.fairing = fairing;
-      const MadePatch made = make_patch(sides, options);
+      const MadePatch made = patch_from_sides(sides, options);
       CHECK(side_error(*made.patch, sides) < 1e-13);
       CHECK(seam_error(*made.patch, sides) < 1e-6);
       const auto [gap, angle] = tear(*made.patch);
@@ -101,7 +101,7 @@ TEST_CASE("patches of sides with kinks are whole and keep the sides") {
 
 TEST_CASE("at a kink where a crease ends the derivative across runs along the crease") {
   const Sides sides = kinked(roof);
-  const MadePatch made = make_patch(sides, {});
+  const MadePatch made = patch_from_sides(sides, {});
   CHECK(side_error(*made.patch, sides) < 1e-13);
   CHECK(seam_error(*made.patch, sides) < 1e-6);
   CHECK(tear(*made.patch).first < 1e-7);

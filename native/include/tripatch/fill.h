@@ -14,6 +14,7 @@
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/output/fill_result.h"
+#include "tripatch/patch_from_sides.h"
 #include "tripatch/report/report.h"
 
 namespace tripatch {
@@ -42,18 +43,6 @@ struct FillOptions {
   double center_offset = 0;                    ///< scene units: moves the middle along its normal from where it would be
   MethodOptions own;                           ///< what the method reads besides
 };
-
-/// A patch from three sides.
-struct MadePatch {
-  SurfacePtr patch;
-  std::array<double, 3> corner_mismatch_deg = {0, 0, 0};  ///< angle between the tangent planes of the two sides at corner i
-  Report report;                                          ///< of fairing, lambda and folds, and warnings
-  bool gave_up = false;                                   ///< no energy serves here, so that the patch is a plain one
-};
-/// By the options that concern a patch: method, continuity, cross_boundary, bulge, fairing ("auto" leaves the patches of G0 methods
-/// alone, unless a side is Free or there is tension), tension, center, center_offset and the method's own. Where a fair patch folds
-/// and one from plain rays folds less, that one is taken. points: those that it shall follow instead of being made fair.
-MadePatch make_patch(const Sides& sides, const FillOptions& options, const SurfacePoints* points = nullptr);
 
 Fill fill(const Mesh& mesh, const FillOptions& options = {});
 

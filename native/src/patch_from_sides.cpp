@@ -1,0 +1,124 @@
+#include "tripatch/patch_from_sides.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "tripatch/boundary/ribbon.h"
+#include "tripatch/boundary/smoothed.h"
+#include "tripatch/constructions/methods.h"
+#include "tripatch/constructions/szilvasi_nagy.h"
+#include "tripatch/fairing/center.h"
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/folds.h"
+#include "tripatch/fairing/kinks.h"
+#include "tripatch/fill.h"
+
+namespace tripatch {
+namespace {
+
+SurfacePtr construct(const Method& method, const Boundary& boundary, MethodOptions own, Report& report) {
+  own.warnings = &report.warnings;
+  SurfacePtr patch = method.from_boundary(boundary, own);
+  if (const auto blend = std::dynamic_pointer_cast<const SzilvasiNagy>(patch))
+    for (const SzilvasiNagy::Step& step : blend->path()) report.shape_path.emplace_back(step.shape, step.energy);
+  return patch;
+}
+
+/// The patch, made fair or not, from the start that the options of the method say, with its middle where `center` is.
+MadePatch construct_and_fair(const Sides& given, const Method& method, const Continuity& continuity, const FillOptions& options,
+                             const std::optional<Vec3>& center, const MethodOptions& own, bool faired,
+                             const SurfacePoints* points) {
+  const Kinks kinks(given);
+  const Sides& sides = kinks.rounded();
+  const RibbonOptions ribbons = {options.cross_boundary, options.bulge, continuity.tangent};
+  const Boundary boundary = make_boundary(sides, ribbons);
+  MadePatch made;
+  made.corner_mismatch_deg = boundary.corner_mismatch_deg;
+  made.patch = construct(method, boundary, own, made.report);
+  std::optional<Index> folds;  // of `made.patch`, where fairing has counted them
+  const FairingBase base = {sides, boundary, made.patch};
+  FairingOptions fairing;
+  for (int i = 0; i < 3; ++i) fairing.slopes_free[i] = continuity.tangent[i] && options.bulge[i] == 1;
+  if (faired && points) {
+    fairing.degree = 6;  // there is more to go by than an energy
+    made.patch = follow(base, *points, fairing);
+  } else if (faired) {
+    fairing.energy = options.fairing;
+    fairing.position_only = continuity.free;
+    fairing.tension = options.tension;
+    fairing.center = center;
+    fairing.curvature = continuity.curvature;
+    fairing.automatic = continuity.automatic;
+    const FoldCounter counter(kinks, continuity.tangent);
+    FairResult result = fair(base, build(method, smoothed(sides), ribbons, own), fairing, &counter);
+    made.patch = std::move(result.patch);
+    made.report.fairing = result.energy;
+    made.report.energy_before = result.before;
+    made.report.energy_after = result.after;
+    for (std::string& warning : result.warnings) made.report.warnings.push_back(std::move(warning));
+    folds = result.folds;
+    made.gave_up = result.gave_up;
+  } else if (center) {
+    made.patch = with_center(made.patch, *center);
+  }
+  const SurfacePtr counted = made.patch;
+  const std::array<bool, 3>& exact = continuity.curvature;
+  if (exact[0] || exact[1] || exact[2]) {
+    made.patch = meet_curvature(made.patch, sides, exact);
+    if (center) made.patch = with_center(made.patch, *center, 3);
+    for (int i = 0; i < 3; ++i)
+      if (exact[i] && kinks.on(i))
+        made.report.warnings.push_back("Side " + std::to_string(i) +
+                                       " has a kink: the curvature of its surroundings is met away from it only");
+  }
+  if (!kinks.empty()) made.patch = kinks.restored(made.patch, continuity.tangent);
+  made.report.folds = folds && made.patch == counted ? *folds : count_folds(*made.patch, given);
+  made.report.continuity = continuity.names();
+  return made;
+}
+
+/// The same, from plain rays where that folds less, and just these where no energy serves.
+MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, const Continuity& continuity,
+                                  const FillOptions& options, const std::optional<Vec3>& center, bool faired,
+                                  const SurfacePoints* points) {
+  MethodOptions own = options.own;
+  own.to_be_faired = faired;
+  MadePatch made = construct_and_fair(sides, method, continuity, options, center, own, faired, points);
+  if (!faired || (made.report.folds == 0 && !made.gave_up)) return made;
+  own.to_be_faired = false;
+  MadePatch plain = construct_and_fair(sides, method, continuity, options, center, own, !made.gave_up, points);
+  if (made.gave_up && (plain.report.folds == 0 || made.report.folds > 0)) {
+    const double bends = energy(*plain.patch, options.fairing, size_of(*plain.patch));
+    made.patch = plain.patch;
+    made.report.folds = plain.report.folds;
+    made.report.energy_before = made.report.energy_after = bends;
+  }
+  return plain.report.folds < made.report.folds && !made.gave_up ? plain : made;
+}
+
+}  // namespace
+
+MadePatch patch_from_sides(const Sides& sides, const FillOptions& options, const SurfacePoints* points) {
+  const Method& method = find_method(options.method);
+  if (!method.from_boundary) throw InvalidArgument(options.method + " joins three surfaces; use tripatch.blend");
+  const Continuity continuity = resolve_continuity(options.continuity, method, sides);
+  const std::array<bool, 3>& free = continuity.free;
+  const bool alone = std::string(method.continuity) == "G0" && !free[0] && !free[1] && !free[2] && options.tension == 0;
+  const bool faired = options.fairing == "auto" ? !alone : !options.fairing.empty() && options.fairing != "none";
+  if (!(options.tension >= 0) || !std::isfinite(options.tension)) throw InvalidArgument("tension must be 0 or greater");
+  if (options.tension > 0 && !faired) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
+  if (!std::isfinite(options.center_offset) || (options.center && !options.center->allFinite()))
+    throw InvalidArgument("center and center_offset must be finite");
+  if (options.center && options.center_offset != 0)
+    throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+
+  MadePatch made = patch_with_fewest_folds(sides, method, continuity, options, options.center, faired, points);
+  if (options.center_offset == 0) return made;
+  const auto [middle, normal] = center_of(*made.patch);
+  return patch_with_fewest_folds(sides, method, continuity, options, Vec3(middle + options.center_offset * normal), faired,
+                                 points);
+}
+
+}  // namespace tripatch
