@@ -10,7 +10,7 @@
 
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/ribbon.h"
-#include "tripatch/cage/cage.h"
+#include "tripatch/cage/cage_options.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/output/fill_result.h"

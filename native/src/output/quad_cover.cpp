@@ -46,6 +46,8 @@ double diameter(const Points& points) {
   return d;
 }
 
+double diameter(const Mesh& mesh, const std::vector<Index>& rim) { return diameter(Points(mesh.vertices(rim, Eigen::all))); }
+
 Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vector<double>, 3> parameters, const Surface& patch,
                        const LayoutOptions& options, bool own_rim) {
   Cover cover;
@@ -68,17 +70,17 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
     cover.split_t.push_back(0.5);
   }
   std::optional<double> tolerance = options.tolerance;
-  const int first = options.rows.value_or(0), last = options.rows.value_or(4);
+  const int first = options.rows.value_or(0), last = options.rows.value_or(most_extra_rows);
   for (int rows = first; rows <= last; ++rows) {
     QuadLayout layout = quad_layout(parameters, rows, options.pole_offset);
     cover.barycentric = std::move(layout.barycentric);
     cover.rim = layout.rim;
     cover.faces = std::move(layout.faces);
     if (options.rows) return cover;
-    if (!tolerance) tolerance = 1e-3 * diameter(patch.positions(cover.barycentric.topRows(cover.rim)));
+    if (!tolerance) tolerance = default_tolerance * diameter(patch.positions(cover.barycentric.topRows(cover.rim)));
     if (deviation(cover, patch) <= *tolerance) return cover;
   }
-  cover.warnings.push_back(too_few_rows);
+  cover.warnings.emplace_back(too_few_rows);
   return cover;
 }
 

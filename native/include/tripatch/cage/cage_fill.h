@@ -1,42 +1,64 @@
-// Holes of a subdivision cage, filled with cages: layout, fit, what changes in the cage around, and the report.
+// Holes of a subdivision cage, filled with cages: a few quads each whose limit surface is the patch.
 #pragma once
 
-#include <array>
-#include <functional>
+#include <memory>
 #include <vector>
 
-#include "tripatch/boundary/limit_surface.h"
-#include "tripatch/cage/cage.h"
-#include "tripatch/output/quad_cover.h"
-#include "tripatch/report/report.h"
+#include "tripatch/cage/cage_fit.h"
+#include "tripatch/cage/cage_layout.h"
+#include "tripatch/cage/cage_options.h"
+#include "tripatch/output/fill_result.h"
 
 namespace tripatch {
 
-struct CageFill {
-  Points vertices;     ///< the new vertices only: first that of a split edge
-  Points barycentric;  ///< of `vertices`
-  Points rim_barycentric;
-  Faces faces;  ///< 0 .. n-1 are the mesh's own vertices, n .. are `vertices`
-  std::vector<std::array<Index, 2>> split_edges;
-  std::vector<double> split_t;
-  std::vector<Index> moved;
-  Points moved_to = Points(0, 3);
-  std::vector<std::array<Index, 2>> creases;
-  SurfacePtr patch;
-  Sides sides;
-  Report report;  ///< the seam is the one between the limit surfaces
+/// Cages for holes whose surroundings may overlap, fitted together. Phases: made, with the layouts as large as the faces around and
+/// (but for an exact rim) the fairest cage on them; patches on `sides`, which may follow `points`; `fit` to them; `complete`.
+class CageFill {
+public:
+  /// mesh: outlives this. replaced: the faces in the holes, of all.
+  CageFill(const Mesh& mesh, std::vector<Hole> holes, const Subdivision& settings, std::vector<Index> replaced,
+           const LayoutOptions& layout_options, const CageOptions& options);
+
+  std::size_t size() const { return holes_.size(); }
+  /// Of a hole: what its patch is to be made on.
+  const Sides& sides(std::size_t hole) const { return sides_[hole]; }
+  /// Points of the fair cage; none for an exact rim.
+  const SurfacePoints& points(std::size_t hole) const { return points_[hole]; }
+
+  /// To a patch for each hole, with more rows where the tolerance asks for them.
+  void fit(std::vector<SurfacePtr> patches);
+
+  /// The rest of a fill that has its patch: vertices, faces, what changes around them, and the numbers of the report, whose seam is
+  /// the one between the limit surfaces.
+  void complete(std::size_t hole, Fill& fill) const;
+  /// The energies of the fairest cage, where it is what is made fair and not the patch.
+  void report_energies(std::size_t hole, Report& report) const;
+
+private:
+  std::unique_ptr<CageFit> lay_out(int rows);
+  std::vector<Index> numbering(std::size_t hole) const;
+  void deliver(std::size_t hole, Fill& fill) const;
+  void report(std::size_t hole, Report& report) const;
+  void report_poles(std::size_t hole, Report& report) const;
+
+  const Mesh mesh_;
+  const std::vector<Hole> holes_;  ///< as they were given
+  const std::vector<Index> replaced_;
+  const LayoutOptions layout_options_;
+  const CageOptions options_;
+  const SplitMesh split_;
+  std::vector<double> tolerance_;
+  std::vector<CageHole> laid_out_;
+  std::vector<char> open_;  ///< asks for another layout
+  std::unique_ptr<CageFit> fit_;
+  std::vector<Sides> sides_;
+  std::vector<SurfacePoints> points_;
+  std::vector<CageEnergies> energies_;
+  std::vector<SurfacePtr> patches_;
 };
 
-/// A hole, and how the patch in it is made, see CageHole::build.
-struct CageRequest {
-  Hole hole;
-  std::function<SurfacePtr(const Sides&, const SurfacePoints&)> build;
-};
-
-/// Holes whose surroundings may overlap, fitted together. replaced: the faces in them, of all. Every result counts its new vertices
-/// on its own.
-std::vector<CageFill> fill_with_cages(const Mesh& mesh, const std::vector<CageRequest>& requests, const Subdivision& settings,
-                                      const std::vector<Index>& replaced, const LayoutOptions& layout_options,
-                                      const CageOptions& options);
+/// Holes in groups: those that share faces of their first two rings belong together. replaced: the faces in them.
+std::vector<std::vector<std::size_t>> cage_groups(const Mesh& mesh, const std::vector<Hole>& holes,
+                                                  const std::vector<Index>& replaced);
 
 }  // namespace tripatch

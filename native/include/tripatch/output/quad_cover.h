@@ -7,27 +7,20 @@
 #include <vector>
 
 #include "tripatch/hole/hole.h"
+#include "tripatch/output/cover.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
+
+constexpr int most_extra_rows = 4;          ///< that are tried: 16 times as many quads as the plain layout of a short rim
+constexpr double default_tolerance = 1e-3;  ///< of the hole's diameter
 
 struct LayoutOptions {
   std::optional<int> rows;          ///< extra rows of quads round the pole(s); none: the fewest under `tolerance`, 0 to 4
   std::optional<double> tolerance;  ///< deviation from the patch, scene units; none: 1e-3 of the hole's diameter
   bool split_odd = true;            ///< an odd rim: its longest edge is split, else a triangle is left at the pole
   std::array<double, 2> pole_offset = {0, 0};
-};
-
-/// Rows of barycentric coordinates, the first `rim` of them around, and faces by row.
-struct Cover {
-  Points barycentric;
-  Index rim = 0;
-  Faces faces;
-  std::vector<Index> rim_vertices;  ///< of the mesh, one a rim row; -1 where an edge was split
-  std::vector<std::array<Index, 2>> split_edges;
-  std::vector<double> split_t;
-  std::vector<std::string> warnings;
 };
 
 /// parameters[i]: of the rim's vertices on side i. own_rim: the rim's vertices are the fill's own, and no edge is split.
@@ -39,6 +32,8 @@ std::size_t longest_edge(const Mesh& mesh, const Hole& hole);
 
 /// The largest distance between any two of the points, or of 200 of them.
 double diameter(const Points& points);
+/// Of a rim.
+double diameter(const Mesh& mesh, const std::vector<Index>& rim);
 
 extern const char* const too_few_rows;  ///< the warning where the tolerance is out of reach
 

@@ -1,0 +1,92 @@
+// Cages on one layout each, fitted together. The limit surface of a Catmull-Clark cage is linear in its vertices, so the new ones
+// follow from least squares on limit stencils.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "tripatch/boundary/limit_surface.h"
+#include "tripatch/boundary/side.h"
+#include "tripatch/cage/cage_options.h"
+#include "tripatch/cage/cage_samples.h"
+#include "tripatch/cage/closed_cage.h"
+#include "tripatch/fairing/fairing.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+/// Energies of the fair cage, see fair_cage.
+struct CageEnergies {
+  double before = 0, after = 0;
+};
+
+/// The numbers of the report on one fit; lengths in scene units.
+struct CageMeasures {
+  double deviation_max = 0, deviation_rms = 0;        ///< fill's limit surface to the patch
+  double surroundings_max = 0, surroundings_rms = 0;  ///< movement of the old limit surface, first two rings
+  Index surroundings_where = -1;                      ///< a vertex of the face that moved most
+  double corners_moved = 0;                           ///< largest movement of the limit at the three corners
+  Index triangles_folded = 0;                         ///< edges of the fill's limit surface, see count_folded_edges
+  std::array<std::vector<double>, 3>
+      seam_angles;  ///< degrees, between the limit normals of the two faces along each rim edge; -1: none there
+};
+
+/// Phases: made; on a first layout `make_fair` (but for an exact rim), then patches on `sides`; `fit`; what it became.
+class CageFit {
+public:
+  /// mesh: outlives this. replaced: faces in the holes; there the limit of the whole cage is the truth.
+  CageFit(const Mesh& mesh, std::vector<CageHole> holes, const Subdivision& settings, const std::vector<Index>& replaced,
+          const CageOptions& options);
+  CageFit(const CageFit&) = delete;
+  CageFit& operator=(const CageFit&) = delete;
+
+  /// Moves the free vertices to the fairest cage.
+  std::vector<CageEnergies> make_fair();
+  /// What the patch in a hole is to meet: the limit surface that the fill continues.
+  Sides sides(std::size_t hole) const;
+  /// Points of the limit surface inside, which a patch may follow.
+  SurfacePoints points(std::size_t hole) const { return samples_[hole].points(closed_.vertices); }
+
+  /// To the patches made on `sides`. from_patches: starts with the vertices on them, else where they are.
+  void fit(const std::vector<SurfacePtr>& patches, const std::vector<Sides>& sides, bool from_patches);
+
+  const CageHole& hole(std::size_t hole) const { return holes_[hole]; }
+  /// Inside the fill, in the order of its layout.
+  Points inside(std::size_t hole) const;
+  /// Of rim vertices, where the rim moves.
+  Points rim(std::size_t hole) const;
+  /// Root mean square of the distances of the limit surface from the patch.
+  double deviation_rms(std::size_t hole, const Surface& patch) const;
+  CageMeasures measures(std::size_t hole, const Surface& patch) const;
+
+private:
+  bool exact() const { return options_.rim == CageRim::exact; }
+  CageSurfaces surfaces() const { return {mesh_, closed_, was_, limit_, system_, settings_.loop}; }
+  Subdivision creased() const;
+  std::vector<Index> around_holes() const;
+  std::vector<Index> free_vertices() const;
+  bool replaces(const Hole& hole) const;
+  Eigen::VectorXd deviation(std::size_t hole, const Surface& patch) const;
+  void measure_surroundings(std::size_t hole, CageMeasures& measures) const;
+  void measure_rim(std::size_t hole, CageMeasures& measures) const;
+  void move_to_patch(std::size_t hole, const Surface& patch);
+  void take();
+
+  const Mesh mesh_;
+  const std::vector<CageHole> holes_;
+  const Subdivision settings_;
+  const std::vector<Index> replaced_;
+  const CageOptions options_;
+  ClosedCage closed_;
+  const std::vector<std::array<std::vector<Index>, 2>> rings_;  ///< of each hole
+  const DirectedEdges edges_;
+  const std::vector<Index> around_;
+  const LimitSurface was_;  ///< what the surroundings were: with the faces being replaced, where there are any, else open
+  LimitSurface limit_;
+  CageSystem system_;
+  Points free_;  ///< positions of the system's free vertices
+  std::vector<HoleSamples> samples_;
+};
+
+}  // namespace tripatch

@@ -1,0 +1,43 @@
+// A cage with layouts in its holes: one closed mesh, and where the fills and their surroundings are in it.
+#pragma once
+
+#include <array>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "tripatch/hole/hole.h"
+#include "tripatch/output/quad_layout.h"
+
+namespace tripatch {
+
+/// A hole and the layout in it, whose first rows are the rim's.
+struct CageHole {
+  Hole hole;
+  QuadLayout layout;
+};
+
+struct ClosedCage {
+  Points vertices;  ///< the mesh's own, then the insides of the fills
+  Faces faces;
+  std::vector<Index> kept;          ///< given face of each of the first faces
+  std::vector<Index> first_face;    ///< of each fill, and the end
+  std::vector<Index> first_vertex;  ///< of each fill's inside, and the end; they start in the plane of the corners
+  Mesh mesh() const { return {vertices, faces}; }
+};
+
+/// replaced: faces in the holes, which are left out.
+ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, const std::vector<Index>& replaced);
+
+/// Kept faces around a hole by ring: those that touch the rim, and those that touch them.
+std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Hole& hole);
+
+struct FaceEdge {
+  Index face = -1;
+  int edge = 0;  ///< from the face's corner of that number to the next
+};
+using DirectedEdges = std::map<std::pair<Index, Index>, FaceEdge>;
+/// The face at each edge between vertices of the rims, in its direction.
+DirectedEdges rim_edges(const ClosedCage& cage, const std::vector<CageHole>& holes);
+
+}  // namespace tripatch

@@ -1,0 +1,35 @@
+// A patch covered with faces: barycentric coordinates that match the rim, and how they become the faces of a fill.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tripatch/hole/hole.h"
+#include "tripatch/output/fill_result.h"
+#include "tripatch/patch/surface.h"
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// Rows of barycentric coordinates, the first `rim` of them around, and faces by row.
+struct Cover {
+  Points barycentric;
+  Index rim = 0;
+  Faces faces;
+  std::vector<Index> rim_vertices;  ///< of the mesh, one a rim row; -1 where an edge was split
+  std::vector<std::array<Index, 2>> split_edges;
+  std::vector<double> split_t;
+  std::vector<std::string> warnings;
+};
+
+/// parameters, resolution: see triangulate.
+Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double>, 3>& parameters, const Surface& patch,
+                           std::optional<int> resolution);
+
+/// Vertices, normals and faces of a fill that has its patch: faces of the mesh, of `vertices` vertices, whose rim is reused, or with
+/// a border (its points, from corner 0 on) a mesh of its own.
+void deliver(const Cover& cover, const Points& border, Index vertices, Fill& fill);
+
+}  // namespace tripatch

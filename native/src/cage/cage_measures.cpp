@@ -1,0 +1,84 @@
+// What the report says of a fitted cage.
+#include <algorithm>
+#include <cmath>
+
+#include "tripatch/cage/cage_fit.h"
+#include "tripatch/cage/limit_mesh.h"
+#include "tripatch/math/angle.h"
+#include "tripatch/report/folded_triangles.h"
+
+namespace tripatch {
+namespace {
+
+constexpr int folds_level = 3;  ///< of the limit surface whose folds are counted: 8 x 8 quads a face, as Fill.limit gives them
+/// Sine of the angle between a face's derivatives below which it has no tangent plane there: where a quad's two edges run into one
+/// line, as in the corner of a smooth rim.
+constexpr double no_plane = 1e-3;
+
+double root_mean_square(const Eigen::VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+bool has_plane(const LimitJet& jet) { return jet.pu.cross(jet.pv).norm() > no_plane * jet.pu.norm() * jet.pv.norm(); }
+
+}  // namespace
+
+Eigen::VectorXd CageFit::deviation(std::size_t h, const Surface& patch) const {
+  Points coordinates = samples_[h].coordinates;
+  return nearest(patch, samples_[h].positions(free_), coordinates);
+}
+
+double CageFit::deviation_rms(std::size_t h, const Surface& patch) const { return root_mean_square(deviation(h, patch)); }
+
+void CageFit::measure_surroundings(std::size_t h, CageMeasures& measures) const {
+  double sum = 0;
+  Index count = 0;
+  for (const SampledFace& face : samples_[h].outside) {
+    const Eigen::VectorXd d = (face.limit.at(free_) - face.target).rowwise().norm();
+    if (d.maxCoeff() > measures.surroundings_max) {
+      measures.surroundings_max = d.maxCoeff();
+      measures.surroundings_where = closed_.faces[face.face][0];
+    }
+    sum += d.squaredNorm();
+    count += d.size();
+  }
+  if (count > 0) measures.surroundings_rms = std::sqrt(sum / static_cast<double>(count));
+}
+
+void CageFit::measure_rim(std::size_t h, CageMeasures& measures) const {
+  const Hole& hole = holes_[h].hole;
+  const std::vector<double> t = {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
+  const std::vector<double> reversed(t.rbegin(), t.rend());
+  std::vector<LimitJet> in(t.size()), out(t.size());
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<Index> side = hole.side(i);
+    for (std::size_t e = 0; e + 1 < side.size(); ++e) {
+      const FaceEdge mine = edges_.at({side[e], side[e + 1]}), theirs = edges_.at({side[e + 1], side[e]});
+      limit_.evaluate_edge(mine.face, mine.edge, t, in);
+      limit_.evaluate_edge(theirs.face, theirs.edge, reversed, out);
+      for (std::size_t k = 0; k < t.size(); ++k)
+        measures.seam_angles[i].push_back(
+            has_plane(in[k]) && has_plane(out[k]) ? degrees_between(in[k].pu.cross(in[k].pv), out[k].pu.cross(out[k].pv)) : -1);
+    }
+    const FaceEdge first = edges_.at({side[1], side[0]});
+    LimitJet now, before;
+    limit_.evaluate_edge(first.face, first.edge, std::array{1.0}, {&now, 1});
+    was_.evaluate_edge(closed_.kept[first.face], first.edge, std::array{1.0}, {&before, 1});
+    measures.corners_moved = std::max(measures.corners_moved, (now.p - before.p).norm());
+  }
+}
+
+CageMeasures CageFit::measures(std::size_t h, const Surface& patch) const {
+  CageMeasures measures;
+  const Eigen::VectorXd distances = deviation(h, patch);
+  measures.deviation_max = distances.maxCoeff();
+  measures.deviation_rms = root_mean_square(distances);
+  measure_surroundings(h, measures);
+  measure_rim(h, measures);
+  const LimitMesh surface =
+      sample_limit(limit_, closed_.mesh(), settings_.loop, closed_.first_face[h], closed_.first_face[h + 1], folds_level);
+  measures.triangles_folded = count_folded_edges(surface.vertices, Points(0, 3), surface.faces);
+  return measures;
+}
+
+}  // namespace tripatch

@@ -1,0 +1,43 @@
+#include "tripatch/output/cover.h"
+
+#include <numeric>
+#include <tuple>
+
+#include "tripatch/output/triangulate.h"
+
+namespace tripatch {
+
+Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double>, 3>& parameters, const Surface& patch,
+                           std::optional<int> resolution) {
+  TriangleMesh triangles = triangulate(parameters, resolution, [&](const PointsRef& b) { return patch.positions(b); });
+  Cover cover;
+  cover.barycentric = std::move(triangles.barycentric);
+  cover.rim = triangles.rim;
+  cover.rim_vertices = hole.rim;
+  for (const std::array<Index, 3>& triangle : triangles.triangles) cover.faces.add(triangle);
+  return cover;
+}
+
+void deliver(const Cover& cover, const Points& border, Index vertices, Fill& fill) {
+  const bool own = border.rows() > 0;
+  std::vector<Index> index(cover.barycentric.rows()), rows;  // of the mesh; rows that become new vertices, split edges first
+  for (Index k = 0; k < cover.barycentric.rows(); ++k) {
+    const bool reused = !own && k < cover.rim && cover.rim_vertices[k] >= 0;
+    index[k] = reused ? cover.rim_vertices[k] : vertices + static_cast<Index>(rows.size());
+    if (!reused) rows.push_back(k);
+  }
+  fill.barycentric = cover.barycentric(rows, Eigen::all);
+  std::tie(fill.vertices, fill.normals) = fill.patch->positions_and_normals(fill.barycentric);
+  if (own) {
+    fill.vertices.topRows(border.rows()) = border;
+    fill.border.resize(border.rows());
+    std::iota(fill.border.begin(), fill.border.end(), Index{0});
+  }
+  fill.faces = cover.faces;
+  for (Index& v : fill.faces.corners) v = index[v];
+  fill.split_edges = cover.split_edges;
+  fill.split_t = cover.split_t;
+  fill.report.warnings.insert(fill.report.warnings.end(), cover.warnings.begin(), cover.warnings.end());
+}
+
+}  // namespace tripatch
