@@ -137,12 +137,13 @@ def fill(thing, rim=()):
     """Fills with the operator, as a user would: the rim selected, or nothing. The new faces get the material of index 1."""
     before = len(thing.data.polygons)
     bpy.context.view_layer.objects.active = thing
-    for v in thing.data.vertices:
-        v.select = v.index in set(rim)
-    thing.data.edges.foreach_set("select", [False] * len(thing.data.edges))
-    thing.data.polygons.foreach_set("select", [False] * before)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_mode(type="VERT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bm, selected = bmesh.from_edit_mesh(thing.data), set(rim)
+    for v in bm.verts:
+        v.select = v.index in selected
+    bm.select_flush_mode()
     print(f"{thing.name}: ", end="", flush=True)
     result = bpy.ops.mesh.fill_three_sided()
     bpy.ops.object.mode_set(mode="OBJECT")
