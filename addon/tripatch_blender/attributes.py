@@ -19,47 +19,6 @@ _OWN = (".", "custom_normal")
 _ZERO = ("crease_vert", "bevel_weight_vert")
 
 
-class Blend:
-    """Transfinite side-vertex interpolation in the parameter triangle, of values at the two ends of each rim edge.
-
-    Along a side the values are linear between the ends of each rim edge, so that two edges may disagree at their common
-    vertex, as at a UV seam. With S_i the segment from corner i through b to side i, the value is the mean of S_0, S_1, S_2
-    weighted by (b_j b_k)^2 (Nielson 1979): it takes the rim's values on all three sides and reproduces linear functions.
-    """
-
-    def __init__(self, rim_barycentric, barycentric):
-        """rim_barycentric (r, 3) from corner 0 on; barycentric (k, 3) of the points inside."""
-        count = len(rim_barycentric)
-        corner = [int(np.argmax(rim_barycentric[:, i])) for i in range(3)]
-        b = barycentric
-        others = np.stack([b[:, 1] * b[:, 2], b[:, 2] * b[:, 0], b[:, 0] * b[:, 1]], axis=1) ** 2
-        share = others / others.sum(axis=1, keepdims=True)
-        ends, weights = [], []
-        for i in range(3):
-            first, last = corner[(i + 1) % 3], corner[(i + 2) % 3] or count
-            along = rim_barycentric[np.arange(first, last + 1) % count, (i + 2) % 3]
-            t = b[:, (i + 2) % 3] / (b[:, (i + 1) % 3] + b[:, (i + 2) % 3])
-            edge = np.clip(np.searchsorted(along, t, side="right") - 1, 0, len(along) - 2)
-            u = (t - along[edge]) / (along[edge + 1] - along[edge])
-            on_side = share[:, i] * (1 - b[:, i])
-            at_corner = share[:, i] * b[:, i] / 2
-            edge = edge + first
-            ends += [
-                2 * edge,
-                2 * edge + 1,
-                np.full_like(edge, 2 * corner[i]),
-                np.full_like(edge, (2 * corner[i] - 1) % (2 * count)),
-            ]
-            weights += [on_side * (1 - u), on_side * u, at_corner, at_corner]
-        self._ends = np.stack(ends, axis=1)  # (k, 12): 2 e is the start of rim edge e, 2 e + 1 its end
-        self._weights = np.stack(weights, axis=1)
-        self.nearest = self._ends[np.arange(len(b)), np.argmax(self._weights, axis=1)]
-
-    def __call__(self, values):
-        """Values (k, d) inside from values (2 r, d) at the ends of the rim edges."""
-        return np.einsum("ke,ked->kd", self._weights, values[self._ends])
-
-
 def _read(value, kind):
     if kind == "uv":
         return tuple(value.uv)
@@ -128,11 +87,12 @@ def ends_of_corner(place, count, owned):
     return (2 * before + 1, 2 * after)
 
 
-def blend_corners(bm, ends, corners, blend):
+def blend_corners(bm, ends, corners, blend, nearest):
     """Gives face corners the corner data of the rim.
 
     ends: face corners of the surroundings at the ends of the rim edges; corners: (new face corner, number of the vertex inside,
-    ends that it continues, none inside). Where two surrounding faces disagree at their vertex, as at a UV seam, the later
+    ends that it continues, none inside); nearest: for each vertex inside the end whose values it takes where they cannot be
+    blended. Where two surrounding faces disagree at their vertex, as at a UV seam, the later
     one counts.
     """
     for kind, _name, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
@@ -143,7 +103,7 @@ def blend_corners(bm, ends, corners, blend):
             _write(corner, layer, kind, at_rim[continued[-1]] if continued else inside[vertex])
     for _kind, _name, layer in _layers(bm.loops.layers, _PICKED):
         for corner, vertex, continued in corners:
-            corner[layer] = ends[continued[-1] if continued else blend.nearest[vertex]][layer]
+            corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
 
 
 def model_faces(surrounding, sides):

@@ -142,9 +142,7 @@ def _seam(patch, sides, kept):
             continue
         b = np.zeros((len(t), 3))
         b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
-        own, others = patch.normal(b), side.evaluate(t)[3]
-        angle = np.arctan2(np.linalg.norm(np.cross(own, others), axis=1), (own * others).sum(axis=1))
-        largest = max(largest, np.degrees(angle.max()))
+        largest = max(largest, tripatch.angles(patch.normal(b), side.evaluate(t)[3]).max())
     return largest
 
 

@@ -179,7 +179,7 @@ def _plan_cages(bm, rims, there, world, keys, options, around, cage):
 def _follow_rim(planned, layer):
     """New vertices in a shape in which no patch can be built: moved as the rim is."""
     moved = np.array([v[layer] - v.co for v in planned.loop])
-    blend = writeback.attributes.Blend(planned.fill.rim_barycentric, planned.fill.barycentric)
+    blend = tripatch.attribute_weights(planned.fill)
     ends = np.stack([moved, np.roll(moved, -1, axis=0)], axis=1).reshape(-1, 3)
     return planned.positions + blend(ends)
 

@@ -21,27 +21,10 @@ def _unit(vectors):
 
 
 def _vertex_normals(faces, positions, given):
-    """(n, 3) unit normals of the vertices (n, 3) of these faces, weighted by the angles of the corners.
-
-    given: {face corner: normal} where the faces' own are not to be taken.
-    """
+    """(n, 3) unit normals of the vertices of these faces. given: {face corner: normal} where the faces' own are not taken."""
     corners = [corner for f in faces for corner in f.loops]
-    at = np.array([[c.link_loop_prev.vert.index, c.vert.index, c.link_loop_next.vert.index] for c in corners])
-    face = np.repeat(np.arange(len(faces)), [len(f.verts) for f in faces])
-    before, here, after = positions[at].transpose(1, 0, 2)
-    start = positions[[f.loops[0].vert.index for f in faces]][face]
-    area = np.zeros((len(faces), 3))
-    np.add.at(area, face, np.cross(here - start, after - start))
-    normal = _unit(area)[face]
-    for k, corner in enumerate(corners):
-        if corner in given:
-            normal[k] = given[corner]
-    ahead, behind = after - here, before - here
-    angle = np.arctan2(np.linalg.norm(np.cross(ahead, behind), axis=1), (ahead * behind).sum(axis=1))
-    total = np.zeros_like(positions)
-    np.add.at(total, at[:, 1], angle[:, None] * normal)
-    total[np.linalg.norm(total, axis=1) < 1e-9] = 0  # what rounding leaves of normals that cancel
-    return _unit(total)
+    at_corners = np.array([given.get(corner, (0.0, 0.0, 0.0)) for corner in corners]) if given else None
+    return tripatch.vertex_normals(positions, [[v.index for v in f.verts] for f in faces], at_corners)
 
 
 class _Weights:
@@ -66,7 +49,6 @@ class _Weights:
         held = points >= first_inside
         if held.any():
             self.corners[held] = self.inside[(points[held] - first_inside) % len(inside)]
-        # as attributes.blend_corners asks for it
         self.nearest = (self.corners.argmax(axis=2) + 3 * np.arange(len(triangles))[:, None]).ravel()
 
     def __call__(self, values):
@@ -235,7 +217,7 @@ def _write(planned):
         made.smooth, made.hide = model.smooth, False
         new_faces.append(made)
     corners = [corner for f in new_faces for corner in f.loops]
-    attributes.blend_corners(bm, ends, [(corner, k, ()) for k, corner in enumerate(corners)], weights)
+    attributes.blend_corners(bm, ends, [(corner, k, ()) for k, corner in enumerate(corners)], weights, weights.nearest)
     for face in faces:
         bm.faces.remove(face)
     bm.normal_update()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import bmesh
 
 from . import attributes, normals, subdivision
-from .library import np
+from .library import np, tripatch
 from .selection import Rim, edges_of, pairs
 
 # Cosine of 0.5 degrees; Blender parts a fan of face corners by a sharp edge from 0.8 degrees on.
@@ -96,13 +96,14 @@ def _write_one(bm, planned, shading, custom):
     edges = edges_of(bm, loop)
     ends = attributes.rim_loops(edges, rim.replaced)
     models = attributes.model_faces([corner.face for corner in ends[::2]], sides(rows.barycentric))
-    blend = attributes.Blend(rows.barycentric, barycentric)
+    blend = tripatch.attribute_weights(rows.barycentric, barycentric)
 
     if rim.replaced:
         bmesh.ops.delete(bm, geom=list(rim.replaced), context="FACES")
+    nearest = blend.nearest.tolist()
     ends_at = [loop[(k + 1) // 2 % len(loop)] for k in range(2 * len(loop))]
     # A vertex made from an example has no place in any shape key yet; one made without would pass for the first of the mesh.
-    inside = [bm.verts.new(co, ends_at[near]) for co, near in zip(positions.tolist(), blend.nearest.tolist(), strict=True)]
+    inside = [bm.verts.new(co, ends_at[near]) for co, near in zip(positions.tolist(), nearest, strict=True)]
     attributes.blend_vertices(bm, loop, inside, blend)
     for name, layer in bm.verts.layers.shape.items():
         shape = planned.in_shape_keys.get(name, planned.positions)[rows.split :]
@@ -125,7 +126,7 @@ def _write_one(bm, planned, shading, custom):
         for corner, k in zip(made.loops, at, strict=True):
             continued = attributes.ends_of_corner(k, len(loop), own) if k < len(loop) else ()
             corners.append((corner, k - len(loop), continued))
-    attributes.blend_corners(bm, ends, corners, blend)
+    attributes.blend_corners(bm, ends, corners, blend, nearest)
     if custom is not None:
         on_side = {k: i for i, places in enumerate(sides(rows.barycentric)) for k in places}
         tangent = [planned.tangent[on_side[k]] for k in range(len(loop))]

@@ -20,6 +20,7 @@ namespace py = pybind11;
 using namespace tripatch;
 
 void bind_bezier(py::module_& m);
+void bind_attributes(py::module_& m);
 void bind_blends(py::module_& m);
 
 namespace {
@@ -206,6 +207,7 @@ PYBIND11_MODULE(_native, m) {
       });
 
   bind_bezier(m);
+  bind_attributes(m);
   bind_blends(m);
 
   py::class_<Method>(m, "Method", "A construction of the registry.")

@@ -17,6 +17,7 @@ import numpy as np
 
 from . import _arrays, _native, between
 from ._native import Patch, Report, Side, SzilvasiNagyPatch
+from .attributes import AttributeWeights, angles, attribute_weights, vertex_normals
 from .errors import Refusal
 from .surfaces import (
     BezierRectangle,
@@ -33,6 +34,7 @@ from .surfaces import (
 __version__ = "0.1.0"
 __all__ = [
     "METHODS",
+    "AttributeWeights",
     "BezierRectangle",
     "BezierTriangle",
     "Fill",
@@ -42,6 +44,8 @@ __all__ = [
     "Report",
     "Side",
     "SzilvasiNagyPatch",
+    "angles",
+    "attribute_weights",
     "between",
     "blend",
     "coons_bezier",
@@ -56,6 +60,7 @@ __all__ = [
     "sides_from_normals",
     "smits_patch",
     "smooth_triangles",
+    "vertex_normals",
 ]
 
 #: name -> construction, with .description, .citation, .fills_holes, .continuity, and .options: those of `fill` that it reads and

@@ -1,0 +1,47 @@
+#include "tripatch/mesh/vertex_normals.h"
+
+#include "tripatch/math/angle.h"
+
+namespace tripatch {
+namespace {
+
+/// Of a sum of unit normals times angles, what rounding may leave of normals that cancel.
+constexpr double cancelled = 1e-9;
+
+/// Zero stays zero.
+Vec3 unit(const Vec3& v) {
+  const double length = v.stableNorm();
+  return length > 0 ? Vec3(v / length) : Vec3::Zero();
+}
+
+}  // namespace
+
+Points vertex_normals(const Mesh& mesh, const PointsRef& corner_normals) {
+  if (corner_normals.rows() != 0 && corner_normals.rows() != static_cast<Index>(mesh.faces.corners.size()))
+    throw InvalidArgument("there must be a normal for each of the " + std::to_string(mesh.faces.corners.size()) +
+                          " corners, not " + std::to_string(corner_normals.rows()));
+  Points normals = Points::Zero(mesh.vertices.rows(), 3);
+  const auto at = [&](Index v) -> Vec3 { return mesh.vertices.row(v); };
+  for (Index f = 0; f < mesh.faces.size(); ++f) {
+    const std::span<const Index> face = mesh.faces[f];
+    const std::size_t n = face.size();
+    const Vec3 start = at(face[0]);
+    Vec3 area = Vec3::Zero();
+    for (std::size_t k = 1; k + 1 < n; ++k) area += (at(face[k]) - start).cross(at(face[k + 1]) - start);
+    const Vec3 own = unit(area);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec3 here = at(face[k]);
+      const double angle = angle_between(at(face[(k + 1) % n]) - here, at(face[(k + n - 1) % n]) - here);
+      const Index corner = mesh.faces.offsets[f] + static_cast<Index>(k);
+      const bool given = corner_normals.rows() != 0 && !corner_normals.row(corner).isZero(0);
+      normals.row(face[k]) += angle * (given ? Vec3(corner_normals.row(corner)) : own);
+    }
+  }
+  for (Index v = 0; v < normals.rows(); ++v) {
+    const Vec3 sum = normals.row(v);
+    normals.row(v) = sum.norm() < cancelled ? Vec3::Zero() : unit(sum);
+  }
+  return normals;
+}
+
+}  // namespace tripatch

@@ -1,0 +1,130 @@
+#include "tripatch/output/attribute_weights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "tripatch/math/parallel.h"
+
+namespace tripatch {
+namespace {
+
+/// Points that make a thread worth its start of some 0.1 ms: a point over a triangle takes about 0.1 us.
+constexpr Index points_a_thread = 4096;
+
+/// Of the product of two distances, below which a point counts as lying on the edge between their ends: rounding of the
+/// determinant and the scalar product leaves a few units in the last place.
+constexpr double on_edge = 1e-14;
+
+}  // namespace
+
+AttributeWeights::AttributeWeights(const Values& rim, const Values& inside)
+    : plane_(rim.cols() == 2), rim_(rim.rows()), points_(inside.rows()), rim_parameters_(rim), parameters_(inside) {
+  if (rim_ < 3) throw InvalidArgument("a rim has three vertices or more, not " + std::to_string(rim_));
+  if ((rim.cols() != 2 && rim.cols() != 3) || rim.cols() != inside.cols())
+    throw InvalidArgument(
+        "parameters must be barycentric coordinates (3) or places in a plane domain (2), the same inside and at the rim");
+  if (plane_) return;
+  for (int i = 0; i < 3; ++i) rim_parameters_.col(i).maxCoeff(&corner_[i]);
+  for (int i = 0; i < 3; ++i) {
+    const Index first = corner_[(i + 1) % 3], last = corner_[(i + 2) % 3] == 0 ? rim_ : corner_[(i + 2) % 3];
+    if (first >= last) throw InvalidArgument("the rim must start at corner 0 and pass corner 1 before corner 2");
+    for (Index v = first; v <= last; ++v) along_[i].push_back(rim_parameters_(v % rim_, (i + 2) % 3));
+  }
+}
+
+void AttributeWeights::row(Index k, Index* ends, double* weights) const {
+  if (plane_)
+    plane_row(k, ends, weights);
+  else
+    triangle_row(k, ends, weights);
+}
+
+void AttributeWeights::triangle_row(Index k, Index* ends, double* weights) const {
+  const double* b = parameters_.row(k).data();
+  std::array<double, 3> share;
+  for (int i = 0; i < 3; ++i) share[i] = std::pow(b[(i + 1) % 3] * b[(i + 2) % 3], 2);
+  const double sum = share[0] + share[1] + share[2];
+  for (int i = 0; i < 3; ++i) {
+    const int one = (i + 1) % 3, two = (i + 2) % 3;
+    const double opposite = b[one] + b[two];
+    // At a corner nothing tells the segments apart: the corner has all.
+    const double part = sum > 0 ? share[i] / sum : double(b[i] > 0.5);
+    const double t = opposite > 0 ? b[two] / opposite : 0.5;
+    const std::vector<double>& along = along_[i];
+    const Index place = std::upper_bound(along.begin(), along.end(), t) - along.begin() - 1;
+    const Index edge = std::clamp<Index>(place, 0, static_cast<Index>(along.size()) - 2);
+    const double u = (t - along[edge]) / (along[edge + 1] - along[edge]);
+    const double on_side = part * (1 - b[i]), at_corner = part * b[i] / 2;
+    const Index from = 2 * (corner_[one] + edge), corner = 2 * corner_[i];
+    const std::array<Index, 4> to = {from, from + 1, corner, (corner + 2 * rim_ - 1) % (2 * rim_)};
+    const std::array<double, 4> by = {on_side * (1 - u), on_side * u, at_corner, at_corner};
+    std::copy(to.begin(), to.end(), ends + 4 * i);
+    std::copy(by.begin(), by.end(), weights + 4 * i);
+  }
+}
+
+void AttributeWeights::plane_row(Index k, Index* ends, double* weights) const {
+  std::iota(ends, ends + 2 * rim_, Index{0});
+  std::fill_n(weights, 2 * rim_, 0.0);
+  const auto away = [&](Index v) -> Eigen::Vector2d { return (rim_parameters_.row(v % rim_) - parameters_.row(k)).transpose(); };
+  double sum = 0;
+  Eigen::Vector2d here = away(0);
+  for (Index e = 0; e < rim_; ++e) {
+    const Eigen::Vector2d next = away(e + 1);
+    const double r = here.norm(), s = next.norm(), across = here.x() * next.y() - here.y() * next.x();
+    if (r == 0) {  // at a vertex: half of it from either edge
+      std::fill_n(weights, 2 * rim_, 0.0);
+      weights[2 * e] = weights[(2 * e + 2 * rim_ - 1) % (2 * rim_)] = 0.5;
+      return;
+    }
+    const double below = r * s + here.dot(next);
+    if (s > 0 && below <= on_edge * r * s) {
+      std::fill_n(weights, 2 * rim_, 0.0);
+      weights[2 * e] = s / (r + s);
+      weights[2 * e + 1] = r / (r + s);
+      return;
+    }
+    if (s > 0) {
+      const double half_tangent = across / below;
+      weights[2 * e] = half_tangent / r;
+      weights[2 * e + 1] = half_tangent / s;
+      sum += weights[2 * e] + weights[2 * e + 1];
+    }
+    here = next;
+  }
+  for (Index e = 0; e < 2 * rim_; ++e) weights[e] /= sum;
+}
+
+std::vector<Index> AttributeWeights::nearest() const {
+  std::vector<Index> best(points_);
+  parallel_for(0, points_, points_a_thread, [&](Index from, Index to) {
+    std::vector<Index> ends(terms());
+    std::vector<double> weights(terms());
+    for (Index k = from; k < to; ++k) {
+      row(k, ends.data(), weights.data());
+      best[k] = ends[std::max_element(weights.begin(), weights.end()) - weights.begin()];
+    }
+  });
+  return best;
+}
+
+Values AttributeWeights::blend(const Eigen::Ref<const Values>& at_ends) const {
+  if (at_ends.rows() != ends())
+    throw InvalidArgument("values must be given at both ends of each of the " + std::to_string(rim_) +
+                          " rim edges: " + std::to_string(ends()) + " rows, not " + std::to_string(at_ends.rows()));
+  Values out = Values::Zero(points_, at_ends.cols());
+  parallel_for(0, points_, points_a_thread, [&](Index from, Index to) {
+    std::vector<Index> ends(terms());
+    std::vector<double> weights(terms());
+    for (Index k = from; k < to; ++k) {
+      row(k, ends.data(), weights.data());
+      for (Index e = 0; e < terms(); ++e) out.row(k) += weights[e] * at_ends.row(ends[e]);
+    }
+  });
+  return out;
+}
+
+}  // namespace tripatch
