@@ -76,27 +76,16 @@ def fill_rims(ob, bm, matrix, rims, options):
 
 def _fill_rims(ob, bm, modifier, matrix, rims, options):
     """The same for rims of the cage that the modifier subdivides."""
-    cage, around = subdivision.Cage(bm, modifier), selection.Surroundings(bm, matrix)
+    arrays = selection.Surroundings(bm, matrix).around(*rims)
+    settings = subdivision.Cage(bm, modifier).near(arrays[1])
+    fills = filling.fills(rims, arrays, options, subdivision=settings, level=subdivision.level_of(modifier))
     inverse = np.linalg.inv(matrix[:3, :3])
     outcome, vertices, faces, materials, smooth = filling.Outcome(), [], [], [], []
     drawn = tree = None
     count = missing = 0
-    for rim in rims:
-        loop = [v.index for v in rim.loop]
-        positions, near, replaced = around.around(rim)
-        try:
-            fill = tripatch.fill(
-                positions,
-                near,
-                rim=loop,
-                corners=filling.corners_of(rim, loop, (positions, near), replaced, options.corner_offset),
-                replaced=replaced,
-                subdivision=cage.near(near),
-                level=subdivision.level_of(modifier),
-                **options.arguments,
-            )
-        except tripatch.Refusal as refusal:
-            outcome.refused.append(words.refused(refusal))
+    for rim, fill in zip(rims, fills, strict=True):
+        if isinstance(fill, tripatch.Refusal):
+            outcome.refused.append(words.refused(fill))
             continue
         if drawn is None:
             drawn = subdivision.evaluated_points(bm, modifier)
@@ -108,7 +97,7 @@ def _fill_rims(ob, bm, modifier, matrix, rims, options):
         points[fill.border], lost = _read_off(points[fill.border], drawn, tree)
         missing += lost
         models = _models(rim, fill)
-        first = len(positions)  # of the fill's own vertices
+        first = len(arrays[0])  # of the fill's own vertices
         for face in fill.faces:
             model = models[int(np.argmin(fill.barycentric[np.array(face) - first].sum(axis=0)))]
             faces.append([v - first + count for v in face])

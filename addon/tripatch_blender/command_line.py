@@ -59,7 +59,11 @@ def _parser(prog):
     parser.add_argument("--out", required=True, help=".blend to be written")
     parser.add_argument("--object", action="append", default=[], metavar="NAME", help="may be repeated (default: every mesh)")
     parser.add_argument("--all", action="store_true", help="fill every hole with three corners, not only a mesh's only one")
-    parser.add_argument("--outer", action="store_true", help="with --all: also the longest border of each connected part")
+    parser.add_argument(
+        "--outer",
+        action="store_true",
+        help="with --all: also the outer borders of open meshes, which count only where there is no hole",
+    )
     parser.add_argument("--rim", type=_indices, metavar="V,V,...", help="vertex indices along the rim (one object)")
     parser.add_argument("--corners", type=_three, metavar="A,B,C", help="vertex indices of the three corners (one object)")
     parser.add_argument("--method", choices=methods, default="side_vertex")
@@ -117,31 +121,6 @@ class _UsageError(Exception):
     """A mistake in the command, not in a mesh."""
 
 
-def _inner(bm, rims, matrix):
-    """The rims without the longest of each connected part of the mesh."""
-    part, parts = {}, 0
-    for seed in bm.verts:
-        if seed in part:
-            continue
-        part[seed], stack = parts, [seed]
-        while stack:
-            for edge in stack.pop().link_edges:
-                for v in edge.verts:
-                    if v not in part:
-                        part[v] = parts
-                        stack.append(v)
-        parts += 1
-
-    def length(rim):
-        points = library.np.array([v.co for v in rim.loop]) @ matrix[:3, :3].T
-        return library.np.linalg.norm(points - library.np.roll(points, 1, axis=0), axis=1).sum()
-
-    longest = {}
-    for rim in sorted(rims, key=length):
-        longest[part[rim.loop[0]]] = rim
-    return [rim for rim in rims if rim is not longest[part[rim.loop[0]]]]
-
-
 def _vertices(bm, numbers, option):
     for number in numbers:
         if not 0 <= number < len(bm.verts):
@@ -162,8 +141,7 @@ def _rims(bm, matrix, arguments):
             raise selection.UnusableError("The three corners do not lie on one border of the mesh")
         return [selection.Rim(around[0], corners=corners)]
     if arguments.all:
-        rims = selection.all_rims(bm)
-        return rims if arguments.outer else _inner(bm, rims, matrix)
+        return selection.all_rims(bm) if arguments.outer else filling.holes(bm, matrix)
     if arguments.object:
         return filling.only_hole(bm, matrix, _ADVICE)
     found, _ = filling.three_sided(bm, matrix, filling.holes(bm, matrix))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import bpy
@@ -109,9 +110,10 @@ def _planned(bm, rim, world, fill, count):
     return planned
 
 
-def _in_shape_key(bm, planned, name, in_key, world, cage):
+def _in_shape_key(bm, planned, name, in_key, world):
     """Takes the fill of the same hole in a shape key, a Fill or a Refusal; returns notes."""
     own, fill = _ToObject(world), planned.fill
+    cage = planned.cage
     if not isinstance(in_key, tripatch.Refusal) and cage:
         if in_key.faces != fill.faces or (in_key.split_edges[0] != fill.split_edges[0]).any():
             in_key = tripatch.Refusal("its cage would have other faces", [])
@@ -124,55 +126,58 @@ def _in_shape_key(bm, planned, name, in_key, world, cage):
     return []
 
 
-def _plan(bm, rim, world, keys, options, around):
-    """A `Planned` fill and notes on it. around: Surroundings in the shape that the vertices have now."""
-    loop = [v.index for v in rim.loop]
-    positions, faces, replaced = around.around(rim)
-    corners = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset)
-    arguments = dict(options.arguments, rim=loop, replaced=replaced)
-    fill = tripatch.fill(positions, faces, corners=corners, **arguments)
-    planned, notes = _planned(bm, rim, world, fill, len(positions)), []
-    for name, shape in keys.items():
-        try:
-            in_key = tripatch.fill(*shape.around(rim)[:2], corners=fill.report.corners, **arguments)
-        except tripatch.Refusal as refusal:
-            in_key = refusal
-        notes += _in_shape_key(bm, planned, name, in_key, world, False)
-    return planned, notes
+def fills(rims, arrays, options, progress=None, **arguments):
+    """A tripatch.Fill or Refusal for each rim, all made at once; the rims' vertices are numbered as in the arrays.
 
-
-def _plan_cages(bm, rims, there, world, keys, options, around, cage):
-    """For each rim a `Planned` fill and notes on it, or a Refusal and none; the cages are fitted together.
-
-    there: the rims in the cage that modifiers make of the BMesh, of which `around` and `cage` are.
+    arrays: positions, faces, replaced faces, as Surroundings gathers them around all rims; arguments: of tripatch.fill_all,
+    besides the options'.
     """
+    positions, faces, replaced = arrays
     loops = [[v.index for v in rim.loop] for rim in rims]
-    positions, faces, replaced = around.around(*there)
-    corners, results = [], [None] * len(rims)
+    results, corners = [None] * len(rims), {}
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
         try:
-            corners.append(corners_of(rim, loop, (positions, faces), replaced, options.corner_offset))
+            corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset)
         except tripatch.Refusal as refusal:
-            results[k] = refusal, []
-    left = [k for k, result in enumerate(results) if result is None]
-    arguments = dict(options.arguments, replaced=replaced, subdivision=cage.near(faces))
-    fills = tripatch.fill_all(positions, faces, [loops[k] for k in left], corners=corners, **arguments)
-    for k, fill in zip(left, fills, strict=True):
+            results[k] = refusal
+    made = tripatch.fill_all(
+        positions,
+        faces,
+        [loops[k] for k in corners],
+        corners=list(corners.values()),
+        progress=progress,
+        **(options.arguments | {"replaced": replaced} | arguments),
+    )
+    for k, fill in zip(corners, made, strict=True):
+        results[k] = fill
+    return results
+
+
+def _plans(bm, rims, there, world, keys, options, around, cage, progress):
+    """For each rim a `Planned` fill and notes on it, or a Refusal and none.
+
+    there: the rims in the mesh of which `around` and `cage` are: the BMesh, or the cage that modifiers make of it.
+    """
+    positions, faces, replaced = around.around(*there)
+    of_cage = {"subdivision": cage.near(faces)} if cage else {}
+    results = []
+    for rim, fill in zip(rims, fills(rims, (positions, faces, replaced), options, progress, **of_cage), strict=True):
         if not isinstance(fill, tripatch.Refusal):
             try:
-                results[k] = _planned(bm, rims[k], world, fill, len(positions)), []
-                continue
+                fill = _planned(bm, rim, world, fill, len(positions))
+                fill.cage = cage is not None
             except tripatch.Refusal as refusal:
                 fill = refusal
-        results[k] = fill, []
-    left = [k for k in left if not isinstance(results[k][0], tripatch.Refusal)]
+        results.append((fill, []))
+    left = [k for k, (plan, _) in enumerate(results) if not isinstance(plan, tripatch.Refusal)]
+    loops = [[v.index for v in rims[k].loop] for k in left]
     same = [results[k][0].fill.report.corners for k in left]
-    for name, shape in keys.items():
-        arguments["replaced"] = (in_shape := shape.around(*rims))[2]
-        in_key = tripatch.fill_all(*in_shape[:2], [loops[k] for k in left], corners=same, **arguments)
-        for k, fill in zip(left, in_key, strict=True):
+    arguments = options.arguments | of_cage
+    for name, shape in keys.items() if left else ():
+        *in_shape, arguments["replaced"] = shape.around(*rims)
+        for k, fill in zip(left, tripatch.fill_all(*in_shape, loops, corners=same, **arguments), strict=True):
             planned, notes = results[k]
-            notes += _in_shape_key(bm, planned, name, fill, world, True)
+            notes += _in_shape_key(bm, planned, name, fill, world)
     return results
 
 
@@ -190,35 +195,6 @@ def _shapes(bm, matrix, active_shape, count=0):
     return {name: Surroundings(bm, matrix, layer, count) for name, layer in others}
 
 
-def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None):
-    """Fills rims of a BMesh; returns (Outcome, new faces).
-
-    active_shape: name of the shape key whose shape the vertices have now; modifier: the Subdivision modifier, for cages.
-    """
-    if options.arguments.get("output") == "cage":
-        return _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier)
-    bm.verts.index_update()
-    bm.faces.index_update()
-    outcome, planned = Outcome(), []
-    around, keys = Surroundings(bm, matrix), _shapes(bm, matrix, active_shape)
-    window = bpy.context.window_manager
-    window.progress_begin(0, len(rims))
-    for number, rim in enumerate(rims):
-        window.progress_update(number)
-        try:
-            plan, notes = _plan(bm, rim, matrix, keys, options, around)
-        except tripatch.Refusal as refusal:
-            outcome.refused.append(words.refused(refusal))
-        else:
-            planned.append(plan)
-            outcome.reports.append(plan.fill.report)
-            outcome.notes += [*plan.fill.report.warnings, *notes]
-    window.progress_end()
-    new_faces = writeback.write(bm, mesh, planned, options.shading) if planned else []
-    outcome.faces = len(new_faces)
-    return outcome, new_faces
-
-
 def _clear_of_each_other(rims):
     """The rims in groups that can be filled at once: no rim of a group has a vertex on another or on what another replaces."""
     groups = []
@@ -234,41 +210,65 @@ def _clear_of_each_other(rims):
     return [group for _, group in groups]
 
 
-def _plans_in_cage(bm, rims, matrix, options, active_shape, modifier):
-    """`_plan_cages` in the cage that the modifier subdivides: modifiers before it may have added to the BMesh."""
+@contextmanager
+def _progress(count):
+    """A function for tripatch.fill_all that shows on the cursor how many of `count` holes are done."""
+    window = bpy.context.window_manager
+    window.progress_begin(0, count)
+    try:
+        yield lambda done, _: window.progress_update(done)
+    finally:
+        window.progress_end()
+
+
+def _plan_group(bm, rims, matrix, options, active_shape, cages, modifier):
+    """`_plans` in the BMesh, or of cages in what the modifier subdivides: modifiers before it may have added to the BMesh."""
+    bm.verts.index_update()
+    bm.faces.index_update()
     ob = modifier.id_data if modifier else None
     made = subdivision.cage_before(ob, bm, modifier) if modifier else bm
     try:
         there = [subdivision.in_cage(ob, made, bm, rim) for rim in rims]
         around, keys = Surroundings(made, matrix), _shapes(bm, matrix, active_shape, len(made.verts))
-        return _plan_cages(bm, rims, there, matrix, keys, options, around, subdivision.Cage(made, modifier))
+        cage = subdivision.Cage(made, modifier) if cages else None
+        with _progress(len(rims)) as progress:
+            return _plans(bm, rims, there, matrix, keys, options, around, cage, progress)
     finally:
         if made is not bm:
             made.free()
 
 
-def _fill_with_cages(bm, mesh, matrix, rims, options, active_shape, modifier):
-    """Holes that touch each other are filled one after the other, all others together."""
-    outcome, new_faces = Outcome(cage_rim=options.arguments.get("cage_rim", "smooth")), []
-    if outcome.cage_rim == "exact" and modifier is not None and not modifier.use_creases:
-        raise UnusableError(f"Cage Rim: Exact creases the rim, and the modifier '{modifier.name}' does not use creases")
-    for group in _clear_of_each_other(rims):
+def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None):
+    """Fills rims of a BMesh; returns (Outcome, new faces). Cages of holes that touch each other are made one after the other, all
+    others together.
+
+    active_shape: name of the shape key whose shape the vertices have now; modifier: the Subdivision modifier, for cages.
+    """
+    cages, outcome, new_faces = options.arguments.get("output") == "cage", Outcome(), []
+    if cages:
+        outcome.cage_rim = options.arguments.get("cage_rim", "smooth")
+        if outcome.cage_rim == "exact" and modifier is not None and not modifier.use_creases:
+            raise UnusableError(f"Cage Rim: Exact creases the rim, and the modifier '{modifier.name}' does not use creases")
+    # What one rim replaces would be missing around another that it touches; cages are fitted to what cages before have changed.
+    apart = cages or any(rim.replaced for rim in rims)
+    planned = []
+    for group in _clear_of_each_other(rims) if apart else [rims]:
         usable = [rim for rim in group if all(element.is_valid for element in (*rim.loop, *rim.replaced))]
         outcome.refused += ["A fill before has replaced a part of this rim"] * (len(group) - len(usable))
         if not usable:
             continue
-        bm.verts.index_update()
-        bm.faces.index_update()
-        planned = []
-        for plan, notes in _plans_in_cage(bm, usable, matrix, options, active_shape, modifier):
+        for plan, notes in _plan_group(bm, usable, matrix, options, active_shape, cages, modifier if cages else None):
             if isinstance(plan, tripatch.Refusal):
                 outcome.refused.append(words.refused(plan))
                 continue
             planned.append(plan)
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
-        if planned:
+        if planned and cages:
             new_faces += writeback.write(bm, mesh, planned, options.shading)
+            planned = []
+    if planned:
+        new_faces += writeback.write(bm, mesh, planned, options.shading)
     new_faces = [face for face in new_faces if face.is_valid]
     outcome.faces = len(new_faces)
     return outcome, new_faces

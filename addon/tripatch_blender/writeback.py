@@ -27,6 +27,7 @@ class Planned:
     normals: np.ndarray  # (k, 3)
     rim_normals: np.ndarray  # (r, 3)
     tangent: tuple  # to the surroundings, by side
+    cage: bool = False  # the new vertices are control points
     moved: list = field(default_factory=list)  # (BMVert, position in object space)
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
     moved_in_shape_keys: dict = field(default_factory=dict)  # name: (as many as `moved`, 3)

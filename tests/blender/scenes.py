@@ -49,6 +49,22 @@ def ring(count=24):
     return np.vstack([0.5 * circle + [0, 0, 0.3], circle]), faces
 
 
+def ball_with_hole(n=5):
+    """A ball in eight triangles of n^2 each, one of them missing."""
+    grid = [(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]
+    at = {place: k for k, place in enumerate(grid)}
+    upright = [[(i, j, k), (i - 1, j + 1, k), (i - 1, j, k + 1)] for i, j, k in grid if i]
+    between = [[(i, j, k), (i - 1, j, k + 1), (i, j - 1, k + 1)] for i, j, k in grid if i and j]
+    triangles = np.array([[at[place] for place in f] for f in upright + between])
+    points, faces = [], []
+    for octant in range(1, 8):
+        signs = np.where([octant & 1, octant & 2, octant & 4], -1, 1)
+        faces += (triangles[:, :: int(signs.prod())] + len(grid) * (octant - 1)).tolist()
+        points.append(np.array(grid) * signs)
+    places, new = np.unique(np.vstack(points), axis=0, return_inverse=True)
+    return places / np.linalg.norm(places, axis=1, keepdims=True), np.ravel(new)[faces].tolist()
+
+
 def bowl(points):
     """A paraboloid over the plane."""
     return np.column_stack([points, 0.6 * (points**2).sum(axis=1)])

@@ -155,6 +155,15 @@ def test_all_leaves_the_outer_border_unless_asked(run):
     assert run("--all", "--outer")[0] == 3  # seen from outside, the border turns the wrong way round
 
 
+def test_all_takes_the_only_hole_of_a_mesh(run):
+    """It is the longest border of its part, and no outer one."""
+    scenes.add_mesh(*scenes.ball_with_hole()).name = "A"
+    status, out, err = run("--all")
+    assert (status, err) == (0, "")
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert rims("A") == []
+
+
 def test_the_same_fill_as_in_edit_mode(run):
     """Shape keys, custom normals and the rest go the same way."""
     ob = scenes.add_hole()

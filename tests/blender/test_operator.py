@@ -1,9 +1,12 @@
 """mesh.fill_three_sided on every kind of selection: what is filled, what is reported, what is left alone."""
 
+import sys
+
 import bpy
 import numpy as np
 import pytest
 import scenes
+import tripatch
 
 fill = bpy.ops.mesh.fill_three_sided
 
@@ -133,6 +136,41 @@ def test_two_holes_in_one_call():
         scenes.select_rim(bm, loop)
     assert fill() == {"FINISHED"}
     assert len(rims(ob)) == 1
+
+
+def test_holes_of_a_mesh_are_handed_to_the_library_together(addon, monkeypatch):
+    """It shares them out to threads and walks around all of them at once; a refusal of one is its own."""
+    filling = sys.modules[addon.__name__ + ".filling"]
+    asked, fill_all = [], filling.tripatch.fill_all
+    monkeypatch.setattr(filling.tripatch, "fill_all", lambda *a, **k: asked.append(len(a[2])) or fill_all(*a, **k))
+    monkeypatch.delattr(filling.tripatch, "fill")
+    for output in ("triangles", "quads", "cage"):
+        asked.clear()
+        points, faces = scenes.lattice(size=18, holes=((2, 2, 4), (9, 3, 4)))
+        ob = scenes.add_mesh(scenes.bowl(points), faces)
+        (bm,) = scenes.edit(ob, mode="EDGE")
+        for loop in scenes.border_loops(bm):
+            scenes.select_rim(bm, loop)
+        assert fill(output=output) == {"FINISHED"}
+        assert asked == [3]
+        assert len(rims(ob)) <= 1
+
+
+@pytest.mark.parametrize("make", ["lattice", "ball_with_hole", "ring"])
+def test_with_nothing_selected_it_is_the_hole_that_the_library_takes(make):
+    points, faces = getattr(scenes, make)()
+    vertices = scenes.bowl(points) if make == "lattice" else points
+    ob = scenes.add_mesh(vertices, faces)
+    scenes.edit(ob)
+    try:
+        expected = set(tripatch.fill(vertices, faces).rim.tolist())
+    except tripatch.Refusal:
+        assert fill() == {"CANCELLED"}
+        return
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    new = {v for p in list(ob.data.polygons)[len(faces) :] for v in p.vertices}
+    assert {v for v in new if v < len(points)} == expected
 
 
 def test_two_objects_in_one_call_and_one_of_them_without_selection():

@@ -73,7 +73,14 @@ def vertex_normals(vertices, faces, corner_normals=None) -> np.ndarray:
 
 
 def angles(a, b) -> np.ndarray:
-    """Angles (k,) in degrees between vectors a and b (k, 3), row by row, by atan2: exact where small. 0 where one is zero."""
+    """Angles between vectors, row by row, by atan2: exact where they are small. 0 where one of two vectors is zero.
+
+    Args:
+        a, b: (k, 3), of any length.
+
+    Returns:
+        (k,) in degrees.
+    """
     a, b = _arrays.points(a, "a"), _arrays.points(b, "b")
     if a.shape != b.shape:
         raise ValueError(f"a and b must have the same shape, not {a.shape} and {b.shape}")
