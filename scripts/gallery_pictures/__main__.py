@@ -4,7 +4,8 @@ import importlib
 import pathlib
 import sys
 
-PARTS = ("szilvasi_nagy", "liu_ma_cheng", "franke", "arnal_lluch", "smits", "methods", "cages")
+PARTS = ("szilvasi_nagy", "liu_ma_cheng", "franke", "arnal_lluch", "smits", "methods", "cages", "glossary")
+FOLDERS = {"methods": "images/methods", "cages": "images/cages", "glossary": "images"}  # of the others: gallery
 
 docs = pathlib.Path(sys.argv[1])
 names = sys.argv[2:] or PARTS
@@ -12,6 +13,4 @@ for name in names:
     if name not in PARTS:
         sys.exit(f"no pictures called {name}; there are {', '.join(PARTS)}")
 for name in names:
-    importlib.import_module(f".{name}", __package__).draw(
-        docs / (f"images/{name}" if name in ("methods", "cages") else "gallery")
-    )
+    importlib.import_module(f".{name}", __package__).draw(docs / FOLDERS.get(name, "gallery"))

@@ -117,10 +117,8 @@ class Scene:
             out = out * (1 - 0.62 * dark[:, None])
         return np.clip(out, 0, 1)
 
-    def image(self, width=340, height=320, center=None, span=None, margin=0.04):
-        """An image (height, width, 3); center and span (of the height) in scene units, by default all that there is."""
-        k = SUPERSAMPLING
-        w, h = width * k, height * k
+    def _frame(self, w, h, center=None, span=None, margin=0.04):
+        """Points to (x, y, depth) on w x h pixels, pixels a scene unit, and the size of all that there is."""
         every = (
             [g[0].reshape(-1, 3) for g in self.grids] + [m[0].reshape(-1, 3) for m in self.meshes] + [c[0] for c in self.curves]
         )
@@ -129,11 +127,21 @@ class Scene:
         middle = (low + high)[:2] / 2 if center is None else np.array([center @ self.right, center @ self.up])
         size = high - low
         scale = (1 - 2 * margin) * min(w / size[0], h / size[1]) if span is None else h / span
-        depth_unit = np.linalg.norm(size)
 
         def to_pixels(p):
             return (p @ self.right - middle[0]) * scale + w / 2, h / 2 - (p @ self.up - middle[1]) * scale, p @ self.eye
 
+        return to_pixels, scale, np.linalg.norm(size)
+
+    def pixels(self, points, width, height):
+        """(k, 2) where points lie in an image of this size."""
+        return np.stack(self._frame(width, height)[0](np.asarray(points, float))[:2], -1)
+
+    def image(self, width=340, height=320, center=None, span=None, margin=0.04):
+        """An image (height, width, 3); center and span (of the height) in scene units, by default all that there is."""
+        k = SUPERSAMPLING
+        w, h = width * k, height * k
+        to_pixels, scale, depth_unit = self._frame(w, h, center, span, margin)
         seen = [[], [], [], []]
 
         def put(x, y, z, colors):

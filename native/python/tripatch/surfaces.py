@@ -185,7 +185,7 @@ def coons_bezier(boundary: Sequence, kind: str = "discrete", alpha: float | None
     Args:
         boundary: three (n + 1, 3) control polygons of one degree n <= 20; curve i along side i (from corner i + 1 to i + 2),
             the ends shared.
-        kind: "discrete" (Definition 1: the Coons patch itself, of degree n + 1), "extremal" (least integral of |x_uv|^2,
+        kind: "discrete" (Definition 1: the Coons patch itself, of degree n + 1), "extremal" (least integral of x_uv squared,
             Propositions 2 and 3), "extremal_symmetric" (the same over the three pairs of coordinates), "mask" (eq. 11),
             "permanence" (eq. 9).
         alpha: of "permanence", 3 alpha + 6 beta = 1. None: -2/3, the paper's.

@@ -66,8 +66,8 @@ void with_order(int order, const F& f) {
 }
 
 /// One formula for all orders: a construction derives from this with itself as Derived and defines
-///   template <int N> JetPoint<N> at(const Barycentric<N>& b) const;   (never called at a vertex, where rays and weights are 0/0)
-///   Vec3 corner(int i) const;
+///   `template <int N> JetPoint<N> at(const Barycentric<N>& b) const;` (never called at a vertex, where rays and weights are 0/0)
+///   `Vec3 corner(int i) const;`
 template <class Derived>
 class JetSurface : public VertexSafeSurface {
 private:
