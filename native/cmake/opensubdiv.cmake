@@ -13,7 +13,7 @@ elseif(TRIPATCH_OPENSUBDIV STREQUAL "static")
   set(include_dir ${TRIPATCH_OPENSUBDIV_SOURCE})
   file(GLOB_RECURSE files ${include_dir}/opensubdiv/*.cpp ${include_dir}/opensubdiv/*.h ${CMAKE_CURRENT_LIST_DIR}/../opensubdiv/CMakeLists.txt)
   set(options "")
-  foreach(name IN ITEMS CMAKE_CXX_COMPILER CMAKE_CXX_FLAGS CMAKE_MSVC_RUNTIME_LIBRARY CMAKE_OSX_ARCHITECTURES
+  foreach(name IN ITEMS CMAKE_CXX_FLAGS CMAKE_MSVC_RUNTIME_LIBRARY CMAKE_OSX_ARCHITECTURES
                         CMAKE_OSX_DEPLOYMENT_TARGET CMAKE_OSX_SYSROOT CMAKE_TOOLCHAIN_FILE)
     if(DEFINED ${name})
       list(APPEND options "-D${name}=${${name}}")
@@ -32,7 +32,7 @@ elseif(TRIPATCH_OPENSUBDIV STREQUAL "static")
     message(STATUS "Compiling OpenSubdiv, once: ${folder}")
     cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
     execute_process(COMMAND ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/../opensubdiv -B ${folder}/build -G ${CMAKE_GENERATOR}
-                            -DCMAKE_BUILD_TYPE=Release -DOPENSUBDIV_SOURCE=${TRIPATCH_OPENSUBDIV_SOURCE}
+                            -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_BUILD_TYPE=Release -DOPENSUBDIV_SOURCE=${TRIPATCH_OPENSUBDIV_SOURCE}
                             -DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM} ${options}
                     OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
     execute_process(COMMAND ${CMAKE_COMMAND} --build ${folder}/build --config Release --parallel ${cores} OUTPUT_QUIET

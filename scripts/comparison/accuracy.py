@@ -124,7 +124,7 @@ def table(results: dict, times: dict, densities: tuple) -> str:
     return "\n".join(lines) + "\n"
 
 
-HEAD = """# Figures
+HEAD = """# Measurements
 
 {provenance}
 
