@@ -30,15 +30,10 @@ private:
 };
 
 void check_options(const FillOptions& options) {
-  for (double bulge : options.bulge)
-    if (!(bulge > 0) || !std::isfinite(bulge)) throw InvalidArgument("bulge must be greater than 0");
-  if (options.output != "triangles" && options.output != "quads" && options.output != "cage")
-    throw InvalidArgument("output must be triangles, quads or cage");
-  if (options.odd != "split" && options.odd != "triangle") throw InvalidArgument("odd must be split or triangle");
-  const bool triangles = options.output == "triangles";
+  check(options);
+  const bool triangles = options.output == Output::triangles;
   if (options.resolution && (*options.resolution < (triangles ? 1 : 0) || *options.resolution > (triangles ? 10000 : 100)))
     throw InvalidArgument(triangles ? "resolution must be from 1 to 10000" : "resolution must be from 0 to 100");
-  if (options.tolerance && !(*options.tolerance > 0)) throw InvalidArgument("tolerance must be greater than 0");
 }
 
 Hole hole_of(const Mesh& mesh, const FillOptions& options) {
@@ -51,7 +46,7 @@ Hole hole_of(const Mesh& mesh, const FillOptions& options) {
 }
 
 LayoutOptions layout_options(const FillOptions& options) {
-  return {options.resolution, options.tolerance, options.odd == "split", options.pole_offset};
+  return {options.resolution, options.tolerance, options.odd == Odd::split, options.pole_offset};
 }
 
 std::string degrees(double angle) {
@@ -77,7 +72,8 @@ void complete_report(const Hole& hole, const FillOptions& options, const std::ar
 
 /// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
 Fill fill_with_patch(const Mesh& mesh, const Hole& hole, const FillOptions& options) {
-  const Surroundings surroundings = surroundings_of(mesh, hole, options.limit ? &options.subdivision : nullptr, options.replaced);
+  const Surroundings surroundings = surroundings_of(
+      mesh, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr, options.replaced);
 
   MadePatch made = patch_from_sides(surroundings.sides, options);
   Fill fill;
@@ -86,7 +82,7 @@ Fill fill_with_patch(const Mesh& mesh, const Hole& hole, const FillOptions& opti
   fill.sides.assign(surroundings.sides.begin(), surroundings.sides.end());
 
   const bool own_rim = surroundings.border.rows() > 0;
-  const Cover cover = options.output == "quads"
+  const Cover cover = options.output == Output::quads
                           ? cover_with_quads(mesh, hole, surroundings.parameters, *fill.patch, layout_options(options), own_rim)
                           : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution);
   deliver(cover, surroundings.border, mesh.vertices.rows(), fill);
@@ -106,7 +102,7 @@ Fill fill_with_patch(const Mesh& mesh, const Hole& hole, const FillOptions& opti
 /// Whether the patch's own shape is asked for.
 bool is_shaped(const FillOptions& options) {
   return options.tension > 0 || options.center || options.center_offset != 0 || options.bulge != std::array<double, 3>{1, 1, 1} ||
-         std::find(options.continuity.begin(), options.continuity.end(), "Free") != options.continuity.end();
+         std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
 }
 
 /// The path of cages, fitted together: layouts, the fairest cages on them, patches between their sides, the cages fitted to these.
@@ -118,10 +114,10 @@ std::vector<Fill> fill_with_cages(const Mesh& mesh, const std::vector<Hole>& hol
   // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
   // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
   // the patch's own shape is asked for, in the patch.
-  const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == "auto";
+  const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == Fairing::automatic;
   const bool follows = automatic && !exact && !is_shaped(options);
   FillOptions wanted = options;
-  if (automatic && exact && options.tension == 0) wanted.fairing = "none";
+  if (automatic && exact && options.tension == 0) wanted.fairing.reset();
   std::vector<Fill> fills(holes.size());
   std::vector<SurfacePtr> patches;
   for (std::size_t h = 0; h < holes.size(); ++h) {
@@ -190,8 +186,8 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   if (!find_method(options.method).fills_holes)
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
   const Hole hole = hole_of(mesh, options);
-  Fill result =
-      options.output == "cage" ? std::move(fill_with_cages(mesh, {hole}, options)[0]) : fill_with_patch(mesh, hole, options);
+  Fill result = options.output == Output::cage ? std::move(fill_with_cages(mesh, {hole}, options)[0])
+                                               : fill_with_patch(mesh, hole, options);
   result.report.seconds = watch.seconds();
   return result;
 }
@@ -211,7 +207,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   const auto report_progress = [&](std::size_t done) {
     if (progress) progress(done);
   };
-  if (options.output == "cage") {
+  if (options.output == Output::cage) {
     fill_all_with_cages(mesh, each, results);
     report_progress(rims.size());
     return results;
