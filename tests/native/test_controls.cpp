@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "test_surfaces.h"
+#include "tripatch/fairing/center.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
-#include "tripatch/fairing/center.h"
 #include "tripatch/fill.h"
 
 using namespace tripatch;
