@@ -14,6 +14,7 @@ import bmesh  # isort: skip
 import numpy as np
 import tripatch
 from tripatch import _arrays, _native
+from tripatch.options import subdivision
 
 
 def cage(n=129):
@@ -65,7 +66,7 @@ def main():
         return time.perf_counter() - start
 
     drawn = statistics.median(blender() for _ in range(3))
-    settings = tripatch._subdivision({}, 3)
+    settings = subdivision({}, 3)
     rim_edges = set(zip(rim[1:] + rim[:1], rim, strict=True))
     beside = [
         (f, k) for f, face in enumerate(faces.reshape(-1, 4).tolist()) for k in range(4) if (face[k], face[k - 3]) in rim_edges

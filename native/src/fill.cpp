@@ -32,15 +32,10 @@ private:
 };
 
 void check_options(const FillOptions& options) {
-  for (double bulge : options.bulge)
-    if (!(bulge > 0) || !std::isfinite(bulge)) throw InvalidArgument("bulge must be greater than 0");
-  if (options.output != "triangles" && options.output != "quads" && options.output != "cage")
-    throw InvalidArgument("output must be triangles, quads or cage");
-  if (options.odd != "split" && options.odd != "triangle") throw InvalidArgument("odd must be split or triangle");
-  const bool triangles = options.output == "triangles";
+  check(options);
+  const bool triangles = options.output == Output::triangles;
   if (options.resolution && (*options.resolution < (triangles ? 1 : 0) || *options.resolution > (triangles ? 10000 : 100)))
     throw InvalidArgument(triangles ? "resolution must be from 1 to 10000" : "resolution must be from 0 to 100");
-  if (options.tolerance && !(*options.tolerance > 0)) throw InvalidArgument("tolerance must be greater than 0");
 }
 
 /// A mesh and who is beside whom in it, for one fill or for several.
@@ -49,7 +44,7 @@ public:
   /// For one rim, or for all of the mesh where none is given.
   Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options)
       : mesh(given), left(connectivity(given, rim, options.replaced)) {
-    if (!options.replaced.empty() && (options.limit || !rim)) all_ = connectivity(given, rim, {});
+    if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim)) all_ = connectivity(given, rim, {});
   }
   /// With the faces that are replaced.
   const Connectivity& whole() const { return all_ ? *all_ : left; }
@@ -77,7 +72,7 @@ Hole hole_of(const Ground& ground, const std::optional<std::vector<Index>>& rim,
 }
 
 LayoutOptions layout_options(const FillOptions& options) {
-  return {options.resolution, options.tolerance, options.odd == "split", options.pole_offset};
+  return {options.resolution, options.tolerance, options.odd == Odd::split, options.pole_offset};
 }
 
 std::string degrees(double angle) {
@@ -105,7 +100,7 @@ void complete_report(const Hole& hole, const FillOptions& options, const std::ar
 Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& options) {
   const Mesh& mesh = ground.mesh;
   const Surroundings surroundings =
-      surroundings_of(mesh, ground.whole(), ground.left, hole, options.limit ? &options.subdivision : nullptr);
+      surroundings_of(mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
 
   MadePatch made = patch_from_sides(surroundings.sides, options);
   Fill fill;
@@ -114,7 +109,7 @@ Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& 
   fill.sides.assign(surroundings.sides.begin(), surroundings.sides.end());
 
   const bool own_rim = surroundings.border.rows() > 0;
-  const Cover cover = options.output == "quads"
+  const Cover cover = options.output == Output::quads
                           ? cover_with_quads(mesh, hole, surroundings.parameters, *fill.patch, layout_options(options), own_rim)
                           : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution);
   deliver(cover, surroundings.border, mesh.vertices.rows(), fill);
@@ -134,7 +129,7 @@ Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& 
 /// Whether the patch's own shape is asked for.
 bool is_shaped(const FillOptions& options) {
   return options.tension > 0 || options.center || options.center_offset != 0 || options.bulge != std::array<double, 3>{1, 1, 1} ||
-         std::find(options.continuity.begin(), options.continuity.end(), "Free") != options.continuity.end();
+         std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
 }
 
 /// The path of cages, fitted together: layouts, the fairest cages on them, patches between their sides, the cages fitted to these.
@@ -146,10 +141,10 @@ std::vector<Fill> fill_with_cages(const Mesh& mesh, const std::vector<Hole>& hol
   // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
   // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
   // the patch's own shape is asked for, in the patch.
-  const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == "auto";
+  const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == Fairing::automatic;
   const bool follows = automatic && !exact && !is_shaped(options);
   FillOptions wanted = options;
-  if (automatic && exact && options.tension == 0) wanted.fairing = "none";
+  if (automatic && exact && options.tension == 0) wanted.fairing.reset();
   std::vector<Fill> fills(holes.size());
   std::vector<SurfacePtr> patches;
   for (std::size_t h = 0; h < holes.size(); ++h) {
@@ -209,7 +204,7 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<H
   }
 }
 
-void check(const FillOptions& options) {
+void check_for_holes(const FillOptions& options) {
   check_options(options);
   if (!find_method(options.method).fills_holes)
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
@@ -219,11 +214,11 @@ void check(const FillOptions& options) {
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
   const Stopwatch watch;
-  check(options);
+  check_for_holes(options);
   const Ground ground(mesh, options.rim, options);
   const Hole hole = hole_of(ground, options.rim, options.corners);
   Fill result =
-      options.output == "cage" ? std::move(fill_with_cages(mesh, {hole}, options)[0]) : fill_with_patch(ground, hole, options);
+      options.output == Output::cage ? std::move(fill_with_cages(mesh, {hole}, options)[0]) : fill_with_patch(ground, hole, options);
   result.report.seconds = watch.seconds();
   return result;
 }
@@ -234,7 +229,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
                                                   const Progress& progress) {
   if (options.center && rims.size() > 1)
     throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
-  check(options);
+  check_for_holes(options);
   Results results(rims.size());
   if (rims.empty()) return results;
   std::optional<std::vector<Index>> only;
@@ -244,7 +239,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
     if (progress) progress(done);
   };
   const auto hole_at = [&](std::size_t k) { return hole_of(ground, rims[k], k < corners.size() ? corners[k] : Corners()); };
-  if (options.output == "cage") {
+  if (options.output == Output::cage) {
     std::vector<std::optional<Hole>> holes(rims.size());
     for (std::size_t k = 0; k < rims.size(); ++k) {
       try {

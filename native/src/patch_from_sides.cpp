@@ -13,7 +13,7 @@
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/folds.h"
 #include "tripatch/fairing/kinks.h"
-#include "tripatch/fill.h"
+#include "tripatch/options.h"
 
 namespace tripatch {
 namespace {
@@ -45,7 +45,7 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
     fairing.degree = 6;  // there is more to go by than an energy
     made.patch = follow(base, *points, fairing);
   } else if (faired) {
-    fairing.energy = options.fairing;
+    fairing.energy = name_of(*options.fairing);
     fairing.position_only = continuity.free;
     fairing.tension = options.tension;
     fairing.center = center;
@@ -90,7 +90,7 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
   own.to_be_faired = false;
   MadePatch plain = construct_and_fair(sides, method, continuity, options, center, own, !made.gave_up, points);
   if (made.gave_up && (plain.report.folds == 0 || made.report.folds > 0)) {
-    const double bends = energy(*plain.patch, options.fairing, size_of(*plain.patch));
+    const double bends = energy(*plain.patch, name_of(*options.fairing), size_of(*plain.patch));
     made.patch = plain.patch;
     made.report.folds = plain.report.folds;
     made.report.energy_before = made.report.energy_after = bends;
@@ -101,16 +101,14 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
 }  // namespace
 
 MadePatch patch_from_sides(const Sides& sides, const FillOptions& options, const SurfacePoints* points) {
+  check(options);
   const Method& method = find_method(options.method);
   if (!method.from_boundary) throw InvalidArgument(options.method + " joins three surfaces; use tripatch.blend");
   const Continuity continuity = resolve_continuity(options.continuity, method, sides);
   const std::array<bool, 3>& free = continuity.free;
   const bool alone = std::string(method.continuity) == "G0" && !free[0] && !free[1] && !free[2] && options.tension == 0;
-  const bool faired = options.fairing == "auto" ? !alone : !options.fairing.empty() && options.fairing != "none";
-  if (!(options.tension >= 0) || !std::isfinite(options.tension)) throw InvalidArgument("tension must be 0 or greater");
+  const bool faired = options.fairing == Fairing::automatic ? !alone : options.fairing.has_value();
   if (options.tension > 0 && !faired) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
-  if (!std::isfinite(options.center_offset) || (options.center && !options.center->allFinite()))
-    throw InvalidArgument("center and center_offset must be finite");
   if (options.center && options.center_offset != 0)
     throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
 

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "test_surfaces.h"
+#include "tripatch/fairing/center.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
-#include "tripatch/fairing/center.h"
 #include "tripatch/fill.h"
 
 using namespace tripatch;
@@ -27,7 +27,7 @@ SurfacePtr sphere() {
 
 MadePatch made(const Sides& sides, const std::string& fairing, const std::function<void(FillOptions&)>& set = {}) {
   FillOptions options;
-  options.fairing = fairing;
+  options.fairing = fairing == "none" ? std::nullopt : std::optional(named<Fairing>(fairing, "fairing"));
   if (set) set(options);
   return patch_from_sides(sides, options);
 }
@@ -146,16 +146,17 @@ TEST_CASE("a middle far away folds the patch and is told, not more") {
 
 TEST_CASE("a free side takes the slope that the energy wants") {
   const Sides sides = skewed_sides({sphere(), sphere(), sphere()});
-  for (const std::array<std::string, 3>& asked : {std::array<std::string, 3>{"Free", "G1", "G1"}, {"G1", "Free", "Free"}}) {
+  using enum SideContinuity;
+  for (const BySide<SideContinuity>& asked : {BySide<SideContinuity>{free, g1, g1}, {g1, free, free}}) {
     const auto of = [&](FillOptions& o) { o.continuity = asked; };
-    const MadePatch free = made(sides, "minimum_variation", of);
-    CHECK(off_sphere(*free.patch) < 1e-3);
-    CHECK(side_error(*free.patch, sides) < 1e-12);
-    for (int i = 0; i < 3; ++i) CHECK(free.report.continuity[i] == asked[i]);
+    const MadePatch opened = made(sides, "minimum_variation", of);
+    CHECK(off_sphere(*opened.patch) < 1e-3);
+    CHECK(side_error(*opened.patch, sides) < 1e-12);
+    for (int i = 0; i < 3; ++i) CHECK(opened.report.continuity[i] == name_of(asked[i]));
     const MadePatch fixed = made(sides, "minimum_variation", [&](FillOptions& o) {
-      for (int i = 0; i < 3; ++i) o.continuity[i] = asked[i] == "Free" ? "G0" : asked[i];
+      for (int i = 0; i < 3; ++i) o.continuity[i] = asked[i] == free ? g0 : asked[i];
     });
-    CHECK(off_sphere(*fixed.patch) > 10 * off_sphere(*free.patch));
+    CHECK(off_sphere(*fixed.patch) > 10 * off_sphere(*opened.patch));
     for (const char* energy : {"thin_plate", "third_derivative"})
       CHECK(made(sides, energy, of).report.energy_after < made(sides, energy).report.energy_after);
     CHECK(motion_error([&](const Sides& s) { return made(s, "third_derivative", of).patch; }, sides) < 1e-6);
@@ -164,8 +165,9 @@ TEST_CASE("a free side takes the slope that the energy wants") {
 
 TEST_CASE("sides met in position only are made fair with the freedom that is left, and the others keep their planes") {
   const Sides sides = sides_of(wave());
-  for (const char* open : {"G0", "Free"}) {
-    const MadePatch fair = made(sides, "auto", [&](FillOptions& o) { o.continuity = {open, "G1", "G1"}; });
+  for (const SideContinuity open : {SideContinuity::g0, SideContinuity::free}) {
+    const MadePatch fair =
+        made(sides, "auto", [&](FillOptions& o) { o.continuity = {open, SideContinuity::g1, SideContinuity::g1}; });
     CHECK(fair.report.fairing == "auto");
     CHECK(fair.report.energy_after < 0.9 * fair.report.energy_before);
     for (double t : {0.1, 0.5, 0.9})
@@ -180,7 +182,7 @@ TEST_CASE("sides met in position only are made fair with the freedom that is lef
   CHECK(made(sides, "auto", method).report.fairing.empty());
   const MadePatch free = made(sides, "auto", [](FillOptions& o) {
     o.method = "gordon_coons";
-    o.continuity = {"Free", "Free", "Free"};
+    o.continuity = each_side(SideContinuity::free);
   });
   CHECK(free.report.fairing == "auto");
   CHECK(side_error(*free.patch, sides) < 1e-12);
@@ -193,7 +195,8 @@ TEST_CASE("controls that mean nothing are refused") {
   CHECK_THROWS_AS(with("auto", [](FillOptions& o) { o.tension = -1; }), InvalidArgument);
   CHECK_THROWS_AS(with("none", [](FillOptions& o) { o.tension = 1; }), InvalidArgument);
   CHECK_THROWS_AS(with("auto", [](FillOptions& o) { o.center_offset = NAN; }), InvalidArgument);
-  CHECK_THROWS_AS(with("auto", [](FillOptions& o) { o.continuity[1] = "free"; }), InvalidArgument);
+  CHECK_THROWS_AS(with("auto", [](FillOptions& o) { o.continuity[1] = named<SideContinuity>("free", "continuity"); }),
+                  InvalidArgument);
   const auto both = [](FillOptions& o) {
     o.center = Vec3(0, 0, 1);
     o.center_offset = 1;

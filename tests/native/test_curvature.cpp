@@ -122,11 +122,14 @@ TEST_CASE("the curvatures of sides that continue one surface agree at the corner
   const Method& method = find_method("side_vertex");
   CHECK(curvature_agrees(fillets) == std::array<bool, 3>{false, false, false});
   CHECK(curvature_agrees(wave_sides()) == std::array<bool, 3>{true, true, true});
-  const Continuity wave = resolve_continuity({"auto", "G1", "G2"}, method, wave_sides());
+  const Continuity wave =
+      resolve_continuity({SideContinuity::automatic, SideContinuity::g1, SideContinuity::g2}, method, wave_sides());
   CHECK(wave.automatic == std::array<bool, 3>{true, false, false});
   CHECK(wave.curvature == std::array<bool, 3>{false, false, true});
-  CHECK_THROWS_AS(resolve_continuity({"G1", "G2", "G1"}, method, flat), Refusal);
-  CHECK_THROWS_AS(resolve_continuity({"G1", "G2", "G1"}, find_method("gordon_coons"), wave_sides()), Refusal);
+  CHECK_THROWS_AS(resolve_continuity({SideContinuity::g1, SideContinuity::g2, SideContinuity::g1}, method, flat), Refusal);
+  CHECK_THROWS_AS(
+      resolve_continuity({SideContinuity::g1, SideContinuity::g2, SideContinuity::g1}, find_method("gordon_coons"), wave_sides()),
+      Refusal);
 }
 
 TEST_CASE("a fairing that follows the curvature comes near to it") {

@@ -83,8 +83,8 @@ TEST_CASE("patches of sides with kinks are whole and keep the sides") {
   REQUIRE(!Kinks(sides).empty());
   for (const char* method :
        {"side_vertex", "quintic", "gregory", "nielson_blend", "szilvasi_nagy_c1", "barnhill_birkhoff_gordon"}) {
-    for (const char* fairing : {"none", "auto"}) {
-      INFO(method << ", fairing " << fairing);
+    for (const std::optional<Fairing> fairing : {std::optional<Fairing>(), std::optional(Fairing::automatic)}) {
+      INFO(method << ", fairing " << (fairing ? name_of(*fairing) : "none"));
       FillOptions options;
       options.method = method;
       options.fairing = fairing;

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import tripatch
 from shapes import corner_removed, cube_sphere
-from tripatch import _arrays, _native
+from tripatch import _arrays, _native, options
 
 
 def unsigned_angle(a, b):
@@ -12,7 +12,7 @@ def unsigned_angle(a, b):
 
 
 def surface(vertices, faces, **settings):
-    return _native.LimitSurface(*_arrays.mesh(vertices, faces), tripatch._subdivision(settings, 2), [])
+    return _native.LimitSurface(*_arrays.mesh(vertices, faces), options.subdivision(settings), [])
 
 
 def noisy_cage():
@@ -54,7 +54,7 @@ def test_only_the_rings_around_matter():
     vertices, faces = noisy_cage()
     whole = surface(vertices, faces)
     v, offsets, corners = _arrays.mesh(vertices, faces)
-    some = _native.LimitSurface(v, offsets, corners, tripatch._subdivision({}, 2), [faces[5][0]])
+    some = _native.LimitSurface(v, offsets, corners, options.subdivision({}), [faces[5][0]])
     t = np.linspace(0, 1, 7).tolist()
     for e in range(4):
         assert np.abs(whole.evaluate_edge(5, e, t) - some.evaluate_edge(5, e, t)).max() < 1e-13

@@ -13,10 +13,16 @@ __all__: list[str]
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Faces = NDArray[np.integer[Any]] | Sequence[Sequence[int]]
+# begin choices: scripts/stubs
+Surroundings = Literal["mesh", "limit"]
 Continuity = Literal["auto", "Free", "G0", "G1", "G2"]
 CrossBoundary = Literal["given", "consistent", "as_printed"]
-Fairing = Literal["auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation"] | None
+Fairing = Literal["auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation"]
+Output = Literal["triangles", "quads", "cage"]
+CageRim = Literal["smooth", "exact", "move"]
+Odd = Literal["split", "triangle"]
 Reading = Literal["corrected", "as_printed"]
+# end
 Shape = float | tuple[float, float, float] | Literal["optimal"]
 Curve = Literal["hermite", "smits"]
 
@@ -29,6 +35,38 @@ class Method:
     options: tuple[str, ...]
 
 METHODS: dict[str, Method]
+
+class Choice:
+    name: str
+    label: str
+    description: str
+    misprint: bool
+
+class Range:
+    least: float
+    most: float
+    open: bool
+
+class Option:
+    name: str
+    kind: Literal["flag", "whole", "number", "choice", "indices", "position", "subdivision"]
+    default: Any
+    optional: bool
+    by_side: bool
+    count: int
+    choices: list[Choice]
+    none: Choice | None
+    description: str
+    range: Range
+    soft: Range
+    unit: str
+    label: str
+    applies: tuple[tuple[str, str], ...]
+    functions: tuple[str, ...]
+    selection: bool
+    panel: bool
+
+OPTIONS: dict[str, Option]
 
 class Patch:
     def evaluate(self, b: ArrayLike, derivatives: int = 0) -> Any: ...
@@ -149,30 +187,32 @@ def fill(
     vertices: ArrayLike,
     faces: Faces,
     *,
+    # begin fill: scripts/stubs
     rim: Sequence[int] | Indices | None = None,
     corners: Sequence[int] | Indices | None = None,
     method: str = "side_vertex",
-    surroundings: Literal["mesh", "limit"] = "mesh",
+    surroundings: Surroundings = "mesh",
     subdivision: dict[str, Any] | None = None,
     level: int = 2,
     continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
     cross_boundary: CrossBoundary = "consistent",
-    fairing: Fairing = "auto",
-    output: Literal["triangles", "quads", "cage"] = "triangles",
+    fairing: Fairing | None = "auto",
+    output: Output = "triangles",
     resolution: int | None = None,
     tolerance: float | None = None,
-    cage_rim: Literal["smooth", "exact", "move"] = "smooth",
-    odd: Literal["split", "triangle"] = "split",
+    cage_rim: CageRim = "smooth",
+    odd: Odd = "split",
     pole_offset: tuple[float, float] = (0.0, 0.0),
     bulge: float | tuple[float, float, float] = 1.0,
     tension: float = 0.0,
     center: ArrayLike | None = None,
     center_offset: float = 0.0,
-    shape: Shape = (0.5, 0.5, 0.5),
+    shape: float | tuple[float, float, float] | Literal["optimal"] = 0.5,
     reading: Reading = "corrected",
     symmetric: bool = False,
     alpha: float | None = None,
-    replaced: Sequence[int] = (),
+    replaced: Sequence[int] | Indices = (),
+    # end
 ) -> Fill: ...
 def fill_all(
     vertices: ArrayLike,
@@ -181,44 +221,48 @@ def fill_all(
     *,
     corners: Sequence[Sequence[int] | Indices | None] | None = None,
     progress: Callable[[int, int], object] | None = None,
+    # begin fill_all: scripts/stubs
     method: str = "side_vertex",
-    surroundings: Literal["mesh", "limit"] = "mesh",
+    surroundings: Surroundings = "mesh",
     subdivision: dict[str, Any] | None = None,
     level: int = 2,
     continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
     cross_boundary: CrossBoundary = "consistent",
-    fairing: Fairing = "auto",
-    output: Literal["triangles", "quads", "cage"] = "triangles",
+    fairing: Fairing | None = "auto",
+    output: Output = "triangles",
     resolution: int | None = None,
     tolerance: float | None = None,
-    cage_rim: Literal["smooth", "exact", "move"] = "smooth",
-    odd: Literal["split", "triangle"] = "split",
+    cage_rim: CageRim = "smooth",
+    odd: Odd = "split",
     pole_offset: tuple[float, float] = (0.0, 0.0),
     bulge: float | tuple[float, float, float] = 1.0,
     tension: float = 0.0,
     center: ArrayLike | None = None,
     center_offset: float = 0.0,
-    shape: Shape = (0.5, 0.5, 0.5),
+    shape: float | tuple[float, float, float] | Literal["optimal"] = 0.5,
     reading: Reading = "corrected",
     symmetric: bool = False,
     alpha: float | None = None,
-    replaced: Sequence[int] = (),
+    replaced: Sequence[int] | Indices = (),
+    # end
 ) -> list[Fill | Refusal]: ...
 def patch(
     sides: Sequence[Side],
     method: str = "side_vertex",
     cross_boundary: CrossBoundary = "consistent",
     *,
+    fairing: Fairing | None = None,
+    # begin patch: scripts/stubs
     continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
     bulge: float | tuple[float, float, float] = 1.0,
     tension: float = 0.0,
     center: ArrayLike | None = None,
     center_offset: float = 0.0,
-    shape: Shape = (0.5, 0.5, 0.5),
+    shape: float | tuple[float, float, float] | Literal["optimal"] = 0.5,
     reading: Reading = "corrected",
     symmetric: bool = False,
     alpha: float | None = None,
-    fairing: Fairing = None,
+    # end
 ) -> Patch: ...
 def blend(
     r0: Patch,

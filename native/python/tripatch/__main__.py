@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import tripatch
-from tripatch import files, words
+from tripatch import arguments, files, words
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 
@@ -23,97 +23,8 @@ _EXIT = """\
 exit status: 0 all filled; 3 some were refused (OUT is written); 1 nothing to fill or all refused (the reason on stderr, OUT is
 not written); 2 bad usage or unreadable input"""
 
-
-def _indices(text: str) -> list[int]:
-    try:
-        return [int(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no list of vertex indices such as 3,17,42") from None
-
-
-def _three_indices(text: str) -> list[int]:
-    values = _indices(text)
-    if len(values) != 3:
-        raise argparse.ArgumentTypeError(f"three corners are needed, not {len(values)}")
-    return values
-
-
-def _one_or_three(parse):
-    def read(text: str):
-        try:
-            values = tuple(parse(part) for part in text.split(","))
-        except ValueError:
-            raise argparse.ArgumentTypeError(f"{text!r} is neither one value nor three, separated by commas") from None
-        if len(values) not in (1, 3):
-            raise argparse.ArgumentTypeError(f"one value or three are needed, not {len(values)}")
-        return values[0] if len(values) == 1 else values
-
-    return read
-
-
-def _or_none(parse):
-    def read(text: str):
-        return None if text.lower() == "none" else parse(text)
-
-    read.__name__ = parse.__name__
-    return read
-
-
-def _three_numbers(text: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} are no three numbers such as 0,0.5,1") from None
-    return x, y, z
-
-
-def _two(text: str) -> tuple[float, float]:
-    try:
-        x, y = (float(part) for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no pair of numbers such as 0.1,0") from None
-    return x, y
-
-
-def _shape(text: str):
-    return text if text == "optimal" else _one_or_three(float)(text)
-
-
-def _json(text: str) -> dict:
-    try:
-        return json.loads(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} is no JSON: {error}") from None
-
-
-#: The options of `tripatch.fill` but for rim and corners: how a text becomes a value, and help. Names are those of `fill`.
-OPTIONS = {
-    "method": (str, "NAME", "construction; `tripatch methods` lists them (side_vertex)"),
-    "surroundings": (str, "NAME", "mesh: estimated from the faces around; limit: the subdivision surface of the cage (mesh)"),
-    "subdivision": (_json, "JSON", 'with limit, as the modifier has it: \'{"scheme": "catmull_clark", "quality": 3}\''),
-    "level": (int, "N", "with limit: of the modifier whose border is met (2)"),
-    "continuity": (_one_or_three(str), "C[,C,C]", "auto, Free, G0, G1 or G2, for all sides or each (auto: the method's own)"),
-    "cross_boundary": (str, "NAME", "slopes across the sides: given, consistent or as_printed (consistent)"),
-    "fairing": (_or_none(str), "NAME", "none, auto, thin_plate, third_derivative or minimum_variation (auto)"),
-    "output": (str, "NAME", "triangles, quads or cage (triangles)"),
-    "resolution": (
-        _or_none(int),
-        "N",
-        "triangles: edges per side inside the fill, none follows the rim; quads: extra rows round the pole, none the fewest",
-    ),
-    "tolerance": (_or_none(float), "D", "quads: distance from the patch that decides on the rows (1e-3 of the hole's diameter)"),
-    "cage_rim": (str, "NAME", "cage: smooth, exact or move (smooth)"),
-    "odd": (str, "NAME", "quads round an odd rim: split its longest edge, or triangle, which leaves one at the pole (triangle)"),
-    "pole_offset": (_two, "X,Y", "moves the pole, in fractions of the hole (0,0)"),
-    "bulge": (_one_or_three(float), "B[,B,B]", "scales the slopes inside each side, greater than 0 (1)"),
-    "tension": (float, "T", "pulls the fill tight, 0 or greater (0)"),
-    "center": (_or_none(_three_numbers), "X,Y,Z", "where the middle of the fill is to be (none)"),
-    "center_offset": (float, "D", "moves the middle of the fill along its normal (0)"),
-    "shape": (_shape, "L[,L,L]", "lambda of the Szilvasi-Nagy methods, from 0 to 1, by side; or optimal (0.5)"),
-    "reading": (str, "NAME", "formulas of the Szilvasi-Nagy methods: corrected or as_printed (corrected)"),
-    "symmetric": (bool, None, "coons_extremal: over the three pairs of coordinates, so that no corner is favoured"),
-    "alpha": (_or_none(float), "A", "coons_bezier: the permanence patch with this alpha instead of the Coons patch (none)"),
-}
+#: The options of `tripatch.fill`; but the faces of a file stay.
+OPTIONS = {name: option for name, option in tripatch.OPTIONS.items() if name != "replaced"}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -132,10 +43,6 @@ def parser() -> argparse.ArgumentParser:
     )
     fill.add_argument("input", metavar="IN", type=Path, help="mesh file")
     fill.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
-    fill.add_argument(
-        "--rim", type=_indices, metavar="V,V,...", help="vertices around the hole (the only one with three corners)"
-    )
-    fill.add_argument("--corners", type=_three_indices, metavar="A,B,C", help="three of them (detected where the rim turns)")
     fill.add_argument("--all", action="store_true", help="fill every three-sided hole")
     fill.add_argument(
         "--outer",
@@ -143,9 +50,8 @@ def parser() -> argparse.ArgumentParser:
         help="with --all: also the longest border of each connected part of the mesh, which is left out where it has others",
     )
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
-    for name, (kind, metavar, text) in OPTIONS.items():
-        value = {"action": "store_true"} if kind is bool else {"type": kind, "metavar": metavar}
-        fill.add_argument(f"--{name.replace('_', '-')}", default=argparse.SUPPRESS, help=text, **value)
+    for option in OPTIONS.values():
+        arguments.add(fill, option)
     smooth = commands.add_parser(
         "smooth",
         help="smooth a mesh of triangles",
@@ -231,11 +137,11 @@ def _write_report(path: Path, holes: list) -> None:
 
 
 def _fill(args: argparse.Namespace) -> int:
-    if args.all and (args.rim or args.corners):
+    options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
+    if args.all and any(OPTIONS[name].functions == ("fill",) for name in options):
         raise ValueError("--all chooses the rims and corners itself; leave out --rim and --corners")
     if args.outer and not args.all:
         raise ValueError("--outer goes with --all")
-    options = {"odd": "triangle"} | {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
     mesh = files.read(args.input)
     out = mesh if args.out.suffix.lower() == args.input.suffix.lower() else files.converted(mesh, args.out.suffix)
 
@@ -248,9 +154,9 @@ def _fill(args: argparse.Namespace) -> int:
             _say("Nothing to fill: the mesh has no border")
     else:
         try:
-            holes = [(args.rim, tripatch.fill(mesh.vertices, mesh.faces, rim=args.rim, corners=args.corners, **options))]
+            holes = [(options.get("rim"), tripatch.fill(mesh.vertices, mesh.faces, **options))]
         except tripatch.Refusal as refusal:
-            holes = [(args.rim, refusal)]
+            holes = [(options.get("rim"), refusal)]
     for rim, result in holes:
         if isinstance(result, tripatch.Refusal):
             _refused(result, rim if args.all else None)

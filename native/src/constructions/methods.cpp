@@ -26,9 +26,9 @@ std::array<PiecewisePolynomial, 3> curves(const Boundary& boundary) {
 SurfacePtr szilvasi_nagy(const Surfaces& surfaces, int continuity, const MethodOptions& options) {
   SzilvasiNagyOptions own;
   own.continuity = continuity;
-  own.shape = options.shape;
-  own.optimal = options.optimal_shape;
-  own.as_printed = options.as_printed;
+  own.optimal = !options.shape;
+  if (options.shape) own.shape = *options.shape;
+  own.as_printed = options.reading == Reading::as_printed;
   return std::make_shared<SzilvasiNagy>(surfaces, own);
 }
 
@@ -149,23 +149,21 @@ std::span<const Method> methods() {
   return all;
 }
 
-Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides) {
-  static const std::array<std::string, 5> names = {"G0", "G1", "G2", "Free", "auto"};
-  const bool keeps_tangent = method.continuity != names[0];
+Continuity resolve_continuity(const BySide<SideContinuity>& asked, const Method& method, const Sides& sides) {
+  const bool keeps_tangent = std::string(method.continuity) != "G0";
   Continuity result;
   for (int i = 0; i < 3; ++i) {
-    if (std::find(names.begin(), names.end(), asked[i]) == names.end())
-      throw InvalidArgument("continuity must be auto, Free, G0, G1 or G2, not '" + asked[i] + "'");
-    const bool exact = asked[i] == "G2";
-    if (!keeps_tangent && (exact || asked[i] == "G1"))
-      throw Refusal(std::string("The method ") + method.name + " keeps " + method.continuity + " along the rim, not " + asked[i]);
+    const bool exact = asked[i] == SideContinuity::g2;
+    if (!keeps_tangent && (exact || asked[i] == SideContinuity::g1))
+      throw Refusal(std::string("The method ") + method.name + " keeps " + method.continuity + " along the rim, not " +
+                    name_of(asked[i]));
     if (exact && sides[i].q.empty())
       throw Refusal("The curvature of the surroundings along side " + std::to_string(i) +
                     " is not known: G2 cannot be met there");
-    result.free[i] = asked[i] == "Free";
-    result.tangent[i] = keeps_tangent && !result.free[i] && asked[i] != "G0";
+    result.free[i] = asked[i] == SideContinuity::free;
+    result.tangent[i] = keeps_tangent && !result.free[i] && asked[i] != SideContinuity::g0;
     result.curvature[i] = exact;
-    result.automatic[i] = keeps_tangent && asked[i] == "auto";
+    result.automatic[i] = keeps_tangent && asked[i] == SideContinuity::automatic;
   }
   return result;
 }

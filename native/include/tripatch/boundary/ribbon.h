@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/choices.h"
 
 namespace tripatch {
 
@@ -27,12 +28,6 @@ struct Boundary {
   std::array<double, 3> turn_deg = {0, 0, 0};             ///< how much the rim turns at corner i, degrees
   std::array<double, 3> corner_mismatch_deg = {0, 0, 0};  ///< angle between the tangent planes of the two sides at corner i
   double size = 0;
-};
-
-enum class CrossBoundary {
-  given,       ///< alpha = 1, beta = 0: the surroundings' derivative as it is, G1 but of no fitting length
-  consistent,  ///< equations (9) to (13) with full normal equations at the corners, alpha and beta linear
-  as_printed,  ///< equations (7) and (10) to (14) as the paper prints them: beta from orthogonality; Theorems 1 and 2 fail
 };
 
 struct RibbonOptions {

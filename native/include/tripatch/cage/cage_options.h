@@ -1,14 +1,9 @@
 // How cages are fitted.
 #pragma once
 
-namespace tripatch {
+#include "tripatch/choices.h"
 
-/// What happens along the rim.
-enum class CageRim {
-  smooth,  ///< the whole cage is smooth; the surroundings move as little as possible
-  exact,   ///< rim edges are creased: the surroundings of an open hole do not move at all, the fill is made tangent to them
-  move,    ///< as smooth, and the rim's vertices are free too
-};
+namespace tripatch {
 
 /// Weights are against 1 for distances across the patch.
 struct CageOptions {

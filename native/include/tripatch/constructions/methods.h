@@ -8,21 +8,19 @@
 #include <vector>
 
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/choices.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
 
 struct FairingBase;
 
-/// Options of single constructions; the others do not read them.
+/// Options of single constructions, documented in options.def; the others do not read them.
 struct MethodOptions {
-  std::array<double, 3> shape = {0.5, 0.5, 0.5};  ///< lambda of the Szilvasi-Nagy methods, by side, in (0, 1)
-  bool optimal_shape = false;                     ///< lambda by the least thin-plate energy instead
-  bool as_printed = false;                        ///< the Szilvasi-Nagy methods as their paper prints them, mistakes included
-  bool symmetric = false;                         ///< coons_extremal: the functional summed over the three pairs of coordinates
-  std::optional<double> alpha = {};               ///< coons_bezier: the permanence patch with this alpha instead
-  bool to_be_faired = false;                      ///< side_vertex: with rays of degree 5, see curved_side_vertex
-  std::vector<std::string>* warnings = nullptr;   ///< where a construction says what its user should know
+#define METHOD_OPTION(type, name, value, ...) type name = value;
+#include "tripatch/options.def"
+  bool to_be_faired = false;                     ///< side_vertex: with rays of degree 5, see curved_side_vertex
+  std::vector<std::string>* warnings = nullptr;  ///< where a construction says what its user should know
 };
 
 struct Method {
@@ -47,9 +45,9 @@ struct Continuity {
   /// Free, G0, G1 or G2, by side.
   std::array<std::string, 3> names() const;
 };
-/// asked: auto, Free, G0, G1 or G2, by side; "auto" takes the method's own. Refuses more than the method keeps, and G2 where the
+/// asked: by side; "auto" takes the method's own. Refuses more than the method keeps, and G2 where the
 /// surroundings' curvature is not known.
-Continuity resolve_continuity(const std::array<std::string, 3>& asked, const Method& method, const Sides& sides);
+Continuity resolve_continuity(const BySide<SideContinuity>& asked, const Method& method, const Sides& sides);
 
 std::span<const Method> methods();
 /// The patch of a method from three sides, with what it was made of.

@@ -1,0 +1,66 @@
+// Filling: the whole path from a mesh to new faces.
+#include "tripatch/fill.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "options.h"
+
+using namespace tripatch;
+
+void bind_fill(py::module_& m) {
+  py::class_<Fill>(m, "Fill")
+      .def_property_readonly("vertices", [](const Fill& f) { return array_from(f.vertices); })
+      .def_property_readonly("normals", [](const Fill& f) { return array_from(f.normals); })
+      .def_property_readonly("barycentric", [](const Fill& f) { return array_from(f.barycentric); })
+      .def_property_readonly("rim_normals", [](const Fill& f) { return array_from(f.rim_normals); })
+      .def_property_readonly("rim_barycentric", [](const Fill& f) { return array_from(f.rim_barycentric); })
+      .def_property_readonly("uv", [](const Fill& f) { return array_from(f.uv); })
+      .def_property_readonly("rim_uv", [](const Fill& f) { return array_from(f.rim_uv); })
+      .def_property_readonly("deviation", [](const Fill& f) { return array_from(f.deviation); })
+      .def_property_readonly("moved", [](const Fill& f) { return array_from(f.moved); })
+      .def_property_readonly("moved_to", [](const Fill& f) { return array_from(f.moved_to); })
+      .def_readonly("creases", &Fill::creases)
+      .def_readonly("split_edges", &Fill::split_edges)
+      .def_readonly("split_t", &Fill::split_t)
+      .def_property_readonly("border", [](const Fill& f) { return array_from(f.border); })
+      .def_property_readonly("rim", [](const Fill& f) { return array_from(f.rim); })
+      .def_property_readonly("face_offsets", [](const Fill& f) { return array_from(f.faces.offsets); })
+      .def_property_readonly("face_corners", [](const Fill& f) { return array_from(f.faces.corners); })
+      .def_property_readonly("patch", [](const Fill& f) { return std::const_pointer_cast<Surface>(f.patch); })
+      .def_readonly("sides", &Fill::sides)
+      .def_readonly("report", &Fill::report);
+
+  m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options) {
+    const FillOptions o = fill_options(options);
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    py::gil_scoped_release release;
+    return fill({points, faces}, o);
+  });
+  m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                        const std::vector<std::vector<Index>>& rims, const py::dict& options,
+                        const std::vector<std::optional<std::array<Index, 3>>>& rim_corners, const py::object& progress) {
+    const FillOptions o = fill_options(options);
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::vector<std::variant<Fill, Refused>> results;
+    {
+      py::gil_scoped_release release;
+      results = fill_all({points, faces}, rims, o, rim_corners, [&](std::size_t done) {
+        const py::gil_scoped_acquire acquire;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (!progress.is_none()) progress(done, rims.size());
+      });
+    }
+    py::list out;
+    for (auto& result : results) {
+      if (auto* filled = std::get_if<Fill>(&result)) {
+        out.append(std::move(*filled));
+      } else {
+        const Refused& refused = std::get<Refused>(result);
+        out.append(refusal_object(refused.reason, refused.where));
+      }
+    }
+    return out;
+  });
+}

@@ -1,0 +1,48 @@
+// Borders of a mesh, their corners, and the sides that its faces give them.
+#include "arrays.h"
+#include "bindings.h"
+#include "tripatch/boundary/mesh_sides.h"
+#include "tripatch/hole/hole.h"
+
+using namespace tripatch;
+
+void bind_holes(py::module_& m) {
+  m.def("_find_holes", [](const IndexArray& offsets, const IndexArray& corners) {
+    const FacesRef faces = faces_from(offsets, corners);
+    std::vector<std::vector<Index>> loops;
+    {
+      py::gil_scoped_release release;
+      loops = find_holes(faces);
+    }
+    py::list out;
+    for (const std::vector<Index>& loop : loops) out.append(array_from(loop));
+    return out;
+  });
+  m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                            const std::vector<Index>& rim, const std::vector<Index>& replaced) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    py::gil_scoped_release release;
+    const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
+    return std::array<Index, 3>{hole.rim[hole.corners[0]], hole.rim[hole.corners[1]], hole.rim[hole.corners[2]]};
+  });
+  m.def("_is_outer_border",
+        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const std::vector<Index>& rim) {
+          const FacesRef faces = faces_from(offsets, corners);
+          const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+          py::gil_scoped_release release;
+          return is_outer_border({points, faces}, rim);
+        });
+  m.def("_mesh_sides", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                          const std::vector<Index>& rim, const std::array<Index, 3>& at) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    MeshSides made;
+    {
+      py::gil_scoped_release release;
+      made = mesh_sides({points, faces}, make_hole({points, faces}, rim, at));
+      for (int i = 0; i < 3; ++i) made.sides[i].rim = made.parameters[i];
+    }
+    return py::make_tuple(made.sides, made.parameters, made.surroundings_error);
+  });
+}

@@ -1,0 +1,123 @@
+// Patches and sides, and what is made of them: a patch from sides, a blend of surfaces, triangles on a patch.
+#include <pybind11/functional.h>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "options.h"
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/energy.h"
+#include "tripatch/fill.h"
+#include "tripatch/output/triangulate.h"
+
+using namespace tripatch;
+
+namespace {
+
+/// A Python callable of t (k,) -> (k, 3) as a field of the side.
+PiecewisePolynomial sampled(const py::function& f, const char* name) {
+  return PiecewisePolynomial::fit(
+      [&](std::span<const double> t, std::span<double> out) {
+        Array parameters(static_cast<Index>(t.size()));
+        std::copy(t.begin(), t.end(), parameters.mutable_data());
+        const Array values = Array::ensure(f(parameters));
+        if (!values) throw py::type_error(std::string(name) + "(t) must return an array of numbers");
+        if (values.ndim() != 2 || values.shape(0) != static_cast<Index>(t.size()) || values.shape(1) != 3)
+          throw InvalidArgument(std::string(name) + "(t) must return an array of shape (k, 3) for t of shape (k,)");
+        std::copy_n(values.data(), values.size(), out.begin());
+        for (std::size_t k = 0; k < out.size(); ++k)
+          if (!std::isfinite(out[k]))
+            throw InvalidArgument(std::string(name) + "(t) is not finite at t = " + std::to_string(t[k / 3]));
+      },
+      3);
+}
+
+Side side_from_functions(const py::function& c, const py::function& dc, const py::function& r, const std::vector<double>& rim,
+                         const std::optional<py::function>& q) {
+  Side side{sampled(c, "c"), sampled(r, "r"), q ? sampled(*q, "q") : PiecewisePolynomial(), rim};
+  // The side's own derivative is that of c, exactly; dc only has to agree.
+  const PiecewisePolynomial given = sampled(dc, "dc");
+  double scale = 0, off = 0;
+  for (int k = 0; k <= 16; ++k) {
+    const Vec3 mine = side.c.derivative_at(k / 16.0), theirs = given(k / 16.0);
+    scale = std::max({scale, mine.norm(), theirs.norm()});
+    off = std::max(off, (mine - theirs).norm());
+  }
+  if (off > 1e-5 * scale) throw InvalidArgument("dc is not the derivative of c");
+  return side;
+}
+
+py::tuple evaluate_side(const Side& side, const Array& t) {
+  const Index n = t.size();
+  Array c({n, Index{3}}), dc({n, Index{3}}), r({n, Index{3}}), normal({n, Index{3}});
+  for (Index k = 0; k < n; ++k) {
+    std::array<double, 6> series;
+    side.c.taylor(t.data()[k], 1, series.data());
+    std::copy_n(series.data(), 3, c.mutable_data(k));
+    std::copy_n(series.data() + 3, 3, dc.mutable_data(k));
+    side.r.taylor(t.data()[k], 0, r.mutable_data(k));
+    const Vec3 v = side.normal(t.data()[k]);
+    std::copy_n(v.data(), 3, normal.mutable_data(k));
+  }
+  return py::make_tuple(c, dc, r, normal);
+}
+
+/// (k, 3) the second derivative across, or None where it is not known.
+py::object second_derivative(const Side& side, const Array& t) {
+  if (side.q.empty()) return py::none();
+  Array q({static_cast<Index>(t.size()), Index{3}});
+  for (Index k = 0; k < t.size(); ++k) side.q.taylor(t.data()[k], 0, q.mutable_data(k));
+  return q;
+}
+
+}  // namespace
+
+void bind_patches(py::module_& m) {
+  py::class_<Surface, std::shared_ptr<Surface>>(m, "Patch", "A surface over the triangle.")
+      .def("_evaluate", &evaluate<Surface>)
+      .def(
+          "_energy", [](const Surface& surface, const std::string& name) { return energy(surface, name, size_of(surface)); },
+          py::call_guard<py::gil_scoped_release>())
+      .def("_normal", [](const Surface& surface, const Array& b) {
+        const Points points = points_from(b);
+        Points normals;
+        {
+          py::gil_scoped_release release;
+          normals = surface.normals(points);
+        }
+        return array_from(normals);
+      });
+
+  py::class_<Side>(m, "Side", "A side of the hole: position and the derivative of the surroundings across it.")
+      .def_static("_from_functions", &side_from_functions)
+      .def("_evaluate", &evaluate_side)
+      .def("_second_derivative", &second_derivative)
+      .def("_part", &piece_of)
+      .def("_moved", [](const Side& side, const std::array<double, 3>& start, const std::array<double, 3>& end) {
+        return moved_ends(side, {start[0], start[1], start[2]}, {end[0], end[1], end[2]});
+      });
+}
+
+void bind_making(py::module_& m) {
+  m.def("_patch", [](const Sides& sides, const py::dict& given) {
+    const FillOptions options = fill_options(given);
+    const py::gil_scoped_release release;
+    MadePatch made = patch_from_sides(sides, options);
+    return std::make_pair(std::const_pointer_cast<Surface>(made.patch), std::move(made.report.warnings));
+  });
+  m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,
+                         const std::optional<int>& resolution) {
+    TriangleMesh mesh;
+    {
+      py::gil_scoped_release release;
+      mesh = triangulate(parameters, resolution, [&](const PointsRef& b) { return patch->positions(b); });
+    }
+    return py::make_tuple(array_from(mesh.barycentric), mesh.triangles);
+  });
+  m.def("_blend", [](const std::array<std::shared_ptr<Surface>, 3>& surfaces, const std::string& method, const py::dict& own) {
+    const MethodOptions options = method_options(own);
+    py::gil_scoped_release release;
+    const Method& chosen = find_method(method);
+    if (!chosen.from_surfaces) throw InvalidArgument(method + " is made from three sides; use tripatch.patch");
+    return std::const_pointer_cast<Surface>(chosen.from_surfaces({surfaces[0], surfaces[1], surfaces[2]}, options));
+  });
+}

@@ -1,0 +1,68 @@
+// The report of a fill and the table of constructions.
+#include "tripatch/report/report.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "tripatch/constructions/methods.h"
+
+using namespace tripatch;
+
+void bind_report(py::module_& m) {
+  py::class_<Report>(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.")
+      .def_readonly("seam_angle_max", &Report::seam_angle_max,
+                    "Largest angle between the fill and the surroundings used, in degrees.")
+      .def_readonly("seam_angle_rms", &Report::seam_angle_rms, "Root mean square of that angle, in degrees.")
+      .def_readonly("seam_angle_max_by_side", &Report::seam_angle_max_by_side,
+                    "Largest angle on each of the three sides, in degrees.")
+      .def_readonly("seam_angle_rms_by_side", &Report::seam_angle_rms_by_side,
+                    "Root mean square on each of the three sides, in degrees.")
+      .def_readonly("continuity", &Report::continuity,
+                    "On each of the three sides: Free, G0, G1 or G2, what was asked or what auto took.")
+      .def_readonly("surroundings_error", &Report::surroundings_error,
+                    "How well the mesh determines its own tangent planes, in degrees; 0 where they are known exactly.")
+      .def_readonly("fairing", &Report::fairing, "Name of the energy that was made small; empty: none.")
+      .def_readonly("energy_before", &Report::energy_before, "That energy before fairing.")
+      .def_readonly("energy_after", &Report::energy_after, "That energy of the fill.")
+      .def_readonly("shape_path", &Report::shape_path,
+                    R"(With shape="optimal": a list of (lambda by side, energy), the last of which was taken.)")
+      .def_readonly("method", &Report::method, "Name of the method used.")
+      .def_readonly("method_reason", &Report::method_reason, "Why that method was used.")
+      .def_readonly("deviation_max", &Report::deviation_max,
+                    "Largest standard deviation of a new vertex, in units of the mesh; None: the method does not know it.")
+      .def_readonly("triangles_folded", &Report::triangles_folded,
+                    "Edges between new faces (of a cage: of its limit surface) whose triangles face more than 120 degrees apart.")
+      .def_readonly("folds", &Report::folds, "Places of a 64 x 64 grid where the patch folds over itself.")
+      .def_readonly("corners", &Report::corners, "Vertex indices of the three corners.")
+      .def_readonly("cage_deviation_max", &Report::cage_deviation_max,
+                    "Cages: largest distance of the limit surface from the patch, in units of the mesh.")
+      .def_readonly("cage_deviation_rms", &Report::cage_deviation_rms, "Cages: root mean square of that distance.")
+      .def_readonly("surroundings_moved_max", &Report::surroundings_moved_max,
+                    "Cages: how far the limit surface around the hole moved at most, in units of the mesh.")
+      .def_readonly("surroundings_moved_rms", &Report::surroundings_moved_rms, "Cages: root mean square of that distance.")
+      .def_readonly("surroundings_moved_where", &Report::surroundings_moved_where,
+                    "Cages: a vertex of the face that moved most; -1: none.")
+      .def_readonly("corners_moved_max", &Report::corners_moved_max,
+                    "Cages: how far the limit points of the three corners moved at most.")
+      .def_readonly("seam_angle_median", &Report::seam_angle_median, "Cages: median angle along the seam, in degrees.")
+      .def_readonly("seam_angle_max_inside", &Report::seam_angle_max_inside,
+                    "Cages: largest angle without the rim edges that touch a corner, in degrees.")
+      .def_readonly("poles", &Report::poles, "Quads and cages: [vertex, valence] of each inner vertex with an irregular valence.")
+      .def_readonly("warnings", &Report::warnings, "Sentences on what a person should know of the fill.")
+      .def_readonly("seconds", &Report::seconds, "Time that the fill took.");
+}
+
+void bind_methods(py::module_& m) {
+  py::class_<Method>(m, "Method", "A construction of the registry.")
+      .def_readonly("name", &Method::name)
+      .def_readonly("description", &Method::description)
+      .def_readonly("citation", &Method::citation)
+      .def_readonly("fills_holes", &Method::fills_holes)
+      .def_readonly("continuity", &Method::continuity)
+      .def_property_readonly("options", [](const Method& method) { return py::tuple(py::cast(method.options)); })
+      .def("__repr__", [](const Method& method) { return std::string("<tripatch method ") + method.name + ">"; });
+  m.def("_methods", [] {
+    py::dict all;
+    for (const Method& method : methods()) all[method.name] = py::cast(&method, py::return_value_policy::reference);
+    return all;
+  });
+}

@@ -1,0 +1,112 @@
+"""Options on a command line, of `tripatch` and of Blender without a window: arguments by the table, their texts as values."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+
+from .options import Option, described
+
+_COUNTS = {2: "two", 3: "three"}
+
+
+def indices(text: str) -> list[int]:
+    """Vertex indices from 3,17,42."""
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no list of vertex indices such as 3,17,42") from None
+
+
+def _so_many_indices(option: Option) -> Callable:
+    def read(text: str) -> list[int]:
+        if text.lower() == "none":
+            return []
+        values = indices(text)
+        if option.count and len(values) != option.count:
+            raise argparse.ArgumentTypeError(f"{_COUNTS[option.count]} {option.name} are needed, not {len(values)}")
+        return values
+
+    return read
+
+
+def _by_side(kind: Callable, word: str) -> Callable:
+    """One value or three, or the word."""
+
+    def read(text: str):
+        if text == word:
+            return text
+        try:
+            values = tuple(kind(part) for part in text.split(","))
+        except ValueError:
+            other = f"neither one value nor three, separated by commas{', nor ' * bool(word)}{word}"
+            raise argparse.ArgumentTypeError(f"{text!r} is {other}") from None
+        if len(values) not in (1, 3):
+            raise argparse.ArgumentTypeError(f"one value or three are needed, not {len(values)}")
+        return values[0] if len(values) == 1 else values
+
+    return read
+
+
+def _numbers(count: int) -> Callable:
+    example = "0,0.5,1" if count == 3 else "0.1,0"
+
+    def read(text: str) -> tuple[float, ...]:
+        try:
+            values = tuple(float(part) for part in text.split(","))
+        except ValueError:
+            values = ()
+        if len(values) != count:
+            raise argparse.ArgumentTypeError(f"{text!r} are no {_COUNTS[count]} numbers such as {example}")
+        return values
+
+    return read
+
+
+def _json(text: str) -> dict:
+    try:
+        return json.loads(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} is no JSON: {error}") from None
+
+
+def _or_none(read: Callable, word: str) -> Callable:
+    def read_or_none(text: str):
+        return None if text.lower() == word else read(text)
+
+    read_or_none.__name__ = read.__name__
+    return read_or_none
+
+
+def reader(option: Option) -> Callable:
+    """From a text to a value that `tripatch.fill` takes."""
+    of_kind = {"whole": int, "number": float, "choice": str, "subdivision": _json}
+    if option.kind == "indices":
+        read = _so_many_indices(option)
+    elif option.by_side:
+        read = _by_side(of_kind[option.kind], option.none.name if option.none else "")
+    elif option.kind == "position" or option.count > 1:
+        read = _numbers(option.count)
+    else:
+        read = of_kind[option.kind]
+    alone = option.kind != "indices" and not option.by_side
+    return _or_none(read, option.none.name if option.none else "none") if option.optional and alone else read
+
+
+def _metavar(option: Option) -> str:
+    if option.kind == "indices":
+        return "A,B,C" if option.count == 3 else "V,V,..."
+    one = {"whole": "N", "number": "X", "choice": "NAME", "position": "X", "subdivision": "JSON"}[option.kind]
+    if option.by_side:
+        return f"{one}[,{one},{one}]"
+    return ",".join("XYZ"[: option.count]) if option.count > 1 else one
+
+
+def add(parser: argparse.ArgumentParser, option: Option) -> None:
+    """`--name` for an option; what is not given is not in the namespace."""
+    text = described(option)
+    if option.kind not in ("flag", "indices", "subdivision"):
+        text += f" ({'none' if option.default is None else option.default})".replace("(0.0, 0.0)", "0,0")
+    value = {"action": "store_true"} if option.kind == "flag" else {"type": reader(option), "metavar": _metavar(option)}
+    parser.add_argument(f"--{option.name.replace('_', '-')}", default=argparse.SUPPRESS, help=text.replace("%", "%%"), **value)

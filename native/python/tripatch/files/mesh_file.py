@@ -1,0 +1,101 @@
+"""A mesh file in memory, of any format."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+
+class FileError(ValueError):
+    """A file that cannot be read or written; the message is a sentence."""
+
+
+class MeshFile:
+    """A mesh file in memory.
+
+    Attributes:
+        vertices: (n, 3) float64, the file's own.
+        faces: index lists, the file's own, three corners or more each. What has fewer stays in the file, unread.
+    """
+
+    def __init__(self, vertices: np.ndarray, faces: list) -> None:
+        self.vertices = vertices
+        self.faces = faces
+        self._added = 0  # vertices
+        sizes = np.fromiter(map(len, faces), np.int64, len(faces))
+        corners = np.fromiter((v for face in faces for v in face), np.int64, int(sizes.sum()))
+        if corners.size and (corners.min() < 0 or corners.max() >= len(vertices)):
+            place = int(np.argmax((corners < 0) | (corners >= len(vertices))))
+            face = int(np.searchsorted(np.cumsum(sizes), place, "right"))
+            raise FileError(f"Face {face} names a vertex that does not exist; there are {len(vertices)}")
+        self._sizes, self._corners = sizes, corners
+
+    def append(self, fill) -> None:
+        """Adds a `tripatch.Fill` of this mesh (one of several, in any order)."""
+        n = len(self.vertices)
+        faces = [[v if v < n else v + self._added for v in face] for face in fill.faces]
+        for v, place in zip(*fill.moved):
+            self._move(int(v), place)
+        self._append(fill, faces, self._near(fill), self._around(fill.rim))
+        for k, ((a, b), t) in enumerate(zip(*fill.split_edges)):
+            for f in self._around([a, b]):
+                face = self.faces[f]
+                for place, ends in enumerate(zip(face, face[1:] + face[:1])):
+                    if set(ends) == {a, b}:
+                        self._split(int(f), place, n + self._added + k, t if ends[0] == a else 1 - t)
+                        face.insert(place + 1, n + self._added + k)
+                        break
+        self._added += len(fill.vertices)
+
+    def write(self, path) -> None:
+        """Writes the file as it was, with the fills added, in the format of the file that was read."""
+        path = Path(path)
+        part = path.with_name(path.name + ".part")  # so that a full disk costs nobody the file that was there
+        try:
+            try:
+                self._save(part)
+                os.replace(part, path)
+            finally:
+                part.unlink(missing_ok=True)
+        except OSError as error:
+            raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+
+    def _move(self, v: int, place: np.ndarray) -> None:
+        """The file's own vertex v goes to another place."""
+        raise NotImplementedError
+
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
+        """The file's own face f gets the new vertex v after its corner `place`, the part t of the way to the next."""
+        raise NotImplementedError
+
+    def _append(self, fill, faces: list[list[int]], near: np.ndarray, around: np.ndarray) -> None:
+        """near: for each new vertex the rim vertex that it takes after; around: the faces at the rim."""
+        raise NotImplementedError
+
+    def _save(self, path: Path) -> None:
+        raise NotImplementedError
+
+    def _near(self, fill) -> np.ndarray:
+        rim = np.asarray(fill.rim, np.int64)
+        places = self.vertices[rim]
+        near = np.empty(len(fill.vertices), np.int64)
+        for start in range(0, len(near), 1024):
+            block = fill.vertices[start : start + 1024]
+            with np.errstate(over="ignore"):
+                near[start : start + 1024] = rim[((block[:, None] - places) ** 2).sum(axis=2).argmin(axis=1)]
+        return near
+
+    def _around(self, rim) -> np.ndarray:
+        rim = np.asarray(rim, np.int64)
+        n = len(self.vertices)
+
+        def keys(a, b):
+            return np.minimum(a, b) * n + np.maximum(a, b)
+
+        following = np.roll(self._corners, -1)
+        ends = np.cumsum(self._sizes)
+        following[ends - 1] = self._corners[ends - self._sizes]
+        at_rim = np.isin(keys(self._corners, following), keys(rim, np.roll(rim, -1)))
+        return np.unique(np.searchsorted(ends, np.nonzero(at_rim)[0], "right"))

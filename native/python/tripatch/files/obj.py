@@ -1,0 +1,147 @@
+"""Wavefront OBJ."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from . import writing
+from .mesh_file import FileError, MeshFile
+
+_OBJ_STATE = (b"o", b"g", b"usemtl", b"s")
+
+
+class ObjFile(MeshFile):
+    """Wavefront OBJ. All bytes stay; what is new is added at the end, so that no negative index changes its meaning."""
+
+    def __init__(self, data: bytes) -> None:
+        self._new: list[bytes] = []
+        vertices, extras, faces = [], [], []
+        self._vertex_lines, self._face_lines = [], []  # first and end
+        self._counts: list[tuple[int, int, int]] = []  # of v, vt and vn before each face, for negative indices
+        self._textures: list[list[bytes]] = []
+        self._changed: dict[int, tuple[int, list]] = {}  # faces that were split: place in `new`, corners
+        self._normals = 0
+        lines = self._lines = writing.lines(data)
+        self._eol = writing.line_end(lines)
+        state: dict[bytes, bytes] = {}  # the last line of each keyword that later faces are under
+        self._states, self._state_of = [state], []
+        self._with_normals = False
+        number = 0
+        while number < len(lines):
+            line, start = lines[number], number
+            number += 1
+            while line.rstrip(b"\r\n").endswith(b"\\") and number < len(lines):
+                line = line.rstrip(b"\r\n")[:-1] + b" " + lines[number]
+                number += 1
+            words = line.split()
+            if not words or words[0][:1] == b"#":
+                continue
+            keyword = words[0]
+            try:
+                if keyword == b"v":
+                    vertices.append((float(words[1]), float(words[2]), float(words[3])))
+                    extras.append(words[4:])
+                    self._vertex_lines.append((start, number))
+                elif keyword == b"vn":
+                    self._normals += 1
+                elif keyword == b"vt":
+                    self._textures.append(words[1:])
+                elif keyword == b"f":
+                    if b"#" in line:
+                        words = line.split(b"#")[0].split()
+                    face = [int(word.partition(b"/")[0]) for word in words[1:]]
+                    if 0 in face:
+                        raise ValueError
+                    if len(face) >= 3:
+                        faces.append([v - 1 if v > 0 else v + len(vertices) for v in face])
+                        self._state_of.append(len(self._states) - 1)
+                        self._face_lines.append((start, number))
+                        self._counts.append((len(vertices), len(self._textures), self._normals))
+                        if words[1].count(b"/") == 2 and not words[1].endswith(b"/"):
+                            self._with_normals = True
+                elif keyword in _OBJ_STATE:
+                    state = {**state, keyword: line.rstrip(b"\r\n")}
+                    self._states.append(state)
+            except (ValueError, IndexError):
+                raise FileError(f"Line {number} cannot be understood: {line.strip().decode(errors='replace')[:60]}") from None
+        self._extras = extras
+        self._state = state
+        super().__init__(np.array(vertices, float).reshape(-1, 3), faces)
+
+    @classmethod
+    def of_mesh(cls, vertices, faces) -> ObjFile:
+        rows = [b"v " + writing.numbers(p) for p in vertices] + [
+            b"f " + b" ".join(b"%d" % (v + 1) for v in face) for face in faces
+        ]
+        return cls(b"\n".join(rows) + b"\n")
+
+    def _move(self, v, place):
+        start, end = self._vertex_lines[v]
+        self._lines[start] = writing.with_numbers(b"".join(self._lines[start:end]), 1, [writing.number(x) for x in place])
+        self._lines[start + 1 : end] = [b""] * (end - start - 1)
+
+    def _append(self, fill, faces, near, around):
+        new = self._new
+        like = self._states[writing.most(self._state_of[f] for f in around)] if len(around) else {}
+        for point, v in zip(fill.vertices, near):
+            new.append(b" ".join([b"v", writing.numbers(point), *self._extras[v]]))
+        normal_of = {}
+        if self._with_normals:
+            first = len(self.vertices) + self._added
+            corners = [*map(int, fill.rim), *range(first, first + len(fill.vertices))]
+            for v, normal in zip(corners, np.concatenate([fill.rim_normals, fill.normals])):
+                self._normals += 1
+                normal_of[v] = b"//%d" % self._normals
+                new.append(b"vn " + writing.numbers(normal))
+        self._go_under(like)
+        for face in faces:
+            new.append(b"f " + b" ".join(b"%d" % (v + 1) + normal_of.get(v, b"") for v in face))
+
+    def _go_under(self, like: dict[bytes, bytes]) -> None:
+        for keyword in _OBJ_STATE:
+            # without a line of that kind before them the faces around the rim have the default
+            wanted = like.get(keyword, {b"g": b"g default", b"s": b"s off"}.get(keyword, b""))
+            if keyword in self._state and wanted and wanted != self._state[keyword]:
+                self._new.append(wanted)
+                self._state = {**self._state, keyword: wanted}
+
+    def _split(self, f, place, v, t):
+        # a face must not come before its vertices: it goes to the end, as it was
+        if f not in self._changed:
+            start, end = self._face_lines[f]
+            text = b"".join(self._lines[start:end])
+            words = re.sub(rb"\\\r?\n", b" ", text).split(b"#")[0].split()[1:]
+            corners = []
+            for word in words:
+                parts = [int(part) if part else 0 for part in word.split(b"/")]
+                corners.append([x if x >= 0 else x + n + 1 for x, n in zip(parts, self._counts[f])])
+            self._lines[start:end] = [text[text.index(b"#") :] if b"#" in text else b""] + [b""] * (end - start - 1)
+            self._go_under(self._states[self._state_of[f]])
+            self._new.append(b"")
+            self._changed[f] = len(self._new) - 1, corners
+        at, corners = self._changed[f]
+        first, second = corners[place], corners[(place + 1) % len(corners)]
+        between = [v + 1, *first[1:]]
+        if len(between) > 1 and first[1] and second[1]:
+            ends = [np.array(list(map(float, self._textures[x[1] - 1]))) for x in (first, second)]
+            self._textures.append([writing.number(x) for x in (1 - t) * ends[0] + t * ends[1]])
+            between[1] = len(self._textures)
+            self._new.insert(at, b"vt " + b" ".join(self._textures[-1]))
+            self._changed = {g: (k + (k >= at), c) for g, (k, c) in self._changed.items()}
+            at += 1
+        corners.insert(place + 1, between)
+        self._new[at] = b"f " + b" ".join(b"/".join(b"%d" % x if x else b"" for x in corner) for corner in corners)
+
+    def _save(self, path):
+        data = b"".join(self._lines)
+        with path.open("wb") as out:
+            out.write(data)
+            if not self._new:
+                return
+            if data.rstrip(b"\r\n").endswith(b"\\"):
+                out.write(self._eol)
+            if data and not data.endswith((b"\n", b"\r")):
+                out.write(self._eol)
+            out.writelines(line + self._eol for line in self._new)

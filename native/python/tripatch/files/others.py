@@ -1,0 +1,131 @@
+"""VTK and what else meshio reads and writes."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from . import writing
+from .mesh_file import FileError, MeshFile
+
+
+def _meshio(suffix: str):
+    try:
+        import meshio
+    except ImportError:
+        raise FileError(f"For {suffix} files meshio is needed: pip install tripatch[files]") from None
+    return meshio
+
+
+_SURFACE_CELLS = ("triangle", "quad", "polygon")
+
+
+class MeshioFile(MeshFile):
+    """What meshio reads: points, cells of all kinds, and the data of both."""
+
+    def __init__(self, mesh, suffix: str, options: dict) -> None:
+        self._mesh, self._suffix, self._options = mesh, suffix, options
+        points = np.asarray(mesh.points, float)
+        if points.ndim != 2 or points.shape[1] not in (2, 3):
+            raise FileError("The file has no points in space")
+        if points.shape[1] == 2:
+            points = np.column_stack([points, np.zeros(len(points))])
+        faces, self._cell_of = [], []
+        for b, block in enumerate(mesh.cells):
+            if block.type in _SURFACE_CELLS:
+                faces += np.asarray(block.data).tolist()
+                self._cell_of += [(b, k) for k in range(len(block.data))]
+        super().__init__(points, faces)
+
+    @classmethod
+    def of_path(cls, path: Path) -> MeshioFile:
+        meshio = _meshio(path.suffix)
+        options = {}
+        if path.suffix.lower() == ".vtk":
+            with path.open("rb") as file:
+                head = [file.readline() for _ in range(3)]
+            options["binary"] = head[2].strip().upper() == b"BINARY"
+            version = re.search(rb"Version\s+(\d+)", head[0])
+            options["file_format"] = "vtk42" if version and int(version[1]) < 5 else "vtk"
+        try:
+            mesh = meshio.read(path)
+        except (Exception, SystemExit) as error:  # meshio ends the process on a suffix that it does not know
+            raise FileError(f"meshio cannot read it: {error or type(error).__name__}") from error
+        return cls(mesh, path.suffix, options)
+
+    @classmethod
+    def of_mesh(cls, vertices, faces, suffix: str) -> MeshioFile:
+        meshio = _meshio(suffix)
+        return cls(meshio.Mesh(np.asarray(vertices, float), cls._blocks(faces)), suffix, {})
+
+    @staticmethod
+    def _blocks(faces) -> list[tuple[str, np.ndarray]]:
+        by_size: dict[int, list] = {}
+        for face in faces:
+            by_size.setdefault(len(face), []).append(face)
+        return [({3: "triangle", 4: "quad"}.get(k, "polygon"), np.array(rows, np.int64)) for k, rows in sorted(by_size.items())]
+
+    def _move(self, v, place):
+        if self._mesh.points.dtype.kind != "f":
+            self._mesh.points = self._mesh.points.astype(float)
+        self._mesh.points[v] = place[: self._mesh.points.shape[1]]
+
+    def _split(self, f, place, v, t):
+        meshio, mesh = _meshio(self._suffix), self._mesh
+        (block, row), face = self._cell_of[f], list(self.faces[f])
+        face.insert(place + 1, v)
+        cells = [(b.type, np.asarray(b.data)) for b in mesh.cells]
+        data = {name: [np.asarray(x) for x in values] for name, values in mesh.cell_data.items()}
+        cells.append(("polygon" if len(face) > 4 else "quad", np.array([face])))
+        cells[block] = cells[block][0], np.delete(cells[block][1], row, axis=0)
+        for values in data.values():
+            values.append(values[block][row : row + 1])
+            values[block] = np.delete(values[block], row, axis=0)
+        self._cell_of = [(b, k - (b == block and k > row)) for b, k in self._cell_of]
+        self._cell_of[f] = len(cells) - 1, 0
+        if not len(cells[block][1]):
+            del cells[block]
+            for values in data.values():
+                del values[block]
+            self._cell_of = [(b - (b > block), k) for b, k in self._cell_of]
+        self._mesh = meshio.Mesh(mesh.points, cells, point_data=mesh.point_data, cell_data=data, field_data=mesh.field_data)
+
+    def _append(self, fill, faces, near, around):
+        meshio, mesh = _meshio(self._suffix), self._mesh
+        dtype = mesh.points.dtype if mesh.points.dtype.kind == "f" else float
+        points = np.concatenate([mesh.points, np.asarray(fill.vertices, dtype)[:, : mesh.points.shape[1]]])
+        point_data = {}
+        for name, values in mesh.point_data.items():
+            new = values[near]
+            if name.lower() in ("normal", "normals") and new.shape == fill.normals.shape:
+                new = fill.normals.astype(values.dtype)
+            point_data[name] = np.concatenate([values, new])
+        blocks = self._blocks(faces)
+        cell_data = {}
+        for name, values in mesh.cell_data.items():
+            like = None
+            if len(around):
+                rows = [np.asarray(values[b])[k] for b, k in (self._cell_of[f] for f in around)]
+                like = rows[[row.tobytes() for row in rows].index(writing.most(row.tobytes() for row in rows))]
+            else:
+                like = np.zeros_like(np.asarray(values[0])[0])
+            cell_data[name] = [*values, *(np.repeat(like[None], len(rows), axis=0) for _, rows in blocks)]
+        self._mesh = meshio.Mesh(
+            points, [*mesh.cells, *blocks], point_data=point_data, cell_data=cell_data, field_data=mesh.field_data
+        )
+
+    def _save(self, path):
+        meshio = _meshio(self._suffix)
+        options = dict(self._options)
+        form = options.pop("file_format", None) or meshio.extension_to_filetypes.get(self._suffix.lower(), [""])[0]
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                meshio.write(path, self._mesh, file_format=form, **options)
+        except OSError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise FileError(f"meshio cannot write {self._suffix} files of this kind: {error or type(error).__name__}") from error

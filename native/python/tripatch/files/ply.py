@@ -1,0 +1,290 @@
+"""PLY, text and binary."""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import writing
+from .mesh_file import FileError, MeshFile
+
+_PLY_TYPES = {
+    name: code
+    for names, code in (
+        ("char int8", "b"),
+        ("uchar uint8", "B"),
+        ("short int16", "h"),
+        ("ushort uint16", "H"),
+        ("int int32", "i"),
+        ("uint uint32", "I"),
+        ("int64", "q"),
+        ("uint64", "Q"),
+        ("float float32", "f"),
+        ("double float64", "d"),
+    )
+    for name in names.split()
+}
+_PLY_NORMAL = ("nx", "ny", "nz")
+
+
+class _PlyElement:
+    def __init__(self, name: str, count: int) -> None:
+        self.name, self.count = name, count
+        self.properties: list[tuple[str, str, str | None]] = []  # name, type, type of the count of a list
+        self.starts: Sequence[int] = ()  # of every row and of the end: bytes, or lines of a text
+        self.new: list[bytes] = []
+
+    def index(self, name: str) -> int:
+        return next((k for k, p in enumerate(self.properties) if p[0] == name), -1)
+
+
+class PlyFile(MeshFile):
+    """PLY, text and binary of either byte order, whatever its elements and properties. Only the counts in the header change."""
+
+    def __init__(self, data: bytes) -> None:
+        end = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", data)
+        if not data.startswith(b"ply") or not end:
+            raise FileError("The file is no PLY file: its header is missing or has no end")
+        self._data, self._eol = bytearray(data), end[1]
+        self._elements: list[_PlyElement] = []
+        form = ""
+        for line in data[: end.start()].decode("latin-1").splitlines()[1:]:
+            words = line.split()
+            try:
+                if words[:1] == ["format"]:
+                    form = words[1]
+                elif words[:1] == ["element"]:
+                    self._elements.append(_PlyElement(words[1], int(words[2])))
+                elif words[:2] == ["property", "list"]:
+                    self._elements[-1].properties.append((words[4], _PLY_TYPES[words[3]], _PLY_TYPES[words[2]]))
+                elif words[:1] == ["property"]:
+                    self._elements[-1].properties.append((words[2], _PLY_TYPES[words[1]], None))
+            except (LookupError, ValueError):
+                raise FileError(f"The PLY header has a line that cannot be understood: {line.strip()[:60]}") from None
+        if form not in ("ascii", "binary_little_endian", "binary_big_endian"):
+            raise FileError(f"The PLY format {form or '(none given)'} is not known")
+        self._order = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}[form]
+        self._body = end.end()
+
+        found = {e.name: e for e in self._elements}
+        if "vertex" not in found or "face" not in found:
+            raise FileError("The PLY file has no vertices or no faces")
+        self._vertex, self._face = found["vertex"], found["face"]
+        self._xyz = [self._vertex.index(c) for c in "xyz"]
+        self._index = max(self._face.index("vertex_indices"), self._face.index("vertex_index"))
+        if min(self._xyz) < 0 or self._index < 0 or self._face.properties[self._index][2] is None:
+            raise FileError("The PLY file has vertices without x, y, z or faces without vertex indices")
+        try:
+            columns = self._read_text() if form == "ascii" else self._read_binary()
+        except (ValueError, IndexError, struct.error):
+            raise FileError("The PLY file is damaged: it ends early or holds what is no number") from None
+        vertices = np.column_stack([np.asarray(columns[0][k], float) for k in self._xyz]).reshape(-1, 3)
+        rows = columns[1][self._index]
+        faces = (rows if isinstance(rows, np.ndarray) else np.array(rows, object)).tolist() if len(rows) else []
+        keep = [f for f, face in enumerate(faces) if len(face) >= 3]
+        self._row_of = keep
+        self._changed: dict[int, list] = {}  # rows of faces that were split
+        super().__init__(vertices, [[int(v) for v in faces[f]] for f in keep])
+
+    @classmethod
+    def of_mesh(cls, vertices, faces) -> PlyFile:
+        head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
+        head += "".join(f"property double {c}\n" for c in "xyz")
+        size = "uchar" if max(map(len, faces), default=3) < 256 else "int"
+        head += f"element face {len(faces)}\nproperty list {size} int vertex_indices\nend_header\n"
+        code = "<" + _PLY_TYPES[size]
+        body = [np.ascontiguousarray(vertices, "<f8").tobytes()]
+        body += [struct.pack(f"{code}{len(face)}i", len(face), *face) for face in faces]
+        return cls(head.encode() + b"".join(body))
+
+    # Both readers set where the rows of all elements start, and return the columns of vertices and faces by place.
+
+    def _read_text(self):
+        self._lines = writing.lines(self._data[self._body :])
+        filled = [k for k, line in enumerate(self._lines) if line.strip()]
+        first, columns = 0, {}
+        for element in self._elements:
+            places = filled[first : first + element.count]
+            if len(places) < element.count:
+                raise ValueError
+            element.starts = [*places, places[-1] + 1 if places else 0]
+            first += element.count
+            if element is self._vertex:
+                if any(p[2] for p in element.properties):
+                    rows = [[self._text_row(element, k)[c] for c in self._xyz] for k in range(element.count)]
+                else:
+                    text = [self._lines[k].decode() for k in places]
+                    rows = np.loadtxt(text, usecols=self._xyz, ndmin=2, comments=None) if text else []
+                columns["vertex"] = dict(zip(self._xyz, np.array(rows, float).reshape(-1, 3).T))
+            elif element is self._face:
+                columns["face"] = {self._index: [self._text_row(element, k)[self._index] for k in range(element.count)]}
+        return columns["vertex"], columns["face"]
+
+    def _text_row(self, element: _PlyElement, k: int) -> list:
+        words, at, row = self._lines[element.starts[k]].split(), 0, []
+        for _, kind, list_kind in element.properties:
+            count = 1
+            if list_kind:
+                count = int(words[at])
+                at += 1
+            if len(words) < at + count:
+                raise ValueError
+            values = [float(w) if kind in "fd" else int(w) for w in words[at : at + count]]
+            row.append(values if list_kind else values[0])
+            at += count
+        return row
+
+    def _read_binary(self):
+        at, columns = self._body, {}
+        for element in self._elements:
+            at, rows = self._binary_rows(element, at)
+            if element in (self._vertex, self._face):
+                columns[element.name] = rows
+        return columns["vertex"], columns["face"]
+
+    def _binary_rows(self, element: _PlyElement, at: int):
+        data, order = self._data, self._order
+        if element.count == 0:
+            element.starts = [at]
+            return at, [[]] * len(element.properties)
+        # all rows as long as the first, as where all faces are triangles: one block
+        first, _ = self._binary_row(element, at)
+        fields = []
+        for k, ((_, kind, list_kind), value) in enumerate(zip(element.properties, first)):
+            if list_kind:
+                fields.append((f"n{k}", order + list_kind))
+            fields.append((f"p{k}", order + kind, (len(value),) if list_kind else ()))
+        block = np.dtype(fields)
+        end = at + block.itemsize * element.count
+        if end <= len(data):
+            rows = np.frombuffer(data, block, element.count, at)
+            lists = [k for k, p in enumerate(element.properties) if p[2]]
+            if all((rows[f"n{k}"] == len(first[k])).all() for k in lists):
+                element.starts = range(at, end + 1, block.itemsize)
+                return end, [rows[f"p{k}"] for k in range(len(element.properties))]
+        starts, rows = [at], []
+        for _ in range(element.count):
+            row, at = self._binary_row(element, at)
+            rows.append(row)
+            starts.append(at)
+        element.starts = starts
+        return at, list(zip(*rows))
+
+    def _binary_row(self, element: _PlyElement, at: int) -> tuple[list, int]:
+        row = []
+        for _, kind, list_kind in element.properties:
+            count = 1
+            if list_kind:
+                (count,) = struct.unpack_from(self._order + list_kind, self._data, at)
+                at += struct.calcsize(list_kind)
+            form = f"{self._order}{count}{kind}"
+            values = struct.unpack_from(form, self._data, at)
+            at += struct.calcsize(form)
+            row.append(values if list_kind else values[0])
+        return row, at
+
+    def _row(self, element: _PlyElement, k: int) -> list:
+        return list(self._binary_row(element, element.starts[k])[0] if self._order else self._text_row(element, k))
+
+    def _encode(self, element: _PlyElement, row: list) -> bytes:
+        parts = []
+        for (_, kind, list_kind), value in zip(element.properties, row):
+            values = value if list_kind else [value]
+            if kind not in "fd":
+                values = [int(v) for v in values]
+            try:
+                binary = struct.pack(f"{self._order or '<'}{len(values)}{kind}", *values)
+                if list_kind:
+                    binary = struct.pack((self._order or "<") + list_kind, len(values)) + binary
+            except (struct.error, OverflowError):
+                raise FileError(
+                    f"The new {element.name} rows need larger numbers than the file's type of index can hold"
+                ) from None
+            if self._order:
+                parts.append(binary)
+            else:
+                parts += [b"%d" % len(values)] if list_kind else []
+                if kind == "f":
+                    values = [np.float32(v) for v in values]
+                parts += [str(v).encode() for v in values]
+        return b"".join(parts) if self._order else b" ".join(parts) + self._eol
+
+    def _move(self, v, place):
+        vertex, start = self._vertex, self._vertex.starts[v]
+        row = self._row(vertex, v)
+        for k, value in zip(self._xyz, place):
+            row[k] = float(value)
+        if self._order:
+            encoded = self._encode(vertex, row)
+            self._data[start : start + len(encoded)] = encoded
+            return
+        words = self._encode(vertex, row).split()
+        for k in self._xyz:  # the other numbers as they are written
+            first = sum(1 + len(value) if p[2] else 1 for p, value in zip(vertex.properties[:k], row))
+            self._lines[start] = writing.with_numbers(self._lines[start], first, [words[first]])
+
+    def _split(self, f, place, v, t):
+        k, size = self._row_of[f], len(self.faces[f])
+        row = self._changed.get(k) or self._row(self._face, k)
+        for p, (_, kind, list_kind) in enumerate(self._face.properties):
+            values = list(row[p]) if list_kind else []
+            if p == self._index:
+                values.insert(place + 1, v)
+            elif values and len(values) % size == 0:  # so many by corner, as texture coordinates
+                each = len(values) // size
+                ends = [values[each * q : each * (q + 1)] for q in (place, (place + 1) % size)]
+                between = [(1 - t) * x + t * y for x, y in zip(*ends)] if kind in "fd" else ends[0]
+                values[each * (place + 1) : each * (place + 1)] = between
+            if list_kind:
+                row[p] = values
+        self._changed[k] = row
+
+    def _append(self, fill, faces, near, around):
+        vertex, face = self._vertex, self._face
+        normal = [vertex.index(c) for c in _PLY_NORMAL]
+        for point, direction, v in zip(fill.vertices, fill.normals, near):
+            row = self._row(vertex, v)
+            for k, value in zip(self._xyz, point):
+                row[k] = float(value)
+            for k, value in zip(normal, direction):
+                if k >= 0:
+                    row[k] = float(value)
+            vertex.new.append(self._encode(vertex, row))
+        empty = [[] if p[2] else 0 for p in face.properties]
+        like = empty
+        if len(around):  # lists, such as texture coordinates by corner, are not what a neighbour can give
+            rows = (self._row(face, self._row_of[f]) for f in around)
+            like = list(writing.most(tuple(() if p[2] else x for p, x in zip(face.properties, row)) for row in rows))
+        for corners in faces:
+            row = list(like)
+            row[self._index] = corners
+            face.new.append(self._encode(face, row))
+
+    def _save(self, path):
+        head = self._data[: self._body]
+        pieces, body = [], self._data[self._body :] if self._order else b""
+        for element in self._elements:
+            pattern = rb"(?<![^\r\n])([ \t]*element[ \t]+" + re.escape(element.name.encode("latin-1")) + rb"[ \t]+)\d+"
+            head = re.sub(pattern, lambda m, e=element: m[1] + b"%d" % (e.count + len(e.new)), head, count=1)
+        at = 0
+        for element in self._elements:
+            end = element.starts[-1] - (self._body if self._order else 0) if element.count else at
+            rows = self._changed if element is self._face else {}
+            for k in [*sorted(rows), None]:  # what is before each changed row, and that row
+                first, after = (
+                    (end, end) if k is None else (x - (self._body if self._order else 0) for x in element.starts[k : k + 2])
+                )
+                pieces.append(bytes(body[at:first]) if self._order else b"".join(self._lines[at:first]))
+                pieces += [] if k is None else [self._encode(element, rows[k])]
+                at = after
+            last = next((piece for piece in reversed(pieces) if piece), b"\n")
+            if element.new and not self._order and not last.endswith((b"\n", b"\r")):
+                pieces.append(self._eol)
+            pieces += element.new
+        pieces.append(body[at:] if self._order else b"".join(self._lines[at:]))
+        with path.open("wb") as out:
+            out.write(head)
+            out.writelines(pieces)

@@ -1,0 +1,55 @@
+"""The holes of a mesh: its border loops, their corners, and which of them are holes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import _arrays, _native
+
+
+def find_holes(faces) -> list[np.ndarray]:
+    """Every border loop of a mesh.
+
+    Args:
+        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+
+    Returns:
+        An int array for each loop, shortest first, each starting at its lowest index, in the direction that new faces take.
+    """
+    offsets, corners = _arrays.faces(faces)
+    if corners.size and corners.min() < 0:
+        raise ValueError("faces must hold vertex indices from 0 on")
+    return _native._find_holes(offsets, corners)
+
+
+def find_corners(vertices, faces, rim, *, replaced=()) -> np.ndarray:
+    """The three corners of a rim, detected as `fill` does: where the rim turns, read in the tangent plane of the faces around.
+
+    Args:
+        vertices: (n, 3) positions.
+        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        rim: vertex indices of the hole's border, any start, either direction.
+        replaced: indices of faces that count as not there.
+
+    Returns:
+        (3,) vertex indices, in the direction in which new faces traverse the rim.
+
+    Raises:
+        Refusal: the rim has not three clear corners, or is none.
+    """
+    checked = _arrays.mesh(vertices, faces)
+    corners = _native._find_corners(*checked, _arrays.indices(rim, "rim"), _arrays.indices(replaced, "replaced"))
+    return np.array(corners, np.int64)
+
+
+def is_outer_border(vertices, faces, rim) -> bool:
+    """Whether a border loop is the outer border of an open mesh and no hole: as a whole it turns the other way.
+
+    Without a rim `fill` leaves such borders out, unless the mesh has no other.
+
+    Args:
+        vertices: (n, 3) positions.
+        faces: (m, 3) or (m, 4) int array, or a list of index lists; those around the border are enough.
+        rim: vertex indices of a loop of `find_holes`, in its direction.
+    """
+    return _native._is_outer_border(*_arrays.mesh(vertices, faces), _arrays.indices(rim, "rim"))

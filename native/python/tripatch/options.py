@@ -1,0 +1,210 @@
+"""The table of options, and what a caller gives checked by it: its rows serve functions, command lines and Blender's panels."""
+
+from __future__ import annotations
+
+import inspect
+import numbers
+import textwrap
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from . import _arrays, _native
+from ._native import Option
+
+#: name -> construction, with .description, .citation, .fills_holes, .continuity, and .options: those of `fill` that it reads and
+#: not every construction does
+METHODS = _native._methods()
+
+#: name -> option of a fill, in the order of the table: .kind, .default, .optional, .by_side, .count, .choices, .range, .soft,
+#: .unit, .description, .applies, .functions
+OPTIONS: dict[str, Option] = _native._options()
+
+
+def choice(value, name: str, allowed: Sequence):
+    """The value, if it is one of the names allowed."""
+    if value is not None and not isinstance(value, str):
+        raise TypeError(f"{name} must be a name, not {type(value).__name__}")
+    if value not in allowed:
+        raise ValueError(f"{name} must be one of {', '.join(str(a) for a in allowed)}, not {value!r}")
+    return value
+
+
+def whole(value, name: str, least: int, most: int) -> int:
+    """A whole number within a range."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        raise TypeError(f"{name} must be a whole number, not {value!r}")
+    if not least <= value <= most:
+        raise ValueError(f"{name} must be from {least} to {most}, not {value}")
+    return int(value)
+
+
+def _flag(value, option: Option) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{option.name} must be True or False")
+    return bool(value)
+
+
+def _whole(value, option: Option) -> int:
+    return whole(value, option.name, int(option.range.least), int(option.range.most))
+
+
+def _number(value, option: Option):
+    if option.by_side:
+        return [float(x) for x in _arrays.three(value, option.name, numbers.Real)]
+    if option.count > 1:
+        numbers_given = np.asarray(value, dtype=float)
+        if numbers_given.shape != (option.count,) or not np.isfinite(numbers_given).all():
+            raise ValueError(f"{option.name} must be {option.count} numbers")
+        return numbers_given.tolist()
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise TypeError(f"{option.name} must be a number{' or None' * option.optional}, not {value!r}")
+    return float(value)
+
+
+def names(option: Option) -> tuple[str, ...]:
+    """What a choice offers."""
+    return tuple(METHODS) if option.name == "method" else tuple(each.name for each in option.choices)
+
+
+def _choice(value, option: Option):
+    allowed = (None,) * option.optional + names(option)
+    if option.by_side:
+        return [choice(each, option.name, allowed) for each in _arrays.three(value, option.name, str)]
+    return choice(value, option.name, allowed)
+
+
+def _indices(value, option: Option) -> list[int]:
+    found = _arrays.indices(value, option.name)
+    if option.count and len(found) != option.count:
+        raise ValueError(f"{option.name} must be {option.count} vertex indices, not {len(found)}")
+    return found
+
+
+def _position(value, option: Option) -> list[float]:
+    position = np.asarray(value)
+    if position.dtype.kind not in "fiu":
+        raise TypeError(f"{option.name} must be a position (3,), or None, not {value!r}")
+    if position.shape != (3,):
+        raise ValueError(f"{option.name} must be three finite numbers")
+    return position.astype(float).tolist()
+
+
+def _creases(value, name: str, width: int) -> tuple[list, list[float]]:
+    """(indices, values) of creases as lists, checked."""
+    if value is None:
+        return [], []
+    places, values = (np.asarray(part) for part in value)
+    if places.size == 0:
+        return [], []
+    if places.dtype.kind not in "iu":
+        raise TypeError(f"{name} must hold vertex indices (integers), not {places.dtype}")
+    if places.shape[1:] != (() if width == 1 else (width,)) or values.shape != places.shape[:1]:
+        raise ValueError(f"{name} must be indices and one value each, not of shapes {places.shape} and {values.shape}")
+    if not ((values >= 0) & (values <= 1)).all():
+        raise ValueError(f"{name} must be from 0 to 1")
+    return places.tolist(), values.astype(float).tolist()
+
+
+def subdivision(settings: dict | None, level: int = 2) -> _native.Subdivision:
+    """The settings of a Subdivision modifier of that level, as the core reads them."""
+    given = {} if settings is None else dict(settings)
+    s = _native.Subdivision()
+    s.loop = choice(given.pop("scheme", "catmull_clark"), "scheme", ("catmull_clark", "loop")) == "loop"
+    smooth = choice(given.pop("boundary_smooth", "all"), "boundary_smooth", ("all", "preserve_corners"))
+    s.preserve_corners = smooth == "preserve_corners"
+    quality = given.pop("quality", 3)
+    s.quality = None if quality is None else whole(quality, "quality", 1, 10)
+    s.level = level
+    s.use_limit_surface = bool(given.pop("use_limit_surface", True))
+    s.crease_edges, s.edge_creases = _creases(given.pop("edge_creases", None), "edge_creases", 2)
+    s.crease_vertices, s.vertex_creases = _creases(given.pop("vertex_creases", None), "vertex_creases", 1)
+    s.loose_vertices = _arrays.indices(given.pop("loose_vertices", ()), "loose_vertices")
+    if given:
+        raise ValueError(f"subdivision has no setting {', '.join(map(repr, given))}")
+    return s
+
+
+_CHECKS: dict[str, Callable] = {
+    "flag": _flag,
+    "whole": _whole,
+    "number": _number,
+    "choice": _choice,
+    "indices": _indices,
+    "position": _position,
+}
+
+
+def applies(option: Option, values: dict) -> bool:
+    """Whether an option is read where the others have these values."""
+
+    def holds(name: str, value: str) -> bool:
+        return values[name] == value if value else values[name] is not None
+
+    return not option.applies or any(holds(name, value) for name, value in option.applies)
+
+
+def value(option: Option, value):
+    """What the core reads for a value that was given: names, numbers and lists."""
+    if option.none is not None and isinstance(value, str) and value == option.none.name:
+        return None
+    if option.optional and value is None:
+        return None
+    if option.none is not None and isinstance(value, str) and option.kind != "choice":
+        return choice(value, option.name, (option.none.name,))
+    return _CHECKS[option.kind](value, option)
+
+
+def of(function: str) -> list[Option]:
+    """The options that a function takes."""
+    return [option for option in OPTIONS.values() if function in option.functions]
+
+
+def checked(function: str, given: dict) -> dict:
+    """The options of a function, by their types and with defaults, as the core reads them; it checks their ranges itself.
+
+    Raises:
+        TypeError, ValueError: what is given has the wrong type or shape, is no option, or not one of the method.
+    """
+    rows = of(function)
+    unknown = set(given) - {option.name for option in rows}
+    if unknown:
+        raise TypeError(f"{function}() got an unexpected keyword argument {min(unknown)!r}")
+    values = {option.name: given.get(option.name, option.default) for option in rows}
+    choice(values["method"], "method", names(OPTIONS["method"]))
+    for option in rows:
+        having = [value for name, value in option.applies if name == "method"]
+        strict = option.default in (None, False)  # the others are options of many methods, and always have a value
+        if having and strict and values["method"] not in having and values[option.name] not in (None, False):
+            raise ValueError(f"{option.name} is an option of {', '.join(having)}, not of {values['method']}")
+    made = {option.name: value(option, values[option.name]) for option in rows if option.kind != "subdivision"}
+    for option in rows:
+        if option.kind == "subdivision":
+            settings = values[option.name] if applies(option, values) else None
+            made[option.name] = subdivision(settings, made["level"])
+    return made
+
+
+def described(option: Option) -> str:
+    """The sentence, with the values of a choice."""
+    listed = [] if option.none is None else [option.none]
+    if option.name != "method":
+        listed += option.choices
+    text = option.description + (f" ({option.unit})" if option.unit else "")
+    return text + "".join(f"; {each.name}: {each.description}" for each in listed)
+
+
+def takes_options(function):
+    """`help` and editors see by name the options that the code passes on, and what the table says of them."""
+    name, own = function.__name__, inspect.signature(function)
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    rows = [option for option in of(name) if option.name not in own.parameters]
+    parameters = [inspect.Parameter(option.name, keyword, default=option.default) for option in rows]
+    function.__signature__ = own.replace(parameters=[*kept, *parameters])
+    lines = [
+        textwrap.fill(f"{option.name}: {described(option)}.", 130, initial_indent=" " * 8, subsequent_indent=" " * 12)
+        for option in rows
+    ]
+    function.__doc__ = function.__doc__.replace("        **options: see OPTIONS.", "\n".join(lines))
+    return function

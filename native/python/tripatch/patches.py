@@ -1,0 +1,217 @@
+"""Patches and sides: made from each other, evaluated, measured."""
+
+from __future__ import annotations
+
+import numbers
+import warnings
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from . import _arrays, _native
+from ._native import Patch, Report, Side, SzilvasiNagyPatch
+from .options import OPTIONS, checked, choice, names, takes_options, whole
+
+
+@takes_options
+def patch(
+    sides: Sequence[Side], method: str = OPTIONS["method"].default, cross_boundary: str = "consistent", *, fairing=None, **options
+) -> Patch:
+    """A patch from three sides that meet at the corners.
+
+    Options are those of `fill`, but nothing is made fair unless `fairing` says how ("auto" and so on). What a person should know
+    of the patch is given as a warning.
+
+    Args:
+        sides: three `Side`s, side i opposite corner i, from corner i + 1 to corner i + 2.
+        method, cross_boundary, fairing: as of `fill`.
+        **options: see OPTIONS.
+
+    Returns:
+        A `Patch`, for `evaluate` and `normal` at barycentric coordinates (k, 3).
+
+    Raises:
+        Refusal: the sides do not meet.
+    """
+    sides = tuple(sides)
+    if len(sides) != 3 or not all(isinstance(side, Side) for side in sides):
+        raise TypeError("sides must be three Side objects")
+    given = checked("patch", {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, **options})
+    made, notes = _native._patch(sides, given)
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    return made
+
+
+def blend(
+    r0: Patch, r1: Patch, r2: Patch, method: str = "szilvasi_nagy_c1", shape=(0.5, 0.5, 0.5), reading: str = "corrected"
+) -> Patch:
+    """A patch from three surfaces over one triangle.
+
+    Args:
+        r0, r1, r2: `Patch`es; r_i carries side i.
+        method: a name in METHODS that blends surfaces.
+        shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
+        reading: "corrected", or "as_printed" for the paper's own formula.
+
+    Returns:
+        A `Patch`; of the Szilvasi-Nagy methods a `SzilvasiNagyPatch`.
+    """
+    if not all(isinstance(r, Patch) for r in (r0, r1, r2)):
+        raise TypeError("a blend needs three patches")
+    given = checked("blend", {"method": method, "shape": shape, "reading": reading})
+    return _native._blend((r0, r1, r2), method, given)
+
+
+def _evaluate(self: Patch, b, derivatives: int = 0):
+    """Position and derivatives with respect to (b0, b1), b2 = 1 - b0 - b1.
+
+    Args:
+        b: (k, 3) barycentric coordinates.
+        derivatives: 0 to 3.
+
+    Returns:
+        P (k, 3); with derivatives the tuple (P, D1 (k, 2, 3), D2 (k, 3, 3) in the order 00, 01, 11, D3 (k, 4, 3)).
+    """
+    if isinstance(derivatives, bool) or not isinstance(derivatives, numbers.Integral):
+        raise TypeError("derivatives must be a whole number")
+    if not 0 <= derivatives <= 3:
+        raise ValueError(f"derivatives must be from 0 to 3, not {derivatives}")
+    return self._evaluate(_arrays.barycentric(b), int(derivatives))
+
+
+def _normal(self: Patch, b) -> np.ndarray:
+    """(k, 3) unit normals at barycentric coordinates b (k, 3), on the mesh's outer side."""
+    return self._normal(_arrays.barycentric(b))
+
+
+def _patch_energy(self: Patch, name: str) -> float:
+    """A fairness energy, with weights that vanish at the corners.
+
+    Args:
+        name: "thin_plate", "third_derivative" (over the equilateral triangle of unit side; units of length squared),
+            "minimum_variation", "quadric_variation" or "auto" (over the surface, times its size squared; no units).
+    """
+    return self._energy(choice(name, "energy", names(OPTIONS["fairing"])))
+
+
+def _places_on_side(edges, i: int) -> list[float]:
+    """Parameters from a number of edges, or as they are given."""
+    if isinstance(edges, numbers.Integral) or np.ndim(edges) == 0:
+        return np.linspace(0, 1, whole(edges, "edges", 1, 10000) + 1).tolist()
+    t = np.asarray(edges, dtype=np.float64)
+    if t.ndim != 1 or len(t) < 2 or t[0] != 0 or t[-1] != 1 or not (np.diff(t) > 0).all():
+        raise ValueError(f"edges[{i}] must increase from 0 to 1")
+    return t.tolist()
+
+
+def _triangles(self: Patch, edges, resolution: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """The parameter triangle as triangles, well shaped on the patch.
+
+    Args:
+        edges: how many along each side, one or three; or for a side the parameters of its points, increasing from 0 to 1.
+        resolution: edges per side inside, 1 or more; None follows the sides.
+
+    Returns:
+        Barycentric coordinates (k, 3), those on the sides first, in order from corner 0 along side 2, 0 and 1; faces (m, 3).
+    """
+    given = (edges,) * 3 if isinstance(edges, numbers.Number) else tuple(edges)
+    if len(given) != 3:
+        raise ValueError(f"edges must be one value or three, not {len(given)}")
+    sides = [_places_on_side(side, i) for i, side in enumerate(given)]
+    inside = None if resolution is None else whole(resolution, "resolution", 1, 10000)
+    b, faces = _native._triangles(self, sides, inside)
+    return b, np.array(faces, np.int64).reshape(-1, 3)
+
+
+def _mu(self: SzilvasiNagyPatch, b) -> np.ndarray:
+    """(k, 3) the blending functions mu_0, mu_1, mu_2 at barycentric coordinates b (k, 3)."""
+    return self._mu(_arrays.barycentric(b))
+
+
+def _auxiliary_curve(self: SzilvasiNagyPatch, i: int, t) -> np.ndarray:
+    """(k, 3) points of the auxiliary curve g_i over side i at t (k,) in [0, 1]."""
+    at = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    if at.ndim != 1 or not ((at >= 0) & (at <= 1)).all():
+        raise ValueError("t must be numbers in [0, 1]")
+    return self._auxiliary_curve(whole(i, "i", 0, 2), at.tolist())
+
+
+def _correction(self: SzilvasiNagyPatch, b) -> np.ndarray:
+    """(k, 3) the correction term q at barycentric coordinates b (k, 3)."""
+    return self._correction(_arrays.barycentric(b))
+
+
+def _slope_correction(self: SzilvasiNagyPatch, b) -> np.ndarray:
+    """(k, 3) the correction term s at barycentric coordinates b (k, 3); zero in Definition 1."""
+    return self._slope_correction(_arrays.barycentric(b))
+
+
+def _parameters(t) -> np.ndarray:
+    t = np.atleast_1d(np.asarray(t, dtype=np.float64))
+    if t.ndim != 1:
+        raise ValueError(f"t must have shape (k,), not {t.shape}")
+    if not ((t >= 0) & (t <= 1)).all():
+        raise ValueError("t must lie in [0, 1]")
+    return np.ascontiguousarray(t)
+
+
+def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Position c, derivative c', derivative across r and unit normal n, (k, 3) each, at t (k,) in [0, 1]."""
+    return self._evaluate(_parameters(t))
+
+
+def _second_derivative(self: Side, t) -> np.ndarray | None:
+    """(k, 3) the surroundings' second derivative in the direction of r at t (k,) in [0, 1]; None where it is not known. Its part
+    along the normal is r's length squared times the normal curvature across the side; the other parts mean nothing."""
+    return self._second_derivative(_parameters(t))
+
+
+def _from_functions(c: Callable, dc: Callable, r: Callable, rim=None, q: Callable | None = None) -> Side:
+    """A side from functions of t (k,) -> (k, 3): position, its derivative, the derivative across, away from the hole.
+
+    Args:
+        rim: parameters t that rise from 0 to 1, as those of a rim's vertices: the Bezier methods take a side that is no
+            polynomial as the curve through its points there. None: they refuse such a side.
+        q: the second derivative across, in the direction of r, for continuity of curvature (only its part along the normal
+            counts). None: not known.
+    """
+    if not all(callable(f) for f in ([c, dc, r] if q is None else [c, dc, r, q])):
+        raise TypeError("c, dc, r and q must be functions of t")
+    t = np.zeros(0) if rim is None else np.asarray(rim, dtype=np.float64)
+    if rim is not None and not (t.ndim == 1 and len(t) > 1 and t[0] == 0 and t[-1] == 1 and (np.diff(t) > 0).all()):
+        raise ValueError("rim must be numbers that rise from 0 to 1")
+    return Side._from_functions(c, dc, r, t.tolist(), q)
+
+
+def _part(self: Side, start: float, end: float) -> Side:
+    """The piece of the side from one parameter to another, backwards where end < start. On a closed side the larger of the two
+    may lie beyond 1, up to a whole turn on.
+
+    Raises:
+        ValueError: parameters that are equal or out of range.
+    """
+    for name, value in (("start", start), ("end", end)):
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise TypeError(f"{name} must be a number, not {value!r}")
+    return self._part(float(start), float(end))
+
+
+def _as_dict(self: Report) -> dict:
+    """The report as plain values, ready for JSON."""
+    return {name: getattr(self, name) for name, member in vars(Report).items() if isinstance(member, property)}
+
+
+Patch.evaluate = _evaluate
+Patch.normal = _normal
+Patch.energy = _patch_energy
+Patch.triangles = _triangles
+SzilvasiNagyPatch.mu = _mu
+SzilvasiNagyPatch.auxiliary_curve = _auxiliary_curve
+SzilvasiNagyPatch.correction = _correction
+SzilvasiNagyPatch.slope_correction = _slope_correction
+Side.evaluate = _side_evaluate
+Side.part = _part
+Side.second_derivative = _second_derivative
+Side.from_functions = staticmethod(_from_functions)
+Report.as_dict = _as_dict

@@ -1,0 +1,93 @@
+"""The table of options: what follows from it agrees with it."""
+
+import inspect
+import math
+import runpy
+from pathlib import Path
+
+import pytest
+import tripatch
+from shapes import octant
+from tripatch import __main__ as cli
+from tripatch import options
+
+ROOT = Path(__file__).resolve().parents[2]
+ROWS = list(tripatch.OPTIONS.values())
+NUMBERS = [row for row in ROWS if row.kind in ("number", "whole")]
+
+
+def of_kind(row):
+    """A method, and what else it needs, for which the row is read."""
+    given = dict.fromkeys(name for name, _ in row.applies)
+    return {name: next((v for n, v in row.applies if n == name), "") for name in given if name in ("method", "output")}
+
+
+@pytest.mark.parametrize("function", ["fill", "fill_all", "patch", "blend"])
+def test_defaults_are_what_is_taken(function):
+    given = {row.name: row.default for row in ROWS if function in row.functions}
+    plain, explicit = options.checked(function, {}), options.checked(function, given)
+    settings = [values.pop("subdivision", None) for values in (plain, explicit)]
+    assert plain == explicit
+    assert (settings[0] is None) == (settings[1] is None)
+
+
+@pytest.mark.parametrize("row", NUMBERS, ids=lambda row: row.name)
+def test_what_is_out_of_range_is_refused_by_name(row):
+    vertices, faces, rim = octant(4)
+    outside = [row.range.most + 1] if math.isfinite(row.range.most) else [] if row.kind == "whole" else [math.inf]
+    if math.isfinite(row.range.least):
+        outside += [row.range.least - 1] + [row.range.least] * row.range.open
+    assert outside
+    for value in outside:
+        value = int(value) if row.kind == "whole" else value
+        value = (value,) * row.count if row.count > 1 else value
+        with pytest.raises(ValueError, match=row.name) as caught:
+            tripatch.fill(vertices, faces, rim=rim, **of_kind(row), **{row.name: value})
+        assert not isinstance(caught.value, tripatch.Refusal)
+
+
+@pytest.mark.parametrize("row", [row for row in ROWS if row.kind == "choice"], ids=lambda row: row.name)
+def test_a_choice_takes_its_names_and_no_others(row):
+    for name in options.names(row):
+        assert options.value(row, name) == ([name] * 3 if row.by_side else name)
+    with pytest.raises(ValueError, match=f"{row.name} must be one of .*, not 'else'"):
+        options.value(row, "else")
+    with pytest.raises(TypeError, match=row.name):
+        options.value(row, 1)
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+def test_help_says_what_the_table_says(row):
+    said = " ".join(inspect.getdoc(tripatch.fill).split())
+    assert f"{row.name}: {row.description}" in said
+    assert row.description and not row.description.endswith(".")
+    assert all(each.description in said for each in row.choices)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--fairing", "none"], {"fairing": None}),
+        (["--shape", "optimal"], {"shape": "optimal"}),
+        (["--shape", "0.2,0.3,0.4"], {"shape": (0.2, 0.3, 0.4)}),
+        (["--alpha", "none"], {"alpha": None}),
+        (["--resolution", "NONE"], {"resolution": None}),
+        (["--corners", "none"], {"corners": []}),
+        (["--rim", "1,2,3"], {"rim": [1, 2, 3]}),
+        (["--pole-offset", "0.1,-0.2"], {"pole_offset": (0.1, -0.2)}),
+        (["--symmetric"], {"symmetric": True}),
+        (["--continuity", "G1,auto,Free"], {"continuity": ("G1", "auto", "Free")}),
+        (["--subdivision", '{"quality": null}'], {"subdivision": {"quality": None}}),
+        ([], {}),
+    ],
+)
+def test_texts_become_values(arguments, expected):
+    found = vars(cli.parser().parse_args(["fill", "IN", "OUT", *arguments]))
+    assert {name: found[name] for name in cli.OPTIONS if name in found} == expected
+
+
+def test_the_stubs_follow():
+    script = runpy.run_path(str(ROOT / "scripts" / "stubs"))
+    text = script["STUB"].read_text()
+    assert script["written"](text) == text
+    assert script["written"](text.replace("    tension: float = 0.0,\n", "")) == text
