@@ -17,11 +17,9 @@ namespace py = pybind11;
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using IndexArray = py::array_t<tripatch::Index, py::array::c_style | py::array::forcecast>;
 
-inline tripatch::Faces faces_from(const IndexArray& offsets, const IndexArray& corners) {
-  tripatch::Faces faces;
-  faces.offsets.assign(offsets.data(), offsets.data() + offsets.size());
-  faces.corners.assign(corners.data(), corners.data() + corners.size());
-  return faces;
+/// The arrays themselves, which must outlive it.
+inline tripatch::FacesRef faces_from(const IndexArray& offsets, const IndexArray& corners) {
+  return {{offsets.data(), static_cast<std::size_t>(offsets.size())}, {corners.data(), static_cast<std::size_t>(corners.size())}};
 }
 
 inline tripatch::Points points_from(const Array& a) { return Eigen::Map<const tripatch::Points>(a.data(), a.shape(0), 3); }

@@ -111,7 +111,7 @@ void bind_bezier(py::module_& m) {
       });
   m.def("_smooth_triangles", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                                 const std::optional<Array>& normals, int resolution, NormalCurve curve) {
-    const Faces faces = faces_from(offsets, corners);
+    const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     std::optional<Points> given;
     if (normals) given = points_from(*normals);

@@ -14,6 +14,7 @@
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing.h"
 #include "tripatch/fill.h"
+#include "tripatch/hole/outer_borders.h"
 #include "tripatch/output/triangulate.h"
 
 namespace py = pybind11;
@@ -165,7 +166,7 @@ PYBIND11_MODULE(_native, m) {
   py::enum_<CageRim>(m, "CageRim").value("smooth", CageRim::smooth).value("exact", CageRim::exact).value("move", CageRim::move);
   m.def("_sample_limit", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                             const Subdivision& settings, Index first_face, int level) {
-    const Faces faces = faces_from(offsets, corners);
+    const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     LimitMesh limit;
     {
@@ -190,7 +191,7 @@ PYBIND11_MODULE(_native, m) {
   py::class_<LimitSurface>(m, "LimitSurface")
       .def(py::init([](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const Subdivision& settings,
                        const std::vector<Index>& around) {
-        const Faces faces = faces_from(offsets, corners);
+        const FacesRef faces = faces_from(offsets, corners);
         const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
         return LimitSurface({points, faces}, settings, around);
       }))
@@ -287,7 +288,7 @@ PYBIND11_MODULE(_native, m) {
       .def_readonly("report", &Fill::report);
 
   m.def("limit_points", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
-    const Faces faces = faces_from(offsets, corners);
+    const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     py::gil_scoped_release release;
     const Points limit = limit_points({points, faces});
@@ -296,7 +297,7 @@ PYBIND11_MODULE(_native, m) {
   });
 
   m.def("_find_holes", [](const IndexArray& offsets, const IndexArray& corners) {
-    const Faces faces = faces_from(offsets, corners);
+    const FacesRef faces = faces_from(offsets, corners);
     std::vector<std::vector<Index>> loops;
     {
       py::gil_scoped_release release;
@@ -308,7 +309,7 @@ PYBIND11_MODULE(_native, m) {
   });
   m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                             const std::vector<Index>& rim, const std::vector<Index>& replaced) {
-    const Faces faces = faces_from(offsets, corners);
+    const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     py::gil_scoped_release release;
     const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
@@ -316,14 +317,14 @@ PYBIND11_MODULE(_native, m) {
   });
   m.def("_is_outer_border",
         [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const std::vector<Index>& rim) {
-          const Faces faces = faces_from(offsets, corners);
+          const FacesRef faces = faces_from(offsets, corners);
           const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
           py::gil_scoped_release release;
           return is_outer_border({points, faces}, rim);
         });
   m.def("_mesh_sides", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                           const std::vector<Index>& rim, const std::array<Index, 3>& at) {
-    const Faces faces = faces_from(offsets, corners);
+    const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     MeshSides made;
     {
@@ -335,7 +336,7 @@ PYBIND11_MODULE(_native, m) {
   });
   m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options) {
     const FillOptions o = options_from(options);
-    const Faces faces = faces_from(offsets, corners);
+    const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     py::gil_scoped_release release;
     return fill({points, faces}, o);
@@ -344,7 +345,7 @@ PYBIND11_MODULE(_native, m) {
                         const std::vector<std::vector<Index>>& rims, const py::dict& options,
                         const std::vector<std::optional<std::array<Index, 3>>>& rim_corners, const py::object& progress) {
     const FillOptions o = options_from(options);
-    const Faces faces = faces_from(offsets, corners);
+    const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     std::vector<std::variant<Fill, Refused>> results;
     {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "tripatch/hole/hole.h"
+#include "tripatch/hole/outer_borders.h"
 
 using namespace tripatch;
 

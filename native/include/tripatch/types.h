@@ -35,15 +35,29 @@ public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// Faces of any size by vertex index: face f has corners[offsets[f]] .. corners[offsets[f + 1] - 1].
+/// Faces of any size by vertex index, in arrays that somebody else owns: face f has corners[offsets[f]] .. corners[offsets[f + 1] - 1].
+struct FacesRef {
+  std::span<const Index> offsets;
+  std::span<const Index> corners;
+
+  Index size() const { return static_cast<Index>(offsets.size()) - 1; }
+  std::span<const Index> operator[](Index f) const {
+    return corners.subspan(static_cast<std::size_t>(offsets[f]), static_cast<std::size_t>(offsets[f + 1] - offsets[f]));
+  }
+};
+
+/// The same with arrays of its own.
 struct Faces {
   std::vector<Index> offsets = {0};
   std::vector<Index> corners;
 
+  Faces() = default;
+  explicit Faces(const FacesRef& faces)
+      : offsets(faces.offsets.begin(), faces.offsets.end()), corners(faces.corners.begin(), faces.corners.end()) {}
+  operator FacesRef() const { return {offsets, corners}; }  // NOLINT(google-explicit-constructor): as of a vector to a span
+
   Index size() const { return static_cast<Index>(offsets.size()) - 1; }
-  std::span<const Index> operator[](Index f) const {
-    return {corners.data() + offsets[f], static_cast<std::size_t>(offsets[f + 1] - offsets[f])};
-  }
+  std::span<const Index> operator[](Index f) const { return FacesRef(*this)[f]; }
   void add(std::span<const Index> face) {
     corners.insert(corners.end(), face.begin(), face.end());
     offsets.push_back(static_cast<Index>(corners.size()));
@@ -53,7 +67,7 @@ struct Faces {
 /// A mesh that somebody else owns: its vertices (n x 3) and its faces.
 struct Mesh {
   PointsRef vertices;
-  const Faces& faces;
+  FacesRef faces;
 };
 
 }  // namespace tripatch

@@ -65,7 +65,7 @@ QuadLayout triangle_layout(const Hole& hole, const Points& vertices) {
 }  // namespace
 
 SplitMesh split_odd_rims(const Mesh& mesh, const std::vector<Hole>& holes, const Subdivision& settings, bool wanted) {
-  SplitMesh split{mesh.vertices, mesh.faces, holes, {}, settings};
+  SplitMesh split{mesh.vertices, Faces(mesh.faces), holes, {}, settings};
   split.split.resize(holes.size());
   std::vector<Vec3> added;
   for (std::size_t h = 0; h < holes.size(); ++h) {

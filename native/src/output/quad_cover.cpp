@@ -38,16 +38,6 @@ std::size_t longest_edge(const Mesh& mesh, const Hole& hole) {
   return place;
 }
 
-double diameter(const Points& points) {
-  double d = 0;
-  const Index step = std::max<Index>(1, points.rows() / 200);
-  for (Index i = 0; i < points.rows(); i += step)
-    for (Index k = 0; k < i; k += step) d = std::max(d, (points.row(i) - points.row(k)).norm());
-  return d;
-}
-
-double diameter(const Mesh& mesh, const std::vector<Index>& rim) { return diameter(Points(mesh.vertices(rim, Eigen::all))); }
-
 Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vector<double>, 3> parameters, const Surface& patch,
                        const LayoutOptions& options, bool own_rim) {
   Cover cover;

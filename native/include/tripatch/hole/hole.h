@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "tripatch/types.h"
+#include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
 
@@ -21,20 +21,21 @@ struct Hole {
 };
 
 /// Every border loop, shortest first (then by lowest index), each from its lowest index on, in the direction that new faces take.
-std::vector<std::vector<Index>> find_holes(const Faces& faces);
+std::vector<std::vector<Index>> find_holes(const FacesRef& faces);
 
 /// The hole of a given rim (any start, either direction) and corners (vertex indices of the rim; the first stays corner 0,
 /// the others are sorted along the rim; none: detected where the rim turns, read in the tangent plane of the surface, the lowest
-/// vertex first). A rim of three edges has its vertices as corners.
-/// `replaced`: faces that count as not there (a region to be replaced). Throws a Refusal.
+/// vertex first). A rim of three edges has its vertices as corners. `around`: of the mesh, without the faces of a region to be
+/// replaced. Takes time by the rim and the faces at it. Throws a Refusal.
+Hole make_hole(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+               const std::optional<std::array<Index, 3>>& corners);
+/// The same for one rim. `replaced`: faces that count as not there.
 Hole make_hole(const Mesh& mesh, const std::vector<Index>& rim, const std::optional<std::array<Index, 3>>& corners,
                const std::vector<Index>& replaced = {});
 
-/// Whether a border loop is the outer border of an open mesh: as a whole it turns the other way than a hole, which turns once round.
-bool is_outer_border(const Mesh& mesh, const std::vector<Index>& rim);
-
 /// The mesh's only border loop with three corners; else a Refusal that lists the candidates. Outer borders count only where the mesh
 /// has no other.
+Hole find_hole(const Mesh& mesh, const Connectivity& around);
 Hole find_hole(const Mesh& mesh);
 
 }  // namespace tripatch

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tripatch/hole/hole.h"
+#include "tripatch/hole/rim_shape.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/types.h"
@@ -29,11 +30,6 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
 
 /// The place in the rim where its longest edge starts: the first of those that are equal to rounding.
 std::size_t longest_edge(const Mesh& mesh, const Hole& hole);
-
-/// The largest distance between any two of the points, or of 200 of them.
-double diameter(const Points& points);
-/// Of a rim.
-double diameter(const Mesh& mesh, const std::vector<Index>& rim);
 
 extern const char* const too_few_rows;  ///< the warning where the tolerance is out of reach
 

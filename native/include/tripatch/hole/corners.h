@@ -1,0 +1,15 @@
+// The three corners of a rim, detected.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+/// Places of the corners in the rim, in rim order: where it turns, read in the tangent plane of the surface, or where a rim of quads
+/// leaves the lines of its grid. `rim` from its lowest vertex on, so that the same rim gives the same corners. Refusal: not three.
+std::array<Index, 3> three_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
+}  // namespace tripatch

@@ -1,0 +1,21 @@
+// What a rim must be before it can be filled.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+/// Every vertex once; every edge with one face; the faces around agree in orientation; else a Refusal. InvalidArgument for vertices
+/// that the mesh has not. Returns the rim in the direction of new faces.
+std::vector<Index> check_topology(const Connectivity& around, const std::vector<Index>& rim);
+
+/// Rim edges must have a length, rim vertices places of their own; all positions at the rim must be finite. Else a Refusal.
+void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
+/// "1, 2 and 3".
+std::string listed(const std::vector<Index>& vertices);
+
+}  // namespace tripatch

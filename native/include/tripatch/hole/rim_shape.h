@@ -1,0 +1,26 @@
+// How a rim runs in the surface that it borders: its edge lengths and where it turns; and how large it is.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+/// Of the rim's length, to either side of a vertex: what is looked at together where corners are sought.
+constexpr double window_share = 1.0 / 24;
+
+struct RimShape {
+  std::vector<double> length;  ///< of the edges; the longest coordinate of an edge is 1
+  std::vector<double> turn;    ///< at the vertices, radians, positive at a convex corner of the hole
+  bool without_area = false;   ///< the faces around have none, the turns mean nothing
+};
+
+/// The turns are angles between rim edges in the tangent plane of the faces around.
+RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
+/// The size of a hole: the largest distance between two points of its rim (k x 3), in their units. Whichever point is the first.
+double diameter(const Points& rim);
+double diameter(const Mesh& mesh, const std::vector<Index>& rim);
+
+}  // namespace tripatch

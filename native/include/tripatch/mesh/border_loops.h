@@ -1,0 +1,14 @@
+// The loops that the border of a mesh consists of.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+/// Every border loop, shortest first (then by lowest index), each from its lowest index on, in the direction that new faces take:
+/// against that of the faces at it. Where loops touch at a vertex, the fans of faces there part them. Linear in the mesh.
+std::vector<std::vector<Index>> border_loops(const Connectivity& mesh);
+
+}  // namespace tripatch

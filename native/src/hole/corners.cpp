@@ -1,0 +1,125 @@
+#include "tripatch/hole/corners.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "tripatch/hole/rim_shape.h"
+
+namespace tripatch {
+namespace {
+
+using Loop = std::vector<Index>;
+
+// Seen over the window, a round rim turns by 15 degrees, the ten test holes by 65 to 155 at their corners and by no more than 27
+// elsewhere.
+constexpr double clear_turn = 40 * M_PI / 180;  ///< a corner turns by at least this
+constexpr double sure_turn = 55 * M_PI / 180;   ///< and is one whatever the number of edges (a hexagon has six corners)
+constexpr double over_round = 1.5;              ///< less sure ones: by this many times what a round rim of such edges turns,
+constexpr double over_neighbours = 2;           ///< or by this many times what it turns at the vertices next to it
+constexpr double crisp_turn = 75 * M_PI / 180;  ///< a single vertex that turns by this is never part of another corner,
+constexpr double crisp_share = 1.0 / 12;  ///< given that its edges are this long, in windows: those of no length turn by noise
+constexpr std::size_t most_corners = 12;  ///< counted; a rim with more has none that is clear
+
+/// How far the rim turns around each vertex: the mean direction over a window after it against that before it. That weights
+/// the turns at the vertices by a tent, so noise, whose turns cancel, counts little and uneven spacing not at all.
+std::vector<double> turns_over_window(const std::vector<double>& turn, const std::vector<double>& length, double total) {
+  const Index n = static_cast<Index>(turn.size());
+  const double window = window_share * total;
+  // direction and its integral at the vertices, over three rounds
+  std::vector<double> s(3 * n + 1, 0), direction(3 * n + 1, 0), integral(3 * n + 1, 0);
+  for (Index k = 0; k < 3 * n; ++k) {
+    if (k > 0) direction[k] = direction[k - 1] + turn[k % n];
+    s[k + 1] = s[k] + length[k % n];
+    integral[k + 1] = integral[k] + direction[k] * length[k % n];
+  }
+  const auto integral_at = [&](double x, Index& k) {
+    while (s[k + 1] < x) ++k;
+    return integral[k] + direction[k] * (x - s[k]);
+  };
+  std::vector<double> over(n);
+  Index behind = 0, ahead = 0;
+  for (Index k = 0; k < n; ++k) {
+    const Index m = n + k;
+    over[k] = (integral_at(s[m] + window, ahead) - 2 * integral[m] + integral_at(s[m] - window, behind)) / window;
+  }
+  return over;
+}
+
+/// Places of the corners in the rim, in rim order; `rim` from its lowest vertex on, so that the same rim gives the same corners.
+std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, const Loop& rim) {
+  const Index n = static_cast<Index>(rim.size());
+  if (n == 3) return {0, 1, 2};
+  auto [length, turn, without_area] = measure(mesh, around, rim);
+  if (without_area) throw Refusal("The faces around the rim have no area", {rim[0]});
+  const double total = std::accumulate(length.begin(), length.end(), 0.0);
+  const double window = window_share * total;
+  const std::vector<double> at_vertex = turn;
+
+  // the strongest corner first; it takes with it what turns within its window
+  std::vector<Index> corners;
+  std::vector<char> is_corner(n, 0);
+  while (corners.size() <= most_corners) {
+    const std::vector<double> over = turns_over_window(turn, length, total);
+    Index best = -1;
+    for (Index k = 0; k < n; ++k) {
+      const Index before = (k + n - 1) % n, after = (k + 1) % n;
+      const double round = 2 * M_PI * std::max(window, 0.5 * (length[before] + length[k])) / total;
+      const bool clear = over[k] >= clear_turn && (over[k] >= std::min(over_round * round, sure_turn) ||
+                                                   over[k] >= over_neighbours * std::max(at_vertex[before], at_vertex[after]));
+      if (is_corner[k] || !clear) continue;
+      // equally strong ones: the lowest vertex, not the last bit
+      const double lead = best < 0 ? 1 : over[k] - over[best];
+      if (lead > 1e-6 || (lead > -1e-6 && rim[k] < rim[best])) best = k;
+    }
+    if (best < 0) break;
+    corners.push_back(best);
+    is_corner[best] = 1;
+    turn[best] = 0;
+    for (int step : {1, -1}) {
+      double way = 0;
+      for (Index k = best; way < window;) {
+        way += length[step > 0 ? k : (k + n - 1) % n];
+        k = (k + step + n) % n;
+        const bool long_enough = 0.5 * (length[k] + length[(k + n - 1) % n]) >= crisp_share * window;
+        if (way < window && !(std::abs(turn[k]) >= crisp_turn && long_enough)) turn[k] = 0;
+      }
+    }
+  }
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+/// Where a rim of quads leaves the lines of its grid: three of their faces meet there, two at every other vertex of the rim. Empty
+/// where it is not so.
+std::vector<Index> grid_corners(const Connectivity& around, const Loop& rim) {
+  std::vector<Index> corners;
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    const auto faces = around.at(rim[k]);
+    if (faces.size() < 2 || faces.size() > 3) return {};
+    for (const Connectivity::Corner c : faces)
+      if (around.faces()[around.face(c)].size() != 4) return {};
+    if (faces.size() == 3) corners.push_back(static_cast<Index>(k));
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::array<Index, 3> three_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const std::vector<Index> corners = detect_corners(mesh, around, rim);
+  if (corners.size() == 3) return {corners[0], corners[1], corners[2]};
+  // on a round shape the lines themselves turn, as they do over the edges of a cube made a sphere
+  const std::vector<Index> of_grid = grid_corners(around, rim);
+  if (of_grid.size() == 3) return {of_grid[0], of_grid[1], of_grid[2]};
+  Loop where;
+  for (Index k : corners) where.push_back(rim[k]);
+  if (corners.empty()) throw Refusal("Rim has no clear corners; select three", {rim[0]});
+  if (corners.size() > most_corners)
+    throw Refusal("Rim has more than " + std::to_string(most_corners) + " corners; select three", where);
+  throw Refusal("Rim has " + std::to_string(corners.size()) + (corners.size() == 1 ? " corner" : " corners") + "; select three",
+                where);
+}
+
+}  // namespace tripatch

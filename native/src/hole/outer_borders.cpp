@@ -1,0 +1,46 @@
+#include "tripatch/hole/outer_borders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "tripatch/hole/rim_shape.h"
+
+namespace tripatch {
+namespace {
+
+/// Radians. The whole turn of a loop is 2 pi for a hole in a plane, -2 pi for a plane's outer border, and changes by the curvature
+/// that is enclosed (Gauss and Bonnet): 0 on a cylinder, whose ends are holes. What has bent a quarter of the way further is outer.
+constexpr double outer_turn = -M_PI / 2;
+
+bool is_outer(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& loop) {
+  const std::vector<double> turn = measure(mesh, around, loop).turn;
+  return std::accumulate(turn.begin(), turn.end(), 0.0) < outer_turn;
+}
+
+}  // namespace
+
+std::vector<char> outer_borders(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
+  std::vector<char> outer;
+  for (const std::vector<Index>& loop : loops) outer.push_back(is_outer(mesh, around, loop));
+  return outer;
+}
+
+std::vector<std::vector<Index>> inner_loops(const Mesh& mesh, const Connectivity& around, std::vector<std::vector<Index>> loops) {
+  const std::vector<char> outer = outer_borders(mesh, around, loops);
+  if (std::find(outer.begin(), outer.end(), 0) == outer.end()) return loops;
+  std::vector<std::vector<Index>> inner;
+  for (std::size_t k = 0; k < loops.size(); ++k)
+    if (!outer[k]) inner.push_back(std::move(loops[k]));
+  return inner;
+}
+
+bool is_outer_border(const Mesh& mesh, const std::vector<Index>& rim) {
+  for (Index v : rim)
+    if (v < 0 || v >= mesh.vertices.rows()) throw InvalidArgument("The mesh has no vertex " + std::to_string(v));
+  if (rim.size() < 3) throw InvalidArgument("A border loop has three vertices or more");
+  return is_outer(mesh, Connectivity::around(mesh, rim, 0), rim);
+}
+
+}  // namespace tripatch

@@ -1,0 +1,146 @@
+#include "tripatch/hole/rim_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace tripatch {
+namespace {
+
+using Loop = std::vector<Index>;
+using Corner = Connectivity::Corner;
+
+/// Of the rim's length: shorter edges have none. Some hundred times the rounding of coordinates as large as the rim is long.
+constexpr double shortest_edge = 1e-14;
+constexpr std::size_t most_named = 8;  ///< vertices in a sentence
+const char* const advice = "; make the normals consistent first";
+
+std::string name(Index v) { return std::to_string(v); }
+
+/// The edges of a rim by how the faces beside them hold them: as given, or reversed.
+struct RimEdges {
+  std::vector<std::array<Index, 2>> along, against;
+};
+
+/// Every edge has one face, and not all of them the same that has no others around.
+RimEdges check_edges(const Connectivity& around, const Loop& rim) {
+  const std::size_t n = rim.size();
+  RimEdges edges;
+  const auto sole = around.at(rim[0]);
+  bool one_face = !sole.empty() && around.faces()[around.face(sole[0])].size() == n;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Index a = rim[k], b = rim[(k + 1) % n];
+    const auto edge = [&] { return "the rim edge between vertices " + name(a) + " and " + name(b); };
+    int forward = 0, backward = 0;
+    for (const Corner c : around.at(a)) {
+      forward += around.next(c) == b;
+      backward += around.previous(c) == b;
+      one_face = one_face && around.face(c) == around.face(sole[0]);
+    }
+    if (forward + backward == 0)
+      throw Refusal("There is no face beside " + edge() + "; the surroundings are unknown there", {a, b});
+    if (forward + backward > 2)
+      throw Refusal("Non-manifold: " + edge() + " has " + std::to_string(forward + backward) + " faces", {a, b});
+    if (forward + backward == 2) throw Refusal("There is a face on both sides of " + edge() + ", so no hole", {a, b});
+    (forward ? edges.along : edges.against).push_back({a, b});
+  }
+  if (one_face) throw Refusal("The rim is the border of a single face that is joined to no other, so no hole", rim);
+  return edges;
+}
+
+void check_orientation(const RimEdges& edges) {
+  const auto& [along, against] = edges;
+  if (along.empty() || against.empty()) return;
+  Loop where;
+  for (const auto& edge : std::min(along, against, [](auto& x, auto& y) { return x.size() < y.size(); }))
+    where.insert(where.end(), edge.begin(), edge.end());
+  std::sort(where.begin(), where.end());
+  where.erase(std::unique(where.begin(), where.end()), where.end());
+  throw Refusal("The faces around the rim disagree in orientation: at vertices " +
+                    (where.size() > most_named ? listed({where.begin(), where.begin() + most_named}) + " and more" : listed(where)) +
+                    " they are turned against the others" + advice,
+                where);
+}
+
+/// The faces at a vertex of the rim agree in orientation, and no more than two share an edge between rim vertices.
+void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim) {
+  std::vector<Index> out, in;
+  for (const Corner c : around.at(v)) {
+    out.push_back(around.next(c));
+    in.push_back(around.previous(c));
+  }
+  std::sort(out.begin(), out.end());
+  std::sort(in.begin(), in.end());
+  for (const auto& [side, other] : {std::pair(&out, &in), std::pair(&in, &out)})
+    for (auto k = side->begin(); (k = std::adjacent_find(k, side->end())) != side->end(); ++k)
+      if (!std::binary_search(other->begin(), other->end(), *k) && std::count(side->begin(), side->end(), *k) == 2)
+        throw Refusal("A face at the rim, at the edge between vertices " + name(v) + " and " + name(*k) +
+                          ", is turned against its neighbours" + advice,
+                      {v, *k});
+  std::vector<Index> ends;  // of edges from v, once for every face
+  std::merge(out.begin(), out.end(), in.begin(), in.end(), std::back_inserter(ends));
+  for (auto k = ends.begin(); k != ends.end();) {
+    const auto end = std::upper_bound(k, ends.end(), *k);
+    if (end - k > 2 && std::binary_search(sorted_rim.begin(), sorted_rim.end(), *k))
+      throw Refusal("Non-manifold: the edge between vertices " + name(v) + " and " + name(*k) + " of the rim has " +
+                        name(end - k) + " faces",
+                    {v, *k});
+    k = end;
+  }
+}
+
+}  // namespace
+
+std::string listed(const std::vector<Index>& vertices) {
+  std::string text;
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    text += (k == 0 ? "" : k + 1 == vertices.size() ? " and " : ", ") + name(vertices[k]);
+  return text;
+}
+
+std::vector<Index> check_topology(const Connectivity& around, const std::vector<Index>& rim) {
+  if (rim.size() < 3) throw Refusal("A rim needs at least three edges", rim);
+  for (Index v : rim)
+    if (v < 0 || v >= around.vertices())
+      throw InvalidArgument("Rim vertex " + name(v) + " does not exist: the mesh has " + name(around.vertices()) + " vertices");
+  Loop sorted = rim;
+  std::sort(sorted.begin(), sorted.end());
+  if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
+    throw Refusal("The rim passes vertex " + name(*twice) + " twice", {*twice});
+  const RimEdges edges = check_edges(around, rim);
+  check_orientation(edges);
+  for (Index v : rim) check_fan(around, v, sorted);
+  Loop turned = rim;
+  if (!edges.along.empty()) std::reverse(turned.begin(), turned.end());
+  return turned;
+}
+
+void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  for (Index v : rim)
+    for (const Connectivity::Corner c : around.at(v))
+      for (Index w : around.faces()[around.face(c)])
+        if (!mesh.vertices.row(w).allFinite()) throw Refusal("Vertex " + name(w) + " at the rim has no finite position", {w});
+  double length = 0;
+  const std::size_t n = rim.size();
+  const auto edge_length = [&](std::size_t k) {
+    return (mesh.vertices.row(rim[(k + 1) % n]) - mesh.vertices.row(rim[k])).stableNorm();
+  };
+  for (std::size_t k = 0; k < n; ++k) length += edge_length(k);
+  if (!std::isfinite(length)) throw Refusal("The rim is too large to be measured", {rim[0]});
+  for (std::size_t k = 0; k < n; ++k)
+    if (!(edge_length(k) > shortest_edge * length)) {
+      const Index a = rim[k], b = rim[(k + 1) % n];
+      throw Refusal("The rim edge between vertices " + name(a) + " and " + name(b) + " has no length; merge them first", {a, b});
+    }
+  Loop by_place = rim;
+  const auto key = [&](Index v) { return std::array{mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2)}; };
+  std::sort(by_place.begin(), by_place.end(), [&](Index a, Index b) { return std::pair(key(a), a) < std::pair(key(b), b); });
+  const auto same = std::adjacent_find(by_place.begin(), by_place.end(), [&](Index a, Index b) { return key(a) == key(b); });
+  if (same != by_place.end())
+    throw Refusal("Vertices " + name(same[0]) + " and " + name(same[1]) + " of the rim are at the same place",
+                  {same[0], same[1]});
+}
+
+}  // namespace tripatch

@@ -1,0 +1,95 @@
+#include "tripatch/hole/rim_shape.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tripatch {
+namespace {
+
+using Loop = std::vector<Index>;
+
+constexpr double normal_share = 1.0 / 3;  ///< of the window: where the tangent plane is read
+
+/// Normals along the rim: those of the vector area of the faces around, summed over the window. That is linear in the vertices, so that
+/// noise cancels even where it turns faces over.
+Points rim_normals(const Mesh& mesh, const Connectivity& around, const Loop& rim, const std::vector<double>& length,
+                   double scale) {
+  const Index n = static_cast<Index>(rim.size());
+  const double window = normal_share * window_share * std::accumulate(length.begin(), length.end(), 0.0);
+  Points area = Points::Zero(n, 3);
+  for (Index k = 0; k < n; ++k)
+    for (const Connectivity::Corner c : around.at(rim[k])) {
+      const auto p = mesh.vertices.row(rim[k]);
+      const Vec3 a = (mesh.vertices.row(around.next(c)) - p).transpose() * scale;
+      const Vec3 b = (mesh.vertices.row(around.previous(c)) - p).transpose() * scale;
+      area.row(k) += a.cross(b);
+    }
+  // running sums over three rounds
+  std::vector<double> s(3 * n, 0);
+  Points sum = Points::Zero(3 * n + 1, 3);
+  for (Index k = 0; k < 3 * n; ++k) {
+    if (k > 0) s[k] = s[k - 1] + length[(k - 1) % n];
+    sum.row(k + 1) = sum.row(k) + area.row(k % n);
+  }
+  Points normals(n, 3);
+  Index first = 0, last = 0;
+  for (Index k = n; k < 2 * n; ++k) {
+    while (s[k] - s[first] >= window) ++first;
+    last = std::max(last, k);
+    while (s[last + 1] - s[k] < window) ++last;
+    normals.row(k - n) = (sum.row(last + 1) - sum.row(first)).transpose().stableNormalized();
+  }
+  // where all faces are needles without area, the next normal along the rim serves
+  for (Index k = 2 * n - 2; k >= 0; --k)
+    if (normals.row(k % n).isZero(0)) normals.row(k % n) = normals.row((k + 1) % n);
+  return normals;
+}
+
+/// How far the rim turns at each vertex, radians, positive at a convex corner of the hole: the angle between the two rim edges in the
+/// tangent plane of the faces there.
+std::vector<double> turns_at_vertices(const Points& edges, const Points& normals) {
+  const Index n = edges.rows();
+  std::vector<double> turn(n);
+  for (Index k = 0; k < n; ++k) {
+    const Vec3 normal = normals.row(k), before = edges.row((k + n - 1) % n), after = edges.row(k);
+    const Vec3 a = before - before.dot(normal) * normal, b = after - after.dot(normal) * normal;
+    turn[k] = std::atan2(a.cross(b).dot(normal), a.dot(b));
+  }
+  return turn;
+}
+
+}  // namespace
+
+RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const Index n = static_cast<Index>(rim.size());
+  Points edges(n, 3);
+  for (Index k = 0; k < n; ++k) edges.row(k) = mesh.vertices.row(rim[(k + 1) % n]) - mesh.vertices.row(rim[k]);
+  const double scale = 1 / edges.cwiseAbs().maxCoeff();
+  edges *= scale;
+  RimShape shape;
+  for (Index k = 0; k < n; ++k) shape.length.push_back(edges.row(k).norm());
+  const Points normals = rim_normals(mesh, around, rim, shape.length, scale);
+  shape.turn = turns_at_vertices(edges, normals);
+  shape.without_area = normals.row(0).isZero(0);
+  return shape;
+}
+
+double diameter(const Points& rim) {
+  // from the farthest from the middle on, so that most pairs are too near each other to be looked at
+  const Vec3 middle = rim.colwise().mean();
+  const Eigen::VectorXd reach = (rim.rowwise() - middle.transpose()).rowwise().norm();
+  std::vector<Index> order(rim.rows());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return reach[a] > reach[b]; });
+  double largest = 0;
+  for (std::size_t i = 0; i < order.size() && 2 * reach[order[i]] >= largest; ++i)
+    for (std::size_t k = i + 1; k < order.size() && reach[order[i]] + reach[order[k]] >= largest; ++k)
+      largest = std::max(largest, (rim.row(order[i]) - rim.row(order[k])).norm());
+  return largest;
+}
+
+double diameter(const Mesh& mesh, const std::vector<Index>& rim) { return diameter(Points(mesh.vertices(rim, Eigen::all))); }
+
+}  // namespace tripatch
