@@ -5,10 +5,12 @@
 #include <cmath>
 #include <sstream>
 
+#include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/boundary/surroundings.h"
 #include "tripatch/cage/cage_fill.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/mesh/border_loops.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
@@ -41,13 +43,37 @@ void check_options(const FillOptions& options) {
   if (options.tolerance && !(*options.tolerance > 0)) throw InvalidArgument("tolerance must be greater than 0");
 }
 
-Hole hole_of(const Mesh& mesh, const FillOptions& options) {
-  if (options.rim) return make_hole(mesh, *options.rim, options.corners, options.replaced);
-  if (!options.corners) return find_hole(mesh);
-  for (const std::vector<Index>& loop : find_holes(mesh.faces))
-    if (std::find(loop.begin(), loop.end(), (*options.corners)[0]) != loop.end())
-      return make_hole(mesh, loop, options.corners, options.replaced);
-  throw Refusal("The corner is not on the border of the mesh", {(*options.corners)[0]});
+/// A mesh and who is beside whom in it, for one fill or for several.
+class Ground {
+public:
+  /// For one rim, or for all of the mesh where none is given.
+  Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options)
+      : mesh(given), left(connectivity(given, rim, options.replaced)) {
+    if (!options.replaced.empty() && (options.limit || !rim)) all_ = connectivity(given, rim, {});
+  }
+  /// With the faces that are replaced.
+  const Connectivity& whole() const { return all_ ? *all_ : left; }
+
+  const Mesh& mesh;
+  Connectivity left;  ///< without the faces that are replaced
+
+private:
+  static Connectivity connectivity(const Mesh& mesh, const std::optional<std::vector<Index>>& rim,
+                                   const std::vector<Index>& replaced) {
+    return rim ? Connectivity::around(mesh, *rim, most_rings, replaced) : Connectivity(mesh, replaced);
+  }
+  std::optional<Connectivity> all_;
+};
+
+using Corners = std::optional<std::array<Index, 3>>;
+
+Hole hole_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+  if (rim) return make_hole(ground.mesh, ground.left, *rim, corners);
+  if (!corners) return find_hole(ground.mesh, ground.whole());
+  for (const std::vector<Index>& loop : border_loops(ground.whole()))
+    if (std::find(loop.begin(), loop.end(), (*corners)[0]) != loop.end())
+      return make_hole(ground.mesh, ground.left, loop, corners);
+  throw Refusal("The corner is not on the border of the mesh", {(*corners)[0]});
 }
 
 LayoutOptions layout_options(const FillOptions& options) {
@@ -76,8 +102,10 @@ void complete_report(const Hole& hole, const FillOptions& options, const std::ar
 }
 
 /// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
-Fill fill_with_patch(const Mesh& mesh, const Hole& hole, const FillOptions& options) {
-  const Surroundings surroundings = surroundings_of(mesh, hole, options.limit ? &options.subdivision : nullptr, options.replaced);
+Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& options) {
+  const Mesh& mesh = ground.mesh;
+  const Surroundings surroundings =
+      surroundings_of(mesh, ground.whole(), ground.left, hole, options.limit ? &options.subdivision : nullptr);
 
   MadePatch made = patch_from_sides(surroundings.sides, options);
   Fill fill;
@@ -144,26 +172,22 @@ Refused refused(const Refusal& refusal) { return {refusal.what(), refusal.where(
 
 using Results = std::vector<std::variant<Fill, Refused>>;
 
-/// Cages for several holes: those whose surroundings overlap are fitted together.
-void fill_all_with_cages(const Mesh& mesh, const std::vector<FillOptions>& each, Results& results) {
+/// Cages for several holes: those whose surroundings overlap are fitted together. given: those of the rims that are no refusals.
+void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<Hole>>& given, const FillOptions& options,
+                         Results& results) {
   std::vector<Hole> holes;
   std::vector<std::size_t> place;  // of each hole in the results
-  for (std::size_t k = 0; k < each.size(); ++k) {
-    try {
-      check_options(each[k]);
-      holes.push_back(hole_of(mesh, each[k]));
-      place.push_back(k);
-    } catch (const Refusal& refusal) {
-      results[k] = refused(refusal);
-    }
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    if (!given[k]) continue;
+    holes.push_back(*given[k]);
+    place.push_back(k);
   }
-  const std::vector<Index> replaced = each.empty() ? std::vector<Index>() : each[0].replaced;
-  for (const std::vector<std::size_t>& group : cage_groups(mesh, holes, replaced)) {
+  for (const std::vector<std::size_t>& group : cage_groups(ground.left, holes)) {
     std::vector<Hole> together;
     for (std::size_t h : group) together.push_back(holes[h]);
     const Stopwatch watch;
     try {
-      std::vector<Fill> fills = fill_with_cages(mesh, together, each[place[group[0]]]);
+      std::vector<Fill> fills = fill_with_cages(ground.mesh, together, options);
       for (std::size_t k = 0; k < group.size(); ++k) {
         fills[k].report.seconds = watch.seconds() / static_cast<double>(group.size());
         results[place[group[k]]] = std::move(fills[k]);
@@ -171,27 +195,35 @@ void fill_all_with_cages(const Mesh& mesh, const std::vector<FillOptions>& each,
     } catch (const Refusal& refusal) {
       if (group.size() == 1) results[place[group[0]]] = refused(refusal);
       for (std::size_t h = 0; group.size() > 1 && h < group.size(); ++h) {  // one of them stands in the way of the others
-        const std::size_t k = place[group[h]];
+        const Stopwatch own;
+        Results::value_type& result = results[place[group[h]]];
         try {
-          results[k] = fill(mesh, each[k]);
+          Fill alone = std::move(fill_with_cages(ground.mesh, {together[h]}, options)[0]);
+          alone.report.seconds = own.seconds();
+          result = std::move(alone);
         } catch (const Refusal& alone) {
-          results[k] = refused(alone);
+          result = refused(alone);
         }
       }
     }
   }
 }
 
+void check(const FillOptions& options) {
+  check_options(options);
+  if (!find_method(options.method).fills_holes)
+    throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
+}
+
 }  // namespace
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
   const Stopwatch watch;
-  check_options(options);
-  if (!find_method(options.method).fills_holes)
-    throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
-  const Hole hole = hole_of(mesh, options);
+  check(options);
+  const Ground ground(mesh, options.rim, options);
+  const Hole hole = hole_of(ground, options.rim, options.corners);
   Fill result =
-      options.output == "cage" ? std::move(fill_with_cages(mesh, {hole}, options)[0]) : fill_with_patch(mesh, hole, options);
+      options.output == "cage" ? std::move(fill_with_cages(mesh, {hole}, options)[0]) : fill_with_patch(ground, hole, options);
   result.report.seconds = watch.seconds();
   return result;
 }
@@ -202,23 +234,35 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
                                                   const Progress& progress) {
   if (options.center && rims.size() > 1)
     throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
-  std::vector<FillOptions> each(rims.size(), options);
-  for (std::size_t k = 0; k < rims.size(); ++k) {
-    each[k].rim = rims[k];
-    if (k < corners.size()) each[k].corners = corners[k];
-  }
+  check(options);
   Results results(rims.size());
+  if (rims.empty()) return results;
+  std::optional<std::vector<Index>> only;
+  if (rims.size() == 1) only = rims[0];
+  const Ground ground(mesh, only, options);
   const auto report_progress = [&](std::size_t done) {
     if (progress) progress(done);
   };
+  const auto hole_at = [&](std::size_t k) { return hole_of(ground, rims[k], k < corners.size() ? corners[k] : Corners()); };
   if (options.output == "cage") {
-    fill_all_with_cages(mesh, each, results);
+    std::vector<std::optional<Hole>> holes(rims.size());
+    for (std::size_t k = 0; k < rims.size(); ++k) {
+      try {
+        holes[k] = hole_at(k);
+      } catch (const Refusal& refusal) {
+        results[k] = refused(refusal);
+      }
+    }
+    fill_all_with_cages(ground, holes, options, results);
     report_progress(rims.size());
     return results;
   }
   const auto fill_one = [&](std::size_t k) {
+    const Stopwatch watch;
     try {
-      results[k] = fill(mesh, each[k]);
+      Fill fill = fill_with_patch(ground, hole_at(k), options);
+      fill.report.seconds = watch.seconds();
+      results[k] = std::move(fill);
     } catch (const Refusal& refusal) {
       results[k] = refused(refusal);
     }

@@ -3,47 +3,38 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
+#include <optional>
 
+#include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {
 
+constexpr double sides_tolerance = 1e-13;  ///< of a side's polynomials, of their largest value: a thousand times the rounding
+constexpr double parallel = 1e-6;          ///< sine of the angle between derivatives that make no tangent plane
+constexpr double beside_it = 1e-4;         ///< of an edge: how far from such a place the normal is read
+constexpr double flat = 1e-6;              ///< of a side's length: a derivative at its end that is none
+constexpr double kink = 0.1;               ///< degrees between two pieces of the rim's curve: it has a kink, of which a warning tells
+
 struct FaceEdge {
-  Index face = -1;
-  int edge = 0;
+  Index face;
+  int edge;
 };
 
-/// For every rim edge a -> b (new faces' direction) the surrounding face, which holds b -> a.
-std::map<std::pair<Index, Index>, FaceEdge> surrounding_faces(const Mesh& cage, const Hole& hole,
-                                                              const std::vector<Index>& replaced) {
-  std::map<std::pair<Index, Index>, FaceEdge> found;
-  const std::size_t n = hole.rim.size();
-  for (std::size_t k = 0; k < n; ++k) found[{hole.rim[k], hole.rim[(k + 1) % n]}] = {};
-  const std::set<Index> gone(replaced.begin(), replaced.end());
-  std::vector<char> on_rim(cage.vertices.rows(), 0);
-  for (Index v : hole.rim) on_rim[v] = 1;
-  for (Index f = 0; f < cage.faces.size(); ++f) {
-    const auto face = cage.faces[f];
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      if (!on_rim[face[k]]) continue;
-      const auto rim_edge = found.find({face[(k + 1) % face.size()], face[k]});
-      if (rim_edge != found.end() && !gone.contains(f)) rim_edge->second = {f, static_cast<int>(k)};
-    }
-  }
-  for (const auto& [edge, place] : found)
-    if (place.face < 0) throw Refusal("A rim edge has no face beside it", {edge.first, edge.second});
-  return found;
+/// The surrounding face at a rim edge a -> b (new faces' direction), which holds b -> a.
+FaceEdge face_beside(const Connectivity& around, Index a, Index b) {
+  const std::optional<Connectivity::Corner> corner = around.edge(b, a);
+  if (!corner) throw Refusal("A rim edge has no face beside it", {a, b});
+  return {around.face(*corner), static_cast<int>(around.place(*corner))};
 }
 
 /// Normal of the limit surface; at a place where its two derivatives are parallel, the one beside it.
 Vec3 unit_normal(const LimitSurface& surface, const FaceEdge& place, double t, const LimitJet& jet) {
   const Vec3 n = jet.pu.cross(jet.pv);
-  if (n.norm() > 1e-6 * jet.pu.norm() * jet.pv.norm()) return n.normalized();
+  if (n.norm() > parallel * jet.pu.norm() * jet.pv.norm()) return n.normalized();
   LimitJet beside;
-  const double inside = t < 0.5 ? t + 1e-4 : t - 1e-4;
+  const double inside = t < 0.5 ? t + beside_it : t - beside_it;
   surface.evaluate_edge(place.face, place.edge, {&inside, 1}, {&beside, 1});
   return beside.pu.cross(beside.pv).stableNormalized();
 }
@@ -54,10 +45,8 @@ Vec3 second_across(const LimitJet& j, const Vec3& n, const Vec3& r) {
   return n * n.dot(a[0] * a[0] * j.puu + 2 * a[0] * a[1] * j.puv + a[1] * a[1] * j.pvv);
 }
 
-double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
-
-void refined_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, LimitSides& result) {
-  const RefinedCage refined = refine_cage(cage, settings, hole.rim);
+void refined_sides(const Mesh& cage, const Connectivity& whole, const Hole& hole, const Subdivision& settings, LimitSides& result) {
+  const RefinedCage refined = refine_cage(cage, whole, settings, hole.rim);
   Hole fine;
   for (std::size_t k = 0; k < hole.rim.size(); ++k) {
     for (int corner = 0; corner < 3; ++corner)
@@ -83,11 +72,11 @@ void refined_sides(const Mesh& cage, const Hole& hole, const Subdivision& settin
 void check_corners(const Hole& hole, const Sides& sides) {
   for (int k = 0; k < 3; ++k) {
     const Side &out = sides[(k + 2) % 3], &in = sides[(k + 1) % 3];
-    const auto flat = [](const Side& side, double t) {
-      return side.c.derivative_at(t).norm() < 1e-6 * ((side.c(0.5) - side.c(0)).norm() + (side.c(1) - side.c(0.5)).norm());
+    const auto vanishes = [](const Side& side, double t) {
+      return side.c.derivative_at(t).norm() < flat * ((side.c(0.5) - side.c(0)).norm() + (side.c(1) - side.c(0.5)).norm());
     };
     const Index v = hole.rim[hole.corners[k]];
-    if (flat(out, 0) || flat(in, 1))
+    if (vanishes(out, 0) || vanishes(in, 1))
       throw Refusal("The limit surface has no tangent plane at corner vertex " + std::to_string(v) +
                         ", where the closed cage has only two edges; choose other corners",
                     {v});
@@ -96,16 +85,14 @@ void check_corners(const Hole& hole, const Sides& sides) {
 
 }  // namespace
 
-Sides sides_on(const LimitSurface& surface, const Mesh& cage, const Hole& hole, const std::vector<Index>& replaced,
-               double tolerance) {
-  const auto around = surrounding_faces(cage, hole, replaced);
+Sides sides_on(const LimitSurface& surface, const Connectivity& around, const Hole& hole, double tolerance) {
   Sides sides;
   for (int i = 0; i < 3; ++i) {
     const std::vector<Index> rim = hole.side(i);
     const int edges = static_cast<int>(rim.size()) - 1;
     std::vector<PiecewisePolynomial> c, r, q;
     for (int e = 0; e < edges; ++e) {
-      const FaceEdge place = around.at({rim[e], rim[e + 1]});
+      const FaceEdge place = face_beside(around, rim[e], rim[e + 1]);
       // the face runs against the side: t of the side is 1 - t of the face's edge, and d/dt is -edges d/du
       const auto field = [&](const std::function<Vec3(double, const LimitJet&)>& value) {
         return PiecewisePolynomial::fit(
@@ -136,13 +123,19 @@ Sides sides_on(const LimitSurface& surface, const Mesh& cage, const Hole& hole, 
   return sides;
 }
 
-LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced) {
+Sides sides_on(const LimitSurface& surface, const Mesh& cage, const Hole& hole, const std::vector<Index>& replaced,
+               double tolerance) {
+  return sides_on(surface, Connectivity::around(cage, hole.rim, 0, replaced), hole, tolerance);
+}
+
+LimitSides limit_sides(const Mesh& cage, const Connectivity& whole, const Connectivity& around, const Hole& hole,
+                       const Subdivision& settings) {
   LimitSides result;
   if (!settings.use_limit_surface) {
-    refined_sides(cage, hole, settings, result);
+    refined_sides(cage, whole, hole, settings, result);
     return result;
   }
-  result.sides = sides_on(LimitSurface(cage, settings, hole.rim), cage, hole, replaced, 1e-13);
+  result.sides = sides_on(LimitSurface(cage, whole, settings, hole.rim), around, hole, sides_tolerance);
   const int steps = 1 << settings.level;
   for (int i = 0; i < 3; ++i) {
     const std::vector<Index> rim = hole.side(i);
@@ -154,7 +147,7 @@ LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& se
     for (int e = 1; e < edges; ++e) {
       const double t = static_cast<double>(e) / edges;
       // exactly at the break the piece behind it counts
-      if (degrees_between(c.derivative_at(t - 1e-9), c.derivative_at(t + 1e-9)) > 0.1)
+      if (degrees_between(c.derivative_at(t - 1e-9), c.derivative_at(t + 1e-9)) > kink)
         result.warnings.push_back("The limit rim has a kink inside side " + std::to_string(i) + " at vertex " +
                                   std::to_string(rim[e]));
     }

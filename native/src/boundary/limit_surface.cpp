@@ -15,7 +15,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <unordered_map>
+#include <numeric>
+
+#include "tripatch/mesh/submesh.h"
 
 namespace tripatch {
 namespace {
@@ -59,76 +61,62 @@ private:
 };
 thread_local Complaint* Complaint::current = nullptr;
 
-double sharpness(double crease) { return crease <= 0 ? 0 : crease >= 1 ? 10 : crease * crease * 10; }
+constexpr double infinitely_sharp = 10;  ///< in OpenSubdiv's units: Sdc::Crease::SHARPNESS_INFINITE
 
-/// The faces within three rings of the given vertices: the limit on the faces of the first ring depends on two.
-std::vector<Index> faces_around(const Mesh& cage, std::span<const Index> around) {
-  std::vector<Index> faces;
-  if (around.empty()) {
-    for (Index f = 0; f < cage.faces.size(); ++f) faces.push_back(f);
-    return faces;
-  }
-  std::vector<char> in(cage.vertices.rows(), 0), taken(cage.faces.size(), 0);
-  for (Index v : around) in[v] = 1;
-  for (int ring = 0; ring < 3; ++ring) {
-    std::vector<Index> found;
-    for (Index f = 0; f < cage.faces.size(); ++f) {
-      if (taken[f]) continue;
-      for (Index v : cage.faces[f])
-        if (in[v]) {
-          taken[f] = 1;
-          found.push_back(f);
-          break;
-        }
-    }
-    for (Index f : found)
-      for (Index v : cage.faces[f]) in[v] = 1;
-    faces.insert(faces.end(), found.begin(), found.end());
-  }
-  std::sort(faces.begin(), faces.end());
-  return faces;
+double sharpness(double crease) {  // as Blender does
+  return crease <= 0 ? 0 : crease >= 1 ? infinitely_sharp : crease * crease * infinitely_sharp;
+}
+
+std::vector<Index> faces_around(const Connectivity& cage, std::span<const Index> around) {
+  if (!around.empty()) return rings_around(cage, around, limit_rings).all_faces();
+  std::vector<Index> all(cage.faces().size());
+  std::iota(all.begin(), all.end(), Index{0});
+  return all;
 }
 
 /// The part of a cage that is refined, with its own numbering, and OpenSubdiv's description of it.
-struct LocalCage {
-  std::vector<Index> face_of, vertex_of;      ///< local -> cage
-  std::unordered_map<Index, int> local_face;  ///< cage -> local
-  std::unordered_map<Index, int> local_vertex;
+class LocalCage {
+public:
+  Submesh part;
+  Numbering local_face;
   std::vector<Vertex> vertices;
-  std::vector<int> sizes, corners, offsets;
+  std::vector<int> sizes;
   std::unique_ptr<far::TopologyRefiner> refiner;
 
-  LocalCage(const Mesh& cage, const Subdivision& settings, std::span<const Index> around) {
-    face_of = faces_around(cage, around);
-    if (face_of.empty()) throw Refusal("The cage has no faces around the hole");
-    for (Index f : face_of) {
+  /// Of the faces `some` of a cage, in its order.
+  LocalCage(const Mesh& cage, const Subdivision& settings, std::vector<Index> some)
+      : part(submesh(cage.faces, std::move(some))) {
+    if (part.face.empty()) throw Refusal("The cage has no faces around the hole");
+    for (Index f : part.face) {
       if (settings.loop && cage.faces[f].size() != 3)
         throw Refusal("Loop subdivision takes triangles only; face " + std::to_string(f) + " has " +
                           std::to_string(cage.faces[f].size()) + " corners",
                       {cage.faces[f].begin(), cage.faces[f].end()});
-      local_face[f] = static_cast<int>(sizes.size());
-      offsets.push_back(static_cast<int>(corners.size()));
+      local_face.add(f);
       sizes.push_back(static_cast<int>(cage.faces[f].size()));
-      for (Index v : cage.faces[f]) {
-        const auto [place, fresh] = local_vertex.try_emplace(v, static_cast<int>(vertices.size()));
-        if (fresh) {
-          if (!cage.vertices.row(v).allFinite()) throw Refusal("Vertex " + std::to_string(v) + " is not finite", {v});
-          vertices.push_back({cage.vertices.row(v)});
-          vertex_of.push_back(v);
-        }
-        corners.push_back(place->second);
-      }
+    }
+    for (Index v : vertex_of()) {
+      if (!cage.vertices.row(v).allFinite()) throw Refusal("Vertex " + std::to_string(v) + " is not finite", {v});
+      vertices.push_back({cage.vertices.row(v)});
     }
     describe(settings);
   }
 
-  int edge_face_corner(Index face, int edge, int& local) const {
-    const auto found = local_face.find(face);
-    if (found == local_face.end()) throw InvalidArgument("face " + std::to_string(face) + " is not around the hole");
-    local = found->second;
-    if (edge < 0 || edge >= sizes[local])
+  /// The cage's own numbers of the vertices.
+  const std::vector<Index>& vertex_of() const { return part.vertex.items(); }
+
+  /// The local number of a face.
+  int local(Index face) const {
+    const int found = local_face.find(face);
+    if (found < 0) throw InvalidArgument("face " + std::to_string(face) + " is not around the hole");
+    return found;
+  }
+  /// The same of one that must have this edge.
+  int local(Index face, int edge) const {
+    const int found = local(face);
+    if (edge < 0 || edge >= sizes[found])
       throw InvalidArgument("face " + std::to_string(face) + " has no edge " + std::to_string(edge));
-    return offsets[local] + edge;
+    return found;
   }
 
 private:
@@ -136,13 +124,13 @@ private:
     std::map<std::pair<int, int>, double> edge_sharpness;
     std::map<int, double> vertex_sharpness;
     for (std::size_t k = 0; k < settings.crease_edges.size(); ++k) {
-      const auto a = local_vertex.find(settings.crease_edges[k][0]), b = local_vertex.find(settings.crease_edges[k][1]);
+      const int a = part.vertex.find(settings.crease_edges[k][0]), b = part.vertex.find(settings.crease_edges[k][1]);
       const double s = sharpness(settings.edge_creases[k]);
-      if (s > 0 && a != local_vertex.end() && b != local_vertex.end()) edge_sharpness[std::minmax(a->second, b->second)] = s;
+      if (s > 0 && a >= 0 && b >= 0) edge_sharpness[std::minmax(a, b)] = s;
     }
     for (std::size_t k = 0; k < settings.crease_vertices.size(); ++k) {
-      const auto v = local_vertex.find(settings.crease_vertices[k]);
-      if (v != local_vertex.end()) vertex_sharpness[v->second] = sharpness(settings.vertex_creases[k]);
+      const int v = part.vertex.find(settings.crease_vertices[k]);
+      if (v >= 0) vertex_sharpness[v] = sharpness(settings.vertex_creases[k]);
     }
     add_blender_extras(settings, edge_sharpness, vertex_sharpness);
 
@@ -161,7 +149,7 @@ private:
     topology.numVertices = static_cast<int>(vertices.size());
     topology.numFaces = static_cast<int>(sizes.size());
     topology.numVertsPerFace = sizes.data();
-    topology.vertIndicesPerFace = corners.data();
+    topology.vertIndicesPerFace = part.corners.data();
     topology.numCreases = static_cast<int>(crease_weights.size());
     topology.creaseVertexIndexPairs = crease_pairs.data();
     topology.creaseWeights = crease_weights.data();
@@ -180,30 +168,24 @@ private:
     if (!refiner)
       throw Refusal(
           "The cage cannot be subdivided: " + (complaint.text().empty() ? "its topology is not valid" : complaint.text()),
-          vertex_of);
+          vertex_of());
   }
 
   /// Blender's own: a border corner of one face whose two edges are creased is sharpened by the lesser of the two; a vertex on a
   /// loose edge is infinitely sharp.
   void add_blender_extras(const Subdivision& settings, const std::map<std::pair<int, int>, double>& edge_sharpness,
                           std::map<int, double>& vertex_sharpness) {
-    std::map<int, std::pair<int, int>> only;  // vertex of one face: its neighbours
-    std::vector<int> count(vertices.size(), 0);
-    for (std::size_t f = 0; f < sizes.size(); ++f)
-      for (int k = 0; k < sizes[f]; ++k) {
-        const int v = corners[offsets[f] + k];
-        ++count[v];
-        only[v] = {corners[offsets[f] + (k + sizes[f] - 1) % sizes[f]], corners[offsets[f] + (k + 1) % sizes[f]]};
-      }
-    for (const auto& [v, neighbours] : only) {
-      if (count[v] != 1) continue;
-      const auto a = edge_sharpness.find(std::minmax(v, neighbours.first)),
-                 b = edge_sharpness.find(std::minmax(v, neighbours.second));
+    for (int v = 0; v < static_cast<int>(vertices.size()); ++v) {
+      if (part.faces_at(v).size() != 1) continue;
+      const std::span<const int> face = part[part.faces_at(v)[0]];
+      const std::size_t size = face.size(), k = std::find(face.begin(), face.end(), v) - face.begin();
+      const auto a = edge_sharpness.find(std::minmax(v, face[(k + size - 1) % size])),
+                 b = edge_sharpness.find(std::minmax(v, face[(k + 1) % size]));
       if (a != edge_sharpness.end() && b != edge_sharpness.end()) vertex_sharpness[v] += std::min(a->second, b->second);
     }
     for (Index v : settings.loose_vertices) {
-      const auto local = local_vertex.find(v);
-      if (local != local_vertex.end()) vertex_sharpness[local->second] = 10;
+      const int local = part.vertex.find(v);
+      if (local >= 0) vertex_sharpness[local] = infinitely_sharp;
     }
   }
 };
@@ -223,8 +205,8 @@ struct LimitSurface::Impl {
   // the true limit
   std::unique_ptr<bfr::RefinerSurfaceFactory<>> factory;
 
-  Impl(const Mesh& mesh, const Subdivision& settings, std::span<const Index> around)
-      : cage(mesh, settings, around), loop(settings.loop) {
+  Impl(const Mesh& mesh, const Subdivision& settings, std::vector<Index> faces)
+      : cage(mesh, settings, std::move(faces)), loop(settings.loop) {
     if (!settings.quality) {
       bfr::SurfaceFactory::Options options;
       options.SetApproxLevelSmooth(10).SetApproxLevelSharp(10);
@@ -334,7 +316,7 @@ struct LimitSurface::Impl {
     }
     for (Index& v : out.vertices) {
       column[v] = -1;
-      v = cage.vertex_of[v];
+      v = cage.vertex_of()[v];
     }
     return out;
   }
@@ -391,27 +373,28 @@ struct LimitSurface::Impl {
 };
 
 LimitSurface::LimitSurface(const Mesh& cage, const Subdivision& settings, std::span<const Index> around)
-    : impl_(std::make_unique<Impl>(cage, settings, around)) {}
+    : LimitSurface(cage, Connectivity::around(cage, around, limit_rings - 1), settings, around) {}
+LimitSurface::LimitSurface(const Mesh& cage, const Connectivity& connectivity, const Subdivision& settings,
+                           std::span<const Index> around)
+    : impl_(std::make_unique<Impl>(cage, settings, faces_around(connectivity, around))) {}
 LimitSurface::~LimitSurface() = default;
 LimitSurface::LimitSurface(LimitSurface&&) noexcept = default;
 
 void LimitSurface::move(const PointsRef& vertices) {
   for (std::size_t k = 0; k < impl_->cage.vertices.size(); ++k)
-    impl_->cage.vertices[k].position = vertices.row(impl_->cage.vertex_of[k]);
+    impl_->cage.vertices[k].position = vertices.row(impl_->cage.vertex_of()[k]);
   if (!impl_->factory) impl_->refine();
 }
 
 void LimitSurface::evaluate_edge(Index face, int edge, std::span<const double> t, std::span<LimitJet> out) const {
-  int local = 0;
-  impl_->cage.edge_face_corner(face, edge, local);
+  const int local = impl_->cage.local(face, edge);
   if (impl_->factory) return impl_->on_edge_true(local, edge, t, out);
   for (std::size_t k = 0; k < t.size(); ++k) out[k] = impl_->on_edge(local, edge, t[k]);
 }
 
 LimitStencils LimitSurface::stencils(Index face, std::span<const FacePlace> places) const {
   if (impl_->factory) throw InvalidArgument("stencils need a quality");
-  int local = 0;
-  impl_->cage.edge_face_corner(face, 0, local);
+  const int local = impl_->cage.local(face);
   return impl_->stencils_at(impl_->ptex->GetFaceId(local), !impl_->loop && impl_->cage.sizes[local] != 4, places);
 }
 
@@ -428,8 +411,9 @@ Points LimitSurface::grid(int steps) const {
   return points;
 }
 
-RefinedCage refine_cage(const Mesh& cage, const Subdivision& settings, std::span<const Index> rim) {
-  const LocalCage local(cage, settings, rim);
+RefinedCage refine_cage(const Mesh& cage, const Connectivity& connectivity, const Subdivision& settings,
+                        std::span<const Index> rim) {
+  const LocalCage local(cage, settings, faces_around(connectivity, rim));
   far::TopologyRefiner& refiner = *local.refiner;
   far::TopologyRefiner::UniformOptions options(settings.level);
   options.fullTopologyInLastLevel = true;
@@ -450,7 +434,7 @@ RefinedCage refine_cage(const Mesh& cage, const Subdivision& settings, std::span
     refined.faces.add(std::vector<Index>(corners.begin(), corners.end()));
   }
   for (std::size_t k = 0; k < rim.size(); ++k) {
-    std::vector<int> path = {local.local_vertex.at(rim[k]), local.local_vertex.at(rim[(k + 1) % rim.size()])};
+    std::vector<int> path = {local.part.vertex.find(rim[k]), local.part.vertex.find(rim[(k + 1) % rim.size()])};
     for (int level = 0; level < settings.level; ++level) {
       const far::TopologyLevel topology = refiner.GetLevel(level);
       std::vector<int> finer;

@@ -5,13 +5,14 @@
 
 namespace tripatch {
 
-Surroundings surroundings_of(const Mesh& mesh, const Hole& hole, const Subdivision* limit, const std::vector<Index>& replaced) {
+Surroundings surroundings_of(const Mesh& mesh, const Connectivity& whole, const Connectivity& around, const Hole& hole,
+                             const Subdivision* limit) {
   if (limit) {
-    LimitSides exact = limit_sides(mesh, hole, *limit, replaced);
+    LimitSides exact = limit_sides(mesh, whole, around, hole, *limit);
     return {std::move(exact.sides), std::move(exact.parameters), std::move(exact.warnings), exact.surroundings_error,
             std::move(exact.border)};
   }
-  MeshSides estimated = mesh_sides(mesh, hole, replaced);
+  MeshSides estimated = mesh_sides(mesh, around, hole);
   return {std::move(estimated.sides), std::move(estimated.parameters), {}, estimated.surroundings_error, {}};
 }
 

@@ -16,11 +16,14 @@ struct LimitSides {
   Points border;                  ///< those points, from corner 0 along side 2, 0 and 1, without repeat
 };
 
-/// Faces in `replaced` stay in place: the surroundings' limit is that of the whole cage. The rim must be one of make_hole.
+/// whole: of the cage, as far as limit_rings around the rim; around: the same without faces to be replaced, which stay in place: the
+/// surroundings' limit is that of the whole cage. The rim must be one of make_hole. Takes time by the hole.
 /// Refusal: a corner where the limit has no tangent plane.
-LimitSides limit_sides(const Mesh& cage, const Hole& hole, const Subdivision& settings, const std::vector<Index>& replaced = {});
+LimitSides limit_sides(const Mesh& cage, const Connectivity& whole, const Connectivity& around, const Hole& hole,
+                       const Subdivision& settings);
 
-/// The sides alone, on a limit surface of `cage` that is at hand. tolerance: of their polynomials, of their largest value.
+/// The sides alone, on a limit surface of the cage that is at hand. tolerance: of their polynomials, of their largest value.
+Sides sides_on(const LimitSurface& surface, const Connectivity& around, const Hole& hole, double tolerance);
 Sides sides_on(const LimitSurface& surface, const Mesh& cage, const Hole& hole, const std::vector<Index>& replaced,
                double tolerance);
 

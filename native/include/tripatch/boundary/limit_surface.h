@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "tripatch/types.h"
+#include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
 
@@ -46,11 +46,15 @@ struct LimitStencils {
   Weights p, pu, pv;
 };
 
+/// Rings of faces that are refined around the vertices where a limit surface is wanted: that on the first depends on two.
+constexpr int limit_rings = 3;
+
 class LimitSurface {
 public:
   /// around: only the rings around these vertices are refined (empty: the whole cage). Throws a Refusal with OpenSubdiv's own
   /// message for a cage that it cannot take.
   LimitSurface(const Mesh& cage, const Subdivision& settings, std::span<const Index> around = {});
+  LimitSurface(const Mesh& cage, const Connectivity& connectivity, const Subdivision& settings, std::span<const Index> around);
   ~LimitSurface();
   LimitSurface(LimitSurface&&) noexcept;
 
@@ -75,6 +79,7 @@ struct RefinedCage {
   Faces faces;
   std::vector<std::vector<Index>> along_rim;
 };
-RefinedCage refine_cage(const Mesh& cage, const Subdivision& settings, std::span<const Index> rim);
+RefinedCage refine_cage(const Mesh& cage, const Connectivity& connectivity, const Subdivision& settings,
+                        std::span<const Index> rim);
 
 }  // namespace tripatch

@@ -4,8 +4,8 @@
 
 #include <array>
 
+#include "tripatch/boundary/local_mesh.h"
 #include "tripatch/boundary/side.h"
-#include "tripatch/hole/hole.h"
 
 namespace tripatch {
 
@@ -19,8 +19,11 @@ struct MeshSides {
 };
 
 /// Sides through the rim vertices, c and r twice continuously differentiable, with q; see docs/mathematics/surroundings.md.
-/// `replaced`: faces that count as not there. Throws a Refusal where a vertex within six rings is not finite, a rim edge has no
-/// length or no face beside it, or the faces beside a rim vertex have no area.
+/// around: of the mesh at least as far as most_rings around the rim, without faces to be replaced. Takes time by the hole. Throws a
+/// Refusal where a vertex within the rings is not finite, a rim edge has no length or no face beside it, or the faces beside a rim
+/// vertex have no area.
+MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& hole);
+/// The same for one hole. `replaced`: faces that count as not there.
 MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index>& replaced = {});
 
 }  // namespace tripatch

@@ -19,8 +19,10 @@ struct Surroundings {
   Points border;     ///< points that the fill takes instead of the rim's own vertices; empty: those are reused
 };
 
-/// limit: the settings of the cage whose limit surface surrounds the hole; none: an estimate from the mesh. replaced: faces in it.
-Surroundings surroundings_of(const Mesh& mesh, const Hole& hole, const Subdivision* limit, const std::vector<Index>& replaced);
+/// limit: the settings of the cage whose limit surface surrounds the hole; none: an estimate from the mesh. whole: of the mesh; around:
+/// without the faces that are replaced. Takes time by the hole, not by the mesh.
+Surroundings surroundings_of(const Mesh& mesh, const Connectivity& whole, const Connectivity& around, const Hole& hole,
+                             const Subdivision* limit);
 
 /// Barycentric coordinates of the rim's own vertices, from corner 0 on: a border has several points an edge.
 Points rim_barycentric(const Hole& hole, const Surroundings& surroundings);

@@ -57,8 +57,7 @@ private:
   std::vector<SurfacePtr> patches_;
 };
 
-/// Holes in groups: those that share faces of their first two rings belong together. replaced: the faces in them.
-std::vector<std::vector<std::size_t>> cage_groups(const Mesh& mesh, const std::vector<Hole>& holes,
-                                                  const std::vector<Index>& replaced);
+/// Holes in groups: those that share faces of their first two rings belong together. mesh: without the faces in them.
+std::vector<std::vector<std::size_t>> cage_groups(const Connectivity& mesh, const std::vector<Hole>& holes);
 
 }  // namespace tripatch

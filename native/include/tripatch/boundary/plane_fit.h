@@ -1,0 +1,54 @@
+// Tangent planes from heights around a point: local polynomials of degree 5 whose noise, truncation and coefficients have variance
+// components that are estimated from all heights of a hole (empirical Bayes: MacKay 1992, Bayesian interpolation).
+// docs/mathematics/surroundings.md has the formulas.
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <vector>
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+constexpr int fit_degree = 5;  ///< of the local polynomials
+constexpr int fit_terms = 21;
+
+/// The heights around one rim vertex over its first guess of a tangent plane. Lengths are in the units of the local mesh.
+struct Stencil {
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2 * fit_degree + 1>;
+
+  Vec3 e1, e2, e3;              ///< along the rim, outward, normal
+  Columns x, y;                 ///< powers 0 .. 2 degree of the places
+  Eigen::VectorXd z, share, g;  ///< height, weight by place, radius^(2 degree + 2)
+  double faces = 0;             ///< slope across the rim of the faces beside it
+  double faces_noise = 0;       ///< its variance over that of the noise
+  double slope_noise = 1;       ///< of the rim's own direction: variance over that of the noise,
+  int slope_order = 4;          ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
+  double slope_truncation = 0;
+};
+
+/// Variances of what the heights consist of: everything that decides between smoothing and precision.
+struct VarianceComponents {
+  double noise = 1e-6;    ///< of a height
+  double truncation = 1;  ///< over radius^(2 degree + 2): of what the polynomial leaves out
+  std::array<double, fit_degree + 1> term = {1, 100, 1, 1, 1, 1};  ///< of the derivatives of each degree
+  double tilt = 100;                                               ///< of the slope across the rim against the faces beside it
+};
+
+/// Coefficients of the terms of 1, x, y, x^2, xy, y^2, ..., which are the derivatives of the height.
+struct PlaneFit {
+  using Square = Eigen::Matrix<double, fit_terms, fit_terms>;
+  using Column = Eigen::Matrix<double, fit_terms, 1>;
+
+  Column mean, prior;                       ///< coefficients, inverse variances
+  Eigen::LLT<Square, Eigen::Lower> factor;  ///< of the inverse covariance
+};
+
+PlaneFit fit_plane(const Stencil& stencil, const VarianceComponents& components);
+
+/// The components that make the heights of all stencils, by side, likeliest. radius: mean distance of the points; bend: squared
+/// curvature that the faces show.
+VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>& stencils, double radius, double bend);
+
+}  // namespace tripatch

@@ -1,0 +1,51 @@
+// A part of a mesh with numbers of its own, made in time and memory by the part, whatever the size of the mesh.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+/// Numbers 0, 1, 2, ... for some of the vertices or faces of a mesh, in the order in which they are added.
+class Numbering {
+public:
+  /// Whether it had no number before.
+  bool add(Index item);
+  /// -1: none.
+  int find(Index item) const { return place_.empty() ? -1 : place_[slot(item)]; }
+  const std::vector<Index>& items() const { return items_; }
+  std::size_t size() const { return items_.size(); }
+
+private:
+  std::size_t slot(Index item) const;
+
+  std::vector<Index> items_;
+  std::vector<int> place_;  // in items_, -1 where free; open addressing, its size a power of 2 and twice that of items_ or more
+};
+
+/// Rings around some vertices: faces[0] are those at them, vertices[1] the other vertices of these, and so on; vertices[0] are the
+/// given ones. Each in the order in which it is met.
+struct Rings {
+  std::vector<std::vector<Index>> faces, vertices;
+  /// All of them, in the mesh's order.
+  std::vector<Index> all_faces() const;
+};
+Rings rings_around(const Connectivity& mesh, std::span<const Index> vertices, int rings);
+
+/// Some faces of a mesh.
+struct Submesh {
+  std::vector<Index> face;            ///< of the mesh
+  Numbering vertex;                   ///< of the mesh's vertices
+  std::vector<int> offsets, corners;  ///< of the faces, by those numbers
+  std::vector<int> fan_offsets, fan;  ///< faces at each vertex, by their own numbers, in their order
+
+  std::span<const int> operator[](int f) const { return {&corners[offsets[f]], &corners[offsets[f]] + (offsets[f + 1] - offsets[f])}; }
+  std::span<const int> faces_at(int v) const { return {fan.data() + fan_offsets[v], fan.data() + fan_offsets[v + 1]}; }
+};
+/// first: vertices that take the first numbers.
+Submesh submesh(const FacesRef& faces, std::vector<Index> some, std::span<const Index> first = {});
+
+}  // namespace tripatch

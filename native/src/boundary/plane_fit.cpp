@@ -1,0 +1,202 @@
+#include "tripatch/boundary/plane_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tripatch {
+namespace {
+
+using Square = PlaneFit::Square;
+using Column = PlaneFit::Column;
+
+constexpr int most_iterations = 14;   ///< of the variance components; the second half of them with all stencils
+constexpr double settled = 0.03;      ///< relative change of a variance: no more iterations
+constexpr double least_noise = 1e-7;  ///< of the stencil radius, as a deviation: keeps the normal equations solvable
+/// Of the points or parameters: the least number that a component is an average over, for a number near 0 may come out below it.
+constexpr double least_count = 1e-3;
+/// Of the squared curvature that the faces beside the rim show: the least variance of second derivatives.
+constexpr double bends_at_least = 0.3;
+
+/// The term of x^i y^j / (i! j!), so that the coefficients are the derivatives of the height.
+struct Term {
+  int i, j;
+  double over;  // 1 / (i! j!)
+};
+constexpr std::array<Term, fit_terms> term = [] {
+  std::array<Term, fit_terms> all{};
+  constexpr std::array<double, fit_degree + 1> factorial = {1, 1, 2, 6, 24, 120};
+  for (int d = 0, k = 0; d <= fit_degree; ++d)
+    for (int j = 0; j <= d; ++j, ++k) all[k] = {d - j, j, 1 / (factorial[d - j] * factorial[j])};
+  return all;
+}();
+
+/// (i, j): sum of w x^i y^j for i + j <= degree.
+template <int Degree>
+Eigen::Matrix<double, Degree + 1, Degree + 1> moments(const Stencil& s, const Eigen::VectorXd& w) {
+  Eigen::Matrix<double, Degree + 1, Degree + 1> m;
+  Eigen::VectorXd wx(w.size());
+  for (int i = 0; i <= Degree; ++i) {
+    wx = w.cwiseProduct(s.x.col(i));
+    m.row(i).head(Degree + 1 - i).noalias() = wx.transpose() * s.y.leftCols(Degree + 1 - i);
+  }
+  return m;
+}
+
+/// The heights of a polynomial.
+Eigen::VectorXd heights(const Stencil& s, const Column& coefficients) {
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(s.z.size());
+  for (int k = 0; k < fit_terms; ++k)
+    z.array() += coefficients[k] * term[k].over * s.x.col(term[k].i).array() * s.y.col(term[k].j).array();
+  return z;
+}
+
+/// The normal matrix of monomials has 66 different entries, sums of w x^i y^j, for its 231.
+PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w) {
+  const auto m = moments<2 * fit_degree>(s, w);
+  const auto right = moments<fit_degree>(s, w.cwiseProduct(s.z));
+  PlaneFit r;
+  Square p;
+  Column b;
+  for (int k = 0; k < fit_terms; ++k) {
+    for (int l = k; l < fit_terms; ++l) p(l, k) = term[k].over * term[l].over * m(term[k].i + term[l].i, term[k].j + term[l].j);
+    b[k] = term[k].over * right(term[k].i, term[k].j);
+    r.prior[k] = 1 / components.term[term[k].i + term[k].j];
+  }
+  r.prior[2] = 1 / (components.tilt + components.noise * s.faces_noise);
+  b[2] += r.prior[2] * s.faces;
+  r.prior[1] += 1 / (components.noise * s.slope_noise + components.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
+  p.diagonal() += r.prior;
+  r.factor.compute(p);
+  r.mean = r.factor.solve(b);
+  return r;
+}
+
+using SquareRows = Eigen::Matrix<double, fit_terms, fit_terms, Eigen::RowMajor>;
+
+/// The lower triangle of the inverse. By rows and without its zeros: at this size several times faster than the general solver.
+SquareRows inverse(const Eigen::LLT<Square, Eigen::Lower>& factor) {
+  const Square& l = factor.matrixLLT();
+  SquareRows half = SquareRows::Zero(), all = SquareRows::Zero();  // half: the inverse of l
+  for (int i = 0; i < fit_terms; ++i) {
+    for (int k = 0; k < i; ++k) half.row(i).head(k + 1) -= l(i, k) * half.row(k).head(k + 1);
+    half(i, i) = 1;
+    half.row(i).head(i + 1) /= l(i, i);
+    for (int k = 0; k <= i; ++k) all.row(k).head(k + 1) += half(i, k) * half.row(i).head(k + 1);
+  }
+  return all;
+}
+
+/// What one stencil says of each component: a sum of squares, and the number of well-determined parameters that it is over.
+struct Explained {
+  std::array<double, fit_degree + 1> sum = {}, count = {};
+  double noise = 0, truncation = 0, noise_count = 0, truncation_count = 0, tilt = 0, tilt_count = 0;
+
+  void operator+=(const Explained& e) {
+    for (int d = 0; d <= fit_degree; ++d) {
+      sum[d] += e.sum[d];
+      count[d] += e.count[d];
+    }
+    noise += e.noise;
+    truncation += e.truncation;
+    noise_count += e.noise_count;
+    truncation_count += e.truncation_count;
+    tilt += e.tilt;
+    tilt_count += e.tilt_count;
+  }
+};
+
+Explained explain(const Stencil& s, const VarianceComponents& components) {
+  Explained e;
+  const Eigen::ArrayXd v = components.noise + components.truncation * s.g.array(), part = components.noise / v,
+                       w = s.share.array() / v;
+  const PlaneFit fit = fit_weighted(s, components, w);
+  const SquareRows covariance = inverse(fit.factor);
+  for (int j = 0; j < fit_terms; ++j) {
+    const int d = term[j].i + term[j].j;
+    if (d == 1) continue;
+    e.sum[d] += fit.mean[j] * fit.mean[j];
+    e.count[d] += std::max(1 - covariance(j, j) / components.term[d], least_count);
+  }
+  e.tilt = std::pow(fit.mean[2] - s.faces, 2);
+  e.tilt_count = std::max(1 - covariance(2, 2) * fit.prior[2], least_count);
+  // The points less the parameters that they determine: all, and those whose error is noise.
+  const auto m = moments<2 * fit_degree>(s, w * part);
+  double noisy = 0;
+  for (int k = 0; k < fit_terms; ++k)
+    for (int l = k; l < fit_terms; ++l)
+      noisy +=
+          (k == l ? 1 : 2) * covariance(l, k) * term[k].over * term[l].over * m(term[k].i + term[l].i, term[k].j + term[l].j);
+  const double points = s.share.sum(), noise_points = (s.share.array() * part).sum();
+  const double all = fit_terms - covariance.diagonal().dot(fit.prior);
+  e.noise_count = std::max(noise_points - noisy, least_count * noise_points);
+  e.truncation_count = std::max(points - noise_points - (all - noisy), least_count * (points - noise_points));
+  const Eigen::ArrayXd square = s.share.array() * (s.z - heights(s, fit.mean)).array().square();
+  e.noise = (part.square() * square).sum();
+  e.truncation = (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
+  return e;
+}
+
+/// The least that the components can be.
+struct Floors {
+  double radius, bend, least_bend;  // bend, least_bend: squared curvatures
+
+  double noise() const { return least() * least(); }
+  /// The variance of a term of this degree that makes heights of least() at the radius.
+  double term(int d) const { return std::pow(least() / std::pow(radius, d), 2); }
+  double least() const { return least_noise * radius; }
+};
+
+VarianceComponents components_of(const Explained& all, const Floors& floors) {
+  const auto ratio = [](double above, double below) { return below > 0 ? above / below : 0; };
+  VarianceComponents c;
+  c.noise = std::max(ratio(all.noise, all.noise_count), floors.noise());
+  c.truncation = std::max(ratio(all.truncation, all.truncation_count), 1e-6 * floors.term(fit_degree + 1));
+  for (int d = 2; d <= fit_degree; ++d) c.term[d] = std::max(ratio(all.sum[d], all.count[d]), floors.term(d));
+  c.term[2] = std::max(c.term[2], floors.least_bend);
+  c.tilt = std::max(ratio(all.tilt, all.tilt_count), 1e-4 * floors.bend);
+  return c;
+}
+
+bool have_settled(const VarianceComponents& now, const VarianceComponents& before, double radius) {
+  const auto same = [](double a, double b) { return std::abs(a - b) <= settled * b; };
+  bool done = same(now.noise, before.noise) && same(now.truncation, before.truncation);
+  for (int d = 2; d <= fit_degree; ++d) {
+    const double unseen = 0.1 * now.noise / std::pow(radius, 2 * d);  // makes heights less than the noise
+    done = done && same(now.term[d] + unseen, before.term[d] + unseen);
+  }
+  return done;
+}
+
+}  // namespace
+
+PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components) {
+  return fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()));
+}
+
+/// MacKay 1992, eqs. 4.9 to 4.11: each component is the mean square of what it explains over the number of its well-determined
+/// parameters. The slopes across the rim are those of the faces beside it but for a tilt of a component of its own: where the next
+/// vertices are far, as beside a bevel of long strips, that is all there is to know them by, and its likeliest size is next to
+/// nothing. Starts from no noise, so that coarse but clean meshes are not smoothed.
+VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>& stencils, double radius, double bend) {
+  const Floors floors = {radius, std::max(bend, 0.01 / (radius * radius)), bends_at_least * bend};
+  bend = floors.bend;
+  VarianceComponents components;
+  components.term = {1, 100, bend, bend * bend, std::pow(bend, 3), std::pow(bend, 4)};
+  components.noise = floors.noise();
+  components.tilt = bend;
+  components.truncation = std::pow(bend, 5) / 720 / 720;
+  bool all = false;  // every second stencil of a side tells nearly the same
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    Explained sum;
+    for (const std::vector<Stencil>& side : stencils)
+      for (std::size_t k = all ? 0 : 1; k < side.size(); k += all ? 1 : 2) sum += explain(side[k], components);
+    const VarianceComponents before = std::exchange(components, components_of(sum, floors));
+    const bool done = have_settled(components, before, radius);
+    if (done && all) break;
+    all = all || done || iteration >= most_iterations / 2;
+  }
+  return components;
+}
+
+}  // namespace tripatch

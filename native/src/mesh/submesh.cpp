@@ -1,0 +1,78 @@
+#include "tripatch/mesh/submesh.h"
+
+#include <algorithm>
+
+namespace tripatch {
+
+/// Where an item stands, or the free place where it would.
+std::size_t Numbering::slot(Index item) const {
+  const std::size_t mask = place_.size() - 1;
+  // multiplied by 2^64 over the golden ratio, so that neighboring numbers come apart (Knuth, vol. 3, 6.4)
+  std::size_t k = static_cast<std::uint64_t>(item) * 0x9E3779B97F4A7C15U >> 20 & mask;
+  while (place_[k] >= 0 && items_[place_[k]] != item) k = (k + 1) & mask;
+  return k;
+}
+
+bool Numbering::add(Index item) {
+  if (2 * (items_.size() + 1) > place_.size()) {
+    place_.assign(std::max<std::size_t>(64, 2 * place_.size()), -1);
+    for (std::size_t k = 0; k < items_.size(); ++k) place_[slot(items_[k])] = static_cast<int>(k);
+  }
+  int& place = place_[slot(item)];
+  if (place >= 0) return false;
+  place = static_cast<int>(items_.size());
+  items_.push_back(item);
+  return true;
+}
+
+std::vector<Index> Rings::all_faces() const {
+  std::vector<Index> all;
+  for (const std::vector<Index>& ring : faces) all.insert(all.end(), ring.begin(), ring.end());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+Rings rings_around(const Connectivity& mesh, std::span<const Index> vertices, int rings) {
+  Numbering seen, taken;
+  for (Index v : vertices) seen.add(v);
+  Rings result;
+  result.vertices.push_back(seen.items());
+  for (int ring = 0; ring < rings; ++ring) {
+    std::vector<Index> faces, next;
+    for (Index v : result.vertices[ring])
+      for (Connectivity::Corner c : mesh.at(v)) {
+        const Index f = mesh.face(c);
+        if (!taken.add(f)) continue;
+        faces.push_back(f);
+        for (Index w : mesh.faces()[f])
+          if (seen.add(w)) next.push_back(w);
+      }
+    result.faces.push_back(std::move(faces));
+    result.vertices.push_back(std::move(next));
+  }
+  return result;
+}
+
+Submesh submesh(const FacesRef& faces, std::vector<Index> some, std::span<const Index> first) {
+  Submesh part;
+  part.face = std::move(some);
+  for (Index v : first) part.vertex.add(v);
+  part.offsets = {0};
+  for (Index f : part.face) {
+    for (Index v : faces[f]) {
+      part.vertex.add(v);
+      part.corners.push_back(part.vertex.find(v));
+    }
+    part.offsets.push_back(static_cast<int>(part.corners.size()));
+  }
+  part.fan_offsets.assign(part.vertex.size() + 1, 0);
+  for (int v : part.corners) ++part.fan_offsets[v + 1];
+  for (std::size_t v = 0; v < part.vertex.size(); ++v) part.fan_offsets[v + 1] += part.fan_offsets[v];
+  part.fan.resize(part.corners.size());
+  std::vector<int> place(part.fan_offsets.begin(), part.fan_offsets.end() - 1);
+  for (int f = 0; f + 1 < static_cast<int>(part.offsets.size()); ++f)
+    for (int v : part[f]) part.fan[place[v]++] = f;
+  return part;
+}
+
+}  // namespace tripatch
