@@ -15,7 +15,7 @@ constexpr double sides_tolerance = 1e-13;  ///< of a side's polynomials, of thei
 constexpr double parallel = 1e-6;          ///< sine of the angle between derivatives that make no tangent plane
 constexpr double beside_it = 1e-4;         ///< of an edge: how far from such a place the normal is read
 constexpr double flat = 1e-6;              ///< of a side's length: a derivative at its end that is none
-constexpr double kink = 0.1;               ///< degrees between two pieces of the rim's curve: it has a kink, of which a warning tells
+constexpr double kink = 0.1;  ///< degrees between two pieces of the rim's curve: it has a kink, of which a warning tells
 
 struct FaceEdge {
   Index face;
@@ -45,7 +45,8 @@ Vec3 second_across(const LimitJet& j, const Vec3& n, const Vec3& r) {
   return n * n.dot(a[0] * a[0] * j.puu + 2 * a[0] * a[1] * j.puv + a[1] * a[1] * j.pvv);
 }
 
-void refined_sides(const Mesh& cage, const Connectivity& whole, const Hole& hole, const Subdivision& settings, LimitSides& result) {
+void refined_sides(const Mesh& cage, const Connectivity& whole, const Hole& hole, const Subdivision& settings,
+                   LimitSides& result) {
   const RefinedCage refined = refine_cage(cage, whole, settings, hole.rim);
   Hole fine;
   for (std::size_t k = 0; k < hole.rim.size(); ++k) {

@@ -15,23 +15,23 @@
 namespace tripatch {
 namespace {
 
-constexpr int enough_points = 50;      ///< a stencil stops growing at this size: more than twice the terms
-constexpr int few_points = 8;          ///< beyond the rim: with fewer, those that do not lie in front of the side are used too
-constexpr int samples_a_side = 6;      ///< about as many stencils a side tell the variance components
-constexpr double flat_enough = 5e-4;   ///< slope over the guess of a plane: no second fit
-constexpr double most_tilt = 0.2;      ///< slope that is handed on to the next vertex
-constexpr double same_sheet = 0.5;     ///< cosine: faces turned further from the vertex's own are another sheet (a cube's edge)
-constexpr double steep = 0.5;          ///< cosine: vertices turned further count for nothing,
-constexpr double fully_from = 0.3;     ///< and fully from so much more on, where their heights are those of a graph
-constexpr double never_nothing = 1e-6; ///< but this, for a fit needs points
+constexpr int enough_points = 50;       ///< a stencil stops growing at this size: more than twice the terms
+constexpr int few_points = 8;           ///< beyond the rim: with fewer, those that do not lie in front of the side are used too
+constexpr int samples_a_side = 6;       ///< about as many stencils a side tell the variance components
+constexpr double flat_enough = 5e-4;    ///< slope over the guess of a plane: no second fit
+constexpr double most_tilt = 0.2;       ///< slope that is handed on to the next vertex
+constexpr double same_sheet = 0.5;      ///< cosine: faces turned further from the vertex's own are another sheet (a cube's edge)
+constexpr double steep = 0.5;           ///< cosine: vertices turned further count for nothing,
+constexpr double fully_from = 0.3;      ///< and fully from so much more on, where their heights are those of a graph
+constexpr double never_nothing = 1e-6;  ///< but this, for a fit needs points
 // Shares fade over a quarter of a rim edge, or of a ratio of distances, for a plane shall not jump when a vertex moves.
-constexpr double beyond_end = 0.35;    ///< rim edges beyond the plane across a side's end where a share reaches 0
-constexpr double nearer_other = 1.3;   ///< times as far from the side as from its neighbor: the share is 0
+constexpr double beyond_end = 0.35;   ///< rim edges beyond the plane across a side's end where a share reaches 0
+constexpr double nearer_other = 1.3;  ///< times as far from the side as from its neighbor: the share is 0
 constexpr double fade_width = 0.25;
-constexpr double never_one_plane = 60; ///< degrees between the planes of two sides at their corner: each keeps its own;
-constexpr double one_plane = 5;        ///< also from so many degrees on,
-constexpr double apart = 5;            ///< where they are so many standard deviations apart
-constexpr Index long_rim = 60;         ///< edges, from which on threads are worth their start
+constexpr double never_one_plane = 60;  ///< degrees between the planes of two sides at their corner: each keeps its own;
+constexpr double one_plane = 5;         ///< also from so many degrees on,
+constexpr double apart = 5;             ///< where they are so many standard deviations apart
+constexpr Index long_rim = 60;          ///< edges, from which on threads are worth their start
 
 /// The three sides with the curves through their vertices and the planes of the faces beside them.
 std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const Hole& hole) {

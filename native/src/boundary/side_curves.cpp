@@ -45,7 +45,7 @@ std::vector<Vec3> second_derivatives(const std::vector<double>& t, const std::ve
 
 /// C2 curve of degree 5 through values with first and second derivatives.
 PiecewisePolynomial quintic_spline(const std::vector<double>& t, const std::vector<Vec3>& value, const std::vector<Vec3>& first,
-                            const std::vector<Vec3>& second) {
+                                   const std::vector<Vec3>& second) {
   std::vector<double> coefficients;
   for (std::size_t k = 0; k + 1 < t.size(); ++k) {
     // about the middle, u from -1 to 1: even and odd parts

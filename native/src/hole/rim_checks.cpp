@@ -58,10 +58,11 @@ void check_orientation(const RimEdges& edges) {
     where.insert(where.end(), edge.begin(), edge.end());
   std::sort(where.begin(), where.end());
   where.erase(std::unique(where.begin(), where.end()), where.end());
-  throw Refusal("The faces around the rim disagree in orientation: at vertices " +
-                    (where.size() > most_named ? listed({where.begin(), where.begin() + most_named}) + " and more" : listed(where)) +
-                    " they are turned against the others" + advice,
-                where);
+  throw Refusal(
+      "The faces around the rim disagree in orientation: at vertices " +
+          (where.size() > most_named ? listed({where.begin(), where.begin() + most_named}) + " and more" : listed(where)) +
+          " they are turned against the others" + advice,
+      where);
 }
 
 /// The faces at a vertex of the rim agree in orientation, and no more than two share an edge between rim vertices.

@@ -77,8 +77,7 @@ Connectivity::Connectivity(const FacesRef& faces, Index vertices, std::span<cons
     throw InvalidArgument("A mesh of 2^32 corners of faces is too large");
   const Corner all = static_cast<Corner>(faces.corners.size());
   for (Corner c = 0; c < all; ++c)
-    if (static_cast<std::uint64_t>(faces.corners[c]) >= static_cast<std::uint64_t>(vertices))
-      refuse_vertex(faces, c, vertices);
+    if (static_cast<std::uint64_t>(faces.corners[c]) >= static_cast<std::uint64_t>(vertices)) refuse_vertex(faces, c, vertices);
   if (size_ == 0) {
     face_.resize(all);
     for (Index f = 0; f < faces.size(); ++f)

@@ -42,7 +42,9 @@ struct Submesh {
   std::vector<int> offsets, corners;  ///< of the faces, by those numbers
   std::vector<int> fan_offsets, fan;  ///< faces at each vertex, by their own numbers, in their order
 
-  std::span<const int> operator[](int f) const { return {&corners[offsets[f]], &corners[offsets[f]] + (offsets[f + 1] - offsets[f])}; }
+  std::span<const int> operator[](int f) const {
+    return {&corners[offsets[f]], &corners[offsets[f]] + (offsets[f + 1] - offsets[f])};
+  }
   std::span<const int> faces_at(int v) const { return {fan.data() + fan_offsets[v], fan.data() + fan_offsets[v + 1]}; }
 };
 /// first: vertices that take the first numbers.
