@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "tripatch/output/quad_cover.h"
+#include "tripatch/hole/rim_shape.h"
 
 namespace tripatch {
 namespace {
@@ -70,8 +70,7 @@ void hold_surroundings(const CageSystem& system, const Points& free, const HoleS
 
 Seam seam_of(const CageSurfaces& surfaces, const Hole& hole, const Sides& sides, const DirectedEdges& edges) {
   Seam seam;
-  for (Index v : hole.rim)
-    seam.size = std::max(seam.size, (surfaces.given.vertices.row(v) - surfaces.given.vertices.row(hole.rim[0])).norm());
+  seam.size = diameter(surfaces.given, hole.rim);
   for (int i = 0; i < 3; ++i) {
     const std::vector<Index> side = hole.side(i);
     const double count = static_cast<double>(side.size() - 1);
