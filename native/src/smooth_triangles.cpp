@@ -14,6 +14,12 @@ namespace {
 
 using Triangle = std::array<Index, 3>;
 
+/// Of a triangle's area over its longest edge squared, below which it has none: rounding of its corners alone makes up to 1e-15.
+constexpr double least_area = 1e-12;
+/// Length of a sum of unit normals, weighted by angles in radians, below which they cancel.
+constexpr double least_normal = 1e-9;
+constexpr double rounded = 1e-9;  ///< what the length of a unit normal may differ from 1
+
 std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   std::vector<Triangle> triangles(mesh.faces.size());
   for (Index f = 0; f < mesh.faces.size(); ++f) {
@@ -31,7 +37,7 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
       if (!mesh.vertices.row(v).allFinite()) throw Refusal("The position of vertex " + std::to_string(v) + " is not finite", {v});
     const Vec3 a = mesh.vertices.row(face[0]), b = mesh.vertices.row(face[1]), c = mesh.vertices.row(face[2]);
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    if (!((b - a).cross(c - a).norm() > 1e-12 * longest * longest))
+    if (!((b - a).cross(c - a).norm() > least_area * longest * longest))
       throw Refusal(name + " has no area", {face.begin(), face.end()});
   }
   return triangles;
@@ -102,7 +108,7 @@ void take_normals(const Points& given, bool estimated, const Lattice& lattice, P
     const std::string name = std::to_string(v);
     if (!given.row(v).allFinite()) throw Refusal("The normal of vertex " + name + " is not finite", {v});
     const Vec3 unit = given.row(v).transpose().stableNormalized();
-    if (!(std::abs(unit.norm() - 1) < 1e-9))  // zero: the length of any other is 1 to rounding
+    if (!(std::abs(unit.norm() - 1) < rounded))  // zero or too small to be scaled
       throw Refusal(estimated ? "The normals of the faces around vertex " + name + " cancel: give its normal"
                               : "The normal of vertex " + name + " is zero",
                     {v});
@@ -195,7 +201,7 @@ Points angle_weighted_normals(const Mesh& mesh) {
   }
   for (Index v = 0; v < normals.rows(); ++v) {
     const double length = normals.row(v).norm();
-    if (length > 1e-9) {
+    if (length > least_normal) {
       normals.row(v) /= length;
     } else {
       normals.row(v).setZero();
