@@ -19,8 +19,7 @@
 namespace tripatch {
 namespace {
 
-/// Degrees between the tangent planes of two sides at their corner that are worth a warning: a mesh of some 16 edges a side estimates
-/// its planes to a few tenths of one.
+/// Degrees between the tangent planes of two sides at their corner from which on a person is told.
 constexpr double corner_mismatch_warned = 1;
 
 class Stopwatch {

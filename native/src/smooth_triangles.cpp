@@ -14,6 +14,12 @@ namespace {
 
 using Triangle = std::array<Index, 3>;
 
+/// Of a triangle's area over its longest edge squared, below which it has none: rounding of its corners alone makes up to 1e-15.
+constexpr double least_area = 1e-12;
+/// Length of a sum of unit normals, weighted by angles in radians, below which they cancel.
+constexpr double least_normal = 1e-9;
+constexpr double rounded = 1e-9;  ///< what the length of a unit normal may differ from 1
+
 std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   std::vector<Triangle> triangles(mesh.faces.size());
   for (Index f = 0; f < mesh.faces.size(); ++f) {
@@ -31,19 +37,152 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
       if (!mesh.vertices.row(v).allFinite()) throw Refusal("The position of vertex " + std::to_string(v) + " is not finite", {v});
     const Vec3 a = mesh.vertices.row(face[0]), b = mesh.vertices.row(face[1]), c = mesh.vertices.row(face[2]);
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    if (!((b - a).cross(c - a).norm() > 1e-12 * longest * longest))
+    if (!((b - a).cross(c - a).norm() > least_area * longest * longest))
       throw Refusal(name + " has no area", {face.begin(), face.end()});
   }
   return triangles;
 }
 
-/// Points of the lattice of a face that lie inside it, barycentric, row by row.
-Points inside_lattice(int n) {
-  Points b((n - 1) * (n - 2) / 2, 3);
+/// Barycentric points (resolution - j - k, j, k) / resolution of a face that lie inside it, row by row.
+Points inside_lattice(int resolution) {
+  Points b((resolution - 1) * (resolution - 2) / 2, 3);
   Index r = 0;
-  for (int j = 1; j < n; ++j)
-    for (int k = 1; j + k < n; ++k) b.row(r++) << n - j - k, j, k;
-  return b / n;
+  for (int j = 1; j < resolution; ++j)
+    for (int k = 1; j + k < resolution; ++k) b.row(r++) << resolution - j - k, j, k;
+  return b / resolution;
+}
+
+/// The edges of the triangles and the numbers of the new vertices: those of the mesh, of the edges, inside the faces.
+struct Lattice {
+  int resolution;
+  const std::vector<Triangle>& triangles;
+  Index vertices;
+  std::vector<std::array<Index, 2>> edges;
+  std::vector<std::array<Index, 3>> edges_of;  ///< of each triangle; edge k runs from corner k to corner k + 1
+
+  Lattice(const std::vector<Triangle>& all, Index n, int cuts) : resolution(cuts), triangles(all), vertices(n) {
+    std::unordered_map<Index, Index> known;  // lower vertex * n + higher vertex
+    for (const Triangle& t : triangles) {
+      std::array<Index, 3>& mine = edges_of.emplace_back();
+      for (int k = 0; k < 3; ++k) {
+        const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+        const auto [place, is_new] = known.try_emplace(a * n + b, static_cast<Index>(edges.size()));
+        if (is_new) edges.push_back({a, b});
+        mine[k] = place->second;
+      }
+    }
+  }
+
+  Index per_edge() const { return resolution - 1; }
+  Index per_face() const { return (resolution - 1) * (resolution - 2) / 2; }
+  /// Point k = 1 .. resolution - 1 of an edge, from its lower vertex.
+  Index on_edge(Index edge, int k) const { return vertices + edge * per_edge() + k - 1; }
+  Index first_inside(std::size_t face) const {
+    return vertices + static_cast<Index>(edges.size()) * per_edge() + static_cast<Index>(face) * per_face();
+  }
+  Index total() const { return first_inside(triangles.size()); }
+
+  /// `steps` from corner k of a face towards corner k + 1.
+  Index along(std::size_t face, int k, int steps) const {
+    const Triangle& t = triangles[face];
+    if (steps == 0) return t[k];
+    if (steps == resolution) return t[(k + 1) % 3];
+    return on_edge(edges_of[face][k], t[k] < t[(k + 1) % 3] ? steps : resolution - steps);
+  }
+  /// At barycentric (resolution - j - k, j, k) / resolution of a face.
+  Index at(std::size_t face, int j, int k) const {
+    if (k == 0) return along(face, 0, j);
+    if (j + k == resolution) return along(face, 1, k);
+    if (j == 0) return along(face, 2, resolution - k);
+    const int rows_before = j - 1;  // row j holds resolution - 1 - j points
+    return first_inside(face) + rows_before * (resolution - 1) - rows_before * (rows_before + 1) / 2 + k - 1;
+  }
+};
+
+/// The vertices' normals as unit vectors, where a face uses them.
+void take_normals(const Points& given, bool estimated, const Lattice& lattice, Points& normals) {
+  std::vector<char> used(lattice.vertices, 0);
+  for (const auto& edge : lattice.edges) used[edge[0]] = used[edge[1]] = 1;
+  for (Index v = 0; v < lattice.vertices; ++v) {
+    if (!used[v]) continue;
+    const std::string name = std::to_string(v);
+    if (!given.row(v).allFinite()) throw Refusal("The normal of vertex " + name + " is not finite", {v});
+    const Vec3 unit = given.row(v).transpose().stableNormalized();
+    if (!(std::abs(unit.norm() - 1) < rounded))  // zero or too small to be scaled
+      throw Refusal(estimated ? "The normals of the faces around vertex " + name + " cancel: give its normal"
+                              : "The normal of vertex " + name + " is zero",
+                    {v});
+    normals.row(v) = unit;
+  }
+}
+
+/// A curve with a normal field over each edge, and its points.
+std::vector<Side> smooth_edges(const Lattice& lattice, NormalCurve curve, SmoothMesh& out) {
+  const auto point = [&](Index v) -> Vec3 { return out.vertices.row(v); };
+  const auto normal = [&](Index v) -> Vec3 { return out.normals.row(v); };
+  std::vector<Side> sides(lattice.edges.size());
+  for (std::size_t e = 0; e < sides.size(); ++e) {
+    const auto [a, b] = lattice.edges[e];
+    try {
+      sides[e] = side_from_normals(point(a), normal(a), point(b), normal(b), curve);
+    } catch (const Refusal& refusal) {
+      std::vector<Index> where;
+      for (Index w : refusal.where()) where.push_back(w == 0 ? a : b);
+      std::string at = " (vertex " + std::to_string(where[0]) + ", on the edge from ";
+      throw Refusal(refusal.what() + at + std::to_string(a) + " to " + std::to_string(b) + ")", where);
+    }
+    for (int k = 1; k < lattice.resolution; ++k) {
+      const double t = static_cast<double>(k) / lattice.resolution;
+      const Index row = lattice.on_edge(static_cast<Index>(e), k);
+      out.vertices.row(row) = sides[e].c(t);
+      out.normals.row(row) = sides[e].normal(t);
+    }
+  }
+  return sides;
+}
+
+/// The points inside each face, on a side-vertex patch between the curves of its edges.
+void smooth_faces(const Lattice& lattice, const std::vector<Side>& sides, SmoothMesh& out) {
+  const auto point = [&](Index v) -> Vec3 { return out.vertices.row(v); };
+  const auto normal = [&](Index v) -> Vec3 { return out.normals.row(v); };
+  const Points inside = inside_lattice(lattice.resolution);
+  if (inside.rows() == 0) return;
+  std::vector<double> jets(inside.rows() * 9);
+  for (std::size_t f = 0; f < lattice.triangles.size(); ++f) {
+    const Triangle& t = lattice.triangles[f];
+    // Normals may be the inner ones, or the face turned against its neighbors: the surface is the same, but r must point outwards.
+    const Vec3 across = (point(t[1]) - point(t[0])).cross(point(t[2]) - point(t[0]));
+    const double outer = across.dot(normal(t[0]) + normal(t[1]) + normal(t[2])) < 0 ? -1 : 1;
+    Sides around;
+    for (int i = 0; i < 3; ++i) {
+      const int k = (i + 1) % 3;  // side i runs from corner i + 1
+      const Side& side = sides[lattice.edges_of[f][k]];
+      const bool forwards = t[k] < t[(k + 1) % 3];
+      around[i].c = forwards ? side.c : side.c.reversed();
+      around[i].r = (forwards ? outer : -outer) * (forwards ? side.r : side.r.reversed());
+    }
+    const SurfacePtr patch = side_vertex(make_boundary(around));
+    patch->evaluate(inside.data(), inside.rows(), 1, jets.data());
+    for (Index k = 0; k < inside.rows(); ++k) {
+      const double* jet = &jets[9 * k];
+      out.vertices.row(lattice.first_inside(f) + k) = Vec3::Map(jet);
+      out.normals.row(lattice.first_inside(f) + k) = outer * Vec3::Map(jet + 3).cross(Vec3::Map(jet + 6)).stableNormalized();
+    }
+  }
+}
+
+std::vector<Triangle> small_triangles(const Lattice& lattice) {
+  std::vector<Triangle> faces;
+  const int n = lattice.resolution;
+  faces.reserve(lattice.triangles.size() * n * n);
+  for (std::size_t f = 0; f < lattice.triangles.size(); ++f)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; j + k < n; ++k) {
+        const Index right = lattice.at(f, j + 1, k), up = lattice.at(f, j, k + 1);
+        faces.push_back({lattice.at(f, j, k), right, up});
+        if (j + k + 1 < n) faces.push_back({right, lattice.at(f, j + 1, k + 1), up});
+      }
+  return faces;
 }
 
 }  // namespace
@@ -62,7 +201,7 @@ Points angle_weighted_normals(const Mesh& mesh) {
   }
   for (Index v = 0; v < normals.rows(); ++v) {
     const double length = normals.row(v).norm();
-    if (length > 1e-9) {
+    if (length > least_normal) {
       normals.row(v) /= length;
     } else {
       normals.row(v).setZero();
@@ -79,106 +218,17 @@ SmoothMesh smooth_triangles(const Mesh& mesh, const std::optional<Points>& norma
     throw InvalidArgument("there must be a normal for each of the " + std::to_string(n) + " vertices, not " +
                           std::to_string(normals->rows()));
   const std::vector<Triangle> triangles = checked_triangles(mesh);
-  const Points given = normals ? *normals : angle_weighted_normals(mesh);
+  Lattice lattice(triangles, n, resolution);
 
   SmoothMesh out;
-  std::unordered_map<Index, Index> edge_of;                      // lower vertex * n + higher vertex
-  std::vector<std::array<Index, 3>> edges_of(triangles.size());  // edge k runs from corner k to corner k + 1
-  std::vector<char> used(n, 0);
-  for (std::size_t f = 0; f < triangles.size(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      const auto [a, b] = std::minmax(triangles[f][k], triangles[f][(k + 1) % 3]);
-      used[a] = used[b] = 1;
-      const auto [place, is_new] = edge_of.try_emplace(a * n + b, static_cast<Index>(out.edges.size()));
-      if (is_new) out.edges.push_back({a, b});
-      edges_of[f][k] = place->second;
-    }
-
-  const int cuts = resolution - 1;
-  const Points inside = inside_lattice(resolution);
-  const Index first_inside = n + static_cast<Index>(out.edges.size()) * cuts;
-  const Index total = first_inside + static_cast<Index>(triangles.size()) * inside.rows();
-  out.vertices.resize(total, 3);
+  out.vertices.resize(lattice.total(), 3);
   out.vertices.topRows(n) = mesh.vertices;
-  out.normals = Points::Zero(total, 3);
-  for (Index v = 0; v < n; ++v) {
-    if (!used[v]) continue;
-    const std::string name = std::to_string(v);
-    if (!given.row(v).allFinite()) throw Refusal("The normal of vertex " + name + " is not finite", {v});
-    const Vec3 unit = given.row(v).transpose().stableNormalized();
-    if (!(std::abs(unit.norm() - 1) < 1e-9))
-      throw Refusal(normals ? "The normal of vertex " + name + " is zero"
-                            : "The normals of the faces around vertex " + name + " cancel: give its normal",
-                    {v});
-    out.normals.row(v) = unit;
-  }
-  const auto point = [&](Index v) -> Vec3 { return mesh.vertices.row(v); };
-  const auto normal = [&](Index v) -> Vec3 { return out.normals.row(v); };
-
-  std::vector<Side> sides(out.edges.size());
-  for (std::size_t e = 0; e < sides.size(); ++e) {
-    const auto [a, b] = out.edges[e];
-    try {
-      sides[e] = side_from_normals(point(a), normal(a), point(b), normal(b), curve);
-    } catch (const Refusal& refusal) {
-      std::vector<Index> where;
-      for (Index w : refusal.where()) where.push_back(w == 0 ? a : b);
-      std::string at = " (vertex " + std::to_string(where[0]) + ", on the edge from ";
-      throw Refusal(refusal.what() + at + std::to_string(a) + " to " + std::to_string(b) + ")", where);
-    }
-    for (int k = 1; k <= cuts; ++k) {
-      const double t = static_cast<double>(k) / resolution;
-      const Index row = n + static_cast<Index>(e) * cuts + k - 1;
-      out.vertices.row(row) = sides[e].c(t);
-      out.normals.row(row) = sides[e].normal(t);
-    }
-  }
-
-  out.faces.reserve(triangles.size() * resolution * resolution);
-  std::vector<double> jets(inside.rows() * 9);
-  for (std::size_t f = 0; f < triangles.size(); ++f) {
-    const Triangle& t = triangles[f];
-    const Index start = first_inside + static_cast<Index>(f) * inside.rows();
-    if (inside.rows() > 0) {
-      // Normals may be the inner ones, or the face turned against its neighbours: the surface is the same, but r must point outwards.
-      const Vec3 across = (point(t[1]) - point(t[0])).cross(point(t[2]) - point(t[0]));
-      const double outer = across.dot(normal(t[0]) + normal(t[1]) + normal(t[2])) < 0 ? -1 : 1;
-      Sides around;
-      for (int i = 0; i < 3; ++i) {
-        const int k = (i + 1) % 3;  // side i runs from corner i + 1
-        const Side& side = sides[edges_of[f][k]];
-        const bool forwards = t[k] < t[(k + 1) % 3];
-        around[i].c = forwards ? side.c : side.c.reversed();
-        around[i].r = (forwards ? outer : -outer) * (forwards ? side.r : side.r.reversed());
-      }
-      const SurfacePtr patch = side_vertex(make_boundary(around));
-      patch->evaluate(inside.data(), inside.rows(), 1, jets.data());
-      for (Index k = 0; k < inside.rows(); ++k) {
-        const double* jet = &jets[9 * k];
-        out.vertices.row(start + k) = Vec3::Map(jet);
-        out.normals.row(start + k) = outer * Vec3::Map(jet + 3).cross(Vec3::Map(jet + 6)).stableNormalized();
-      }
-    }
-
-    const auto on_edge = [&](int k, int steps) {  // `steps` from corner k towards corner k + 1
-      if (steps == 0) return t[k];
-      if (steps == resolution) return t[(k + 1) % 3];
-      const int from_lower = t[k] < t[(k + 1) % 3] ? steps : resolution - steps;
-      return n + edges_of[f][k] * cuts + from_lower - 1;
-    };
-    const auto lattice = [&](int j, int k) {  // barycentric (resolution - j - k, j, k) / resolution
-      if (k == 0) return on_edge(0, j);
-      if (j + k == resolution) return on_edge(1, k);
-      if (j == 0) return on_edge(2, resolution - k);
-      const int rows_before = j - 1;  // row j holds resolution - 1 - j points
-      return start + rows_before * (resolution - 1) - rows_before * (rows_before + 1) / 2 + k - 1;
-    };
-    for (int j = 0; j < resolution; ++j)
-      for (int k = 0; j + k < resolution; ++k) {
-        out.faces.push_back({lattice(j, k), lattice(j + 1, k), lattice(j, k + 1)});
-        if (j + k + 1 < resolution) out.faces.push_back({lattice(j + 1, k), lattice(j + 1, k + 1), lattice(j, k + 1)});
-      }
-  }
+  out.normals = Points::Zero(lattice.total(), 3);
+  take_normals(normals ? *normals : angle_weighted_normals(mesh), !normals, lattice, out.normals);
+  const std::vector<Side> sides = smooth_edges(lattice, curve, out);
+  smooth_faces(lattice, sides, out);
+  out.faces = small_triangles(lattice);
+  out.edges = std::move(lattice.edges);
   return out;
 }
 

@@ -289,3 +289,17 @@ def test_another_border_at_the_rim_is_said():
     left = [face for face in left if face is not touching]
     fill = tripatch.fill(vertices, left, rim=rim, corners=corners, output="cage", resolution=0)
     assert any("Another border touches the rim" in w for w in fill.report.warnings)
+
+
+@pytest.mark.parametrize("cage_rim", ["smooth", "exact", "move"])
+def test_a_cage_is_the_same_whichever_corner_is_the_first(cage_rim):
+    vertices, _, left, _, rim = open_corner()
+    vertices = vertices * [1, 1.6, 0.7]  # three corners that are differently far from the rest of the rim
+    corners = [v for v in rim.tolist() if sum(v in face for face in left) == 3]
+    options = {"rim": rim, "output": "cage", "cage_rim": cage_rim, "resolution": 0}
+    first, *others = (tripatch.fill(vertices, left, corners=corners[k:] + corners[:k], **options) for k in range(3))
+    diameter = np.linalg.norm(vertices[rim][:, None] - vertices[rim], axis=-1).max()
+    for other in others:
+        apart = np.linalg.norm(first.vertices[:, None] - other.vertices, axis=-1).min(axis=1)
+        assert apart.max() < 1e-9 * diameter
+        assert other.report.cage_deviation_rms == pytest.approx(first.report.cage_deviation_rms, rel=1e-6)

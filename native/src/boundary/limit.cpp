@@ -6,6 +6,8 @@
 
 #include <memory>
 
+#include "tripatch/boundary/complaint.h"
+
 namespace tripatch {
 namespace {
 
@@ -44,8 +46,9 @@ std::unique_ptr<far::TopologyRefiner> refiner_of(const Mesh& mesh) {
   using Factory = far::TopologyRefinerFactory<far::TopologyDescriptor>;
   sdc::Options options;
   options.SetVtxBoundaryInterpolation(sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+  const Complaint complaint;
   std::unique_ptr<far::TopologyRefiner> refiner(Factory::Create(topology, Factory::Options(sdc::SCHEME_CATMARK, options)));
-  if (!refiner) throw Refusal("The mesh cannot be subdivided");
+  if (!refiner) throw Refusal("The mesh cannot be subdivided" + (complaint.text().empty() ? "" : ": " + complaint.text()));
   return refiner;
 }
 

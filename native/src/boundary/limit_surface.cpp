@@ -2,7 +2,6 @@
 
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
 #include <opensubdiv/bfr/surface.h>
-#include <opensubdiv/far/error.h>
 #include <opensubdiv/far/patchMap.h>
 #include <opensubdiv/far/patchTableFactory.h>
 #include <opensubdiv/far/primvarRefiner.h>
@@ -17,6 +16,7 @@
 #include <map>
 #include <numeric>
 
+#include "tripatch/boundary/complaint.h"
 #include "tripatch/mesh/submesh.h"
 
 namespace tripatch {
@@ -33,33 +33,6 @@ struct Vertex {
   void AddWithWeight(const Vertex& p, double weight) { position += weight * p.position; }
 };
 // NOLINTEND(readability-identifier-naming)
-
-/// What OpenSubdiv says about a cage. It has one callback for the whole process, which is set once and passes each message to the
-/// Complaint of the thread that it is called on; elsewhere they are dropped.
-class Complaint {
-public:
-  Complaint() {
-    static const bool set = [] {
-      far::SetErrorCallback([](far::ErrorType, const char* message) {
-        if (current) current->text_ = message;
-      });
-      far::SetWarningCallback([](const char*) {});
-      return true;
-    }();
-    static_cast<void>(set);
-    current = this;
-  }
-  ~Complaint() { current = nullptr; }
-  Complaint(const Complaint&) = delete;
-  Complaint& operator=(const Complaint&) = delete;
-
-  const std::string& text() const { return text_; }
-
-private:
-  static thread_local Complaint* current;
-  std::string text_;
-};
-thread_local Complaint* Complaint::current = nullptr;
 
 constexpr double infinitely_sharp = 10;  ///< in OpenSubdiv's units: Sdc::Crease::SHARPNESS_INFINITE
 

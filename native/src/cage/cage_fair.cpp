@@ -12,6 +12,15 @@ namespace tripatch {
 namespace {
 
 constexpr double nothing = 1e-9;  ///< energies (no units) below which there is no more to gain
+/// Squared weight, over the hole's size squared, that keeps what shall not move where it is; that of the energies is about 1.
+constexpr double pinned = 1e10;
+constexpr double anchor = 1e-10;  ///< relative, squared: keeps a vertex where it is where nothing else holds it
+/// Levenberg and Marquardt's damping, relative to the diagonal: at first, and what a step changes it by.
+constexpr double first_damping = 1e-6, damping_factor = 10;
+constexpr int attempts = 6;  ///< at a step, each more damped: the last a hundred thousand times
+/// Rounds in which the weights of the logarithms, one over their values where the step leads, settle.
+constexpr int weight_rounds = 3;
+constexpr double least_share = 1e-3;  ///< of an energy's value, that its model may promise: it is quadratic, the energy is not
 
 double power_derivative(double t, int power, int order) {
   double r = 1;
@@ -128,14 +137,14 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
   CageSystem::Term pins = system.zero();
   for (int slot : fixed) {
     const Sums vertex = {{slot}, Weights::Ones(1, 1), Points::Zero(1, 3)};
-    system.add(pins, vertex, 0, Eigen::Matrix3d::Identity() * (1e10 / (holes[0].size * holes[0].size)), Vec3::Zero());
+    system.add(pins, vertex, 0, Eigen::Matrix3d::Identity() * (pinned / (holes[0].size * holes[0].size)), Vec3::Zero());
   }
   CageSystem::Term sum = pins;
   for (std::size_t h = 0; h < count; ++h) {
     add_third_derivatives(system, holes[h], start, 1 / (holes[h].size * holes[h].size), third[h]);
     system.add(sum, 1, third[h]);
   }
-  Eigen::VectorXd y = system.step(sum, Eigen::VectorXd::Zero(start.size()), 1e-10);
+  Eigen::VectorXd y = system.step(sum, Eigen::VectorXd::Zero(start.size()), anchor);
 
   struct Value {
     double merit = 0;
@@ -158,20 +167,20 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
   for (std::size_t h = 0; h < count; ++h) holes[h].before = holes[h].after = value.variation[h];
   if (!std::isfinite(value.merit)) return at(y);
 
-  double damping = 1e-6;
+  double damping = first_damping;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     std::vector<CageSystem::Term> model(count, system.zero());
     const Points free = at(y);
     for (std::size_t h = 0; h < count; ++h) variation(system, holes[h], free, y, &model[h]);
     double gain = 0;
-    for (int attempt = 0; attempt < 6 && gain == 0; ++attempt) {
+    for (int attempt = 0; attempt < attempts && gain == 0; ++attempt) {
       Eigen::VectorXd next = y;
-      for (int round = 0; round < 3; ++round) {  // a logarithm's weight is one over its value where the step leads
+      for (int round = 0; round < weight_rounds; ++round) {  // a logarithm's weight is one over its value where the step leads
         sum = held;
         system.add(sum, 1, pins);
         for (std::size_t h = 0; h < count; ++h) {
           if (holes[h].inside.empty()) continue;
-          system.add(sum, 1 / (std::max(model[h](next), 1e-3 * value.variation[h]) + nothing), model[h]);
+          system.add(sum, 1 / (std::max(model[h](next), least_share * value.variation[h]) + nothing), model[h]);
           system.add(sum, options.parameters / (std::max(third[h](next), 0.0) + nothing), third[h]);
         }
         next = y + system.step(sum, y, damping);
@@ -181,9 +190,9 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
         gain = value.merit - there.merit;
         y = next;
         value = std::move(there);
-        damping = std::max(damping / 10, 1e-10);
+        damping = std::max(damping / damping_factor, anchor);
       } else {
-        damping *= 10;
+        damping *= damping_factor;
       }
     }
     if (gain < options.enough) break;

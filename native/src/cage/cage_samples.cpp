@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "tripatch/output/quad_cover.h"
+#include "tripatch/hole/rim_shape.h"
 
 namespace tripatch {
 namespace {
@@ -52,8 +52,7 @@ void sample_outside(const CageSurfaces& surfaces, const Hole& hole, const std::a
 /// The shape of the faces that the scheme knows as its own: quads, with Loop's triangles.
 FairHole shape_of(const CageSurfaces& surfaces, const Hole& hole, const HoleSamples& samples) {
   FairHole shape;
-  for (Index v : hole.rim)
-    shape.size = std::max(shape.size, (surfaces.given.vertices.row(v) - surfaces.given.vertices.row(hole.rim[0])).norm());
+  shape.size = diameter(surfaces.given, hole.rim);
   const std::size_t corners = surfaces.loop ? 3 : 4;
   for (const SampledFace& face : samples.inside)
     if (surfaces.closed.faces[face.face].size() == corners) shape.inside.push_back(face_shape(face.limit, surfaces.loop));

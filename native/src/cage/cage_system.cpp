@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace tripatch {
+namespace {
+
+/// Of the diagonal's mean, added to it: a vertex that nothing holds leaves the matrix regular, at some hundred roundings.
+constexpr double least_pivot = 1e-14;
+
+}  // namespace
 
 Points Sums::at(const Points& free) const { return rest + weights * Points(free(slots, Eigen::all)); }
 
@@ -99,7 +105,7 @@ void CageSystem::add(Term& term, const std::vector<int>& slots, const Weights& j
 
 Eigen::VectorXd CageSystem::step(const Term& term, const Eigen::VectorXd& y, double damping) {
   Eigen::SparseMatrix<double> h = term.h;
-  const double least = 1e-14 * h.diagonal().sum() / static_cast<double>(h.cols());
+  const double least = least_pivot * h.diagonal().sum() / static_cast<double>(h.cols());
   for (Index k = 0; k < h.cols(); ++k) h.coeffRef(k, k) += damping * h.coeff(k, k) + least;
   solver_.factorize(h);
   return -solver_.solve(term.h * y + term.g);

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "tripatch/output/quad_cover.h"
+#include "tripatch/hole/rim_shape.h"
 
 namespace tripatch {
 namespace {
@@ -15,6 +15,10 @@ Eigen::Matrix3d metric(const Vec3& normal, double across, double along) {
   const Eigen::Matrix3d n = normal * normal.transpose();
   return across * across * n + along * along * (Eigen::Matrix3d::Identity() - n);
 }
+
+/// Where on an edge of an exact rim the derivative across is held: denser towards its ends, where the next edge's face goes on.
+constexpr std::array<double, 7> seam_places = {0.0, 0.15, 0.35, 0.5, 0.65, 0.85, 1.0};
+constexpr int seam_trust_power = 3;  ///< how fast the rows beside a corner lose weight, in edges from it
 
 /// Along an edge of a face, in its own u and v: a place, and the direction of the edge that ends where this one starts, backwards.
 struct EdgeFrame {
@@ -70,8 +74,7 @@ void hold_surroundings(const CageSystem& system, const Points& free, const HoleS
 
 Seam seam_of(const CageSurfaces& surfaces, const Hole& hole, const Sides& sides, const DirectedEdges& edges) {
   Seam seam;
-  for (Index v : hole.rim)
-    seam.size = std::max(seam.size, (surfaces.given.vertices.row(v) - surfaces.given.vertices.row(hole.rim[0])).norm());
+  seam.size = diameter(surfaces.given, hole.rim);
   for (int i = 0; i < 3; ++i) {
     const std::vector<Index> side = hole.side(i);
     const double count = static_cast<double>(side.size() - 1);
@@ -79,11 +82,11 @@ Seam seam_of(const CageSurfaces& surfaces, const Hole& hole, const Sides& sides,
       const FaceEdge place = edges.at({side[e], side[e + 1]});
       const std::size_t corners = surfaces.closed.faces[place.face].size();
       if (!surfaces.loop && corners != 4) continue;
-      for (double s : {0.0, 0.15, 0.35, 0.5, 0.65, 0.85, 1.0}) {
+      for (double s : seam_places) {
         // a smooth rim leaves the quad in its corner no tangent plane there, and little freedom beside it
         const double along_side = static_cast<double>(e) + s, from_corner = std::min(along_side, count - along_side);
         if (from_corner == 0) continue;
-        const double trust = std::pow(std::min(1.0, from_corner), 3), t = along_side / count;
+        const double trust = std::pow(std::min(1.0, from_corner), seam_trust_power), t = along_side / count;
         const Vec3 normal = sides[i].normal(t), inwards = normal.cross(sides[i].c.derivative_at(t)).normalized();
         const EdgeFrame frame = edge_frame(static_cast<std::size_t>(place.edge), corners, s);
         const FacePlace where = {0, frame.at[0], frame.at[1]};

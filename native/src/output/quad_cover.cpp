@@ -7,6 +7,10 @@
 namespace tripatch {
 namespace {
 
+/// Relative difference up to which edges are equally long: far above the rounding of a mesh that was turned or scaled, so that the same
+/// edge is split in all of its positions.
+constexpr double same_length = 1e-9;
+
 /// The largest distance of the quads' middles from the patch: how far the flat-sided fill is from the smooth one.
 double deviation(const Cover& cover, const Surface& patch) {
   const Points vertices = patch.positions(cover.barycentric);
@@ -34,7 +38,7 @@ std::size_t longest_edge(const Mesh& mesh, const Hole& hole) {
   };
   std::size_t place = 0;
   for (std::size_t k = 1; k < n; ++k)
-    if (length(k) > (1 + 1e-9) * length(place)) place = k;
+    if (length(k) > (1 + same_length) * length(place)) place = k;
   return place;
 }
 

@@ -6,10 +6,15 @@
 #include "tripatch/math/angle.h"
 
 namespace tripatch {
+namespace {
+
+constexpr double same_plane = 1e-6;     ///< degrees between the planes of two sides up to which a corner has one
+constexpr double beside_corner = 0.01;  ///< of a side: what is left out beside a corner that has two
+
+}  // namespace
 
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples) {
-  constexpr double same_plane = 1e-6;  // degrees
-  std::array<bool, 3> clear;           // corner: one tangent plane for both sides
+  std::array<bool, 3> clear;  // corner: one tangent plane for both sides
   for (int k = 0; k < 3; ++k)
     clear[k] = degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)) <= same_plane;
 
@@ -17,7 +22,7 @@ void measure_seam(const Surface& patch, const Sides& sides, Report& report, int 
   Index count = 0;
   report.seam_angle_max = 0;
   for (int i = 0; i < 3; ++i) {
-    const double first = clear[(i + 1) % 3] ? 0 : 0.01, last = clear[(i + 2) % 3] ? 1 : 0.99;
+    const double first = clear[(i + 1) % 3] ? 0 : beside_corner, last = clear[(i + 2) % 3] ? 1 : 1 - beside_corner;
     Points b = Points::Zero(samples, 3);
     for (int k = 0; k < samples; ++k) {
       const double t = samples > 1 ? first + (last - first) * k / (samples - 1) : 0.5;

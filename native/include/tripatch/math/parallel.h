@@ -60,7 +60,7 @@ void parallel_for_each(std::size_t count, const F& f, const Progress& progress) 
     } catch (...) {
       stop = true;
       if (!failure) failure = std::current_exception();
-      worker.wait();
+      if (worker.valid()) worker.wait();  // `progress` threw, not the work
     }
   }
   if (failure) std::rethrow_exception(failure);

@@ -14,7 +14,8 @@
 
 namespace tripatch {
 
-constexpr int most_extra_rows = 4;          ///< that are tried: 16 times as many quads as the plain layout of a short rim
+/// Extra rows that are tried, at most: beyond them the edges of the rim decide how near the quads come.
+constexpr int most_extra_rows = 4;
 constexpr double default_tolerance = 1e-3;  ///< of the hole's diameter
 
 struct LayoutOptions {

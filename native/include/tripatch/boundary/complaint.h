@@ -1,0 +1,33 @@
+// What OpenSubdiv says about a cage that it cannot take.
+#pragma once
+
+#include <string>
+
+namespace tripatch {
+
+/// Collects OpenSubdiv's error messages on the thread that it lives on, the innermost first; warnings meanwhile are dropped.
+///
+/// OpenSubdiv has one callback for the whole process and does not tell which one is set, so there is nothing to restore. It is set
+/// once, before the first cage, and takes only what a Complaint waits for: all other messages, of other users of the same copy of the
+/// library, are printed. Who sets a callback later than that replaces this one; refusals then
+/// say only that the topology is not valid. (What is shipped has a copy of OpenSubdiv of its own, with hidden symbols.)
+class Complaint {
+public:
+  Complaint();
+  ~Complaint();
+  Complaint(const Complaint&) = delete;
+  Complaint& operator=(const Complaint&) = delete;
+
+  /// The last message; empty: none.
+  const std::string& text() const { return text_; }
+
+  /// What the callbacks ask: whether a Complaint on this thread takes the message.
+  static bool takes_error(const char* message);
+  static bool takes_warning();
+
+private:
+  Complaint* outer_;
+  std::string text_;
+};
+
+}  // namespace tripatch
