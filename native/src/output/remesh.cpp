@@ -24,6 +24,8 @@ constexpr double area_of_triangle = 0.43;  // of squared edge length: that of an
 constexpr int most_sources = 200;          // of rim sizes: longer rims count by runs of edges
 constexpr int most_passes = 60;            // a rim of 10,000 edges needs 25
 constexpr int careful_passes = 2;
+constexpr double least_move = 0.03;  // of the size: smaller moves are not worth an evaluation
+constexpr double good_enough = 0.3;  // shape of a triangle that a move in between may bring about
 
 Pair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
 
@@ -351,7 +353,7 @@ private:
       if (triangle_of_[v] < 0 || is_fixed(v)) continue;
       Vec2 step;
       Vec3 in_space;
-      if (!way_of(v, step, in_space)) continue;
+      if (!way_of(v, step, in_space) || in_space.norm() < least_move * size_[v]) continue;
       for (int attempt = 0; attempt < 4; ++attempt, step *= 0.5, in_space *= 0.5) {
         const Vec3 b = b_[v] + Vec3(0, step[0], step[1]);
         if (!star_is_valid(v, b)) continue;
@@ -368,8 +370,8 @@ private:
     for (std::size_t i = 0; i < who.size(); ++i) {
       const int v = who[i];
       if (!star_is_valid(v, where[i])) continue;  // a neighbor has moved meanwhile
-      const double before = star_quality(v, x_[v]), after = star_quality(v, there[i]);
-      if (careful ? after < before : after < std::min(before, 0.3)) continue;
+      const double after = star_quality(v, there[i]);
+      if ((careful || after < good_enough) && after < star_quality(v, x_[v])) continue;
       b_[v] = where[i];
       x_[v] = there[i];
     }
