@@ -1,7 +1,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <map>
 #include <random>
 #include <set>
@@ -192,9 +192,9 @@ TEST_CASE("a rough fill of a rim of 10,000 vertices takes less than a second") {
   std::mt19937 random(3);
   Points x = ring(10'000, 100, 0, 20);
   for (int k = 0; k < x.rows(); ++k) x.row(k) *= 1 + 1e-4 * static_cast<double>(random() % 1000) / 1000;
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();  // of this process: the machine may have other work
   const RoughFill fill = rough_fill(x);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   CHECK(flaw(fill, 10'000) == "");
   CHECK(area(x, fill) < 1.2 * M_PI * 1e4);
   CHECK(seconds < 1);

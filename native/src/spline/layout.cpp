@@ -301,17 +301,27 @@ public:
     for (int v = 0; v < n_; ++v) d.row(v) = way.segment<2>(2 * rank_[v]);
     const double slope = gradient_.dot(way);
     if (!(slope < 0)) return false;
-    double length = std::min(1.0, to_barrier * to_first_flip(uv, d));
-    for (int attempt = 0; attempt < 40; ++attempt, length *= 0.5) {
-      const PlanePoints moved = uv + length * d;
-      const double then = energy(moved);
-      if (!(then <= now + 1e-4 * length * slope)) continue;
-      const bool gained = then < now;
-      uv = moved;
-      now = then;
-      return gained;
+    const double limit = to_barrier * to_first_flip(uv, d);
+    double length = std::min(1.0, limit), then = now;
+    PlanePoints moved;
+    for (int attempt = 0;; ++attempt, length *= 0.5) {
+      if (attempt == 40) return false;
+      moved = uv + length * d;
+      then = energy(moved);
+      if (then < now && then <= now + 1e-4 * length * slope) break;
     }
-    return false;
+    // Where the indefinite parts that were left out are large, Newton's step is too short.
+    while (length >= 1 && 2 * length <= limit) {
+      const PlanePoints farther = uv + 2 * length * d;
+      const double there = energy(farther);
+      if (!(there < then)) break;
+      moved = farther;
+      then = there;
+      length *= 2;
+    }
+    uv = moved;
+    now = then;
+    return true;
   }
 
 private:

@@ -1,0 +1,117 @@
+#include "tripatch/output/pair_quads.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace tripatch {
+namespace {
+
+struct Pair {
+  int a, b;      // triangles, a < b
+  double error;  // 0: a plane rectangle; at most 2
+  std::array<Index, 4> corners;
+};
+
+double degrees(const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / EIGEN_PI; }
+
+/// Infinite beyond the thresholds. The quad is (c, a, d, b), its diagonal a-b.
+double error_of(const PointsRef& points, const std::array<Index, 4>& quad, const PairQuadsOptions& options) {
+  std::array<Vec3, 4> x;
+  for (int k = 0; k < 4; ++k) x[k] = points.row(quad[k]);
+  const Vec3 first = (x[1] - x[0]).cross(x[3] - x[0]), second = (x[3] - x[2]).cross(x[1] - x[2]);
+  if (!(first.squaredNorm() > 0) || !(second.squaredNorm() > 0)) return std::numeric_limits<double>::infinity();
+  const double fold = degrees(first, second);
+  double corner = 0;
+  for (int k = 0; k < 4; ++k) corner = std::max(corner, std::abs(degrees(x[(k + 1) % 4] - x[k], x[(k + 3) % 4] - x[k]) - 90));
+  if (!(fold <= options.largest_fold) || !(corner <= options.largest_corner)) return std::numeric_limits<double>::infinity();
+  return fold / std::max(options.largest_fold, 1e-9) + corner / std::max(options.largest_corner, 1e-9);
+}
+
+/// All pairs within the thresholds, the best first.
+std::vector<Pair> candidates(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
+                             const PairQuadsOptions& options, const std::vector<std::array<Index, 2>>& kept) {
+  struct Edge {
+    Index low, high;
+    int triangle, corner;
+  };
+  std::vector<std::array<Index, 2>> stays;
+  for (const auto& [a, b] : kept) stays.push_back({std::min(a, b), std::max(a, b)});
+  std::sort(stays.begin(), stays.end());
+  std::vector<Edge> edges;
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Index a = triangles[t][(k + 1) % 3], b = triangles[t][(k + 2) % 3];
+      if (std::min({a, b, triangles[t][k]}) < 0 || std::max({a, b, triangles[t][k]}) >= points.rows())
+        throw InvalidArgument("triangles of rows that the points do not have");
+      edges.push_back({std::min(a, b), std::max(a, b), t, k});
+    }
+  const auto key = [](const Edge& e) { return std::array<Index, 4>{e.low, e.high, e.triangle, e.corner}; };
+  std::sort(edges.begin(), edges.end(), [&](const Edge& p, const Edge& q) { return key(p) < key(q); });
+  std::vector<Pair> pairs;
+  for (std::size_t k = 0; k < edges.size();) {
+    std::size_t end = k + 1;
+    while (end < edges.size() && edges[end].low == edges[k].low && edges[end].high == edges[k].high) ++end;
+    const bool inner = end - k == 2 && !std::binary_search(stays.begin(), stays.end(), std::array{edges[k].low, edges[k].high});
+    if (inner) {
+      const auto &t = triangles[edges[k].triangle], &u = triangles[edges[k + 1].triangle];
+      const int i = edges[k].corner, j = edges[k + 1].corner;
+      const std::array<Index, 4> quad = {t[i], t[(i + 1) % 3], u[j], t[(i + 2) % 3]};
+      const double error =
+          t[(i + 1) % 3] == u[(j + 2) % 3] ? error_of(points, quad, options) : std::numeric_limits<double>::infinity();
+      if (std::isfinite(error)) pairs.push_back({edges[k].triangle, edges[k + 1].triangle, error, quad});
+    }
+    k = end;
+  }
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) { return p.error < q.error; });
+  return pairs;
+}
+
+/// For each triangle the pair it is in, or -1.
+std::vector<int> choose(const std::vector<Pair>& pairs, std::size_t triangles) {
+  std::vector<int> chosen(triangles, -1);
+  std::vector<std::vector<int>> of(triangles);  // pairs of each triangle, the best first
+  for (int k = 0; k < static_cast<int>(pairs.size()); ++k) {
+    of[pairs[k].a].push_back(k);
+    of[pairs[k].b].push_back(k);
+    if (chosen[pairs[k].a] < 0 && chosen[pairs[k].b] < 0) chosen[pairs[k].a] = chosen[pairs[k].b] = k;
+  }
+  const auto partner = [&](int pair, int t) { return pairs[pair].a == t ? pairs[pair].b : pairs[pair].a; };
+  const auto give_partner = [&](int t) {  // t - u = w - x becomes t = u - w = x
+    for (int first : of[t]) {
+      const int u = partner(first, t), w = partner(chosen[u], u);
+      for (int last : of[w]) {
+        const int x = partner(last, w);
+        if (chosen[x] >= 0 || x == t) continue;
+        chosen[t] = chosen[u] = first;
+        chosen[w] = chosen[x] = last;
+        return true;
+      }
+    }
+    return false;
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (int t = 0; t < static_cast<int>(triangles); ++t)
+      if (chosen[t] < 0 && give_partner(t)) changed = true;
+  }
+  return chosen;
+}
+
+}  // namespace
+
+Faces pair_quads(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles, const PairQuadsOptions& options,
+                 const std::vector<std::array<Index, 2>>& kept) {
+  const std::vector<Pair> pairs = candidates(points, triangles, options, kept);
+  const std::vector<int> chosen = choose(pairs, triangles.size());
+  Faces faces;
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
+    if (chosen[t] < 0)
+      faces.add(triangles[t]);
+    else if (pairs[chosen[t]].a == t)
+      faces.add(pairs[chosen[t]].corners);
+  }
+  return faces;
+}
+
+}  // namespace tripatch

@@ -1,0 +1,445 @@
+// Isotropic remeshing with a size field (Botsch and Kobbelt 2004, "A remeshing approach to multiresolution modeling"; size-weighted
+// smoothing as in Dunyach et al. 2013, "Adaptive remeshing for real-time mesh deformation") with Delaunay flips. Evaluating the
+// surface is what costs: new vertices are evaluated in one batch a pass, vertices that move in between follow their own tangent
+// plane, and only at the end all are put on the surface.
+#include "tripatch/output/remesh.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "tripatch/output/domain_mesh.h"
+
+namespace tripatch {
+namespace {
+
+using Vec2 = Eigen::Vector2d;
+using Pair = std::array<int, 2>;
+
+constexpr double most_triangles = 50'000;  // wanted without a resolution, or 4 to a rim edge; grading adds to it
+constexpr double most_over = 8;            // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
+constexpr double area_of_triangle = 0.43;  // of squared edge length: that of an equilateral one
+constexpr int most_sources = 200;          // of rim sizes: longer rims count by runs of edges
+constexpr int most_passes = 60;            // a rim of 10,000 edges needs 25
+constexpr int careful_passes = 2;
+constexpr double least_move = 0.03;  // of the size: smaller moves are not worth an evaluation
+constexpr double good_enough = 0.3;  // shape of a triangle that a move in between may bring about
+
+Pair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
+
+void check(const PlanePolygon& p, std::optional<int> resolution) {
+  if (resolution && *resolution < 1) throw InvalidArgument("resolution must be 1 or more");
+  const Index n = p.uv.rows();
+  if (p.points.rows() != n || p.rim < 3 || p.rim > n)
+    throw InvalidArgument("a point in space for each point in the plane, rim first");
+  for (const auto& t : p.triangles) {
+    for (Index v : t)
+      if (v < 0 || v >= n) throw InvalidArgument("triangles of rows that the polygon does not have");
+    const Vec2 a = p.uv.row(t[1]) - p.uv.row(t[0]), b = p.uv.row(t[2]) - p.uv.row(t[0]);
+    if (!(a[0] * b[1] - a[1] * b[0] > 0)) throw InvalidArgument("a triangle of the polygon is turned over");
+  }
+  for (const auto* pairs : {&p.creases, &p.joined})
+    for (const auto& [a, b] : *pairs)
+      if (std::min(a, b) < 0 || std::max(a, b) >= n) throw InvalidArgument("pairs of rows that the polygon does not have");
+}
+
+/// Border edges in the order of their loops: edges of one triangle, from and to.
+std::vector<Pair> border_edges(const PlanePolygon& p) {
+  std::vector<Pair> edges, border;
+  for (const auto& t : p.triangles)
+    for (int k = 0; k < 3; ++k) edges.push_back({static_cast<int>(t[k]), static_cast<int>(t[(k + 1) % 3])});
+  std::sort(edges.begin(), edges.end());
+  std::vector<int> next(p.uv.rows(), -1);
+  for (const auto& [a, b] : edges)
+    if (!std::binary_search(edges.begin(), edges.end(), Pair{b, a})) next[a] = b;
+  for (int start = 0; start < static_cast<int>(next.size()); ++start)
+    for (int v = start; next[v] >= 0;) {
+      border.push_back({v, next[v]});
+      next[std::exchange(v, next[v])] = -1;
+    }
+  return border;
+}
+
+/// The lengths that edges should have, from the rim's.
+class Sizes {
+public:
+  Sizes(const PlanePolygon& p, std::optional<int> resolution) : border_(border_edges(p)) {
+    const Index n = static_cast<Index>(border_.size()), run = std::max<Index>(1, (n + most_sources - 1) / most_sources);
+    u_.setZero((n + run - 1) / run);
+    v_ = weight_ = log_size_ = soft_ = u_;
+    const Vec2 low = p.uv.colwise().minCoeff(), high = p.uv.colwise().maxCoeff();
+    middle_ = (low + high) / 2;
+    scale_ = std::max((high - low).maxCoeff() / 2, 1e-300);
+    for (Index k = 0; k < n; ++k) {
+      const auto& [a, b] = border_[k];
+      const double length = (p.points.row(a) - p.points.row(b)).norm();
+      edge_.push_back(length);
+      const Vec2 at = ((p.uv.row(a) + p.uv.row(b)) / 2 - middle_.transpose()) / scale_;
+      const auto share = static_cast<float>(length / scale_) + 1e-20F;
+      u_[k / run] += share * static_cast<float>(at[0]);
+      v_[k / run] += share * static_cast<float>(at[1]);
+      log_size_[k / run] += share * static_cast<float>(std::log(std::max(length / scale_, 1e-20)));
+      weight_[k / run] += share;
+    }
+    u_ /= weight_;
+    v_ /= weight_;
+    log_size_ /= weight_;
+    soft_ = 0.25F * weight_.square();
+    around_ = std::accumulate(edge_.begin(), edge_.end(), 0.0);
+    if (resolution) log_size_.setConstant(static_cast<float>(std::log(std::max(around_ / (3 * *resolution) / scale_, 1e-20))));
+  }
+
+  /// uv in the polygon's own units.
+  double at(const Vec2& uv) const {
+    const auto u = static_cast<float>((uv[0] - middle_[0]) / scale_), v = static_cast<float>((uv[1] - middle_[1]) / scale_);
+    work_ = weight_ / ((u_ - u).square() + (v_ - v).square() + soft_);
+    return scale_ * std::exp(static_cast<double>((work_ * log_size_).sum() / work_.sum()));
+  }
+
+  /// How many triangles of these sizes cover the polygon, each of its triangles looked at in places enough.
+  double triangles(const PlanePolygon& p) const {
+    double count = 0;
+    for (const auto& t : p.triangles) {
+      const Vec2 a = p.uv.row(t[0]), b = Vec2(p.uv.row(t[1])) - a, c = Vec2(p.uv.row(t[2])) - a;
+      const double twice = b[0] * c[1] - b[1] * c[0], longest = std::max({b.norm(), c.norm(), (b - c).norm()});
+      const int parts = static_cast<int>(std::clamp(std::ceil(longest / (2 * at(a + (b + c) / 3))), 1.0, 6.0));
+      for (int i = 0; i < parts; ++i)
+        for (int j = 0; i + j < parts; ++j)
+          for (int half = 0; half < (i + j + 1 < parts ? 2 : 1); ++half) {
+            const double third = (half + 1) / 3.0, h = at(a + ((i + third) * b + (j + third) * c) / parts);
+            count += twice / 2 / (parts * parts) / (area_of_triangle * h * h);
+          }
+    }
+    return count;
+  }
+
+  const std::vector<Pair>& border() const { return border_; }
+  const std::vector<double>& edges() const { return edge_; }
+  double around() const { return around_; }
+  const Vec2& middle() const { return middle_; }
+  double scale() const { return scale_; }
+
+private:
+  std::vector<Pair> border_;
+  std::vector<double> edge_;  // lengths in space
+  double around_ = 0, scale_ = 1;
+  Vec2 middle_;
+  Eigen::ArrayXf u_, v_, weight_, log_size_, soft_;  // of runs of edges, in units of scale_
+  mutable Eigen::ArrayXf work_;
+};
+
+class PlaneRemesher final : DomainMesh {
+public:
+  PlaneRemesher(const PlanePolygon& polygon, std::optional<int> resolution, const Surface& surface)
+      : DomainMesh(static_cast<int>(polygon.rim)),
+        polygon_(polygon),
+        surface_(surface),
+        sizes_(polygon, resolution),
+        inner_(resolution != 1),
+        given_(static_cast<int>(polygon.uv.rows())) {
+    for (Index v = 0; v < given_; ++v) {
+      const Vec2 uv = (polygon.uv.row(v).transpose() - sizes_.middle()) / sizes_.scale();
+      add(Vec3(0, uv[0], uv[1]), polygon.points.row(v));
+    }
+    for (const auto& [a, b] : polygon.joined) joined_.push_back(ordered(a, b));
+    std::sort(joined_.begin(), joined_.end());
+    for (const auto& [a, b] : polygon.creases) {
+      creases_.insert(ordered(a, b));
+      on_crease_[a] = on_crease_[b] = 1;
+    }
+    connect();
+    set_sizes(resolution);
+  }
+
+  PlaneTriangulation run() {
+    look_at_all();
+    flip_all();
+    int nearly_done = 0;
+    for (int pass = 0; pass < most_passes; ++pass) {
+      limit_sizes();
+      crease_halved_ = false;
+      const std::size_t splits = split();
+      flip_all();
+      if (inner_) {
+        collapse_short();
+        flip_all();
+        smooth(false);
+      }
+      if (splits == 0) break;
+      if (!crease_halved_ && 30 * splits < triangles_.size() && ++nearly_done > 1) break;
+    }
+    flip_all();
+    if (inner_) {
+      put_on_surface();
+      for (int pass = 0; pass < careful_passes; ++pass) {
+        flip_all();
+        smooth(true);
+      }
+      flip_all();
+    }
+    while (split_joined()) {
+    }
+    return result();
+  }
+
+private:
+  int add(const Vec3& b, const Vec3& x) {
+    on_crease_.push_back(0);
+    return add_vertex(b, x);
+  }
+
+  void connect() {
+    std::vector<std::array<int, 3>> edges;  // lower vertex, higher vertex, 3 * triangle + opposite corner
+    for (const auto& t : polygon_.triangles) {
+      const int number = static_cast<int>(triangles_.size());
+      triangles_.push_back({{static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])}, {-1, -1, -1}});
+      for (int k = 0; k < 3; ++k) {
+        const Pair e = ordered(t[(k + 1) % 3], t[(k + 2) % 3]);
+        edges.push_back({e[0], e[1], 3 * number + k});
+        triangle_of_[t[k]] = number;
+      }
+    }
+    std::sort(edges.begin(), edges.end());
+    for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
+      if (edges[k][0] != edges[k + 1][0] || edges[k][1] != edges[k + 1][1]) continue;
+      const int p = edges[k][2], q = edges[k + 1][2];
+      triangles_[p / 3].n[p % 3] = q / 3;
+      triangles_[q / 3].n[q % 3] = p / 3;
+    }
+    for (int v = 0; v < given_; ++v)
+      if (triangle_of_[v] < 0) throw InvalidArgument("a vertex of the polygon without a triangle");
+  }
+
+  void set_sizes(std::optional<int> resolution) {
+    const auto& border = sizes_.border();
+    for (std::size_t k = 0; k < border.size(); ++k)
+      for (int v : border[k]) size_[v] += sizes_.edges()[k] / 2;
+    const double count = sizes_.triangles(polygon_), edges = static_cast<double>(border.size());
+    if (resolution) {  // a coarse rim must not use up the room that a finer inside needs
+      const double room = sizes_.around() / (6 * std::sqrt(3.0));  // radius of an equal triangle's incircle
+      const double longest = *std::max_element(sizes_.edges().begin(), sizes_.edges().end());
+      decline_ = std::max(decline_, 2 * longest / std::max(room, 1e-300));
+      most_ = most_over * (count + edges);
+      return;
+    }
+    const double bound = triangles_per_squared_edge * edges * edges;
+    const double most = std::min(std::max(most_triangles, 4 * edges), bound / 2);
+    if (count > most) coarser_ = std::sqrt(count / most);  // the inside is coarser than the rim
+    most_ = std::min(most_over * (std::min(count, most) + edges), bound);
+  }
+
+  double wanted(const Vec3& b) const override { return coarser_ * sizes_.at(sizes_.middle() + sizes_.scale() * b.tail<2>()); }
+  bool is_fixed(int v) const override { return v < given_ || on_crease_[v]; }
+  bool is_joined(int a, int b) const {
+    return on_rim(a) && on_rim(b) && std::binary_search(joined_.begin(), joined_.end(), ordered(a, b));
+  }
+  bool may_join(int a, int b) const override { return !is_joined(a, b); }
+  bool is_crease(int a, int b) const { return on_crease_[a] && on_crease_[b] && creases_.count(ordered(a, b)); }
+
+  /// Where the angles opposite the edge come to more than 180 degrees; never into a fold, always out of one.
+  bool wants_flip(int a, int b, int c, int d) const override {
+    if (is_crease(a, b) || is_joined(c, d)) return false;
+    if (is_joined(a, b)) return true;
+    const Vec3 ca = x_[a] - x_[c], cb = x_[b] - x_[c], da = x_[a] - x_[d], db = x_[b] - x_[d], cd = x_[d] - x_[c];
+    const Vec3 n1 = ca.cross(cb), n2 = db.cross(da);
+    const bool folded = n1.dot(n2) < 0, would_fold = ca.cross(cd).dot(cd.cross(cb)) < 0;
+    if (folded != would_fold) return folded;
+    const double s1 = n1.norm(), s2 = n2.norm(), c1 = ca.dot(cb), c2 = da.dot(db);
+    return s1 * c2 + c1 * s2 < -1e-9 * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
+  }
+
+  /// One round of splits, no triangle twice, the longest for its size first.
+  std::size_t split() {
+    std::vector<Edge> edges;
+    // Where the surface is torn or folds, edges stay too long however often they are split.
+    const double alive = static_cast<double>(alive_triangles());
+    const bool inner = inner_ && alive < most_;
+    for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
+      const Triangle& f = triangles_[t];
+      if (f.v[0] < 0) continue;
+      for (int k = 0; k < 3; ++k) {
+        if (t >= f.n[k]) continue;
+        const int a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3];
+        const double excess = inner ? length(a, b) / (too_long * size_of_edge(a, b)) : 0;
+        if (is_joined(a, b))
+          edges.push_back({t, k, std::numeric_limits<double>::infinity()});
+        else if (excess > 1)
+          edges.push_back({t, k, excess});
+      }
+    }
+    std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) { return p.excess > q.excess; });
+    if (inner) edges.resize(std::min(edges.size(), static_cast<std::size_t>((most_ - alive) / 2) + 1));
+    return split(edges);
+  }
+
+  /// Edges between rim vertices that the mesh joins already.
+  bool split_joined() {
+    std::vector<Edge> edges;
+    for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
+      for (int k = 0; k < 3; ++k)
+        if (alive(t) && t < triangles_[t].n[k] && is_joined(triangles_[t].v[(k + 1) % 3], triangles_[t].v[(k + 2) % 3]))
+          edges.push_back({t, k, 0});
+    return split(edges) > 0;
+  }
+
+  std::size_t split(const std::vector<Edge>& edges) {
+    std::vector<char> taken(triangles_.size(), 0);
+    std::vector<Edge> chosen;
+    std::vector<Vec3> middles;
+    for (const Edge& e : edges) {
+      const Triangle& f = triangles_[e.triangle];
+      const int other = f.n[e.k];
+      if (taken[e.triangle] || taken[other]) continue;
+      const Vec3 m = 0.5 * (b_[f.v[(e.k + 1) % 3]] + b_[f.v[(e.k + 2) % 3]]);
+      if (!can_split(e.triangle, e.k, m)) continue;
+      middles.push_back(m);
+      taken[e.triangle] = taken[other] = 1;
+      chosen.push_back(e);
+    }
+    const Points x = positions(middles);
+    for (std::size_t row = 0; row < chosen.size(); ++row) {
+      const Edge& e = chosen[row];
+      const int a = triangles_[e.triangle].v[(e.k + 1) % 3], b = triangles_[e.triangle].v[(e.k + 2) % 3];
+      const int m = add(middles[row], x.row(static_cast<Index>(row)));
+      size_[m] = std::min(wanted(middles[row]), size_of_edge(a, b) + growth * length(a, b) / 2);
+      if (is_crease(a, b)) {
+        creases_.erase(ordered(a, b));
+        creases_.insert(ordered(a, m));
+        creases_.insert(ordered(m, b));
+        on_crease_[m] = 1;
+        crease_halved_ = true;
+      }
+      split_edge(e.triangle, e.k, m);
+    }
+    return chosen.size();
+  }
+
+  /// How far inner vertex v should go in the domain and in space: to the size-weighted center of the triangles around, in its
+  /// tangent plane. False where that is not known.
+  bool way_of(int v, Vec2& step, Vec3& in_space) {
+    Vec3 center = Vec3::Zero();
+    double weights = 0;
+    Eigen::Matrix2d uu = Eigen::Matrix2d::Zero();
+    Eigen::Matrix<double, 3, 2> xu = Eigen::Matrix<double, 3, 2>::Zero();
+    for (int t : around(v)) {
+      const Triangle& f = triangles_[t];
+      const int k = corner_of(t, v), p = f.v[(k + 1) % 3], q = f.v[(k + 2) % 3];
+      const double size = (size_[v] + size_[p] + size_[q]) / 3;
+      const Vec3 u = x_[p] - x_[v];
+      const double w = u.cross(x_[q] - x_[v]).norm() / (size * size);
+      center += w * (x_[p] + x_[q] - 2 * x_[v]) / 3;
+      weights += w;
+      const Vec2 du = (b_[p] - b_[v]).tail<2>();
+      const double near = 1 / std::max(u.squaredNorm(), 1e-300);
+      uu += near * du * du.transpose();
+      xu += near * u * du.transpose();
+    }
+    if (!(weights > 0) || !(uu.determinant() > 0)) return false;
+    const Eigen::Matrix<double, 3, 2> jacobian = xu * uu.inverse();
+    const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
+    if (!(metric.determinant() > 1e-12 * metric.squaredNorm())) return false;
+    step = metric.inverse() * (jacobian.transpose() * (center / weights));
+    in_space = jacobian * step;
+    return true;
+  }
+
+  /// careful: evaluated on the surface, and only where the worst triangle around gets better.
+  void smooth(bool careful) {
+    std::vector<int> who;
+    std::vector<Vec3> where, there;
+    for (int v = given_; v < static_cast<int>(b_.size()); ++v) {
+      if (triangle_of_[v] < 0 || is_fixed(v)) continue;
+      Vec2 step;
+      Vec3 in_space;
+      if (!way_of(v, step, in_space) || in_space.norm() < least_move * size_[v]) continue;
+      for (int attempt = 0; attempt < 4; ++attempt, step *= 0.5, in_space *= 0.5) {
+        const Vec3 b = b_[v] + Vec3(0, step[0], step[1]);
+        if (!star_is_valid(v, b)) continue;
+        who.push_back(v);
+        where.push_back(b);
+        there.push_back(x_[v] + in_space);
+        break;
+      }
+    }
+    if (careful) {
+      const Points x = positions(where);
+      for (std::size_t i = 0; i < who.size(); ++i) there[i] = x.row(static_cast<Index>(i));
+    }
+    for (std::size_t i = 0; i < who.size(); ++i) {
+      const int v = who[i];
+      if (!star_is_valid(v, where[i])) continue;  // a neighbor has moved meanwhile
+      const double after = star_quality(v, there[i]);
+      if ((careful || after < good_enough) && after < star_quality(v, x_[v])) continue;
+      b_[v] = where[i];
+      x_[v] = there[i];
+    }
+    look_at_all();
+  }
+
+  void put_on_surface() {
+    std::vector<int> who;
+    std::vector<Vec3> where;
+    for (int v = given_; v < static_cast<int>(b_.size()); ++v)
+      if (triangle_of_[v] >= 0) who.push_back(v), where.push_back(b_[v]);
+    const Points x = positions(where);
+    for (std::size_t i = 0; i < who.size(); ++i) x_[who[i]] = x.row(static_cast<Index>(i));
+    look_at_all();
+  }
+
+  Points positions(const std::vector<Vec3>& b) const {
+    Points uv(static_cast<Index>(b.size()), 3);
+    for (Index k = 0; k < uv.rows(); ++k) uv.row(k) << uv_of(b[k]).transpose(), 0;
+    return uv.rows() ? surface_.positions(uv) : uv;
+  }
+  Vec2 uv_of(const Vec3& b) const { return sizes_.middle() + sizes_.scale() * b.tail<2>(); }
+
+  PlaneTriangulation result() const {
+    PlaneTriangulation made;
+    std::vector<Index> number(b_.size(), -1);
+    Index count = 0;
+    for (std::size_t v = 0; v < b_.size(); ++v)
+      if (triangle_of_[v] >= 0) number[v] = count++;
+    made.uv.resize(count, 2);
+    made.points.resize(count, 3);
+    for (int v = 0; v < static_cast<int>(b_.size()); ++v) {
+      if (number[v] < 0) continue;
+      made.uv.row(number[v]) = v < given_ ? Vec2(polygon_.uv.row(v)) : uv_of(b_[v]);
+      made.points.row(number[v]) = x_[v];
+    }
+    for (const Triangle& f : triangles_) {
+      if (f.v[0] < 0) continue;
+      made.triangles.push_back({number[f.v[0]], number[f.v[1]], number[f.v[2]]});
+      for (int k = 0; k < 3; ++k) made.doubles_edges |= f.n[k] >= 0 && is_joined(f.v[(k + 1) % 3], f.v[(k + 2) % 3]);
+    }
+    for (const auto& [a, b] : creases_) made.creases.push_back({number[a], number[b]});
+    return made;
+  }
+
+  const PlanePolygon& polygon_;
+  const Surface& surface_;
+  Sizes sizes_;
+  bool inner_;  // vertices inside are wanted
+  int given_;   // vertices 0 .. given_ - 1 are the polygon's
+  double coarser_ = 1;
+  double most_ = 0;  // triangles beyond which no edge is split
+  std::vector<Pair> joined_;
+  std::set<Pair> creases_;
+  std::vector<char> on_crease_;
+  bool crease_halved_ = false;
+};
+
+}  // namespace
+
+double triangles_wanted(const PlanePolygon& polygon, std::optional<int> resolution) {
+  check(polygon, resolution);
+  return Sizes(polygon, resolution).triangles(polygon);
+}
+
+PlaneTriangulation remesh(const PlanePolygon& polygon, std::optional<int> resolution, const Surface& surface) {
+  check(polygon, resolution);
+  return PlaneRemesher(polygon, resolution, surface).run();
+}
+
+}  // namespace tripatch
