@@ -120,3 +120,20 @@ TEST_CASE("rounded sides have no kinks and are the sides elsewhere") {
   CHECK((kinks.rounded()[2].c(0.5) - sides[2].c(0.5)).norm() > 1e-3);
   CHECK(Kinks(sides_of(wave())).empty());
 }
+
+TEST_CASE("a turn by more than a thousandth is a kink, less is none") {
+  const auto line = [](const Vec3& a, const Vec3& b) {
+    const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
+    return PiecewisePolynomial::bezier(net, 3);
+  };
+  for (double turn : {0.9e-3, 1.1e-3}) {
+    INFO(turn);
+    Side side;
+    side.c = PiecewisePolynomial::joined({line(Vec3(-1, 0, 0), Vec3::Zero()), line(Vec3::Zero(), Vec3(1, 0, 0))});
+    side.r = PiecewisePolynomial::joined({line(Vec3(0, -1, 0), Vec3(0, -1, 0)), line(Vec3(0, -1, turn), Vec3(0, -1, turn))});
+    CHECK(kinks_of(side).size() == (turn > 1e-3 ? 1 : 0));
+    side.c = PiecewisePolynomial::joined({line(Vec3(-1, 0, 0), Vec3::Zero()), line(Vec3::Zero(), Vec3(1, 0, turn))});
+    side.r = line(Vec3(0, -1, 0), Vec3(0, -1, 0));
+    CHECK(kinks_of(side).size() == (turn > 1e-3 ? 1 : 0));
+  }
+}

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "tripatch/boundary/side.h"
-#include "tripatch/fairing/fairing.h"
+#include "tripatch/fairing/follow.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/report/report.h"
 

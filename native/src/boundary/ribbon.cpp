@@ -5,12 +5,12 @@
 #include <cmath>
 #include <string>
 
+#include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/smoothstep.h"
 
 namespace tripatch {
 namespace {
-
-double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
 
 double arc_length(const PiecewisePolynomial& c) {
   constexpr int steps = 32;
@@ -30,10 +30,7 @@ PiecewisePolynomial linear(double a, double b) {
 }
 
 /// 1 up to `low`, 0 from `high` on, smooth in between.
-double fading(double x, double low, double high) {
-  const double y = std::clamp((high - x) / (high - low), 0.0, 1.0);
-  return y * y * (3 - 2 * y);
-}
+double fading(double x, double low, double high) { return smoothstep((high - x) / (high - low)); }
 
 /// How much of the floor a corner takes: all where the rim turns by 5 degrees or less (or backwards), none from 25 on. A triangle may
 /// be obtuse and turn little and still be an affine image of a plain one, which has to keep its alpha (Theorem 2): what `opening`

@@ -15,6 +15,11 @@ namespace {
 
 using Exponents = std::array<int, 3>;
 
+/// Relative pivots below count as zero: so the ranks are those of the list in test_coons_bezier, for every degree.
+constexpr double singular = 1e-11;
+constexpr double precision = 1e-10;  // of the size: a residual below it is rounding
+constexpr double meeting = 1e-9;     // of the size: the largest gap between two curves at a corner
+
 /// All (i, j, k) of a degree in the order of a net.
 std::vector<Exponents> exponents(int degree) {
   std::vector<Exponents> all;
@@ -128,7 +133,7 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   const Eigen::MatrixXd inside = equations(Eigen::all, points.inside);
   // Unknown: the distance from the Coons net of the polygons. Where the system is singular the decomposition gives the shortest.
   const Points right = -equations * net;
-  const auto [correction, rank_found] = shortest_solution(inside, right, 1e-11);
+  const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, singular);
   if (rank_found < inside.cols()) {
     const std::string name =
         kind == CoonsKind::mask ? "The mask's system of degree " + std::to_string(n)
@@ -136,7 +141,7 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
     const std::string rank = " is singular (rank " + std::to_string(rank_found) + " of " + std::to_string(inside.cols()) + ")";
     const double left = (inside * correction - right).cwiseAbs().maxCoeff();
     const double size = (net.rowwise() - net.row(0)).cwiseAbs().maxCoeff();
-    if (left > 1e-10 * size)
+    if (left > precision * size)
       throw Refusal(name + rank + " and has no solution for this boundary; take another degree" +
                     (kind == CoonsKind::mask ? "" : " or alpha"));
     if (warnings) warnings->push_back(name + rank + ": the net nearest to the Coons net was taken");
@@ -187,7 +192,7 @@ Points bezier_side(const Ribbon& ribbon, int i, double size) {
     throw Refusal(side + " has " + std::to_string(degree + 1) +
                   " rim vertices: the Bezier methods take a curve of degree at most " + std::to_string(max_side_degree) +
                   ", which passes through " + std::to_string(max_side_degree + 1));
-  if (!(fit_curve(ribbon.c, ribbon.rim, degree, curve) <= 1e-10 * size))
+  if (!(fit_curve(ribbon.c, ribbon.rim, degree, curve) <= precision * size))
     throw Refusal(side + ": no Bezier curve of degree " + std::to_string(degree) + " passes through its rim vertices");
   return curve;
 }
@@ -212,7 +217,7 @@ void check(const BoundaryCurves& boundary) {
                           std::to_string(n));
   for (int i = 0; i < 3; ++i) {
     const double gap = (boundary[i].row(n) - boundary[(i + 1) % 3].row(0)).norm();
-    if (!(gap <= 1e-9 * size))
+    if (!(gap <= meeting * size))
       throw InvalidArgument("Boundary curves " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " " +
                             gap_at_corner((i + 2) % 3, gap));
   }
@@ -246,7 +251,7 @@ double coons_energy(const BezierTriangle& triangle, bool symmetric) {
 }
 
 Eigen::MatrixXd mask_equations(int degree, CoonsKind kind, double alpha) {
-  std::vector<std::pair<Exponents, double>> mask;  // weights of the neighbours
+  std::vector<std::pair<Exponents, double>> mask;  // weights of the neighbors
   if (kind == CoonsKind::mask) {
     mask = {{{-1, 0, 1}, 0.5}, {{-1, 1, 0}, -0.5}, {{0, -1, 1}, 0.5}, {{0, 1, -1}, 0.5}, {{1, -1, 0}, -0.5}, {{1, 0, -1}, 0.5}};
   } else if (kind == CoonsKind::permanence) {

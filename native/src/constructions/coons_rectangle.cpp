@@ -9,6 +9,8 @@
 namespace tripatch {
 namespace {
 
+constexpr double singular = 1e-11;  // relative pivots below count as zero, as in coons_bezier
+
 /// Inner products of the Bernstein polynomials of a degree over [0, 1].
 Eigen::MatrixXd bernstein_gram(int n) {
   const auto binomial = [](int a, int b) { return std::exp(std::lgamma(a + 1) - std::lgamma(b + 1) - std::lgamma(a - b + 1)); };
@@ -54,7 +56,7 @@ BezierRectangle permanence_rectangle(const BezierRectangle& boundary, double alp
             right.row(unknown(i, j)) += weight * boundary.net().row(boundary.row(a, b));
           }
         }
-  const auto [inside, rank] = shortest_solution(system, right, 1e-11);
+  const auto [inside, rank] = minimum_norm_least_squares(system, right, singular);
   if (rank < unknowns)
     throw Refusal("The permanence system of degrees " + std::to_string(m) + " and " + std::to_string(n) + " with alpha " +
                   std::to_string(alpha) + " is singular; take another alpha");

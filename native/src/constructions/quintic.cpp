@@ -79,8 +79,8 @@ class Quintic final : public JetSurface<Quintic> {
 public:
   Quintic(const Boundary& boundary, const Points& net) : rays_(rays(residual(boundary, net))) {
     for (int i = 0; i < 3; ++i) corner_[i] = boundary.ribbons[(i + 2) % 3].c(0);
-    const std::array<double, 3> centre = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    const Barycentric<degree> b(centre.data());
+    const std::array<double, 3> center = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+    const Barycentric<degree> b(center.data());
     JetPoint<degree> sum;
     for (int i = 0; i <= degree; ++i)
       for (int j = 0; i + j <= degree; ++j) {

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/constructions/shape_search.h"
 #include "tripatch/constructions/vertex_ray.h"
-#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/quadrature.h"
 
 namespace tripatch {
 namespace {
 
-constexpr double shape_bound = 1e-3;
 constexpr Index batch = 256;
 
 /// The printed feet: along lines on which v, u and again u are constant.
@@ -134,12 +134,11 @@ private:
   std::array<Substitution<N>, 3> to_foot_;
 };
 
-/// The energy as a function of lambda. f is linear in each of the three mu_i, so with the terms of the energy of each L_i stacked
-/// into one long vector, the energy is the squared length of their sum, and its derivatives are inner products.
+/// The thin-plate energy over the triangle as a function of lambda.
 template <int C>
-class ShapeEnergy {
+class FormulaEnergy final : public ShapeEnergy {
 public:
-  ShapeEnergy(const std::array<SurfacePtr, 3>& surfaces, bool as_printed, int quadrature) : formula_(surfaces, as_printed) {
+  FormulaEnergy(const std::array<SurfacePtr, 3>& surfaces, bool as_printed, int quadrature) : formula_(surfaces, as_printed) {
     const Quadrature q = corner_quadrature(quadrature);
     root_weight_.resize(q.b.rows());
     for (Index k = 0; k < q.b.rows(); ++k) root_weight_[k] = std::sqrt(q.weights[k]);
@@ -147,8 +146,7 @@ public:
     formula_.for_each(q.b.data(), q.b.rows(), [&](Index, const Point<2, C>& p) { points_.push_back(p); });
   }
 
-  /// The stacked second derivatives of the term that depends on lambda[i], or of its derivatives with respect to it.
-  Eigen::VectorXd stacked(int i, double lambda, int derivative = 0) const {
+  Eigen::VectorXd stacked(int i, double lambda, int derivative) const override {
     Eigen::VectorXd v(9 * static_cast<Index>(points_.size()));
     // second Taylor coefficients in (x, y) of the equilateral triangle: db0 = dx - dy / sqrt 3, db1 = 2 dy / sqrt 3
     const Substitution<2> to_plane(1, -1 / std::sqrt(3.0), 0, 2 / std::sqrt(3.0));
@@ -168,119 +166,6 @@ private:
   Eigen::VectorXd root_weight_;
 };
 
-using Vector3 = Eigen::Vector3d;
-
-/// Newton's method in x = log(lambda / (1 - lambda)), kept inside the bounds, from the best local minima of a scan.
-template <int C>
-std::vector<SzilvasiNagy::Step> least_energy(const ShapeEnergy<C>& energy, const std::array<double, 3>& given) {
-  const double bound = std::log((1 - shape_bound) / shape_bound);
-  const auto to_lambda = [](double x) { return 1 / (1 + std::exp(-x)); };
-
-  // Scan: all inner products between terms at nodes of one grid give the energy at all combinations.
-  constexpr int nodes = 9;
-  std::array<double, nodes> x;
-  for (int k = 0; k < nodes; ++k) x[k] = 0.9 * bound * (2.0 * k / (nodes - 1) - 1);  // the middle one is lambda = 1/2
-  Eigen::MatrixXd all(energy.stacked(0, 0.5).size(), 3 * nodes);
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < nodes; ++k) all.col(i * nodes + k) = energy.stacked(i, to_lambda(x[k]));
-  const Eigen::MatrixXd gram = all.transpose() * all;
-  const auto scanned = [&](int a, int b, int c) {
-    const std::array<int, 3> at = {a, nodes + b, 2 * nodes + c};
-    double sum = 0;
-    for (int p : at)
-      for (int q : at) sum += gram(p, q);
-    return sum;
-  };
-  struct Start {
-    double energy;
-    std::array<int, 3> at;
-  };
-  std::vector<Start> starts;
-  for (int a = 0; a < nodes; ++a)
-    for (int b = 0; b < nodes; ++b)
-      for (int c = 0; c < nodes; ++c) {
-        const double here = scanned(a, b, c);
-        bool lowest = true;
-        for (int da = -1; da <= 1 && lowest; ++da)
-          for (int db = -1; db <= 1 && lowest; ++db)
-            for (int dc = -1; dc <= 1 && lowest; ++dc) {
-              const int na = a + da, nb = b + db, nc = c + dc;
-              if (std::min({na, nb, nc}) >= 0 && std::max({na, nb, nc}) < nodes) lowest = here <= scanned(na, nb, nc);
-            }
-        if (lowest) starts.push_back({here, {a, b, c}});
-      }
-  constexpr int m = nodes / 2;
-  const double middle = scanned(m, m, m);
-  std::sort(starts.begin(), starts.end(), [](const Start& p, const Start& q) { return p.energy < q.energy; });
-  if (starts.size() > 4) starts.resize(4);
-  // a flat energy (the three surfaces agree): nothing to choose
-  const double tiny = 1e-12 * gram.diagonal().maxCoeff();
-  if (middle - starts[0].energy <= tiny) starts = {{middle, {m, m, m}}};
-
-  const auto total = [&](const Vector3& at) -> Eigen::VectorXd {
-    return energy.stacked(0, to_lambda(at[0])) + energy.stacked(1, to_lambda(at[1])) + energy.stacked(2, to_lambda(at[2]));
-  };
-  const auto step_of = [&](const Vector3& at, double e) {
-    return SzilvasiNagy::Step{{to_lambda(at[0]), to_lambda(at[1]), to_lambda(at[2])}, e};
-  };
-  std::vector<SzilvasiNagy::Step> best;
-  for (const Start& start : starts) {
-    Vector3 at(x[start.at[0]], x[start.at[1]], x[start.at[2]]);
-    Eigen::VectorXd f = total(at);
-    double e = f.squaredNorm();
-    std::vector<SzilvasiNagy::Step> path = {step_of(at, e)};
-    for (int iteration = 0; iteration < 50; ++iteration) {
-      Vector3 gradient;
-      Eigen::Matrix3d hessian;
-      std::array<Eigen::VectorXd, 3> slope;
-      for (int i = 0; i < 3; ++i) {
-        const double lambda = to_lambda(at[i]), d = lambda * (1 - lambda);
-        slope[i] = d * energy.stacked(i, lambda, 1);
-        gradient[i] = 2 * f.dot(slope[i]);
-        hessian(i, i) = 2 * d * d * f.dot(energy.stacked(i, lambda, 2)) + (1 - 2 * lambda) * gradient[i];
-      }
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) hessian(i, j) = (i == j ? hessian(i, i) : 0) + 2 * slope[i].dot(slope[j]);
-      // held at a bound that the energy pushes against
-      std::array<bool, 3> held;
-      for (int i = 0; i < 3; ++i) {
-        held[i] = (at[i] >= bound && gradient[i] < 0) || (at[i] <= -bound && gradient[i] > 0);
-        if (!held[i]) continue;
-        gradient[i] = 0;
-        hessian.row(i).setZero();
-        hessian.col(i).setZero();
-        hessian(i, i) = 1;
-      }
-      if (gradient.norm() <= 1e-10 * e || e <= tiny) break;
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(hessian);
-      const Vector3 curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-8 * eigen.eigenvalues().cwiseAbs().maxCoeff());
-      Vector3 direction =
-          -(eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * gradient);
-      if (direction.norm() > 2) direction *= 2 / direction.norm();
-      bool better = false;
-      for (double length = 1; length > 1e-6 && !better; length *= 0.5) {
-        const Vector3 next = (at + length * direction).cwiseMax(-bound).cwiseMin(bound);
-        const Eigen::VectorXd f_next = total(next);
-        const double e_next = f_next.squaredNorm();
-        if (e_next < e) {
-          better = e - e_next > 1e-14 * e;
-          at = next;
-          f = f_next;
-          e = e_next;
-          path.push_back(step_of(at, e));
-          if (!better) break;
-        }
-      }
-      if (!better) break;
-    }
-    if (best.empty() || path.back().energy < best.back().energy) best = std::move(path);
-  }
-  Vector3 first;
-  for (int i = 0; i < 3; ++i) first[i] = std::log(given[i] / (1 - given[i]));
-  best.insert(best.begin(), {given, total(first).squaredNorm()});
-  return best;
-}
-
 }  // namespace
 
 SzilvasiNagy::SzilvasiNagy(const std::array<SurfacePtr, 3>& surfaces, const SzilvasiNagyOptions& options)
@@ -293,12 +178,12 @@ SzilvasiNagy::SzilvasiNagy(const std::array<SurfacePtr, 3>& surfaces, const Szil
   for (int i = 0; i < 3; ++i)
     if (!(shape_[i] > 0 && shape_[i] < 1))
       throw InvalidArgument("shape[" + std::to_string(i) + "] must lie between 0 and 1, ends excluded");
-  if (options.optimal) optimise(options.quadrature);
+  if (options.optimal) optimize(options.quadrature);
 }
 
-void SzilvasiNagy::optimise(int quadrature) {
-  path_ = continuity_ == 0 ? least_energy(ShapeEnergy<0>(surfaces_, as_printed_, quadrature), shape_)
-                           : least_energy(ShapeEnergy<1>(surfaces_, as_printed_, quadrature), shape_);
+void SzilvasiNagy::optimize(int quadrature) {
+  path_ = continuity_ == 0 ? least_energy(FormulaEnergy<0>(surfaces_, as_printed_, quadrature), shape_)
+                           : least_energy(FormulaEnergy<1>(surfaces_, as_printed_, quadrature), shape_);
   shape_ = path_.back().shape;
 }
 

@@ -10,14 +10,14 @@ namespace {
 
 class Correction final : public JetSurface<Correction> {
 public:
-  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, const Points& coefficients)
+  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients)
       : slopes_(std::move(slopes)), degree_(degree), inside_(coefficients.topRows(BezierTriangle::net_size(degree))) {
     const std::vector<double> factor = multinomials(degree);
     for (Index k = 0; k < inside_.rows(); ++k) inside_.row(k) *= factor[k];
-    if (bends == 0) return;
+    if (second_cross == 0) return;
     for (int i = 0; i < 3; ++i) {
-      const Points of_side = coefficients.middleRows(inside_.rows() + i * bends, bends);
-      bends_[i] = PiecewisePolynomial::bezier({of_side.data(), static_cast<std::size_t>(of_side.size())}, 3);
+      const Points of_side = coefficients.middleRows(inside_.rows() + i * second_cross, second_cross);
+      second_cross_[i] = PiecewisePolynomial::bezier({of_side.data(), static_cast<std::size_t>(of_side.size())}, 3);
     }
   }
 
@@ -30,33 +30,33 @@ public:
       for (int x = 0; x < 3; ++x) p.x[x] += inside_(k, x) * f;
     });
     p = bubble(b) * p;
-    const std::array<Jet<N>, 3> weights = side_weights(b), bend_weights = cubic_side_weights(b);
+    const std::array<Jet<N>, 3> weights = side_weights(b), cubic_weights = cubic_side_weights(b);
     for (int i = 0; i < 3; ++i) {
       const Jet<N> t = ray_parameter(b, i);
       p += slope_kernel(b, weights, i) * compose(slopes_[i], t);
-      if (!bends_[i].empty()) p += bend_kernel(b, bend_weights, i) * compose(bends_[i], t);
+      if (!second_cross_[i].empty()) p += second_cross_kernel(b, cubic_weights, i) * compose(second_cross_[i], t);
     }
     return p;
   }
 
 private:
-  std::array<PiecewisePolynomial, 3> slopes_, bends_;  // bends_: empty where there are none
+  std::array<PiecewisePolynomial, 3> slopes_, second_cross_;  // second_cross_: empty where there are none
   int degree_;
   Points inside_;  // by monomials of b
 };
 
 }  // namespace
 
-SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, const Points& coefficients) {
-  return std::make_shared<Correction>(std::move(slopes), degree, bends, coefficients);
+SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients) {
+  return std::make_shared<Correction>(std::move(slopes), degree, second_cross, coefficients);
 }
 
 namespace {
 
 using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
 
-Basis derivatives_at(const Barycentric<3>& b, int degree, int bends) {
-  const std::vector<Jet<3>> basis = scalar_basis(b, degree, bends);
+Basis derivatives_at(const Barycentric<3>& b, int degree, int second_cross) {
+  const std::vector<Jet<3>> basis = scalar_basis(b, degree, second_cross);
   Basis all(9, basis.size());
   for (std::size_t c = 0; c < basis.size(); ++c) all.col(c) = derivatives_of(basis[c]);
   return all;
@@ -64,12 +64,12 @@ Basis derivatives_at(const Barycentric<3>& b, int degree, int bends) {
 
 /// Of the scalar functions, what is orthonormal in the third-derivative energy: Bernstein polynomials times the squared bubble are
 /// nearly dependent. The same whatever the nodes.
-Eigen::MatrixXd orthonormal(int degree, int bends) {
+Eigen::MatrixXd orthonormal(int degree, int second_cross) {
   const Quadrature quadrature = corner_quadrature(8);
-  const Index count = scalars(degree, bends);
+  const Index count = scalars(degree, second_cross);
   Eigen::MatrixXd rows(4 * quadrature.b.rows(), count);
   for (Index k = 0; k < quadrature.b.rows(); ++k) {
-    const Basis all = derivatives_at(cartesian_barycentric<3>(quadrature.b.row(k).data()), degree, bends);
+    const Basis all = derivatives_at(cartesian_barycentric<3>(quadrature.b.row(k).data()), degree, second_cross);
     for (int d = 0; d <= 3; ++d)
       rows.row(4 * k + d) =
           std::sqrt(quadrature.weights[k]) * FairingSpace::factor(3, d) * all.row(FairingSpace::first_of(3) + d);
@@ -91,16 +91,16 @@ PiecewisePolynomial slope_function(std::span<const double> coefficients) {
   return PiecewisePolynomial::bezier(arch, 1) * PiecewisePolynomial::bezier(coefficients, 1);
 }
 
-FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes)
-    : quadrature(corner_quadrature(nodes)), combination(orthonormal(degree, bends)) {
-  const Index n = quadrature.b.rows(), count = scalars(degree, bends);
+FairingSpace::FairingSpace(int degree, int second_cross, int slopes, int nodes)
+    : quadrature(corner_quadrature(nodes)), combination(orthonormal(degree, second_cross)) {
+  const Index n = quadrature.b.rows(), count = scalars(degree, second_cross);
   std::vector<PiecewisePolynomial> functions;
   for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
   interior.resize(9 * n, count);
   for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
   for (Index k = 0; k < n; ++k) {
     const Barycentric<3> b = cartesian_barycentric<3>(quadrature.b.row(k).data());
-    interior.middleRows(9 * k, 9) = derivatives_at(b, degree, bends) * combination;
+    interior.middleRows(9 * k, 9) = derivatives_at(b, degree, second_cross) * combination;
     const double w = std::sqrt(quadrature.weights[k]);
     for (int m = 1; m <= 3; ++m)
       for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * interior.row(9 * k + first_of(m) + d);
@@ -123,13 +123,13 @@ FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes)
 
   const std::array<double, 3> thirds = {1.0 / 3, 1.0 / 3, 1.0 / 3};
   const Barycentric<0> b(thirds.data());
-  const std::vector<Jet<0>> basis = scalar_basis(b, degree, bends);
-  middle.resize(count);
-  for (Index c = 0; c < count; ++c) middle[c] = basis[c].value();
-  middle *= combination;
-  middle_slope.resize(slopes);
-  for (int m = 0; m < slopes; ++m) functions[m].taylor(0.5, 0, &middle_slope[m]);
-  middle_slope *= slope_kernel(b, side_weights(b), 0).value();
+  const std::vector<Jet<0>> basis = scalar_basis(b, degree, second_cross);
+  center.resize(count);
+  for (Index c = 0; c < count; ++c) center[c] = basis[c].value();
+  center *= combination;
+  center_slope.resize(slopes);
+  for (int m = 0; m < slopes; ++m) functions[m].taylor(0.5, 0, &center_slope[m]);
+  center_slope *= slope_kernel(b, side_weights(b), 0).value();
 
   side_slope.resize(side_points, slopes);
   for (int k = 0; k < side_points; ++k) {
@@ -144,19 +144,19 @@ FairingSpace::FairingSpace(int degree, int bends, int slopes, int nodes)
       b[i] = Jet<2>::linear(0, 1, 0);
       b[(i + 1) % 3] = Jet<2>::linear(1 - side_t[k], -0.5, 0);
       b[(i + 2) % 3] = Jet<2>::linear(side_t[k], -0.5, 0);
-      const std::vector<Jet<2>> basis = scalar_basis(b, degree, bends);
+      const std::vector<Jet<2>> basis = scalar_basis(b, degree, second_cross);
       for (Index c = 0; c < count; ++c) side_second[i](k, c) = 2 * basis[c].c[jet_index(2, 0)];
     }
     side_second[i] *= combination;
   }
 }
 
-const FairingSpace& fairing_space(int degree, int bends, int slopes, int nodes) {
+const FairingSpace& fairing_space(int degree, int second_cross, int slopes, int nodes) {
   static std::mutex mutex;
   static std::map<std::array<int, 4>, std::unique_ptr<FairingSpace>> all;
   const std::lock_guard<std::mutex> lock(mutex);
-  std::unique_ptr<FairingSpace>& one = all[{degree, bends, slopes, nodes}];
-  if (!one) one = std::make_unique<FairingSpace>(degree, bends, slopes, nodes);
+  std::unique_ptr<FairingSpace>& one = all[{degree, second_cross, slopes, nodes}];
+  if (!one) one = std::make_unique<FairingSpace>(degree, second_cross, slopes, nodes);
   return *one;
 }
 

@@ -6,6 +6,7 @@
 
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/smoothstep.h"
 
 namespace tripatch {
 namespace {
@@ -13,7 +14,12 @@ namespace {
 /// How far before a kink its left side is looked at: exactly there the piece behind it counts.
 constexpr double just_before = 1e-9;
 
-bool apart(const Vec3& left, const Vec3& right) { return (right - left).norm() > 1e-3 * std::max(left.norm(), right.norm()); }
+/// A jump by more than this part of the length is a kink: a turn by 0.06 degrees. Smooth sides change by some 1e-9 on the way from
+/// just_before, and what turns less is below what a plain mesh tells of its planes.
+constexpr double jump_of_kink = 1e-3;
+bool apart(const Vec3& left, const Vec3& right) {
+  return (right - left).norm() > jump_of_kink * std::max(left.norm(), right.norm());
+}
 
 /// The quintic with the field's own values and first two derivatives at both ends, over [0, 1].
 PiecewisePolynomial bridge(const PiecewisePolynomial& field, double from, double to) {
@@ -66,14 +72,18 @@ private:
 
 Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
+constexpr double one_plane = 1e-5;  // sine of the angle between two planes: less, and the line where they meet is rounding
+constexpr double least_slant =
+    0.2;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
+
 /// A derivative across that is in the planes of both sides of a kink and goes as far inwards as v: where they differ, along the line
 /// where they meet, which is the crease that ends there. None where that line runs along the side.
 std::optional<Vec3> in_both_planes(const Vec3& v, const Side& before, const Side& after) {
   const Vec3 n0 = before.normal(1), n1 = after.normal(0), line = n0.cross(n1);
-  if (line.norm() < 1e-5) return in_plane(v, (n0 + n1).normalized());
+  if (line.norm() < one_plane) return in_plane(v, (n0 + n1).normalized());
   const Vec3 inward = -(before.r(1).normalized() + after.r(0).normalized()).normalized();
   const double slant = inward.dot(line.normalized());
-  if (std::abs(slant) < 0.2) return std::nullopt;
+  if (std::abs(slant) < least_slant) return std::nullopt;
   return inward.dot(v) / slant * line.normalized();
 }
 
@@ -138,7 +148,7 @@ SurfacePtr Kinks::restored(const SurfacePtr& patch, const std::array<bool, 3>& t
       strip.side = i;
       strip.from = kink.t - kink.reach;
       strip.to = kink.t + kink.reach;
-      // The strip keeps clear of the other sides, which are at t = b_i / 2 and 1 - b_i / 2, and of the middle.
+      // The strip keeps clear of the other sides, which are at t = b_i / 2 and 1 - b_i / 2, and of the center.
       strip.depth = std::min(2 * kink.reach, 1.0 / 3);
       strip.e = (sides_[i].c - rounded_[i].c).part(strip.from, strip.to);
       std::array<Side, 2> halves;
@@ -160,7 +170,7 @@ SurfacePtr Kinks::restored(const SurfacePtr& patch, const std::array<bool, 3>& t
               for (std::size_t k = 0; k < u.size(); ++k) {
                 const double near = h ? 1 - u[k] : u[k];
                 const Vec3 n = halves[h].normal(u[k]), d = -across[k].first;
-                const Vec3 wanted = in_plane(d + near * near * (3 - 2 * near) * turn, n);
+                const Vec3 wanted = in_plane(d + smoothstep(near) * turn, n);
                 Vec3::Map(&out[3 * k]) = tangent[i] ? Vec3(wanted - d) : Vec3(Vec3::Zero());
               }
             },

@@ -62,14 +62,14 @@ void add_gram(const RowMajor& a, RowMajor& c) { add_gram(a.data(), a.rows(), a.c
 
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b) { return a.completeOrthogonalDecomposition().solve(b); }
 
-ShortestSolution shortest_solution(const MatrixRef& a, const MatrixRef& b, double threshold) {
+MinimumNormSolution minimum_norm_least_squares(const MatrixRef& a, const MatrixRef& b, double threshold) {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
   decomposition.setThreshold(threshold);
   decomposition.compute(a);
   return {decomposition.solve(b), decomposition.rank()};
 }
 
-Eigen::VectorXd least_quadratic(const MatrixRef& a, const VectorRef& b, const MatrixRef& held) {
+Eigen::VectorXd constrained_quadratic_minimum(const MatrixRef& a, const VectorRef& b, const MatrixRef& held) {
   const Eigen::LLT<Eigen::MatrixXd> factor(a);
   if (factor.info() != Eigen::Success) return Eigen::VectorXd::Constant(b.size(), std::numeric_limits<double>::quiet_NaN());
   Eigen::VectorXd x = -factor.solve(b);

@@ -11,7 +11,7 @@
 #include "tripatch/cage/cage_options.h"
 #include "tripatch/cage/cage_samples.h"
 #include "tripatch/cage/closed_cage.h"
-#include "tripatch/fairing/fairing.h"
+#include "tripatch/fairing/follow.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {

@@ -9,7 +9,7 @@
 #include "tripatch/cage/cage_fair.h"
 #include "tripatch/cage/cage_system.h"
 #include "tripatch/cage/closed_cage.h"
-#include "tripatch/fairing/fairing.h"
+#include "tripatch/fairing/follow.h"
 
 namespace tripatch {
 

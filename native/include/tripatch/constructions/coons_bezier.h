@@ -1,5 +1,5 @@
 // Bezier triangles from three boundary curves: the discrete Coons net, the extremals of the functional that Coons patches
-// minimise, and nets made by masks. A. Arnal and A. Lluch, "Coons triangular Bezier surfaces" (section and equation numbers
+// minimize, and nets made by masks. A. Arnal and A. Lluch, "Coons triangular Bezier surfaces" (section and equation numbers
 // below are theirs); masks and permanence patches after G. Farin and D. Hansford 1999 (CAGD 16, 691-700).
 #pragma once
 

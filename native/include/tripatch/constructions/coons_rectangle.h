@@ -10,7 +10,7 @@ namespace tripatch {
 /// the net given are not read.
 BezierRectangle coons_rectangle(const BezierRectangle& boundary);
 
-/// The net each of whose interior points is alpha times its four diagonal and beta times its four other neighbours, with
+/// The net each of whose interior points is alpha times its four diagonal and beta times its four other neighbors, with
 /// 4 alpha + 4 beta = 1; alpha = -1/4 (eq. 10) gives the discrete Coons patch. A Refusal where the system is singular.
 BezierRectangle permanence_rectangle(const BezierRectangle& boundary, double alpha = -0.25);
 

@@ -7,7 +7,7 @@
 
 namespace tripatch {
 
-/// Over the flat triangle, along the normalised blend of the normals, the Gordon-Coons blend (Szilvasi-Nagy and Szabo 2006, eq. 1)
+/// Over the flat triangle, along the normalized blend of the normals, the Gordon-Coons blend (Szilvasi-Nagy and Szabo 2006, eq. 1)
 /// of the heights that the curves of eqs. 4-9 have along that direction. Normals of any length; a Refusal where they are zero or
 /// not finite.
 SurfacePtr smits_patch(const std::array<Vec3, 3>& points, const std::array<Vec3, 3>& normals);

@@ -33,7 +33,7 @@ public:
     double energy;
   };
   const std::array<double, 3>& shape() const { return shape_; }
-  /// The optimiser's path, from the given lambda through the start that a scan chose to the optimum; empty where lambda is given.
+  /// The optimizer's path, from the given lambda through the start that a scan chose to the optimum; empty where lambda is given.
   /// The optimum is kept within [1e-3, 1 - 1e-3].
   const std::vector<Step>& path() const { return path_; }
 
@@ -50,7 +50,7 @@ private:
   Vec3 corner(int i) const override { return corner_[i]; }
   /// Order 0 to 4 in Definition 1, 0 to 3 in Definition 2, which needs one more from its surfaces.
   void evaluate_regular(const double* b, Index n, int order, double* out) const override;
-  void optimise(int quadrature);
+  void optimize(int quadrature);
 
   std::array<SurfacePtr, 3> surfaces_;
   std::array<Vec3, 3> corner_;

@@ -58,7 +58,7 @@ SideForm side_form(const Side& side, double t);
 /// 0 where the sides continue one surface, about 1 where fillets meet.
 std::array<double, 3> curvature_mismatch(const Sides& sides);
 
-/// The sides that have a q and agree with their neighbours at both corners, to half of the curvature: a mesh knows it no better there.
+/// The sides that have a q and agree with their neighbors at both corners, to half of the curvature: a mesh knows it no better there.
 std::array<bool, 3> curvature_agrees(const Sides& sides);
 
 /// `patch`, which keeps G1 to the sides marked, plus what makes it meet their curvature: 1/2 b_i^2 (cubic side weight) times what the

@@ -3,7 +3,7 @@
 //   - the second derivative across each side changed, by 1/2 b_i^2 (cubic side weight) times a polynomial of t, and
 //   - the slopes alpha(t), beta(t) of each side changed between the corners (on a side that is met in position only: all of the
 //     derivative across it);
-// all are linear. The coefficients minimise a fairness energy, with the center held where that is asked.
+// all are linear. The coefficients minimize a fairness energy, with the center held where that is asked.
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@ struct FairingOptions {
   /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, auto (see energy.h):
   /// geometric, by damped Gauss-Newton from the third-derivative solution.
   std::string energy = "auto";
-  int degree = 4;       ///< of the interior term's polynomial
-  int high_degree = 8;  ///< the same for the last steps, two of them, where a geometric energy stays above `rich`
-  double rich = 1;      ///< and what is that: a surface with features of its own
-  int bends = 4;        ///< coefficients of the second derivative across each side
-  int slopes = 4;       ///< coefficients of each of alpha and beta on each side
-  int nodes = 8;        ///< of the quadrature, per direction
-  int rough_nodes = 5;  ///< of the one that Gauss-Newton begins with
-  int iterations = 8;   ///< of Gauss-Newton with that, at most; one or two follow with `nodes`
+  int degree = 4;        ///< of the interior term's polynomial
+  int high_degree = 8;   ///< the same for the last steps, two of them, where a geometric energy stays above `rich`
+  double rich = 1;       ///< and what is that: a surface with features of its own
+  int second_cross = 4;  ///< coefficients of the second cross derivative of each side
+  int slopes = 4;        ///< coefficients of each of alpha and beta on each side
+  int nodes = 8;         ///< of the quadrature, per direction
+  int rough_nodes = 5;   ///< of the one that Gauss-Newton begins with
+  int iterations = 8;    ///< of Gauss-Newton with that, at most; one or two follow with `nodes`
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
   /// Sides whose tangent planes are not asked for: the derivative across is free in all directions.
   std::array<bool, 3> position_only = {false, false, false};
@@ -52,7 +52,7 @@ struct FairingBase {
 
 struct FairResult {
   SurfacePtr patch;
-  std::string energy;  ///< that was minimised
+  std::string energy;  ///< that was minimized
   double before = 0;   ///< its value for the patch that was given
   double after = 0;
   int iterations = 0;
@@ -68,14 +68,5 @@ struct FairResult {
 /// the patch of `base` itself (with its center where it is asked for).
 FairResult fair(const FairingBase& base, const FairingBase& measured, const FairingOptions& options = {},
                 const FoldCounter* folds = nullptr);
-
-/// Points of a surface that a patch shall follow, with the barycentric coordinates where it is about to pass them, and unit normals.
-struct SurfacePoints {
-  Points barycentric = Points(0, 3), points = Points(0, 3), normals = Points(0, 3);
-};
-
-/// Of the patches that differ from `base` in the terms above the one that is nearest to the points, by least squares: distances along
-/// the surface count a tenth. Of `options` the numbers of coefficients and slopes_free are read.
-SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOptions& options = {});
 
 }  // namespace tripatch

@@ -33,7 +33,7 @@ Jet<N> slope_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int
 
 /// What multiplies the second derivative across side i: w: cubic_side_weights.
 template <int N>
-Jet<N> bend_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
+Jet<N> second_cross_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>& w, int i) {
   return 0.5 * (square(b[i]) * w[i]);
 }
 
@@ -43,7 +43,7 @@ Jet<N> bubble(const Barycentric<N>& b) {
   return square(27.0 * (b[0] * b[1] * b[2]));
 }
 
-inline Index scalars(int degree, int bends) { return BezierTriangle::net_size(degree) + 3 * bends; }
+inline Index scalars(int degree, int second_cross) { return BezierTriangle::net_size(degree) + 3 * second_cross; }
 
 constexpr int highest_interior = 9;  // degree
 
@@ -69,22 +69,22 @@ inline std::vector<double> multinomials(int degree) {
 }
 
 /// The interior functions (27 b0 b1 b2)^2 B_K(b), then those that bend the patch across side i: 1/2 b_i^2, times the cubic side
-/// weight, times the Bernstein polynomials of t of degree bends - 1. These reach to the corners, where the interior is too flat.
+/// weight, times the Bernstein polynomials of t of degree second_cross - 1. These reach to the corners, where the interior is too flat.
 template <int N>
-std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int bends) {
+std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int second_cross) {
   std::vector<Jet<N>> basis;
-  basis.reserve(scalars(degree, bends));
+  basis.reserve(scalars(degree, second_cross));
   const Jet<N> inside = bubble(b);
   const std::vector<double> factor = multinomials(degree);
   for_monomials(b, degree, [&](int k, const Jet<N>& f) { basis.push_back(factor[k] * (inside * f)); });
-  if (bends == 0) return basis;
+  if (second_cross == 0) return basis;
   const std::array<Jet<N>, 3> weight = cubic_side_weights(b);
   for (int i = 0; i < 3; ++i) {
-    const Jet<N> kernel = bend_kernel(b, weight, i), t = ray_parameter(b, i), s = 1.0 - t;
-    for (int m = 0; m < bends; ++m) {
-      Jet<N> f = choose(bends - 1, m) * kernel;
+    const Jet<N> kernel = second_cross_kernel(b, weight, i), t = ray_parameter(b, i), s = 1.0 - t;
+    for (int m = 0; m < second_cross; ++m) {
+      Jet<N> f = choose(second_cross - 1, m) * kernel;
       for (int k = 0; k < m; ++k) f *= t;
-      for (int k = m + 1; k < bends; ++k) f *= s;
+      for (int k = m + 1; k < second_cross; ++k) f *= s;
       basis.push_back(f);
     }
   }
@@ -93,7 +93,7 @@ std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int bends)
 
 /// What a fairing adds to a patch. slopes: on each side, what is added to the derivative across it; coefficients: of scalar_basis,
 /// one a row.
-SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int bends, const Points& coefficients);
+SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients);
 
 /// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
 PiecewisePolynomial slope_function(int count, int m);
@@ -128,9 +128,9 @@ struct FairingSpace {
   std::vector<double> side_t;                  // where curvature is compared along a side: denser towards the corners
   std::array<Eigen::MatrixXd, 3> side_second;  // there: second derivative of each basis function across side i
   Eigen::MatrixXd side_slope;                  // there: the functions of alpha and beta
-  Eigen::RowVectorXd middle, middle_slope;     // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
+  Eigen::RowVectorXd center, center_slope;     // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
 
-  FairingSpace(int degree, int bends, int slopes, int nodes);
+  FairingSpace(int degree, int second_cross, int slopes, int nodes);
 
   /// Derivative d of order m counts as often as it occurs in D^m; where order m begins in Derivatives.
   static double factor(int m, int d) { return std::sqrt(choose(m, d)); }
@@ -138,6 +138,6 @@ struct FairingSpace {
 };
 
 /// Made once for each set of numbers and kept.
-const FairingSpace& fairing_space(int degree, int bends, int slopes, int nodes);
+const FairingSpace& fairing_space(int degree, int second_cross, int slopes, int nodes);
 
 }  // namespace tripatch

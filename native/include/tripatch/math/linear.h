@@ -9,19 +9,20 @@ namespace tripatch {
 using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 using VectorRef = Eigen::Ref<const Eigen::VectorXd>;
 
-/// The shortest x (n, k) of those with the least |a x - b|, for a (m, n) and b (m, k).
+/// Minimum-norm least squares: of the x (n, k) with the least |a x - b| the shortest, for a (m, n) and b (m, k).
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b);
 
 /// The same and the rank of a: pivots below `threshold` times the largest count as zero.
-struct ShortestSolution {
+struct MinimumNormSolution {
   Eigen::MatrixXd x;
   Index rank;
 };
-ShortestSolution shortest_solution(const MatrixRef& a, const MatrixRef& b, double threshold);
+MinimumNormSolution minimum_norm_least_squares(const MatrixRef& a, const MatrixRef& b, double threshold);
 
-/// The x (n) that makes x . (a x + 2 b) least among those with held x = 0, for a symmetric, positive definite a (n, n), of which the
-/// lower triangle is read, b (n) and held (k, n), k from 0 on. Not finite where a is not definite.
-Eigen::VectorXd least_quadratic(const MatrixRef& a, const VectorRef& b, const MatrixRef& held);
+/// Equality-constrained quadratic programme: the x (n) that makes x . (a x + 2 b) least among those with held x = 0, for a symmetric,
+/// positive definite a (n, n), of which the lower triangle is read, b (n) and held (k, n), k from 0 on. Not finite where a is not
+/// definite.
+Eigen::VectorXd constrained_quadratic_minimum(const MatrixRef& a, const VectorRef& b, const MatrixRef& held);
 
 /// Adds a' a to c, of which only the lower triangle is kept up, for a (m, n) and c (n, n).
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -1,0 +1,173 @@
+#include "tripatch/fairing/descent.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "tripatch/fairing/energy.h"
+#include "tripatch/math/linear.h"
+
+namespace tripatch {
+namespace {
+
+constexpr double weight_of_jumps = 0.1;  // of the energy at the start, for each jump of curvature that is tolerated (a choice)
+constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that the steps that follow have room
+constexpr double regularization =
+    1e-12;  // of the mean diagonal element: unknowns without rows stay put, others change by rounding
+
+/// The parameterization is free in the geometric energies. A little of the third-derivative energy settles it: a step may gain on it a
+/// tenth (relative) of what it loses. With less than 0.05 the minimizer depends on rounding and on the quadrature; with 0.2 to 0.3 the
+/// distance to the truth grows by a third to two thirds (holes of docs/fairness.md).
+constexpr double parameterization = 0.1;
+constexpr double least_share = 0.05;  // of one of two energies in the derivative: for less its model, half the work, is not made
+constexpr double no_energy = 1e-300;  // a logarithm's argument is not below
+
+constexpr double enough = 1e-2;  // relative gain: the step that gains less is the last
+constexpr double none =
+    1e-4;  // next to none: energies have no units, and those of holes with any shape of their own are above 1e-2
+
+}  // namespace
+
+Eigen::VectorXd minimum(const FairingProblem& problem, const Quadratic& energy) {
+  const Eigen::MatrixXd held = problem.held();
+  const CurvatureFollowing& following = problem.following();
+  const auto among = [&](Index m) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.count());
+    for (int pass = 0; pass < (following.any() ? 2 : 1); ++pass) {
+      Eigen::MatrixXd normal = energy.normal.topLeftCorner(m, m);
+      Eigen::VectorXd gradient = energy.normal.topRows(m) * x + energy.gradient.head(m);
+      if (following.any()) {
+        const Quadratic jumps = following.linearized(x);
+        normal += weight_of_jumps * energy.constant * jumps.normal.topLeftCorner(m, m);
+        gradient += weight_of_jumps * energy.constant * jumps.gradient.head(m);
+      }
+      normal.diagonal().array() += regularization * normal.trace() / m;
+      x.head(m) += constrained_quadratic_minimum(normal, gradient, held.leftCols(m));
+    }
+    return x;
+  };
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.count());
+  const Eigen::VectorXd all = among(problem.count());
+  if (all.allFinite() && problem.open(all)) return all;
+  const Eigen::VectorXd scalars = among(problem.scalars());
+  if (!scalars.allFinite()) return zero;
+  if (!all.allFinite() || !problem.controlled()) return scalars;
+  const double share = share_of_reach * problem.reach(all);
+  return share > 0 ? scalars + std::min(share, 1.0) * (all - scalars) : scalars;
+}
+
+Merit::Merit(const FairingProblem& problem, const Quadratic& third, Quadratic tension, const std::string& energy)
+    : problem_(problem),
+      third_(third),
+      tension_(std::move(tension)),
+      held_(problem.held()),
+      quadric_(energy != "minimum_variation"),
+      whole_(energy != "quadric_variation") {}
+
+Merit::Value Merit::operator()(const Eigen::VectorXd& x) const {
+  Value v;
+  if (!x.allFinite() || !problem_.open(x)) return v;
+  std::tie(v.variation, v.quadric) = problem_.variation(x);
+  v.third = third_(x);
+  v.energy = energy(v.variation, v.quadric) + tension(x);
+  if (std::isfinite(v.energy)) {
+    v.log = std::log(std::max(v.energy, no_energy)) + parameterization * std::log(std::max(v.third, no_energy));
+    if (problem_.following().any()) v.log += problem_.following().jumps(x).squaredNorm();
+  }
+  return v;
+}
+
+Merit::Model Merit::linearized(const Eigen::VectorXd& x, const Value& v) const {
+  Model m;
+  const double share = quadric_share(v.variation, v.quadric);
+  m.used = {share<1 - least_share, share> least_share};  // a step counts only if it goes down anyway
+  m.variation = problem_.linearized(x, m.used);
+  if (problem_.following().any()) m.jumps = problem_.following().linearized(x);
+  return m;
+}
+
+/// The model of the logarithm about x, its parts weighed by their values at x + y; the constant is not set.
+Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::VectorXd& y) const {
+  constexpr double least_left = 1e-3;  // of a part, by its model: no step takes more away than that says
+  const auto value = [&](int which, double now) {
+    return m.used[which] ? std::max(m.variation[which](y), least_left * now) : now;
+  };
+  const double variation = value(0, v.variation), quadric = value(1, v.quadric), third = std::max(third_(x + y), no_energy);
+  double share = quadric_share(variation, quadric);
+  if (!m.used[0]) share = 1;
+  if (!m.used[1]) share = 0;
+  Quadratic q;
+  q.normal = parameterization / third * third_.normal;
+  q.gradient = parameterization / third * (third_.normal * x + third_.gradient).eval();
+  double part = 1;  // of the logarithm's derivative that is not tension's
+  if (tense()) {
+    const double bent = energy(variation, quadric), all = std::max(bent + tension(x + y), no_energy);
+    part = bent / all;
+    q.normal += tension_.normal / all;
+    q.gradient += (tension_.normal * x + tension_.gradient) / all;
+  }
+  if (m.used[0]) {
+    q.normal += part * (1 - share) / variation * m.variation[0].normal;
+    q.gradient += part * (1 - share) / variation * m.variation[0].gradient;
+  }
+  if (m.used[1]) {
+    q.normal += part * share / quadric * m.variation[1].normal;
+    q.gradient += part * share / quadric * m.variation[1].gradient;
+  }
+  if (problem_.following().any()) {
+    q.normal += m.jumps.normal;
+    q.gradient += m.jumps.gradient;
+  }
+  return q;
+}
+
+Eigen::VectorXd Merit::step(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::MatrixXd& metric,
+                            double damping) const {
+  constexpr int rounds = 4;
+  constexpr double near = 0.1;  // where another round changes so little (relative), it is the last
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+  for (int round = 0; round < rounds; ++round) {
+    Quadratic q = weighted(m, x, v, y);
+    q.normal += damping * (q.normal.trace() / metric.trace()) * metric;
+    q.normal.diagonal().array() += 1e-14 * q.normal.trace();  // held slopes have empty rows
+    const Eigen::VectorXd last = std::exchange(y, constrained_quadratic_minimum(q.normal, q.gradient, held_));
+    if ((y - last).norm() < near * y.norm()) break;
+  }
+  return y;
+}
+
+double Merit::energy(double variation, double quadric) const {
+  return !quadric_ ? variation : !whole_ ? quadric : soft_minimum(variation, quadric);
+}
+
+/// Of the quadric energy in the logarithm's derivative.
+double Merit::quadric_share(double variation, double quadric) const {
+  if (!quadric_ || !whole_) return quadric_ ? 1 : 0;
+  return 1 - 1 / (1 + std::pow(quadric_ratio * variation / quadric, 4));
+}
+
+int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& x, Merit::Value& value, int iterations) {
+  double damping = 1e-4;
+  for (int step = 0; step < iterations; ++step) {
+    const Merit::Model model = merit.linearized(x, value);
+    double gain = 0;
+    for (int attempt = 0; attempt < 6 && gain == 0; ++attempt) {
+      const Eigen::VectorXd y = x + merit.step(model, x, value, metric, damping);
+      const Merit::Value next = merit(y);
+      if (next.log < value.log) {
+        gain = value.log - next.log;
+        x = y;
+        value = next;
+        damping = std::max(damping / 10, 1e-10);
+      } else {
+        damping *= 10;
+      }
+    }
+    if (gain < enough || value.energy < none) return step + (gain > 0 ? 1 : 0);
+  }
+  return iterations;
+}
+
+}  // namespace tripatch
