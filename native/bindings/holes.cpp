@@ -3,6 +3,7 @@
 #include "bindings.h"
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/hole/hole.h"
+#include "tripatch/hole/outer_borders.h"
 
 using namespace tripatch;
 

@@ -136,9 +136,9 @@ Candidates geometric_candidates(const FairingBase& base, const FairingOptions& l
 }
 
 /// The candidate to be taken: the first with folds no more than the plain patch has, or that can do without them.
-class Choice {
+class CandidateChoice {
 public:
-  Choice(const FairingBase& base, const FairingBase& measured, const FairingOptions& options, const FoldCounter* folds,
+  CandidateChoice(const FairingBase& base, const FairingBase& measured, const FairingOptions& options, const FoldCounter* folds,
          const Candidates& candidates)
       : base_(base),
         measured_(measured),
@@ -222,7 +222,7 @@ FairResult fair(const FairingBase& base, const FairingBase& given_measured, cons
   }
   const Candidates candidates = is_quadratic(given.energy) ? quadratic_candidates(measured, options, base.boundary.size)
                                                            : geometric_candidates(measured, options);
-  const Choice choice(base, measured, options, folds, candidates);
+  const CandidateChoice choice(base, measured, options, folds, candidates);
   FairResult fairest;
   if (!candidates.beyond) {
     fairest = choice.best_of(candidates.best_first);
