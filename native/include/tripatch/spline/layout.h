@@ -5,12 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "tripatch/types.h"
+#include "tripatch/math/plane.h"
 
 namespace tripatch {
-
-/// n points of a plane, one a row.
-using PlanePoints = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 struct LayoutOptions {
   int iterations = 40;      ///< at most

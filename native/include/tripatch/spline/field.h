@@ -1,0 +1,68 @@
+// The surface of a hole's surroundings as a Gaussian field over a plane: a polyharmonic spline through samples, or near them where
+// they are noisy, with a standard deviation at every point.
+//   - intrinsic: polynomials of a degree below the order m are free, the rest has the generalised covariance (-1)^m r^(2m-2) log r
+//     (Duchon 1977; Matheron 1973; Wahba 1990, "Spline models for observational data");
+//   - order and nugget (the variance of the samples' noise) by restricted likelihood (Patterson and Thompson 1971); orders that are
+//     nearly as likely are averaged.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/math/plane.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+struct FieldOptions {
+  std::vector<int> orders = {2, 3, 4, 5, 6};  ///< those with more free polynomials than a third of the samples are left out
+  /// Scene units: the length of an edge. Likelihoods of orders are compared as if free polynomials were known to about that.
+  double unit = 1;
+};
+
+/// A surface over a plane: rows of Surface::evaluate are (u, v, not read), derivatives are by (u, v).
+class Field final : public Surface {
+public:
+  /// Through or near samples (n x 3, scene units) at points of the plane (n x 2). Throws InvalidArgument for fewer than four, for a
+  /// number that is not finite, and for points on a line.
+  Field(const PlanePoints& points, const Points& samples, const FieldOptions& options);
+
+  void evaluate(const double* b, Index n, int order, double* out) const override;
+
+  /// Standard deviation at points, scene units, of the surface along the directions (n x 3, of unit length): that of the field
+  /// given the samples, and the spread of the averaged orders.
+  Eigen::VectorXd deviation(const PlanePoints& points, const Points& directions) const;
+
+  /// Standard deviation of the samples' noise, scene units; 0: the samples are met.
+  double noise() const { return noise_; }
+  /// Of the polyharmonic splines, by their share in the average.
+  double mean_order() const { return mean_order_; }
+  double likelihood() const { return likelihood_; }  ///< logarithm, of the likeliest order
+
+  /// One order of the average.
+  struct Part {
+    int order = 0;
+    double share = 0;
+    double nugget = 0;           ///< over the kernel's unit, in normalised coordinates
+    Eigen::MatrixXd weights;     ///< n x 3, of the kernel
+    Eigen::MatrixXd polynomial;  ///< q x 3
+    double variance = 0;         ///< of the kernel's unit, scene units squared
+  };
+  const std::vector<Part>& parts() const { return parts_; }
+
+private:
+  PlanePoints normalised(const PlanePoints& points) const;
+  void choose(const PlanePoints& few, const Points& samples, const FieldOptions& options);
+  void fit(Part& part, const Points& samples) const;
+  void values(const Part& part, const double* rows, Index n, double* out) const;
+  template <int N>
+  void jets(const Part& part, const double* rows, Index n, double* out) const;
+
+  Eigen::RowVector2d middle_;
+  double size_ = 1;
+  PlanePoints points_;  // normalised
+  PlanePoints few_;     // those that decide on order and nugget, and on the deviation
+  std::vector<Part> parts_;
+  double noise_ = 0, mean_order_ = 0, likelihood_ = 0;
+};
+
+}  // namespace tripatch
