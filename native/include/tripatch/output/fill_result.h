@@ -5,14 +5,12 @@
 #include <vector>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/math/plane.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/report/report.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
-
-/// n points of a plane domain, one a row.
-using PlanePoints = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 /// Made once by `fill` and completed by the rooms that it passes through.
 struct Fill {

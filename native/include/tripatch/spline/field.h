@@ -52,12 +52,14 @@ public:
 private:
   PlanePoints normalised(const PlanePoints& points) const;
   void choose(const PlanePoints& few, const Points& samples, const FieldOptions& options);
+  void hedge(double unit);
   void fit(Part& part, const Points& samples) const;
   void values(const Part& part, const double* rows, Index n, double* out) const;
   template <int N>
   void jets(const Part& part, const double* rows, Index n, double* out) const;
 
   Eigen::RowVector2d middle_;
+  Eigen::RowVector3d origin_;  // of the samples
   double size_ = 1;
   PlanePoints points_;  // normalised
   PlanePoints few_;     // those that decide on order and nugget, and on the deviation

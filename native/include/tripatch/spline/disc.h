@@ -1,0 +1,25 @@
+// The surroundings of a hole as a disc with the hole in it: what is laid into the plane with the fill.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+struct Disc {
+  std::vector<Index> vertices;  ///< of the mesh; those of the loops come first, loop by loop
+  Index rim = 0;                ///< how many these are
+  Points points;                ///< of `vertices`
+  std::vector<std::array<Index, 3>> triangles;  ///< of the surroundings, by row of `vertices`; larger faces cut
+  std::vector<double> distance;                 ///< of each vertex from the rim, along edges, scene units
+  int rings = 0;
+};
+
+/// Rings of faces around loops of the border until half of the outermost vertices are `reach` away (scene units), `most_rings` at
+/// most; as far as the outer border does not draw together (the far end of a limb). Vertices that are not finite end it.
+Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
+                 int most_rings);
+
+}  // namespace tripatch

@@ -1,0 +1,45 @@
+// A fill for any rim: the surface of the surroundings is estimated as a field over a plane, and the hole is where its samples end.
+//   1. a rough fill and rings of surroundings are laid into the plane with little distortion;
+//   2. the samples get the parameters of their foot points on a smooth reference;
+//   3. a Gaussian field goes through them, or near them where they are noisy;
+//   4. the hole is triangulated in the plane, measured on the surface.
+// A hole that is strongly curved is laid out a second time, with the fill instead of the rough one.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "tripatch/mesh/connectivity.h"
+#include "tripatch/spline/field.h"
+
+namespace tripatch {
+
+struct PlaneFillOptions {
+  std::optional<int> resolution;  ///< a third of the rim has so many edges inside the fill; none: edges as long as the rim's
+};
+
+struct PlaneFill {
+  std::shared_ptr<const Field> surface;  ///< empty: plain triangles, no surface over a plane
+  PlanePoints rim_uv = PlanePoints(0, 2);  ///< of the loops' vertices, loop by loop
+  Points vertices = Points(0, 3);          ///< the new ones
+  PlanePoints uv = PlanePoints(0, 2);      ///< of these
+  Points normals = Points(0, 3);
+  /// Rows: the loops' vertices, loop by loop, then the new vertices.
+  std::vector<std::array<Index, 3>> triangles;
+  Index folds = 0;             ///< edges whose triangles face more than 120 degrees apart
+  Index rim_folds = 0;         ///< the same of the rim's own triangulation without new vertices
+  Eigen::VectorXd deviation;   ///< standard deviation at `vertices`, scene units; empty where there is no surface
+  double surroundings_error = 0;  ///< degrees, root mean square: how well the samples determine the slope at the rim
+  int rings = 0;
+  std::string plainer;  ///< why not the likeliest field through as many rings as there are: a sentence, or empty
+  bool doubles_edges = false;
+};
+
+/// loops: border loops in the direction of new faces, the outer one first, then islands. Choices that fold more than the rim does,
+/// leave its neighborhood or double edges of the mesh give way to plainer ones: fewer rings, order 2, at last triangles without new
+/// vertices, which always exist.
+PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
+                          const PlaneFillOptions& options = {});
+
+}  // namespace tripatch

@@ -1,0 +1,33 @@
+// A smooth reference of the surroundings, on which samples get the parameters where their normals meet it.
+//
+// A layout of triangles is only as smooth as the triangles: read as functions of it, the coordinates of the smoothest surface are
+// noisy. The foot points of the same samples on a low polynomial are smooth functions of the surface, so that a field over them
+// needs no noise and reproduces what is smooth to high order.
+#pragma once
+
+#include "tripatch/math/plane.h"
+
+namespace tripatch {
+
+class Reference {
+public:
+  /// Least squares through samples (n x 3) at points of the plane (n x 2); the degree is 4, or less where there are few samples.
+  Reference(const PlanePoints& points, const Points& samples);
+
+  /// For samples near `points`: where the normals of the polynomial that go through them start. Each moves by no more than the
+  /// plane's extent.
+  PlanePoints foot_points(PlanePoints points, const Points& samples) const;
+  /// Root mean square of the samples' distance, scene units.
+  double distance() const { return distance_; }
+
+private:
+  /// Position and the two derivatives.
+  Eigen::Matrix3d at(const Eigen::RowVector2d& point) const;
+
+  Eigen::RowVector2d middle_;
+  double size_, distance_ = 0;
+  int degree_;
+  Eigen::MatrixXd coefficients_;
+};
+
+}  // namespace tripatch

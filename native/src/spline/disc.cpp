@@ -1,0 +1,187 @@
+#include "tripatch/spline/disc.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "tripatch/mesh/submesh.h"
+
+namespace tripatch {
+namespace {
+
+/// An outer border that is shorter than this share of the rim closes again behind the hole: no plane holds both without squeezing
+/// one. At 0.7 half a ball keeps what lies next to its rim, and a limb without its end some of its length.
+constexpr double least_border = 0.7;
+/// Rings that are taken whatever their border: their slope is what a fill has to continue.
+constexpr int least_rings = 2;
+/// Triangles of the surroundings, at most: laying them out must not take longer than all the rest.
+constexpr std::size_t most_triangles = 12'000;
+
+class Growth {
+public:
+  Growth(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops)
+      : mesh_(mesh), around_(around), taken_() {
+    for (const std::vector<Index>& loop : loops)
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        add(loop[k], 0);
+        rim_length_ += (point(loop[k]) - point(loop[(k + 1) % loop.size()])).norm();
+      }
+    disc_.rim = static_cast<Index>(disc_.vertices.size());
+    front_ = disc_.vertices;
+  }
+
+  /// One ring more; false: there is none, or it is not wanted.
+  bool grow() {
+    std::vector<Index> faces;
+    for (Index v : front_)
+      for (Connectivity::Corner c : around_.at(v)) take(around_.face(c), faces);
+    mend_pinches(faces);
+    if (faces.empty()) return false;
+    const std::size_t before = disc_.vertices.size();
+    for (Index f : faces) {
+      for (Index v : mesh_.faces[f]) {
+        if (!point(v).allFinite()) return false;
+        add(v, -1);
+      }
+    }
+    const double border = border_length();
+    if (disc_.rings >= least_rings && border < least_border * rim_length_) return false;
+    for (Index f : faces) cut(mesh_.faces[f]);
+    front_.assign(disc_.vertices.begin() + static_cast<std::ptrdiff_t>(before), disc_.vertices.end());
+    measure(before);
+    ++disc_.rings;
+    return border > 0 && !front_.empty();
+  }
+
+  double reached() const {
+    std::vector<double> all;
+    for (Index v : front_) all.push_back(disc_.distance[row_.find(v)]);
+    if (all.empty()) return 0;
+    std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
+    return all[all.size() / 2];
+  }
+
+  Disc finish() {
+    // vertices of a ring that was not wanted have no triangle
+    std::vector<Index> row(disc_.vertices.size(), -1);
+    for (const std::array<Index, 3>& t : disc_.triangles)
+      for (Index v : t) row[v] = 0;
+    for (Index k = 0; k < disc_.rim; ++k) row[k] = 0;
+    Disc out;
+    out.rim = disc_.rim;
+    out.rings = disc_.rings;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (row[k] < 0) continue;
+      row[k] = static_cast<Index>(out.vertices.size());
+      out.vertices.push_back(disc_.vertices[k]);
+      out.distance.push_back(disc_.distance[k]);
+    }
+    for (const std::array<Index, 3>& t : disc_.triangles) out.triangles.push_back({row[t[0]], row[t[1]], row[t[2]]});
+    out.points.resize(static_cast<Index>(out.vertices.size()), 3);
+    for (std::size_t k = 0; k < out.vertices.size(); ++k) out.points.row(static_cast<Index>(k)) = point(out.vertices[k]);
+    return out;
+  }
+
+  std::size_t triangles() const { return disc_.triangles.size(); }
+  const Disc& disc() const { return disc_; }
+
+private:
+  Vec3 point(Index v) const { return mesh_.vertices.row(v); }
+
+  void add(Index v, double distance) {
+    if (!row_.add(v)) return;
+    disc_.vertices.push_back(v);
+    disc_.distance.push_back(distance);
+  }
+
+  void take(Index face, std::vector<Index>& faces) {
+    if (taken_.add(face)) faces.push_back(face);
+  }
+
+  bool is_taken(Index face) const { return taken_.find(face) >= 0; }
+
+  /// Where the faces taken touch at a vertex only, those between them are taken too: a border that touches itself is none of a disc.
+  void mend_pinches(std::vector<Index>& faces) {
+    for (std::size_t k = 0; k < faces.size(); ++k)
+      for (Index v : mesh_.faces[faces[k]]) {
+        if (row_.find(v) >= 0 && row_.find(v) < disc_.rim) continue;
+        int starts = 0, here = 0;
+        for (Connectivity::Corner c : around_.at(v)) {
+          if (!is_taken(around_.face(c))) continue;
+          ++here;
+          // the face across the edge from v to the vertex after it
+          const std::optional<Connectivity::Corner> across = around_.edge(around_.next(c), v);
+          starts += !across || !is_taken(around_.face(*across));
+        }
+        if (starts > 1 && here > 0)
+          for (Connectivity::Corner c : around_.at(v)) take(around_.face(c), faces);
+      }
+  }
+
+  /// Of the faces taken but for the rim.
+  double border_length() const {
+    double length = 0;
+    for (Index f : taken_.items()) {
+      const auto face = mesh_.faces[f];
+      for (std::size_t k = 0; k < face.size(); ++k) {
+        const Index a = face[k], b = face[(k + 1) % face.size()];
+        const std::optional<Connectivity::Corner> across = around_.edge(b, a);
+        if (across && is_taken(around_.face(*across))) continue;
+        const int i = row_.find(a), j = row_.find(b);
+        const bool rim = !across && i >= 0 && i < disc_.rim && j >= 0 && j < disc_.rim;
+        if (!rim) length += (point(a) - point(b)).norm();
+      }
+    }
+    return length;
+  }
+
+  void cut(std::span<const Index> face) {
+    std::vector<Index> rows;
+    for (Index v : face) rows.push_back(row_.find(v));
+    const std::size_t n = rows.size();
+    if (n < 3) return;
+    std::size_t first = 0;
+    if (n == 4) {
+      const auto d = [&](std::size_t a, std::size_t b) { return (point(face[a]) - point(face[b])).squaredNorm(); };
+      first = d(0, 2) <= d(1, 3) ? 0 : 1;
+    }
+    for (std::size_t k = 1; k + 1 < n; ++k)
+      disc_.triangles.push_back({rows[first], rows[(first + k) % n], rows[(first + k + 1) % n]});
+  }
+
+  /// Distances of the vertices from `first` on, from those before them and among each other.
+  void measure(std::size_t first) {
+    for (int round = 0; round < 2; ++round)
+      for (std::size_t k = first; k < disc_.vertices.size(); ++k) {
+        const Index v = disc_.vertices[k];
+        double best = disc_.distance[k] < 0 ? std::numeric_limits<double>::infinity() : disc_.distance[k];
+        for (Connectivity::Corner c : around_.at(v))
+          for (Index w : {around_.next(c), around_.previous(c)}) {
+            const int row = row_.find(w);
+            if (row >= 0 && disc_.distance[row] >= 0) best = std::min(best, disc_.distance[row] + (point(v) - point(w)).norm());
+          }
+        if (std::isfinite(best)) disc_.distance[k] = best;
+      }
+  }
+
+  const Mesh& mesh_;
+  const Connectivity& around_;
+  Numbering row_, taken_;
+  std::vector<Index> front_;
+  double rim_length_ = 0;
+  Disc disc_;
+};
+
+}  // namespace
+
+Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
+                 int most_rings) {
+  Growth growth(mesh, around, loops);
+  while (growth.disc().rings < most_rings && growth.triangles() < most_triangles && growth.grow())
+    if (growth.disc().rings >= least_rings && growth.reached() >= reach) break;
+  return growth.finish();
+}
+
+}  // namespace tripatch

@@ -1,0 +1,350 @@
+#include "tripatch/spline/plane_fill.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/output/remesh.h"
+#include "tripatch/spline/disc.h"
+#include "tripatch/spline/layout.h"
+#include "tripatch/spline/reference.h"
+#include "tripatch/spline/rough_fill.h"
+
+namespace tripatch {
+namespace {
+
+using Triangles = std::vector<std::array<Index, 3>>;
+
+/// Surroundings as far as this share of the hole's diameter: farther samples changed the fills of known surfaces by less than their
+/// distance from the truth, and real ones are other shapes there.
+constexpr double reach_share = 0.5;
+constexpr int most_rings = 40;
+/// Samples of the field: time grows with their cube. With 350 the distance from known surfaces is within a tenth of that with 700.
+constexpr Index usual_samples = 350, most_samples = 600;
+/// Where the fill's area exceeds that of the rough one by this factor the layout is repeated with the fill in it.
+constexpr double strongly_curved = 1.05;
+constexpr int layouts = 3;
+/// Farther from the rim than this share of the hole's diameter a fill has left its neighborhood.
+constexpr double farthest = 1.0;
+constexpr double fold_cosine = -0.5;  // 120 degrees
+
+/// The rim as it is, and what is known beside it.
+struct Rim {
+  Points points;
+  Triangles rough;
+  Triangles rough_faces;
+  RimSurroundings surroundings;
+  Index folds = 0;
+  double edge = 0, diameter = 0, area = 0;
+};
+
+Vec3 normal_of(const Points& p, const std::array<Index, 3>& t) {
+  const Vec3 a = p.row(t[0]), b = p.row(t[1]), c = p.row(t[2]);
+  return (b - a).cross(c - a);
+}
+
+double area_of(const Points& p, const Triangles& triangles) {
+  double area = 0;
+  for (const std::array<Index, 3>& t : triangles) area += 0.5 * normal_of(p, t).norm();
+  return area;
+}
+
+Index folded_edges(const Points& p, const Triangles& triangles) {
+  std::vector<std::array<Index, 3>> edges;  // lower, higher, triangle
+  std::vector<Vec3> normals;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    normals.push_back(normal_of(p, triangles[t]).stableNormalized());
+    for (int k = 0; k < 3; ++k) {
+      const Index a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b), static_cast<Index>(t)});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  Index folds = 0;
+  for (std::size_t k = 0; k + 1 < edges.size(); ++k)
+    if (edges[k][0] == edges[k + 1][0] && edges[k][1] == edges[k + 1][1])
+      folds += normals[edges[k][2]].dot(normals[edges[k + 1][2]]) < fold_cosine;
+  return folds;
+}
+
+Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
+  Rim rim;
+  std::vector<Index> vertices;
+  std::vector<double> lengths;
+  std::vector<std::array<Index, 2>> row;  // (vertex, row), sorted
+  for (const std::vector<Index>& loop : loops) {
+    if (!vertices.empty()) rim.surroundings.islands.push_back(static_cast<Index>(vertices.size()));
+    vertices.insert(vertices.end(), loop.begin(), loop.end());
+  }
+  const Index r = static_cast<Index>(vertices.size());
+  rim.points.resize(r, 3);
+  rim.surroundings.normals = Points::Zero(r, 3);
+  for (Index k = 0; k < r; ++k) {
+    rim.points.row(k) = mesh.vertices.row(vertices[k]);
+    row.push_back({vertices[k], k});
+  }
+  std::sort(row.begin(), row.end());
+  Index k = 0;
+  for (const std::vector<Index>& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i, ++k) {
+      const Index a = loop[i], b = loop[(i + 1) % loop.size()];
+      lengths.push_back((mesh.vertices.row(a) - mesh.vertices.row(b)).norm());
+      if (const auto corner = around.edge(b, a)) {
+        const auto face = mesh.faces[around.face(*corner)];
+        Vec3 n = Vec3::Zero();
+        for (std::size_t j = 1; j + 1 < face.size(); ++j) {
+          const Vec3 p = mesh.vertices.row(face[0]), q = mesh.vertices.row(face[j]), s = mesh.vertices.row(face[j + 1]);
+          n += (q - p).cross(s - p);
+        }
+        rim.surroundings.normals.row(k) = n.stableNormalized();
+      }
+      for (Connectivity::Corner c : around.at(a))
+        for (Index other : {around.next(c), around.previous(c)}) {
+          const auto found = std::lower_bound(row.begin(), row.end(), std::array<Index, 2>{other, -1});
+          if (found != row.end() && (*found)[0] == other && k < (*found)[1]) rim.surroundings.joined.push_back({k, (*found)[1]});
+        }
+    }
+  std::sort(rim.surroundings.joined.begin(), rim.surroundings.joined.end());
+  rim.surroundings.joined.erase(std::unique(rim.surroundings.joined.begin(), rim.surroundings.joined.end()),
+                                rim.surroundings.joined.end());
+  std::nth_element(lengths.begin(), lengths.begin() + r / 2, lengths.end());
+  rim.edge = lengths[r / 2];
+  rim.diameter = diameter(rim.points);
+  return rim;
+}
+
+/// The best spread samples: all of the rim if there are not too many, then always the one that is farthest from those taken, over
+/// its own distance from the rim. In an order of which every k-th is spread over all.
+std::vector<Index> spread_samples(const Disc& disc, double edge) {
+  const Index n = disc.points.rows();
+  const Index wanted = std::min(n, std::clamp<Index>(2 * disc.rim + 50, usual_samples, most_samples));
+  std::vector<Index> taken;
+  const Index of_rim = std::min(disc.rim, wanted / 2);
+  for (Index k = 0; k < of_rim; ++k) taken.push_back(k * disc.rim / of_rim);
+  std::vector<double> gap(n, std::numeric_limits<double>::infinity());
+  std::vector<char> is_taken(n, 0);
+  const auto take = [&](Index at) {
+    is_taken[at] = 1;
+    for (Index k = 0; k < n; ++k) gap[k] = std::min(gap[k], (disc.points.row(k) - disc.points.row(at)).squaredNorm());
+  };
+  for (Index at : taken) take(at);
+  while (static_cast<Index>(taken.size()) < wanted) {
+    Index best = -1;
+    double most = -1;
+    for (Index k = 0; k < n; ++k) {
+      if (is_taken[k]) continue;
+      const double far = disc.distance[k] + edge, value = gap[k] / (far * far);
+      if (value > most) {
+        most = value;
+        best = k;
+      }
+    }
+    if (best < 0) break;
+    taken.push_back(best);
+    take(best);
+  }
+  return taken;
+}
+
+template <class M>
+M rows_of(const M& all, const std::vector<Index>& rows) {
+  M out(static_cast<Index>(rows.size()), all.cols());
+  for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Index>(k)) = all.row(rows[k]);
+  return out;
+}
+
+bool positive(const PlanePoints& uv, const Triangles& triangles) {
+  for (const std::array<Index, 3>& t : triangles) {
+    const Eigen::RowVector2d a = uv.row(t[1]) - uv.row(t[0]), b = uv.row(t[2]) - uv.row(t[0]);
+    if (!(a[0] * b[1] - a[1] * b[0] > 0)) return false;
+  }
+  return true;
+}
+
+/// Triangles of the rim's polygon in the plane, none turned over: the rough ones where they are that.
+Triangles domain_triangles(const PlanePoints& uv, const Rim& rim) {
+  if (positive(uv, rim.rough)) return rim.rough;
+  Points flat = Points::Zero(uv.rows(), 3);
+  flat.leftCols(2) = uv;
+  RimSurroundings in_plane;
+  in_plane.islands = rim.surroundings.islands;
+  Triangles triangles = rough_fill(flat, in_plane).triangles;
+  if (!positive(uv, triangles)) triangles.clear();
+  return triangles;
+}
+
+Points as_rows(const PlanePoints& uv) {
+  Points rows = Points::Zero(uv.rows(), 3);
+  rows.leftCols(2) = uv;
+  return rows;
+}
+
+/// One try: the surroundings laid out with what fills the hole so far, the field over them, and the hole triangulated.
+struct Attempt {
+  std::shared_ptr<const Field> field;
+  PlanePoints rim_uv;
+  PlaneTriangulation made;
+};
+
+std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vector<Index>& samples, const FieldOptions& fields,
+                               const PlaneFillOptions& options, const Attempt* before) {
+  const Index n = disc.points.rows();
+  Points points = disc.points;
+  Triangles triangles = before ? Triangles() : rim.rough;
+  if (before) {
+    const Index added = before->made.points.rows() - disc.rim;
+    points.conservativeResize(n + added, 3);
+    points.bottomRows(added) = before->made.points.bottomRows(added);
+    for (std::array<Index, 3> t : before->made.triangles) {
+      for (Index& v : t)
+        if (v >= disc.rim) v += n - disc.rim;
+      triangles.push_back(t);
+    }
+  }
+  triangles.insert(triangles.end(), disc.triangles.begin(), disc.triangles.end());
+  const std::optional<Layout> layout = lay_out(points, triangles);
+  if (!layout) return {};
+  const PlanePoints uv = layout->uv.topRows(n);
+  std::vector<Index> known;
+  for (Index k : samples)
+    if (uv.row(k).allFinite()) known.push_back(k);
+  if (known.size() < 4 || !uv.topRows(disc.rim).allFinite()) return {};
+  const Points at = rows_of(disc.points, known);
+  const PlanePoints laid = rows_of(uv, known);
+  const Reference reference(laid, at);
+  for (const bool on_reference : {true, false}) {
+    Attempt result;
+    const Points rim_points = disc.points.topRows(disc.rim);
+    result.rim_uv = uv.topRows(disc.rim);
+    if (on_reference) result.rim_uv = reference.foot_points(result.rim_uv, rim_points);
+    PlanePolygon polygon;
+    polygon.uv = result.rim_uv;
+    polygon.triangles = result.rim_uv.allFinite() ? domain_triangles(result.rim_uv, rim) : Triangles();
+    if (polygon.triangles.empty()) continue;
+    const PlanePoints parameters = on_reference ? reference.foot_points(laid, at) : laid;
+    if (!parameters.allFinite()) continue;
+    result.field = std::make_shared<Field>(parameters, at, fields);
+    polygon.points = rim.points;
+    polygon.rim = disc.rim;
+    polygon.joined = rim.surroundings.joined;
+    result.made = remesh(polygon, options.resolution, *result.field);
+    if (result.made.points.allFinite()) return result;
+  }
+  return {};
+}
+
+/// Largest distance of the new vertices from the rim.
+double leaves_by(const Rim& rim, const PlaneTriangulation& made) {
+  const Index r = rim.points.rows(), step = std::max<Index>(1, r / 200);
+  double most = 0;
+  for (Index k = r; k < made.points.rows(); ++k) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (Index j = 0; j < r; j += step) nearest = std::min(nearest, (made.points.row(k) - rim.points.row(j)).squaredNorm());
+    most = std::max(most, nearest);
+  }
+  return std::sqrt(most);
+}
+
+/// Degrees: the deviation one edge inside the rim, over that edge.
+double slope_error(const Attempt& result, const Rim& rim) {
+  const Index r = rim.points.rows(), step = std::max<Index>(1, r / 64);
+  std::vector<Index> rows;
+  for (Index k = 0; k < r; k += step) rows.push_back(k);
+  PlanePoints inside = rows_of(result.rim_uv, rows);
+  const Eigen::RowVector2d middle = result.rim_uv.colwise().mean();
+  for (Index k = 0; k < inside.rows(); ++k) {
+    const Eigen::RowVector2d way = middle - inside.row(k);
+    inside.row(k) += way * std::min(1.0, rim.edge / std::max(way.norm(), 1e-300));
+  }
+  const Eigen::VectorXd deviation = result.field->deviation(inside, result.field->normals(as_rows(inside)));
+  const double slope = deviation.norm() / std::sqrt(static_cast<double>(deviation.size())) / std::max(rim.edge, 1e-300);
+  return std::atan(slope) * 180 / std::numbers::pi;
+}
+
+PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
+  PlaneFill fill;
+  const Index r = disc.rim, added = result.made.points.rows() - r;
+  fill.surface = result.field;
+  fill.rim_uv = result.rim_uv;
+  fill.vertices = result.made.points.bottomRows(added);
+  fill.uv = result.made.uv.bottomRows(added);
+  fill.normals = result.field->normals(as_rows(fill.uv));
+  fill.triangles = result.made.triangles;
+  fill.deviation = result.field->deviation(fill.uv, fill.normals);
+  fill.surroundings_error = slope_error(result, rim);
+  fill.folds = folded_edges(result.made.points, fill.triangles);
+  fill.rim_folds = rim.folds;
+  fill.rings = disc.rings;
+  fill.doubles_edges = result.made.doubles_edges;
+  return fill;
+}
+
+PlaneFill plain(const Rim& rim) {
+  PlaneFill fill;
+  fill.triangles = rim.rough;
+  fill.folds = fill.rim_folds = rim.folds;
+  return fill;
+}
+
+/// A way to fill, the likeliest first.
+struct Way {
+  double reach;
+  int rings;
+  std::vector<int> orders;
+  const char* sentence;
+};
+
+}  // namespace
+
+PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
+                          const PlaneFillOptions& options) {
+  Rim rim = rim_of(mesh, around, loops);
+  const RoughFill rough = rough_fill(rim.points, rim.surroundings);
+  rim.rough = rough.triangles;
+  rim.folds = folded_edges(rim.points, rim.rough);
+  rim.area = area_of(rim.points, rim.rough);
+  PlaneFill best = plain(rim);
+  best.doubles_edges = rough.doubles_edges;
+  best.plainer = "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
+  if (rim.points.rows() == 3 && !options.resolution) {
+    best.plainer.clear();
+    return best;
+  }
+  const std::array<Way, 3> ways = {
+      Way{reach_share, most_rings, FieldOptions().orders, ""},
+      Way{0, 2, {2, 3}, "Two rings of the surroundings are followed: with more the fill would fold or run away"},
+      Way{0, 1, {2}, "Only the first ring of the surroundings is followed, as flat as possible: otherwise the fill would fold"}};
+  for (const Way& way : ways) {
+    const Disc disc = disc_around(mesh, around, loops, way.reach * rim.diameter, way.rings);
+    if (disc.triangles.empty()) continue;
+    const std::vector<Index> samples = spread_samples(disc, rim.edge);
+    FieldOptions fields;
+    fields.orders = way.orders;
+    fields.unit = std::max(rim.edge, 1e-300);
+    std::optional<Attempt> result;
+    double area = rim.area;
+    for (int round = 0; round < layouts; ++round) {
+      std::optional<Attempt> next = attempt(disc, rim, samples, fields, options, result ? &*result : nullptr);
+      if (!next || leaves_by(rim, next->made) > farthest * rim.diameter) break;
+      const double now = area_of(next->made.points, next->made.triangles);
+      const bool settled = now < strongly_curved * area && area < strongly_curved * now;
+      result = std::move(next);
+      area = now;
+      if (settled) break;
+    }
+    if (!result) continue;
+    PlaneFill fill = completed(*result, rim, disc);
+    const bool good = fill.folds <= rim.folds && !(fill.doubles_edges && !rough.doubles_edges);
+    if (good) {
+      fill.plainer = way.sentence;
+      return fill;
+    }
+  }
+  return best;
+}
+
+}  // namespace tripatch
