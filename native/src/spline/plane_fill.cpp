@@ -9,6 +9,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/output/remesh.h"
+#include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/disc.h"
 #include "tripatch/spline/layout.h"
 #include "tripatch/spline/reference.h"
@@ -30,7 +31,6 @@ constexpr double strongly_curved = 1.05;
 constexpr int layouts = 3;
 /// Farther from the rim than this share of the hole's diameter a fill has left its neighborhood.
 constexpr double farthest = 1.0;
-constexpr double fold_cosine = -0.5;  // 120 degrees
 
 /// The rim as it is, and what is known beside it.
 struct Rim {
@@ -54,21 +54,9 @@ double area_of(const Points& p, const Triangles& triangles) {
 }
 
 Index folded_edges(const Points& p, const Triangles& triangles) {
-  std::vector<std::array<Index, 3>> edges;  // lower, higher, triangle
-  std::vector<Vec3> normals;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    normals.push_back(normal_of(p, triangles[t]).stableNormalized());
-    for (int k = 0; k < 3; ++k) {
-      const Index a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), static_cast<Index>(t)});
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  Index folds = 0;
-  for (std::size_t k = 0; k + 1 < edges.size(); ++k)
-    if (edges[k][0] == edges[k + 1][0] && edges[k][1] == edges[k + 1][1])
-      folds += normals[edges[k][2]].dot(normals[edges[k + 1][2]]) < fold_cosine;
-  return folds;
+  Faces faces;
+  for (const std::array<Index, 3>& t : triangles) faces.add(t);
+  return count_folded_edges(p, Points(0, 3), faces);
 }
 
 Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {

@@ -28,6 +28,7 @@ struct Report {
   std::string method_reason;            ///< and why it was
   std::optional<double> deviation_max;  ///< largest of Fill::deviation, scene units; none: unknown
   Index triangles_folded = 0;           ///< edges between the new faces that are folded, of a cage those of its limit surface
+  Index rim_folded = 0;                 ///< the same of the rim's own triangulation: a rim that folds leaves no other way
   Index folds = 0;                      ///< of the patch, see FoldCounter
   std::array<Index, 3> corners = {0, 0, 0};  ///< vertex indices
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.

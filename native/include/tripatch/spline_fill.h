@@ -1,0 +1,24 @@
+// The whole path of a rim with any number of corners: the surface of its surroundings as a field over a plane, triangles on it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+#include "tripatch/output/fill_result.h"
+
+namespace tripatch {
+
+struct SplineFillOptions {
+  std::optional<int> resolution;  ///< a third of the rim has so many edges inside the fill; none: edges as long as the rim's
+  bool quads = false;             ///< pairs of triangles that make good quads become such
+};
+
+constexpr const char* spline_method = "polyharmonic_spline";
+
+/// The hole of a rim that check_topology and check_positions let pass, with the islands in it (further border loops). `around` knows
+/// all of the mesh.
+Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                      const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options);
+
+}  // namespace tripatch

@@ -1,0 +1,82 @@
+#include "tripatch/spline_fill.h"
+
+#include "tripatch/math/angle.h"
+#include "tripatch/output/pair_quads.h"
+#include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/plane_fill.h"
+
+namespace tripatch {
+namespace {
+
+Points as_rows(const PlanePoints& uv) {
+  Points rows = Points::Zero(uv.rows(), 3);
+  rows.leftCols(2) = uv;
+  return rows;
+}
+
+/// Normals of a fill without a surface: those of its triangles, weighted by their angles.
+Points triangle_normals(const Points& points, const std::vector<std::array<Index, 3>>& triangles) {
+  Points normals = Points::Zero(points.rows(), 3);
+  for (const std::array<Index, 3>& t : triangles) {
+    const Vec3 n = Vec3(points.row(t[1]) - points.row(t[0])).cross(Vec3(points.row(t[2]) - points.row(t[0]))).stableNormalized();
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 u = points.row(t[(k + 1) % 3]) - points.row(t[k]), v = points.row(t[(k + 2) % 3]) - points.row(t[k]);
+      normals.row(t[k]) += angle_between(u, v) * n;
+    }
+  }
+  for (Index k = 0; k < normals.rows(); ++k) normals.row(k) = Vec3(normals.row(k)).stableNormalized();
+  return normals;
+}
+
+}  // namespace
+
+Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                      const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options) {
+  std::vector<std::vector<Index>> loops = {rim};
+  loops.insert(loops.end(), islands.begin(), islands.end());
+  PlaneFill made = fill_over_plane(mesh, around, loops, {options.resolution});
+
+  Fill fill;
+  for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
+  const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
+  const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };
+  Points points(r + made.vertices.rows(), 3);
+  for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(fill.rim[k]);
+  points.bottomRows(made.vertices.rows()) = made.vertices;
+  if (options.quads) {
+    const Faces faces = pair_quads(points, made.triangles);
+    for (Index f = 0; f < faces.size(); ++f) {
+      std::vector<Index> face;
+      for (Index v : faces[f]) face.push_back(mesh_index(v));
+      fill.faces.add(face);
+    }
+  } else {
+    for (const std::array<Index, 3>& t : made.triangles)
+      fill.faces.add(std::array<Index, 3>{mesh_index(t[0]), mesh_index(t[1]), mesh_index(t[2])});
+  }
+  fill.vertices = std::move(made.vertices);
+  fill.uv = std::move(made.uv);
+  fill.rim_uv = std::move(made.rim_uv);
+  fill.deviation = std::move(made.deviation);
+  fill.patch = made.surface;
+  if (made.surface) {
+    fill.normals = std::move(made.normals);
+    fill.rim_normals = made.surface->normals(as_rows(fill.rim_uv));
+  } else {
+    const Points normals = triangle_normals(points, made.triangles);
+    fill.rim_normals = normals.topRows(r);
+    fill.normals = normals.bottomRows(normals.rows() - r);
+  }
+
+  Report& report = fill.report;
+  report.method = spline_method;
+  report.surroundings_error = made.surroundings_error;
+  report.rim_folded = made.rim_folds;
+  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
+  if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
+  if (!made.plainer.empty()) report.warnings.push_back(made.plainer);
+  if (made.doubles_edges) report.warnings.push_back("The fill has an edge that the mesh has already: its rim leaves no other way");
+  return fill;
+}
+
+}  // namespace tripatch
