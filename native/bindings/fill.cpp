@@ -39,7 +39,7 @@ void bind_fill(py::module_& m) {
   });
   m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                         const std::vector<std::vector<Index>>& rims, const py::dict& options,
-                        const std::vector<std::optional<std::array<Index, 3>>>& rim_corners, const py::object& progress) {
+                        const std::vector<std::optional<std::vector<Index>>>& rim_corners, const py::object& progress) {
     const FillOptions o = fill_options(options);
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);

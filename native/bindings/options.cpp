@@ -44,6 +44,7 @@ py::object shown(const T& value) {
 py::object shown(const Vec3& value) { return py::cast(std::array{value[0], value[1], value[2]}); }
 py::object shown(const Pair& value) { return py::make_tuple(value[0], value[1]); }
 py::object shown(const std::vector<Index>& value) { return py::tuple(py::cast(value)); }
+py::object shown(const std::vector<std::vector<Index>>& value) { return py::tuple(py::cast(value)); }
 py::object shown(const Subdivision&) { return py::none(); }
 template <class T>
 py::object shown(const BySide<T>& value) {
@@ -62,6 +63,7 @@ const char* kind_name(const Option& option) {
     case Kind::number: return "number";
     case Kind::choice: return "choice";
     case Kind::indices: return "indices";
+    case Kind::loops: return "loops";
     case Kind::position: return "position";
     case Kind::subdivision: return "subdivision";
   }
@@ -120,7 +122,7 @@ void bind_options(py::module_& m) {
       .def_readonly("open", &Range::open, "Neither of the two is in it.");
   py::class_<Option>(m, "Option", "An option of a fill, a row of the table.")
       .def_readonly("name", &Option::name, "Its keyword.")
-      .def_property_readonly("kind", &kind_name, "flag, whole, number, choice, indices, position or subdivision.")
+      .def_property_readonly("kind", &kind_name, "flag, whole, number, choice, indices, loops, position or subdivision.")
       .def_readonly("optional", &Option::optional, "May be None.")
       .def_readonly("by_side", &Option::by_side, "One value, or one a side.")
       .def_readonly("count", &Option::count, "Numbers or indices that belong together; 0: any number of them.")

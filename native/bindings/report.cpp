@@ -32,7 +32,7 @@ void bind_report(py::module_& m) {
       .def_readonly("triangles_folded", &Report::triangles_folded,
                     "Edges between new faces (of a cage: of its limit surface) whose triangles face more than 120 degrees apart.")
       .def_readonly("folds", &Report::folds, "Places of a 64 x 64 grid where the patch folds over itself.")
-      .def_readonly("corners", &Report::corners, "Vertex indices of the three corners.")
+      .def_readonly("corners", &Report::corners, "Vertex indices of the corners.")
       .def_readonly("cage_deviation_max", &Report::cage_deviation_max,
                     "Cages: largest distance of the limit surface from the patch, in units of the mesh.")
       .def_readonly("cage_deviation_rms", &Report::cage_deviation_rms, "Cages: root mean square of that distance.")

@@ -9,6 +9,10 @@
 #include "tripatch/boundary/surroundings.h"
 #include "tripatch/cage/cage_fill.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/hole/outer_borders.h"
+#include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/spline_fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/output/cover.h"
@@ -42,11 +46,13 @@ class Ground {
 public:
   /// For one rim, or for all of the mesh where none is given.
   Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options)
-      : mesh(given), left(connectivity(given, rim, options.replaced)) {
+      : mesh(given), left(connectivity(given, rim, options.replaced)), is_part_(rim.has_value()) {
     if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim)) all_ = connectivity(given, rim, {});
   }
   /// With the faces that are replaced.
   const Connectivity& whole() const { return all_ ? *all_ : left; }
+  /// Whether the neighborhood of one rim is all that is known.
+  bool is_part() const { return is_part_; }
 
   const Mesh& mesh;
   Connectivity left;  ///< without the faces that are replaced
@@ -57,17 +63,37 @@ private:
     return rim ? Connectivity::around(mesh, *rim, most_rings, replaced) : Connectivity(mesh, replaced);
   }
   std::optional<Connectivity> all_;
+  bool is_part_;
 };
 
-using Corners = std::optional<std::array<Index, 3>>;
+using Corners = std::optional<std::vector<Index>>;
+
+/// Of a method that takes three sides only.
+std::optional<std::array<Index, 3>> three(const Corners& corners) {
+  if (!corners) return {};
+  if (corners->size() == 3) return std::array<Index, 3>{(*corners)[0], (*corners)[1], (*corners)[2]};
+  throw Refusal("This method fills between three corners; " + std::to_string(corners->size()) +
+                    " are given. The methods auto and polyharmonic_spline take any number",
+                *corners);
+}
+
+std::vector<Index> loop_through(const Ground& ground, const std::vector<Index>& corners) {
+  for (std::vector<Index>& loop : border_loops(ground.whole()))
+    if (!corners.empty() && std::find(loop.begin(), loop.end(), corners[0]) != loop.end()) return std::move(loop);
+  throw Refusal("The corner is not on the border of the mesh", corners);
+}
+
+/// The only hole of the mesh, of any rim; of several the only one with three corners.
+std::vector<Index> only_hole(const Ground& ground) {
+  std::vector<std::vector<Index>> loops = border_loops(ground.whole());
+  if (loops.size() > 1) loops = inner_loops(ground.mesh, ground.whole(), std::move(loops));
+  return loops.size() == 1 ? loops[0] : find_hole(ground.mesh, ground.whole()).rim;
+}
 
 Hole hole_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
-  if (rim) return make_hole(ground.mesh, ground.left, *rim, corners);
+  if (rim) return make_hole(ground.mesh, ground.left, *rim, three(corners));
   if (!corners) return find_hole(ground.mesh, ground.whole());
-  for (const std::vector<Index>& loop : border_loops(ground.whole()))
-    if (std::find(loop.begin(), loop.end(), (*corners)[0]) != loop.end())
-      return make_hole(ground.mesh, ground.left, loop, corners);
-  throw Refusal("The corner is not on the border of the mesh", {(*corners)[0]});
+  return make_hole(ground.mesh, ground.left, loop_through(ground, *corners), three(corners));
 }
 
 LayoutOptions layout_options(const FillOptions& options) {
@@ -84,8 +110,10 @@ std::string degrees(double angle) {
 /// What is said of every fill, whatever it is made of.
 void complete_report(const Hole& hole, const FillOptions& options, const std::array<double, 3>& corner_mismatch_deg,
                      Report& report) {
-  report.method = find_method(options.method).name;
-  report.method_reason = "it was asked for";
+  const bool automatic = options.method == automatic_method;
+  report.method = find_method(automatic ? patch_method : options.method).name;
+  report.method_reason = automatic ? "the rim has three smooth sides" : "it was asked for";
+  report.corners.resize(3);
   for (int k = 0; k < 3; ++k) {
     report.corners[k] = hole.rim[hole.corners[k]];
     if (corner_mismatch_deg[k] > corner_mismatch_warned)
@@ -203,9 +231,104 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<H
   }
 }
 
+// ------------------------------------------------------------------------------------------------------ rims of any kind
+
+/// Options that a fill over a plane domain does not take, of those that are not as they come.
+std::string not_taken(const FillOptions& options) {
+  std::string names;
+  const auto add = [&](bool given, const char* name) {
+    if (given) names += (names.empty() ? "" : ", ") + std::string(name);
+  };
+  const auto plain = [](SideContinuity c) { return c == SideContinuity::automatic || c == SideContinuity::g1; };
+  add(!std::all_of(options.continuity.begin(), options.continuity.end(), plain), "continuity");
+  add(options.fairing != Fairing::automatic, "fairing");
+  add(options.bulge != BySide<double>(each_side(1.0)), "bulge");
+  add(options.tension > 0, "tension");
+  add(options.center.has_value(), "center");
+  add(options.center_offset != 0, "center_offset");
+  return names;
+}
+
+/// The path of any rim.
+Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
+                  const std::string& reason) {
+  const std::string ignored = not_taken(options);
+  const bool insisted = options.method == spline_method;
+  if (insisted && !ignored.empty())
+    throw InvalidArgument(std::string(spline_method) + " does not take " + ignored);
+  if (options.output == Output::cage)
+    throw Refusal("A subdivision cage is made for holes with three corners only: " + reason, {});
+  if (options.surroundings == SurroundingsFrom::limit)
+    throw Refusal("Limit surroundings are read for holes with three corners only: " + reason, {});
+  const auto ordered = [&](const std::vector<Index>& loop) {
+    std::vector<Index> checked = check_topology(ground.left, loop);
+    check_positions(ground.mesh, ground.left, checked);
+    return checked;
+  };
+  std::vector<std::vector<Index>> islands;
+  for (const std::vector<Index>& island : options.islands) islands.push_back(ordered(island));
+  const SplineFillOptions own = {options.resolution, options.output == Output::quads};
+  // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
+  const std::optional<Connectivity> all =
+      ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
+  Fill fill = fill_with_spline(ground.mesh, all ? *all : ground.left, ordered(rim), islands, own);
+  fill.report.method_reason = reason;
+  if (corners) fill.report.corners = *corners;
+  if (!insisted && !ignored.empty())
+    fill.report.warnings.push_back("For " + ignored + " three smooth sides are needed, which this rim has not: not applied");
+  return fill;
+}
+
+/// The exact patch between three smooth sides, else the surface over a plane.
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+                          const FillOptions& options) {
+  const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
+  if (!options.islands.empty()) return any_rim("the hole has islands");
+  if (corners && corners->empty()) return any_rim("a round rim was asked for");
+  if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
+  Hole hole;
+  std::vector<Index> checked = check_topology(ground.left, rim);
+  check_positions(ground.mesh, ground.left, checked);
+  try {
+    hole = make_hole(ground.mesh, ground.left, rim, three(corners));
+  } catch (const Refusal&) {
+    if (corners) throw;
+    return any_rim("the rim has not three clear corners");
+  }
+  if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
+  std::string reason;
+  std::optional<Fill> patch;
+  try {
+    patch = fill_with_patch(ground, hole, options);
+    if (patch->report.folds == 0 && patch->report.triangles_folded == 0) return std::move(*patch);
+    reason = "a patch between three corners would fold";
+  } catch (const Refusal& refusal) {
+    reason = std::string("no patch fits between three sides: ") + refusal.what();
+  }
+  if (options.surroundings == SurroundingsFrom::limit) {
+    if (patch) return std::move(*patch);
+    throw Refusal(reason, rim);
+  }
+  Fill other = any_rim(reason);
+  const bool better = !patch || other.report.triangles_folded < patch->report.triangles_folded ||
+                      (other.report.triangles_folded == patch->report.triangles_folded && patch->report.folds > 0);
+  return better ? other : std::move(*patch);
+}
+
+Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+                    const FillOptions& options) {
+  const bool automatic = options.method == automatic_method && options.output != Output::cage;
+  if (!automatic && options.method != spline_method) return fill_with_patch(ground, hole_of(ground, rim, corners), options);
+  const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
+  if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");
+  return fill_as_the_rim_asks(ground, loop, corners, options);
+}
+
 void check_for_holes(const FillOptions& options) {
   check_options(options);
-  if (!find_method(options.method).fills_holes)
+  if (options.corners && options.corners->size() == 1)
+    throw InvalidArgument("corners must be two vertices of the rim or more, or none for a round rim; one is given");
+  if (options.method != automatic_method && !find_method(options.method).fills_holes)
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
 }
 
@@ -215,16 +338,16 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const Stopwatch watch;
   check_for_holes(options);
   const Ground ground(mesh, options.rim, options);
-  const Hole hole = hole_of(ground, options.rim, options.corners);
-  Fill result =
-      options.output == Output::cage ? std::move(fill_with_cages(mesh, {hole}, options)[0]) : fill_with_patch(ground, hole, options);
+  Fill result = options.output == Output::cage
+                    ? std::move(fill_with_cages(mesh, {hole_of(ground, options.rim, options.corners)}, options)[0])
+                    : fill_by_method(ground, options.rim, options.corners, options);
   result.report.seconds = watch.seconds();
   return result;
 }
 
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options,
-                                                  const std::vector<std::optional<std::array<Index, 3>>>& corners,
+                                                  const std::vector<std::optional<std::vector<Index>>>& corners,
                                                   const Progress& progress) {
   if (options.center && rims.size() > 1)
     throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
@@ -237,12 +360,12 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   const auto report_progress = [&](std::size_t done) {
     if (progress) progress(done);
   };
-  const auto hole_at = [&](std::size_t k) { return hole_of(ground, rims[k], k < corners.size() ? corners[k] : Corners()); };
+  const auto corners_at = [&](std::size_t k) { return k < corners.size() ? corners[k] : Corners(); };
   if (options.output == Output::cage) {
     std::vector<std::optional<Hole>> holes(rims.size());
     for (std::size_t k = 0; k < rims.size(); ++k) {
       try {
-        holes[k] = hole_at(k);
+        holes[k] = hole_of(ground, rims[k], corners_at(k));
       } catch (const Refusal& refusal) {
         results[k] = refused(refusal);
       }
@@ -254,7 +377,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   const auto fill_one = [&](std::size_t k) {
     const Stopwatch watch;
     try {
-      Fill fill = fill_with_patch(ground, hole_at(k), options);
+      Fill fill = fill_by_method(ground, rims[k], corners_at(k), options);
       fill.report.seconds = watch.seconds();
       results[k] = std::move(fill);
     } catch (const Refusal& refusal) {

@@ -25,9 +25,9 @@ void tell(Option& option, std::type_identity<std::vector<Index>>) {
   option.kind = Option::Kind::indices;
   option.count = 0;
 }
-void tell(Option& option, std::type_identity<ThreeCorners>) {
-  option.kind = Option::Kind::indices;
-  option.count = 3;
+void tell(Option& option, std::type_identity<std::vector<std::vector<Index>>>) {
+  option.kind = Option::Kind::loops;
+  option.count = 0;
 }
 template <class T>
   requires std::is_enum_v<T>

@@ -1,5 +1,6 @@
 #include "tripatch/spline_fill.h"
 
+#include "tripatch/constructions/methods.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/report/folded_triangles.h"

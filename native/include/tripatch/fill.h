@@ -28,7 +28,7 @@ using Progress = std::function<void(std::size_t done)>;
 /// together. corners: of each rim (shorter: detected); options.replaced: the faces in all of them; options.center: of one rim only.
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options = {},
-                                                  const std::vector<std::optional<std::array<Index, 3>>>& corners = {},
+                                                  const std::vector<std::optional<std::vector<Index>>>& corners = {},
                                                   const Progress& progress = {});
 
 }  // namespace tripatch

@@ -14,7 +14,6 @@
 
 namespace tripatch {
 
-using ThreeCorners = std::array<Index, 3>;
 using Pair = std::array<double, 2>;
 
 /// Documented in options.def.
@@ -55,7 +54,7 @@ struct AboutOption {
 };
 
 struct Option : AboutOption {
-  enum class Kind { flag, whole, number, choice, indices, position, subdivision };
+  enum class Kind { flag, whole, number, choice, indices, loops, position, subdivision };
   const char* name = "";
   Kind kind = Kind::number;
   bool optional = false;        ///< may be none

@@ -14,8 +14,6 @@ struct SplineFillOptions {
   bool quads = false;             ///< pairs of triangles that make good quads become such
 };
 
-constexpr const char* spline_method = "polyharmonic_spline";
-
 /// The hole of a rim that check_topology and check_positions let pass, with the islands in it (further border loops). `around` knows
 /// all of the mesh.
 Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,

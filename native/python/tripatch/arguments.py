@@ -71,6 +71,10 @@ def _json(text: str) -> dict:
         raise argparse.ArgumentTypeError(f"{text!r} is no JSON: {error}") from None
 
 
+def _loops(text: str) -> list[list[int]]:
+    return [indices(part) for part in text.split(";") if part]
+
+
 def _or_none(read: Callable, word: str) -> Callable:
     def read_or_none(text: str):
         return None if text.lower() == word else read(text)
@@ -82,7 +86,9 @@ def _or_none(read: Callable, word: str) -> Callable:
 def reader(option: Option) -> Callable:
     """From a text to a value that `tripatch.fill` takes."""
     of_kind = {"whole": int, "number": float, "choice": str, "subdivision": _json}
-    if option.kind == "indices":
+    if option.kind == "loops":
+        read = _loops
+    elif option.kind == "indices":
         read = _so_many_indices(option)
     elif option.by_side:
         read = _by_side(of_kind[option.kind], option.none.name if option.none else "")
@@ -95,8 +101,10 @@ def reader(option: Option) -> Callable:
 
 
 def _metavar(option: Option) -> str:
+    if option.kind == "loops":
+        return "V,V,...;V,V,..."
     if option.kind == "indices":
-        return "A,B,C" if option.count == 3 else "V,V,..."
+        return "V,V,..."
     one = {"whole": "N", "number": "X", "choice": "NAME", "position": "X", "subdivision": "JSON"}[option.kind]
     if option.by_side:
         return f"{one}[,{one},{one}]"
@@ -106,7 +114,7 @@ def _metavar(option: Option) -> str:
 def add(parser: argparse.ArgumentParser, option: Option) -> None:
     """`--name` for an option; what is not given is not in the namespace."""
     text = described(option)
-    if option.kind not in ("flag", "indices", "subdivision"):
+    if option.kind not in ("flag", "indices", "loops", "subdivision"):
         text += f" ({'none' if option.default is None else option.default})".replace("(0.0, 0.0)", "0,0")
     value = {"action": "store_true"} if option.kind == "flag" else {"type": reader(option), "metavar": _metavar(option)}
     parser.add_argument(f"--{option.name.replace('_', '-')}", default=argparse.SUPPRESS, help=text.replace("%", "%%"), **value)

@@ -64,7 +64,7 @@ def _number(value, option: Option):
 
 def names(option: Option) -> tuple[str, ...]:
     """What a choice offers."""
-    return tuple(METHODS) if option.name == "method" else tuple(each.name for each in option.choices)
+    return ("auto", *METHODS) if option.name == "method" else tuple(each.name for each in option.choices)
 
 
 def _choice(value, option: Option):
@@ -79,6 +79,10 @@ def _indices(value, option: Option) -> list[int]:
     if option.count and len(found) != option.count:
         raise ValueError(f"{option.name} must be {option.count} vertex indices, not {len(found)}")
     return found
+
+
+def _loops(value, option: Option) -> list[list[int]]:
+    return [_arrays.indices(loop, option.name) for loop in value]
 
 
 def _position(value, option: Option) -> list[float]:
@@ -131,6 +135,7 @@ _CHECKS: dict[str, Callable] = {
     "number": _number,
     "choice": _choice,
     "indices": _indices,
+    "loops": _loops,
     "position": _position,
 }
 

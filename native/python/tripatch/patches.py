@@ -63,11 +63,19 @@ def blend(
     return _native._blend((r0, r1, r2), method, given)
 
 
+def _places(b) -> np.ndarray:
+    """Barycentric coordinates as given, or the first two of them: over a plane domain (u, v)."""
+    at = np.asarray(b)
+    if at.ndim == 2 and at.shape[1] == 2 and at.dtype.kind in "fiu":
+        b = np.column_stack([at, 1.0 - at.sum(axis=1)])
+    return _arrays.barycentric(b)
+
+
 def _evaluate(self: Patch, b, derivatives: int = 0):
-    """Position and derivatives with respect to (b0, b1), b2 = 1 - b0 - b1.
+    """Position and derivatives with respect to (b0, b1), b2 = 1 - b0 - b1, or by (u, v) over a plane domain.
 
     Args:
-        b: (k, 3) barycentric coordinates.
+        b: (k, 3) barycentric coordinates, or (k, 2) the first two of them: (u, v) of a patch over a plane domain.
         derivatives: 0 to 3.
 
     Returns:
@@ -77,7 +85,7 @@ def _evaluate(self: Patch, b, derivatives: int = 0):
         raise TypeError("derivatives must be a whole number")
     if not 0 <= derivatives <= 3:
         raise ValueError(f"derivatives must be from 0 to 3, not {derivatives}")
-    return self._evaluate(_arrays.barycentric(b), int(derivatives))
+    return self._evaluate(_places(b), int(derivatives))
 
 
 def _normal(self: Patch, b) -> np.ndarray:

@@ -145,6 +145,15 @@ std::span<const Method> methods() {
        {},
        [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::mask); },
        {}},
+      {spline_method,
+       "The surface of the surroundings as a Gaussian field over a plane, for any rim; knows how well it is known",
+       "Duchon 1977; Wahba 1990",
+       true,
+       "G1",
+       {},
+       {},
+       {},
+       true},
   };
   return all;
 }

@@ -27,14 +27,22 @@ struct Method {
   const char* name;
   const char* description;
   const char* citation;
-  bool fills_holes;                  ///< can be made from the three sides of a hole
+  bool fills_holes;                  ///< can be made from the three sides of a hole, or from its surroundings whatever its rim
   const char* continuity;            ///< "G0" or "G1": what it keeps along the sides
   std::vector<std::string> options;  ///< names of the options of `fill` that it reads and not every method does
   /// From the boundary of a hole; none where fills_holes is false.
   SurfacePtr (*from_boundary)(const Boundary&, const MethodOptions&);
   /// From three surfaces over one triangle, surface i carries side i; none where it does not apply.
   SurfacePtr (*from_surfaces)(const std::array<SurfacePtr, 3>&, const MethodOptions&);
+  bool any_rim = false;  ///< takes rims with any number of corners, from the surroundings alone; else those with three
 };
+
+/// What `method` is called where the rim decides.
+constexpr const char* automatic_method = "auto";
+/// The method for any rim, see spline/plane_fill.h.
+constexpr const char* spline_method = "polyharmonic_spline";
+/// What "auto" takes for three smooth sides.
+constexpr const char* patch_method = "side_vertex";
 
 /// What a patch keeps along each side.
 struct Continuity {

@@ -30,7 +30,7 @@ struct Report {
   Index triangles_folded = 0;           ///< edges between the new faces that are folded, of a cage those of its limit surface
   Index rim_folded = 0;                 ///< the same of the rim's own triangulation: a rim that folds leaves no other way
   Index folds = 0;                      ///< of the patch, see FoldCounter
-  std::array<Index, 3> corners = {0, 0, 0};  ///< vertex indices
+  std::vector<Index> corners;           ///< vertex indices: three, or those given for a rim of any number
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
   double cage_deviation_max = 0;  ///< fill's limit surface to the patch
   double cage_deviation_rms = 0;
