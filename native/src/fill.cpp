@@ -256,8 +256,6 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   const bool insisted = options.method == spline_method;
   if (insisted && !ignored.empty())
     throw InvalidArgument(std::string(spline_method) + " does not take " + ignored);
-  if (options.output == Output::cage)
-    throw Refusal("A subdivision cage is made for holes with three corners only: " + reason, {});
   if (options.surroundings == SurroundingsFrom::limit)
     throw Refusal("Limit surroundings are read for holes with three corners only: " + reason, {});
   const auto ordered = [&](const std::vector<Index>& loop) {
@@ -305,10 +303,6 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   } catch (const Refusal& refusal) {
     reason = std::string("no patch fits between three sides: ") + refusal.what();
   }
-  if (options.surroundings == SurroundingsFrom::limit) {
-    if (patch) return std::move(*patch);
-    throw Refusal(reason, rim);
-  }
   Fill other = any_rim(reason);
   const bool better = !patch || other.report.triangles_folded < patch->report.triangles_folded ||
                       (other.report.triangles_folded == patch->report.triangles_folded && patch->report.folds > 0);
@@ -317,7 +311,8 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
 
 Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
-  const bool automatic = options.method == automatic_method && options.output != Output::cage;
+  const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
+  const bool automatic = options.method == automatic_method && of_mesh;
   if (!automatic && options.method != spline_method) return fill_with_patch(ground, hole_of(ground, rim, corners), options);
   const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
   if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");
@@ -330,6 +325,8 @@ void check_for_holes(const FillOptions& options) {
     throw InvalidArgument("corners must be two vertices of the rim or more, or none for a round rim; one is given");
   if (options.method != automatic_method && !find_method(options.method).fills_holes)
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
+  if (options.method == spline_method && options.output == Output::cage)
+    throw InvalidArgument(std::string(spline_method) + " makes no cages; choose another method, or triangles or quads");
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ def test_two_holes(two, tmp_path, capsys):
 
 def test_some_refused(tmp_path, capsys):
     path, out = write_obj(tmp_path / "in.obj", sphere_hole(), square()), tmp_path / "out.obj"
-    code, text, err = run(capsys, "fill", path, out, "--all", "--report", tmp_path / "r.json")
+    code, text, err = run(capsys, "fill", path, out, "--all", "--method", "side_vertex", "--report", tmp_path / "r.json")
     assert code == 3
     assert text.startswith("Filled 1 hole;")
     assert err == "tripatch: Hole through vertex 76: Rim has 4 corners; select three (vertices 76, 77, 78, 79)\n"
@@ -155,7 +155,7 @@ def test_some_refused(tmp_path, capsys):
 def test_all_refused(tmp_path, capsys):
     path, out = write_obj(tmp_path / "in.obj", square()), tmp_path / "out.obj"
     for more in ([], ["--all"], ["--rim", "4,5,6,7"]):
-        code, text, err = run(capsys, "fill", path, out, *more)
+        code, text, err = run(capsys, "fill", path, out, "--method", "side_vertex", *more)
         assert (code, text) == (1, "")
         assert "Rim has 4 corners; select three" in err
         assert not out.exists()
@@ -197,7 +197,7 @@ def test_parts_of_a_mesh():
         (["--bulge", "1,2"], "one value or three"),
         (["--bulge", "-1"], "bulge"),
         (["--shape", "a"], "neither one value nor three"),
-        (["--corners", "1,2"], "three corners are needed"),
+        (["--corners", "1"], "two vertices of the rim or more"),
         (["--corners", "0,6,6"], "three different vertices"),
         (["--rim", "0,1,two"], "no list of vertex indices"),
         (["--rim", "0,1,5000"], "5000"),

@@ -190,7 +190,8 @@ def fill(
     # begin fill: scripts/stubs
     rim: Sequence[int] | Indices | None = None,
     corners: Sequence[int] | Indices | None = None,
-    method: str = "side_vertex",
+    islands: Sequence[Sequence[int] | Indices] = (),
+    method: str = "auto",
     surroundings: Surroundings = "mesh",
     subdivision: dict[str, Any] | None = None,
     level: int = 2,
@@ -222,7 +223,7 @@ def fill_all(
     corners: Sequence[Sequence[int] | Indices | None] | None = None,
     progress: Callable[[int, int], object] | None = None,
     # begin fill_all: scripts/stubs
-    method: str = "side_vertex",
+    method: str = "auto",
     surroundings: Surroundings = "mesh",
     subdivision: dict[str, Any] | None = None,
     level: int = 2,
@@ -248,7 +249,7 @@ def fill_all(
 ) -> list[Fill | Refusal]: ...
 def patch(
     sides: Sequence[Side],
-    method: str = "side_vertex",
+    method: str = "auto",
     cross_boundary: CrossBoundary = "consistent",
     *,
     fairing: Fairing | None = None,

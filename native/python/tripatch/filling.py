@@ -38,8 +38,8 @@ class Fill:
         self.vertices = native.vertices
         self.normals = native.normals
         self.barycentric = native.barycentric
-        self.uv, self.rim_uv = (native.uv, native.rim_uv) if len(native.rim_uv) else (None, None)
-        self.deviation = native.deviation if len(native.deviation) else None
+        self.uv, self.rim_uv = native.uv, native.rim_uv
+        self.deviation = native.deviation
         self.rim = native.rim
         self.rim_normals = native.rim_normals
         self.rim_barycentric = native.rim_barycentric

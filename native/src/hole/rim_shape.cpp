@@ -78,19 +78,19 @@ RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector
 
 double zigzag(const Mesh& mesh, const Loop& rim, const std::array<Index, 3>& places) {
   const Index n = static_cast<Index>(rim.size());
-  double worst = 0;
+  std::vector<double> off;
   for (int i = 0; i < 3; ++i) {
     const Index first = places[i], edges = (places[(i + 1) % 3] - first + n) % n;
     const auto direction = [&](Index k) -> Vec3 {
       const auto a = mesh.vertices.row(rim[(first + k) % n]), b = mesh.vertices.row(rim[(first + k + 1) % n]);
       return Vec3(b - a).stableNormalized();
     };
-    double squares = 0;
-    for (Index k = 1; k + 1 < edges; ++k)
-      squares += (direction(k) - 0.5 * (direction(k - 1) + direction(k + 1))).squaredNorm();
-    if (edges > 2) worst = std::max(worst, std::sqrt(squares / static_cast<double>(edges - 2)));
+    for (Index k = 1; k + 1 < edges; ++k) off.push_back((direction(k) - 0.5 * (direction(k - 1) + direction(k + 1))).norm());
   }
-  return worst;
+  if (off.empty()) return 0;
+  const auto third = off.begin() + static_cast<std::ptrdiff_t>((off.size() - 1) / 3);
+  std::nth_element(off.begin(), third, off.end());
+  return *third;
 }
 
 double diameter(const Points& rim) {

@@ -113,14 +113,14 @@ Connectivity Connectivity::around(const Mesh& mesh, std::span<const Index> verti
   std::vector<Index> front(vertices.begin(), vertices.end()), seen = front;
   std::sort(seen.begin(), seen.end());
   for (int ring = 0; ring <= rings; ++ring) {
-    std::vector<Index> next;
+    std::vector<Index> next, beside;
     for (Index v : front) {
       if (!part.knows(v)) return Connectivity(mesh, replaced);
-      for (Corner c : part.at(v)) {
-        const auto face = mesh.faces[part.face(c)];
-        next.insert(next.end(), face.begin(), face.end());
-      }
+      for (Corner c : part.at(v)) beside.push_back(part.face(c));
     }
+    std::sort(beside.begin(), beside.end());  // a large face is at many of them, and looked at once
+    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    for (Index f : beside) next.insert(next.end(), mesh.faces[f].begin(), mesh.faces[f].end());
     std::sort(next.begin(), next.end());
     next.erase(std::unique(next.begin(), next.end()), next.end());
     front.clear();

@@ -20,12 +20,13 @@ struct RimShape {
 /// The turns are angles between rim edges in the tangent plane of the faces around.
 RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
-/// How far the sides are from smooth curves, judged by the rim alone: the largest of the sides' root mean square distances of a unit
-/// edge direction from the mean of the directions before and after it. Of smooth sides it falls with the square of the edge length;
-/// where a rim zigzags between irregular triangles it is about a half. places: of the corners in the rim, in rim order.
+/// How far the sides are from smooth curves, judged by the rim alone: the distance of a unit edge direction from the mean of the
+/// directions before and after it, exceeded at two thirds of the inner edges of the sides. Of smooth sides it falls with the square
+/// of the edge length, and kinks here and there do not count; where a rim zigzags between irregular triangles it is a third or more.
+/// 0 where no side has three edges. places: of the corners in the rim, in rim order.
 double zigzag(const Mesh& mesh, const std::vector<Index>& rim, const std::array<Index, 3>& places);
-/// Sides up to here are smooth. Coarse sides of the smooth surfaces that were tried (8 edges) reach 0.16, rims of deleted irregular
-/// triangles begin at 0.3.
+/// Sides up to here are smooth. Coarse sides of the smooth surfaces that were tried (8 edges) stay below 0.16, rims of deleted
+/// irregular triangles begin at 0.3.
 constexpr double smooth_sides = 0.2;
 
 /// The size of a hole: the largest distance between two points of its rim (k x 3), in their units. Whichever point is the first.
