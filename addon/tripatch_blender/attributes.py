@@ -64,11 +64,22 @@ def blend_vertices(bm, rim, inside, blend):
                     vertex[layer][group] = weight
 
 
-def rim_loops(edges, replaced):
+def rim_faces(edges, replaced):
+    """For each rim edge the surrounding face."""
+    return [next(f for f in edge.link_faces if f not in replaced) for edge in edges]
+
+
+def has_corner_data(bm):
+    """Whether face corners have anything that a fill could continue: else they are better left alone, since the first look at one
+    of them gives all of the mesh a place in memory for Python."""
+    return any(True for _ in _layers(bm.loops.layers, (*_LOOP_LAYERS, *_PICKED)))
+
+
+def rim_loops(edges, faces):
     """For each rim edge the face corners of the surrounding face at its start and end, in rim direction."""
     ends = []
-    for edge in edges:
-        loop = next(corner for corner in edge.link_loops if corner.face not in replaced)
+    for edge, face in zip(edges, faces, strict=True):
+        loop = next(corner for corner in edge.link_loops if corner.face == face)
         # The surrounding face runs along the edge against the rim.
         ends += [loop.link_loop_next, loop]
     return ends
@@ -106,11 +117,11 @@ def blend_corners(bm, ends, corners, blend, nearest):
             corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
 
 
-def model_faces(surrounding, sides):
-    """For each side the surrounding face whose material and shading most of its rim edges have."""
+def model_faces(surrounding, on_side):
+    """For each side the surrounding face whose material and shading most of its rim edges have. on_side: sides by rim edge."""
     models = []
-    for edges in sides:
-        faces = [surrounding[e] for e in edges]
+    for side in range(max(on_side.values()) + 1):
+        faces = [surrounding[e] for e in sorted(on_side) if on_side[e] == side]
         most = Counter((f.material_index, f.smooth) for f in faces).most_common(1)[0][0]
         models.append(next(f for f in faces if (f.material_index, f.smooth) == most))
     return models

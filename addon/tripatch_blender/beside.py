@@ -32,8 +32,9 @@ def _models(rim, fill):
     vertex = {v.index: v for v in rim.loop}
     loop = [vertex[v] for v in fill.rim.tolist()]
     bm_edges = [next(e for e in a.link_edges if e.other_vert(a) == b) for a, b in selection.pairs(loop)]
-    ends = attributes.rim_loops(bm_edges, rim.replaced)
-    return attributes.model_faces([corner.face for corner in ends[::2]], writeback.sides(fill.rim_barycentric))
+    sides = writeback.sides(fill.rim.tolist(), fill.report.corners)
+    on_side = {k: i for i, places in enumerate(sides) for k in places}
+    return attributes.model_faces(attributes.rim_faces(bm_edges, rim.replaced), on_side)
 
 
 def _new_object(ob, vertices, faces, materials, smooth):

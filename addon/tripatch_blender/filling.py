@@ -120,6 +120,9 @@ def _in_shape_key(bm, planned, name, in_key, world):
     if isinstance(in_key, tripatch.Refusal):
         planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
         return [f"Shape key '{name}' follows its rim only: {words.refused(in_key)}"]
+    if fill.uv is not None:  # a plane domain is laid out for one shape
+        planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
+        return [f"Shape key '{name}' follows its rim only"]
     planned.in_shape_keys[name] = own.points(in_key.vertices if cage else in_key.patch.evaluate(fill.barycentric))
     if cage and (in_key.moved[0] == fill.moved[0]).all():
         planned.moved_in_shape_keys[name] = own.points(in_key.moved[1])

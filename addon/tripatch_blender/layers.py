@@ -54,7 +54,7 @@ def _restore(mesh, replaced):
             values.append(flat.reshape(-1, 3))
             mesh.attributes.remove(attribute)
         mesh.attributes.new(name, "FLOAT4X4", domain).data.foreach_set("value", np.hstack(values)[:, :16].ravel())
-    if active in mesh.attributes:
+    if active and active in mesh.attributes:
         mesh.attributes.active = mesh.attributes[active]
 
 

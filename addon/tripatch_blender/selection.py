@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import compress
+from operator import attrgetter
 
 from .library import np, tripatch
 
@@ -129,12 +131,13 @@ def _no_hole(edges, vertices):
 
 
 class Selected:
-    """What is selected in a BMesh, looked up once: a large mesh takes a while."""
+    """What is selected in a BMesh, in the order of the mesh. A selected edge or face has selected vertices, so that only these
+    are looked for in all of a large mesh."""
 
     def __init__(self, bm):
-        self.vertices = [v for v in bm.verts if v.select]
-        self.edges = [e for e in bm.edges if e.select] if self.vertices else []
-        self.faces = [f for f in bm.faces if f.select] if self.edges else []
+        self.vertices = list(compress(bm.verts, map(attrgetter("select"), bm.verts)))
+        self.edges = _by_index({e for v in self.vertices for e in v.link_edges if e.select})
+        self.faces = _by_index({f for e in self.edges for f in e.link_faces if f.select})
 
     def replace(self, bm, faces):
         """Selects these faces instead."""

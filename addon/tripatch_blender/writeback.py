@@ -26,7 +26,7 @@ class Planned:
     positions: np.ndarray  # (k, 3) of the new vertices in object space
     normals: np.ndarray  # (k, 3)
     rim_normals: np.ndarray  # (r, 3)
-    tangent: tuple  # to the surroundings, by side
+    tangent: tuple  # to the surroundings, by side; empty: along the whole rim
     cage: bool = False  # the new vertices are control points
     moved: list = field(default_factory=list)  # (BMVert, position in object space)
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
@@ -48,11 +48,28 @@ def obstacle(bm, planned):
     return ""
 
 
-def sides(rim_barycentric):
-    """For each side the places of its rim edges, counted from corner 0 on."""
-    count = len(rim_barycentric)
-    corner = [int(np.argmax(rim_barycentric[:, i])) for i in range(3)]
-    return [range(corner[(i + 1) % 3], corner[(i + 2) % 3] or count) for i in range(3)]
+def sides(rim, corners):
+    """For each side the places of its rim edges, counted from corner 0 on. Of three corners, side i is opposite corner i, of
+    others it starts at corner i; without corners all is one side.
+
+    rim: vertices from corner 0 on; corners: those of them that are corners.
+    """
+    at = [rim.index(corner) for corner in corners] or [0]
+    first = 1 if len(at) == 3 else 0
+    starts = at[first:] + at[:first]
+    return [range(a, b or len(rim)) for a, b in pairs(starts)]
+
+
+def side_of(at, everywhere, nearest, on_side):
+    """The side that a new face belongs to.
+
+    at: its vertices, those of the rim first; everywhere: parameters of all; nearest: for each vertex inside a rim edge; on_side:
+    sides by rim edge.
+    """
+    if everywhere.shape[1] == 3:
+        return int(np.argmin(everywhere[at].sum(axis=0)))
+    inside = max(at) - len(on_side)
+    return on_side[nearest[inside] if inside >= 0 else min(at)]
 
 
 @dataclass
@@ -61,15 +78,21 @@ class _Rows:
 
     loop: list  # BMVert
     numbers: list  # that fill.faces has for them
-    barycentric: np.ndarray
+    parameters: np.ndarray  # (r, 3) barycentric, or (r, 2) in a plane domain
     normals: np.ndarray
     split: int = 0  # so many of the fill's vertices are on the rim
+
+
+def parameters(fill):
+    """Those of a fill's rim and of its new vertices."""
+    return (fill.rim_barycentric, fill.barycentric) if fill.uv is None else (fill.rim_uv, fill.uv)
 
 
 def _split_edges(bm, planned, custom):
     """Splits the rim edges that the fill asks for. custom: as in `_write_one`."""
     fill = planned.fill
-    rows = _Rows(list(planned.loop), fill.rim.tolist(), fill.rim_barycentric, planned.rim_normals)
+    at_rim, inside = parameters(fill)
+    rows = _Rows(list(planned.loop), fill.rim.tolist(), at_rim, planned.rim_normals)
     for k, ((a, b), t) in enumerate(zip(fill.split_edges[0].tolist(), fill.split_edges[1].tolist(), strict=True)):
         place = rows.numbers.index(a)
         start, end = rows.loop[place], rows.loop[rows.numbers.index(b)]
@@ -82,7 +105,7 @@ def _split_edges(bm, planned, custom):
             custom[corner] = between / max(np.linalg.norm(between), 1e-30)
         rows.loop.insert(place + 1, new)
         rows.numbers.insert(place + 1, planned.count + k)
-        rows.barycentric = np.insert(rows.barycentric, place + 1, fill.barycentric[k], axis=0)
+        rows.parameters = np.insert(rows.parameters, place + 1, inside[k], axis=0)
         rows.normals = np.insert(rows.normals, place + 1, planned.normals[k], axis=0)
         rows.split += 1
     return rows
@@ -93,11 +116,14 @@ def _write_one(bm, planned, shading, custom):
     fill, rim = planned.fill, planned.rim
     rows = _split_edges(bm, planned, custom)
     loop = rows.loop
-    positions, own_normals, barycentric = (a[rows.split :] for a in (planned.positions, planned.normals, fill.barycentric))
+    positions, own_normals, at_inside = (a[rows.split :] for a in (planned.positions, planned.normals, parameters(fill)[1]))
     edges = edges_of(bm, loop)
-    ends = attributes.rim_loops(edges, rim.replaced)
-    models = attributes.model_faces([corner.face for corner in ends[::2]], sides(rows.barycentric))
-    blend = tripatch.attribute_weights(rows.barycentric, barycentric)
+    around = attributes.rim_faces(edges, rim.replaced)
+    with_corners = custom is not None or attributes.has_corner_data(bm)
+    ends = attributes.rim_loops(edges, around) if with_corners else []
+    on_side = {k: i for i, places in enumerate(sides(rows.numbers, fill.report.corners)) for k in places}
+    models = attributes.model_faces(around, on_side)
+    blend = tripatch.attribute_weights(rows.parameters, at_inside)
 
     if rim.replaced:
         bmesh.ops.delete(bm, geom=list(rim.replaced), context="FACES")
@@ -113,24 +139,25 @@ def _write_one(bm, planned, shading, custom):
 
     place = {v: k for k, v in enumerate(rows.numbers)}  # deleting has changed the indices in the BMesh
     place_of_edge = {frozenset(pair): k for k, pair in enumerate(pairs(list(range(len(loop)))))}
-    all_barycentric = np.vstack([rows.barycentric, barycentric])
+    everywhere, nearest_edge = np.vstack([rows.parameters, at_inside]), [end // 2 for end in nearest]
     new_faces, corners = [], []
     for face in fill.faces:
         at = [place[v] if v in place else len(loop) + v - planned.count - rows.split for v in face]
-        side = int(np.argmin(all_barycentric[at].sum(axis=0)))
+        side = side_of(at, everywhere, nearest_edge, on_side)
         made = bm.faces.new([loop[k] if k < len(loop) else inside[k - len(loop)] for k in at], models[side])
         made.hide = False
         made.smooth = models[side].smooth if shading == "neighbors" else shading == "smooth"
         made.normal_update()
         new_faces.append(made)
+        if not with_corners:
+            continue
         own = {place_of_edge.get(frozenset(pair)) for pair in pairs(at)}
         for corner, k in zip(made.loops, at, strict=True):
             continued = attributes.ends_of_corner(k, len(loop), own) if k < len(loop) else ()
             corners.append((corner, k - len(loop), continued))
     attributes.blend_corners(bm, ends, corners, blend, nearest)
     if custom is not None:
-        on_side = {k: i for i, places in enumerate(sides(rows.barycentric)) for k in places}
-        tangent = [planned.tangent[on_side[k]] for k in range(len(loop))]
+        tangent = [planned.tangent[on_side[k]] if planned.tangent else True for k in range(len(loop))]
         _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)
     _change_rim(bm, planned, {v: loop[k] for v, k in place.items()})
     return new_faces

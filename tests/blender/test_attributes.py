@@ -1,5 +1,8 @@
 """What new faces take over from their surroundings."""
 
+import sys
+import types
+
 import bmesh
 import bpy
 import numpy as np
@@ -288,3 +291,58 @@ def test_custom_normals_that_are_plain_vectors():
     after = np.array([d.vector for d in ob.data.attributes["custom_normal"].data])
     np.testing.assert_array_equal(after[: len(before)], before)
     np.testing.assert_allclose(np.linalg.norm(after, axis=1), 1, atol=1e-6)
+
+
+def test_sides_of_rims_with_any_number_of_corners(addon):
+    """Of three corners, side i is opposite corner i; of others it starts there; a round rim is one side."""
+    writeback = sys.modules[addon.__name__ + ".writeback"]
+    rim = [7, 3, 9, 4, 1, 8]
+    assert [list(side) for side in writeback.sides(rim, [7, 9, 1])] == [[2, 3], [4, 5], [0, 1]]
+    assert [list(side) for side in writeback.sides(rim, [7, 9, 4, 8])] == [[0, 1], [2], [3, 4], [5]]
+    assert [list(side) for side in writeback.sides(rim, [7, 4])] == [[0, 1, 2], [3, 4, 5]]
+    assert [list(side) for side in writeback.sides(rim, [])] == [[0, 1, 2, 3, 4, 5]]
+
+
+class InPlane:
+    """A fill as a patch over a plane domain makes it, of another fill of a flat hole: without corners and sides."""
+
+    def __init__(self, fill):
+        self.__dict__ |= {name: getattr(fill, name) for name in ("vertices", "faces", "normals", "rim", "rim_normals", "moved")}
+        self.split_edges, self.creases, self.patch = fill.split_edges, fill.creases, fill.patch
+        self.barycentric = self.rim_barycentric = None
+        self.uv, self.rim_uv = fill.vertices[:, :2], None
+        self.report = types.SimpleNamespace(corners=[], continuity=(), warnings=[])
+
+
+def test_a_fill_over_a_plane_domain_takes_over_what_the_rim_has(addon):
+    """Mean value coordinates reproduce linear functions of the place."""
+    filling = sys.modules[addon.__name__ + ".filling"]
+    points, faces = scenes.lattice()
+    ob = scenes.add_mesh(scenes.flat(points), faces)
+    mesh = ob.data
+    for name in "AB":
+        mesh.materials.append(bpy.data.materials.new(name))
+    mesh.polygons.foreach_set("material_index", [1] * len(faces))
+    mesh.attributes.new("V", "FLOAT", "POINT").data.foreach_set("value", points[:, 0] - points[:, 1])
+    layer = mesh.uv_layers.new(name="UV")
+    for loop, uv in zip(mesh.loops, layer.data, strict=True):
+        uv.uv = mesh.vertices[loop.vertex_index].co.xy
+    bm = bmesh.new()
+    bm.from_mesh(mesh)
+    rim = filling.holes(bm, np.eye(4))[0]
+    around = filling.Surroundings(bm, np.eye(4))
+    arrays = around.around(rim)
+    (fill,) = filling.fills([rim], arrays, filling.Options())
+    made = InPlane(fill)
+    made.rim_uv = arrays[0][fill.rim][:, :2]
+    planned = filling._planned(bm, rim, np.eye(4), made, len(bm.verts))
+    new = filling.writeback.write(bm, mesh, [planned], "neighbors")
+    bm.to_mesh(mesh)
+    bm.free()
+    assert len(new) == len(mesh.polygons) - len(faces) > 0
+    for v in list(mesh.vertices)[len(points) :]:
+        assert mesh.attributes["V"].data[v.index].value == pytest.approx(v.co.x - v.co.y, abs=1e-5)
+    for loop, uv in zip(mesh.loops, mesh.uv_layers["UV"].data, strict=True):
+        np.testing.assert_allclose(uv.uv, mesh.vertices[loop.vertex_index].co.xy, atol=1e-5)
+    assert {p.material_index for p in mesh.polygons} == {1}
+    assert not mesh.validate(verbose=True)
