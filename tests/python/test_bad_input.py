@@ -141,7 +141,7 @@ def on_command_line(tmp_path, capsys, vertices, faces, options):
 @pytest.mark.parametrize("name", REFUSED)
 def test_refused(name, tmp_path, capsys):
     (vertices, faces, options), sentence, has_place = REFUSED[name]
-    options = {key: list(value) for key, value in options.items()}
+    options = {key: value if isinstance(value, str) else list(value) for key, value in options.items()}
     before, lists = vertices.tobytes(), [list(face) for face in faces]
     with pytest.raises(tripatch.Refusal) as caught:
         tripatch.fill(vertices, faces, **options)
