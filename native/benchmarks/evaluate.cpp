@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "tripatch/constructions/methods.h"
-#include "tripatch/output/triangulate.h"
 #include "tripatch/fairing/folds.h"
+#include "tripatch/output/triangulate.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;

@@ -12,13 +12,13 @@
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/spline_fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
 #include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline_fill.h"
 
 namespace tripatch {
 namespace {
@@ -47,7 +47,8 @@ public:
   /// For one rim, or for all of the mesh where none is given.
   Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options)
       : mesh(given), left(connectivity(given, rim, options.replaced)), is_part_(rim.has_value()) {
-    if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim)) all_ = connectivity(given, rim, {});
+    if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim))
+      all_ = connectivity(given, rim, {});
   }
   /// With the faces that are replaced.
   const Connectivity& whole() const { return all_ ? *all_ : left; }
@@ -126,8 +127,8 @@ void complete_report(const Hole& hole, const FillOptions& options, const std::ar
 /// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
 Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& options) {
   const Mesh& mesh = ground.mesh;
-  const Surroundings surroundings =
-      surroundings_of(mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
+  const Surroundings surroundings = surroundings_of(
+      mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
 
   MadePatch made = patch_from_sides(surroundings.sides, options);
   Fill fill;
@@ -254,13 +255,18 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
                   const std::string& reason) {
   const std::string ignored = not_taken(options);
   const bool insisted = options.method == spline_method;
-  if (insisted && !ignored.empty())
-    throw InvalidArgument(std::string(spline_method) + " does not take " + ignored);
+  if (insisted && !ignored.empty()) throw InvalidArgument(std::string(spline_method) + " does not take " + ignored);
   if (options.surroundings == SurroundingsFrom::limit)
     throw Refusal("Limit surroundings are read for holes with three corners only: " + reason, {});
+  std::vector<std::string> warnings;
   const auto ordered = [&](const std::vector<Index>& loop) {
     std::vector<Index> checked = check_topology(ground.left, loop);
-    check_positions(ground.mesh, ground.left, checked);
+    check_finite(ground.mesh, ground.left, checked);
+    try {
+      check_positions(ground.mesh, ground.left, checked);
+    } catch (const Refusal& refusal) {  // no hindrance to triangles
+      warnings.push_back(std::string(refusal.what()) + ": Merge by Distance may be what the mesh needs");
+    }
     return checked;
   };
   std::vector<std::vector<Index>> islands;
@@ -271,6 +277,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
       ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
   Fill fill = fill_with_spline(ground.mesh, all ? *all : ground.left, ordered(rim), islands, own);
   fill.report.method_reason = reason;
+  fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   if (corners) fill.report.corners = *corners;
   if (!insisted && !ignored.empty())
     fill.report.warnings.push_back("For " + ignored + " three smooth sides are needed, which this rim has not: not applied");
@@ -285,13 +292,13 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   if (corners && corners->empty()) return any_rim("a round rim was asked for");
   if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
   Hole hole;
-  std::vector<Index> checked = check_topology(ground.left, rim);
-  check_positions(ground.mesh, ground.left, checked);
+  const std::vector<Index> checked = check_topology(ground.left, rim);
+  check_finite(ground.mesh, ground.left, checked);
   try {
     hole = make_hole(ground.mesh, ground.left, rim, three(corners));
-  } catch (const Refusal&) {
+  } catch (const Refusal& refusal) {
     if (corners) throw;
-    return any_rim("the rim has not three clear corners");
+    return any_rim(std::string("three sides were not found: ") + refusal.what());
   }
   if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
   std::string reason;

@@ -103,8 +103,9 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
 MadePatch patch_from_sides(const Sides& sides, const FillOptions& options, const SurfacePoints* points) {
   check(options);
   const Method& method = find_method(options.method == automatic_method ? patch_method : options.method);
-  if (!method.from_boundary) throw InvalidArgument(options.method + (method.any_rim ? " fills holes in meshes; a patch between sides is of another method"
-                                                                     : " joins three surfaces; use tripatch.blend"));
+  if (!method.from_boundary)
+    throw InvalidArgument(options.method + (method.any_rim ? " fills holes in meshes; a patch between sides is of another method"
+                                                           : " joins three surfaces; use tripatch.blend"));
   const Continuity continuity = resolve_continuity(options.continuity, method, sides);
   const std::array<bool, 3>& free = continuity.free;
   const bool alone = std::string(method.continuity) == "G0" && !free[0] && !free[1] && !free[2] && options.tension == 0;

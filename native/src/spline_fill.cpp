@@ -76,7 +76,8 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   if (!made.plainer.empty()) report.warnings.push_back(made.plainer);
-  if (made.doubles_edges) report.warnings.push_back("The fill has an edge that the mesh has already: its rim leaves no other way");
+  if (made.doubles_edges)
+    report.warnings.push_back("The fill has an edge that the mesh has already: its rim leaves no other way");
   return fill;
 }
 

@@ -61,11 +61,12 @@ def double(v, faces, rim, beside):
     faces.append(faces[beside])
 
 
-def merge(a, b):
+def merge(a, b, method="auto"):
     def change(v, faces, rim, beside):
         v[rim[a]] = v[rim[b]]
 
-    return octant_with(change)
+    vertices, faces, options = octant_with(change)
+    return vertices, faces, options | {"method": method}
 
 
 def soup():
@@ -87,11 +88,15 @@ REFUSED = {
     "non-manifold, rim not given": ((*with_fins()[:2], {}), "Non-manifold: the edge between vertices", True),
     "a face on both sides": (octant_with(double), "a face on both sides", True),
     "flipped": (octant_with(flip), "make the normals consistent first", True),
-    "no length": (merge(4, 5), "has no length; merge them first", True),
-    "the same place": (merge(4, 9), "at the same place", True),
+    "no length": (merge(4, 5, "side_vertex"), "has no length; merge them first", True),
+    "the same place": (merge(4, 9, "side_vertex"), "at the same place", True),
     "nan": (put(3, np.nan), "no finite position", True),
     "infinity": (put(3, np.inf), "no finite position", True),
-    "no area": ((THREE[[0, 1, 2, 0, 1, 2]], [[1, 0, 3], [2, 1, 4], [0, 2, 5]], {"rim": [0, 1, 2], "method": "side_vertex"}), "no area", True),
+    "no area": (
+        (THREE[[0, 1, 2, 0, 1, 2]], [[1, 0, 3], [2, 1, 4], [0, 2, 5]], {"rim": [0, 1, 2], "method": "side_vertex"}),
+        "no area",
+        True,
+    ),
     "one triangle": ((THREE[:3], [[0, 1, 2]], {}), "border of a single face", True),
     "vertices not merged": (soup(), "border of a single face", True),
     "one triangle at a rim of three": ((THREE[:4], [[1, 0, 3]], {"rim": [0, 1, 2]}), "no face beside the rim edge", True),

@@ -67,7 +67,7 @@ def _places(b) -> np.ndarray:
     """Barycentric coordinates as given, or the first two of them: over a plane domain (u, v)."""
     at = np.asarray(b)
     if at.ndim == 2 and at.shape[1] == 2 and at.dtype.kind in "fiu":
-        b = np.column_stack([at, 1.0 - at.sum(axis=1)])
+        return _arrays.points(np.column_stack([at, 1.0 - at.sum(axis=1)]), "b", finite=True)
     return _arrays.barycentric(b)
 
 

@@ -75,8 +75,7 @@ CageFill::CageFill(const Mesh& mesh, std::vector<Hole> holes, const Subdivision&
   if (settings.loop && layout_options_.rows.value_or(0) > 0)
     throw InvalidArgument("a cage of triangles follows the rim: resolution must be 0 or none");
   for (const Hole& hole : split_.holes)
-    tolerance_.push_back(
-        layout_options_.tolerance.value_or(default_tolerance * diameter(split_.mesh(), hole.rim)));
+    tolerance_.push_back(layout_options_.tolerance.value_or(default_tolerance * diameter(split_.mesh(), hole.rim)));
   const bool exact = options_.rim == CageRim::exact;
   fit_ = lay_out(rows_to_try(layout_options_, settings.loop, exact)[0]);
   if (!exact) energies_ = fit_->make_fair();

@@ -118,11 +118,15 @@ std::vector<Index> check_topology(const Connectivity& around, const std::vector<
   return turned;
 }
 
-void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+void check_finite(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   for (Index v : rim)
     for (const Connectivity::Corner c : around.at(v))
       for (Index w : around.faces()[around.face(c)])
         if (!mesh.vertices.row(w).allFinite()) throw Refusal("Vertex " + name(w) + " at the rim has no finite position", {w});
+}
+
+void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  check_finite(mesh, around, rim);
   double length = 0;
   const std::size_t n = rim.size();
   const auto edge_length = [&](std::size_t k) {

@@ -43,6 +43,19 @@ MatrixXd monomials(const PlanePoints& c, int order) {
   return out;
 }
 
+/// Their derivatives by one of the coordinates.
+MatrixXd monomial_slopes(const PlanePoints& c, int order, int axis) {
+  MatrixXd out(c.rows(), polynomials(order));
+  int column = 0;
+  for (int i = 0; i < order; ++i)
+    for (int j = 0; i + j < order; ++j, ++column) {
+      const int degree = axis == 0 ? i : j, other = axis == 0 ? j : i;
+      for (Index k = 0; k < c.rows(); ++k)
+        out(k, column) = degree > 0 ? degree * std::pow(c(k, axis), degree - 1) * std::pow(c(k, 1 - axis), other) : 0;
+    }
+  return out;
+}
+
 /// Kernel of squared distances: (-1)^m s^(m-1) log(s) / 2, with the limit 0 at 0.
 void apply_kernel(int order, Eigen::Ref<MatrixXd> s) {
   const double sign = order % 2 == 0 ? 0.5 : -0.5;
@@ -57,8 +70,7 @@ void apply_kernel(int order, Eigen::Ref<MatrixXd> s) {
 
 MatrixXd squared_distances(const PlanePoints& a, const PlanePoints& b) {
   MatrixXd s(a.rows(), b.rows());
-  for (Index j = 0; j < b.rows(); ++j)
-    s.col(j) = (a.col(0).array() - b(j, 0)).square() + (a.col(1).array() - b(j, 1)).square();
+  for (Index j = 0; j < b.rows(); ++j) s.col(j) = (a.col(0).array() - b(j, 0)).square() + (a.col(1).array() - b(j, 1)).square();
   return s;
 }
 
@@ -240,6 +252,38 @@ void Field::values(const Part& part, const double* rows, Index n, double* out) c
   }
 }
 
+void Field::values_and_slopes(const Part& part, const double* rows, Index n, double* out) const {
+  constexpr Index block = 64;
+  const int m = part.order;
+  const double sign = m % 2 == 0 ? 0.5 : -0.5;
+  for (Index from = 0; from < n; from += block) {
+    const Index count = std::min(block, n - from);
+    PlanePoints at(count, 2);
+    for (Index k = 0; k < count; ++k)
+      at.row(k) = (Eigen::RowVector2d(rows[3 * (from + k)], rows[3 * (from + k) + 1]) - middle_) / size_;
+    const Eigen::ArrayXXd s = squared_distances(at, points_).array().max(least_distance * least_distance);
+    const Eigen::ArrayXXd logarithm = s.log();
+    Eigen::ArrayXXd power = Eigen::ArrayXXd::Constant(s.rows(), s.cols(), sign);  // of s^(m - 2)
+    for (int k = 2; k < m; ++k) power *= s;
+    const MatrixXd kernel = (power * s * logarithm).matrix();
+    const Eigen::ArrayXXd slope = 2 / size_ * power * ((m - 1) * logarithm + 1);  // by half of the squared distance
+    const MatrixXd by_u =
+        (slope * (at.col(0).replicate(1, s.cols()) - points_.col(0).transpose().replicate(count, 1)).array()).matrix();
+    const MatrixXd by_v =
+        (slope * (at.col(1).replicate(1, s.cols()) - points_.col(1).transpose().replicate(count, 1)).array()).matrix();
+    const Points p = kernel * part.weights + monomials(at, m) * part.polynomial;
+    const Points u = by_u * part.weights + monomial_slopes(at, m, 0) / size_ * part.polynomial;
+    const Points v = by_v * part.weights + monomial_slopes(at, m, 1) / size_ * part.polynomial;
+    for (Index k = 0; k < count; ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        double* to = out + 9 * (from + k) + axis;
+        to[0] += part.share * p(k, axis);
+        to[3] += part.share * u(k, axis);
+        to[6] += part.share * v(k, axis);
+      }
+  }
+}
+
 template <int N>
 void Field::jets(const Part& part, const double* rows, Index n, double* out) const {
   const int m = part.order;
@@ -283,8 +327,10 @@ void Field::evaluate(const double* b, Index n, int order, double* out) const {
   for (const Part& part : parts_) {
     if (order == 0) {
       values(part, b, n, out);
+    } else if (order == 1) {
+      values_and_slopes(part, b, n, out);
     } else {
-      with_order<1, max_order>(order, [&](auto constant) { jets<constant.value>(part, b, n, out); });
+      with_order<2, max_order>(order, [&](auto constant) { jets<constant.value>(part, b, n, out); });
     }
   }
   const Index stride = jet_size(order) * 3;

@@ -171,6 +171,29 @@ Points as_rows(const PlanePoints& uv) {
   return rows;
 }
 
+/// Whether points stay nearer to the rim than a hole's diameter.
+bool stay(const Points& points, const Rim& rim) {
+  const Index r = rim.points.rows(), step = std::max<Index>(1, r / 200);
+  const double most = farthest * farthest * rim.diameter * rim.diameter;
+  for (Index k = 0; k < points.rows(); ++k) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (Index j = 0; j < r; j += step) nearest = std::min(nearest, (points.row(k) - rim.points.row(j)).squaredNorm());
+    if (!(nearest <= most)) return false;
+  }
+  return true;
+}
+
+/// The surface at the middles of some triangles and of their edges: a look at it before it is triangulated.
+Points looked_at(const Field& field, const PlanePoints& uv, const Triangles& triangles) {
+  Points rows = Points::Zero(4 * static_cast<Index>(triangles.size()), 3);
+  Index row = 0;
+  for (const std::array<Index, 3>& t : triangles) {
+    rows.row(row++).head<2>() = (uv.row(t[0]) + uv.row(t[1]) + uv.row(t[2])) / 3;
+    for (int k = 0; k < 3; ++k) rows.row(row++).head<2>() = (uv.row(t[k]) + uv.row(t[(k + 1) % 3])) / 2;
+  }
+  return field.positions(rows);
+}
+
 /// One try: the surroundings laid out with what fills the hole so far, the field over them, and the hole triangulated.
 struct Attempt {
   std::shared_ptr<const Field> field;
@@ -216,6 +239,7 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
     const PlanePoints parameters = on_reference ? reference.foot_points(laid, at) : laid;
     if (!parameters.allFinite()) continue;
     result.field = std::make_shared<Field>(parameters, at, fields);
+    if (!stay(looked_at(*result.field, result.rim_uv, polygon.triangles), rim)) return {};
     polygon.points = rim.points;
     polygon.rim = disc.rim;
     polygon.joined = rim.surroundings.joined;
@@ -223,18 +247,6 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
     if (result.made.points.allFinite()) return result;
   }
   return {};
-}
-
-/// Largest distance of the new vertices from the rim.
-double leaves_by(const Rim& rim, const PlaneTriangulation& made) {
-  const Index r = rim.points.rows(), step = std::max<Index>(1, r / 200);
-  double most = 0;
-  for (Index k = r; k < made.points.rows(); ++k) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (Index j = 0; j < r; j += step) nearest = std::min(nearest, (made.points.row(k) - rim.points.row(j)).squaredNorm());
-    most = std::max(most, nearest);
-  }
-  return std::sqrt(most);
 }
 
 /// Degrees: the deviation one edge inside the rim, over that edge.
@@ -298,6 +310,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   PlaneFill best = plain(rim);
   best.doubles_edges = rough.doubles_edges;
   best.plainer = "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
+  if (!(rim.diameter > 0)) return best;
   if (rim.points.rows() == 3 && !options.resolution) {
     best.plainer.clear();
     return best;
@@ -317,7 +330,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     double area = rim.area;
     for (int round = 0; round < layouts; ++round) {
       std::optional<Attempt> next = attempt(disc, rim, samples, fields, options, result ? &*result : nullptr);
-      if (!next || leaves_by(rim, next->made) > farthest * rim.diameter) break;
+      if (!next || !stay(next->made.points, rim)) break;
       const double now = area_of(next->made.points, next->made.triangles);
       const bool settled = now < strongly_curved * area && area < strongly_curved * now;
       result = std::move(next);
@@ -325,12 +338,11 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
       if (settled) break;
     }
     if (!result) continue;
+    const bool doubles = result->made.doubles_edges && !rough.doubles_edges;
+    if (doubles || folded_edges(result->made.points, result->made.triangles) > rim.folds) continue;
     PlaneFill fill = completed(*result, rim, disc);
-    const bool good = fill.folds <= rim.folds && !(fill.doubles_edges && !rough.doubles_edges);
-    if (good) {
-      fill.plainer = way.sentence;
-      return fill;
-    }
+    fill.plainer = way.sentence;
+    return fill;
   }
   return best;
 }

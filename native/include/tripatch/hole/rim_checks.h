@@ -12,6 +12,9 @@ namespace tripatch {
 /// that the mesh has not. Returns the rim in the direction of new faces.
 std::vector<Index> check_topology(const Connectivity& around, const std::vector<Index>& rim);
 
+/// All positions at the rim must be finite. Else a Refusal.
+void check_finite(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
 /// Rim edges must have a length, rim vertices places of their own; all positions at the rim must be finite. Else a Refusal.
 void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 

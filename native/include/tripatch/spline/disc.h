@@ -9,9 +9,9 @@
 namespace tripatch {
 
 struct Disc {
-  std::vector<Index> vertices;  ///< of the mesh; those of the loops come first, loop by loop
-  Index rim = 0;                ///< how many these are
-  Points points;                ///< of `vertices`
+  std::vector<Index> vertices;                  ///< of the mesh; those of the loops come first, loop by loop
+  Index rim = 0;                                ///< how many these are
+  Points points;                                ///< of `vertices`
   std::vector<std::array<Index, 3>> triangles;  ///< of the surroundings, by row of `vertices`; larger faces cut
   std::vector<double> distance;                 ///< of each vertex from the rim, along edges, scene units
   int rings = 0;

@@ -55,6 +55,7 @@ private:
   void hedge(double unit);
   void fit(Part& part, const Points& samples) const;
   void values(const Part& part, const double* rows, Index n, double* out) const;
+  void values_and_slopes(const Part& part, const double* rows, Index n, double* out) const;
   template <int N>
   void jets(const Part& part, const double* rows, Index n, double* out) const;
 

@@ -20,16 +20,16 @@ struct PlaneFillOptions {
 };
 
 struct PlaneFill {
-  std::shared_ptr<const Field> surface;  ///< empty: plain triangles, no surface over a plane
+  std::shared_ptr<const Field> surface;    ///< empty: plain triangles, no surface over a plane
   PlanePoints rim_uv = PlanePoints(0, 2);  ///< of the loops' vertices, loop by loop
   Points vertices = Points(0, 3);          ///< the new ones
   PlanePoints uv = PlanePoints(0, 2);      ///< of these
   Points normals = Points(0, 3);
   /// Rows: the loops' vertices, loop by loop, then the new vertices.
   std::vector<std::array<Index, 3>> triangles;
-  Index folds = 0;             ///< edges whose triangles face more than 120 degrees apart
-  Index rim_folds = 0;         ///< the same of the rim's own triangulation without new vertices
-  Eigen::VectorXd deviation;   ///< standard deviation at `vertices`, scene units; empty where there is no surface
+  Index folds = 0;                ///< edges whose triangles face more than 120 degrees apart
+  Index rim_folds = 0;            ///< the same of the rim's own triangulation without new vertices
+  Eigen::VectorXd deviation;      ///< standard deviation at `vertices`, scene units; empty where there is no surface
   double surroundings_error = 0;  ///< degrees, root mean square: how well the samples determine the slope at the rim
   int rings = 0;
   std::string plainer;  ///< why not the likeliest field through as many rings as there are: a sentence, or empty

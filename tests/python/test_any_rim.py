@@ -1,0 +1,188 @@
+"""Rims with any number of corners: jagged, round, noisy, with islands; surfaces with a formula, and what must never happen."""
+
+import collections
+import itertools
+
+import numpy as np
+import pytest
+import tripatch
+from shapes import corner_removed, cube_sphere, octant
+
+
+def irregular(surface, n=24, seed=0, noise=0.0, cut=0.45, shape="round"):
+    """A jittered grid of triangles over [-1.2, 1.2]^2 lifted by `surface`, a region of it taken out: the rim zigzags."""
+    rng = np.random.default_rng(seed)
+    grid = np.linspace(-1.2, 1.2, n + 1)
+    x, y = np.meshgrid(grid, grid, indexing="ij")
+    step = grid[1] - grid[0]
+    points = np.column_stack([x.ravel(), y.ravel()]) + rng.uniform(-0.3, 0.3, ((n + 1) ** 2, 2)) * step
+    at = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    a, b, c, d = (q.ravel() for q in (at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]))
+    turn = rng.random(len(a)) < 0.5
+    first, second = np.column_stack([a, b, c]), np.column_stack([a, c, d])
+    other, another = np.column_stack([a, b, d]), np.column_stack([b, c, d])
+    faces = np.vstack([np.where(turn[:, None], first, other), np.where(turn[:, None], second, another)])
+    middle = points[faces].mean(axis=1)
+    size = np.abs(middle).max(axis=1) if shape == "square" else np.linalg.norm(middle, axis=1)
+    faces = faces[size > cut]
+    vertices = np.column_stack([points, surface(*points.T)])
+    return vertices + noise * step * rng.normal(size=vertices.shape), faces.tolist()
+
+
+def hill(x, y):
+    return 0.5 * np.exp(-0.8 * (x * x + y * y))
+
+
+def wave(x, y):
+    return 0.25 * np.sin(1.3 * x) * np.cos(1.1 * y)
+
+
+def inner_rim(faces):
+    return sorted(tripatch.find_holes(faces), key=len)[-2]
+
+
+def off(fill, surface):
+    return np.abs(fill.vertices[:, 2] - surface(*fill.vertices[:, :2].T))
+
+
+def edge_counts(faces):
+    count = collections.Counter()
+    for face in faces:
+        for a, b in itertools.pairwise([*face, face[0]]):
+            count[min(a, b), max(a, b)] += 1
+    return count
+
+
+@pytest.mark.parametrize("shape", ["round", "square"])
+@pytest.mark.parametrize(("surface", "bound"), [(wave, 1e-6), (hill, 2e-3)])
+def test_a_jagged_hole_in_a_smooth_surface_is_filled_with_it(surface, bound, shape):
+    vertices, faces = irregular(surface, shape=shape)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
+    assert fill.report.method == "polyharmonic_spline"
+    assert fill.report.triangles_folded == 0 and fill.report.warnings == []
+    assert off(fill, surface).max() < bound
+    assert fill.report.deviation_max == fill.deviation.max()
+    assert len(fill.deviation) == len(fill.vertices) == len(fill.uv)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_deviation_is_honest_under_noise(seed):
+    vertices, faces = irregular(wave, noise=0.03, seed=seed)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
+    assert (off(fill, wave) < 2 * fill.deviation).mean() > 0.85
+    assert np.median(fill.deviation) < 0.03 * 0.1
+    assert off(fill, wave).max() < 0.03 * 0.1
+
+
+def test_the_filled_mesh_is_closed_at_the_rim_and_no_edge_has_three_faces():
+    vertices, faces = irregular(hill)
+    rim = inner_rim(faces)
+    fill = tripatch.fill(vertices, faces, rim=rim)
+    count = edge_counts(faces + fill.faces)
+    assert max(count.values()) == 2
+    for a, b in itertools.pairwise([*rim, rim[0]]):
+        assert count[min(a, b), max(a, b)] == 2
+    assert set(fill.rim.tolist()) == set(rim.tolist())
+
+
+def test_an_edge_that_the_mesh_has_is_not_made_again():
+    """A tetrahedron without two faces: the fill's only inner edge may not be the one that is there."""
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.9, 0], [0.5, 0.3, 0.8]])
+    faces = [[0, 1, 2], [0, 2, 3]]
+    fill = tripatch.fill(vertices, faces, rim=[0, 1, 2, 3])
+    assert max(edge_counts(faces + fill.faces).values()) == 2
+
+
+def test_auto_takes_the_exact_patch_between_smooth_sides_and_says_why():
+    vertices, faces, rim = octant()
+    fill = tripatch.fill(vertices, faces, rim=rim)
+    assert (fill.report.method, fill.report.method_reason) == ("side_vertex", "the rim has three smooth sides")
+    assert fill.deviation is None
+    plain = tripatch.fill(vertices, faces, rim=rim, method="side_vertex")
+    assert np.array_equal(fill.vertices, plain.vertices)
+    assert plain.report.method_reason == "it was asked for"
+
+
+def test_either_method_can_be_insisted_on():
+    vertices, faces, rim = octant(12)
+    fill = tripatch.fill(vertices, faces, rim=rim, method="polyharmonic_spline")
+    assert fill.report.method == "polyharmonic_spline"
+    assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < 2e-3
+    jagged, around = irregular(wave)
+    with pytest.raises(tripatch.Refusal, match="corner"):
+        tripatch.fill(jagged, around, rim=inner_rim(around), method="side_vertex")
+
+
+@pytest.mark.parametrize("count", [0, 2, 4, 5, 7])
+def test_any_number_of_corners_may_be_given(count):
+    vertices, faces, rim = octant(12)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=[rim[36 * k // count] for k in range(count)] if count else ())
+    assert fill.report.method == "polyharmonic_spline"
+    assert len(fill.report.corners) == count
+
+
+def test_one_corner_is_a_mistake():
+    vertices, faces, rim = octant()
+    with pytest.raises(ValueError, match="one is given"):
+        tripatch.fill(vertices, faces, rim=rim, corners=rim[:1])
+
+
+def test_options_of_patches_are_refused_where_the_spline_is_insisted_on_and_a_warning_under_auto():
+    vertices, faces = irregular(wave)
+    rim = inner_rim(faces)
+    with pytest.raises(ValueError, match="does not take bulge, tension"):
+        tripatch.fill(vertices, faces, rim=rim, method="polyharmonic_spline", bulge=2.0, tension=0.5)
+    fill = tripatch.fill(vertices, faces, rim=rim, bulge=2.0)
+    assert any("bulge" in warning for warning in fill.report.warnings)
+
+
+def test_an_island_stays():
+    vertices, faces = irregular(wave, n=30, cut=0.0)
+    size = np.linalg.norm(np.array([np.mean(vertices[f], axis=0) for f in faces])[:, :2], axis=1)
+    kept = [f for f, s in zip(faces, size, strict=True) if s > 0.6 or s < 0.25]
+    loops = sorted(tripatch.find_holes(kept), key=len)
+    fill = tripatch.fill(vertices, kept, rim=loops[1], islands=[loops[0]])
+    count = edge_counts(kept + fill.faces)
+    assert max(count.values()) == 2
+    for loop in loops[:2]:
+        assert all(count[min(a, b), max(a, b)] == 2 for a, b in itertools.pairwise([*loop, loop[0]]))
+    assert off(fill, wave).max() < 1e-5
+
+
+@pytest.mark.parametrize("resolution", [1, 4, 12])
+def test_quads_where_they_are_good_and_triangles_else(resolution):
+    vertices, faces = irregular(wave)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces), output="quads", resolution=resolution)
+    assert {len(f) for f in fill.faces} <= {3, 4}
+    assert max(edge_counts(faces + fill.faces).values()) == 2
+
+
+def test_the_patch_is_evaluated_at_places_of_the_plane():
+    vertices, faces = irregular(wave)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
+    assert np.allclose(fill.patch.evaluate(fill.uv), fill.vertices, atol=1e-12)
+    p, d1, d2, d3 = fill.patch.evaluate(fill.uv, 3)
+    n = np.cross(d1[:, 0], d1[:, 1])
+    assert np.allclose(n / np.linalg.norm(n, axis=1, keepdims=True), fill.normals, atol=1e-9)
+    assert np.isfinite(d2).all() and np.isfinite(d3).all()
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_size_and_place_do_not_matter(scale):
+    vertices, faces = irregular(hill)
+    rim = inner_rim(faces)
+    plain = tripatch.fill(vertices, faces, rim=rim)
+    scaled = tripatch.fill(vertices * scale, faces, rim=rim)
+    assert len(scaled.vertices) == len(plain.vertices)
+    assert np.abs(scaled.vertices / scale - plain.vertices).max() < 1e-6
+
+
+def test_holes_of_many_kinds_in_one_call():
+    vertices, faces = cube_sphere(12)
+    faces, _ = corner_removed(vertices, faces, 3)
+    gone = [f for f, face in enumerate(faces) if vertices[face].mean(axis=0) @ [0, 0, -1] > 0.93]
+    faces = [face for f, face in enumerate(faces) if f not in set(gone)]
+    fills = tripatch.fill_all(vertices, faces)
+    assert {f.report.method for f in fills} == {"side_vertex", "polyharmonic_spline"}
+    for fill in fills:
+        assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < 3e-3
