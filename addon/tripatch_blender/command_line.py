@@ -53,7 +53,7 @@ def _shape(text):
 
 
 def _parser(prog):
-    methods = [name for name, method in library.tripatch.METHODS.items() if method.fills_holes]
+    methods = ["auto"] + [name for name, method in library.tripatch.METHODS.items() if method.fills_holes]
     parser = argparse.ArgumentParser(prog=prog, description="Fills three-sided holes in the meshes of a .blend.", epilog=_EPILOG)
     parser.add_argument("file", nargs="?", help=".blend to be opened first (default: the one that Blender has open)")
     parser.add_argument("--out", required=True, help=".blend to be written")
@@ -142,8 +142,12 @@ def _rims(bm, matrix, arguments):
         return [selection.Rim(around[0], corners=corners)]
     if arguments.all:
         return selection.all_rims(bm) if arguments.outer else filling.holes(bm, matrix)
+    any_rim = arguments.method in ("auto", "polyharmonic_spline") and arguments.output != "cage"
+    any_rim = any_rim and arguments.surroundings != "limit"
     if arguments.object:
-        return filling.only_hole(bm, matrix, _ADVICE)
+        return filling.open_holes(bm, matrix, any_rim, _ADVICE)
+    if any_rim:
+        return filling.holes(bm, matrix)
     found, _ = filling.three_sided(bm, matrix, filling.holes(bm, matrix))
     if len(found) > 1:
         raise filling.a_choice(found, _ADVICE)

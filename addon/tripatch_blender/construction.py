@@ -22,18 +22,24 @@ def _continuity(name, description):
 
 def _method_items():
     if library.missing:
-        return [("side_vertex", "Side Vertex", "")]
-    return [
+        return [("auto", "Auto", "")]
+    automatic = ("auto", "Auto", "Between three smooth sides the exact patch (Side Vertex), else Polyharmonic Spline")
+    return [automatic] + [
         (name, name.replace("_", " ").title(), f"{method.description} ({method.citation})")
         for name, method in library.tripatch.METHODS.items()
         if method.fills_holes
     ]
 
 
+def _about(method):
+    """The method, or the one that auto takes between three sides."""
+    return library.tripatch.METHODS["side_vertex" if method == "auto" else method]
+
+
 class Construction:
     """Mixed into operators."""
 
-    method: EnumProperty(name="Method", description="Construction of the patch", items=_method_items(), default="side_vertex")
+    method: EnumProperty(name="Method", description="Construction of the patch", items=_method_items(), default="auto")
     bulge: FloatProperty(
         name="Bulge",
         description="Scale of the slopes with which the fill leaves its sides; the corners are kept",
@@ -150,8 +156,12 @@ class Construction:
 
         return row
 
+    def takes_any_rim(self):
+        """Whether a hole may have any number of corners."""
+        return self.method in ("auto", "polyharmonic_spline")
+
     def keeps_tangents(self):
-        return library.tripatch.METHODS[self.method].continuity != "G0"
+        return _about(self.method).continuity != "G0"
 
     def sides_rows(self, row):
         """How the sides are met, for all or for each."""
@@ -170,7 +180,7 @@ class Construction:
     def construction_rows(self, row):
         """The method and the options that it has."""
         row("method")
-        for name in library.tripatch.METHODS[self.method].options:
+        for name in _about(self.method).options:
             if name == "shape":
                 row("optimal_shape")
                 row("shape", active=not self.optimal_shape)
@@ -196,7 +206,7 @@ class Construction:
             arguments["continuity"] = self.continuities()
         arguments["fairing"] = None if self.fairing == "none" else self.fairing
         arguments["tension"] = 0.0 if self.fairing == "none" else self.tension
-        for name in library.tripatch.METHODS[self.method].options:
+        for name in _about(self.method).options:
             if name == "shape":
                 arguments[name] = "optimal" if self.optimal_shape else tuple(self.shape)
             elif name == "alpha":

@@ -311,13 +311,14 @@ def a_choice(found, advice):
     return UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); {advice}")
 
 
-def only_hole(bm, matrix, advice="select the rim of one"):
-    """The mesh's only three-sided hole; UnusableError if there is none, or a choice: how to choose is the advice."""
+def open_holes(bm, matrix, any_rim, advice="select the rim of one"):
+    """Every hole where any rim can be filled, else the mesh's only three-sided one; UnusableError if there is none, or a choice:
+    how to choose is the advice."""
     rims = holes(bm, matrix)
     hidden = any(e.is_boundary and e.hide for e in bm.edges)
     if not rims:
         raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else "The mesh has no hole")
-    if len(rims) == 1 and not hidden:
+    if not hidden and (any_rim or len(rims) == 1):
         return rims  # the library says what is wrong with it
     found, others = three_sided(bm, matrix, rims)
     if len(found) == 1:

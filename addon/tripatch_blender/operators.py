@@ -207,10 +207,11 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         bm.faces.index_update()
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         selected, refused = selection.Selected(bm), []
-        if selected.vertices:
+        any_rim = self.takes_any_rim() and self.output != "cage" and self.surroundings != "limit"
+        if selected.vertices and not (any_rim and selected.is_all(bm)):
             rims, refused = selection.selected_rims(bm, selected)
         else:
-            rims = filling.only_hole(bm, matrix)
+            rims = filling.open_holes(bm, matrix, any_rim)
         options = self._options()
         if options.arguments.get("surroundings") == "limit":
             outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)

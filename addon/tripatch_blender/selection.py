@@ -139,6 +139,10 @@ class Selected:
         self.edges = _by_index({e for v in self.vertices for e in v.link_edges if e.select})
         self.faces = _by_index({f for e in self.edges for f in e.link_faces if f.select})
 
+    def is_all(self, bm):
+        """Whether everything that is visible is selected."""
+        return len(self.vertices) == len(bm.verts) - sum(map(attrgetter("hide"), bm.verts))
+
     def replace(self, bm, faces):
         """Selects these faces instead."""
         for element in (*self.faces, *self.edges, *self.vertices):

@@ -275,10 +275,21 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
   const std::optional<Connectivity> all =
       ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
-  Fill fill = fill_with_spline(ground.mesh, all ? *all : ground.left, ordered(rim), islands, own);
+  std::vector<Index> loop = ordered(rim), at;  // from the first corner on; the others as the rim meets them
+  if (corners && !corners->empty()) {
+    const auto first = std::find(loop.begin(), loop.end(), (*corners)[0]);
+    if (first != loop.end()) std::rotate(loop.begin(), first, loop.end());
+    for (Index v : loop)
+      if (std::find(corners->begin(), corners->end(), v) != corners->end()) at.push_back(v);
+    for (Index v : *corners)
+      if (std::find(loop.begin(), loop.end(), v) == loop.end())
+        throw Refusal("Corner vertex " + std::to_string(v) + " is not on the rim", {v});
+    if (at.size() != corners->size()) throw InvalidArgument("A corner is given twice");
+  }
+  Fill fill = fill_with_spline(ground.mesh, all ? *all : ground.left, loop, islands, own);
   fill.report.method_reason = reason;
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
-  if (corners) fill.report.corners = *corners;
+  fill.report.corners = std::move(at);
   if (!insisted && !ignored.empty())
     fill.report.warnings.push_back("For " + ignored + " three smooth sides are needed, which this rim has not: not applied");
   return fill;

@@ -1,5 +1,8 @@
 #include "tripatch/spline_fill.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "tripatch/constructions/methods.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/output/pair_quads.h"
@@ -27,6 +30,23 @@ Points triangle_normals(const Points& points, const std::vector<std::array<Index
   }
   for (Index k = 0; k < normals.rows(); ++k) normals.row(k) = Vec3(normals.row(k)).stableNormalized();
   return normals;
+}
+
+/// Places of a loop on a circle, by its lengths: those of a fill without a surface.
+PlanePoints on_circle(const Points& rim) {
+  const Index n = rim.rows();
+  Eigen::VectorXd along(n);
+  double length = 0;
+  for (Index k = 0; k < n; ++k) {
+    along[k] = length;
+    length += (rim.row((k + 1) % n) - rim.row(k)).norm();
+  }
+  PlanePoints uv(n, 2);
+  for (Index k = 0; k < n; ++k) {
+    const double turn = 2 * std::numbers::pi * (length > 0 ? along[k] / length : static_cast<double>(k) / static_cast<double>(n));
+    uv.row(k) << std::cos(turn), std::sin(turn);
+  }
+  return uv * (length / (2 * std::numbers::pi));
 }
 
 }  // namespace
@@ -64,6 +84,7 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
     fill.normals = std::move(made.normals);
     fill.rim_normals = made.surface->normals(as_rows(fill.rim_uv));
   } else {
+    fill.rim_uv = on_circle(points.topRows(r));
     const Points normals = triangle_normals(points, made.triangles);
     fill.rim_normals = normals.topRows(r);
     fill.normals = normals.bottomRows(normals.rows() - r);

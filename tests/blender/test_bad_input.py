@@ -22,11 +22,11 @@ def bits(ob):
 def refusal(capfd):
     """refusal(ob, ...) runs the operator, which must leave the mesh alone; returns its sentence."""
 
-    def run(ob, **options):
+    def run(ob, method="side_vertex", **options):  # of three sides: any other rim is refused
         before = bits(ob)
         capfd.readouterr()
         try:
-            assert fill(**options) == {"CANCELLED"}
+            assert fill(method=method, **options) == {"CANCELLED"}
             sentence = capfd.readouterr().out
         except RuntimeError as error:  # what Python makes of an error report
             sentence = str(error)

@@ -110,7 +110,7 @@ def test_matrices_of_a_mesh_that_is_refused_stay(capfd):
     give(ob.data, "FLOAT4X4", "CORNER")
     before = values_of(ob.data, "FLOAT4X4")
     scenes.edit(ob)
-    assert fill() == {"CANCELLED"}
+    assert fill(method="side_vertex") == {"CANCELLED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert values_of(ob.data, "FLOAT4X4") == before
 

@@ -42,7 +42,7 @@ def test_with_nothing_selected_the_outer_border_is_no_hole():
 
 def test_where_the_only_hole_cannot_be_filled_the_outer_border_is_not_mentioned(capfd):
     scenes.edit(scenes.add_mesh(*scenes.square_hole()))
-    assert fill() == {"CANCELLED"}
+    assert fill(method="side_vertex") == {"CANCELLED"}
     assert "Warning: Rim has 4 corners; select three" in capfd.readouterr().out
 
 
@@ -189,7 +189,7 @@ def test_one_filled_and_one_refused():
     bms = scenes.edit(*obs, mode="EDGE")
     for bm in bms:
         scenes.select_rim(bm, scenes.border_loops(bm)[0])
-    assert fill() == {"FINISHED"}
+    assert fill(method="side_vertex") == {"FINISHED"}
     assert rims(obs[0]) == [36]
     assert len(rims(obs[1])) == 2
 
@@ -201,7 +201,7 @@ def filled(pick, **options):
     loop = scenes.border_loops(bm)[0]
     first = loop.index(min(loop, key=lambda v: (round(v.co.y, 5), v.co.x)))
     pick(bm, loop[first:] + loop[:first])
-    assert fill(**options) == {"FINISHED"}
+    assert fill(method="side_vertex", **options) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     return np.array([v.co for v in ob.data.vertices])
 
@@ -328,3 +328,23 @@ def test_hidden_faces_are_surroundings_and_hidden_rims_are_left():
     bpy.ops.mesh.select_all(action="SELECT")
     assert fill() == {"CANCELLED"}
     assert rims(ob) == [12, 36]
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_any_rim_is_filled_by_default(output):
+    ob = scenes.add_mesh(*scenes.square_hole())
+    scenes.edit(ob)
+    before = len(ob.data.polygons)
+    assert fill(output=output) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(ob.data.polygons) > before
+    assert len(scenes.border_loops(scenes.checked(ob))) == 1  # the outer border is left
+
+
+def test_with_nothing_selected_every_hole_is_filled():
+    points, faces = scenes.lattice(size=18, holes=((2, 2, 4), (9, 3, 4)))
+    ob = scenes.add_mesh(scenes.bowl(points), faces)
+    scenes.edit(ob)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(scenes.border_loops(scenes.checked(ob))) == 1

@@ -186,3 +186,16 @@ def test_holes_of_many_kinds_in_one_call():
     assert {f.report.method for f in fills} == {"side_vertex", "polyharmonic_spline"}
     for fill in fills:
         assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < 3e-3
+
+
+def test_a_rim_without_usable_surroundings_gets_plain_triangles_and_says_so():
+    """A fan that is joined to nothing but the rim's own faces, folded flat onto it: no disc to lay out."""
+    turn = np.linspace(0, 2 * np.pi, 9)[:-1]
+    ring = np.column_stack([np.cos(turn), np.sin(turn), 0.3 * np.cos(3 * turn)])
+    vertices = np.vstack([ring, [[0, 0, -2]]])
+    faces = [[(k + 1) % 8, k, 8] for k in range(8)]
+    fill = tripatch.fill(vertices, faces, rim=list(range(8)))
+    assert len(fill.faces) >= 6
+    assert max(edge_counts(faces + fill.faces).values()) == 2
+    assert len(fill.rim_uv) == 8
+    assert fill.report.triangles_folded == 0
