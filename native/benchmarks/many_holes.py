@@ -2,8 +2,8 @@
 
     python many_holes.py [--cells N] [--holes K] [--side E]
 
-Each figure is wall time and CPU time in seconds, the best of a few runs. What counts is that a hole costs what the hole is worth, not the
-mesh: `all` over the number of holes against `one` in a small mesh.
+Each figure is wall time and CPU time in seconds, the best of a few runs. What counts is that a hole costs what the hole is worth,
+not the mesh: `all` over the number of holes against `one` in a small mesh.
 """
 
 import argparse
