@@ -12,13 +12,13 @@
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/spline_fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
 #include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline_fill.h"
 
 namespace tripatch {
 namespace {
@@ -47,7 +47,8 @@ public:
   /// For one rim, or for all of the mesh where none is given.
   Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options)
       : mesh(given), left(connectivity(given, rim, options.replaced)), is_part_(rim.has_value()) {
-    if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim)) all_ = connectivity(given, rim, {});
+    if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim))
+      all_ = connectivity(given, rim, {});
   }
   /// With the faces that are replaced.
   const Connectivity& whole() const { return all_ ? *all_ : left; }
@@ -85,8 +86,9 @@ std::vector<Index> loop_through(const Ground& ground, const std::vector<Index>& 
 
 /// The only hole of the mesh, of any rim; of several the only one with three corners.
 std::vector<Index> only_hole(const Ground& ground) {
-  std::vector<std::vector<Index>> loops = border_loops(ground.whole());
-  if (loops.size() > 1) loops = inner_loops(ground.mesh, ground.whole(), std::move(loops));
+  std::vector<std::vector<Index>> loops;
+  for (Border& border : borders_of(ground.mesh, ground.whole()))
+    if (!border.outer) loops.push_back(std::move(border.loop));
   return loops.size() == 1 ? loops[0] : find_hole(ground.mesh, ground.whole()).rim;
 }
 
@@ -126,8 +128,8 @@ void complete_report(const Hole& hole, const FillOptions& options, const std::ar
 /// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
 Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& options) {
   const Mesh& mesh = ground.mesh;
-  const Surroundings surroundings =
-      surroundings_of(mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
+  const Surroundings surroundings = surroundings_of(
+      mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
 
   MadePatch made = patch_from_sides(surroundings.sides, options);
   Fill fill;
@@ -254,8 +256,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
                   const std::string& reason) {
   const std::string ignored = not_taken(options);
   const bool insisted = options.method == spline_method;
-  if (insisted && !ignored.empty())
-    throw InvalidArgument(std::string(spline_method) + " does not take " + ignored);
+  if (insisted && !ignored.empty()) throw InvalidArgument(std::string(spline_method) + " does not take " + ignored);
   if (options.surroundings == SurroundingsFrom::limit)
     throw Refusal("Limit surroundings are read for holes with three corners only: " + reason, {});
   const auto ordered = [&](const std::vector<Index>& loop) {
