@@ -27,6 +27,18 @@ void bind_holes(py::module_& m) {
     const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
     return std::array<Index, 3>{hole.rim[hole.corners[0]], hole.rim[hole.corners[1]], hole.rim[hole.corners[2]]};
   });
+  m.def("_borders", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::vector<Border> borders;
+    {
+      py::gil_scoped_release release;
+      borders = borders_of({points, faces});
+    }
+    py::list out;
+    for (const Border& border : borders) out.append(py::make_tuple(array_from(border.loop), border.outer, border.diameter));
+    return out;
+  });
   m.def("_is_outer_border",
         [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const std::vector<Index>& rim) {
           const FacesRef faces = faces_from(offsets, corners);

@@ -1,5 +1,5 @@
 // Subdivision surfaces: a modifier's settings, limit points, and the surface around places of a cage.
-#include "tripatch/boundary/limit.h"
+#include "tripatch/cage/limit_points.h"
 
 #include "arrays.h"
 #include "bindings.h"

@@ -86,8 +86,9 @@ std::vector<Index> loop_through(const Ground& ground, const std::vector<Index>& 
 
 /// The only hole of the mesh, of any rim; of several the only one with three corners.
 std::vector<Index> only_hole(const Ground& ground) {
-  std::vector<std::vector<Index>> loops = border_loops(ground.whole());
-  if (loops.size() > 1) loops = inner_loops(ground.mesh, ground.whole(), std::move(loops));
+  std::vector<std::vector<Index>> loops;
+  for (Border& border : borders_of(ground.mesh, ground.whole()))
+    if (!border.outer) loops.push_back(std::move(border.loop));
   return loops.size() == 1 ? loops[0] : find_hole(ground.mesh, ground.whole()).rim;
 }
 

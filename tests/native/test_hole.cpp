@@ -581,7 +581,7 @@ TEST_CASE("a non-manifold edge on the rim, flipped neighbours") {
         "normals "
         "consistent first");
   CHECK(refused(flipped(5)).where == Loop{2, 12});
-  CHECK(refused(flipped(5)).reason.find("turned against its neighbours") != std::string::npos);
+  CHECK(refused(flipped(5)).reason.find("turned against its neighbors") != std::string::npos);
   CHECK(refused(flipped(18 * 2 + 5)).reason == "not refused");  // two rings away
 }
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-#include "tripatch/boundary/limit.h"
+#include "tripatch/cage/limit_points.h"
 #include "tripatch/boundary/limit_surface.h"
 
 using namespace tripatch;

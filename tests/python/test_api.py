@@ -87,7 +87,9 @@ def test_fill_all_keeps_the_order_and_goes_on_after_a_refusal():
     results = tripatch.fill_all(vertices, faces, [rim, [0, 1], rim])
     assert isinstance(results[0], tripatch.Fill) and isinstance(results[2], tripatch.Fill)
     assert isinstance(results[1], tripatch.Refusal)
-    assert len(tripatch.fill_all(vertices, faces)) == len(loops) == 2
+    assert len(tripatch.fill_all(vertices, faces, outer=True)) == len(loops) == 2
+    (hole,) = tripatch.fill_all(vertices, faces)  # the other border is the outer one
+    assert sorted(hole.rim) == sorted(rim)
 
 
 @pytest.mark.parametrize(

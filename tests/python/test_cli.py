@@ -175,17 +175,23 @@ def test_outer_borders(tmp_path):
     vertices, faces = sphere_hole()
     assert [len(loop) for loop in cli.holes_to_fill(vertices, faces, outer=False)] == [18]
     assert [len(loop) for loop in cli.holes_to_fill(vertices, faces, outer=True)] == [18, 18]
-    assert cli.holes_to_fill(vertices, faces, outer=False)[0][0] == 0  # the shorter
-    # a part of the mesh with one border only: that is a hole
+    assert cli.holes_to_fill(vertices, faces, outer=False)[0][0] == 0
+    # a mesh with that border only: it is a hole
     closed = [*faces, [*range(54, 72)]]
     assert [len(loop) for loop in cli.holes_to_fill(vertices, closed, outer=False)] == [18]
 
 
-def test_parts_of_a_mesh():
-    faces = [[0, 1, 2], [2, 3, 4, 5], [6, 7, 8], [9, 8, 10], [11, 13, 12]]
-    assert cli._parts(15, faces).tolist() == [0] * 6 + [6] * 5 + [11] * 3 + [14]
-    path = np.random.default_rng(5).permutation(3000)
-    assert set(cli._parts(3001, [path[k : k + 3].tolist() for k in range(2998)]).tolist()) == {0, 3000}
+def test_both_ends_of_a_tube_are_holes():
+    # neither turns the other way; the lower row of quads comes first
+    angle = 2 * np.pi * np.arange(12) / 12
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(12)])
+    vertices = np.concatenate([ring + [0, 0, z] for z in range(4)])
+    tube = [[12 * z + k, 12 * z + (k + 1) % 12, 12 * z + 12 + (k + 1) % 12, 12 * z + 12 + k] for z in range(3) for k in range(12)]
+    assert [loop[0] for loop in cli.holes_to_fill(vertices, tube, outer=False)] == [0, 36]
+    # beside a plane, whose border is an outer one
+    plane = np.array([[5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], float)
+    both = [*tube, [48, 49, 50, 51]]
+    assert [loop[0] for loop in cli.holes_to_fill(np.concatenate([vertices, plane]), both, outer=False)] == [0, 36]
 
 
 @pytest.mark.parametrize(

@@ -221,6 +221,7 @@ def fill_all(
     rims: Sequence[Sequence[int] | Indices] | None = None,
     *,
     corners: Sequence[Sequence[int] | Indices | None] | None = None,
+    outer: bool = False,
     progress: Callable[[int, int], object] | None = None,
     # begin fill_all: scripts/stubs
     method: str = "auto",

@@ -12,6 +12,7 @@ import numpy as np
 
 import tripatch
 from tripatch import arguments, files, words
+from tripatch.holes import holes_to_fill
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 
@@ -47,7 +48,7 @@ def parser() -> argparse.ArgumentParser:
     fill.add_argument(
         "--outer",
         action="store_true",
-        help="with --all: also the longest border of each connected part of the mesh, which is left out where it has others",
+        help="with --all: also the outer borders of open meshes, which otherwise count only where there is no hole",
     )
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
     for option in OPTIONS.values():
@@ -64,34 +65,6 @@ def parser() -> argparse.ArgumentParser:
     smooth.add_argument("--curve", choices=("hermite", "smits"), default="hermite", help="over the edges (hermite)")
     commands.add_parser("methods", help="list the constructions", description="Lists the constructions.")
     return main
-
-
-def _parts(n: int, faces) -> np.ndarray:
-    """For each of n vertices the lowest vertex of the part of the mesh that it is connected with."""
-    corners = np.fromiter((v for face in faces for v in face), np.int64)
-    firsts = np.repeat(np.fromiter((face[0] for face in faces), np.int64), np.fromiter(map(len, faces), np.int64))
-    part = np.arange(n)
-    while True:
-        a, b = part[corners], part[firsts]
-        if (a == b).all():
-            return part
-        np.minimum.at(part, np.maximum(a, b), np.minimum(a, b))
-        while (part[part] != part).any():
-            part = part[part]
-
-
-def holes_to_fill(vertices, faces, outer: bool) -> list[np.ndarray]:
-    """Every border loop; but without `outer` not the longest of a connected part that has several."""
-    loops = tripatch.find_holes(faces)
-    if outer or not loops:
-        return loops
-    part = _parts(len(vertices), faces)
-    length = [float(np.linalg.norm(vertices[loop] - vertices[np.roll(loop, -1)], axis=1).sum()) for loop in loops]
-    of_part: dict[int, list[int]] = {}
-    for k, loop in enumerate(loops):
-        of_part.setdefault(int(part[loop[0]]), []).append(k)
-    left_out = {max(ks, key=lambda k: (length[k], k)) for ks in of_part.values() if len(ks) > 1}
-    return [loop for k, loop in enumerate(loops) if k not in left_out]
 
 
 def _say(text: str) -> None:

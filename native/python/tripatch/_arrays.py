@@ -61,7 +61,7 @@ def mesh(vertices, face_list) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vertices, offsets and corners; ValueError when a face names a vertex that does not exist."""
     v = points(vertices)
     offsets, corners = faces(face_list)
-    if corners.size and (corners.min() < 0 or corners.max() >= len(v)):
+    if corners.size and corners.view(np.uint64).max() >= len(v):  # negative ones are the largest
         place = int(np.argmax((corners < 0) | (corners >= len(v))))
         face = int(np.searchsorted(offsets, place, "right")) - 1
         raise ValueError(f"face {face} names vertex {corners[place]}, but there are {len(v)} vertices")

@@ -22,6 +22,22 @@ def find_holes(faces) -> list[np.ndarray]:
     return _native._find_holes(offsets, corners)
 
 
+def holes_to_fill(vertices, faces, outer: bool = False) -> list[np.ndarray]:
+    """The border loops of a mesh that are holes, as `find_holes` gives them.
+
+    Args:
+        vertices: (n, 3) positions.
+        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        outer: also the outer borders of open meshes (see `is_outer_border`), which otherwise count only where the mesh has no other.
+    """
+    return inner_loops(_arrays.mesh(vertices, faces), outer)
+
+
+def inner_loops(mesh: tuple, outer: bool) -> list[np.ndarray]:
+    """The same of a mesh that is checked: (vertices, offsets, corners)."""
+    return [loop for loop, is_outer, _ in _native._borders(*mesh) if outer or not is_outer]
+
+
 def find_corners(vertices, faces, rim, *, replaced=()) -> np.ndarray:
     """The three corners of a rim, detected as `fill` does: where the rim turns, read in the tangent plane of the faces around.
 

@@ -12,6 +12,8 @@ namespace {
 
 using Homogeneous = Eigen::RowVector4d;
 
+constexpr double fit_tolerance = 1e-13;  ///< of pieces that are fitted, of their largest value: a thousand times the rounding
+
 int degree_of(const std::vector<double>& knots, Index count, const char* axis) {
   const std::string name = std::string("knots_") + axis;
   const Index degree = static_cast<Index>(knots.size()) - count - 1;
@@ -146,26 +148,17 @@ void NurbsSurface::evaluate(const double* uv, Index n, int order, double* out) c
   }
 }
 
-Side NurbsSurface::side(int edge, bool reversed) const {
-  if (edge < 0 || edge > 3) throw InvalidArgument("A rectangle has edges 0 to 3, not " + std::to_string(edge));
-  const bool along_u = edge % 2 == 0, at_end = edge == 1 || edge == 2, backwards = edge >= 2;
-  const Axis &along = axis_[along_u ? 0 : 1], &across = axis_[along_u ? 1 : 0];
-  const double place = at_end ? across.to() : across.from(), inward = at_end ? -1 : 1;
-  // The homogeneous curve of the edge and its first two derivatives across, as control points.
-  const Index s = across.span(place);
-  std::vector<double> b((across.degree + 1) * 3);
-  across.basis(s, place, 2, b.data());
+/// An edge of a surface: the homogeneous curve of the edge and its first two derivatives across, as control points.
+struct NurbsSurface::Edge {
+  const Axis& along;
   std::array<Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>, 3> curve;
-  for (int k = 0; k < 3; ++k) {
-    curve[k].setZero(along.count, 4);
-    for (Index i = 0; i < along.count; ++i)
-      for (int r = 0; r <= across.degree; ++r) {
-        const Index j = s - across.degree + r;
-        curve[k].row(i) += b[r * 3 + k] * homogeneous_.row(along_u ? i * across.count + j : j * along.count + i);
-      }
-  }
-  // Taylor coefficients along the edge of the k-th derivative across, divided by k!: homogeneous ones first, then A = w P.
-  const auto series = [&](double u, Index span, int order) {
+  std::array<double, 3> factor;  ///< of position, r into the surface, second derivative
+
+  double from() const { return along.from(); }
+  double length() const { return along.to() - along.from(); }
+
+  /// Taylor coefficients along the edge of the k-th derivative across, divided by k!, homogeneous.
+  std::array<std::vector<Homogeneous>, 3> series(double u, Index span, int order) const {
     std::vector<double> basis((along.degree + 1) * (order + 1));
     along.basis(span, u, order, basis.data());
     std::array<std::vector<Homogeneous>, 3> a;
@@ -175,59 +168,81 @@ Side NurbsSurface::side(int edge, bool reversed) const {
         for (int i = 0; i <= order; ++i) a[k][i] += basis[r * (order + 1) + i] * curve[k].row(span - along.degree + r);
     }
     return a;
-  };
+  }
 
-  const std::vector<double> knots = along.breaks();
-  const double from = along.from(), length = along.to() - from;
-  const std::array<double, 3> factor = {1, inward, 2};  // position, r into the surface, second derivative
-  std::array<PiecewisePolynomial, 3> fields;
-  if (!rational_) {
+  /// Position and derivatives across where all weights are equal: exact.
+  std::array<PiecewisePolynomial, 3> polynomials() const {
     // Monomials about the middle lose digits with the degree and the width of a piece: high degrees are split.
     const int split = along.degree <= 6 ? 1 : along.degree <= 12 ? 4 : 8;
+    const std::vector<double> knots = along.breaks();
     std::vector<double> breaks = {0};
     std::array<std::vector<double>, 3> coefficients;
     for (std::size_t p = 0; p + 1 < knots.size(); ++p)
       for (int q = 0; q < split; ++q) {
         const double h = (knots[p + 1] - knots[p]) / split, u = knots[p] + (q + 0.5) * h;
-        breaks.push_back(p + 2 == knots.size() && q + 1 == split ? 1.0 : (knots[p] + (q + 1) * h - from) / length);
+        breaks.push_back(p + 2 == knots.size() && q + 1 == split ? 1.0 : (knots[p] + (q + 1) * h - from()) / length());
         const auto a = series(u, along.span(u), along.degree);
         for (int k = 0; k < 3; ++k) {
           double scale = factor[k];
-          for (int i = 0; i <= along.degree; ++i, scale *= length)
+          for (int i = 0; i <= along.degree; ++i, scale *= length())
             for (int x = 0; x < 3; ++x) coefficients[k].push_back(scale * a[k][i][x]);
         }
       }
+    std::array<PiecewisePolynomial, 3> fields;
     for (int k = 0; k < 3; ++k) fields[k] = PiecewisePolynomial(breaks, along.degree, 3, coefficients[k]);
-  } else {
-    constexpr int degree = 9;
-    for (int k = 0; k < 3; ++k) {
-      std::vector<double> breaks = {0}, coefficients;
-      for (std::size_t p = 0; p + 1 < knots.size(); ++p) {
-        const double h = knots[p + 1] - knots[p];
-        const Index span = along.span(knots[p] + 0.5 * h);
-        const PiecewisePolynomial part = PiecewisePolynomial::fit(
-            [&](std::span<const double> t, std::span<double> out) {
-              for (std::size_t m = 0; m < t.size(); ++m) {
-                const auto a = series(knots[p] + t[m] * h, span, 0);
-                std::vector<Homogeneous> across_series = {a[0][0], a[1][0], a[2][0]};
-                divide(across_series);
-                for (int x = 0; x < 3; ++x) out[3 * m + x] = factor[k] * across_series[k][x];
-              }
-            },
-            3, 1e-13, degree);
-        for (Index piece = 0; piece < part.pieces(); ++piece) {
-          const double a = part.breaks()[piece], b2 = part.breaks()[piece + 1];
-          breaks.push_back(p + 2 == knots.size() && piece + 1 == part.pieces() ? 1.0 : (knots[p] + b2 * h - from) / length);
-          std::array<double, 3 * (degree + 1)> local;
-          part.taylor(0.5 * (a + b2), degree, local.data());
-          double scale = 1;
-          for (int i = 0; i <= degree; ++i, scale *= length / h)
-            for (int x = 0; x < 3; ++x) coefficients.push_back(scale * local[3 * i + x]);
-        }
-      }
-      fields[k] = PiecewisePolynomial(breaks, degree, 3, coefficients);
-    }
+    return fields;
   }
+
+  /// The k-th of them from fits between the knots, A = w P.
+  PiecewisePolynomial fitted(int k) const {
+    constexpr int degree = 9;
+    const std::vector<double> knots = along.breaks();
+    std::vector<double> breaks = {0}, coefficients;
+    for (std::size_t p = 0; p + 1 < knots.size(); ++p) {
+      const double h = knots[p + 1] - knots[p];
+      const Index span = along.span(knots[p] + 0.5 * h);
+      const PiecewisePolynomial part = PiecewisePolynomial::fit(
+          [&](std::span<const double> t, std::span<double> out) {
+            for (std::size_t m = 0; m < t.size(); ++m) {
+              const auto a = series(knots[p] + t[m] * h, span, 0);
+              std::vector<Homogeneous> across_series = {a[0][0], a[1][0], a[2][0]};
+              divide(across_series);
+              for (int x = 0; x < 3; ++x) out[3 * m + x] = factor[k] * across_series[k][x];
+            }
+          },
+          3, fit_tolerance, degree);
+      for (Index piece = 0; piece < part.pieces(); ++piece) {
+        const double a = part.breaks()[piece], b = part.breaks()[piece + 1];
+        breaks.push_back(p + 2 == knots.size() && piece + 1 == part.pieces() ? 1.0 : (knots[p] + b * h - from()) / length());
+        std::array<double, 3 * (degree + 1)> local;
+        part.taylor(0.5 * (a + b), degree, local.data());
+        double scale = 1;
+        for (int i = 0; i <= degree; ++i, scale *= length() / h)
+          for (int x = 0; x < 3; ++x) coefficients.push_back(scale * local[3 * i + x]);
+      }
+    }
+    return {breaks, degree, 3, coefficients};
+  }
+};
+
+Side NurbsSurface::side(int edge, bool reversed) const {
+  if (edge < 0 || edge > 3) throw InvalidArgument("A rectangle has edges 0 to 3, not " + std::to_string(edge));
+  const bool along_u = edge % 2 == 0, at_end = edge == 1 || edge == 2, backwards = edge >= 2;
+  const Axis &along = axis_[along_u ? 0 : 1], &across = axis_[along_u ? 1 : 0];
+  const double place = at_end ? across.to() : across.from(), inward = at_end ? -1 : 1;
+  Edge on = {along, {}, {1, inward, 2}};
+  const Index s = across.span(place);
+  std::vector<double> b((across.degree + 1) * 3);
+  across.basis(s, place, 2, b.data());
+  for (int k = 0; k < 3; ++k) {
+    on.curve[k].setZero(along.count, 4);
+    for (Index i = 0; i < along.count; ++i)
+      for (int r = 0; r <= across.degree; ++r) {
+        const Index j = s - across.degree + r;
+        on.curve[k].row(i) += b[r * 3 + k] * homogeneous_.row(along_u ? i * across.count + j : j * along.count + i);
+      }
+  }
+  const auto fields = rational_ ? std::array{on.fitted(0), on.fitted(1), on.fitted(2)} : on.polynomials();
   return checked_edge({fields[0], fields[1], fields[2]}, edge, reversed != backwards);
 }
 

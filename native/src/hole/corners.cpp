@@ -17,7 +17,7 @@ using Loop = std::vector<Index>;
 constexpr double clear_turn = 40 * M_PI / 180;  ///< a corner turns by at least this
 constexpr double sure_turn = 55 * M_PI / 180;   ///< and is one whatever the number of edges (a hexagon has six corners)
 constexpr double over_round = 1.5;              ///< less sure ones: by this many times what a round rim of such edges turns,
-constexpr double over_neighbours = 2;           ///< or by this many times what it turns at the vertices next to it
+constexpr double over_neighbors = 2;            ///< or by this many times what it turns at the vertices next to it
 constexpr double crisp_turn = 75 * M_PI / 180;  ///< a single vertex that turns by this is never part of another corner,
 constexpr double crisp_share = 1.0 / 12;  ///< given that its edges are this long, in windows: those of no length turn by noise
 constexpr std::size_t most_corners = 12;  ///< counted; a rim with more has none that is clear
@@ -67,7 +67,7 @@ std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, 
       const Index before = (k + n - 1) % n, after = (k + 1) % n;
       const double round = 2 * M_PI * std::max(window, 0.5 * (length[before] + length[k])) / total;
       const bool clear = over[k] >= clear_turn && (over[k] >= std::min(over_round * round, sure_turn) ||
-                                                   over[k] >= over_neighbours * std::max(at_vertex[before], at_vertex[after]));
+                                                   over[k] >= over_neighbors * std::max(at_vertex[before], at_vertex[after]));
       if (is_corner[k] || !clear) continue;
       // equally strong ones: the lowest vertex, not the last bit
       const double lead = best < 0 ? 1 : over[k] - over[best];

@@ -71,9 +71,10 @@ Hole make_hole(const Mesh& mesh, const std::vector<Index>& rim, const std::optio
 }
 
 Hole find_hole(const Mesh& mesh, const Connectivity& around) {
-  std::vector<Loop> loops = border_loops(around);
+  std::vector<Loop> loops;
+  for (Border& border : borders_of(mesh, around))
+    if (!border.outer) loops.push_back(std::move(border.loop));
   if (loops.empty()) throw Refusal("No hole: the mesh has no border");
-  loops = inner_loops(mesh, around, std::move(loops));
   std::vector<Hole> found;
   std::optional<Refusal> refusal;  // of the shortest
   for (const Loop& loop : loops) {

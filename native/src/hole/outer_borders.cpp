@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/mesh/border_loops.h"
 
 namespace tripatch {
 namespace {
@@ -27,14 +28,16 @@ std::vector<char> outer_borders(const Mesh& mesh, const Connectivity& around, co
   return outer;
 }
 
-std::vector<std::vector<Index>> inner_loops(const Mesh& mesh, const Connectivity& around, std::vector<std::vector<Index>> loops) {
-  const std::vector<char> outer = outer_borders(mesh, around, loops);
-  if (std::find(outer.begin(), outer.end(), 0) == outer.end()) return loops;
-  std::vector<std::vector<Index>> inner;
-  for (std::size_t k = 0; k < loops.size(); ++k)
-    if (!outer[k]) inner.push_back(std::move(loops[k]));
-  return inner;
+std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around) {
+  const std::vector<std::vector<Index>> loops = border_loops(around);
+  std::vector<char> outer = outer_borders(mesh, around, loops);
+  if (std::find(outer.begin(), outer.end(), 0) == outer.end()) outer.assign(loops.size(), 0);  // the mesh has no other
+  std::vector<Border> borders;
+  for (std::size_t k = 0; k < loops.size(); ++k) borders.push_back({loops[k], outer[k] != 0, diameter(mesh, loops[k])});
+  return borders;
 }
+
+std::vector<Border> borders_of(const Mesh& mesh) { return borders_of(mesh, Connectivity(mesh)); }
 
 bool is_outer_border(const Mesh& mesh, const std::vector<Index>& rim) {
   for (Index v : rim)

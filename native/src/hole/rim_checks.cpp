@@ -78,7 +78,7 @@ void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim) {
     for (auto k = side->begin(); (k = std::adjacent_find(k, side->end())) != side->end(); ++k)
       if (!std::binary_search(other->begin(), other->end(), *k) && std::count(side->begin(), side->end(), *k) == 2)
         throw Refusal("A face at the rim, at the edge between vertices " + name(v) + " and " + name(*k) +
-                          ", is turned against its neighbours" + advice,
+                          ", is turned against its neighbors" + advice,
                       {v, *k});
   std::vector<Index> ends;  // of edges from v, once for every face
   std::merge(out.begin(), out.end(), in.begin(), in.end(), std::back_inserter(ends));

@@ -94,6 +94,7 @@ double zigzag(const Mesh& mesh, const Loop& rim, const std::array<Index, 3>& pla
 }
 
 double diameter(const Points& rim) {
+  if (!rim.allFinite()) return NAN;
   // from the farthest from the middle on, so that most pairs are too near each other to be looked at
   const Vec3 middle = rim.colwise().mean();
   const Eigen::VectorXd reach = (rim.rowwise() - middle.transpose()).rowwise().norm();

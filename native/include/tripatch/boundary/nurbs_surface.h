@@ -36,6 +36,8 @@ private:
     std::vector<double> breaks() const;  ///< the domain's distinct knots
   };
 
+  struct Edge;
+
   std::array<Axis, 2> axis_;
   Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> homogeneous_;  // w x, w y, w z, w
   bool rational_ = false;

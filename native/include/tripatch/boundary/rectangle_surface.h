@@ -1,6 +1,9 @@
 // Surfaces over a rectangle, given by formula, as surroundings of a hole: an edge of theirs becomes a side, exactly.
 #pragma once
 
+#include <algorithm>
+#include <string>
+
 #include "tripatch/boundary/side.h"
 
 namespace tripatch {
@@ -22,7 +25,17 @@ public:
   virtual Side side(int edge, bool reversed) const = 0;
 };
 
-/// A side turned round where asked, once its edge is known to have a length.
-Side checked_edge(Side side, int edge, bool reversed);
+/// A side turned round where asked, once its edge is known to have a length: more than the rounding of its positions.
+inline Side checked_edge(Side side, int edge, bool reversed) {
+  constexpr double no_length = 1e-12;
+  double length = 0, size = 0;
+  for (int k = 1; k <= 8; ++k) {
+    length += (side.c(k / 8.0) - side.c((k - 1) / 8.0)).norm();
+    size = std::max({size, side.c(k / 8.0).norm(), side.r(k / 8.0).norm()});
+  }
+  if (!(length > no_length * size)) throw Refusal("Edge " + std::to_string(edge) + " of the surface is a single point");
+  if (!reversed) return side;
+  return {side.c.reversed(), side.r.reversed(), side.q.empty() ? side.q : side.q.reversed()};
+}
 
 }  // namespace tripatch

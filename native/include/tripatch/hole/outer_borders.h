@@ -11,10 +11,17 @@ namespace tripatch {
 /// loops: as of border_loops. Takes time by the loops and the faces at them.
 std::vector<char> outer_borders(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
-/// The border loops that are holes: without the outer borders, which count only where the mesh has no other.
-std::vector<std::vector<Index>> inner_loops(const Mesh& mesh, const Connectivity& around, std::vector<std::vector<Index>> loops);
+/// A border loop of a mesh, with what decides whether it is filled where all holes are.
+struct Border {
+  std::vector<Index> loop;  ///< as of border_loops
+  bool outer = false;       ///< is left out, unless outer borders are asked for: never where the mesh has no other
+  double diameter = 0;      ///< largest distance between its vertices
+};
+/// All of them, in the order of border_loops, in one pass over the mesh.
+std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around);
+std::vector<Border> borders_of(const Mesh& mesh);
 
-/// The same for one loop, which may be given in part of its mesh. Throws InvalidArgument for what is no loop of vertices.
+/// Whether one loop turns the other way; its mesh may be given in part. Throws InvalidArgument for what is no loop of vertices.
 bool is_outer_border(const Mesh& mesh, const std::vector<Index>& rim);
 
 }  // namespace tripatch

@@ -29,7 +29,8 @@ double zigzag(const Mesh& mesh, const std::vector<Index>& rim, const std::array<
 /// irregular triangles begin at 0.3.
 constexpr double smooth_sides = 0.2;
 
-/// The size of a hole: the largest distance between two points of its rim (k x 3), in their units. Whichever point is the first.
+/// The size of a hole: the largest distance between two points of its rim (k x 3), in their units, whichever is the first; NaN where one
+/// is not finite.
 double diameter(const Points& rim);
 double diameter(const Mesh& mesh, const std::vector<Index>& rim);
 

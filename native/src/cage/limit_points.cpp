@@ -1,4 +1,4 @@
-#include "tripatch/boundary/limit.h"
+#include "tripatch/cage/limit_points.h"
 
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/topologyDescriptor.h>
@@ -59,7 +59,7 @@ Points limit_points(const Mesh& mesh) {
   const std::unique_ptr<far::TopologyRefiner> refiner = refiner_of(mesh);
   // The limit masks hold where all faces around are quads: after one refinement.
   far::TopologyRefiner::UniformOptions once(1);
-  once.fullTopologyInLastLevel = true;  // the masks need the neighbours
+  once.fullTopologyInLastLevel = true;  // the masks need the neighbors
   refiner->RefineUniform(once);
 
   std::vector<LimitPoint> cage(mesh.vertices.rows());

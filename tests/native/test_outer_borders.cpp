@@ -1,0 +1,84 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "tripatch/hole/outer_borders.h"
+#include "tripatch/hole/rim_shape.h"
+
+using namespace tripatch;
+
+namespace {
+
+struct Model {
+  Points vertices;
+  Faces faces;
+  Mesh mesh() const { return {vertices, faces}; }
+};
+
+/// A belt of the unit sphere from one angle from its pole to another, degrees.
+Model belt(double from, double to) {
+  constexpr Index around = 120, rows = 40;
+  Model m;
+  m.vertices.resize(around * (rows + 1), 3);
+  for (Index j = 0; j <= rows; ++j)
+    for (Index k = 0; k < around; ++k) {
+      const double a = (from + (to - from) * static_cast<double>(j) / rows) * M_PI / 180,
+                   b = 2 * M_PI * static_cast<double>(k) / around;
+      m.vertices.row(j * around + k) << std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a);
+    }
+  for (Index j = 0; j < rows; ++j)
+    for (Index k = 0; k < around; ++k) {
+      const Index l = (k + 1) % around;
+      m.faces.add(std::vector<Index>{j * around + k, (j + 1) * around + k, (j + 1) * around + l, j * around + l});
+    }
+  return m;
+}
+
+std::vector<char> outer(const Model& m) {
+  std::vector<char> all;
+  for (const Border& border : borders_of(m.mesh())) all.push_back(border.outer);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a border is outer that as a whole turns by a quarter of a circle the other way") {
+  // The circle at angle a from the pole turns by 2 pi cos(a) as seen from the pole, here the other way: outer where cos(a) > 1/4.
+  const double limit = std::acos(0.25) * 180 / M_PI;
+  CHECK(outer(belt(10, limit - 1)) == std::vector<char>{0, 1});
+  CHECK(outer(belt(10, limit + 1)) == std::vector<char>{0, 0});
+  CHECK(outer(belt(60, 120)) == std::vector<char>{0, 0});
+}
+
+TEST_CASE("an outer border counts where the mesh has no other") {
+  Model m = belt(10, 60);
+  const Index n = m.vertices.rows();
+  // the pole closes the inner border
+  m.vertices.conservativeResize(n + 1, 3);
+  m.vertices.row(n) << 0, 0, 1;
+  for (Index k = 0; k < 120; ++k) m.faces.add(std::vector<Index>{n, k, (k + 1) % 120});
+  const std::vector<Border> borders = borders_of(m.mesh());
+  REQUIRE(borders.size() == 1);
+  CHECK(!borders[0].outer);
+  CHECK(is_outer_border(m.mesh(), borders[0].loop));
+  CHECK(borders[0].diameter == Approx(2 * std::sin(M_PI / 3)).epsilon(1e-12));
+}
+
+TEST_CASE("the size of a rim is its largest distance, whichever vertex is the first") {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (const Index n : {1, 2, 3, 50, 400}) {
+    Points p(n, 3);
+    for (double& x : p.reshaped()) x = normal(random);
+    double expected = 0;
+    for (Index a = 0; a < n; ++a)
+      for (Index b = 0; b < a; ++b) expected = std::max(expected, (p.row(a) - p.row(b)).norm());
+    CHECK(diameter(p) == expected);
+    Points turned(n, 3);
+    for (Index k = 0; k < n; ++k) turned.row(k) = p.row((k + n / 3) % n);
+    CHECK(diameter(turned) == expected);
+  }
+  Points broken = Points::Zero(3, 3);
+  broken(1, 1) = NAN;
+  CHECK(std::isnan(diameter(broken)));
+}
