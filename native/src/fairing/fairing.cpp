@@ -139,7 +139,7 @@ Candidates geometric_candidates(const FairingBase& base, const FairingOptions& l
 class CandidateChoice {
 public:
   CandidateChoice(const FairingBase& base, const FairingBase& measured, const FairingOptions& options, const FoldCounter* folds,
-         const Candidates& candidates)
+                  const Candidates& candidates)
       : base_(base),
         measured_(measured),
         options_(options),
