@@ -21,3 +21,54 @@ TEST_CASE("products by rows are those of Eigen, whatever the size") {
     CHECK((out.rightCols(3).array() == 7).all());
   }
 }
+
+TEST_CASE("minimum-norm least squares: of all that are nearest the shortest") {
+  Eigen::MatrixXd a(4, 3);  // of rank 2: the last column is the sum of the others
+  a << 1, 0, 1, 0, 1, 1, 1, 1, 2, 1, -1, 0;
+  const Eigen::VectorXd b = (Eigen::VectorXd(4) << 1, 2, 0, 1).finished(), kernel = (Eigen::VectorXd(3) << 1, 1, -1).finished();
+  const auto [x, rank] = minimum_norm_least_squares(a, b, 1e-11);
+  CHECK(rank == 2);
+  CHECK((a.transpose() * (a * x - b)).norm() < 1e-14);
+  CHECK(std::abs(kernel.dot(x.col(0))) < 1e-14);
+  CHECK((least_squares(a, b) - x).norm() < 1e-14);
+  // a pivot on either side of the threshold
+  Eigen::Matrix2d small = Eigen::Vector2d(1, 1e-8).asDiagonal();
+  CHECK(minimum_norm_least_squares(small, Eigen::Vector2d(1, 1), 0.9e-8).rank == 2);
+  CHECK(minimum_norm_least_squares(small, Eigen::Vector2d(1, 1), 1.1e-8).rank == 1);
+}
+
+TEST_CASE("a constrained quadratic minimum keeps its constraints, and nothing that keeps them is less") {
+  const Eigen::MatrixXd root = Eigen::MatrixXd::Random(9, 6), a = root.transpose() * root, held = Eigen::MatrixXd::Random(2, 6);
+  const Eigen::VectorXd b = Eigen::VectorXd::Random(6);
+  const Eigen::MatrixXd lower = a.triangularView<Eigen::Lower>();  // all that is read
+  const Eigen::VectorXd x = constrained_quadratic_minimum(lower, b, held);
+  CHECK((held * x).norm() < 1e-13);
+  const Eigen::VectorXd gradient = a * x + b, multipliers = least_squares(held.transpose(), gradient);
+  CHECK((gradient - held.transpose() * multipliers).norm() < 1e-11);
+  const Eigen::VectorXd free = constrained_quadratic_minimum(lower, b, Eigen::MatrixXd(0, 6));
+  CHECK((a * free + b).norm() < 1e-11);
+  CHECK_FALSE(constrained_quadratic_minimum(-a, b, held).allFinite());
+}
+
+TEST_CASE("linear systems of special form") {
+  const Eigen::MatrixXd a = Eigen::MatrixXd::Random(9, 5), b = Eigen::MatrixXd::Random(5, 2);
+  const Eigen::MatrixXd symmetric = a.transpose() * a, upper = Eigen::MatrixXd(symmetric.triangularView<Eigen::Upper>());
+  CHECK((symmetric * solve_symmetric(symmetric.triangularView<Eigen::Lower>().toDenseMatrix(), b) - b).norm() < 1e-10);
+  CHECK((upper * solve_upper_triangular(upper, b) - b).norm() < 1e-10);
+  const Eigen::MatrixXd c = orthonormalization(a), q = a * c;
+  CHECK((q.transpose() * q - Eigen::MatrixXd::Identity(5, 5)).norm() < 1e-13);
+  CHECK(Eigen::MatrixXd(c.triangularView<Eigen::StrictlyLower>()).norm() == 0);
+  const Eigen::MatrixXd part = submatrix(a, {7, 0}, {4, 4, 1});
+  CHECK(part.rows() == 2);
+  CHECK(part(0, 0) == a(7, 4));
+  CHECK(part(1, 1) == a(0, 4));
+  CHECK(part(1, 2) == a(0, 1));
+}
+
+TEST_CASE("coordinates in a frame of two vectors") {
+  const Vec3 a(1, 2, 0), b(0, 1, -1);
+  CHECK((in_frame(a, b, 2 * a - 3 * b) - Eigen::Vector2d(2, -3)).norm() < 1e-14);
+  CHECK((in_frame(a, b, 2 * a - 3 * b + 5 * a.cross(b)) - Eigen::Vector2d(2, -3)).norm() < 1e-13);
+  CHECK((in_frame(a, 2 * a, 5 * a) - Eigen::Vector2d(1, 2)).norm() < 1e-13);  // the shortest
+  CHECK(in_frame(Vec3::Zero(), Vec3::Zero(), a).norm() == 0);
+}

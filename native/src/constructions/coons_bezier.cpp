@@ -78,11 +78,10 @@ Split split(int degree) {
   return s;
 }
 
-/// The interior of the extremals of one degree as a linear map of the rim: factored once.
+/// What the interior of the extremals of one degree solves: inside x + rim y = 0, y the points of the rim. Made once.
 struct Extremal {
   Split points;
-  Eigen::MatrixXd form;
-  Eigen::LDLT<Eigen::MatrixXd> inside;
+  Eigen::MatrixXd inside, rim;
 };
 
 const Extremal& extremal(int degree, bool symmetric) {
@@ -93,8 +92,9 @@ const Extremal& extremal(int degree, bool symmetric) {
   if (is_new) {
     Extremal& e = place->second;
     e.points = split(degree);
-    e.form = coons_form(degree, symmetric);
-    e.inside.compute(e.form(e.points.inside, e.points.inside));
+    const Eigen::MatrixXd form = coons_form(degree, symmetric);
+    e.inside = submatrix(form, e.points.inside, e.points.inside);
+    e.rim = submatrix(form, e.points.inside, e.points.rim);
   }
   return place->second;
 }
@@ -130,7 +130,8 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   const Split points = split(n);
   if (points.inside.empty()) return BezierTriangle(std::move(net));
   const Eigen::MatrixXd equations = mask_equations(n, kind, alpha);
-  const Eigen::MatrixXd inside = equations(Eigen::all, points.inside);
+  Eigen::MatrixXd inside(equations.rows(), points.inside.size());
+  for (Index k = 0; k < inside.cols(); ++k) inside.col(k) = equations.col(points.inside[k]);
   // Unknown: the distance from the Coons net of the polygons. Where the system is singular the decomposition gives the shortest.
   const Points right = -equations * net;
   const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, singular);
@@ -146,7 +147,7 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
                     (kind == CoonsKind::mask ? "" : " or alpha"));
     if (warnings) warnings->push_back(name + rank + ": the net nearest to the Coons net was taken");
   }
-  net(points.inside, Eigen::all) += correction;
+  for (Index k = 0; k < correction.rows(); ++k) net.row(points.inside[k]) += correction.row(k);
   return BezierTriangle(std::move(net));
 }
 
@@ -290,9 +291,10 @@ BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std:
   Points net = coons_net(boundary, 0);
   if (n >= 3) {
     const Extremal& e = extremal(n, kind == CoonsKind::extremal_symmetric);
-    const Eigen::MatrixXd inside =
-        e.inside.solve(Eigen::MatrixXd(-e.form(e.points.inside, e.points.rim) * net(e.points.rim, Eigen::all)));
-    net(e.points.inside, Eigen::all) = inside;
+    Eigen::MatrixXd rim(e.points.rim.size(), 3);
+    for (Index k = 0; k < rim.rows(); ++k) rim.row(k) = net.row(e.points.rim[k]);
+    const Eigen::MatrixXd inside = solve_symmetric(e.inside, -e.rim * rim);
+    for (Index k = 0; k < inside.rows(); ++k) net.row(e.points.inside[k]) = inside.row(k);
   }
   if (n > 12 && warnings)
     warnings->push_back("The extremal of degree " + std::to_string(n) +

@@ -10,7 +10,7 @@ namespace tripatch {
 namespace {
 
 /// A mesh's curvature is known to the standard deviation Side::curvature_error; what lies within three of these costs little. Five let
-/// the holes of docs/fairness.md at n = 8 end an eighth farther from the truth (docs/mathematics/fairing.md, the jump of curvature).
+/// the holes of docs/fairness.md at n = 8 end an eighth farther from the truth (docs/notes/fairing.md, the jump of curvature).
 constexpr double deviations = 3;
 /// Points count like sin(pi t), so that the corners, where the sides' own data meet, do not decide, but not less than this there.
 constexpr double weight_at_corners = 0.05;

@@ -73,7 +73,7 @@ Eigen::VectorXd FairingProblem::raised(const FairingProblem& lower, const Eigen:
   while (inside.degree() < options_.degree) inside = inside.elevated();
   Eigen::MatrixXd all(unknowns_.interior, 3);
   all << inside.net(), a.bottomRows(3 * options_.second_cross);
-  Eigen::Map<Eigen::MatrixXd>(out.data(), unknowns_.interior, 3) = shared_.combination.triangularView<Eigen::Upper>().solve(all);
+  Eigen::Map<Eigen::MatrixXd>(out.data(), unknowns_.interior, 3) = solve_upper_triangular(shared_.combination, all);
   return out;
 }
 

@@ -74,8 +74,7 @@ Eigen::MatrixXd orthonormal(int degree, int second_cross) {
       rows.row(4 * k + d) =
           std::sqrt(quadrature.weights[k]) * FairingSpace::factor(3, d) * all.row(FairingSpace::first_of(3) + d);
   }
-  const Eigen::MatrixXd r = Eigen::HouseholderQR<Eigen::MatrixXd>(rows).matrixQR().topRows(count).triangularView<Eigen::Upper>();
-  return r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(count, count));
+  return orthonormalization(rows);
 }
 
 }  // namespace

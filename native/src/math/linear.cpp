@@ -80,6 +80,24 @@ Eigen::VectorXd constrained_quadratic_minimum(const MatrixRef& a, const VectorRe
   return x;
 }
 
+Eigen::MatrixXd solve_symmetric(const MatrixRef& a, const MatrixRef& b) { return a.ldlt().solve(b); }
+
+Eigen::MatrixXd solve_upper_triangular(const MatrixRef& r, const MatrixRef& b) {
+  return r.triangularView<Eigen::Upper>().solve(b);
+}
+
+Eigen::MatrixXd orthonormalization(const MatrixRef& a) {
+  const Eigen::MatrixXd r = Eigen::HouseholderQR<Eigen::MatrixXd>(a).matrixQR().topRows(a.cols());
+  return solve_upper_triangular(r, Eigen::MatrixXd::Identity(a.cols(), a.cols()));
+}
+
+Eigen::MatrixXd submatrix(const MatrixRef& a, const std::vector<Index>& rows, const std::vector<Index>& columns) {
+  Eigen::MatrixXd out(rows.size(), columns.size());
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    for (std::size_t r = 0; r < rows.size(); ++r) out(r, c) = a(rows[r], columns[c]);
+  return out;
+}
+
 Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v) {
   Eigen::MatrixXd frame(3, 2);
   frame << a, b;

@@ -2,6 +2,8 @@
 // here they are compiled once.
 #pragma once
 
+#include <vector>
+
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -23,6 +25,19 @@ MinimumNormSolution minimum_norm_least_squares(const MatrixRef& a, const MatrixR
 /// positive definite a (n, n), of which the lower triangle is read, b (n) and held (k, n), k from 0 on. Not finite where a is not
 /// definite.
 Eigen::VectorXd constrained_quadratic_minimum(const MatrixRef& a, const VectorRef& b, const MatrixRef& held);
+
+/// The x with a x = b, for a symmetric a (n, n), of which the lower triangle is read, and b (n, k).
+Eigen::MatrixXd solve_symmetric(const MatrixRef& a, const MatrixRef& b);
+
+/// The x with r x = b, for an upper triangular r (n, n) and b (n, k).
+Eigen::MatrixXd solve_upper_triangular(const MatrixRef& r, const MatrixRef& b);
+
+/// The inverse of r (n, n), upper triangular, where a = q r with orthonormal columns of q, for a (m, n) of full rank: those of
+/// a times it are orthonormal.
+Eigen::MatrixXd orthonormalization(const MatrixRef& a);
+
+/// Rows and columns of a matrix by their numbers.
+Eigen::MatrixXd submatrix(const MatrixRef& a, const std::vector<Index>& rows, const std::vector<Index>& columns);
 
 /// Adds a' a to c, of which only the lower triangle is kept up, for a (m, n) and c (n, n).
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
