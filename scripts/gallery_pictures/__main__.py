@@ -4,8 +4,13 @@ import importlib
 import pathlib
 import sys
 
-PARTS = ("szilvasi_nagy", "liu_ma_cheng", "franke", "arnal_lluch", "smits", "methods", "cages", "glossary")
-FOLDERS = {"methods": "images/methods", "cages": "images/cages", "glossary": "images"}  # of the others: gallery
+PARTS = ("szilvasi_nagy", "liu_ma_cheng", "franke", "arnal_lluch", "smits", "methods", "cages", "glossary", "any_rim")
+FOLDERS = {
+    "methods": "images/methods",
+    "cages": "images/cages",
+    "glossary": "images",
+    "any_rim": "images/any_rim",
+}  # of the others: gallery
 
 docs = pathlib.Path(sys.argv[1])
 names = sys.argv[2:] or PARTS
