@@ -1,5 +1,5 @@
-"""Jagged holes in irregular triangles, as any deletion leaves them: the hole, the fill, its distance from the surface that was there
-and the standard deviation that it states of itself. Needs matplotlib."""
+"""Jagged holes in irregular triangles, as any deletion leaves them: the hole, the fill, its distance from what was there and the
+standard deviation that it states of itself."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def holes_to_fill(vertices, faces, outer: bool = False) -> list[np.ndarray]:
     Args:
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
-        outer: also the outer borders of open meshes (see `is_outer_border`), which otherwise count only where the mesh has no other.
+        outer: also the outer borders of open meshes (see `is_outer_border`), which count otherwise only where there is no other.
     """
     return inner_loops(_arrays.mesh(vertices, faces), outer)
 
