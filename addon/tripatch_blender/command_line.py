@@ -12,89 +12,33 @@ import bmesh
 import bpy
 
 from . import beside, filling, layers, library, selection, subdivision
+from .library import arguments as by_table
+from .library import np, tripatch
+from .properties import OPTIONS
 
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 
-_EPILOG = "Exit status: 0 all filled; 3 some were refused, OUT is written; 1 nothing filled, OUT is not written; 2 bad usage."
+_EPILOG = """\
+Exit status: 0 all filled; 3 some were refused or fold over themselves, OUT is written; 1 nothing filled, OUT is not written;
+2 bad usage."""
 
-
+#: The options of the library's table; the modifier and the mesh say the others.
+_OPTIONS = {name: option for name, option in OPTIONS.items() if name not in ("subdivision", "level", "replaced")}
+#: Methods that fill holes with any number of corners.
+_ANY_RIM = ("auto", "polyharmonic_spline")
+_METHOD = "side_vertex"  # unless another is asked for: a script fills no more than one hole of a mesh unasked
 _ADVICE = "name one by --rim or --corners, or fill them by --all"
 
 
-def _indices(text):
-    return [int(part) for part in text.split(",")]
-
-
-def _three(text):
-    corners = _indices(text)
-    if len(corners) != 3:
-        raise argparse.ArgumentTypeError("three vertex indices are needed")
-    return corners
-
-
-def _by_side(kind):
-    """One value or three."""
-
-    def read(text):
-        values = tuple(kind(part) for part in text.split(","))
-        return values[0] if len(values) == 1 else values
-
-    read.__name__ = f"{kind.__name__} or three"
-    return read
-
-
-def _shape(text):
-    if text == "optimal":
-        return text
-    try:
-        return _by_side(float)(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is neither numbers nor optimal") from None
-
-
 def _parser(prog):
-    methods = ["auto"] + [name for name, method in library.tripatch.METHODS.items() if method.fills_holes]
     parser = argparse.ArgumentParser(prog=prog, description="Fills three-sided holes in the meshes of a .blend.", epilog=_EPILOG)
     parser.add_argument("file", nargs="?", help=".blend to be opened first (default: the one that Blender has open)")
     parser.add_argument("--out", required=True, help=".blend to be written")
     parser.add_argument("--object", action="append", default=[], metavar="NAME", help="may be repeated (default: every mesh)")
     parser.add_argument("--all", action="store_true", help="fill every hole with three corners, not only a mesh's only one")
-    parser.add_argument(
-        "--outer",
-        action="store_true",
-        help="with --all: also the outer borders of open meshes, which count only where there is no hole",
-    )
-    parser.add_argument("--rim", type=_indices, metavar="V,V,...", help="vertex indices along the rim (one object)")
-    parser.add_argument("--corners", type=_three, metavar="A,B,C", help="vertex indices of the three corners (one object)")
-    parser.add_argument("--method", choices=methods, default="side_vertex")
-    parser.add_argument("--output", choices=["triangles", "quads", "cage"], help="default: cage with a Subdivision modifier")
-    parser.add_argument(
-        "--resolution",
-        type=int,
-        help="edges per side inside (default: as the rim); quads, cage: extra rows (default: the fewest within TOLERANCE)",
-    )
-    parser.add_argument("--tolerance", type=float, help="quads, cage: largest distance from the patch in scene units")
-    parser.add_argument("--cage-rim", choices=["smooth", "exact", "move"], default="smooth")
-    parser.add_argument("--odd", choices=["split", "triangle"], default="split", help="quads, cage: round an odd rim")
-    parser.add_argument("--pole-offset", type=float, nargs=2, default=(0.0, 0.0), metavar=("U", "V"))
     parser.add_argument("--add-modifier", action="store_true", help="cage: give the object a Subdivision modifier if it has none")
-    parser.add_argument("--continuity", type=_by_side(str), default="auto", metavar="C[,C,C]", help="auto, Free, G0, G1 or G2")
-    parser.add_argument(
-        "--fairing",
-        choices=["auto", "none", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation"],
-        default="auto",
-    )
-    parser.add_argument(
-        "--surroundings", choices=["mesh", "limit"], default="mesh", help="limit: as the modifier draws them, the fill beside"
-    )
-    parser.add_argument("--bulge", type=_by_side(float), default=1.0, metavar="B[,B,B]", help="scales the slopes of the sides")
-    parser.add_argument("--tension", type=float, default=0.0, help="pulls the fill tight")
-    parser.add_argument("--center-offset", type=float, default=0.0, help="moves the middle of the fill along its normal")
-    parser.add_argument("--cross-boundary", choices=["given", "consistent", "as_printed"], default="consistent")
-    parser.add_argument("--shape", type=_shape, default=0.5, metavar="L[,L,L]", help="lambda, from 0 to 1, by side; or optimal")
-    parser.add_argument("--reading", choices=["corrected", "as_printed"], default="corrected")
-    parser.add_argument("--symmetric", action="store_true", help="coons_extremal: favour no corner")
-    parser.add_argument("--alpha", type=float, help="coons_bezier: the permanence patch with this alpha")
+    for option in _OPTIONS.values():
+        by_table.add(parser, option)
     parser.add_argument("--corner-offset", type=int, default=0, help="slide the corners along the rim by so many vertices")
     parser.add_argument("--shading", choices=["neighbors", "smooth", "flat"], default="neighbors")
     parser.add_argument("--report", metavar="FILE.json")
@@ -128,12 +72,32 @@ def _vertices(bm, numbers, option):
     return [bm.verts[number] for number in numbers]
 
 
+def _given(arguments, function):
+    """The options of a function of the library that were given."""
+    return {
+        name: getattr(arguments, name) for name in _OPTIONS if hasattr(arguments, name) and function in _OPTIONS[name].functions
+    }
+
+
+def _chosen(bm, matrix, arguments):
+    """The visible border loops that the library chooses."""
+    bm.verts.index_update()
+    points = np.array([v.co for v in bm.verts], dtype=np.float64).reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    faces = [[v.index for v in f.verts] for f in bm.faces]
+    try:
+        loops = tripatch.choose_holes(points, faces, **_given(arguments, "choose_holes"))
+    except tripatch.Refusal as refusal:
+        raise selection.UnusableError(refusal.reason) from None
+    chosen = {frozenset(loop.tolist()) for loop in loops}
+    return [rim for rim in selection.all_rims(bm) if frozenset(v.index for v in rim.loop) in chosen]
+
+
 def _rims(bm, matrix, arguments):
     """The rims that the arguments mean in one mesh."""
     bm.verts.ensure_lookup_table()
-    corners = _vertices(bm, arguments.corners or [], "corners")
-    if arguments.rim:
-        return [selection.Rim(_vertices(bm, arguments.rim, "rim"), corners=corners)]
+    corners = _vertices(bm, getattr(arguments, "corners", []), "corners")
+    if rim := getattr(arguments, "rim", []):
+        return [selection.Rim(_vertices(bm, rim, "rim"), corners=corners)]
     if corners:
         loops = selection.border_loops(v for v in corners if v.is_boundary)
         around = [loop for loop in loops if set(corners) <= set(loop)]
@@ -141,9 +105,9 @@ def _rims(bm, matrix, arguments):
             raise selection.UnusableError("The three corners do not lie on one border of the mesh")
         return [selection.Rim(around[0], corners=corners)]
     if arguments.all:
-        return selection.all_rims(bm) if arguments.outer else filling.holes(bm, matrix)
-    any_rim = arguments.method in ("auto", "polyharmonic_spline") and arguments.output != "cage"
-    any_rim = any_rim and arguments.surroundings != "limit"
+        return _chosen(bm, matrix, arguments)
+    any_rim = getattr(arguments, "method", _METHOD) in _ANY_RIM and getattr(arguments, "output", "") != "cage"
+    any_rim = any_rim and getattr(arguments, "surroundings", "mesh") != "limit"
     if arguments.object:
         return filling.open_holes(bm, matrix, any_rim, _ADVICE)
     if any_rim:
@@ -154,17 +118,13 @@ def _rims(bm, matrix, arguments):
     return found
 
 
-_OF_FILL = (
-    *("method", "continuity", "surroundings", "bulge", "resolution", "tolerance", "cage_rim", "odd", "pole_offset"),
-    *("tension", "center_offset", "cross_boundary", "shape", "reading", "symmetric", "alpha"),
-)
-
-
 def _options(ob, arguments):
-    settings = {name: getattr(arguments, name) for name in _OF_FILL}
-    settings["fairing"] = None if arguments.fairing == "none" else arguments.fairing
-    caged = arguments.surroundings == "mesh" and subdivision.modifier_of(ob)
-    settings["output"] = arguments.output or ("cage" if caged else "triangles")
+    settings = {name: value for name, value in _given(arguments, "fill_all").items() if "fill" in _OPTIONS[name].functions}
+    settings.setdefault("method", _METHOD)
+    settings.setdefault("surroundings", _OPTIONS["surroundings"].default)
+    caged = settings["surroundings"] == "mesh" and subdivision.modifier_of(ob)
+    settings.setdefault("output", "cage" if caged else "triangles")
+    tripatch.options.checked("fill_all", settings)
     return filling.Options(settings, arguments.corner_offset, arguments.shading)
 
 
@@ -211,8 +171,13 @@ def _run(arguments):
     if not os.path.isdir(os.path.dirname(os.path.abspath(arguments.out))):
         raise _UsageError(f"the folder of '{arguments.out}' does not exist")
     objects = _objects(arguments.object)
-    if (arguments.rim or arguments.corners) and len(objects) != 1:
+    if (hasattr(arguments, "rim") or hasattr(arguments, "corners")) and len(objects) != 1:
         raise _UsageError("--rim and --corners need one --object")
+    if getattr(arguments, "method", _METHOD) not in _ANY_RIM and len(getattr(arguments, "corners", (0,) * 3)) != 3:
+        raise _UsageError("--corners: three are needed, but for --method auto and polyharmonic_spline")
+    for name in _given(arguments, "choose_holes"):
+        if not arguments.all:
+            raise _UsageError(f"--{name.replace('_', '-')} goes with --all")
     if bpy.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
 
@@ -241,7 +206,8 @@ def _run(arguments):
             print("Nothing to fill: no mesh has a three-sided hole", file=sys.stderr)
         return EXIT_NONE
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
-    return EXIT_SOME if total.refused else EXIT_ALL
+    folded = any(report.triangles_folded for report in total.reports)
+    return EXIT_SOME if total.refused or folded else EXIT_ALL
 
 
 def main(argv, prog="blender --command tripatch"):

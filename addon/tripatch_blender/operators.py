@@ -1,14 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """mesh.fill_three_sided"""
 
-from __future__ import annotations
-
 import bmesh
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty
 
-from . import beside, filling, layers, library, selection, subdivision
+from . import beside, filling, layers, library, properties, selection, subdivision
 from .construction import Construction
+from .properties import OPTIONS
+
+
+def _of_output():
+    """The options that say what a hole is filled with and how finely."""
+    return [
+        option for option in OPTIONS.values() if option.panel and "fill" in option.functions and "patch" not in option.functions
+    ]
+
+
+def _declared():
+    """`resolution` is two properties, since no value means different things: 0 as the rim, -1 within the tolerance."""
+    made = {
+        option.name: properties.of(option, **({"default": 0, "min": 0} if option.optional else {})) for option in _of_output()
+    }
+    description = "Edges per side inside the fill, 0 to follow the rim"
+    made["resolution"] = properties.of(OPTIONS["resolution"], default=0, description=description)
+    made["rows"] = properties.of(
+        OPTIONS["resolution"],
+        name="Rows",
+        description="Extra rows of quads round the poles; -1: as many, up to four, as the tolerance asks for",
+        min=-1,
+        soft_max=8,
+        max=100,
+        default=-1,
+    )
+    return made
 
 
 class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
@@ -18,74 +43,6 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
     bl_label = "Fill Three-Sided Hole"
     bl_options = {"REGISTER", "UNDO"}
 
-    output: EnumProperty(
-        name="Output",
-        description="What the hole is filled with",
-        items=[
-            ("triangles", "Triangles", "Triangles with their vertices on the patch"),
-            ("quads", "Quads", "Quads with their vertices on the patch"),
-            ("cage", "Subdivision Cage", "A few quads whose limit surface under a Subdivision modifier is the patch"),
-        ],
-        default="triangles",
-        options={"SKIP_SAVE"},  # decided by the modifiers where it is not given
-    )
-    resolution: IntProperty(
-        name="Resolution",
-        description="Edges per side inside the fill, 0 to follow the rim",
-        min=0,
-        max=10000,
-        soft_max=128,
-        default=0,
-    )
-    rows: IntProperty(
-        name="Rows",
-        description="Extra rows of quads round the poles; -1: as many, up to four, as the tolerance asks for",
-        min=-1,
-        soft_max=8,
-        max=100,
-        default=-1,
-    )
-    tolerance: FloatProperty(
-        name="Tolerance",
-        description="Largest distance from the patch in scene units; 0: a thousandth of the hole's diameter",
-        min=0.0,
-        precision=4,
-        default=0.0,
-    )
-    cage_rim: EnumProperty(
-        name="Cage Rim",
-        description="What happens along the rim",
-        items=[
-            ("smooth", "Smooth", "The whole cage is smooth; the surroundings move as little as possible"),
-            (
-                "exact",
-                "Exact",
-                "The rim is creased: the surface around an open hole does not move, the fill is made tangent to it",
-            ),
-            ("move", "Move", "As Smooth, and the vertices of the rim may move too"),
-        ],
-        default="smooth",
-    )
-    odd: EnumProperty(
-        name="Odd Rim",
-        description="Quads need an even number of edges around",
-        items=[
-            ("split", "Split", "The longest edge of the rim is split"),
-            ("triangle", "Triangle", "A triangle is left in the middle"),
-        ],
-        default="split",
-    )
-    pole_offset: FloatVectorProperty(
-        name="Pole Offset",
-        description="Slide the pole, in fractions of the hole: along the side of the first two corners, and towards the third",
-        size=2,
-        soft_min=-0.3,
-        soft_max=0.3,
-        min=-1.0,
-        max=1.0,
-        default=(0.0, 0.0),
-        options={"SKIP_SAVE"},
-    )
     add_modifier: BoolProperty(
         name="Add Modifier",
         description="Give the object a Subdivision modifier if it has none",
@@ -107,61 +64,35 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         ],
         default="neighbors",
     )
-    surroundings: EnumProperty(
-        name="Surroundings",
-        description="Where the tangent planes along the rim come from",
-        items=[
-            ("mesh", "Mesh", "Estimated from the faces around the hole"),
-            (
-                "limit",
-                "Limit",
-                "The surface that the Subdivision modifier draws; the fill becomes an object of its own, since a cage's vertices "
-                "do not lie on that surface",
-            ),
-        ],
-        default="mesh",
-        options={"SKIP_SAVE"},
-    )
 
     @classmethod
     def poll(cls, context):
         return library.poll(cls, context, "EDIT_MESH", "Works on a mesh in edit mode")
 
+    def _applying(self):
+        """The options of the output that mean something for the one that is chosen."""
+        return [option for option in _of_output() if library.tripatch.options.applies(option, {"output": self.output})]
+
     def draw(self, context):
         row = self.panel()
-        cage, quads = self.output == "cage", self.output == "quads"
+        modified = list(map(subdivision.modifier_of, context.objects_in_mode_unique_data))
         row("output")
-        if cage:
-            row("rows", "tolerance")
-            row("cage_rim")
-            row("odd")
-            row("pole_offset")
-            self.sides_rows(row)
-            self.fairing_rows(row)
-            self.construction_rows(row)
-            row("corner_offset", "shading")
-            row("add_modifier", active=not all(map(subdivision.modifier_of, context.objects_in_mode_unique_data)))
-            return
-        if quads:
-            row("rows", "odd")
-        else:
-            row("resolution")
+        row(*(["resolution"] if self.output == "triangles" else ["rows", "tolerance"]))
+        for option in self._applying():
+            if option.applies and option.name not in ("tolerance", "surroundings"):
+                row(option.name)
         self.sides_rows(row)
         self.fairing_rows(row)
         self.construction_rows(row)
         row("corner_offset")
         row("shading")
-        row("surroundings", active=any(map(subdivision.modifier_of, context.objects_in_mode_unique_data)))
+        if self.output == "cage":
+            row("add_modifier", active=not all(modified))
+        else:
+            row("surroundings", active=any(modified))
 
     def _options(self):
-        names = ["output"]
-        if self.output != "triangles":
-            names += ["odd", "pole_offset"]
-        if self.output == "cage":
-            names += ["cage_rim"]
-        else:
-            names += ["surroundings"]
-        arguments = self.construction() | {name: getattr(self, name) for name in names}
+        arguments = self.construction() | {option.name: getattr(self, option.name) for option in self._applying()}
         if self.output == "triangles":
             arguments["resolution"] = self.resolution or None
         else:
@@ -228,6 +159,10 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
             if cage and modifier is None and self.add_modifier:
                 subdivision.add_modifier(ob)
         return outcome
+
+
+if OPTIONS:
+    properties.declare(MESH_OT_fill_three_sided, _declared())
 
 
 def register():

@@ -9,8 +9,8 @@ from operator import attrgetter
 
 from .library import np, tripatch
 
-# Rings of faces around a rim that are handed to the library: one more than its largest stencil reads.
-RINGS = 7
+# Rings of faces around a rim that are handed to the library.
+RINGS = tripatch.SURROUNDING_RINGS if tripatch else 0
 
 
 class UnusableError(ValueError):

@@ -1,15 +1,12 @@
-// Bezier and NURBS surfaces, Coons nets, sides from surfaces and from vertex normals, smooth_triangles.
+// Bezier and NURBS surfaces, sides from them, Coons nets.
 #include <pybind11/stl.h>
 
 #include "arrays.h"
 #include "tripatch/boundary/bezier_rectangle.h"
-#include "tripatch/boundary/normal_sides.h"
 #include "tripatch/boundary/nurbs_surface.h"
 #include "tripatch/constructions/coons_bezier.h"
 #include "tripatch/constructions/coons_rectangle.h"
-#include "tripatch/constructions/smits_patch.h"
 #include "tripatch/patch/bezier_triangle.h"
-#include "tripatch/smooth_triangles.h"
 
 using namespace tripatch;
 
@@ -23,8 +20,6 @@ Array net_from(const BezierRectangle& rectangle) {
 }
 
 Points flat(const Array& a) { return Eigen::Map<const Points>(a.data(), a.shape(0) * a.shape(1), 3); }
-
-std::array<Vec3, 3> rows(const Array& a) { return {Vec3::Map(a.data(0, 0)), Vec3::Map(a.data(1, 0)), Vec3::Map(a.data(2, 0))}; }
 
 }  // namespace
 
@@ -65,15 +60,6 @@ void bind_bezier(py::module_& m) {
       .def(py::init([](const BezierTriangle& surface, int edge, bool reversed) { return side_of(surface, edge, reversed); }))
       .def(py::init([](const RectangleSurface& surface, int edge, bool reversed) { return surface.side(edge, reversed); }));
 
-  py::enum_<NormalCurve>(m, "NormalCurve").value("hermite", NormalCurve::hermite).value("smits", NormalCurve::smits);
-  m.def("_sides_from_normals", [](const Array& points, const Array& normals, NormalCurve curve) {
-    return sides_from_normals(rows(points), rows(normals), curve);
-  });
-
-  m.def("_smits_patch", [](const Array& points, const Array& normals) {
-    return std::const_pointer_cast<Surface>(smits_patch(rows(points), rows(normals)));
-  });
-
   py::enum_<CoonsKind>(m, "CoonsKind")
       .value("discrete", CoonsKind::discrete)
       .value("extremal", CoonsKind::extremal)
@@ -92,30 +78,5 @@ void bind_bezier(py::module_& m) {
   m.def("_coons_energy", [](const BezierRectangle& rectangle, bool) { return coons_energy(rectangle); });
   m.def("_coons_rectangle", [](const BezierRectangle& boundary, const std::optional<double>& alpha) {
     return alpha ? permanence_rectangle(boundary, *alpha) : coons_rectangle(boundary);
-  });
-
-  py::class_<SmoothMesh>(m, "SmoothMesh", "A smoothed triangle mesh.")
-      .def_property_readonly("vertices", [](const SmoothMesh& s) { return array_from(s.vertices); })
-      .def_property_readonly("normals", [](const SmoothMesh& s) { return array_from(s.normals); })
-      .def_property_readonly("faces",
-                             [](const SmoothMesh& s) {
-                               IndexArray a({static_cast<Index>(s.faces.size()), Index{3}});
-                               for (std::size_t f = 0; f < s.faces.size(); ++f)
-                                 std::copy_n(s.faces[f].data(), 3, a.mutable_data(f));
-                               return a;
-                             })
-      .def_property_readonly("edges", [](const SmoothMesh& s) {
-        IndexArray a({static_cast<Index>(s.edges.size()), Index{2}});
-        for (std::size_t e = 0; e < s.edges.size(); ++e) std::copy_n(s.edges[e].data(), 2, a.mutable_data(e));
-        return a;
-      });
-  m.def("_smooth_triangles", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                                const std::optional<Array>& normals, int resolution, NormalCurve curve) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::optional<Points> given;
-    if (normals) given = points_from(*normals);
-    py::gil_scoped_release release;
-    return smooth_triangles({points, faces}, given, resolution, curve);
   });
 }

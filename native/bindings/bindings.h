@@ -14,6 +14,7 @@ namespace py = pybind11;
 void bind_options(py::module_& m);
 void bind_patches(py::module_& m);
 void bind_bezier(py::module_& m);
+void bind_smooth_triangles(py::module_& m);
 void bind_attributes(py::module_& m);
 void bind_blends(py::module_& m);
 void bind_limit(py::module_& m);

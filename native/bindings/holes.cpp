@@ -1,13 +1,27 @@
 // Borders of a mesh, their corners, and the sides that its faces give them.
 #include "arrays.h"
 #include "bindings.h"
+#include "options.h"
+#include "tripatch/boundary/local_mesh.h"
 #include "tripatch/boundary/mesh_sides.h"
+#include "tripatch/hole/choose_holes.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/outer_borders.h"
 
 using namespace tripatch;
 
+namespace {
+
+py::list listed(const std::vector<std::vector<Index>>& loops) {
+  py::list out;
+  for (const std::vector<Index>& loop : loops) out.append(array_from(loop));
+  return out;
+}
+
+}  // namespace
+
 void bind_holes(py::module_& m) {
+  m.attr("surrounding_rings") = most_rings + 1;
   m.def("_find_holes", [](const IndexArray& offsets, const IndexArray& corners) {
     const FacesRef faces = faces_from(offsets, corners);
     std::vector<std::vector<Index>> loops;
@@ -15,10 +29,20 @@ void bind_holes(py::module_& m) {
       py::gil_scoped_release release;
       loops = find_holes(faces);
     }
-    py::list out;
-    for (const std::vector<Index>& loop : loops) out.append(array_from(loop));
-    return out;
+    return listed(loops);
   });
+  m.def("_choose_holes",
+        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options) {
+          const HoleChoice choice = hole_choice(options);
+          const FacesRef faces = faces_from(offsets, corners);
+          const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+          std::vector<std::vector<Index>> loops;
+          {
+            py::gil_scoped_release release;
+            loops = choose_holes({points, faces}, choice);
+          }
+          return listed(loops);
+        });
   m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                             const std::vector<Index>& rim, const std::vector<Index>& replaced) {
     const FacesRef faces = faces_from(offsets, corners);
@@ -26,18 +50,6 @@ void bind_holes(py::module_& m) {
     py::gil_scoped_release release;
     const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
     return std::array<Index, 3>{hole.rim[hole.corners[0]], hole.rim[hole.corners[1]], hole.rim[hole.corners[2]]};
-  });
-  m.def("_borders", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::vector<Border> borders;
-    {
-      py::gil_scoped_release release;
-      borders = borders_of({points, faces});
-    }
-    py::list out;
-    for (const Border& border : borders) out.append(py::make_tuple(array_from(border.loop), border.outer, border.diameter));
-    return out;
   });
   m.def("_is_outer_border",
         [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const std::vector<Index>& rim) {

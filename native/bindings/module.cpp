@@ -22,6 +22,7 @@ PYBIND11_MODULE(_native, m) {
   bind_patches(m);
   bind_limit(m);
   bind_bezier(m);
+  bind_smooth_triangles(m);
   bind_attributes(m);
   bind_blends(m);
   bind_methods(m);

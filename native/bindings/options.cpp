@@ -73,18 +73,21 @@ const char* kind_name(const Option& option) {
 /// The functions that take it.
 py::tuple functions(const Option& option) {
   py::list names;
-  names.append("fill");
+  if (!option.of_holes) names.append("fill");
   if (!option.one_hole) names.append("fill_all");
   if (option.patch) names.append("patch");
   if (option.blend) names.append("blend");
+  if (option.of_holes) names.append("choose_holes");
   return names;
 }
 
 py::dict defaults() {
   const FillOptions plain;
+  const HoleChoice every;
   py::dict all;
 #define OPTION(type, name, value, ...) all[#name] = shown(plain.name);
 #define METHOD_OPTION(type, name, value, ...) all[#name] = shown(plain.own.name);
+#define HOLES_OPTION(type, name, value, ...) all[#name] = shown(every.name);
 #define OPTION_AT(path, name, ...) all[#name] = shown(plain.path);
 #include "tripatch/options.def"
   return all;
@@ -108,6 +111,14 @@ MethodOptions method_options(const py::dict& given) {
 #include "tripatch/options.def"
   check(options);
   return options;
+}
+
+HoleChoice hole_choice(const py::dict& given) {
+  HoleChoice choice;
+#define HOLES_OPTION(type, name, value, ...) read_from(given, #name, choice.name);
+#include "tripatch/options.def"
+  check(choice);
+  return choice;
 }
 
 void bind_options(py::module_& m) {

@@ -7,3 +7,4 @@
 /// Throws InvalidArgument where a number is out of its range. What the dict lacks keeps its default.
 tripatch::FillOptions fill_options(const py::dict& given);
 tripatch::MethodOptions method_options(const py::dict& given);
+tripatch::HoleChoice hole_choice(const py::dict& given);

@@ -12,6 +12,10 @@ void tell(Option& option, std::type_identity<bool>) { option.kind = Option::Kind
 void tell(Option& option, std::type_identity<int>) { option.kind = Option::Kind::whole; }
 void tell(Option&, std::type_identity<double>) {}
 void tell(Option& option, std::type_identity<Pair>) { option.count = 2; }
+void tell(Option& option, std::type_identity<CountRange>) {
+  option.kind = Option::Kind::whole;
+  option.count = 2;
+}
 void tell(Option& option, std::type_identity<std::string>) { option.kind = Option::Kind::choice; }
 void tell(Option& option, std::type_identity<Vec3>) {
   option.kind = Option::Kind::position;
@@ -57,6 +61,11 @@ Option row(const char* name, AboutOption about) {
   return option;
 }
 
+Option of_holes(Option option) {
+  option.of_holes = true;
+  return option;
+}
+
 std::string text(double value) {
   std::ostringstream out;
   out << value;
@@ -75,8 +84,10 @@ void check_number(const std::string& name, const Range& range, double value) {
 }
 
 void check_value(const Option& option, double value) { check_number(option.name, option.range, value); }
-template <std::size_t N>
-void check_value(const Option& option, const std::array<double, N>& values) {
+void check_value(const Option& option, int value) { check_number(option.name, option.range, value); }
+template <class T, std::size_t N>
+  requires std::is_arithmetic_v<T>
+void check_value(const Option& option, const std::array<T, N>& values) {
   for (std::size_t i = 0; i < N; ++i) check_number(option.name + ("[" + std::to_string(i) + "]"), option.range, values[i]);
 }
 void check_value(const Option& option, const Vec3& values) { check_value(option, std::array{values[0], values[1], values[2]}); }
@@ -98,6 +109,7 @@ std::span<const Option> options() {
   static const std::vector<Option> all = {
 #define OPTION(type, name, value, ...) row<type>(#name, {__VA_ARGS__}),
 #define METHOD_OPTION(type, name, value, ...) row<type>(#name, {__VA_ARGS__}),
+#define HOLES_OPTION(type, name, value, ...) of_holes(row<type>(#name, {__VA_ARGS__})),
 #define OPTION_AT(path, name, ...) \
   row<std::remove_reference_t<decltype((std::declval<FillOptions&>().path))>>(#name, {__VA_ARGS__}),
 #include "tripatch/options.def"
@@ -114,6 +126,11 @@ void check(const FillOptions& given) {
 
 void check(const MethodOptions& given) {
 #define METHOD_OPTION(type, name, value, ...) check_value(option_named(#name), given.name);
+#include "tripatch/options.def"
+}
+
+void check(const HoleChoice& given) {
+#define HOLES_OPTION(type, name, value, ...) check_value(option_named(#name), given.name);
 #include "tripatch/options.def"
 }
 

@@ -164,6 +164,15 @@ def test_all_takes_the_only_hole_of_a_mesh(run):
     assert rims("A") == []
 
 
+@pytest.mark.parametrize(("filters", "filled"), [(["--max-edges", "11"], 0), (["--max-edges", "12", "--corner-count", "3,3"], 1)])
+def test_holes_are_chosen_as_by_the_library(run, filters, filled):
+    scenes.add_hole().name = "A"
+    status, _, _ = run("--all", *filters)
+    assert status == (0 if filled else 1)
+    assert run.out.exists() == bool(filled)
+    assert run(*filters)[0] == 2  # they go with --all
+
+
 def test_the_same_fill_as_in_edit_mode(run):
     """Shape keys, custom normals and the rest go the same way."""
     ob = scenes.add_hole()

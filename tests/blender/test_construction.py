@@ -14,7 +14,7 @@ VALUES = {  # of an operator; of a command; of tripatch.fill
     "cross_boundary": ({"cross_boundary": "given"}, ["--cross-boundary", "given"], {"cross_boundary": "given"}),
     "shape": ({"shape": (0.25, 0.5, 0.75)}, ["--shape", "0.25,0.5,0.75"], {"shape": (0.25, 0.5, 0.75)}),
     "optimal": ({"optimal_shape": True}, ["--shape", "optimal"], {"shape": "optimal"}),
-    "reading": ({"reading": "as_printed"}, ["--reading", "as_printed"], {"reading": "as_printed"}),
+    "reading": (None, ["--reading", "as_printed"], {"reading": "as_printed"}),
     "symmetric": ({"symmetric": True}, ["--symmetric"], {"symmetric": True}),
     "alpha": ({"permanence": True, "alpha": 0.125}, ["--alpha", "0.125"], {"alpha": 0.125}),
 }
@@ -55,7 +55,7 @@ def expected(ob, method, options):
     return tripatch.fill(vertices, faces, rim=rim, method=method, **options).vertices
 
 
-@pytest.mark.parametrize(("method", "name"), CASES)
+@pytest.mark.parametrize(("method", "name"), [case for case in CASES if VALUES[case[1]][0]])
 def test_the_operator_hands_them_on(method, name):
     ob = add_uneven_hole()
     count = len(ob.data.vertices)
@@ -88,7 +88,7 @@ def test_the_panel_shows_the_options_that_the_method_has(addon, method):
     shown = {}
     state = types.SimpleNamespace(method=method, continuity="auto", individual=False, optimal_shape=True, permanence=False)
     construction.construction_rows(state, lambda *names, active=True: shown.update(dict.fromkeys(names, active)))
-    options = {"optimal_shape" if name == "shape" else name for name in tripatch.METHODS[method].options}
+    options = {"optimal_shape" if name == "shape" else name for name in tripatch.METHODS[method].options if name != "reading"}
     assert set(shown) - {"shape", "permanence"} == options | {"method"}
     assert shown.get("shape", False) is False and shown.get("alpha", False) is False  # greyed
     state.continuity = "G0"
@@ -156,3 +156,24 @@ def test_a_wrong_shape_is_named(addon, tmp_path, capsys, shape):
     arguments = ["--method", "szilvasi_nagy_c1", "--shape", shape, "--out", str(tmp_path / "out.blend")]
     assert command_line.main(arguments) == 2
     assert "shape" in capsys.readouterr().err
+
+
+def test_properties_follow_the_table():
+    properties = bpy.ops.mesh.fill_three_sided.get_rna_type().properties
+    for name in ("bulge", "tension", "center_offset", "tolerance", "symmetric", "output", "odd", "cage_rim"):
+        option = tripatch.OPTIONS[name]
+        assert properties[name].description == option.description
+        assert properties[name].default == (0 if option.default is None else option.default)
+    assert [item.identifier for item in properties["fairing"].enum_items] == [
+        *(each.name for each in tripatch.OPTIONS["fairing"].choices),
+        "none",
+    ]
+    for option in tripatch.OPTIONS.values():
+        assert (option.name in properties) == option.panel, option.name
+
+
+def test_what_papers_misprint_is_for_programs_only():
+    for operator in (bpy.ops.mesh.fill_three_sided, bpy.ops.object.fill_between_patches):
+        properties = operator.get_rna_type().properties
+        assert "reading" not in properties
+        assert "as_printed" not in properties["cross_boundary"].enum_items

@@ -6,6 +6,7 @@ import inspect
 import json
 import subprocess
 import sys
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -173,12 +174,12 @@ def test_nothing_to_fill(tmp_path, capsys):
 
 def test_outer_borders(tmp_path):
     vertices, faces = sphere_hole()
-    assert [len(loop) for loop in cli.holes_to_fill(vertices, faces, outer=False)] == [18]
-    assert [len(loop) for loop in cli.holes_to_fill(vertices, faces, outer=True)] == [18, 18]
-    assert cli.holes_to_fill(vertices, faces, outer=False)[0][0] == 0
-    # a mesh with that border only: it is a hole
+    assert [len(loop) for loop in tripatch.choose_holes(vertices, faces)] == [18]
+    assert [len(loop) for loop in tripatch.choose_holes(vertices, faces, outer=True)] == [18, 18]
+    assert tripatch.choose_holes(vertices, faces)[0][0] == 0
+    # a part of the mesh with one border only: that is a hole
     closed = [*faces, [*range(54, 72)]]
-    assert [len(loop) for loop in cli.holes_to_fill(vertices, closed, outer=False)] == [18]
+    assert [len(loop) for loop in tripatch.choose_holes(vertices, closed)] == [18]
 
 
 def test_both_ends_of_a_tube_are_holes():
@@ -187,11 +188,45 @@ def test_both_ends_of_a_tube_are_holes():
     ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(12)])
     vertices = np.concatenate([ring + [0, 0, z] for z in range(4)])
     tube = [[12 * z + k, 12 * z + (k + 1) % 12, 12 * z + 12 + (k + 1) % 12, 12 * z + 12 + k] for z in range(3) for k in range(12)]
-    assert [loop[0] for loop in cli.holes_to_fill(vertices, tube, outer=False)] == [0, 36]
+    assert [loop[0] for loop in tripatch.choose_holes(vertices, tube)] == [0, 36]
     # beside a plane, whose border is an outer one
     plane = np.array([[5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], float)
     both = [*tube, [48, 49, 50, 51]]
-    assert [loop[0] for loop in cli.holes_to_fill(np.concatenate([vertices, plane]), both, outer=False)] == [0, 36]
+    assert [loop[0] for loop in tripatch.choose_holes(np.concatenate([vertices, plane]), both)] == [0, 36]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "filled"),
+    [
+        ([], [15, 18]),
+        (["--max-edges", "17"], [15]),
+        (["--max-edges", "18"], [15, 18]),
+        (["--corner-count", "3,3"], [15, 18]),
+        (["--corner-count", "0,2"], []),
+        (["--corner-count", "4,12"], []),
+        (["--max-diameter", "1.5"], [15, 18]),  # an octant's corners are sqrt(2) apart
+        (["--max-diameter", "1.4"], []),
+    ],
+)
+def test_holes_are_chosen(two, tmp_path, capsys, arguments, filled):
+    out = tmp_path / "out.obj"
+    code, _, err = run(capsys, "fill", two, out, "--all", *arguments)
+    assert code == (0 if filled else 1)
+    assert filled or "no hole is as it was asked for" in err
+    assert out.exists() == bool(filled)
+    left = Counter([15, 15, 18, 18]) - Counter(filled)  # each part has an outer border too
+    assert not filled or Counter(len(loop) for loop in borders(out)) == left
+
+
+def test_a_fill_that_folds_is_no_success(one, tmp_path, capsys):
+    vertices, faces = sphere_hole()
+    inward = vertices[:18] + 0.9 * (np.ones(3) / np.sqrt(3) - vertices[:18])
+    vertices[[k for k in range(18) if k % 2 and k % 6]] = inward[[k for k in range(18) if k % 2 and k % 6]]
+    path, out = write_obj(tmp_path / "in.obj", (vertices, faces)), tmp_path / "out.obj"
+    code, _, err = run(capsys, "fill", path, out, "--corners", "0,6,12", "--fairing", "none", "--method", "side_vertex")
+    assert code == 3
+    assert out.exists()
+    assert "1 of the fills folds over itself" in err
 
 
 @pytest.mark.parametrize(
@@ -209,6 +244,9 @@ def test_both_ends_of_a_tube_are_holes():
         (["--rim", "0,1,5000"], "5000"),
         (["--all", "--corners", "0,6,12"], "--all chooses"),
         (["--outer"], "--outer goes with --all"),
+        (["--max-edges", "9"], "--max-edges goes with --all"),
+        (["--all", "--max-edges", "2"], "max_edges must be 3 or greater"),
+        (["--all", "--corner-count", "6,2"], "corner_count must be the least and the most"),
         (["--frobnicate"], "unrecognized arguments"),
         (["--report", "/none/such/r.json"], "cannot be written"),
     ],
@@ -240,7 +278,8 @@ def test_more_than_the_method_keeps_is_refused(one, tmp_path, capsys):
 
 def test_every_option_of_fill_is_there():
     fill = next(a for a in cli.parser()._actions if a.dest == "command").choices["fill"]
-    options = {name for name in inspect.signature(tripatch.fill).parameters if name not in ("vertices", "faces", "replaced")}
+    parameters = {*inspect.signature(tripatch.fill).parameters, *inspect.signature(tripatch.choose_holes).parameters}
+    options = parameters - {"vertices", "faces", "replaced"}
     assert options == set(cli.OPTIONS) and options <= {action.dest for action in fill._actions}
 
 

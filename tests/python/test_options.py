@@ -22,7 +22,7 @@ def of_kind(row):
     return {name: next((v for n, v in row.applies if n == name), "") for name in given if name in ("method", "output")}
 
 
-@pytest.mark.parametrize("function", ["fill", "fill_all", "patch", "blend"])
+@pytest.mark.parametrize("function", ["fill", "fill_all", "patch", "blend", "choose_holes"])
 def test_defaults_are_what_is_taken(function):
     given = {row.name: row.default for row in ROWS if function in row.functions}
     plain, explicit = options.checked(function, {}), options.checked(function, given)
@@ -42,7 +42,10 @@ def test_what_is_out_of_range_is_refused_by_name(row):
         value = int(value) if row.kind == "whole" else value
         value = (value,) * row.count if row.count > 1 else value
         with pytest.raises(ValueError, match=row.name) as caught:
-            tripatch.fill(vertices, faces, rim=rim, **of_kind(row), **{row.name: value})
+            if "fill" in row.functions:
+                tripatch.fill(vertices, faces, rim=rim, **of_kind(row), **{row.name: value})
+            else:
+                tripatch.choose_holes(vertices, faces, **{row.name: value})
         assert not isinstance(caught.value, tripatch.Refusal)
 
 
@@ -58,7 +61,7 @@ def test_a_choice_takes_its_names_and_no_others(row):
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_help_says_what_the_table_says(row):
-    said = " ".join(inspect.getdoc(tripatch.fill).split())
+    said = " ".join(inspect.getdoc(getattr(tripatch, row.functions[0])).split())
     assert f"{row.name}: {row.description}" in said
     assert row.description and not row.description.endswith(".")
     assert all(each.description in said for each in row.choices)

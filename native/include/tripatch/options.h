@@ -11,6 +11,7 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/choices.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/hole/choose_holes.h"
 
 namespace tripatch {
 
@@ -59,6 +60,7 @@ struct Option : AboutOption {
   Kind kind = Kind::number;
   bool optional = false;        ///< may be none
   bool by_side = false;         ///< a value a side, or one for all
+  bool of_holes = false;        ///< chooses holes, says nothing of a fill
   int count = 1;                ///< numbers or indices that belong together; 0: any number of them
   std::vector<Choice> choices;  ///< those of `method` are methods()
 };
@@ -69,5 +71,6 @@ std::span<const Option> options();
 /// Throws InvalidArgument where a number is not finite or out of its range.
 void check(const FillOptions& options);
 void check(const MethodOptions& options);
+void check(const HoleChoice& choice);
 
 }  // namespace tripatch

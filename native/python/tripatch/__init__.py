@@ -9,7 +9,7 @@ from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch
 from .attributes import AttributeWeights, angles, attribute_weights, vertex_normals
 from .errors import Refusal
 from .filling import Fill, fill, fill_all
-from .holes import find_corners, find_holes, is_outer_border
+from .holes import SURROUNDING_RINGS, choose_holes, find_corners, find_holes, is_outer_border
 from .options import METHODS, OPTIONS
 from .patches import blend, patch
 from .surfaces import (
@@ -28,6 +28,7 @@ __version__ = "0.1.0"
 __all__ = [
     "METHODS",
     "OPTIONS",
+    "SURROUNDING_RINGS",
     "AttributeWeights",
     "BezierRectangle",
     "BezierTriangle",
@@ -43,6 +44,7 @@ __all__ = [
     "attribute_weights",
     "between",
     "blend",
+    "choose_holes",
     "coons_bezier",
     "coons_energy",
     "coons_rectangle",

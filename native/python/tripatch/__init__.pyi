@@ -67,6 +67,7 @@ class Option:
     panel: bool
 
 OPTIONS: dict[str, Option]
+SURROUNDING_RINGS: int
 
 class Patch:
     def evaluate(self, b: ArrayLike, derivatives: int = 0) -> Any: ...
@@ -181,6 +182,17 @@ def attribute_weights(rim: Fill | ArrayLike, inside: ArrayLike | None = None) ->
 def vertex_normals(vertices: ArrayLike, faces: Faces, corner_normals: ArrayLike | None = None) -> Floats: ...
 def angles(a: ArrayLike, b: ArrayLike) -> Floats: ...
 def find_holes(faces: Faces) -> list[Indices]: ...
+def choose_holes(
+    vertices: ArrayLike,
+    faces: Faces,
+    *,
+    # begin choose_holes: scripts/stubs
+    max_edges: int | None = None,
+    max_diameter: float | None = None,
+    corner_count: tuple[int, int] | None = None,
+    outer: bool = False,
+    # end
+) -> list[Indices]: ...
 def find_corners(vertices: ArrayLike, faces: Faces, rim: Sequence[int] | Indices, *, replaced: Sequence[int] = ()) -> Indices: ...
 def is_outer_border(vertices: ArrayLike, faces: Faces, rim: Sequence[int] | Indices) -> bool: ...
 def fill(
@@ -221,7 +233,6 @@ def fill_all(
     rims: Sequence[Sequence[int] | Indices] | None = None,
     *,
     corners: Sequence[Sequence[int] | Indices | None] | None = None,
-    outer: bool = False,
     progress: Callable[[int, int], object] | None = None,
     # begin fill_all: scripts/stubs
     method: str = "auto",
@@ -246,6 +257,10 @@ def fill_all(
     symmetric: bool = False,
     alpha: float | None = None,
     replaced: Sequence[int] | Indices = (),
+    max_edges: int | None = None,
+    max_diameter: float | None = None,
+    corner_count: tuple[int, int] | None = None,
+    outer: bool = False,
     # end
 ) -> list[Fill | Refusal]: ...
 def patch(

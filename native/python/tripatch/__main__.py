@@ -12,7 +12,6 @@ import numpy as np
 
 import tripatch
 from tripatch import arguments, files, words
-from tripatch.holes import holes_to_fill
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 
@@ -21,8 +20,8 @@ Fills a three-sided hole of the mesh in IN and writes the mesh with the fill to 
 OBJ, OFF, PLY and STL files keep everything that is in them; VTK and other files go through meshio. Vertices are counted
 from 0, in the order of the file (STL: of their first use)."""
 _EXIT = """\
-exit status: 0 all filled; 3 some were refused (OUT is written); 1 nothing to fill or all refused (the reason on stderr, OUT is
-not written); 2 bad usage or unreadable input"""
+exit status: 0 all filled; 3 some were refused or fold over themselves (OUT is written); 1 nothing to fill or all refused (the
+reason on stderr, OUT is not written); 2 bad usage or unreadable input"""
 
 #: The options of `tripatch.fill`; but the faces of a file stay.
 OPTIONS = {name: option for name, option in tripatch.OPTIONS.items() if name != "replaced"}
@@ -45,11 +44,6 @@ def parser() -> argparse.ArgumentParser:
     fill.add_argument("input", metavar="IN", type=Path, help="mesh file")
     fill.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
     fill.add_argument("--all", action="store_true", help="fill every three-sided hole")
-    fill.add_argument(
-        "--outer",
-        action="store_true",
-        help="with --all: also the outer borders of open meshes, which otherwise count only where there is no hole",
-    )
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
     for option in OPTIONS.values():
         arguments.add(fill, option)
@@ -109,22 +103,32 @@ def _write_report(path: Path, holes: list) -> None:
         raise files.FileError(f"{path} cannot be written: {error.strerror or error}") from error
 
 
-def _fill(args: argparse.Namespace) -> int:
+def _options(args: argparse.Namespace) -> dict:
+    """Those that were given, if they go with each other."""
     options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
-    if args.all and any(OPTIONS[name].functions == ("fill",) for name in options):
-        raise ValueError("--all chooses the rims and corners itself; leave out --rim and --corners")
-    if args.outer and not args.all:
-        raise ValueError("--outer goes with --all")
+    for name in options:
+        flag = f"--{name.replace('_', '-')}"
+        if args.all and "fill_all" not in OPTIONS[name].functions:
+            raise ValueError(f"--all chooses the rims and corners itself; leave out {flag}")
+        if not args.all and "fill" not in OPTIONS[name].functions:
+            raise ValueError(f"{flag} goes with --all")
+    return options
+
+
+def _fill(args: argparse.Namespace) -> int:
+    options = _options(args)
+    choosing = {name: options.pop(name) for name in list(options) if "choose_holes" in OPTIONS[name].functions}
     mesh = files.read(args.input)
     out = mesh if args.out.suffix.lower() == args.input.suffix.lower() else files.converted(mesh, args.out.suffix)
 
     holes: list[tuple] = []
     if args.all:
-        rims = holes_to_fill(mesh.vertices, mesh.faces, args.outer)
+        rims = tripatch.choose_holes(mesh.vertices, mesh.faces, **choosing)
         fills = tripatch.fill_all(mesh.vertices, mesh.faces, rims, progress=_progress, **options)
         holes = list(zip(rims, fills, strict=True))
         if not holes:
-            _say("Nothing to fill: the mesh has no border")
+            borders = tripatch.find_holes(mesh.faces)
+            _say(f"Nothing to fill: {'no hole is as it was asked for' if borders else 'the mesh has no border'}")
     else:
         try:
             holes = [(options.get("rim"), tripatch.fill(mesh.vertices, mesh.faces, **options))]
@@ -151,7 +155,10 @@ def _fill(args: argparse.Namespace) -> int:
     cage_rim = options.get("cage_rim", "smooth") if options.get("output") == "cage" else ""
     limit, quads = options.get("surroundings") == "limit", sum(len(fill.faces) for fill in fills)
     print(words.filled([fill.report for fill in fills], cage_rim=cage_rim, quads=quads, limit=limit))
-    return FILLED if len(fills) == len(holes) else SOME
+    folded = sum(fill.report.triangles_folded > 0 for fill in fills)
+    if folded:
+        _say(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")
+    return FILLED if len(fills) == len(holes) and not folded else SOME
 
 
 def _smooth(args: argparse.Namespace) -> int:

@@ -49,12 +49,12 @@ def _by_side(kind: Callable, word: str) -> Callable:
     return read
 
 
-def _numbers(count: int) -> Callable:
-    example = "0,0.5,1" if count == 3 else "0.1,0"
+def _numbers(kind: Callable, count: int) -> Callable:
+    example = "2,6" if kind is int else "0,0.5,1" if count == 3 else "0.1,0"
 
     def read(text: str) -> tuple[float, ...]:
         try:
-            values = tuple(float(part) for part in text.split(","))
+            values = tuple(kind(part) for part in text.split(","))
         except ValueError:
             values = ()
         if len(values) != count:
@@ -85,7 +85,7 @@ def _or_none(read: Callable, word: str) -> Callable:
 
 def reader(option: Option) -> Callable:
     """From a text to a value that `tripatch.fill` takes."""
-    of_kind = {"whole": int, "number": float, "choice": str, "subdivision": _json}
+    of_kind = {"whole": int, "number": float, "position": float, "choice": str, "subdivision": _json}
     if option.kind == "loops":
         read = _loops
     elif option.kind == "indices":
@@ -93,7 +93,7 @@ def reader(option: Option) -> Callable:
     elif option.by_side:
         read = _by_side(of_kind[option.kind], option.none.name if option.none else "")
     elif option.kind == "position" or option.count > 1:
-        read = _numbers(option.count)
+        read = _numbers(of_kind[option.kind], option.count)
     else:
         read = of_kind[option.kind]
     alone = option.kind != "indices" and not option.by_side
@@ -108,7 +108,8 @@ def _metavar(option: Option) -> str:
     one = {"whole": "N", "number": "X", "choice": "NAME", "position": "X", "subdivision": "JSON"}[option.kind]
     if option.by_side:
         return f"{one}[,{one},{one}]"
-    return ",".join("XYZ"[: option.count]) if option.count > 1 else one
+    several = "MN" if one == "N" else "XYZ"
+    return ",".join(several[: option.count]) if option.count > 1 else one
 
 
 def add(parser: argparse.ArgumentParser, option: Option) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 
 from . import _arrays, _native
 from .errors import Refusal
-from .holes import inner_loops
 from .options import OPTIONS, checked, takes_options, value, whole
 
 
@@ -131,15 +130,14 @@ def fill(vertices, faces, **options) -> Fill:
 
 
 @takes_options
-def fill_all(vertices, faces, rims=None, *, corners=None, outer=False, progress=None, **options) -> list[Fill | Refusal]:
+def fill_all(vertices, faces, rims=None, *, corners=None, progress=None, **options) -> list[Fill | Refusal]:
     """Fills several holes of one mesh. The options are those of `fill`. Cages whose surroundings overlap are fitted together.
 
     Args:
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
-        rims: a list of rims; None: every border loop that is a hole.
+        rims: a list of rims; None: those that `choose_holes` finds by the last of the options.
         corners: for each rim three of its vertices, or None where they are to be detected; None: all are detected.
-        outer: without `rims`: also the outer borders of open meshes, which otherwise count only where the mesh has no other.
         progress: called with the number of holes done and the number of all, several times a second; what it raises ends the
             work, as Ctrl-C does.
         **options: see OPTIONS.
@@ -150,7 +148,10 @@ def fill_all(vertices, faces, rims=None, *, corners=None, outer=False, progress=
     """
     given = checked("fill_all", options)
     v, offsets, face_corners = _arrays.mesh(vertices, faces)
-    loops = inner_loops((v, offsets, face_corners), outer) if rims is None else rims
+    choosing = [name for name in options if "choose_holes" in OPTIONS[name].functions]
+    if rims is not None and choosing:
+        raise ValueError(f"{choosing[0]} chooses among the holes of a mesh; with rims that are named it means nothing")
+    loops = _native._choose_holes(v, offsets, face_corners, given) if rims is None else rims
     loops = [_arrays.indices(loop, "rim") for loop in loops]
     by_rim = [value(OPTIONS["corners"], each) for each in corners or ()]
     if by_rim and len(by_rim) != len(loops):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from . import _arrays, _native
+from .options import checked, takes_options
 
 
 def find_holes(faces) -> list[np.ndarray]:
@@ -22,20 +23,24 @@ def find_holes(faces) -> list[np.ndarray]:
     return _native._find_holes(offsets, corners)
 
 
-def holes_to_fill(vertices, faces, outer: bool = False) -> list[np.ndarray]:
-    """The border loops of a mesh that are holes, as `find_holes` gives them.
+#: Rings of faces around a rim that a fill in a plain mesh reads at most.
+SURROUNDING_RINGS: int = _native.surrounding_rings
+
+
+@takes_options
+def choose_holes(vertices, faces, **options) -> list[np.ndarray]:
+    """The border loops of a mesh that `fill_all` fills where none are named.
 
     Args:
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
-        outer: also the outer borders of open meshes (see `is_outer_border`), which count otherwise only where there is no other.
+        **options: see OPTIONS.
+
+    Returns:
+        An int array for each loop, as `find_holes` has it.
     """
-    return inner_loops(_arrays.mesh(vertices, faces), outer)
-
-
-def inner_loops(mesh: tuple, outer: bool) -> list[np.ndarray]:
-    """The same of a mesh that is checked: (vertices, offsets, corners)."""
-    return [loop for loop, is_outer, _ in _native._borders(*mesh) if outer or not is_outer]
+    given = checked("choose_holes", options)
+    return _native._choose_holes(*_arrays.mesh(vertices, faces), given)
 
 
 def find_corners(vertices, faces, rim, *, replaced=()) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import numbers
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -20,6 +20,8 @@ METHODS = _native._methods()
 #: .unit, .description, .applies, .functions
 OPTIONS: dict[str, Option] = _native._options()
 
+_LARGEST = 2**31 - 1
+
 
 def choice(value, name: str, allowed: Sequence):
     """The value, if it is one of the names allowed."""
@@ -30,12 +32,13 @@ def choice(value, name: str, allowed: Sequence):
     return value
 
 
-def whole(value, name: str, least: int, most: int) -> int:
-    """A whole number within a range."""
+def whole(value, name: str, least: float, most: float) -> int:
+    """A whole number within a range; inf: no end, but for what the core can hold."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
         raise TypeError(f"{name} must be a whole number, not {value!r}")
-    if not least <= value <= most:
-        raise ValueError(f"{name} must be from {least} to {most}, not {value}")
+    if not least <= value <= min(most, _LARGEST):
+        allowed = f"from {least:.0f} to {most:.0f}" if np.isfinite(most) else f"{least:.0f} or greater"
+        raise ValueError(f"{name} must be {allowed}, not {value}")
     return int(value)
 
 
@@ -45,8 +48,13 @@ def _flag(value, option: Option) -> bool:
     return bool(value)
 
 
-def _whole(value, option: Option) -> int:
-    return whole(value, option.name, int(option.range.least), int(option.range.most))
+def _whole(value, option: Option):
+    if option.count == 1:
+        return whole(value, option.name, option.range.least, option.range.most)
+    numbers_given = tuple(value) if isinstance(value, Iterable) else (value,)
+    if len(numbers_given) != option.count:
+        raise ValueError(f"{option.name} must be {option.count} whole numbers, not {len(numbers_given)}")
+    return [whole(each, option.name, option.range.least, option.range.most) for each in numbers_given]
 
 
 def _number(value, option: Option):
@@ -176,7 +184,8 @@ def checked(function: str, given: dict) -> dict:
     if unknown:
         raise TypeError(f"{function}() got an unexpected keyword argument {min(unknown)!r}")
     values = {option.name: given.get(option.name, option.default) for option in rows}
-    choice(values["method"], "method", names(OPTIONS["method"]))
+    if "method" in values:
+        choice(values["method"], "method", names(OPTIONS["method"]))
     for option in rows:
         having = [value for name, value in option.applies if name == "method"]
         strict = option.default in (None, False)  # the others are options of many methods, and always have a value

@@ -47,8 +47,8 @@ std::vector<double> turns_over_window(const std::vector<double>& turn, const std
   return over;
 }
 
-/// Places of the corners in the rim, in rim order; `rim` from its lowest vertex on, so that the same rim gives the same corners.
-std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, const Loop& rim) {
+/// Where the rim turns: places in it, in rim order.
+std::vector<Index> turning_corners(const Mesh& mesh, const Connectivity& around, const Loop& rim) {
   const Index n = static_cast<Index>(rim.size());
   if (n == 3) return {0, 1, 2};
   auto [length, turn, without_area] = measure(mesh, around, rim);
@@ -107,12 +107,17 @@ std::vector<Index> grid_corners(const Connectivity& around, const Loop& rim) {
 
 }  // namespace
 
+std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  std::vector<Index> corners = turning_corners(mesh, around, rim);
+  if (corners.size() == 3) return corners;
+  // on a round shape the lines themselves turn, as they do over the edges of a cube made a sphere
+  std::vector<Index> of_grid = grid_corners(around, rim);
+  return of_grid.size() == 3 ? of_grid : corners;
+}
+
 std::array<Index, 3> three_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   const std::vector<Index> corners = detect_corners(mesh, around, rim);
   if (corners.size() == 3) return {corners[0], corners[1], corners[2]};
-  // on a round shape the lines themselves turn, as they do over the edges of a cube made a sphere
-  const std::vector<Index> of_grid = grid_corners(around, rim);
-  if (of_grid.size() == 3) return {of_grid[0], of_grid[1], of_grid[2]};
   Loop where;
   for (Index k : corners) where.push_back(rim[k]);
   if (corners.empty()) throw Refusal("Rim has no clear corners; select three", {rim[0]});

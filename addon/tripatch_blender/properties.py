@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Options of the library's table as properties of operators, with its names, defaults, ranges and sentences."""
+
+import math
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+
+from . import library
+
+#: name -> option; nothing where the library is missing: no operator can run then.
+OPTIONS = {} if library.missing else library.tripatch.OPTIONS
+
+_CLOSE = 0.001  # to an end that is excluded
+_INTEGERS = 2**31 - 1
+
+
+def words(name):
+    return name.replace("_", " ").title()
+
+
+def _items(option):
+    if option.name == "method":
+        methods = library.tripatch.METHODS.values()
+        items = [(m.name, words(m.name), f"{m.description} ({m.citation})") for m in methods if m.fills_holes]
+        return [("auto", "Auto", "Between three smooth sides the exact patch (Side Vertex), else Polyharmonic Spline"), *items]
+    items = [(c.name, c.label or words(c.name), c.description) for c in option.choices if not c.misprint]
+    if option.none is not None:
+        items.append((option.none.name, words(option.none.name), option.none.description))
+    return items
+
+
+def _limits(option, whole=False):
+    """The ranges; an infinite end is left to Blender."""
+    shift = _CLOSE if option.range.open else 0
+    ends = {"min": option.range.least + shift, "max": option.range.most - shift}
+    ends |= {"soft_min": max(option.soft.least, ends["min"]), "soft_max": min(option.soft.most, ends["max"])}
+    return {name: int(end) if whole else end for name, end in ends.items() if math.isfinite(end)}
+
+
+def of(option, **given):
+    """The property of an option; given: what it has otherwise than the table."""
+    common = {"name": option.label or words(option.name), "description": option.description, "default": option.default}
+    if option.selection:
+        common["options"] = {"SKIP_SAVE"}
+    if option.kind == "flag":
+        return BoolProperty(**(common | given))
+    if option.kind == "choice":
+        return EnumProperty(**({"items": _items(option)} | common | given))
+    if option.kind == "whole":
+        return IntProperty(**(common | _limits(option, whole=True) | given))
+    if option.unit == "scene units":
+        common["precision"] = 4
+    if option.count > 1:
+        return FloatVectorProperty(**({"size": option.count} | common | _limits(option) | given))
+    return FloatProperty(**(common | _limits(option) | given))
+
+
+def by_side(option, **given):
+    """Three numbers, one a side."""
+    common = {"name": option.label or words(option.name), "description": option.description + ", by side"}
+    return FloatVectorProperty(**({"size": 3, "default": (option.default,) * 3} | common | _limits(option) | given))
+
+
+def declare(cls, properties):
+    """Gives a class that Blender will register these properties."""
+    cls.__annotations__ = cls.__dict__.get("__annotations__", {}) | properties
