@@ -12,7 +12,7 @@ namespace {
 constexpr double singular = 1e-11;  // relative pivots below count as zero, as in coons_bezier
 
 /// Inner products of the Bernstein polynomials of a degree over [0, 1].
-Eigen::MatrixXd bernstein_gram(int n) {
+Eigen::MatrixXd univariate_gram(int n) {
   const auto binomial = [](int a, int b) { return std::exp(std::lgamma(a + 1) - std::lgamma(b + 1) - std::lgamma(a - b + 1)); };
   Eigen::MatrixXd gram(n + 1, n + 1);
   for (int i = 0; i <= n; ++i)
@@ -68,7 +68,7 @@ BezierRectangle permanence_rectangle(const BezierRectangle& boundary, double alp
 
 double coons_energy(const BezierRectangle& surface) {
   const int m = surface.degree_u(), n = surface.degree_v();
-  const Eigen::MatrixXd gu = bernstein_gram(m - 1), gv = bernstein_gram(n - 1);
+  const Eigen::MatrixXd gu = univariate_gram(m - 1), gv = univariate_gram(n - 1);
   double energy = 0;
   for (int x = 0; x < 3; ++x) {
     Eigen::MatrixXd d(m, n);  // net of x_uv

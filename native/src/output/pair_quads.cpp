@@ -7,7 +7,7 @@
 namespace tripatch {
 namespace {
 
-struct Pair {
+struct TrianglePair {
   int a, b;      // triangles, a < b
   double error;  // 0: a plane rectangle; at most 2
   std::array<Index, 4> corners;
@@ -29,8 +29,8 @@ double error_of(const PointsRef& points, const std::array<Index, 4>& quad, const
 }
 
 /// All pairs within the thresholds, the best first.
-std::vector<Pair> candidates(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
-                             const PairQuadsOptions& options, const std::vector<std::array<Index, 2>>& kept) {
+std::vector<TrianglePair> candidates(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
+                                     const PairQuadsOptions& options, const std::vector<std::array<Index, 2>>& kept) {
   struct Edge {
     Index low, high;
     int triangle, corner;
@@ -48,7 +48,7 @@ std::vector<Pair> candidates(const PointsRef& points, const std::vector<std::arr
     }
   const auto key = [](const Edge& e) { return std::array<Index, 4>{e.low, e.high, e.triangle, e.corner}; };
   std::sort(edges.begin(), edges.end(), [&](const Edge& p, const Edge& q) { return key(p) < key(q); });
-  std::vector<Pair> pairs;
+  std::vector<TrianglePair> pairs;
   for (std::size_t k = 0; k < edges.size();) {
     std::size_t end = k + 1;
     while (end < edges.size() && edges[end].low == edges[k].low && edges[end].high == edges[k].high) ++end;
@@ -63,12 +63,12 @@ std::vector<Pair> candidates(const PointsRef& points, const std::vector<std::arr
     }
     k = end;
   }
-  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) { return p.error < q.error; });
+  std::stable_sort(pairs.begin(), pairs.end(), [](const TrianglePair& p, const TrianglePair& q) { return p.error < q.error; });
   return pairs;
 }
 
 /// For each triangle the pair it is in, or -1.
-std::vector<int> choose(const std::vector<Pair>& pairs, std::size_t triangles) {
+std::vector<int> choose(const std::vector<TrianglePair>& pairs, std::size_t triangles) {
   std::vector<int> chosen(triangles, -1);
   std::vector<std::vector<int>> of(triangles);  // pairs of each triangle, the best first
   for (int k = 0; k < static_cast<int>(pairs.size()); ++k) {
@@ -102,7 +102,7 @@ std::vector<int> choose(const std::vector<Pair>& pairs, std::size_t triangles) {
 
 Faces pair_quads(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles, const PairQuadsOptions& options,
                  const std::vector<std::array<Index, 2>>& kept) {
-  const std::vector<Pair> pairs = candidates(points, triangles, options, kept);
+  const std::vector<TrianglePair> pairs = candidates(points, triangles, options, kept);
   const std::vector<int> chosen = choose(pairs, triangles.size());
   Faces faces;
   for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
