@@ -1,10 +1,9 @@
 // Subdivision surfaces: a modifier's settings, limit points, and the surface around places of a cage.
-#include "tripatch/cage/limit_points.h"
-
 #include "arrays.h"
 #include "bindings.h"
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/cage/limit_mesh.h"
+#include "tripatch/cage/limit_points.h"
 
 using namespace tripatch;
 

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <vector>
 
-#include "tripatch/cage/limit_points.h"
 #include "tripatch/boundary/limit_surface.h"
+#include "tripatch/cage/limit_points.h"
 
 using namespace tripatch;
 
