@@ -36,7 +36,10 @@ Faces grid(Index n, bool triangles) {
 
 Points places(Index n) {
   Points p((n + 1) * (n + 1), 3);
-  for (Index v = 0; v < p.rows(); ++v) p.row(v) << static_cast<double>(v % (n + 1)), static_cast<double>(v / (n + 1)), 0;
+  for (Index v = 0; v < p.rows(); ++v) {
+    const Index row = v / (n + 1), column = v % (n + 1);
+    p.row(v) << static_cast<double>(column), static_cast<double>(row), 0;
+  }
   return p;
 }
 

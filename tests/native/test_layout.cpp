@@ -21,7 +21,7 @@ struct Surface {
 Surface grid(int n, int m, const std::function<Vec3(double, double)>& f) {
   Surface s;
   s.points.resize((n + 1) * (m + 1), 3);
-  const auto at = [&](int i, int j) { return static_cast<Index>(i * (m + 1) + j); };
+  const auto at = [&](int i, int j) { return Index{i} * (m + 1) + j; };
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= m; ++j) s.points.row(at(i, j)) = f(static_cast<double>(i) / n, static_cast<double>(j) / m);
   for (int i = 0; i < n; ++i)

@@ -33,13 +33,13 @@ SurfacePtr szilvasi_nagy(const Surfaces& surfaces, int continuity, const MethodO
 }
 
 /// A construction from the boundary alone, without options.
-template <SurfacePtr (*make)(const Boundary&)>
+template <SurfacePtr (*Make)(const Boundary&)>
 SurfacePtr plain(const Boundary& boundary, const MethodOptions&) {
-  return make(boundary);
+  return Make(boundary);
 }
-template <SurfacePtr (*make)(std::array<PiecewisePolynomial, 3>)>
+template <SurfacePtr (*Make)(std::array<PiecewisePolynomial, 3>)>
 SurfacePtr from_curves(const Boundary& boundary, const MethodOptions&) {
-  return make(curves(boundary));
+  return Make(curves(boundary));
 }
 
 const std::vector<std::string> slopes = {"cross_boundary", "bulge"}, lambda = {"shape", "reading"};
