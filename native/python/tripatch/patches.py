@@ -23,7 +23,7 @@ def patch(
     of the patch is given as a warning.
 
     Args:
-        sides: three `Side`s, side i opposite corner i, from corner i + 1 to corner i + 2.
+        sides: three `Side` objects, side i opposite corner i, from corner i + 1 to corner i + 2.
         method, cross_boundary, fairing: as of `fill`.
         **options: see OPTIONS.
 
@@ -49,7 +49,7 @@ def blend(
     """A patch from three surfaces over one triangle.
 
     Args:
-        r0, r1, r2: `Patch`es; r_i carries side i.
+        r0, r1, r2: three `Patch` objects; r_i carries side i.
         method: a name in METHODS that blends surfaces.
         shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
         reading: "corrected", or "as_printed" for the paper's own formula.
