@@ -163,7 +163,7 @@ def test_with_nothing_selected_it_is_the_hole_that_the_library_takes(make):
     ob = scenes.add_mesh(vertices, faces)
     scenes.edit(ob)
     try:
-        expected = set(tripatch.fill(vertices, faces, method="side_vertex").rim.tolist())
+        expected = set(tripatch.fill(vertices, faces).rim.tolist())
     except tripatch.Refusal:
         assert fill() == {"CANCELLED"}
         return
