@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fills three-sided holes of a .blend without a window:
+"""Fills holes of a .blend without a window:
 
 blender --background FILE.blend --python scripts/fill_holes.py -- --object NAME --out OUT.blend
 

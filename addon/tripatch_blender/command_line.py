@@ -11,7 +11,7 @@ import sys
 import bmesh
 import bpy
 
-from . import beside, filling, layers, library, selection, subdivision
+from . import beside, filling, layers, library, selection, subdivision, writeback
 from .library import arguments as by_table
 from .library import np, tripatch
 from .properties import OPTIONS
@@ -19,28 +19,29 @@ from .properties import OPTIONS
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 
 _EPILOG = """\
-Exit status: 0 all filled; 3 some were refused or fold over themselves, OUT is written; 1 nothing filled, OUT is not written;
-2 bad usage."""
+Exit status: 0 all filled; 3 some were refused or fold more than their rims do, OUT is written; 1 nothing filled, OUT is not
+written; 2 bad usage."""
 
 #: The options of the library's table; the modifier and the mesh say the others.
 _OPTIONS = {name: option for name, option in OPTIONS.items() if name not in ("subdivision", "level", "replaced")}
-#: Methods that fill holes with any number of corners.
-_ANY_RIM = ("auto", "polyharmonic_spline")
-_METHOD = "side_vertex"  # unless another is asked for: a script fills no more than one hole of a mesh unasked
+_METHOD = "auto"  # unless another is asked for, as in the operator and in the library
 _ADVICE = "name one by --rim or --corners, or fill them by --all"
 
 
 def _parser(prog):
-    parser = argparse.ArgumentParser(prog=prog, description="Fills three-sided holes in the meshes of a .blend.", epilog=_EPILOG)
+    parser = argparse.ArgumentParser(prog=prog, description="Fills holes in the meshes of a .blend.", epilog=_EPILOG)
     parser.add_argument("file", nargs="?", help=".blend to be opened first (default: the one that Blender has open)")
     parser.add_argument("--out", required=True, help=".blend to be written")
     parser.add_argument("--object", action="append", default=[], metavar="NAME", help="may be repeated (default: every mesh)")
-    parser.add_argument("--all", action="store_true", help="fill every hole with three corners, not only a mesh's only one")
+    parser.add_argument(
+        "--all", action="store_true", help="fill every hole; by a method of three sides those with three"
+    )
     parser.add_argument("--add-modifier", action="store_true", help="cage: give the object a Subdivision modifier if it has none")
     for option in _OPTIONS.values():
         by_table.add(parser, option)
     parser.add_argument("--corner-offset", type=int, default=0, help="slide the corners along the rim by so many vertices")
     parser.add_argument("--shading", choices=["neighbors", "smooth", "flat"], default="neighbors")
+    parser.add_argument("--deviation", action="store_true", help="write how well new vertices are known as attributes")
     parser.add_argument("--report", metavar="FILE.json")
     return parser
 
@@ -106,7 +107,7 @@ def _rims(bm, matrix, arguments):
         return [selection.Rim(around[0], corners=corners)]
     if arguments.all:
         return _chosen(bm, matrix, arguments)
-    any_rim = getattr(arguments, "method", _METHOD) in _ANY_RIM and getattr(arguments, "output", "") != "cage"
+    any_rim = getattr(arguments, "method", _METHOD) in filling.ANY_RIM and getattr(arguments, "output", "") != "cage"
     any_rim = any_rim and getattr(arguments, "surroundings", "mesh") != "limit"
     if arguments.object:
         return filling.open_holes(bm, matrix, any_rim, _ADVICE)
@@ -125,7 +126,7 @@ def _options(ob, arguments):
     caged = settings["surroundings"] == "mesh" and subdivision.modifier_of(ob)
     settings.setdefault("output", "cage" if caged else "triangles")
     tripatch.options.checked("fill_all", settings)
-    return filling.Options(settings, arguments.corner_offset, arguments.shading)
+    return filling.Options(settings, arguments.corner_offset, arguments.shading, arguments.deviation)
 
 
 def _fill(ob, arguments, options):
@@ -142,22 +143,27 @@ def _fill_mesh(ob, matrix, arguments, options):
     mesh, bm = ob.data, bmesh.new()
     try:
         bm.from_mesh(mesh)
-        rims = _rims(bm, matrix, arguments)
-        if options.arguments["surroundings"] == "limit":
-            return beside.fill_rims(ob, bm, matrix, rims, options)[0]
-        keys = mesh.shape_keys
-        cage = options.arguments["output"] == "cage"
-        modifier = subdivision.usable(ob) if cage else None
-        active = keys.reference_key.name if keys else None
-        outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, active, modifier)
-        if new_faces:
-            bm.to_mesh(mesh)
-            mesh.update()
-            if cage and modifier is None and arguments.add_modifier:
-                subdivision.add_modifier(ob)
-        return outcome
+        with writeback.deviation_layers(bm, options.deviation):
+            return _fill_rims(ob, bm, matrix, _rims(bm, matrix, arguments), arguments, options)
     finally:
         bm.free()
+
+
+def _fill_rims(ob, bm, matrix, rims, arguments, options):
+    mesh = ob.data
+    if options.arguments["surroundings"] == "limit":
+        return beside.fill_rims(ob, bm, matrix, rims, options)[0]
+    keys = mesh.shape_keys
+    cage = options.arguments["output"] == "cage"
+    modifier = subdivision.usable(ob) if cage else None
+    active = keys.reference_key.name if keys else None
+    outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, active, modifier)
+    if new_faces:
+        bm.to_mesh(mesh)
+        mesh.update()
+        if cage and modifier is None and arguments.add_modifier:
+            subdivision.add_modifier(ob)
+    return outcome
 
 
 def _run(arguments):
@@ -173,7 +179,7 @@ def _run(arguments):
     objects = _objects(arguments.object)
     if (hasattr(arguments, "rim") or hasattr(arguments, "corners")) and len(objects) != 1:
         raise _UsageError("--rim and --corners need one --object")
-    if getattr(arguments, "method", _METHOD) not in _ANY_RIM and len(getattr(arguments, "corners", (0,) * 3)) != 3:
+    if getattr(arguments, "method", _METHOD) not in filling.ANY_RIM and len(getattr(arguments, "corners", (0,) * 3)) != 3:
         raise _UsageError("--corners: three are needed, but for --method auto and polyharmonic_spline")
     for name in _given(arguments, "choose_holes"):
         if not arguments.all:
@@ -203,10 +209,10 @@ def _run(arguments):
             json.dump(reports, file, indent=1)
     if not total.reports:
         if not total.refused:
-            print("Nothing to fill: no mesh has a three-sided hole", file=sys.stderr)
+            print("Nothing to fill: no mesh has a hole", file=sys.stderr)
         return EXIT_NONE
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
-    folded = any(report.triangles_folded for report in total.reports)
+    folded = any(report.triangles_folded > report.rim_folded for report in total.reports)
     return EXIT_SOME if total.refused or folded else EXIT_ALL
 
 

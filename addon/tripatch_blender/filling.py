@@ -12,6 +12,9 @@ from . import selection, subdivision, writeback
 from .library import np, tripatch, words
 from .selection import Surroundings, UnusableError
 
+#: Methods that fill holes with any number of corners.
+ANY_RIM = ("auto", "polyharmonic_spline")
+
 
 @dataclass
 class Options:
@@ -20,6 +23,7 @@ class Options:
     arguments: dict = field(default_factory=dict)  # of tripatch.fill
     corner_offset: int = 0  # steps along the rim
     shading: str = "neighbors"  # "neighbors", "smooth", "flat"
+    deviation: bool = False  # how well the new vertices are known, as attributes
 
 
 @dataclass
@@ -138,11 +142,15 @@ def fills(rims, arrays, options, progress=None, **arguments):
     positions, faces, replaced = arrays
     loops = [[v.index for v in rim.loop] for rim in rims]
     results, corners = [None] * len(rims), {}
+    any_rim = options.arguments.get("method", "auto") in ANY_RIM and options.arguments.get("output") != "cage"
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
         try:
             corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset)
         except tripatch.Refusal as refusal:
-            results[k] = refusal
+            if options.corner_offset or not any_rim:
+                results[k] = refusal
+            else:  # the active vertex is no corner of a rim that has not three
+                corners[k] = None
     made = tripatch.fill_all(
         positions,
         faces,
@@ -268,10 +276,10 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
         if planned and cages:
-            new_faces += writeback.write(bm, mesh, planned, options.shading)
+            new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
             planned = []
     if planned:
-        new_faces += writeback.write(bm, mesh, planned, options.shading)
+        new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
     new_faces = [face for face in new_faces if face.is_valid]
     outcome.faces = len(new_faces)
     return outcome, new_faces

@@ -5,7 +5,7 @@ import bmesh
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
-from . import beside, filling, layers, library, properties, selection, subdivision
+from . import beside, filling, layers, library, properties, selection, subdivision, writeback
 from .construction import Construction
 from .properties import OPTIONS
 
@@ -65,6 +65,13 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         default="neighbors",
     )
 
+    deviation: BoolProperty(
+        name="Deviation",
+        description="Write how well each new vertex is known (one standard deviation in scene units) as the vertex attribute "
+        '"deviation", and mark the new faces by the face attribute "reconstructed"',
+        default=False,
+    )
+
     @classmethod
     def poll(cls, context):
         return library.poll(cls, context, "EDIT_MESH", "Works on a mesh in edit mode")
@@ -86,6 +93,7 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         self.construction_rows(row)
         row("corner_offset")
         row("shading")
+        row("deviation", active=self.output != "cage")
         if self.output == "cage":
             row("add_modifier", active=not all(modified))
         else:
@@ -98,7 +106,7 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         else:
             arguments["resolution"] = None if self.rows < 0 else self.rows
             arguments["tolerance"] = self.tolerance or None
-        return filling.Options(arguments, self.corner_offset, self.shading)
+        return filling.Options(arguments, self.corner_offset, self.shading, self.deviation)
 
     def execute(self, context):
         with layers.without_matrices(context, context.objects_in_mode_unique_data):
@@ -132,8 +140,11 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         return {"FINISHED"}
 
     def _fill(self, ob):
-        mesh = ob.data
-        bm = bmesh.from_edit_mesh(mesh)
+        bm = bmesh.from_edit_mesh(ob.data)
+        with writeback.deviation_layers(bm, self.deviation):
+            return self._fill_mesh(ob, ob.data, bm)
+
+    def _fill_mesh(self, ob, mesh, bm):
         bm.verts.index_update()
         bm.faces.index_update()
         matrix = filling.world_matrix(ob.name, ob.matrix_world)

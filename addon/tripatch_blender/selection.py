@@ -154,11 +154,18 @@ class Selected:
         bm.select_flush_mode()
 
 
+def _are_corners(given):
+    """Whether these selected vertices of a rim are its corners: two or more that no selected edge joins to others, or three."""
+    if any(f.select for v in given for f in v.link_faces):
+        return False
+    return len(given) == 3 or (len(given) > 1 and not any(e.select for v in given for e in v.link_edges))
+
+
 def selected_rims(bm, selection):
     """The rims that the selection means, and a sentence for each selected part that means none.
 
-    Whole border loops are holes. Three selected vertices of a loop are its corners. Faces: each connected region by itself;
-    one without mesh border in it is to be replaced. Else whatever border loop the selection touches.
+    Whole border loops are holes. Isolated selected vertices of a loop, two or more, are its corners. Faces: each connected region
+    by itself; one without mesh border in it is to be replaced. Else whatever border loop the selection touches.
     """
     vertices, edges, faces = selection.vertices, selection.edges, selection.faces
     active = bm.select_history.active
@@ -171,7 +178,7 @@ def selected_rims(bm, selection):
         given = [v for v in loop if v in selected]
         if all(e is not None and e.select for e in edges_of(bm, loop)):
             rims.append(Rim(loop))
-        elif len(given) == 3 and "VERT" in bm.select_mode and not any(f.select for v in given for f in v.link_faces):
+        elif "VERT" in bm.select_mode and _are_corners(given):
             rims.append(Rim(loop, corners=given))
         else:
             touched.append(Rim(loop))

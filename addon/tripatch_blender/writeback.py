@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import bmesh
@@ -193,8 +194,46 @@ def _give_normals(planned, tangent, custom, ends, corners):
         custom[corner] = around[0] if agree else exact
 
 
-def write(bm, mesh, all_planned, shading):
-    """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on."""
+DEVIATION, RECONSTRUCTED = "deviation", "reconstructed"
+
+
+def _bools(layers):
+    return layers.bool if hasattr(layers, "bool") else layers.int  # Blender 3
+
+
+@contextmanager
+def deviation_layers(bm, wanted):
+    """Where they are wanted, the layers of how well new vertices are known, made before any element is held: that forgets them.
+    Without a new face they go again."""
+    layers = [(bm.verts.layers.float, DEVIATION), (_bools(bm.faces.layers), RECONSTRUCTED)] if wanted else []
+    made = [(access, access.new(name)) for access, name in layers if access.get(name) is None]
+    try:
+        yield
+    finally:
+        if made and not any(face[_bools(bm.faces.layers)[RECONSTRUCTED]] for face in bm.faces):
+            for access, layer in made:
+                access.remove(layer)
+
+
+def _write_deviation(bm, planned, new_faces):
+    """How well each new vertex is known, one standard deviation in units of the scene; new faces are told from measured ones."""
+    known, marked = bm.verts.layers.float[DEVIATION], _bools(bm.faces.layers)[RECONSTRUCTED]
+    rim = set(planned.loop)
+    deviation = planned.fill.deviation
+    for face in new_faces:
+        face[marked] = True
+    if deviation is None:
+        return
+    at = {}
+    for face, numbers in zip(new_faces, planned.fill.faces, strict=True):
+        at |= {v: n - planned.count for v, n in zip(face.verts, numbers, strict=True) if v not in rim}
+    for vertex, row in at.items():
+        vertex[known] = float(deviation[row])
+
+
+def write(bm, mesh, all_planned, shading, deviation=False):
+    """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on. deviation: into the
+    layers that deviation_layers has made."""
     if any(len(planned.fill.creases[0]) for planned in all_planned):
         subdivision.edge_crease_layer(bm)  # before any other layer is held
     custom = None
@@ -206,7 +245,10 @@ def write(bm, mesh, all_planned, shading):
         custom = {corner: normal for corner, normal in custom.items() if corner.face not in gone}
     new_faces = []
     for planned in all_planned:
-        new_faces += _write_one(bm, planned, shading, custom)
+        made = _write_one(bm, planned, shading, custom)
+        if deviation:
+            _write_deviation(bm, planned, made)
+        new_faces += made
     if custom is not None:
         normals.set_corner_normals(bm, mesh, custom)
     return new_faces

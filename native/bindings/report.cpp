@@ -31,6 +31,8 @@ void bind_report(py::module_& m) {
                     "Largest standard deviation of a new vertex, in units of the mesh; None: the method does not know it.")
       .def_readonly("triangles_folded", &Report::triangles_folded,
                     "Edges between new faces (of a cage: of its limit surface) whose triangles face more than 120 degrees apart.")
+      .def_readonly("rim_folded", &Report::rim_folded,
+                    "The same of the rim's own triangulation: a rim that folds leaves no other way.")
       .def_readonly("folds", &Report::folds, "Places of a 64 x 64 grid where the patch folds over itself.")
       .def_readonly("corners", &Report::corners, "Vertex indices of the corners.")
       .def_readonly("cage_deviation_max", &Report::cage_deviation_max,

@@ -79,7 +79,7 @@ def test_some_refused(run):
     scenes.add_hole().name = "A"
     scenes.add_mesh(*scenes.square_hole()).name = "B"
     report = run.out.with_suffix(".json")
-    status, _, err = run("--all", "--report", str(report))
+    status, _, err = run("--all", "--method", "side_vertex", "--report", str(report))
     assert status == 3
     assert "B: Rim has 4 corners; select three" in err
     assert run.out.exists()
@@ -87,6 +87,49 @@ def test_some_refused(run):
     assert (a["object"], len(a["filled"]), a["refused"]) == ("A", 1, [])
     assert a["filled"][0]["seam_angle_max"] < 1e-4
     assert (b["object"], b["filled"], len(b["refused"])) == ("B", [], 1)
+
+
+def test_any_rim_is_filled_by_default(run):
+    """As by the operator and by the library."""
+    scenes.add_mesh(*scenes.square_hole()).name = "B"
+    report = run.out.with_suffix(".json")
+    status, _, err = run("--report", str(report))
+    assert (status, err) == (0, "")
+    assert json.loads(report.read_text())[0]["filled"][0]["method"] == "polyharmonic_spline"
+
+
+@pytest.mark.parametrize(("of_fill", "of_rim", "status"), [(1, 0, 3), (1, 1, 0), (0, 2, 0)])
+def test_a_fill_that_folds_no_more_than_its_rim_is_no_failure(run, addon, monkeypatch, of_fill, of_rim, status):
+    filling = importlib.import_module(addon.__name__ + ".filling")
+
+    class Folded:
+        triangles_folded, rim_folded = of_fill, of_rim
+
+        def __init__(self, report):
+            self.report = report
+
+        def __getattr__(self, name):
+            return getattr(self.report, name)
+
+    fill_rims = filling.fill_rims
+
+    def folded(*arguments):
+        outcome, faces = fill_rims(*arguments)
+        outcome.reports = [Folded(report) for report in outcome.reports]
+        return outcome, faces
+
+    monkeypatch.setattr(filling, "fill_rims", folded)
+    scenes.add_hole()
+    assert run()[0] == status
+
+
+def test_deviation_is_written_where_asked(run):
+    scenes.add_mesh(*scenes.square_hole()).name = "B"
+    assert run("--deviation")[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    attributes = bpy.data.objects["B"].data.attributes
+    assert attributes["deviation"].domain == "POINT"
+    assert attributes["reconstructed"].domain == "FACE"
 
 
 def test_nothing_to_fill(run):
@@ -113,7 +156,7 @@ def test_all_refused(run):
         (["--bulge", "-1"], "bulge"),
         (["--rim", "0,1,x"], "--rim"),
         (["--rim", "0,1,99999"], "99999"),
-        (["--corners", "1,2"], "three"),
+        (["--corners", "1,2", "--method", "side_vertex"], "three"),
         (["no such file.blend"], "no such file"),
     ],
 )
@@ -142,7 +185,7 @@ def test_given_corners_and_rim(run):
 def test_all_leaves_the_outer_border_unless_asked(run):
     points, faces = scenes.lattice(size=18, holes=((2, 2, 4), (9, 3, 4)))
     scenes.add_mesh(scenes.bowl(points), faces).name = "A"
-    status, out, err = run()
+    status, out, err = run("--method", "side_vertex")
     assert status == 1
     assert "2 holes have three corners" in err
     assert "name one by --rim or --corners, or fill them by --all" in err
@@ -152,7 +195,7 @@ def test_all_leaves_the_outer_border_unless_asked(run):
     bpy.ops.wm.open_mainfile(filepath=str(run.out))
     assert rims("A") == [54]
     bpy.ops.wm.open_mainfile(filepath=str(run.out.with_name("in.blend")))
-    assert run("--all", "--outer")[0] == 3  # seen from outside, the border turns the wrong way round
+    assert run("--all", "--outer", "--method", "side_vertex")[0] == 3  # seen from outside, the border turns the wrong way round
 
 
 def test_all_takes_the_only_hole_of_a_mesh(run):
@@ -246,8 +289,11 @@ def test_the_script_as_a_program(tmp_path):
     assert "A: Filled 1 hole" in done.stdout
     assert out.exists()
     done = blender(tmp_path / "in.blend", "--all", "--out", str(out))
+    assert done.returncode == 0, done.stdout + done.stderr
+    patch = ("--method", "side_vertex")
+    done = blender(tmp_path / "in.blend", "--all", *patch, "--out", str(out))
     assert done.returncode == 3, done.stdout + done.stderr
-    done = blender(tmp_path / "in.blend", "--object", "B", "--out", str(tmp_path / "never.blend"))
+    done = blender(tmp_path / "in.blend", "--object", "B", *patch, "--out", str(tmp_path / "never.blend"))
     assert done.returncode == 1, done.stdout + done.stderr
     assert "select three" in done.stderr
     assert not (tmp_path / "never.blend").exists()

@@ -349,3 +349,55 @@ def test_with_nothing_selected_every_hole_is_filled():
     assert fill() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert len(scenes.border_loops(scenes.checked(ob))) == 1
+
+
+def test_deviation_and_new_faces_become_attributes_where_asked():
+    """A square hole in a bowl that is scaled: in scene units, larger in the middle, and only at new vertices."""
+    points, faces = scenes.square_hole()
+    wavy = [(x, y, 0.1 * np.sin(2 * x) * np.cos(3 * y)) for x, y, *_ in points]
+    ob = scenes.add_mesh(wavy, faces)
+    scenes.edit(ob)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not {"deviation", "reconstructed"} & {layer.name for layer in ob.data.attributes}
+
+    largest = []
+    for scale in (1, 3):
+        ob = scenes.add_mesh(wavy, faces)
+        ob.scale = (scale,) * 3
+        bpy.context.view_layer.update()
+        scenes.edit(ob)
+        assert fill(deviation=True) == {"FINISHED"}
+        bpy.ops.object.mode_set(mode="OBJECT")
+        marked = np.array([bool(x.value) for x in ob.data.attributes["reconstructed"].data])
+        assert marked.tolist() == [k >= len(faces) for k in range(len(ob.data.polygons))]
+        known = np.array([x.value for x in ob.data.attributes["deviation"].data])
+        assert (known[: len(points)] == 0).all()
+        assert (known[len(points) :] > 0).all()
+        largest.append(known.max())
+    assert largest[1] == pytest.approx(3 * largest[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_isolated_selected_vertices_of_a_rim_are_its_corners(count, addon, monkeypatch):
+    library = sys.modules[addon.__name__ + ".library"].tripatch
+    asked, made = [], library.fill_all
+    monkeypatch.setattr(library, "fill_all", lambda *a, **kw: asked.append(kw["corners"]) or made(*a, **kw))
+    ob = scenes.add_mesh(*scenes.square_hole())
+    (bm,) = scenes.edit(ob)
+    rim = min(scenes.border_loops(bm), key=len)
+    corners = rim[:: len(rim) // count][:count]
+    scenes.select(bm, corners)
+    assert fill() == {"FINISHED"}
+    assert [sorted(c) for c in asked[0]] == [sorted(v.index for v in corners)]
+
+
+def test_an_active_vertex_does_not_hinder_a_rim_without_three_corners():
+    ob = scenes.add_mesh(*scenes.square_hole())
+    (bm,) = scenes.edit(ob)
+    rim = min(scenes.border_loops(bm), key=len)
+    scenes.select_rim(bm, rim)
+    bm.select_history.add(rim[2])
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(scenes.border_loops(scenes.checked(ob))) == 1

@@ -131,6 +131,7 @@ class Report:
     method_reason: str
     deviation_max: float | None
     triangles_folded: int
+    rim_folded: int
     folds: int
     corners: list[int]
     cage_deviation_max: float

@@ -16,12 +16,12 @@ from tripatch import arguments, files, words
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 
 _DESCRIPTION = """\
-Fills a three-sided hole of the mesh in IN and writes the mesh with the fill to OUT; with --all every three-sided hole.
+Fills a hole of the mesh in IN and writes the mesh with the fill to OUT; with --all every hole.
 OBJ, OFF, PLY and STL files keep everything that is in them; VTK and other files go through meshio. Vertices are counted
 from 0, in the order of the file (STL: of their first use)."""
 _EXIT = """\
-exit status: 0 all filled; 3 some were refused or fold over themselves (OUT is written); 1 nothing to fill or all refused (the
-reason on stderr, OUT is not written); 2 bad usage or unreadable input"""
+exit status: 0 all filled; 3 some were refused or fold more than their rims do (OUT is written); 1 nothing to fill or all
+refused (the reason on stderr, OUT is not written); 2 bad usage or unreadable input"""
 
 #: The options of `tripatch.fill`; but the faces of a file stay.
 OPTIONS = {name: option for name, option in tripatch.OPTIONS.items() if name != "replaced"}
@@ -155,7 +155,7 @@ def _fill(args: argparse.Namespace) -> int:
     cage_rim = options.get("cage_rim", "smooth") if options.get("output") == "cage" else ""
     limit, quads = options.get("surroundings") == "limit", sum(len(fill.faces) for fill in fills)
     print(words.filled([fill.report for fill in fills], cage_rim=cage_rim, quads=quads, limit=limit))
-    folded = sum(fill.report.triangles_folded > 0 for fill in fills)
+    folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
     if folded:
         _say(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")
     return FILLED if len(fills) == len(holes) and not folded else SOME
