@@ -33,9 +33,7 @@ def _parser(prog):
     parser.add_argument("file", nargs="?", help=".blend to be opened first (default: the one that Blender has open)")
     parser.add_argument("--out", required=True, help=".blend to be written")
     parser.add_argument("--object", action="append", default=[], metavar="NAME", help="may be repeated (default: every mesh)")
-    parser.add_argument(
-        "--all", action="store_true", help="fill every hole; by a method of three sides those with three"
-    )
+    parser.add_argument("--all", action="store_true", help="fill every hole; by a method of three sides those with three")
     parser.add_argument("--add-modifier", action="store_true", help="cage: give the object a Subdivision modifier if it has none")
     for option in _OPTIONS.values():
         by_table.add(parser, option)
