@@ -27,40 +27,6 @@ def _vertex_normals(faces, positions, given):
     return tripatch.vertex_normals(positions, [[v.index for v in f.verts] for f in faces], at_corners)
 
 
-class _Weights:
-    """How much of each corner of its triangle every corner of the new triangles has, and of its edge every point that cuts it."""
-
-    def __init__(self, smooth, triangles, count, resolution):
-        """smooth: tripatch.SmoothMesh of triangles (m, 3) among `count` vertices."""
-        inside = [(resolution - j - k, j, k) for j in range(1, resolution) for k in range(1, resolution - j)]
-        self.inside = np.array(inside, dtype=np.float64).reshape(-1, 3) / resolution
-        u = np.arange(1, resolution) / resolution
-        self.edge = np.column_stack([1 - u, u])
-
-        numbers, cuts = np.arange(len(smooth.vertices)), resolution - 1
-        first_inside = count + len(smooth.edges) * cuts
-        a, b, t = numbers.copy(), numbers.copy(), np.zeros(len(numbers))
-        a[count:first_inside], b[count:first_inside] = np.repeat(smooth.edges, cuts, axis=0).T
-        t[count:first_inside] = np.tile(u, len(smooth.edges))
-        points = smooth.faces.reshape(len(triangles), -1)
-        own = np.asarray(triangles)[:, None, :]
-        share = t[points][..., None]
-        self.corners = (a[points][..., None] == own) * (1 - share) + (b[points][..., None] == own) * share
-        held = points >= first_inside
-        if held.any():
-            self.corners[held] = self.inside[(points[held] - first_inside) % len(inside)]
-        self.nearest = (self.corners.argmax(axis=2) + 3 * np.arange(len(triangles))[:, None]).ravel()
-
-    def __call__(self, values):
-        """Values (3 m r^2, d) at the corners of the new triangles from values (3 m, d) at those of the old ones."""
-        return (self.corners @ values.reshape(len(self.corners), 3, -1)).reshape(self.nearest.size, -1)
-
-    def at_new_vertices(self, values, edges, triangles):
-        """Values (k, d) at all new vertices from values (n, d) at the mesh's."""
-        parts = ((self.edge, edges), (self.inside, triangles))
-        return np.vstack([(share @ values[rows]).reshape(-1, values.shape[1]) for share, rows in parts])
-
-
 @dataclass
 class _Planned:
     """Smoothed triangles that are ready to be written: nothing in the BMesh has changed yet."""
@@ -72,7 +38,7 @@ class _Planned:
     smooth: object  # tripatch.SmoothMesh in world space, in the vertex numbers of the BMesh
     positions: np.ndarray  # (k, 3) of the new vertices in object space
     normals: np.ndarray  # (n + k, 3) of all vertices in object space
-    weights: _Weights
+    weights: object  # tripatch.CutWeights
     custom: dict | None  # {face corner: normal} of the corners whose normals the change would turn
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
     notes: list = field(default_factory=list)
@@ -134,7 +100,7 @@ def _plan(ob, resolution, curve):
         smooth = smoothed(lambda v: v.co, given)
     except tripatch.Refusal as refusal:
         raise UnusableError(refusal.reason) from None
-    weights = _Weights(smooth, triangles, count, resolution)
+    weights = tripatch.CutWeights(smooth, triangles, count)
     planned = _Planned(bm, mesh, faces, triangles, smooth, to_object(smooth), _unit(smooth.normals @ linear), weights, custom)
 
     active = ob.active_shape_key

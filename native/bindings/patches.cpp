@@ -75,7 +75,10 @@ void bind_patches(py::module_& m) {
   py::class_<Surface, std::shared_ptr<Surface>>(m, "Patch", "A surface over the triangle.")
       .def("_evaluate", &evaluate<Surface>)
       .def(
-          "_energy", [](const Surface& surface, const std::string& name) { return energy(surface, name, size_of(surface)); },
+          "_energy",
+          [](const Surface& surface, const std::string& name) {
+            return energy(surface, named<Fairing>(name, "energy"), size_of(surface));
+          },
           py::call_guard<py::gil_scoped_release>())
       .def("_normal", [](const Surface& surface, const Array& b) {
         const Points points = points_from(b);
@@ -109,7 +112,7 @@ void bind_making(py::module_& m) {
     TriangleMesh mesh;
     {
       py::gil_scoped_release release;
-      mesh = triangulate(parameters, resolution, [&](const PointsRef& b) { return patch->positions(b); });
+      mesh = triangulate(parameters, resolution, *patch);
     }
     return py::make_tuple(array_from(mesh.barycentric), mesh.triangles);
   });

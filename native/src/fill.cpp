@@ -162,10 +162,10 @@ bool is_shaped(const FillOptions& options) {
 }
 
 /// The path of cages, fitted together: layouts, the fairest cages on them, patches between their sides, the cages fitted to these.
-std::vector<Fill> fill_with_cages(const Mesh& mesh, const std::vector<Hole>& holes, const FillOptions& options) {
+std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<Hole>& holes, const FillOptions& options) {
   CageOptions cage_options;
   cage_options.rim = options.cage_rim;
-  CageFill cages(mesh, holes, options.subdivision, options.replaced, layout_options(options), cage_options);
+  CageFill cages(ground.mesh, ground.left, holes, options.subdivision, options.replaced, layout_options(options), cage_options);
 
   // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
   // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
@@ -211,7 +211,7 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<H
     for (std::size_t h : group) together.push_back(holes[h]);
     const Stopwatch watch;
     try {
-      std::vector<Fill> fills = fill_with_cages(ground.mesh, together, options);
+      std::vector<Fill> fills = fill_with_cages(ground, together, options);
       for (std::size_t k = 0; k < group.size(); ++k) {
         fills[k].report.seconds = watch.seconds() / static_cast<double>(group.size());
         results[place[group[k]]] = std::move(fills[k]);
@@ -222,7 +222,7 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<H
         const Stopwatch own;
         Results::value_type& result = results[place[group[h]]];
         try {
-          Fill alone = std::move(fill_with_cages(ground.mesh, {together[h]}, options)[0]);
+          Fill alone = std::move(fill_with_cages(ground, {together[h]}, options)[0]);
           alone.report.seconds = own.seconds();
           result = std::move(alone);
         } catch (const Refusal& alone) {
@@ -355,7 +355,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   check_for_holes(options);
   const Ground ground(mesh, options.rim, options);
   Fill result = options.output == Output::cage
-                    ? std::move(fill_with_cages(mesh, {hole_of(ground, options.rim, options.corners)}, options)[0])
+                    ? std::move(fill_with_cages(ground, {hole_of(ground, options.rim, options.corners)}, options)[0])
                     : fill_by_method(ground, options.rim, options.corners, options);
   result.report.seconds = watch.seconds();
   return result;

@@ -52,7 +52,8 @@ void tell(Option& option, std::type_identity<std::optional<T>>) {
 
 template <class T>
 Option row(const char* name, AboutOption about) {
-  Option option{std::move(about)};
+  Option option = {};
+  static_cast<AboutOption&>(option) = std::move(about);
   option.name = name;
   tell(option, std::type_identity<T>());
   for (const Method& method : methods())

@@ -45,7 +45,7 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
     fairing.degree = 6;  // there is more to go by than an energy
     made.patch = follow(base, *points, fairing);
   } else if (faired) {
-    fairing.energy = name_of(*options.fairing);
+    fairing.energy = *options.fairing;
     fairing.position_only = continuity.free;
     fairing.tension = options.tension;
     fairing.center = center;
@@ -54,7 +54,7 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
     const FoldCounter counter(kinks, continuity.tangent);
     FairResult result = fair(base, build(method, smoothed(sides), ribbons, own), fairing, &counter);
     made.patch = std::move(result.patch);
-    made.report.fairing = result.energy;
+    made.report.fairing = name_of(result.energy);
     made.report.energy_before = result.before;
     made.report.energy_after = result.after;
     for (std::string& warning : result.warnings) made.report.warnings.push_back(std::move(warning));
@@ -90,7 +90,7 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
   own.to_be_faired = false;
   MadePatch plain = construct_and_fair(sides, method, continuity, options, center, own, !made.gave_up, points);
   if (made.gave_up && (plain.report.folds == 0 || made.report.folds > 0)) {
-    const double bends = energy(*plain.patch, name_of(*options.fairing), size_of(*plain.patch));
+    const double bends = energy(*plain.patch, *options.fairing, size_of(*plain.patch));
     made.patch = plain.patch;
     made.report.folds = plain.report.folds;
     made.report.energy_before = made.report.energy_after = bends;

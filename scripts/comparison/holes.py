@@ -428,27 +428,21 @@ def suzanne_meshes(folder: Path, blender="blender") -> None:
         subprocess.run(command + [str(folder), *map(str, levels)], check=True, stdout=subprocess.DEVNULL)
 
 
-def suzanne(n, folder: Path):
-    """Half of 2 x 2 faces of Suzanne's forehead, below their diagonal, on the limit surface; n = 8, 16 or 32."""
-
-    def read(level):
-        points = np.fromfile(folder / f"suzanne-{level}.points", np.float32).reshape(-1, 3).astype(float)
-        return points, np.fromfile(folder / f"suzanne-{level}.quads", np.int32).reshape(-1, 4)
-
-    points, quads = read(SUZANNE_LEVELS[n])
-    face_of, neighbours = {}, {}
+def _suzanne_grid(points, quads, n):
+    """Vertices (n + 1, n + 1) of 2 x 2 faces of the forehead, walked from one corner."""
+    face_of, neighbors = {}, {}
     for f, quad in enumerate(quads.tolist()):
         for a, b in zip(quad, quad[1:] + quad[:1]):
             face_of[a, b] = f
-            neighbours.setdefault(a, set()).add(b)
-            neighbours.setdefault(b, set()).add(a)
+            neighbors.setdefault(a, set()).add(b)
+            neighbors.setdefault(b, set()).add(a)
 
     def towards(v, direction):
-        return max(sorted(neighbours[v]), key=lambda w: unit(points[w] - points[v]) @ direction)
+        return max(sorted(neighbors[v]), key=lambda w: unit(points[w] - points[v]) @ direction)
 
     def straight(before, v):  # across a regular vertex
         beside = {w for f in (face_of.get((before, v)), face_of.get((v, before))) if f is not None for w in quads[f].tolist()}
-        return (neighbours[v] - beside).pop()
+        return (neighbors[v] - beside).pop()
 
     def opposite(a, b, c):  # the fourth vertex of the quad a, b, c
         for f in (face_of.get((a, b)), face_of.get((b, a))):
@@ -464,8 +458,11 @@ def suzanne(n, folder: Path):
     for i in range(1, n + 1):
         for j in range(1, n + 1):
             grid[i, j] = opposite(grid[i - 1, j], grid[i - 1, j - 1], grid[i, j - 1])
+    return grid
 
-    rim = np.array([grid[i, 0] for i in range(n)] + [grid[n - i, i] for i in range(n)] + [grid[0, n - i] for i in range(n)])
+
+def _faces_around(quads, grid, n):
+    """Triangles (m, 3) of the rings around the half of the grid that is the hole."""
     kept = {int(grid[i, j]) for i in range(n + 1) for j in range(n + 1 - i)}
     block = {frozenset(map(int, grid[i : i + 2, j : j + 2].flat)): (i, j) for i in range(n) for j in range(n)}
     for _ in range(RINGS):
@@ -480,24 +477,42 @@ def suzanne(n, folder: Path):
             faces.append((quad[k], quad[(k + 1) % 4], quad[k - 1]))
         else:
             faces += [(quad[0], quad[1], quad[2]), (quad[0], quad[2], quad[3])]
-    faces = np.array(faces)
-    if ((faces == rim[0]) & (np.roll(faces, -1, axis=1) == rim[1])).any():
-        rim = np.roll(rim[::-1], 1)
+    return np.array(faces)
 
-    truth, truth_quads = read(SUZANNE_TRUTH)
+
+def _suzanne_truth(points, used, hole, folder):
+    """The fine limit surface near these points and those of the hole, its triangles there, its normals at the points used."""
+    truth, truth_quads = _limit_points(folder, SUZANNE_TRUTH)
     triangles = np.concatenate([truth_quads[:, [0, 1, 2]], truth_quads[:, [0, 2, 3]]])
-    low, high = points[sorted(kept)].min(0) - 0.05, points[sorted(kept)].max(0) + 0.05
+    low, high = points[[*used, *hole]].min(0) - 0.05, points[[*used, *hole]].max(0) + 0.05
     triangles = triangles[((truth[triangles[:, 0]] > low) & (truth[triangles[:, 0]] < high)).all(1)]
-    # normals from the quads' diagonals, which no cut of a quad favours
+    # normals from the quads' diagonals, which no cut of a quad favors
     near = np.unique(triangles)
     normals = np.zeros_like(truth)
     beside = truth_quads[np.isin(truth_quads, near).any(1)]
     a, b, c, d = truth[beside].swapaxes(0, 1)
     for k in range(4):
         np.add.at(normals, beside[:, k], np.cross(c - a, d - b))
-    used = np.unique(faces)
     there = near[[np.linalg.norm(truth[near] - p, axis=1).argmin() for p in points[used]]]
+    return truth, triangles, unit(normals[there])
 
+
+def _limit_points(folder, level):
+    points = np.fromfile(folder / f"suzanne-{level}.points", np.float32).reshape(-1, 3).astype(float)
+    return points, np.fromfile(folder / f"suzanne-{level}.quads", np.int32).reshape(-1, 4)
+
+
+def suzanne(n, folder: Path):
+    """Half of 2 x 2 faces of Suzanne's forehead, below their diagonal, on the limit surface; n = 8, 16 or 32."""
+    points, quads = _limit_points(folder, SUZANNE_LEVELS[n])
+    grid = _suzanne_grid(points, quads, n)
+    rim = np.array([grid[i, 0] for i in range(n)] + [grid[n - i, i] for i in range(n)] + [grid[0, n - i] for i in range(n)])
+    faces = _faces_around(quads, grid, n)
+    if ((faces == rim[0]) & (np.roll(faces, -1, axis=1) == rim[1])).any():
+        rim = np.roll(rim[::-1], 1)
+
+    used = np.unique(faces)
+    truth, triangles, normals = _suzanne_truth(points, used, grid[np.add.outer(range(n + 1), range(n + 1)) <= n], folder)
     index = np.full(len(points), -1)
     index[used] = np.arange(len(used))
     return Hole(
@@ -506,7 +521,7 @@ def suzanne(n, folder: Path):
         index[faces],
         index[rim],
         index[rim[[0, n, 2 * n]]],
-        unit(normals[there]),
+        normals,
         lambda p: _nearest_on_triangles(p, truth, triangles),
         counts=(n, n, n),
     )

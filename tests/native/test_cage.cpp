@@ -63,7 +63,7 @@ TEST_CASE("a closed cage has the surroundings first, no border at the rim, and s
       CHECK(cage.first_face == std::vector<Index>{corner.faces.size(), cage.faces.size()});
       CHECK(find_holes(cage.faces).size() == 1);  // the outer border
       CHECK(cage.vertices.col(2).norm() < 1e-14);
-      const DirectedEdges edges = rim_edges(cage, holes);
+      const DirectedEdges edges = rim_edges(Connectivity(cage.mesh()), holes);
       const std::vector<Index>& rim = corner.hole.rim;
       for (std::size_t k = 0; k < rim.size(); ++k) {
         const Index a = rim[k], b = rim[(k + 1) % rim.size()];
@@ -81,7 +81,7 @@ TEST_CASE("replaced faces are left out, and rings count by what touches the rim"
   const ClosedCage cage = close_holes({corner.vertices, corner.whole}, holes, corner.gone);
   CHECK(cage.faces.size() == corner.whole.size());
   for (Index f : cage.kept) CHECK(std::count(corner.gone.begin(), corner.gone.end(), f) == 0);
-  const auto rings = rings_around(cage, corner.hole);
+  const auto rings = rings_around(cage, Connectivity(cage.mesh()), corner.hole);
   CHECK(rings[0].size() == 3 * (2 * 2 + 1));  // around a square of 2 x 2 in its corner: 2 + 1 + 2
   CHECK(rings[1].size() == 3 * (2 * 3 + 1));
   std::set<Index> all(rings[0].begin(), rings[0].end());

@@ -23,7 +23,8 @@ CageOptions with_rim(CageRim rim) {
 
 /// The cage with its middle gone, filled by the phases one after the other.
 Fill filled(const CubeCorner& corner, CageRim rim, const LayoutOptions& layout = {.rows = 0}) {
-  CageFill cages(corner.mesh(), {corner.hole}, {}, {}, layout, with_rim(rim));
+  const Connectivity left(corner.mesh());
+  CageFill cages(corner.mesh(), left, {corner.hole}, {}, {}, layout, with_rim(rim));
   Fill fill;
   fill.patch = side_vertex(make_boundary(cages.sides(0)));
   cages.fit({fill.patch});

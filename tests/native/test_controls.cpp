@@ -115,10 +115,10 @@ TEST_CASE("the fairest patch with a middle has less of the energy than the patch
   }
   // a quadratic energy grows with the square of the distance from where the middle would be by itself
   const SurfacePtr free = made(sides, "third_derivative").patch;
-  const double size = size_of(sides), least = energy(*free, "third_derivative", size);
+  const double size = size_of(sides), least = energy(*free, Fairing::third_derivative, size);
   const auto above = [&](double offset) {
     const SurfacePtr patch = made(sides, "third_derivative", [&](FillOptions& o) { o.center_offset = offset; }).patch;
-    return energy(*patch, "third_derivative", size) - least;
+    return energy(*patch, Fairing::third_derivative, size) - least;
   };
   CHECK(above(0.01) == Approx(above(-0.01)).epsilon(1e-3));
   CHECK(above(0.02) == Approx(4 * above(0.01)).epsilon(1e-3));

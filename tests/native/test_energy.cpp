@@ -46,7 +46,7 @@ TEST_CASE("energies are those of the equilateral metric, with the stated weights
     return p;
   });
   // only the cubic has third derivatives
-  CHECK(energy(*surface, "third_derivative", 1) == Approx(weight_integral() * (36 + 3 * 16 + 36)).epsilon(1e-12));
+  CHECK(energy(*surface, Fairing::third_derivative, 1) == Approx(weight_integral() * (36 + 3 * 16 + 36)).epsilon(1e-12));
   const SurfacePtr quadratic = formula_surface([surface](const auto& b) {
     using Scalar = std::decay_t<decltype(b[0])>;
     const auto [x, y] = plane(b);
@@ -55,14 +55,14 @@ TEST_CASE("energies are those of the equilateral metric, with the stated weights
     p.x[1] = 0.5 * (y * y);
     return p;
   });
-  CHECK(energy(*quadratic, "thin_plate", 1) == Approx(weight_integral() * (4 + 2 * 9 + 1)).epsilon(1e-12));
+  CHECK(energy(*quadratic, Fairing::thin_plate, 1) == Approx(weight_integral() * (4 + 2 * 9 + 1)).epsilon(1e-12));
 }
 
 TEST_CASE("thin plate of a blend with disagreeing corners is finite and does not depend on the quadrature") {
   const SurfacePtr patch = side_vertex(make_boundary(skewed_sides(unrelated_surfaces(6))));
-  CHECK(energy(*patch, "thin_plate", 1, 16) == Approx(energy(*patch, "thin_plate", 1, 32)).epsilon(1e-3));
+  CHECK(energy(*patch, Fairing::thin_plate, 1, 16) == Approx(energy(*patch, Fairing::thin_plate, 1, 32)).epsilon(1e-3));
 }
 
 TEST_CASE("energies are not called by other names") {
-  CHECK_THROWS_WITH(energy(*wave(), "membrane", 1), Catch::Contains("thin_plate, third_derivative"));
+  CHECK_THROWS_WITH(named<Fairing>("membrane", "energy"), Catch::Contains("thin_plate, third_derivative"));
 }

@@ -1,7 +1,7 @@
 #include "test_surfaces.h"
 #include "tripatch/constructions/nielson_blend.h"
 #include "tripatch/constructions/side_vertex.h"
-#include "tripatch/constructions/vertex_ray.h"
+#include "tripatch/patch/vertex_ray.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -206,16 +206,16 @@ TEST_CASE("szilvasi_nagy: optimal lambda") {
     REQUIRE(best.path().size() > 1);
     CHECK(best.shape() == best.path().back().shape);
     const double least = best.path().back().energy;
-    CHECK(energy(best, "thin_plate", 1, 6) == Approx(least).epsilon(1e-9));  // two evaluators of one energy
-    CHECK(best.path().front().energy == Approx(energy(*blend(surfaces, continuity), "thin_plate", 1, 6)).epsilon(1e-9));
+    CHECK(energy(best, Fairing::thin_plate, 1, 6) == Approx(least).epsilon(1e-9));  // two evaluators of one energy
+    CHECK(best.path().front().energy == Approx(energy(*blend(surfaces, continuity), Fairing::thin_plate, 1, 6)).epsilon(1e-9));
     for (std::size_t k = 2; k < best.path().size(); ++k) CHECK(best.path()[k].energy <= best.path()[k - 1].energy);
 
     std::mt19937 random(4);
     std::uniform_real_distribution<double> uniform(0, 1);
     double found = INFINITY;
     for (int k = 0; k < 1000; ++k)
-      found = std::min(
-          found, energy(*blend(surfaces, continuity, {uniform(random), uniform(random), uniform(random)}), "thin_plate", 1, 6));
+      found = std::min(found, energy(*blend(surfaces, continuity, {uniform(random), uniform(random), uniform(random)}),
+                                     Fairing::thin_plate, 1, 6));
     CHECK(least <= found * (1 + 1e-6));
 
     for (int i = 0; i < 3; ++i) {
@@ -223,8 +223,8 @@ TEST_CASE("szilvasi_nagy: optimal lambda") {
         std::array<double, 3> up = best.shape(), down = best.shape();
         up[i] += h;
         down[i] -= h;
-        return (energy(*blend(surfaces, continuity, up), "thin_plate", 1, 6) -
-                energy(*blend(surfaces, continuity, down), "thin_plate", 1, 6)) /
+        return (energy(*blend(surfaces, continuity, up), Fairing::thin_plate, 1, 6) -
+                energy(*blend(surfaces, continuity, down), Fairing::thin_plate, 1, 6)) /
                (2 * h);
       };
       if (best.shape()[i] < 1.001e-3) {

@@ -11,7 +11,6 @@ using namespace tripatch;
 namespace {
 
 using Parameters = std::array<std::vector<double>, 3>;
-using Position = std::function<Points(const PointsRef&)>;
 
 /// n edges, growing like t^power.
 std::vector<double> graded(int n, double power = 1) {
@@ -20,23 +19,27 @@ std::vector<double> graded(int n, double power = 1) {
   return t;
 }
 
-Position pointwise(std::function<Vec3(const Vec3&)> f) {
-  return [f = std::move(f)](const PointsRef& b) {
-    Points x(b.rows(), 3);
-    for (Index k = 0; k < b.rows(); ++k) x.row(k) = f(b.row(k));
-    return x;
-  };
-}
+/// Positions are all that triangles are made by.
+class Position final : public Surface {
+public:
+  explicit Position(std::function<Vec3(const Vec3&)> f) : f_(std::move(f)) {}
+  void evaluate(const double* b, Index n, int, double* out) const override {
+    for (Index k = 0; k < n; ++k) Eigen::Map<Vec3>(out + 3 * k) = f_(Eigen::Map<const Vec3>(b + 3 * k));
+  }
 
-const Position octant = pointwise([](const Vec3& b) { return b.normalized(); });
-const Position flat = pointwise([](const Vec3& b) { return Vec3(b[1] + 0.5 * b[2], std::sqrt(0.75) * b[2], 0); });
+private:
+  std::function<Vec3(const Vec3&)> f_;
+};
+
+const Position octant([](const Vec3& b) { return b.normalized(); });
+const Position flat([](const Vec3& b) { return Vec3(b[1] + 0.5 * b[2], std::sqrt(0.75) * b[2], 0); });
 /// The long twisted hole: side 2 of length 4, side 1 of length 2.
-const Position helicoid = pointwise([](const Vec3& b) {
+const Position helicoid([](const Vec3& b) {
   const double u = 4 * b[1] + 1.2 * b[2], v = -0.5 * b[0] - 0.2 * b[1] + b[2];
   return Vec3(u, v * std::cos(1.2 * u), v * std::sin(1.2 * u));
 });
 /// A cap over a round rim: the rim goes straight on at the corners.
-const Position cap = pointwise([](const Vec3& b) {
+const Position cap([](const Vec3& b) {
   const Vec3 p(b[1] + 0.5 * b[2] - 0.5, std::sqrt(0.75) * (b[2] - 1.0 / 3), 0);
   const double r = 1 - 3 * b.minCoeff();
   return p.norm() > 0 ? Vec3(p.normalized() * r + Vec3(0, 0, 0.3 * (1 - r * r))) : Vec3(0, 0, 0.3);
@@ -99,7 +102,7 @@ struct Angles {
 };
 
 Angles angles(const TriangleMesh& mesh, const Position& position) {
-  const Points x = position(mesh.barycentric);
+  const Points x = position.positions(mesh.barycentric);
   auto degrees = [](const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / M_PI; };
   Angles a;
   std::map<std::pair<Index, Index>, Vec3> normal;
@@ -260,7 +263,7 @@ TEST_CASE("a rim so dense that its own density would be huge is coarsened inward
 TEST_CASE("where the surface is torn or folds the number of triangles stays bounded") {
   // Along a side of a gap and in a fold edges stay too long however often they are split.
   const auto shifted = [](std::function<double(double)> how_far) {
-    return pointwise([how_far = std::move(how_far)](const Vec3& b) {
+    return Position([how_far = std::move(how_far)](const Vec3& b) {
       const double s = 1 - b[0];
       return Vec3(b[1] + 0.5 * b[2], std::sqrt(0.75) * b[2] - 1.2 * s * s * (3 - 2 * s) * b[0] * how_far(s > 0 ? b[2] / s : 0),
                   0);

@@ -167,3 +167,25 @@ def test_angles():
     np.testing.assert_allclose(tripatch.angles(a, b), [np.degrees(tiny), 180, 45, 0], rtol=1e-12)
     with pytest.raises(ValueError, match="same shape"):
         tripatch.angles(a, b[:2])
+
+
+def test_what_cut_triangles_have_of_the_flat_ones_is_linear():
+    """On a flat mesh the new vertices lie where their weights of the old ones say, edge by edge and corner by corner."""
+    p, triangles = np.array([[0.0, 0, 0], [1, 0, 0], [0.3, 0.8, 0], [1.2, 1, 0]]), [[0, 1, 2], [2, 1, 3]]
+    up = np.tile([0.0, 0, 1], (4, 1))
+    for resolution in (2, 3, 5):
+        smooth = tripatch.smooth_triangles(p, triangles, up, resolution)
+        weights = tripatch.CutWeights(smooth, triangles, len(p))
+        at_corners = weights(p[np.ravel(triangles)])
+        straight = np.vstack([p, weights.at_new_vertices(p, smooth.edges, triangles)])
+        np.testing.assert_allclose(straight[smooth.faces.ravel()], at_corners, atol=1e-14)
+        ends = p[smooth.edges]  # points that cut an edge lie evenly on it
+        cuts = straight[len(p) : len(p) + len(smooth.edges) * (resolution - 1)].reshape(len(smooth.edges), -1, 3)
+        u = np.arange(1, resolution)[:, None] / resolution
+        np.testing.assert_allclose(cuts, ends[:, :1] * (1 - u) + ends[:, 1:] * u, atol=1e-14)
+        own = np.arange(len(triangles)).repeat(3 * resolution**2)
+        np.testing.assert_array_equal(weights.nearest // 3, own)  # a corner of the triangle it came from,
+        apart = np.linalg.norm(at_corners[:, None] - p[triangles][own], axis=2)
+        shares = weights.corners.reshape(-1, 3)
+        assert (shares[np.arange(len(own)), weights.nearest % 3] == shares.max(axis=1)).all()
+        assert (apart[shares == 1] < 1e-14).all()

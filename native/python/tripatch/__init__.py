@@ -6,7 +6,7 @@ from 0 to 1, from corner i + 1 to corner i + 2. Lengths are in the units of the 
 
 from . import between
 from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch
-from .attributes import AttributeWeights, angles, attribute_weights, vertex_normals
+from .attributes import AttributeWeights, CutWeights, angles, attribute_weights, vertex_normals
 from .errors import Refusal
 from .filling import Fill, fill, fill_all
 from .holes import SURROUNDING_RINGS, choose_holes, find_corners, find_holes, is_outer_border
@@ -32,6 +32,7 @@ __all__ = [
     "AttributeWeights",
     "BezierRectangle",
     "BezierTriangle",
+    "CutWeights",
     "Fill",
     "NurbsSurface",
     "Option",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from . import _arrays, _native
@@ -54,6 +56,47 @@ def _call(self: AttributeWeights, values) -> np.ndarray:
 
 
 AttributeWeights.__call__ = _call
+
+
+class CutWeights:
+    """What corners and points of smoothed triangles have of the flat ones: how UVs, colors and vertex groups are continued.
+
+    Every triangle is cut into r^2, and all is linear over it. Attributes: `edge` (r - 1, 2), what the points that cut an edge
+    have of its ends, in the order of `SmoothMesh.edges`; `inside` (k, 3), what the points inside a triangle have of its corners;
+    `corners` (m, 3 r^2, 3), what each corner of the new triangles has of those of the old one; `nearest` (3 m r^2,), which corner
+    of the old triangles, 3 a triangle, has most of it.
+    """
+
+    def __init__(self, smooth: _native.SmoothMesh, triangles, count: int):
+        """smooth: of these triangles (m, 3) among `count` vertices."""
+        own = np.asarray(triangles).reshape(-1, 3)
+        resolution = math.isqrt(len(smooth.faces) // len(own))
+        inside = [(resolution - j - k, j, k) for j in range(1, resolution) for k in range(1, resolution - j)]
+        self.inside = np.array(inside, dtype=np.float64).reshape(-1, 3) / resolution
+        u = np.arange(1, resolution) / resolution
+        self.edge = np.column_stack([1 - u, u])
+
+        numbers, cuts = np.arange(len(smooth.vertices)), resolution - 1
+        first_inside = count + len(smooth.edges) * cuts
+        a, b, t = numbers.copy(), numbers.copy(), np.zeros(len(numbers))
+        a[count:first_inside], b[count:first_inside] = np.repeat(smooth.edges, cuts, axis=0).T
+        t[count:first_inside] = np.tile(u, len(smooth.edges))
+        points = smooth.faces.reshape(len(own), -1)
+        share = t[points][..., None]
+        self.corners = (a[points][..., None] == own[:, None]) * (1 - share) + (b[points][..., None] == own[:, None]) * share
+        held = points >= first_inside
+        if held.any():
+            self.corners[held] = self.inside[(points[held] - first_inside) % len(inside)]
+        self.nearest = (self.corners.argmax(axis=2) + 3 * np.arange(len(own))[:, None]).ravel()
+
+    def __call__(self, values) -> np.ndarray:
+        """Values (3 m r^2, d) at the corners of the new triangles from values (3 m, d) at those of the old ones."""
+        return (self.corners @ np.asarray(values).reshape(len(self.corners), 3, -1)).reshape(self.nearest.size, -1)
+
+    def at_new_vertices(self, values, edges, triangles) -> np.ndarray:
+        """Values (k, d) at all new vertices from values (n, d) at the mesh's."""
+        parts = ((self.edge, edges), (self.inside, triangles))
+        return np.vstack([(share @ np.asarray(values)[rows]).reshape(-1, np.shape(values)[1]) for share, rows in parts])
 
 
 def vertex_normals(vertices, faces, corner_normals=None) -> np.ndarray:

@@ -95,7 +95,7 @@ Sides sides_on(const LimitSurface& surface, const Connectivity& around, const Ho
     for (int e = 0; e < edges; ++e) {
       const FaceEdge place = face_beside(around, rim[e], rim[e + 1]);
       // the face runs against the side: t of the side is 1 - t of the face's edge, and d/dt is -edges d/du
-      const auto field = [&](const std::function<Vec3(double, const LimitJet&)>& value) {
+      const auto field = [&](const auto& value) {
         return PiecewisePolynomial::fit(
             [&](std::span<const double> t, std::span<double> out) {
               std::vector<double> face_t(t.size());

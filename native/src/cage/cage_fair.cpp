@@ -14,7 +14,6 @@ namespace {
 constexpr double nothing = 1e-9;  ///< energies (no units) below which there is no more to gain
 /// Squared weight, over the hole's size squared, that keeps what shall not move where it is; that of the energies is about 1.
 constexpr double pinned = 1e10;
-constexpr double anchor = 1e-10;  ///< relative, squared: keeps a vertex where it is where nothing else holds it
 /// Levenberg and Marquardt's damping, relative to the diagonal: at first, and what a step changes it by.
 constexpr double first_damping = 1e-6, damping_factor = 10;
 constexpr int attempts = 6;  ///< at a step, each more damped: the last a hundred thousand times

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 
 #include "tripatch/hole/rim_shape.h"
@@ -13,26 +12,13 @@ namespace {
 /// The largest valences of poles in most layouts of quads and triangles; only those beyond are worth a warning.
 constexpr Index ordinary_quad_pole = 5, ordinary_triangle_pole = 7;
 
-/// For each vertex of the rims the border edges of the mesh without the replaced faces; two where one border passes.
-std::map<Index, int> border_edges(const Mesh& mesh, const std::vector<Index>& rim, const std::vector<Index>& replaced) {
-  std::vector<char> on_rim(mesh.vertices.rows(), 0), gone(mesh.faces.size(), 0);
-  for (Index v : rim) on_rim[v] = 1;
-  for (Index f : replaced) gone[f] = 1;
-  std::map<std::pair<Index, Index>, int> uses;
-  for (Index f = 0; f < mesh.faces.size(); ++f) {
-    const auto face = mesh.faces[f];
-    for (std::size_t k = 0; !gone[f] && k < face.size(); ++k) {
-      const Index a = face[k], b = face[(k + 1) % face.size()];
-      if (on_rim[a] || on_rim[b]) ++uses[std::minmax(a, b)];
-    }
-  }
-  std::map<Index, int> count;
-  for (const auto& [edge, faces] : uses)
-    if (faces == 1) {
-      ++count[edge.first];
-      ++count[edge.second];
-    }
-  return count;
+/// Border edges at a vertex; two where one border passes.
+Index border_edges_at(const Connectivity& left, Index v) {
+  std::vector<Index> beside;
+  for (Connectivity::Corner c : left.at(v)) beside.insert(beside.end(), {left.next(c), left.previous(c)});
+  std::sort(beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  return std::count_if(beside.begin(), beside.end(), [&](Index w) { return left.faces_at_edge(v, w).size() == 1; });
 }
 
 void report_seam(const CageMeasures& measures, const Hole& hole, Report& report) {
@@ -61,9 +47,10 @@ void report_seam(const CageMeasures& measures, const Hole& hole, Report& report)
 
 }  // namespace
 
-CageFill::CageFill(const Mesh& mesh, std::vector<Hole> holes, const Subdivision& settings, std::vector<Index> replaced,
-                   const LayoutOptions& layout_options, const CageOptions& options)
+CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Hole> holes, const Subdivision& settings,
+                   std::vector<Index> replaced, const LayoutOptions& layout_options, const CageOptions& options)
     : mesh_(mesh),
+      left_(left),
       holes_(std::move(holes)),
       replaced_(std::move(replaced)),
       layout_options_(layout_options),
@@ -175,9 +162,8 @@ void CageFill::report(std::size_t h, Report& report) const {
   report.triangles_folded = measures.triangles_folded;
   report_seam(measures, laid_out_[h].hole, report);
   report_poles(h, report);
-  const std::map<Index, int> border = border_edges(mesh_, holes_[h].rim, replaced_);
   for (Index v : holes_[h].rim)
-    if (const auto edges = border.find(v); edges != border.end() && edges->second > 2)
+    if (border_edges_at(left_, v) > 2)
       report.warnings.push_back("Another border touches the rim at vertex " + std::to_string(v) +
                                 ": the limit surface is sharp there");
   if (!layout_options_.rows && !split_.settings.loop && open_[h]) report.warnings.push_back(too_few_rows);

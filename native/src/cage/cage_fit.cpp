@@ -11,7 +11,6 @@
 namespace tripatch {
 namespace {
 
-constexpr double anchor = 1e-10;  ///< relative, squared: keeps a vertex where it is where nothing else holds it
 /// Of the sides' polynomials, relative: far below what a cage of a few quads can follow.
 constexpr double sides_tolerance = 1e-7;
 
@@ -27,9 +26,10 @@ void sort_unique(std::vector<Index>& v) {
   v.erase(std::unique(v.begin(), v.end()), v.end());
 }
 
-std::vector<std::array<std::vector<Index>, 2>> rings_of(const ClosedCage& closed, const std::vector<CageHole>& holes) {
+std::vector<std::array<std::vector<Index>, 2>> rings_of(const ClosedCage& closed, const Connectivity& whole,
+                                                        const std::vector<CageHole>& holes) {
   std::vector<std::array<std::vector<Index>, 2>> rings;
-  for (const CageHole& hole : holes) rings.push_back(rings_around(closed, hole.hole));
+  for (const CageHole& hole : holes) rings.push_back(rings_around(closed, whole, hole.hole));
   return rings;
 }
 
@@ -57,8 +57,9 @@ CageFit::CageFit(const Mesh& mesh, std::vector<CageHole> holes, const Subdivisio
       replaced_(replaced),
       options_(options),
       closed_(close_holes(mesh_, holes_, replaced_)),
-      rings_(rings_of(closed_, holes_)),
-      edges_(rim_edges(closed_, holes_)),
+      whole_(closed_.mesh()),
+      rings_(rings_of(closed_, whole_, holes_)),
+      edges_(rim_edges(whole_, holes_)),
       around_(around_holes()),
       was_(mesh_, settings_, around_),
       limit_(closed_.mesh(), creased(), with_inside(around_, closed_)),

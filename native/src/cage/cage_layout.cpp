@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tripatch/output/triangulate.h"
+#include "tripatch/patch/bezier_triangle.h"
 
 namespace tripatch {
 namespace {
@@ -45,10 +46,9 @@ std::array<std::vector<double>, 3> even_parameters(const Hole& hole) {
 
 /// Triangles that match the rim: the regular split where its counts are equal.
 QuadLayout triangle_layout(const Hole& hole, const Points& vertices) {
-  Eigen::Matrix3d corners;
+  Points corners(3, 3);
   for (int k = 0; k < 3; ++k) corners.row(k) = vertices.row(hole.rim[hole.corners[k]]);
-  TriangleMesh triangles =
-      triangulate(even_parameters(hole), std::nullopt, [&](const PointsRef& b) { return Points(b * corners); });
+  TriangleMesh triangles = triangulate(even_parameters(hole), std::nullopt, BezierTriangle(corners));
   QuadLayout layout;
   layout.barycentric = std::move(triangles.barycentric);
   layout.rim = triangles.rim;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "tripatch/mesh/submesh.h"
+
 namespace tripatch {
 
 ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, const std::vector<Index>& replaced) {
@@ -39,33 +41,32 @@ ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, con
   return cage;
 }
 
-std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Hole& hole) {
-  std::vector<char> near(cage.vertices.rows(), 0), taken(cage.faces.size(), 0);
-  for (Index v : hole.rim) near[v] = 1;
+std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Connectivity& whole, const Hole& hole) {
+  std::vector<Index> front = hole.rim;
+  Numbering near, taken;
+  for (Index v : front) near.add(v);
   std::array<std::vector<Index>, 2> result;
   for (auto& ring : result) {
-    for (Index f = 0; f < static_cast<Index>(cage.kept.size()); ++f) {
-      const auto face = cage.faces[f];
-      if (!taken[f] && std::any_of(face.begin(), face.end(), [&](Index v) { return near[v]; })) ring.push_back(f);
-    }
-    for (Index f : ring) {
-      taken[f] = 1;
-      for (Index v : cage.faces[f]) near[v] = 1;
-    }
+    for (Index v : front)
+      for (Connectivity::Corner c : whole.at(v))
+        if (whole.face(c) < static_cast<Index>(cage.kept.size()) && taken.add(whole.face(c))) ring.push_back(whole.face(c));
+    std::sort(ring.begin(), ring.end());
+    front.clear();
+    for (Index f : ring)
+      for (Index v : cage.faces[f])
+        if (near.add(v)) front.push_back(v);
   }
   return result;
 }
 
-DirectedEdges rim_edges(const ClosedCage& cage, const std::vector<CageHole>& holes) {
-  std::vector<char> on(cage.vertices.rows(), 0);
-  for (const CageHole& h : holes)
-    for (Index v : h.hole.rim) on[v] = 1;
+DirectedEdges rim_edges(const Connectivity& whole, const std::vector<CageHole>& holes) {
   DirectedEdges result;
-  for (Index f = 0; f < cage.faces.size(); ++f) {
-    const auto face = cage.faces[f];
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const Index a = face[k], b = face[(k + 1) % face.size()];
-      if (on[a] && on[b]) result[{a, b}] = {f, static_cast<int>(k)};
+  for (const CageHole& hole : holes) {
+    const std::vector<Index>& rim = hole.hole.rim;
+    for (std::size_t k = 0; k < rim.size(); ++k) {
+      const Index a = rim[k], b = rim[(k + 1) % rim.size()];
+      for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+        if (const auto c = whole.edge(from, to)) result[{from, to}] = {whole.face(*c), static_cast<int>(whole.place(*c))};
     }
   }
   return result;

@@ -15,10 +15,8 @@ namespace {
 
 using Exponents = std::array<int, 3>;
 
-/// Relative pivots below count as zero: so the ranks are those of the list in test_coons_bezier, for every degree.
-constexpr double singular = 1e-11;
-constexpr double precision = 1e-10;  // of the size: a residual below it is rounding
-constexpr double meeting = 1e-9;     // of the size: the largest gap between two curves at a corner
+constexpr double precision = 1e-10;   // of the size: a residual below it is rounding
+constexpr double curves_meet = 1e-9;  // of the size: the largest gap between two curves at a corner
 
 /// All (i, j, k) of a degree in the order of a net.
 std::vector<Exponents> exponents(int degree) {
@@ -134,7 +132,7 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   for (Index k = 0; k < inside.cols(); ++k) inside.col(k) = equations.col(points.inside[k]);
   // Unknown: the distance from the Coons net of the polygons. Where the system is singular the decomposition gives the shortest.
   const Points right = -equations * net;
-  const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, singular);
+  const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, singular_pivot);
   if (rank_found < inside.cols()) {
     const std::string name =
         kind == CoonsKind::mask ? "The mask's system of degree " + std::to_string(n)
@@ -218,7 +216,7 @@ void check(const BoundaryCurves& boundary) {
                           std::to_string(n));
   for (int i = 0; i < 3; ++i) {
     const double gap = (boundary[i].row(n) - boundary[(i + 1) % 3].row(0)).norm();
-    if (!(gap <= meeting * size))
+    if (!(gap <= curves_meet * size))
       throw InvalidArgument("Boundary curves " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " " +
                             gap_at_corner((i + 2) % 3, gap));
   }

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <string>
 
+#include "tripatch/constructions/coons_bezier.h"
 #include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {
-
-constexpr double singular = 1e-11;  // relative pivots below count as zero, as in coons_bezier
 
 /// Inner products of the Bernstein polynomials of a degree over [0, 1].
 Eigen::MatrixXd univariate_gram(int n) {
@@ -56,7 +55,7 @@ BezierRectangle permanence_rectangle(const BezierRectangle& boundary, double alp
             right.row(unknown(i, j)) += weight * boundary.net().row(boundary.row(a, b));
           }
         }
-  const auto [inside, rank] = minimum_norm_least_squares(system, right, singular);
+  const auto [inside, rank] = minimum_norm_least_squares(system, right, singular_pivot);
   if (rank < unknowns)
     throw Refusal("The permanence system of degrees " + std::to_string(m) + " and " + std::to_string(n) + " with alpha " +
                   std::to_string(alpha) + " is singular; take another alpha");

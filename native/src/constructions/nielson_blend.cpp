@@ -1,7 +1,7 @@
 #include "tripatch/constructions/nielson_blend.h"
 
 #include "tripatch/constructions/blend.h"
-#include "tripatch/constructions/vertex_ray.h"
+#include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Dense>
 
-#include "tripatch/constructions/vertex_ray.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
 namespace {

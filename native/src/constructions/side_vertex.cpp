@@ -1,6 +1,6 @@
 #include "tripatch/constructions/side_vertex.h"
 
-#include "tripatch/constructions/vertex_ray.h"
+#include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
 namespace {

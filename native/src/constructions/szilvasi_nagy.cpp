@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "tripatch/constructions/shape_search.h"
-#include "tripatch/constructions/vertex_ray.h"
 #include "tripatch/fairing/quadrature.h"
+#include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
 namespace {

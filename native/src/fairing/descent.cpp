@@ -58,13 +58,13 @@ Eigen::VectorXd minimum(const FairingProblem& problem, const Quadratic& energy) 
   return share > 0 ? scalars + std::min(share, 1.0) * (all - scalars) : scalars;
 }
 
-Merit::Merit(const FairingProblem& problem, const Quadratic& third, Quadratic tension, const std::string& energy)
+Merit::Merit(const FairingProblem& problem, const Quadratic& third, Quadratic tension, Fairing energy)
     : problem_(problem),
       third_(third),
       tension_(std::move(tension)),
       held_(problem.held()),
-      quadric_(energy != "minimum_variation"),
-      whole_(energy != "quadric_variation") {}
+      quadric_(energy != Fairing::minimum_variation),
+      whole_(energy != Fairing::quadric_variation) {}
 
 Merit::Value Merit::operator()(const Eigen::VectorXd& x) const {
   Value v;

@@ -1,7 +1,6 @@
 #include "tripatch/fairing/energy.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "tripatch/fairing/curvature_variation.h"
@@ -13,25 +12,17 @@ double soft_minimum(double variation, double quadric) {
   return variation / std::pow(1 + std::pow(ratio, 4), 0.25);
 }
 
-void check_energy(const std::string& name) {
-  const std::array<const char*, 5> names = {"thin_plate", "third_derivative", "minimum_variation", "quadric_variation", "auto"};
-  if (std::find(names.begin(), names.end(), name) != names.end()) return;
-  throw InvalidArgument("No energy is called '" + name +
-                        "'; there are: thin_plate, third_derivative, minimum_variation, quadric_variation, auto");
-}
+bool is_quadratic(Fairing energy) { return energy == Fairing::thin_plate || energy == Fairing::third_derivative; }
 
-bool is_quadratic(const std::string& energy) { return energy == "thin_plate" || energy == "third_derivative"; }
-
-double energy(const Surface& surface, const std::string& name, double size, int nodes_per_direction) {
-  check_energy(name);
+double energy(const Surface& surface, Fairing of, double size, int nodes_per_direction) {
   const Quadrature quadrature = corner_quadrature(nodes_per_direction);
   const std::vector<Derivatives> all = cartesian_derivatives(surface, quadrature.b);
-  if (is_quadratic(name)) {
+  if (is_quadratic(of)) {
     double sum = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Derivatives& d = all[k];
       sum += quadrature.weights[k] *
-             (name == "thin_plate"
+             (of == Fairing::thin_plate
                   ? d.row(2).squaredNorm() + 2 * d.row(3).squaredNorm() + d.row(4).squaredNorm()
                   : d.row(5).squaredNorm() + 3 * d.row(6).squaredNorm() + 3 * d.row(7).squaredNorm() + d.row(8).squaredNorm());
     }
@@ -44,8 +35,8 @@ double energy(const Surface& surface, const std::string& name, double size, int 
     variation += w * v.variation.squaredNorm();
     quadric += w * v.quadric.squaredNorm();
   }
-  if (name == "minimum_variation") return variation;
-  return name == "quadric_variation" ? quadric : soft_minimum(variation, quadric);
+  if (of == Fairing::minimum_variation) return variation;
+  return of == Fairing::quadric_variation ? quadric : soft_minimum(variation, quadric);
 }
 
 double size_of(const Surface& surface) {

@@ -51,7 +51,7 @@ Quadratic tension_of(const FairingProblem& problem) {
   if (!(options.tension > 0)) return tension;
   tension = problem.quadratic(1);
   const double wave = 2 * std::numbers::pi;
-  tension *= options.tension * std::pow(wave, options.energy == "thin_plate" ? 2 : 4);
+  tension *= options.tension * std::pow(wave, options.energy == Fairing::thin_plate ? 2 : 4);
   return tension;
 }
 
@@ -59,7 +59,7 @@ Quadratic tension_of(const FairingProblem& problem) {
 Candidates quadratic_candidates(const FairingBase& base, const FairingOptions& options, double size) {
   Candidates out;
   const FairingProblem& problem = out.problem.emplace(base, options, options.nodes);
-  Quadratic q = problem.quadratic(options.energy == "thin_plate" ? 2 : 3);
+  Quadratic q = problem.quadratic(options.energy == Fairing::thin_plate ? 2 : 3);
   if (options.tension > 0) q += tension_of(problem);
   const double unit = size * size;
   out.before = unit * q.constant;
@@ -212,7 +212,6 @@ private:
 
 FairResult fair(const FairingBase& base, const FairingBase& given_measured, const FairingOptions& given,
                 const FoldCounter* folds) {
-  check_energy(given.energy);
   FairingBase measured = given_measured;
   if (given.center) measured.patch = with_center(measured.patch, *given.center);
   FairingOptions options = given;

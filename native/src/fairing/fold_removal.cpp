@@ -12,8 +12,8 @@
 namespace tripatch {
 namespace {
 
-constexpr int degree = 9;           // of the interior term
-constexpr Index rows = 64;          // of the grid, that of FoldCounter
+constexpr int degree = 9;  // of the interior term
+constexpr Index rows = fold_grid_rows;
 constexpr double facing = 0.02;     // cosine, least wanted, to the rim's normals: a little more than FoldCounter asks
 constexpr double neighbors = 0.55;  // cosine, least wanted, between neighbors' normals: FoldCounter asks for 0.5
 constexpr double far = 0.25;        // times the size: where that is not enough, nothing is

@@ -6,7 +6,6 @@
 namespace tripatch {
 namespace {
 
-constexpr Index rows = 64;
 constexpr double far_apart = 0.5;  // cosine: 60 degrees, neighbors on a hemisphere are 3 apart
 /// Beside a corner or kink whose planes differ by this much every patch turns fast: neighbors nearer to it than `reach` (in barycentric
 /// coordinates: ten rows of the grid) are not compared.
@@ -40,14 +39,14 @@ bool FoldCounter::beside_crease(const Eigen::RowVector3d& b) const {
 }
 
 Index FoldCounter::operator()(const Surface& patch) const {
-  static const Points b = TriangularGrid{rows}.barycentric();
+  static const Points b = TriangularGrid{fold_grid_rows}.barycentric();
   const Points normals = kinks_ ? kinks_->restored({SurfacePtr(), &patch}, tangent_)->normals(b) : patch.normals(b);
   Index folds = 0;
   for (Index k = 0; k < b.rows(); ++k) {
     const double* at = b.row(k).data();
     folds += vertex_of(at) < 0 && !(normals.row(k).dot(rim_.at(at)) > 0);
   }
-  TriangularGrid{rows}.for_edges([&](Index a, Index c) {
+  TriangularGrid{fold_grid_rows}.for_edges([&](Index a, Index c) {
     const Vec3 p = normals.row(a), q = normals.row(c);
     folds += p.dot(q) <= far_apart && p.norm() > 0 && q.norm() > 0 && !beside_crease(b.row(a));
   });

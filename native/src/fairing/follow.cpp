@@ -9,7 +9,7 @@ namespace tripatch {
 namespace {
 
 constexpr double along = 0.1;            // what a distance along the surface counts beside one across it
-constexpr double regularization = 1e-6;  // of the mean diagonal element: points may be fewer than unknowns
+constexpr double least_diagonal = 1e-6;  // of the mean diagonal element: points may be fewer than unknowns
 
 }  // namespace
 
@@ -70,7 +70,7 @@ SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOp
     for (const Index m : {unknowns, 3 * inner}) {
       Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(m, m);
       normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(m).transpose());
-      normal.diagonal().array() += regularization * normal.trace() / static_cast<double>(m);
+      normal.diagonal().array() += least_diagonal * normal.trace() / static_cast<double>(m);
       x.setZero();
       x.head(m) = constrained_quadratic_minimum(normal, -rows.leftCols(m).transpose() * right, Eigen::MatrixXd(0, m));
       if (keeps_alpha(x)) break;

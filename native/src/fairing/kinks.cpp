@@ -72,7 +72,7 @@ private:
 
 Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
-constexpr double one_plane = 1e-5;  // sine of the angle between two planes: less, and the line where they meet is rounding
+constexpr double nearly_one_plane = 1e-5;  // sine of the angle between two planes: less, and the line where they meet is rounding
 constexpr double least_slant =
     0.2;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
 
@@ -80,7 +80,7 @@ constexpr double least_slant =
 /// where they meet, which is the crease that ends there. None where that line runs along the side.
 std::optional<Vec3> in_both_planes(const Vec3& v, const Side& before, const Side& after) {
   const Vec3 n0 = before.normal(1), n1 = after.normal(0), line = n0.cross(n1);
-  if (line.norm() < one_plane) return in_plane(v, (n0 + n1).normalized());
+  if (line.norm() < nearly_one_plane) return in_plane(v, (n0 + n1).normalized());
   const Vec3 inward = -(before.r(1).normalized() + after.r(0).normalized()).normalized();
   const double slant = inward.dot(line.normalized());
   if (std::abs(slant) < least_slant) return std::nullopt;

@@ -14,20 +14,17 @@ namespace {
 
 using Loop = std::vector<Index>;
 
-constexpr std::size_t most_named = 8;  ///< vertices in a sentence
-
-std::string name(Index v) { return std::to_string(v); }
-
 std::array<Index, 3> places_of(const std::array<Index, 3>& corners, const Loop& rim, Index vertices) {
   std::array<Index, 3> places;
   for (int i = 0; i < 3; ++i) {
     if (corners[i] < 0 || corners[i] >= vertices)
-      throw InvalidArgument("Corner vertex " + name(corners[i]) + " does not exist: the mesh has " + name(vertices) +
-                            " vertices");
+      throw InvalidArgument("Corner vertex " + std::to_string(corners[i]) + " does not exist: the mesh has " +
+                            std::to_string(vertices) + " vertices");
     if (corners[i] == corners[(i + 1) % 3])
-      throw InvalidArgument("The corners must be three different vertices; vertex " + name(corners[i]) + " is given twice");
+      throw InvalidArgument("The corners must be three different vertices; vertex " + std::to_string(corners[i]) +
+                            " is given twice");
     const auto found = std::find(rim.begin(), rim.end(), corners[i]);
-    if (found == rim.end()) throw Refusal("Corner vertex " + name(corners[i]) + " is not on the rim", {corners[i]});
+    if (found == rim.end()) throw Refusal("Corner vertex " + std::to_string(corners[i]) + " is not on the rim", {corners[i]});
     places[i] = found - rim.begin();
   }
   return places;
@@ -88,7 +85,7 @@ Hole find_hole(const Mesh& mesh, const Connectivity& around) {
   if (found.empty()) {
     if (loops.size() == 1) throw *refusal;
     throw Refusal("None of " + std::to_string(loops.size()) + " holes can be filled as they are. The shortest, through vertex " +
-                      name(loops[0][0]) + ": " + refusal->what(),
+                      std::to_string(loops[0][0]) + ": " + refusal->what(),
                   refusal->where());
   }
   Loop where;

@@ -14,10 +14,7 @@ using Corner = Connectivity::Corner;
 
 /// Of the rim's length: shorter edges have none. Some hundred times the rounding of coordinates as large as the rim is long.
 constexpr double shortest_edge = 1e-14;
-constexpr std::size_t most_named = 8;  ///< vertices in a sentence
 const char* const advice = "; make the normals consistent first";
-
-std::string name(Index v) { return std::to_string(v); }
 
 /// The edges of a rim by how the faces beside them hold them: as given, or reversed.
 struct RimEdges {
@@ -32,7 +29,7 @@ RimEdges check_edges(const Connectivity& around, const Loop& rim) {
   bool one_face = !sole.empty() && around.faces()[around.face(sole[0])].size() == n;
   for (std::size_t k = 0; k < n; ++k) {
     const Index a = rim[k], b = rim[(k + 1) % n];
-    const auto edge = [&] { return "the rim edge between vertices " + name(a) + " and " + name(b); };
+    const auto edge = [&] { return "the rim edge between vertices " + std::to_string(a) + " and " + std::to_string(b); };
     int forward = 0, backward = 0;
     for (const Corner c : around.at(a)) {
       forward += around.next(c) == b;
@@ -77,7 +74,7 @@ void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim) {
   for (const auto& [side, other] : {std::pair(&out, &in), std::pair(&in, &out)})
     for (auto k = side->begin(); (k = std::adjacent_find(k, side->end())) != side->end(); ++k)
       if (!std::binary_search(other->begin(), other->end(), *k) && std::count(side->begin(), side->end(), *k) == 2)
-        throw Refusal("A face at the rim, at the edge between vertices " + name(v) + " and " + name(*k) +
+        throw Refusal("A face at the rim, at the edge between vertices " + std::to_string(v) + " and " + std::to_string(*k) +
                           ", is turned against its neighbors" + advice,
                       {v, *k});
   std::vector<Index> ends;  // of edges from v, once for every face
@@ -85,8 +82,8 @@ void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim) {
   for (auto k = ends.begin(); k != ends.end();) {
     const auto end = std::upper_bound(k, ends.end(), *k);
     if (end - k > 2 && std::binary_search(sorted_rim.begin(), sorted_rim.end(), *k))
-      throw Refusal("Non-manifold: the edge between vertices " + name(v) + " and " + name(*k) + " of the rim has " +
-                        name(end - k) + " faces",
+      throw Refusal("Non-manifold: the edge between vertices " + std::to_string(v) + " and " + std::to_string(*k) +
+                        " of the rim has " + std::to_string(end - k) + " faces",
                     {v, *k});
     k = end;
   }
@@ -97,7 +94,7 @@ void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim) {
 std::string listed(const std::vector<Index>& vertices) {
   std::string text;
   for (std::size_t k = 0; k < vertices.size(); ++k)
-    text += (k == 0 ? "" : k + 1 == vertices.size() ? " and " : ", ") + name(vertices[k]);
+    text += (k == 0 ? "" : k + 1 == vertices.size() ? " and " : ", ") + std::to_string(vertices[k]);
   return text;
 }
 
@@ -105,11 +102,12 @@ std::vector<Index> check_topology(const Connectivity& around, const std::vector<
   if (rim.size() < 3) throw Refusal("A rim needs at least three edges", rim);
   for (Index v : rim)
     if (v < 0 || v >= around.vertices())
-      throw InvalidArgument("Rim vertex " + name(v) + " does not exist: the mesh has " + name(around.vertices()) + " vertices");
+      throw InvalidArgument("Rim vertex " + std::to_string(v) + " does not exist: the mesh has " +
+                            std::to_string(around.vertices()) + " vertices");
   Loop sorted = rim;
   std::sort(sorted.begin(), sorted.end());
   if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-    throw Refusal("The rim passes vertex " + name(*twice) + " twice", {*twice});
+    throw Refusal("The rim passes vertex " + std::to_string(*twice) + " twice", {*twice});
   const RimEdges edges = check_edges(around, rim);
   check_orientation(edges);
   for (Index v : rim) check_fan(around, v, sorted);
@@ -122,7 +120,8 @@ void check_finite(const Mesh& mesh, const Connectivity& around, const std::vecto
   for (Index v : rim)
     for (const Connectivity::Corner c : around.at(v))
       for (Index w : around.faces()[around.face(c)])
-        if (!mesh.vertices.row(w).allFinite()) throw Refusal("Vertex " + name(w) + " at the rim has no finite position", {w});
+        if (!mesh.vertices.row(w).allFinite())
+          throw Refusal("Vertex " + std::to_string(w) + " at the rim has no finite position", {w});
 }
 
 void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
@@ -137,14 +136,16 @@ void check_positions(const Mesh& mesh, const Connectivity& around, const std::ve
   for (std::size_t k = 0; k < n; ++k)
     if (!(edge_length(k) > shortest_edge * length)) {
       const Index a = rim[k], b = rim[(k + 1) % n];
-      throw Refusal("The rim edge between vertices " + name(a) + " and " + name(b) + " has no length; merge them first", {a, b});
+      throw Refusal(
+          "The rim edge between vertices " + std::to_string(a) + " and " + std::to_string(b) + " has no length; merge them first",
+          {a, b});
     }
   Loop by_place = rim;
   const auto key = [&](Index v) { return std::array{mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2)}; };
   std::sort(by_place.begin(), by_place.end(), [&](Index a, Index b) { return std::pair(key(a), a) < std::pair(key(b), b); });
   const auto same = std::adjacent_find(by_place.begin(), by_place.end(), [&](Index a, Index b) { return key(a) == key(b); });
   if (same != by_place.end())
-    throw Refusal("Vertices " + name(same[0]) + " and " + name(same[1]) + " of the rim are at the same place",
+    throw Refusal("Vertices " + std::to_string(same[0]) + " and " + std::to_string(same[1]) + " of the rim are at the same place",
                   {same[0], same[1]});
 }
 

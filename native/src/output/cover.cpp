@@ -9,7 +9,7 @@ namespace tripatch {
 
 Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double>, 3>& parameters, const Surface& patch,
                            std::optional<int> resolution) {
-  TriangleMesh triangles = triangulate(parameters, resolution, [&](const PointsRef& b) { return patch.positions(b); });
+  TriangleMesh triangles = triangulate(parameters, resolution, patch);
   Cover cover;
   cover.barycentric = std::move(triangles.barycentric);
   cover.rim = triangles.rim;

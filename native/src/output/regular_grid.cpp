@@ -11,7 +11,6 @@ namespace tripatch {
 namespace {
 
 using Parameters = std::array<std::vector<double>, 3>;
-using Position = std::function<Points(const PointsRef&)>;
 
 /// Vertex of the grid p steps towards corner 1 and q steps towards corner 2, rim first.
 Index grid_vertex(Index n, Index p, Index q) {
@@ -67,13 +66,13 @@ bool fits_in_domain(const TriangleMesh& mesh) {
 }
 
 /// And in space, on a part of the grid, corners left out?
-bool fits_in_space(const TriangleMesh& mesh, Index n, const Position& position) {
+bool fits_in_space(const TriangleMesh& mesh, Index n, const Surface& patch) {
   const Index stride = (n + 11) / 12, rows = n / stride;
   Points b((rows + 1) * (rows + 2) / 2, 3);
   auto place = [&](Index p, Index q) { return q * (rows + 1) - q * (q - 1) / 2 + p; };
   for (Index q = 0; q <= rows; ++q)
     for (Index p = 0; p + q <= rows; ++p) b.row(place(p, q)) = mesh.barycentric.row(grid_vertex(n, stride * p, stride * q));
-  const Points x = position(b);
+  const Points x = patch.positions(b);
   auto squeezed = [&](Index a, Index c, Index d) { return shape(x.row(a), x.row(c), x.row(d)) < 0.2; };
   for (Index q = 0; q < rows; ++q)
     for (Index p = 0; p + q < rows; ++p) {
@@ -85,7 +84,7 @@ bool fits_in_space(const TriangleMesh& mesh, Index n, const Position& position) 
 }
 
 /// Where the rim goes straight on at a corner, the one triangle there has no area: its inner edge is turned towards the corner.
-void mend_corners(TriangleMesh& mesh, Index n, const Position& position) {
+void mend_corners(TriangleMesh& mesh, Index n, const Surface& patch) {
   for (int corner = 0; corner < 3 && n > 1; ++corner) {
     const Index c = corner * n, after = c + 1, before = (c + 3 * n - 1) % (3 * n);
     std::array<Index, 3>*tip = nullptr, *next = nullptr;
@@ -101,7 +100,7 @@ void mend_corners(TriangleMesh& mesh, Index n, const Position& position) {
     Points q(4, 3);
     int row = 0;
     for (Index v : {c, after, across, before}) q.row(row++) = mesh.barycentric.row(v);
-    q = position(q);
+    q = patch.positions(q);
     const double now = std::min(shape(q.row(0), q.row(1), q.row(3)), shape(q.row(1), q.row(2), q.row(3)));
     const double then = std::min(shape(q.row(0), q.row(1), q.row(2)), shape(q.row(0), q.row(2), q.row(3)));
     if (then > now) *tip = {c, after, across}, *next = {c, across, before};
@@ -110,11 +109,11 @@ void mend_corners(TriangleMesh& mesh, Index n, const Position& position) {
 
 }  // namespace
 
-std::optional<TriangleMesh> regular_grid(const Parameters& parameters, const Points& rim, const Position& position) {
+std::optional<TriangleMesh> regular_grid(const Parameters& parameters, const Points& rim, const Surface& patch) {
   const Index n = static_cast<Index>(parameters[0].size()) - 1;
   TriangleMesh mesh = blended_grid(parameters, rim, n);
-  if (!fits_in_domain(mesh) || !fits_in_space(mesh, n, position)) return std::nullopt;
-  mend_corners(mesh, n, position);
+  if (!fits_in_domain(mesh) || !fits_in_space(mesh, n, patch)) return std::nullopt;
+  mend_corners(mesh, n, patch);
   return mesh;
 }
 

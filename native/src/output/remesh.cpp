@@ -18,8 +18,6 @@ namespace {
 using Vec2 = Eigen::Vector2d;
 using Pair = std::array<int, 2>;
 
-constexpr double most_triangles = 50'000;  // wanted without a resolution, or 4 to a rim edge; grading adds to it
-constexpr double most_over = 8;            // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
 constexpr double area_of_triangle = 0.43;  // of squared edge length: that of an equilateral one
 constexpr int most_sources = 200;          // of rim sizes: longer rims count by runs of edges
 constexpr int most_passes = 60;            // a rim of 10,000 edges needs 25

@@ -17,12 +17,9 @@ namespace tripatch {
 namespace {
 
 using Parameters = std::array<std::vector<double>, 3>;
-using Position = std::function<Points(const PointsRef&)>;
 using Vec2 = Eigen::Vector2d;
 
-constexpr Index largest_regular = 1000;    // edges per side
-constexpr double most_triangles = 50'000;  // wanted of a fill that follows its rim and is not regular; grading adds to it
-constexpr double most_over = 8;            // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
+constexpr Index largest_regular = 1000;  // edges per side
 
 void check(const Parameters& parameters) {
   for (const auto& t : parameters) {
@@ -48,9 +45,9 @@ Points rim_coordinates(const Parameters& parameters) {
 
 class Remesher final : DomainMesh {
 public:
-  Remesher(const Parameters& parameters, const Points& rim, std::optional<int> resolution, const Position& position)
-      : DomainMesh(static_cast<int>(rim.rows())), position_(position), parameters_(parameters), inner_(resolution != 1) {
-    const Points x = position(rim);
+  Remesher(const Parameters& parameters, const Points& rim, std::optional<int> resolution, const Surface& patch)
+      : DomainMesh(static_cast<int>(rim.rows())), patch_(patch), parameters_(parameters), inner_(resolution != 1) {
+    const Points x = patch.positions(rim);
     for (Index k = 0; k < rim.rows(); ++k) add_vertex(rim.row(k), x.row(k));
     int start = 0;
     for (int side : {2, 0, 1}) {
@@ -164,7 +161,7 @@ private:
     for (int q = 0; q <= rows; ++q)
       for (int p = 0; p + q <= rows; ++p) b.row(place(p, q)) << rows - p - q, p, q;
     b /= rows;
-    const Points x = position_(b);
+    const Points x = patch_.positions(b);
     double count = 0;
     for (int q = 0; q < rows; ++q)
       for (int p = 0; p + q < rows; ++p)
@@ -329,7 +326,7 @@ private:
 
   Points positions(const std::vector<Vec3>& b) const {
     if (b.empty()) return Points(0, 3);
-    return position_(Eigen::Map<const Points>(b.front().data(), static_cast<Index>(b.size()), 3));
+    return patch_.positions(Eigen::Map<const Points>(b.front().data(), static_cast<Index>(b.size()), 3));
   }
 
   TriangleMesh result() const {
@@ -347,7 +344,7 @@ private:
     return mesh;
   }
 
-  const Position& position_;
+  const Surface& patch_;
   const Parameters& parameters_;
   bool inner_;  // vertices inside are wanted
   std::array<int, 3> corner_{};
@@ -359,16 +356,16 @@ private:
 
 }  // namespace
 
-TriangleMesh triangulate(const Parameters& parameters, std::optional<int> resolution, const Position& position) {
+TriangleMesh triangulate(const Parameters& parameters, std::optional<int> resolution, const Surface& patch) {
   check(parameters);
   if (resolution && *resolution < 1) throw InvalidArgument("resolution must be 1 or more");
   const Points rim = rim_coordinates(parameters);
   const Index n = static_cast<Index>(parameters[0].size()) - 1;
   const bool equal = parameters[1].size() == parameters[0].size() && parameters[2].size() == parameters[0].size();
   if (equal && n <= largest_regular && (!resolution || *resolution == n)) {
-    if (auto mesh = regular_grid(parameters, rim, position)) return *std::move(mesh);
+    if (auto mesh = regular_grid(parameters, rim, patch)) return *std::move(mesh);
   }
-  return Remesher(parameters, rim, resolution, position).run();
+  return Remesher(parameters, rim, resolution, patch).run();
 }
 
 }  // namespace tripatch

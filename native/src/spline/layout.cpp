@@ -26,7 +26,7 @@ constexpr double to_barrier = 0.9;         // of the way to where the first tria
 // ------------------------------------------------------------------------------------------------------- connectivity
 
 /// The triangles connected across edges with the first one, by their own count of vertices, its inner holes closed.
-struct Disc {
+struct LayoutMesh {
   std::vector<Triangle> triangles;  // the first `real` of them are the caller's
   std::size_t real = 0;
   std::vector<Index> vertices;           // of the caller; those added to close holes come after them
@@ -109,8 +109,8 @@ bool fans_are_whole(const std::vector<Triangle>& triangles, const std::vector<in
   return true;
 }
 
-std::optional<Disc> make_disc(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles) {
-  Disc disc;
+std::optional<LayoutMesh> make_layout_mesh(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles) {
+  LayoutMesh disc;
   if (triangles.empty()) return std::nullopt;
   std::vector<Triangle> all;
   for (const auto& t : triangles) {
@@ -204,7 +204,7 @@ Shape shape_of(const Vec3& a, const Vec3& b, const Vec3& c, double shortest) {
 
 class Problem {
 public:
-  Problem(const PointsRef& points, const Disc& disc) : disc_(disc), n_(disc.count) {
+  Problem(const PointsRef& points, const LayoutMesh& disc) : disc_(disc), n_(disc.count) {
     const int known = static_cast<int>(disc.vertices.size());
     std::vector<Vec3> x(n_, Vec3::Zero());
     const Vec3 origin = points.row(disc.vertices[0]);
@@ -498,7 +498,7 @@ private:
     return least;
   }
 
-  const Disc& disc_;
+  const LayoutMesh& disc_;
   int n_;
   double scale_ = 1, area_ = 0;
   std::vector<Shape> shapes_;
@@ -511,7 +511,7 @@ private:
 };
 
 /// The caller's start by the disc's vertices, with those added in the middle of their loops.
-PlanePoints start_of(const Disc& disc, const PlanePoints& start, double scale) {
+PlanePoints start_of(const LayoutMesh& disc, const PlanePoints& start, double scale) {
   PlanePoints uv = PlanePoints::Zero(disc.count, 2);
   const Index known = static_cast<Index>(disc.vertices.size());
   for (Index v = 0; v < known; ++v) uv.row(v) = start.row(disc.vertices[v]) / scale;
@@ -522,7 +522,7 @@ PlanePoints start_of(const Disc& disc, const PlanePoints& start, double scale) {
   return uv;
 }
 
-double plane_area(const Disc& disc, const PlanePoints& uv, bool& flipped) {
+double plane_area(const LayoutMesh& disc, const PlanePoints& uv, bool& flipped) {
   double sum = 0;
   for (std::size_t t = 0; t < disc.real; ++t) {
     const auto& [a, b, c] = disc.triangles[t];
@@ -538,7 +538,7 @@ double plane_area(const Disc& disc, const PlanePoints& uv, bool& flipped) {
 
 std::optional<Layout> lay_out(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
                               const LayoutOptions& options, const PlanePoints* start) {
-  const std::optional<Disc> disc = make_disc(points, triangles);
+  const std::optional<LayoutMesh> disc = make_layout_mesh(points, triangles);
   if (!disc) return std::nullopt;
   if (start && start->rows() != points.rows()) throw InvalidArgument("start: a row of the plane for each point");
   Problem problem(points, *disc);

@@ -9,6 +9,8 @@
 
 namespace tripatch {
 
+constexpr double anchor = 1e-10;  ///< relative, squared: keeps a vertex where it is where nothing else holds it
+
 /// The nine derivatives of order 1 to 3 of the limit surface at a few places of a face, in the face's own u and v, in the order of
 /// Derivatives (energy.h), place after place; each place stands for `area` of the parameter domain.
 struct FaceShape {

@@ -15,9 +15,9 @@ namespace tripatch {
 /// (but for an exact rim) the fairest cage on them; patches on `sides`, which may follow `points`; `fit` to them; `complete`.
 class CageFill {
 public:
-  /// mesh: outlives this. replaced: the faces in the holes, of all.
-  CageFill(const Mesh& mesh, std::vector<Hole> holes, const Subdivision& settings, std::vector<Index> replaced,
-           const LayoutOptions& layout_options, const CageOptions& options);
+  /// mesh, left: outlive this. left: of the mesh without the faces in the holes, which are `replaced`.
+  CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Hole> holes, const Subdivision& settings,
+           std::vector<Index> replaced, const LayoutOptions& layout_options, const CageOptions& options);
 
   std::size_t size() const { return holes_.size(); }
   /// Of a hole: what its patch is to be made on.
@@ -42,6 +42,7 @@ private:
   void report_poles(std::size_t hole, Report& report) const;
 
   const Mesh mesh_;
+  const Connectivity& left_;
   const std::vector<Hole> holes_;  ///< as they were given
   const std::vector<Index> replaced_;
   const LayoutOptions layout_options_;

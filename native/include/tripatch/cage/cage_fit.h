@@ -79,6 +79,7 @@ private:
   const std::vector<Index> replaced_;
   const CageOptions options_;
   ClosedCage closed_;
+  const Connectivity whole_;                                    ///< of closed_
   const std::vector<std::array<std::vector<Index>, 2>> rings_;  ///< of each hole
   const DirectedEdges edges_;
   const std::vector<Index> around_;

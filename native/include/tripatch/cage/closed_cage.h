@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tripatch/hole/hole.h"
+#include "tripatch/mesh/connectivity.h"
 #include "tripatch/output/quad_layout.h"
 
 namespace tripatch {
@@ -29,15 +30,15 @@ struct ClosedCage {
 /// replaced: faces in the holes, which are left out.
 ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, const std::vector<Index>& replaced);
 
-/// Kept faces around a hole by ring: those that touch the rim, and those that touch them.
-std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Hole& hole);
+/// Kept faces around a hole by ring, in their order: those that touch the rim, and those that touch them. whole: of the cage.
+std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Connectivity& whole, const Hole& hole);
 
 struct FaceEdge {
   Index face = -1;
   int edge = 0;  ///< from the face's corner of that number to the next
 };
 using DirectedEdges = std::map<std::pair<Index, Index>, FaceEdge>;
-/// The face at each edge between vertices of the rims, in its direction.
-DirectedEdges rim_edges(const ClosedCage& cage, const std::vector<CageHole>& holes);
+/// The face at each edge of the rims, in both directions. whole: of the closed cage.
+DirectedEdges rim_edges(const Connectivity& whole, const std::vector<CageHole>& holes);
 
 }  // namespace tripatch

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <limits>
-#include <string>
 
 #include "tripatch/fairing/fairing_problem.h"
 
@@ -18,7 +17,7 @@ Eigen::VectorXd minimum(const FairingProblem& problem, const Quadratic& energy);
 class Merit {
 public:
   /// third: the third-derivative energy. tension: added to the energy; without unknowns: none. All must outlive this.
-  Merit(const FairingProblem& problem, const Quadratic& third, Quadratic tension, const std::string& energy);
+  Merit(const FairingProblem& problem, const Quadratic& third, Quadratic tension, Fairing energy);
 
   struct Value {
     double log = std::numeric_limits<double>::infinity();

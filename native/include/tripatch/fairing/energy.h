@@ -1,8 +1,7 @@
 // Fairness energies of a surface over the triangle, with the corner weight w of quadrature.h.
 #pragma once
 
-#include <string>
-
+#include "tripatch/choices.h"
 #include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/fairing/quadrature.h"
 #include "tripatch/patch/surface.h"
@@ -14,15 +13,13 @@ namespace tripatch {
 constexpr double quadric_ratio = 0.1;
 double soft_minimum(double variation, double quadric);
 
-/// Throws InvalidArgument that lists the names of the energies below.
-void check_energy(const std::string& name);
 /// Quadratic in the surface, so that their minimum is one linear solve: thin_plate and third_derivative.
-bool is_quadratic(const std::string& energy);
+bool is_quadratic(Fairing energy);
 
 /// thin_plate, third_derivative: integral of w |D^2 P|^2, w |D^3 P|^2 over the unit equilateral triangle (units: length squared).
 /// minimum_variation, quadric_variation: size^2 times the integral of w |grad h|^2 over the surface, whole and what is left of it
-/// (no units). auto: soft_minimum of these.
-double energy(const Surface& surface, const std::string& name, double size, int nodes_per_direction = 16);
+/// (no units). automatic: soft_minimum of these.
+double energy(const Surface& surface, Fairing of, double size, int nodes_per_direction = 16);
 
 /// The largest distance between points of the sides.
 double size_of(const Surface& surface);

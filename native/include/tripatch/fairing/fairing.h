@@ -12,15 +12,16 @@
 #include <vector>
 
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/choices.h"
 #include "tripatch/fairing/folds.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
 
 struct FairingOptions {
-  /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, auto (see energy.h):
+  /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, automatic (see energy.h):
   /// geometric, by damped Gauss-Newton from the third-derivative solution.
-  std::string energy = "auto";
+  Fairing energy = Fairing::automatic;
   int degree = 4;        ///< of the interior term's polynomial
   int high_degree = 8;   ///< the same for the last steps, two of them, where a geometric energy stays above `rich`
   double rich = 1;       ///< and what is that: a surface with features of its own
@@ -52,8 +53,8 @@ struct FairingBase {
 
 struct FairResult {
   SurfacePtr patch;
-  std::string energy;  ///< that was minimized
-  double before = 0;   ///< its value for the patch that was given
+  Fairing energy = Fairing::automatic;  ///< that was minimized
+  double before = 0;                    ///< its value for the patch that was given
   double after = 0;
   int iterations = 0;
   std::optional<Index> folds;  ///< of `patch`, where they had to be counted

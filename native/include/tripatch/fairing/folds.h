@@ -12,6 +12,9 @@ namespace tripatch {
 
 /// Folds on a 64 x 64 grid: points with (P_1 x P_2) . n <= 0, n the side-weight blend of the rim's normals, and neighbors whose
 /// normals are 60 degrees or more apart, but for the neighborhood of corners and kinks whose planes differ.
+/// Edges of that grid on a side: neighbors on a hemisphere are 3 degrees apart.
+constexpr Index fold_grid_rows = 64;
+
 class FoldCounter {
 public:
   /// Of patches between these sides.

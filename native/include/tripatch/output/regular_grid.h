@@ -8,6 +8,6 @@ namespace tripatch {
 /// rim: barycentric coordinates of the rim as in TriangleMesh. None where a triangle would be turned over or squeezed, in the
 /// domain or in space.
 std::optional<TriangleMesh> regular_grid(const std::array<std::vector<double>, 3>& parameters, const Points& rim,
-                                         const std::function<Points(const PointsRef&)>& position);
+                                         const Surface& patch);
 
 }  // namespace tripatch

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <vector>
 
-#include "tripatch/types.h"
+#include "tripatch/patch/surface.h"
 
 namespace tripatch {
 
@@ -18,12 +17,12 @@ struct TriangleMesh {
   std::vector<std::array<Index, 3>> triangles;  ///< traverse the rim forwards; all positively oriented in the parameter triangle
 };
 
-/// parameters[i]: increasing from 0 to 1, the rim's vertices on side i. position: maps barycentric coordinates (n x 3) to the
-/// patch's points, so that triangles are well shaped in space and not only in the domain. resolution: edges per side inside the
+/// parameters[i]: increasing from 0 to 1, the rim's vertices on side i. patch: so that triangles are well shaped in space and not
+/// only in the domain. resolution: edges per side inside the
 /// fill, 1: no vertices inside; none: follow the rim, where three equal counts n of fairly even spacing give the regular grid of
 /// n^2 triangles, and a rim so dense that a fill of its own density would be huge is coarsened inwards.
 /// The same input gives the same bits. Throws InvalidArgument for parameters that do not increase from 0 to 1.
 TriangleMesh triangulate(const std::array<std::vector<double>, 3>& parameters, std::optional<int> resolution,
-                         const std::function<Points(const PointsRef&)>& position);
+                         const Surface& patch);
 
 }  // namespace tripatch

@@ -1,4 +1,4 @@
-#include "tripatch/constructions/vertex_ray.h"
+#include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
 
