@@ -53,9 +53,8 @@ def is_function(before):
 
 
 def test_functions_are_read_as_written():
-    text = plain(
-        'int f(int a,\n      int b) {\n  if (a) {\n    return 1;  // }\n  }\n  return "{"[0];\n}\nstruct S {\n  S() : x(1) {}\n};\n'
-    )
+    function = 'int f(int a,\n      int b) {\n  if (a) {\n    return 1;  // }\n  }\n  return "{"[0];\n}\n'
+    text = plain(function + "struct S {\n  S() : x(1) {}\n};\n")
     functions = [(line, end) for before, line, end in blocks(text) if is_function(before)]
     assert functions == [(1, 7), (9, 9)]
 

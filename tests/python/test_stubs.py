@@ -41,7 +41,8 @@ def test_classes_have_what_the_stub_says(name):
         for node in CLASSES[name].body
         if isinstance(node, (ast.FunctionDef, ast.AnnAssign))
     ]
-    missing = [m for m in members if not hasattr(getattr(tripatch, name), m)]
+    public = getattr(tripatch, name)
+    missing = [m for m in members if not hasattr(public, m) and m not in getattr(public, "__annotations__", ())]
     assert missing == []
 
 

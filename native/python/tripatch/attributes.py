@@ -67,6 +67,11 @@ class CutWeights:
     of the old triangles, 3 a triangle, has most of it.
     """
 
+    edge: np.ndarray
+    inside: np.ndarray
+    corners: np.ndarray
+    nearest: np.ndarray
+
     def __init__(self, smooth: _native.SmoothMesh, triangles, count: int):
         """smooth: of these triangles (m, 3) among `count` vertices."""
         own = np.asarray(triangles).reshape(-1, 3)
