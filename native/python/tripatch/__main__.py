@@ -1,4 +1,4 @@
-"""The command line: `tripatch fill IN OUT`, `tripatch smooth IN OUT` and `tripatch methods`."""
+"""The command line: `tripatch fill IN OUT`, `tripatch smooth IN OUT`, `tripatch view FILE OUT.png` and `tripatch methods`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import tripatch
-from tripatch import arguments, files, words
+from tripatch import arguments, files, view, words
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 
@@ -57,6 +57,7 @@ def parser() -> argparse.ArgumentParser:
     smooth.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
     smooth.add_argument("--resolution", type=int, metavar="N", default=8, help="edges that every edge is cut into (8)")
     smooth.add_argument("--curve", choices=("hermite", "smits"), default="hermite", help="over the edges (hermite)")
+    view.add(commands)
     commands.add_parser("methods", help="list the constructions", description="Lists the constructions.")
     return main
 
@@ -186,6 +187,8 @@ def main(argv: list[str] | None = None) -> int:
     try:
         if args.command == "methods":
             return _methods()
+        if args.command == "view":
+            return view.run(args)
         return _smooth(args) if args.command == "smooth" else _fill(args)
     except tripatch.Refusal as refusal:  # of what is asked for, not of a hole
         _refused(refusal)

@@ -1,0 +1,250 @@
+"""What shows the quality of a surface of triangles: reflection lines, curvature, angles across a seam, folds, and their colors.
+
+Arrays in, arrays out. Only `seam_angles` loops in Python, over the edges of the seam.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Degrees between the triangles of an edge from which on the surface counts as folded there, as in `Report.triangles_folded`.
+FOLDED = 120.0
+#: Degrees between two triangles from which on what lies behind their edge does not speak for the surface in front of it.
+_SHARP = 40.0
+#: A paraboloid over a plane has six coefficients; twice as many points leave the fit some say against noise.
+_ENOUGH = 12
+_FAR = 5  # triangles, from the seam inwards
+
+#: Red, green, blue of what is as good as can be, up to what is as bad as the scale goes.
+_SCALE = np.array([(0.13, 0.30, 0.85), (0.15, 0.75, 0.70), (0.95, 0.85, 0.15), (0.95, 0.45, 0.10), (0.85, 0.05, 0.10)])
+#: Below zero, zero, above zero.
+_SIGNED = np.array([(0.10, 0.25, 0.80), (0.45, 0.65, 0.95), (0.88, 0.88, 0.86), (0.97, 0.65, 0.40), (0.80, 0.10, 0.10)])
+FOLD_COLOR = (1.0, 0.0, 0.05)
+
+
+def triangulated(faces) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles (t, 3), a fan in every face, and for each triangle the number of its face (t,)."""
+    if isinstance(faces, np.ndarray):
+        faces = np.asarray(faces, dtype=np.int64)
+        corners = faces.shape[1] - 2
+        fans = [faces[:, [0, k + 1, k + 2]] for k in range(corners)]
+        return np.stack(fans, axis=1).reshape(-1, 3), np.repeat(np.arange(len(faces)), corners)
+    sizes = np.array([len(f) for f in faces], dtype=np.int64)
+    flat = np.fromiter((v for f in faces for v in f), dtype=np.int64, count=int(sizes.sum()))
+    starts, fans = np.concatenate([[0], np.cumsum(sizes)[:-1]]), np.maximum(sizes - 2, 0)
+    of_face = np.repeat(np.arange(len(sizes)), fans)
+    step = np.arange(len(of_face)) - np.repeat(np.cumsum(fans) - fans, fans)
+    first = starts[of_face]
+    return np.column_stack([flat[first], flat[first + step + 1], flat[first + step + 2]]), of_face
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Rows (k, 3) of length one; what is shorter than any length stays zero."""
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
+
+
+def triangle_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(t, 3), twice as long as the triangles are large."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def _sum_at(count: int, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(count, d): rows of `values` added up by the number in `at`."""
+    return np.column_stack([np.bincount(at, column, count) for column in values.T])
+
+
+def vertex_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Unit normals (n, 3), those of the triangles around, weighted by their angles."""
+    normals, total = unit(triangle_normals(vertices, triangles)), np.zeros((len(vertices), 3))
+    for k in range(3):
+        here = vertices[triangles[:, k]]
+        a, b = vertices[triangles[:, (k + 1) % 3]] - here, vertices[triangles[:, (k + 2) % 3]] - here
+        angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1))
+        total += _sum_at(len(vertices), triangles[:, k], normals * angle[:, None])
+    return unit(total)
+
+
+def corner_normals(vertices: np.ndarray, triangles: np.ndarray, sharp: float = _SHARP) -> np.ndarray:
+    """(t, 3, 3): at every corner the normal of its vertex, or of its triangle where they part by more than `sharp` degrees."""
+    own, of_vertex = unit(triangle_normals(vertices, triangles)), vertex_normals(vertices, triangles)[triangles]
+    smooth = (of_vertex * own[:, None]).sum(axis=2) > np.cos(np.radians(sharp))
+    return np.where(smooth[:, :, None], of_vertex, own[:, None])
+
+
+def curvatures(vertices: np.ndarray, triangles: np.ndarray, normals: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and Gaussian curvature (n,) at the vertices, in 1 / units of the vertices; where the surface is convex, seen from the
+    side that its normals point to, the mean is positive.
+
+    In every triangle the second fundamental form that fits the differences of the normals along its edges best, then the mean
+    over the triangles around, by area (Rusinkiewicz 2004, Estimating curvatures and their derivatives on triangle meshes).
+    """
+    normals = vertex_normals(vertices, triangles) if normals is None else normals
+    doubled = triangle_normals(vertices, triangles)
+    p, n = vertices[triangles], normals[triangles]
+    u = unit(p[:, 2] - p[:, 1])
+    v = np.cross(unit(doubled), u)
+    left, right = np.zeros((len(triangles), 3, 3)), np.zeros((len(triangles), 3))
+    for k in range(3):
+        edge, turn = p[:, (k + 2) % 3] - p[:, (k + 1) % 3], n[:, (k + 2) % 3] - n[:, (k + 1) % 3]
+        x, y = (edge * u).sum(axis=1), (edge * v).sum(axis=1)
+        a, b = (turn * u).sum(axis=1), (turn * v).sum(axis=1)
+        zero = np.zeros_like(x)
+        first, second = np.column_stack([x, y, zero]), np.column_stack([zero, x, y])
+        left += first[:, :, None] * first[:, None] + second[:, :, None] * second[:, None]
+        right += a[:, None] * first + b[:, None] * second
+    size = np.einsum("tii->t", left)
+    left += (1e-9 * size + 1e-30)[:, None, None] * np.eye(3)  # needles and triangles without area
+    form = np.linalg.solve(left, right[:, :, None])[:, :, 0]
+    mean, gauss = (form[:, 0] + form[:, 2]) / 2, form[:, 0] * form[:, 2] - form[:, 1] ** 2
+    area = np.linalg.norm(doubled, axis=1)
+    at, count = triangles.ravel(), len(vertices)
+    around = np.maximum(np.bincount(at, np.repeat(area, 3), count), 1e-30)
+    return tuple(np.bincount(at, np.repeat(value * area, 3), count) / around for value in (mean, gauss))
+
+
+def _edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Edges of exactly two triangles: their vertices (e, 2) and the two triangles."""
+    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    key = ends[:, 0] * (int(triangles.max(initial=0)) + 1) + ends[:, 1]
+    order = np.argsort(key, kind="stable")
+    sorted_key = key[order]
+    first = np.flatnonzero(np.concatenate([[True], sorted_key[1:] != sorted_key[:-1]]))
+    two = first[np.diff(np.append(first, len(key))) == 2]
+    a, b = order[two], order[two + 1]
+    return ends[a], a % len(triangles), b % len(triangles)
+
+
+def edge_angles(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edges between two triangles (e, 2) and the angles (e,) in degrees by which these are turned against each other."""
+    if not len(triangles):
+        return np.zeros((0, 2), np.int64), np.zeros(0)
+    edges, f, g = _edges(triangles)
+    return edges, _between(*(triangle_normals(vertices, triangles[side]) for side in (f, g)))
+
+
+def _between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Degrees between rows, exact where they are small."""
+    return np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(axis=-1)))
+
+
+def folded(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Whether a triangle (t,) and one beside it face more than 120 degrees apart."""
+    at_fold = np.zeros(len(triangles), bool)
+    if len(triangles):
+        _, f, g = _edges(triangles)
+        bad = _between(*(triangle_normals(vertices, triangles[side]) for side in (f, g))) > FOLDED
+        at_fold[f[bad]] = at_fold[g[bad]] = True
+    return at_fold
+
+
+class _Around:
+    """The triangles near some edges, and how they hang together."""
+
+    def __init__(self, vertices, triangles, edges):
+        near = np.zeros(len(vertices), bool)
+        near[edges] = True
+        for _ in range(_FAR):
+            chosen = near[triangles].any(axis=1)
+            near[triangles[chosen]] = True
+        self.triangles = triangles[near[triangles].any(axis=1)]
+        self.normals = unit(triangle_normals(vertices, self.triangles))
+        self.of_edge: dict = {}
+        for k, (a, b, c) in enumerate(self.triangles.tolist()):
+            for pair in ((a, b), (b, c), (c, a)):
+                self.of_edge.setdefault(frozenset(pair), []).append(k)
+        self._seam = {frozenset(e) for e in edges.tolist()}
+        self._corners = self.triangles.tolist()
+
+    def side(self, start: int) -> list:
+        """The vertices of one side of the seam around a triangle of it, without what lies behind sharp edges."""
+        seen, front, found = {start}, [start], set(self._corners[start])
+        for _ in range(_FAR):
+            if len(found) >= _ENOUGH:
+                break
+            ahead = []
+            for k in front:
+                a, b, c = self._corners[k]
+                for pair in (frozenset((a, b)), frozenset((b, c)), frozenset((c, a))):
+                    for other in () if pair in self._seam else self.of_edge[pair]:
+                        if other not in seen and self.normals[other] @ self.normals[k] > np.cos(np.radians(_SHARP)):
+                            seen.add(other)
+                            ahead.append(other)
+                            found |= set(self._corners[other])
+            front = ahead
+        return sorted(found)
+
+
+def _normal_at(points: np.ndarray, middle: np.ndarray, along: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """The normal at `middle` of the paraboloid over the plane of a triangle that fits points best, the near ones most; its own
+    normal where they are too few."""
+    if len(points) < 6:
+        return normal
+    across, off = np.cross(normal, along), points - middle
+    x, y, z = off @ along, off @ across, off @ normal
+    size = np.sqrt((off**2).sum(axis=1))
+    scale = max(size.min(), 1e-30)
+    x, y, z = x / scale, y / scale, z / scale
+    weight = 1 / (1 + (size / scale) ** 2)
+    terms = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y]) * weight[:, None]
+    c = np.linalg.lstsq(terms, z * weight, rcond=1e-6)[0]
+    fitted = normal - c[1] * along - c[2] * across
+    return fitted / np.linalg.norm(fitted)
+
+
+def seam_angles(vertices: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Degrees (k,) between the surfaces on both sides of each edge (k, 2) of a seam, at its middle; nan where an edge has not two
+    triangles.
+
+    Not the angle between the two triangles, which a round surface has everywhere: on each side a paraboloid is laid through the
+    points near the edge, and its normal taken where the edge is. Round surfaces give zero up to the third power of the length of
+    the edges.
+    """
+    edges = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+    found = np.full(len(edges), np.nan)
+    if not len(edges) or not len(triangles):
+        return found
+    around = _Around(vertices, triangles, edges)
+    for k, (a, b) in enumerate(edges.tolist()):
+        beside = around.of_edge.get(frozenset((a, b)), ())
+        if len(beside) != 2:
+            continue
+        middle, along = (vertices[a] + vertices[b]) / 2, unit(vertices[b] - vertices[a])
+        sides = [_normal_at(vertices[around.side(f)], middle, along, around.normals[f]) for f in beside]
+        found[k] = _between(*sides)
+    return found
+
+
+def _blend(table: np.ndarray, t: np.ndarray) -> np.ndarray:
+    place = np.clip(np.nan_to_num(t), 0, 1) * (len(table) - 1)
+    return np.column_stack([np.interp(place, np.arange(len(table)), column) for column in table.T])
+
+
+def scale_colors(values: np.ndarray, most: float) -> np.ndarray:
+    """Colors (k, 3) from blue at 0 to red at `most`."""
+    return _blend(_SCALE, np.asarray(values) / max(most, 1e-30))
+
+
+def signed_colors(values: np.ndarray, most: float) -> np.ndarray:
+    """Colors (k, 3) from blue at -`most` over grey at 0 to red at `most`."""
+    return _blend(_SIGNED, np.asarray(values) / max(most, 1e-30) / 2 + 0.5)
+
+
+def usual(values: np.ndarray) -> float:
+    """What 95 of a hundred sizes do not exceed: where a scale may end, so that a few spikes do not wash out all else."""
+    sizes = np.abs(values[np.isfinite(values)])
+    return float(np.quantile(sizes, 0.95)) if len(sizes) else 0.0
+
+
+def stripes(normals: np.ndarray, direction, density: float, toward=None) -> np.ndarray:
+    """Brightness (k,) from 0 to 1: `density` pairs of stripes from where a surface faces a direction to where it faces away.
+
+    toward: unit vectors (k, 3) or (3,) to the eye, for the stripes of a room that the surface mirrors (zebra); None: lines of
+    equal slope against the direction, which stay on the surface when the eye moves (highlight lines).
+    """
+    seen = normals
+    if toward is not None:
+        toward = np.broadcast_to(toward, normals.shape)
+        seen = 2 * (normals * toward).sum(axis=-1, keepdims=True) * normals - toward
+    cosine = np.clip(seen @ (np.asarray(direction, float) / max(np.linalg.norm(direction), 1e-30)), -1, 1)
+    return 0.5 + 0.5 * np.sin(2 * np.pi * density * np.arccos(cosine) / np.pi)

@@ -1,0 +1,231 @@
+"""Pictures of a mesh that show its quality, made without a window: `tripatch view FILE --zebra OUT.png`."""
+
+from __future__ import annotations
+
+import argparse
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from . import files, quality
+
+_BACKGROUND = (0.22, 0.22, 0.23)
+_AT_ONCE = 300_000  # pairs of a triangle and a pixel that are looked at together: some 50 MB
+_FINER = 2  # pixels a side that are averaged into one
+SIZE, EYE, LINES = (960, 720), (1, -1.4, 0.9), 12
+#: What the picture shows, in the order in which the help says it.
+KINDS = {
+    "zebra": "stripes of a room that the surface mirrors",
+    "highlight": "lines of equal slope against a direction",
+    "curvature": "mean curvature: blue hollow, red bulging",
+    "seam": "along a rim (--rim) how far the surfaces beside it are from tangent; without one the angle at every edge",
+    "folds": "what is folded in red",
+}
+
+
+def png(image: np.ndarray) -> bytes:
+    """The PNG file of an image (h, w, 3) of bytes."""
+    height, width, _ = image.shape
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = np.concatenate([np.zeros((height, 1), np.uint8), image.reshape(height, -1)], axis=1)
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)) + chunk(b"IEND", b"")
+
+
+def axes_of(toward) -> np.ndarray:
+    """Rows to the right, upwards and to the eye for a view from a direction; z is upwards."""
+    toward = np.asarray(toward, float) / np.linalg.norm(toward)
+    up = np.array([0.0, 0.0, 1.0]) if abs(toward[2]) < 0.999 else np.array([0.0, 1.0, 0.0])
+    right = np.cross(up, toward)
+    right /= np.linalg.norm(right)
+    return np.array([right, np.cross(toward, right), toward])
+
+
+class Canvas:
+    """A parallel projection onto pixels with depth."""
+
+    def __init__(self, vertices: np.ndarray, toward, width: int, height: int):
+        self.axes, self._size = axes_of(toward), (height, width)
+        turned = vertices @ self.axes.T
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        extent = np.maximum(high - low, 1e-30)
+        scale = 0.92 * min(width / extent[0], height / extent[1])
+        middle = (low + high) / 2
+        self.points = np.column_stack(
+            [(turned[:, 0] - middle[0]) * scale + width / 2, height / 2 - (turned[:, 1] - middle[1]) * scale, turned[:, 2]]
+        )
+        self.nearness = np.full(height * width, -np.inf)
+        self.triangle = np.full(height * width, -1)
+        self.weights = np.zeros((height * width, 3))
+
+    def _candidates(self, corners: np.ndarray):
+        """For some triangles, every pixel of their bounding rectangles: numbers of triangle, x, y."""
+        height, width = self._size
+        low = np.maximum(np.floor(corners[:, :, :2].min(axis=1)).astype(np.int64), 0)
+        high = np.minimum(np.ceil(corners[:, :, :2].max(axis=1)).astype(np.int64), [width - 1, height - 1])
+        wide = np.maximum(high - low + 1, 0)
+        count = wide.prod(axis=1)
+        which = np.repeat(np.arange(len(corners)), count)
+        step = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
+        return which, low[which, 0] + step % wide[which, 0], low[which, 1] + step // wide[which, 0]
+
+    def draw(self, triangles: np.ndarray) -> None:
+        """Finds for every pixel the foremost triangle and the weights of its corners there."""
+        corners = self.points[triangles]
+        span = np.maximum(np.ceil(np.ptp(corners[:, :, :2], axis=1)) + 2, 1).prod(axis=1)
+        part = (np.cumsum(span) // _AT_ONCE).astype(np.int64)
+        for k in np.unique(part):
+            chosen = np.flatnonzero(part == k)
+            self._draw(corners[chosen], chosen)
+
+    def _draw(self, corners: np.ndarray, numbers: np.ndarray) -> None:
+        which, x, y = self._candidates(corners)
+        p = corners[which]
+        ab, ac = p[:, 1, :2] - p[:, 0, :2], p[:, 2, :2] - p[:, 0, :2]
+        to = np.column_stack([x + 0.5, y + 0.5]) - p[:, 0, :2]
+        area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
+        area = np.where(np.abs(area) > 1e-12, area, np.inf)  # seen from the edge
+        b = (to[:, 0] * ac[:, 1] - to[:, 1] * ac[:, 0]) / area
+        c = (ab[:, 0] * to[:, 1] - ab[:, 1] * to[:, 0]) / area
+        weights = np.column_stack([1 - b - c, b, c])
+        inside = (weights > -1e-9).all(axis=1) & np.isfinite(area)
+        which, weights, pixel = which[inside], weights[inside], (y * self._size[1] + x)[inside]
+        near = (weights * p[inside][:, :, 2]).sum(axis=1)
+        order = np.argsort(near, kind="stable")  # of those assigned to one pixel the last counts
+        order = order[near[order] > self.nearness[pixel[order]]]
+        pixel = pixel[order]
+        self.nearness[pixel] = near[order]
+        self.triangle[pixel], self.weights[pixel] = numbers[which[order]], weights[order]
+
+
+def _lit(normals: np.ndarray, axes: np.ndarray) -> np.ndarray:
+    """Brightness of normals in a light from the upper left; both sides of a surface alike."""
+    light = np.array([-0.4, 0.5, 0.77]) @ axes
+    return 0.35 + 0.65 * np.abs(normals @ light)
+
+
+def _colors(kind, vertices, triangles, edges, settings):
+    """Colors (n, 3) of vertices for those kinds that color them, and a sentence on the scale."""
+    if kind == "curvature":
+        mean, _ = quality.curvatures(vertices, triangles)
+        most = settings.get("most") or quality.usual(mean)
+        return quality.signed_colors(mean, most), f"mean curvature from {-most:.3g} (blue) to {most:.3g} (red)"
+    found, angles = (edges, quality.seam_angles(vertices, triangles, edges)) if len(edges) else (None, None)
+    if found is None:
+        found, angles = quality.edge_angles(vertices, triangles)
+    at, known = np.zeros(len(vertices)), np.isfinite(angles)
+    np.maximum.at(at, found[known].ravel(), np.repeat(angles[known], 2))
+    largest = float(angles[known].max(initial=0.0))
+    most = settings.get("most") or (1.0 if len(edges) else max(largest, 1e-9))
+    told = f"{'seam' if len(edges) else 'edges'} within {largest:.3g} deg (red from {most:.3g} deg)"
+    colors = quality.scale_colors(at, most)
+    if len(edges):
+        colors[np.setdiff1d(np.arange(len(vertices)), edges)] = 0.75
+    return colors, told
+
+
+def picture(vertices, faces, kind="zebra", *, rims=(), size=SIZE, toward=EYE, direction=(0, 0, 1), lines=LINES, most=None):
+    """A picture (h, w, 3) of bytes, and a sentence on what it shows.
+
+    Args:
+        vertices, faces: (n, 3); index lists or an int array.
+        kind: a name in `KINDS`.
+        rims: closed lists of vertices, for the seam.
+        toward: from where it is seen.
+        direction, lines: of stripes, as `quality.stripes` has them.
+        most: where the scale of colors ends; None: 95 of a hundred values are within it (seam: 1 degree).
+    """
+    vertices = np.asarray(vertices, dtype=np.float64)
+    triangles, _ = quality.triangulated(faces)
+    if not len(triangles):
+        raise ValueError("There is no face to draw")
+    edges = np.array([pair for rim in rims for pair in zip(rim, [*rim[1:], rim[0]])], dtype=np.int64).reshape(-1, 2)
+    if len(edges) and not (0 <= edges.min() and edges.max() < len(vertices)):
+        raise ValueError(f"rim names vertices that are not there: the mesh has {len(vertices)}")
+    width, height = (_FINER * int(n) for n in size)
+    canvas = Canvas(vertices, toward, width, height)
+    canvas.draw(triangles)
+    seen = np.flatnonzero(canvas.triangle >= 0)
+    of, weights = canvas.triangle[seen], canvas.weights[seen]
+    normals = quality.unit((quality.corner_normals(vertices, triangles)[of] * weights[:, :, None]).sum(axis=1))
+    told = KINDS[kind]
+    if kind in ("zebra", "highlight"):
+        normals *= np.where(normals @ canvas.axes[2] < 0, -1, 1)[:, None]  # the side that is seen
+        stripe = quality.stripes(normals, direction, lines, canvas.axes[2] if kind == "zebra" else None)
+        color = np.repeat((0.06 + 0.88 * np.clip(0.5 + 4 * (stripe - 0.5), 0, 1))[:, None], 3, axis=1)
+    elif kind == "folds":
+        bad = quality.folded(vertices, triangles)
+        told = f"{int(bad.sum())} folded triangles"
+        color = np.where(bad[of][:, None], quality.FOLD_COLOR, 0.75) * _lit(normals, canvas.axes)[:, None]
+    else:
+        colors, told = _colors(kind, vertices, triangles, edges, {"most": most})
+        color = (colors[triangles[of]] * weights[:, :, None]).sum(axis=1) * _lit(normals, canvas.axes)[:, None]
+    image = np.empty((height * width, 3))
+    image[:] = _BACKGROUND
+    image[seen] = color
+    image = image.reshape(height // _FINER, _FINER, width // _FINER, _FINER, 3).mean(axis=(1, 3))
+    return np.clip(np.rint(image * 255), 0, 255).astype(np.uint8), told
+
+
+def _numbers(count=None, kind=float):
+    def parse(text: str) -> list:
+        try:
+            values = [kind(part) for part in text.split(",")]
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"numbers with commas between them, not {text!r}") from None
+        if count and len(values) != count:
+            raise argparse.ArgumentTypeError(f"{count} numbers, not {len(values)}")
+        return values
+
+    return parse
+
+
+def add(commands) -> None:
+    """The command `view` of a command line."""
+    view = commands.add_parser(
+        "view",
+        help="a picture of a mesh file that shows its quality",
+        description="Draws the mesh in FILE to a PNG picture: " + "; ".join(f"--{k} {words}" for k, words in KINDS.items()) + ".",
+    )
+    view.add_argument("input", metavar="FILE", type=Path, help="mesh file")
+    view.add_argument("out", metavar="OUT.png", type=Path, help="picture to write")
+    kinds = view.add_mutually_exclusive_group()
+    for kind, words in KINDS.items():
+        kinds.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind, help=words)
+    rim = {"type": _numbers(kind=int), "action": "append", "default": []}
+    view.add_argument("--rim", metavar="V,V,...", help="of a fill; may be given several times", **rim)
+    view.add_argument("--from", dest="toward", type=_numbers(3), default=EYE, metavar="X,Y,Z", help="the eye (1,-1.4,0.9)")
+    view.add_argument("--direction", type=_numbers(3), default=[0, 0, 1], metavar="X,Y,Z", help="of the stripes (0,0,1)")
+    view.add_argument("--lines", type=float, default=LINES, metavar="N", help="pairs of stripes over half a turn (12)")
+    view.add_argument("--most", type=float, metavar="X", help="where the scale of colors ends")
+    view.add_argument("--size", type=_numbers(2, int), default=SIZE, metavar="W,H", help="pixels (960,720)")
+    view.set_defaults(kind="zebra")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Draws what the command line asks for; returns the exit status."""
+    mesh = files.read(args.input)
+    if min(args.size) < 1 or not any(args.toward) or not any(args.direction):
+        raise ValueError("--size must be positive, --from and --direction must not be zero")
+    image, told = picture(
+        mesh.vertices,
+        mesh.faces,
+        args.kind or "zebra",
+        rims=args.rim,
+        size=args.size,
+        toward=args.toward,
+        direction=args.direction,
+        lines=args.lines,
+        most=args.most,
+    )
+    try:
+        args.out.write_bytes(png(image))
+    except OSError as error:
+        raise files.FileError(f"{args.out} cannot be written: {error.strerror or error}") from error
+    print(f"{args.out}: {told}")
+    return 0

@@ -1,0 +1,178 @@
+"""Curvature, seam angles, folds and stripes on surfaces where they are known; pictures from the command line."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from tripatch import __main__ as cli
+from tripatch import quality, view
+
+N = 24
+
+
+def grid(height, n=N, twist=0.3):
+    """A square from -1 to 1 with a height over every point, its points pushed off the lattice, two triangles a cell."""
+    axis = np.linspace(-1, 1, n + 1)
+    x, y = (a.ravel() for a in np.meshgrid(axis, axis, indexing="ij"))
+    inside = (np.abs(x) < 1) & (np.abs(y) < 1)
+    shift = twist / n * np.random.default_rng(7).uniform(-1, 1, (2, len(x))) * inside * (np.abs(y) > 1e-9)
+    x, y = x + shift[0], y + shift[1]
+    at = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
+    return np.column_stack([x, y, height(x, y)]), np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+
+
+def middle_row(n=N):
+    """The edges along y = 0."""
+    row = np.arange(n + 1) * (n + 1) + n // 2
+    return np.column_stack([row[:-1], row[1:]])
+
+
+def inner(vertices):
+    return (np.abs(vertices[:, :2]) < 0.8).all(axis=1)
+
+
+def test_curvature_of_a_ball_is_that_of_its_radius():
+    vertices, triangles = grid(lambda x, y: np.sqrt(9 - x**2 - y**2))
+    mean, gauss = quality.curvatures(vertices, triangles)
+    assert np.abs(mean[inner(vertices)] - 1 / 3).max() < 0.02
+    assert np.abs(gauss[inner(vertices)] - 1 / 9).max() < 0.02
+
+
+def test_curvature_changes_its_sign_with_the_side_and_a_saddle_has_none_in_the_mean():
+    vertices, triangles = grid(lambda x, y: np.sqrt(9 - x**2 - y**2))
+    hollow, gauss = quality.curvatures(vertices, triangles[:, ::-1])
+    assert np.abs(hollow[inner(vertices)] + 1 / 3).max() < 0.02 and gauss[inner(vertices)].min() > 0
+    saddle, triangles = grid(lambda x, y: 0.1 * x * y)
+    mean, gauss = quality.curvatures(saddle, triangles)
+    assert np.abs(mean[inner(saddle)]).max() < 0.02 and np.abs(gauss[inner(saddle)] + 0.01).max() < 3e-3
+
+
+def test_a_crease_has_its_angle_and_a_smooth_seam_none():
+    vertices, triangles = grid(lambda x, y: np.where(y > 0, np.tan(np.radians(30)) * y, 0))
+    assert quality.seam_angles(vertices, triangles, middle_row()) == pytest.approx(np.full(N, 30.0), abs=1e-6)
+    for shape in (lambda x, y: 0.4 * x * x + 0.2 * x * y - 0.3 * y * y, lambda x, y: np.sqrt(4 - x**2 - y**2)):
+        vertices, triangles = grid(shape)
+        edges, facets = quality.edge_angles(vertices, triangles)
+        along = np.isin(edges, middle_row()).all(axis=1)
+        assert facets[along].max() > 1, "the triangles do turn"
+        assert quality.seam_angles(vertices, triangles, middle_row()).max() < 0.1
+
+
+def test_a_small_angle_is_told_from_the_curvature():
+    """Half a degree, where neighboring triangles turn by more."""
+    vertices, triangles = grid(lambda x, y: 0.4 * y * y + np.where(y > 0, np.tan(np.radians(0.5)) * y, 0))
+    assert quality.seam_angles(vertices, triangles, middle_row()) == pytest.approx(np.full(N, 0.5), abs=0.05)
+
+
+def test_a_seam_angle_is_less_wrong_the_finer_the_mesh():
+    """By the third power of the edges: eight times at twice as many, half of it asked for."""
+
+    def error(n):
+        vertices, triangles = grid(lambda x, y: np.cos(1.5 * x + 0.4) * np.cos(2 * y + 0.3), n, twist=0)
+        return quality.seam_angles(vertices, triangles, middle_row(n)).max()
+
+    assert error(48) < error(24) / 4
+
+
+def test_an_edge_that_is_none_has_no_angle():
+    vertices, triangles = grid(lambda x, y: 0 * x)
+    assert np.isnan(quality.seam_angles(vertices, triangles, [(0, 1), (0, N * N)])).all()
+    assert quality.seam_angles(vertices, triangles, np.zeros((0, 2), int)).shape == (0,)
+
+
+def test_a_flap_turned_over_is_folded_and_a_roof_is_not():
+    vertices = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0.2, 0.9, 0.05), (-1, 0, 0.8)])
+    triangles = np.array([(0, 1, 2), (3, 2, 1), (0, 2, 4)])
+    turned = triangles.copy()
+    turned[1] = (1, 3, 2)  # lies on the first, upside down
+    vertices[3] = (0.2, 0.2, 0.02)
+    assert quality.folded(vertices, np.array([(0, 1, 2), (2, 1, 3), (0, 2, 4)])).tolist() == [True, True, False]
+    vertices[3] = (1, 1, 0.3)
+    assert not quality.folded(vertices, np.array([(0, 1, 2), (2, 1, 3), (0, 2, 4)])).any()
+
+
+def test_triangles_of_mixed_faces():
+    triangles, of = quality.triangulated([[0, 1, 2], [3, 4, 5, 6], [7, 8], [1, 2, 3, 4, 5]])
+    assert triangles.tolist() == [[0, 1, 2], [3, 4, 5], [3, 5, 6], [1, 2, 3], [1, 3, 4], [1, 4, 5]]
+    assert of.tolist() == [0, 1, 1, 3, 3, 3]
+    array, _ = quality.triangulated(np.array([[3, 4, 5, 6]]))
+    assert array.tolist() == [[3, 4, 5], [3, 5, 6]]
+
+
+def test_highlight_lines_stay_and_zebra_moves_with_the_eye():
+    normals = quality.unit(np.random.default_rng(1).normal(size=(50, 3)))
+    assert np.ptp(quality.stripes(normals, (0, 0, 1), 0)) == 0
+    a, b = (quality.stripes(normals, (0, 0, 1), 8, quality.unit(np.array(eye, float))) for eye in ((0, 1, 0), (1, 1, 1)))
+    assert np.abs(a - b).max() > 0.5
+    turn = np.array([(0, 1, 0), (-1, 0, 0), (0, 0, 1.0)])  # about the direction: equal slopes stay equal
+    assert quality.stripes(normals @ turn, (0, 0, 1), 8) == pytest.approx(quality.stripes(normals, (0, 0, 1), 8))
+
+
+def read_png(path):
+    """Our own unfiltered kind only."""
+    data, at, body = path.read_bytes(), 8, b""
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        kind, part = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
+        assert struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0] == zlib.crc32(kind + part)
+        if kind == b"IHDR":
+            width, height = struct.unpack(">II", part[:8])
+        body += part if kind == b"IDAT" else b""
+        at += 12 + length
+    rows = np.frombuffer(zlib.decompress(body), np.uint8).reshape(height, 1 + 3 * width)
+    assert not rows[:, 0].any()
+    return rows[:, 1:].reshape(height, width, 3).astype(int)
+
+
+def write(path, vertices, faces):
+    text = "".join("v {!r} {!r} {!r}\n".format(*map(float, p)) for p in vertices)
+    path.write_text(text + "".join("f " + " ".join(str(v + 1) for v in f) + "\n" for f in np.asarray(faces).tolist()))
+    return path
+
+
+def test_the_foremost_triangle_is_seen():
+    vertices = np.array([(0, 0, 0), (4, 0, 0), (4, 4, 0), (0, 4, 0), (1, 1, 1), (3, 1, 1), (3, 3, 1), (1, 3, 1)], float)
+    canvas = view.Canvas(vertices, (0, 0, 1), 40, 40)
+    canvas.draw(np.array([(4, 5, 6), (4, 6, 7), (0, 1, 2), (0, 2, 3)]))
+    seen = canvas.triangle.reshape(40, 40)
+    assert set(seen[15:25, 15:25].ravel()) == {0, 1} and set(seen[4:8, 4:36].ravel()) == {2, 3} and seen[0, 0] == -1
+
+
+@pytest.mark.parametrize("kind", sorted(view.KINDS))
+def test_every_kind_of_picture(tmp_path, capsys, kind):
+    mesh = write(tmp_path / "in.obj", *grid(lambda x, y: 0.5 * np.cos(2 * x) * np.cos(2 * y)))
+    assert cli.main(["view", str(mesh), f"--{kind}", str(tmp_path / "out.png"), "--size", "80,60"]) == 0
+    image = read_png(tmp_path / "out.png")
+    assert image.shape == (60, 80, 3)
+    assert (image[0, 0] == image[-1, -1]).all() and len(np.unique(image.reshape(-1, 3), axis=0)) > 50
+    assert str(tmp_path / "out.png") in capsys.readouterr().out
+
+
+def test_a_rim_that_is_a_crease_is_red_and_named(tmp_path, capsys):
+    vertices, triangles = grid(lambda x, y: 0.3 * np.abs(y))
+    mesh = write(tmp_path / "in.obj", vertices, triangles)
+    row = middle_row()
+    rim = ",".join(map(str, [row[0, 0], *row[:, 1]]))
+    assert (
+        cli.main(["view", str(mesh), "--seam", str(tmp_path / "o.png"), "--rim", rim, "--from", "0,0,1", "--size", "320,240"])
+        == 0
+    )
+    assert f"seam within {2 * np.degrees(np.arctan(0.3)):.3g} deg" in capsys.readouterr().out
+    image = read_png(tmp_path / "o.png")
+    reddish = (image[:, :, 0] > 1.6 * image[:, :, 2]).sum(axis=1)
+    assert reddish.argmax() == pytest.approx(image.shape[0] / 2, abs=5) and reddish.max() > 100
+
+
+def test_what_cannot_be_drawn_is_said(tmp_path, capsys):
+    mesh = write(tmp_path / "in.obj", *grid(lambda x, y: 0 * x, 2))
+    assert cli.main(["view", str(mesh), "--seam", str(tmp_path / "o.png"), "--rim", "1,2,99"]) == 2
+    assert "rim names vertices that are not there: the mesh has 9" in capsys.readouterr().err
+    assert cli.main(["view", str(mesh), str(tmp_path / "none" / "o.png"), "--size", "40,30"]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+    assert cli.main(["view", str(mesh), "--zebra", str(tmp_path / "o.png"), "--direction", "0,0,0"]) == 2
+    (tmp_path / "empty.obj").write_text("v 0 0 0\n")
+    assert cli.main(["view", str(tmp_path / "empty.obj"), str(tmp_path / "o.png")]) == 2
