@@ -11,9 +11,9 @@ bl_info = {
     "category": "Mesh",
 }
 
-from . import between_patches, command_line, library, operators, smooth, ui  # noqa: E402
+from . import between_patches, command_line, library, operators, overlay, smooth, ui  # noqa: E402
 
-_modules = (operators, between_patches, smooth, ui, command_line)
+_modules = (operators, between_patches, smooth, ui, overlay, command_line)
 
 
 def register():

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from . import selection, subdivision, writeback
+from . import seam, selection, subdivision, writeback
 from .library import np, tripatch, words
 from .selection import Surroundings, UnusableError
 
@@ -262,7 +262,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             raise UnusableError(f"Cage Rim: Exact creases the rim, and the modifier '{modifier.name}' does not use creases")
     # What one rim replaces would be missing around another that it touches; cages are fitted to what cages before have changed.
     apart = cages or any(rim.replaced for rim in rims)
-    planned = []
+    planned, loops = [], []
     for group in _clear_of_each_other(rims) if apart else [rims]:
         usable = [rim for rim in group if all(element.is_valid for element in (*rim.loop, *rim.replaced))]
         outcome.refused += ["A fill before has replaced a part of this rim"] * (len(group) - len(usable))
@@ -273,6 +273,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
                 outcome.refused.append(words.refused(plan))
                 continue
             planned.append(plan)
+            loops.append(plan.loop)
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
         if planned and cages:
@@ -282,6 +283,8 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
         new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
     new_faces = [face for face in new_faces if face.is_valid]
     outcome.faces = len(new_faces)
+    if loops:
+        seam.remember(bm, mesh.name, loops)
     return outcome, new_faces
 
 

@@ -11,7 +11,7 @@ if os.path.isdir(_unpacked) and _unpacked not in sys.path:
 
 #: One sentence for the user, empty when all is there.
 missing = ""
-np = tripatch = arguments = words = None
+np = tripatch = arguments = quality = words = None
 try:
     import numpy as np  # noqa: F401
 except ImportError:
@@ -19,7 +19,7 @@ except ImportError:
 else:
     try:
         import tripatch  # noqa: F401
-        from tripatch import arguments, words  # noqa: F401
+        from tripatch import arguments, quality, words  # noqa: F401
     except ImportError as error:
         missing = f"TriPatch cannot load its library: {error}"
 

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the last fill of each mesh meets its surroundings, as long as Blender runs."""
+
+from __future__ import annotations
+
+from . import selection
+from .library import np
+
+_last: dict = {}  # by name of the mesh: (k, 2) vertices of the edges
+
+
+def remember(bm, name, loops):
+    """After fills were written into a BMesh; loops: lists of BMVert. An edge that was split counts as its two halves."""
+    bm.verts.index_update()
+    found = []
+    for a, b in (pair for loop in loops if all(v.is_valid for v in loop) for pair in selection.pairs(loop)):
+        if bm.edges.get((a, b)):
+            found.append((a.index, b.index))
+            continue
+        both = {e.other_vert(a) for e in a.link_edges} & {e.other_vert(b) for e in b.link_edges}
+        if both:
+            new = max(v.index for v in both)  # the last that was made
+            found += [(a.index, new), (new, b.index)]
+    _last[name] = np.array(found, dtype=np.int64).reshape(-1, 2)
+
+
+def edges(mesh, evaluated=None):
+    """(k, 2) vertices of the last fill's rim, or of the selected edges where none is known. In edit mode only what was evaluated
+    knows what is selected."""
+    if mesh.name in _last:
+        return _last[mesh.name]
+    mesh = evaluated or mesh
+    ends, selected = np.empty(2 * len(mesh.edges), np.int32), np.empty(len(mesh.edges), bool)
+    mesh.edges.foreach_get("vertices", ends)
+    mesh.edges.foreach_get("select", selected)
+    return ends.reshape(-1, 2)[selected].astype(np.int64)
+
+
+def subdivided(pairs, mesh, count):
+    """The same edges in what a Subdivision modifier made of a mesh: its vertices come first, then those inside of each edge, edge
+    by edge in the direction of the edge.
+
+    count: of the vertices inside of an edge.
+    """
+    if not count or not len(pairs):
+        return pairs
+    ends = np.empty(2 * len(mesh.edges), np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    ends = ends.reshape(-1, 2).astype(np.int64)
+    size = len(mesh.vertices)
+    keys = ends.min(axis=1) * size + ends.max(axis=1)
+    order = np.argsort(keys)
+    at = np.searchsorted(keys[order], pairs.min(axis=1) * size + pairs.max(axis=1))
+    at = order[np.minimum(at, len(order) - 1)]
+    at = at[keys[at] == pairs.min(axis=1) * size + pairs.max(axis=1)]
+    inside = size + at[:, None] * count + np.arange(count)
+    chain = np.column_stack([ends[at, 0], inside, ends[at, 1]])
+    return np.stack([chain[:, :-1], chain[:, 1:]], axis=2).reshape(-1, 2)
+
+
+def forget():
+    _last.clear()

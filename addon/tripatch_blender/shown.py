@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the overlay shows of an object, as arrays: nothing here draws, and nothing loops over faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from . import seam, subdivision
+from .library import np, quality
+
+
+@dataclass
+class Shown:
+    """An object's surface as it is seen, in world space but for the place of the object."""
+
+    positions: np.ndarray  # (3 t, 3) float32, corner by corner of the triangles
+    normals: np.ndarray  # (3 t, 3), as the surface is shaded
+    colors: np.ndarray | None = None  # (3 t, 4)
+    lines: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.float32))  # (2 k, 3) ends of the seam's edges
+    line_colors: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    told: list = field(default_factory=list)  # sentences
+    worst: tuple | None = None  # where the seam is worst, and the angle there in degrees
+
+
+def _got(elements, name, width, kind=np.float32):
+    values = np.empty(len(elements) * width, kind)
+    elements.foreach_get(name, values)
+    return values.reshape(-1, width) if width > 1 else values
+
+
+def _normals(mesh, loops):
+    """(corners, 3)"""
+    if hasattr(mesh, "corner_normals"):
+        return _got(mesh.corner_normals, "vector", 3)[loops]
+    mesh.calc_normals_split()  # to 4.0
+    return _got(mesh.loops, "normal", 3)[loops]
+
+
+def _of_mesh(mesh, turn, with_normals):
+    """Vertices (n, 3), triangles (t, 3) and normals (3 t, 3) of what Blender evaluated, turned and scaled as the object is."""
+    mesh.calc_loop_triangles()
+    triangles = _got(mesh.loop_triangles, "vertices", 3, np.int32)
+    vertices = _got(mesh.vertices, "co", 3) @ turn.T.astype(np.float32)
+    normals = None
+    if with_normals:
+        normals = _normals(mesh, _got(mesh.loop_triangles, "loops", 3, np.int32).ravel()) @ np.linalg.inv(turn).astype(np.float32)
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    if np.linalg.det(turn) < 0:
+        triangles = triangles[:, ::-1]
+        normals = None if normals is None else normals.reshape(-1, 3, 3)[:, ::-1].reshape(-1, 3)
+    return vertices, triangles, normals
+
+
+def _seam_edges(ob, mesh):
+    """The seam's edges in the evaluated mesh."""
+    if ob.type != "MESH":
+        return np.zeros((0, 2), np.int64)
+    modifier = subdivision.modifier_of(ob)
+    if modifier and ob.mode == "EDIT":
+        ob.update_from_editmode()
+    if modifier and len(mesh.vertices) > len(ob.data.vertices):
+        return seam.subdivided(seam.edges(ob.data), ob.data, 2 ** subdivision.level_of(modifier) - 1)
+    return seam.edges(ob.data, mesh)
+
+
+def _deviation(mesh):
+    attribute = mesh.attributes.get("deviation")
+    if attribute is None or attribute.domain != "POINT" or attribute.data_type != "FLOAT":
+        return None
+    return _got(attribute.data, "value", 1)
+
+
+def _surface_colors(made, mesh, vertices, triangles, settings):
+    """Colors (n, 3) of the vertices for what is shown of them, or None; says what the scale is."""
+    if settings.surface == "CURVATURE":
+        mean, _ = quality.curvatures(vertices.astype(np.float64), triangles.astype(np.int64))
+        most = settings.curvature if settings.fixed_range else quality.usual(mean)
+        made.told.append(f"Curvature from {-most:.3g} (blue) to {most:.3g} (red)")
+        return quality.signed_colors(mean, most)
+    if settings.surface == "DEVIATION":
+        values = _deviation(mesh)
+        if values is None:
+            made.told.append("No deviation is known of this mesh")
+            return None
+        most = settings.deviation if settings.fixed_range else float(np.nan_to_num(values).max(initial=0.0))
+        made.told.append(f"Deviation up to {np.nan_to_num(values).max(initial=0.0):.3g} (red from {most:.3g})")
+        return quality.scale_colors(values, most)
+    return None
+
+
+def _add_seam(made, vertices, triangles, edges, settings):
+    if len(edges):
+        edges = edges[edges.max(axis=1) < len(vertices)]
+    angles = quality.seam_angles(vertices.astype(np.float64), triangles.astype(np.int64), edges)
+    known = np.isfinite(angles)
+    if not known.any():
+        made.told.append("No seam: fill a hole, or select edges")
+        return
+    edges, angles = edges[known], angles[known]
+    worst = int(angles.argmax())
+    made.lines = vertices[edges.ravel()].astype(np.float32)
+    colors = quality.scale_colors(angles, settings.seam_most)
+    made.line_colors = np.repeat(np.column_stack([colors, np.ones(len(colors))]), 2, axis=0).astype(np.float32)
+    made.worst = (vertices[edges[worst]].mean(axis=0), float(angles[worst]))
+    made.told.append(f"Seam within {angles[worst]:.3g} deg (red from {settings.seam_most:.3g} deg)")
+
+
+def of_evaluated(ob, mesh, turn, settings):
+    """What is shown of an object whose evaluated mesh this is. turn: (3, 3) of its world matrix."""
+    stripes = settings.surface in ("ZEBRA", "HIGHLIGHT")
+    vertices, triangles, normals = _of_mesh(mesh, turn, stripes)
+    flat = triangles.ravel()
+    made = Shown(vertices[flat], normals)
+    colors = _surface_colors(made, mesh, vertices, triangles, settings)
+    if settings.folds:
+        bad = quality.folded(vertices.astype(np.float64), triangles.astype(np.int64))
+        made.told.append(f"{int(bad.sum())} folded triangles" if bad.any() else "No folds")
+    if not stripes:
+        shown = np.zeros((len(flat), 4), np.float32)
+        if colors is not None:
+            shown[:, :3], shown[:, 3] = colors[flat], 1
+        if settings.folds:
+            shown[np.repeat(bad, 3)] = (*quality.FOLD_COLOR, 1)
+        made.colors = shown
+    elif settings.folds:
+        made.colors = np.zeros((len(flat), 4), np.float32)
+        made.colors[np.repeat(bad, 3)] = (*quality.FOLD_COLOR, 1)
+    if settings.seam:
+        _add_seam(made, vertices, triangles, _seam_edges(ob, mesh), settings)
+    return made
+
+
+def of_object(ob, depsgraph, settings):
+    """`Shown` of an object as the depsgraph has evaluated it; None where it has no surface."""
+    evaluated = ob.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh()
+    try:
+        if mesh is None or not len(mesh.polygons):
+            return None
+        return of_evaluated(ob, mesh, np.array(ob.matrix_world, np.float64)[:3, :3], settings)
+    finally:
+        evaluated.to_mesh_clear()

@@ -1,0 +1,183 @@
+"""What the overlay shows of a mesh, when it makes that anew, and that nothing is left of it when it is off."""
+
+import re
+import sys
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+@pytest.fixture
+def overlay(addon):
+    module = sys.modules[addon.__name__ + ".overlay"]
+    sys.modules[addon.__name__ + ".seam"].forget()
+    yield module
+    module.stop()
+
+
+@pytest.fixture
+def shown(addon):
+    return sys.modules[addon.__name__ + ".shown"]
+
+
+def settings(**given):
+    usual = {"surface": "ZEBRA", "seam": True, "folds": False, "seam_most": 1.0, "fixed_range": False}
+    return SimpleNamespace(**(usual | {"curvature": 1.0, "deviation": 1.0} | given))
+
+
+def seen(shown, ob, **given):
+    return shown.of_object(ob, bpy.context.evaluated_depsgraph_get(), settings(**given))
+
+
+def filled(**options):
+    ob = scenes.add_hole()
+    scenes.edit(ob)
+    assert bpy.ops.mesh.fill_three_sided(**options) == {"FINISHED"}
+    return ob
+
+
+def test_the_seam_of_the_last_fill_is_measured_in_both_modes(overlay, shown):
+    ob = filled()
+    in_edit_mode = seen(shown, ob)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    made = seen(shown, ob)
+    assert len(made.lines) == len(in_edit_mode.lines) == 2 * 12
+    assert made.worst[1] < 1 and made.told == in_edit_mode.told
+    assert made.told[0].startswith("Seam within")
+
+
+def test_an_edit_of_the_fill_shows_in_its_seam(overlay, shown):
+    ob = filled(resolution=4)
+    bm = scenes.bmesh.from_edit_mesh(ob.data)
+    inside = [v for v in bm.verts if all(f.select for f in v.link_faces)]
+    for v in inside:
+        v.co.z += 0.05
+    scenes.bmesh.update_edit_mesh(ob.data)
+    assert seen(shown, ob).worst[1] > 20
+
+
+def test_under_a_subdivision_modifier_the_seam_is_that_of_the_surface(overlay, shown):
+    ob = filled(output="quads", surroundings="mesh")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    ob.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    made = seen(shown, ob)
+    assert len(made.lines) == 2 * 12 * 4
+    assert made.worst[1] < 1
+
+
+def test_without_a_fill_the_selected_edges_are_the_seam(overlay, shown):
+    ob = scenes.add_mesh([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1)], [(0, 1, 2, 3), (1, 0, 4, 5)])
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    scenes.select(bm, edges=[e for e in bm.edges if {v.index for v in e.verts} == {0, 1}])
+    made = seen(shown, ob)
+    assert made.worst[1] == pytest.approx(90, abs=1e-3)
+    assert made.line_colors[0, 0] > made.line_colors[0, 2], "red"
+
+
+def test_curvature_is_in_units_of_the_scene(overlay, shown):
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1, segments=48, ring_count=24, scale=(2, 2, 2))
+    made = seen(shown, bpy.context.object, surface="CURVATURE", seam=False)
+    low, high = (float(word) for word in re.findall(r"[-\d.]+\d", made.told[0]))
+    assert low == -high and high == pytest.approx(0.5, rel=0.02)
+    assert (made.colors[:, 0] > 0.7).mean() > 0.9, "a ball is red, as it bulges everywhere"
+
+
+def test_a_mirrored_object_bulges_as_the_one_it_mirrors(overlay, shown):
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
+    bpy.context.object.scale = (-1, 1, 1)
+    bpy.context.view_layer.update()
+    made = seen(shown, bpy.context.object, seam=False)
+    assert ((made.positions * made.normals).sum(axis=1) > 0.9).all()
+    colored = seen(shown, bpy.context.object, surface="CURVATURE", seam=False)
+    assert (colored.colors[:, 0] > 0.7).all()
+
+
+def test_deviation_is_the_attribute_of_that_name(overlay, shown):
+    ob = scenes.add_hole()
+    assert "No deviation is known of this mesh" in seen(shown, ob, surface="DEVIATION").told
+    values = np.linspace(0, 0.25, len(ob.data.vertices)).astype(np.float32)
+    ob.data.attributes.new("deviation", "FLOAT", "POINT").data.foreach_set("value", values)
+    ob.data.update()
+    made = seen(shown, ob, surface="DEVIATION")
+    assert "Deviation up to 0.25 (red from 0.25)" in made.told
+    order = np.argsort(made.colors[:, 0] - made.colors[:, 2])
+    assert made.colors[order[0], 2] > 0.8 and made.colors[order[-1], 0] > 0.8
+
+
+def test_folds_are_red_also_over_stripes(overlay, shown):
+    flap = scenes.add_mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0.3, 0.3, 0.01), (-1, 0, 0)], [(0, 1, 2), (2, 1, 3), (0, 2, 4)])
+    for surface in ("ZEBRA", "NONE"):
+        made = seen(shown, flap, surface=surface, folds=True, seam=False)
+        assert made.told == ["2 folded triangles"]
+        assert made.colors[:, 3].tolist() == [1] * 6 + [0] * 3 and made.colors[0, 0] == 1
+
+
+def test_what_has_no_faces_is_not_shown(overlay, shown):
+    assert seen(shown, scenes.add_mesh([(0, 0, 0), (1, 0, 0)], [])) is None
+
+
+def test_a_surface_object_is_shown(overlay, shown):
+    bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+    made = seen(shown, bpy.context.object)
+    assert len(made.positions) > 100 and np.isfinite(made.normals).all()
+
+
+def handlers():
+    return {name: len(getattr(bpy.app.handlers, name)) for name in ("depsgraph_update_post", "load_pre", "load_post")}
+
+
+def test_off_it_leaves_nothing(overlay):
+    before, wm = handlers(), bpy.context.window_manager.tripatch_overlay
+    wm.show = True
+    assert wm.show and handlers() != before
+    wm.show = True
+    wm.show = False
+    assert not wm.show and handlers() == before
+    assert not overlay._state.handles and not overlay._state.drawn
+
+
+def test_only_what_has_changed_is_made_anew(overlay, monkeypatch):
+    made = []
+    monkeypatch.setattr(overlay, "_Drawn", lambda shown, turn: SimpleNamespace(made=shown, turn=turn))
+    monkeypatch.setattr(overlay.shown, "of_object", lambda ob, *_: made.append(ob.name) or SimpleNamespace(told=[]))
+    first, second = scenes.add_hole(), scenes.add_hole()
+    first.name, second.name = "first", "second"
+
+    def frame():
+        graph = bpy.context.evaluated_depsgraph_get()
+        for ob in (first, second):
+            overlay._drawn(ob, graph, settings())
+        overlay._state.changed.clear()
+
+    overlay.start()
+    bpy.context.view_layer.update()
+    frame()
+    frame()
+    assert made == ["first", "second"]
+    second.data.vertices[0].co.z += 1
+    second.data.update()
+    bpy.context.view_layer.update()
+    frame()
+    assert made == ["first", "second", "second"]
+    first.location.x = 3  # goes into the matrix of the shader
+    bpy.context.view_layer.update()
+    frame()
+    assert made == ["first", "second", "second"]
+    first.scale.x = 3
+    bpy.context.view_layer.update()
+    frame()
+    assert made == ["first", "second", "second", "first"]
+
+
+def test_another_file_and_a_changed_setting_empty_the_card(overlay):
+    overlay.start()
+    overlay._state.drawn["gone"] = False
+    bpy.context.window_manager.tripatch_overlay.surface = "CURVATURE"
+    assert not overlay._state.drawn
+    overlay._state.drawn["gone"] = False
+    overlay._on_load()
+    assert not overlay._state.drawn
+    bpy.context.window_manager.tripatch_overlay.surface = "ZEBRA"
