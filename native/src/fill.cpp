@@ -140,7 +140,8 @@ Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& 
   const bool own_rim = surroundings.border.rows() > 0;
   const Cover cover = options.output == Output::quads
                           ? cover_with_quads(mesh, hole, surroundings.parameters, *fill.patch, layout_options(options), own_rim)
-                          : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution);
+                          : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution,
+                                                 own_rim ? nullptr : &ground.left);
   deliver(cover, surroundings.border, mesh.vertices.rows(), fill);
   fill.rim = hole.rim;
   fill.rim_barycentric = rim_barycentric(hole, surroundings);

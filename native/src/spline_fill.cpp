@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_fill.h"
@@ -49,6 +51,35 @@ PlanePoints on_circle(const Points& rim) {
   return uv * (length / (2 * std::numbers::pi));
 }
 
+Eigen::MatrixXd stacked(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  Eigen::MatrixXd both(a.rows() + b.rows(), a.cols());
+  both << a, b;
+  return both;
+}
+
+/// No edge of the mesh is doubled: where the rim leaves no other way, the fill's has a vertex in its middle.
+void halve_doubled(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, PlaneFill& made) {
+  const Index r = static_cast<Index>(rim.size());
+  const auto halved = halve_doubled_edges(around, rim, r + made.vertices.rows(), made.triangles);
+  const Index added = static_cast<Index>(halved.size());
+  if (added == 0) return;
+  Points middle(added, 3);
+  PlanePoints uv(added, 2);
+  for (Index k = 0; k < added; ++k) {
+    const auto [a, b] = halved[k];
+    middle.row(k) = (mesh.vertices.row(rim[a]) + mesh.vertices.row(rim[b])) / 2;
+    if (made.surface) uv.row(k) = (made.rim_uv.row(a) + made.rim_uv.row(b)) / 2;
+  }
+  if (made.surface) {
+    Points normals;
+    std::tie(middle, normals) = made.surface->positions_and_normals(as_rows(uv));
+    made.deviation = stacked(made.deviation, made.surface->deviation(uv, normals));
+    made.normals = stacked(made.normals, normals);
+    made.uv = stacked(made.uv, uv);
+  }
+  made.vertices = stacked(made.vertices, middle);
+}
+
 }  // namespace
 
 Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
@@ -59,6 +90,7 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
 
   Fill fill;
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
+  halve_doubled(mesh, around, fill.rim, made);
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };
   Points points(r + made.vertices.rows(), 3);
@@ -97,8 +129,6 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   if (!made.plainer.empty()) report.warnings.push_back(made.plainer);
-  if (made.doubles_edges)
-    report.warnings.push_back("The fill has an edge that the mesh has already: its rim leaves no other way");
   return fill;
 }
 

@@ -66,7 +66,7 @@ void refined_sides(const Mesh& cage, const Connectivity& whole, const Hole& hole
   result.surroundings_error = estimated.surroundings_error;
   result.border.resize(static_cast<Index>(fine.rim.size()), 3);
   for (std::size_t k = 0; k < fine.rim.size(); ++k) result.border.row(static_cast<Index>(k)) = refined.vertices.row(fine.rim[k]);
-  result.warnings.push_back("The modifier does not use the limit surface: the slopes are those of its points, estimated");
+  result.warnings.emplace_back("The modifier does not use the limit surface: the slopes are those of its points, estimated");
 }
 
 /// Where an interior vertex has only two edges, both derivatives of the limit vanish: no side can start or end there.

@@ -62,7 +62,7 @@ NurbsSurface::NurbsSurface(Points points, Index count_u, Index count_v, std::vec
   axis_[1].degree = degree_of(axis_[1].knots, count_v, "v");
   homogeneous_.resize(points.rows(), 4);
   for (Index k = 0; k < points.rows(); ++k) {
-    const std::string at = "(" + std::to_string(k / count_v) + ", " + std::to_string(k % count_v) + ")";
+    const std::string at = std::string("(") + std::to_string(k / count_v) + ", " + std::to_string(k % count_v) + ")";
     if (!points.row(k).allFinite()) throw InvalidArgument("Control point " + at + " is not finite");
     if (!(weights[k] > 0) || !std::isfinite(weights[k]))
       throw InvalidArgument("Weight " + at + " must be greater than 0, not " + std::to_string(weights[k]));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -21,20 +22,22 @@ struct RimEdges {
   std::vector<std::array<Index, 2>> along, against;
 };
 
-/// Every edge has one face, and not all of them the same that has no others around.
+/// Every edge has one face, and not all of them the same: the back of a face is no hole.
 RimEdges check_edges(const Connectivity& around, const Loop& rim) {
   const std::size_t n = rim.size();
   RimEdges edges;
-  const auto sole = around.at(rim[0]);
-  bool one_face = !sole.empty() && around.faces()[around.face(sole[0])].size() == n;
+  std::optional<Index> first;  // face beside the rim
+  bool one_face = true;
   for (std::size_t k = 0; k < n; ++k) {
     const Index a = rim[k], b = rim[(k + 1) % n];
     const auto edge = [&] { return "the rim edge between vertices " + std::to_string(a) + " and " + std::to_string(b); };
     int forward = 0, backward = 0;
     for (const Corner c : around.at(a)) {
+      if (around.next(c) != b && around.previous(c) != b) continue;
       forward += around.next(c) == b;
       backward += around.previous(c) == b;
-      one_face = one_face && around.face(c) == around.face(sole[0]);
+      if (!first) first = around.face(c);
+      one_face = one_face && around.face(c) == *first;
     }
     if (forward + backward == 0)
       throw Refusal("There is no face beside " + edge() + "; the surroundings are unknown there", {a, b});
@@ -43,7 +46,8 @@ RimEdges check_edges(const Connectivity& around, const Loop& rim) {
     if (forward + backward == 2) throw Refusal("There is a face on both sides of " + edge() + ", so no hole", {a, b});
     (forward ? edges.along : edges.against).push_back({a, b});
   }
-  if (one_face) throw Refusal("The rim is the border of a single face that is joined to no other, so no hole", rim);
+  if (one_face && around.faces()[*first].size() == n)
+    throw Refusal("The rim is the border of a single face that is joined to no other, so no hole", rim);
   return edges;
 }
 

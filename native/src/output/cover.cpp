@@ -3,15 +3,23 @@
 #include <numeric>
 #include <tuple>
 
+#include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/triangulate.h"
 
 namespace tripatch {
 
 Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double>, 3>& parameters, const Surface& patch,
-                           std::optional<int> resolution) {
+                           std::optional<int> resolution, const Connectivity* mesh) {
   TriangleMesh triangles = triangulate(parameters, resolution, patch);
   Cover cover;
+  const Index count = triangles.barycentric.rows();
+  std::vector<std::array<Index, 2>> halved;
+  if (mesh) halved = halve_doubled_edges(*mesh, hole.rim, count, triangles.triangles);
   cover.barycentric = std::move(triangles.barycentric);
+  cover.barycentric.conservativeResize(count + static_cast<Index>(halved.size()), 3);
+  for (std::size_t k = 0; k < halved.size(); ++k)
+    cover.barycentric.row(count + static_cast<Index>(k)) =
+        (cover.barycentric.row(halved[k][0]) + cover.barycentric.row(halved[k][1])) / 2;
   cover.rim = triangles.rim;
   cover.rim_vertices = hole.rim;
   for (const std::array<Index, 3>& triangle : triangles.triangles) cover.faces.add(triangle);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tripatch/hole/hole.h"
+#include "tripatch/mesh/connectivity.h"
 #include "tripatch/output/fill_result.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/types.h"
@@ -24,9 +25,9 @@ struct Cover {
   std::vector<std::string> warnings;
 };
 
-/// parameters, resolution: see triangulate.
+/// parameters, resolution: see triangulate. mesh: whose edges the fill must not have inside; none where it is a mesh of its own.
 Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double>, 3>& parameters, const Surface& patch,
-                           std::optional<int> resolution);
+                           std::optional<int> resolution, const Connectivity* mesh);
 
 /// Vertices, normals and faces of a fill that has its patch: faces of the mesh, of `vertices` vertices, whose rim is reused, or with
 /// a border (its points, from corner 0 on) a mesh of its own.

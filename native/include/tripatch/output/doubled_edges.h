@@ -1,0 +1,18 @@
+// What keeps the filled mesh a manifold where the fill has an edge that the mesh has already.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+/// Gives every inner edge of a fill between two rim vertices that the mesh joins already a vertex in its middle: four faces would
+/// share it. rim: of the mesh, vertices 0, 1, ... of the triangles; count: of all their vertices. Returns the ends of each halved
+/// edge, whose middle is vertex count, count + 1, ...
+std::vector<std::array<Index, 2>> halve_doubled_edges(const Connectivity& mesh, std::span<const Index> rim, Index count,
+                                                      std::vector<std::array<Index, 3>>& triangles);
+
+}  // namespace tripatch

@@ -1,0 +1,54 @@
+#include "tripatch/output/doubled_edges.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace tripatch {
+namespace {
+
+/// The triangles at each edge between two rim vertices.
+using AtEdge = std::map<std::pair<Index, Index>, std::vector<std::size_t>>;
+
+AtEdge triangles_at_edges(const std::vector<std::array<Index, 3>>& triangles, Index rim) {
+  AtEdge at;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
+      if (b < rim) at[{a, b}].push_back(t);
+    }
+  return at;
+}
+
+/// Puts vertex m into edge a b of a triangle; its half at b is added.
+void halve(std::vector<std::array<Index, 3>>& triangles, std::size_t t, Index a, Index b, Index m) {
+  std::array<Index, 3> other = triangles[t];
+  std::replace(triangles[t].begin(), triangles[t].end(), b, m);
+  std::replace(other.begin(), other.end(), a, m);
+  triangles.push_back(other);
+}
+
+}  // namespace
+
+std::vector<std::array<Index, 2>> halve_doubled_edges(const Connectivity& mesh, std::span<const Index> rim, Index count,
+                                                      std::vector<std::array<Index, 3>>& triangles) {
+  std::vector<std::array<Index, 2>> halved;
+  for (bool more = true; more;) {  // an edge whose triangle has changed waits for the next pass
+    more = false;
+    std::vector<char> changed(triangles.size(), 0);
+    for (const auto& [edge, beside] : triangles_at_edges(triangles, static_cast<Index>(rim.size()))) {
+      if (beside.size() != 2 || mesh.faces_at_edge(rim[edge.first], rim[edge.second]).empty()) continue;
+      more = true;
+      if (changed[beside[0]] || changed[beside[1]]) continue;
+      const Index middle = count + static_cast<Index>(halved.size());
+      halved.push_back({edge.first, edge.second});
+      for (std::size_t t : beside) {
+        changed[t] = 1;
+        halve(triangles, t, edge.first, edge.second, middle);
+      }
+    }
+  }
+  return halved;
+}
+
+}  // namespace tripatch
