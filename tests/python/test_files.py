@@ -318,7 +318,7 @@ def test_off_colours_and_normals(tmp_path):
     [
         (b"", "The file is empty"),
         (b"PLY\n", "must start with OFF"),
-        (b"OFF BINARY\n\0\0", "Binary OFF"),
+        (b"OFF BINARY\n\0\0", "binary OFF"),
         (b"4OFF\n0 0 0\n", "three dimensions"),
         (b"OFF\n9 4 0\n0 0 0\n", "announces 9 vertices and 4 faces"),
         (b"OFF\n1 1 0\n0 0 0\n3 0 0\n", "vertex or face on each line"),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
+import os
 import sys
 from pathlib import Path
 
@@ -14,6 +16,7 @@ import tripatch
 from tripatch import arguments, files, view, words
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
+INTERRUPTED = 130  # what shells say of SIGINT
 
 _DESCRIPTION = """\
 Fills a hole of the mesh in IN and writes the mesh with the fill to OUT; with --all every hole.
@@ -21,7 +24,8 @@ OBJ, OFF, PLY and STL files keep everything that is in them; VTK and other files
 from 0, in the order of the file (STL: of their first use)."""
 _EXIT = """\
 exit status: 0 all filled; 3 some were refused or fold more than their rims do (OUT is written); 1 nothing to fill or all
-refused (the reason on stderr, OUT is not written); 2 bad usage or unreadable input"""
+refused (the reason on stderr, OUT is not written); 2 bad usage, unreadable input or output that cannot be
+written; 130 interrupted"""
 
 #: The options of `tripatch.fill`; but the faces of a file stay.
 OPTIONS = {name: option for name, option in tripatch.OPTIONS.items() if name != "replaced"}
@@ -98,10 +102,8 @@ def _write_report(path: Path, holes: list) -> None:
             if len(result.creases[0]):
                 added["creases"] = result.creases[0]
             entries.append({**added, **result.report.as_dict()})
-    try:
-        path.write_text(json.dumps({"holes": _plain(entries)}, indent=2) + "\n")
-    except OSError as error:
-        raise files.FileError(f"{path} cannot be written: {error.strerror or error}") from error
+    text = json.dumps({"holes": _plain(entries)}, indent=2) + "\n"
+    files.write_over(path, lambda part: part.write_text(text))
 
 
 def _options(args: argparse.Namespace) -> dict:
@@ -119,6 +121,8 @@ def _options(args: argparse.Namespace) -> dict:
 def _fill(args: argparse.Namespace) -> int:
     options = _options(args)
     choosing = {name: options.pop(name) for name in list(options) if "choose_holes" in OPTIONS[name].functions}
+    if args.report and os.path.realpath(args.report) in map(os.path.realpath, (args.input, args.out)):
+        raise ValueError(f"--report would write over {args.report}, which is IN or OUT; give it a file of its own")
     mesh = files.read(args.input)
     out = mesh if args.out.suffix.lower() == args.input.suffix.lower() else files.converted(mesh, args.out.suffix)
 
@@ -178,24 +182,38 @@ def _methods() -> int:
     return FILLED
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Runs the command line and returns the exit status."""
+def _run(argv: list[str] | None) -> int:
     try:
         args = parser().parse_args(argv)
     except SystemExit as end:  # --help, --version, bad usage: already said
         return int(end.code or 0)
+    if args.command == "methods":
+        return _methods()
+    if args.command == "view":
+        return view.run(args)
+    return _smooth(args) if args.command == "smooth" else _fill(args)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs the command line and returns the exit status."""
     try:
-        if args.command == "methods":
-            return _methods()
-        if args.command == "view":
-            return view.run(args)
-        return _smooth(args) if args.command == "smooth" else _fill(args)
+        status = _run(argv)
+        sys.stdout.flush()  # while it can be said that this fails
+        return status
     except tripatch.Refusal as refusal:  # of what is asked for, not of a hole
         _refused(refusal)
         return NOTHING
     except (ValueError, TypeError) as error:  # a FileError, or an option that `fill` does not take
         _say(str(error))
         return USAGE
+    except OSError as error:
+        _say(f"The output cannot be written: {error.strerror or error}")
+        with contextlib.suppress(OSError, ValueError):  # what is left of it shall not fail again at the end
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return USAGE
+    except KeyboardInterrupt:
+        _say("Interrupted; nothing is half written")
+        return INTERRUPTED
 
 
 if __name__ == "__main__":

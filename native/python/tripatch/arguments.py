@@ -67,8 +67,9 @@ def _numbers(kind: Callable, count: int) -> Callable:
 def _json(text: str) -> dict:
     try:
         return json.loads(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} is no JSON: {error}") from None
+    except (ValueError, RecursionError) as error:
+        given = text if len(text) <= 60 else text[:57] + "..."
+        raise argparse.ArgumentTypeError(f"{given!r} is no JSON: {error}") from None
 
 
 def _loops(text: str) -> list[list[int]]:

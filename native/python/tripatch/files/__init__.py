@@ -12,17 +12,21 @@ the file says of a face (material, group, colour) from the faces around the rim.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from .mesh_file import FileError, MeshFile
 from .obj import ObjFile
 from .off import OffFile
+from .off_binary import BinaryOffFile
 from .others import MeshioFile
 from .ply import PlyFile
 from .stl import StlFile
+from .writing import write_over
 
-__all__ = ["FileError", "MeshFile", "converted", "read"]
+__all__ = ["FileError", "MeshFile", "converted", "read", "write_over"]
 
+_BINARY = rb"(?:\xef\xbb\xbf)?[A-Zn4]*OFF[ \t]+BINARY\b"
 _OWN = {".obj": ObjFile, ".off": OffFile, ".ply": PlyFile, ".stl": StlFile}
 
 
@@ -35,7 +39,10 @@ def read(path) -> MeshFile:
     path = Path(path)
     try:
         own = _OWN.get(path.suffix.lower())
-        return own(path.read_bytes()) if own else MeshioFile.of_path(path)
+        if not own:
+            return MeshioFile.of_path(path)
+        data = path.read_bytes()
+        return BinaryOffFile(data) if own is OffFile and re.match(_BINARY, data) else own(data)
     except FileError as error:
         raise FileError(f"{path} cannot be read. {error}") from error
     except OSError as error:

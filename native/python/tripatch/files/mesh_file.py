@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 
-
-class FileError(ValueError):
-    """A file that cannot be read or written; the message is a sentence."""
+from .writing import FileError, write_over
 
 
 class MeshFile:
@@ -25,7 +22,10 @@ class MeshFile:
         self.faces = faces
         self._added = 0  # vertices
         sizes = np.fromiter(map(len, faces), np.int64, len(faces))
-        corners = np.fromiter((v for face in faces for v in face), np.int64, int(sizes.sum()))
+        try:
+            corners = np.fromiter((v for face in faces for v in face), np.int64, int(sizes.sum()))
+        except OverflowError:
+            raise FileError(f"A face names a vertex far beyond those that exist; there are {len(vertices)}") from None
         if corners.size and (corners.min() < 0 or corners.max() >= len(vertices)):
             place = int(np.argmax((corners < 0) | (corners >= len(vertices))))
             face = int(np.searchsorted(np.cumsum(sizes), place, "right"))
@@ -51,16 +51,7 @@ class MeshFile:
 
     def write(self, path) -> None:
         """Writes the file as it was, with the fills added, in the format of the file that was read."""
-        path = Path(path)
-        part = path.with_name(path.name + ".part")  # so that a full disk costs nobody the file that was there
-        try:
-            try:
-                self._save(part)
-                os.replace(part, path)
-            finally:
-                part.unlink(missing_ok=True)
-        except OSError as error:
-            raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+        write_over(Path(path), self._save)
 
     def _move(self, v: int, place: np.ndarray) -> None:
         """The file's own vertex v goes to another place."""

@@ -23,6 +23,8 @@ class ObjFile(MeshFile):
         self._textures: list[list[bytes]] = []
         self._changed: dict[int, tuple[int, list]] = {}  # faces that were split: place in `new`, corners
         self._normals = 0
+        if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+            raise FileError("The file is UTF-16 text; save it as UTF-8")
         lines = self._lines = writing.lines(data)
         self._eol = writing.line_end(lines)
         state: dict[bytes, bytes] = {}  # the last line of each keyword that later faces are under
@@ -35,7 +37,7 @@ class ObjFile(MeshFile):
             while line.rstrip(b"\r\n").endswith(b"\\") and number < len(lines):
                 line = line.rstrip(b"\r\n")[:-1] + b" " + lines[number]
                 number += 1
-            words = line.split()
+            words = (line.removeprefix(writing.BYTE_ORDER_MARK) if start == 0 else line).split()
             if not words or words[0][:1] == b"#":
                 continue
             keyword = words[0]

@@ -19,11 +19,9 @@ class OffFile(MeshFile):
         rows = [(k, words) for k, line in enumerate(self._lines) if (words := line.split(b"#")[0].split())]
         if not rows:
             raise FileError("The file is empty")
-        head = re.fullmatch(rb"(ST)?(C)?(N)?(4)?(n)?OFF", rows[0][1][0])
+        head = re.fullmatch(rb"(ST)?(C)?(N)?(4)?(n)?OFF", rows[0][1][0].removeprefix(writing.BYTE_ORDER_MARK))
         if not head:
             raise FileError("An OFF file must start with OFF")
-        if b"BINARY" in rows[0][1]:
-            raise FileError("Binary OFF files cannot be read; save it as text")
         if head[4] or head[5]:
             raise FileError("OFF files of other than three dimensions cannot be read")
         self._has_normals = bool(head[3])

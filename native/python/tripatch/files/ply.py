@@ -58,6 +58,8 @@ class PlyFile(MeshFile):
                     form = words[1]
                 elif words[:1] == ["element"]:
                     self._elements.append(_PlyElement(words[1], int(words[2])))
+                    if self._elements[-1].count < 0:
+                        raise ValueError
                 elif words[:2] == ["property", "list"]:
                     self._elements[-1].properties.append((words[4], _PLY_TYPES[words[3]], _PLY_TYPES[words[2]]))
                 elif words[:1] == ["property"]:
@@ -79,7 +81,7 @@ class PlyFile(MeshFile):
             raise FileError("The PLY file has vertices without x, y, z or faces without vertex indices")
         try:
             columns = self._read_text() if form == "ascii" else self._read_binary()
-        except (ValueError, IndexError, struct.error):
+        except (ValueError, IndexError, OverflowError, MemoryError, struct.error):
             raise FileError("The PLY file is damaged: it ends early or holds what is no number") from None
         vertices = np.column_stack([np.asarray(columns[0][k], float) for k in self._xyz]).reshape(-1, 3)
         rows = columns[1][self._index]
@@ -129,6 +131,8 @@ class PlyFile(MeshFile):
             count = 1
             if list_kind:
                 count = int(words[at])
+                if count < 0:
+                    raise ValueError
                 at += 1
             if len(words) < at + count:
                 raise ValueError

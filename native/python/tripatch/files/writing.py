@@ -2,9 +2,56 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import re
+import secrets
+import shutil
+import stat
+import tempfile
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # some editors put it before UTF-8
+
+
+class FileError(ValueError):
+    """A file that cannot be read or written; the message is a sentence."""
+
+
+def write_over(path: Path, save: Callable[[Path], None]) -> None:
+    """Has `save` write a file of a new name beside `path`, then puts it in its place: a full disk, or an end in between, costs
+    nobody the file that was there. What is written over keeps its mode, owner and links."""
+    try:
+        target = Path(os.path.realpath(path))  # a link stays one
+        try:
+            before = target.stat()
+        except FileNotFoundError:
+            before = None
+        if before and stat.S_ISDIR(before.st_mode):
+            raise IsADirectoryError(None, "Is a directory")
+        through = before and (before.st_nlink > 1 or not stat.S_ISREG(before.st_mode))  # it has other names, or is a device
+        part = target.with_name(f".tripatch-{secrets.token_hex(6)}.part")
+        if before and not stat.S_ISREG(before.st_mode):  # where nothing can be beside it
+            part = Path(tempfile.gettempdir()) / part.name
+        os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        try:
+            save(part)
+            if through:
+                with part.open("rb") as source, target.open("wb") as out:
+                    shutil.copyfileobj(source, out)
+                return
+            if before:
+                os.chmod(part, stat.S_IMODE(before.st_mode))
+                if (before.st_uid, before.st_gid) != (part.stat().st_uid, part.stat().st_gid) and hasattr(os, "chown"):
+                    with contextlib.suppress(OSError):  # only root may give files away
+                        os.chown(part, before.st_uid, before.st_gid)
+            os.replace(part, target)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
 
 
 def most(values):

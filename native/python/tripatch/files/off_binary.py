@@ -1,0 +1,98 @@
+"""Object File Format, binary."""
+
+from __future__ import annotations
+
+import re
+import struct
+
+import numpy as np
+
+from . import writing
+from .mesh_file import FileError, MeshFile
+
+#: What programs write, the documented form first: byte order, numbers of vertices, whether a face's colors follow its corners.
+#: Geomview: big-endian, floats, colors counted; pmp-library: as its machine has them, no colors.
+_FORMS = [(order, real, colors) for colors in (True, False) for order in "><" for real in "fd"]
+_FORMS.sort(key=lambda form: form != (">", "f", True) and form[:1] + form[2:] != ("<", False))
+
+
+class BinaryOffFile(MeshFile):
+    """Binary OFF, of either byte order, with floats or doubles: rows stay as they are, new ones follow those of their kind."""
+
+    def __init__(self, data: bytes) -> None:
+        self._head = data[: data.index(b"\n") + 1] if b"\n" in data else data
+        kind = re.match(rb"(?:\xef\xbb\xbf)?(ST)?(C)?(N)?(4)?(n)?OFF\s", self._head)
+        if not kind or kind[4] or kind[5]:
+            raise FileError("A binary OFF file must start with OFF BINARY and have three dimensions")
+        self._normals = bool(kind[3])
+        width = 3 + 3 * bool(kind[3]) + 4 * bool(kind[2]) + 2 * bool(kind[1])
+        body = memoryview(data)[len(self._head) :]
+        for order, real, colors in _FORMS:
+            self._order, self._real, self._colors = order, order + real.replace("f", "f4").replace("d", "f8"), colors
+            rows = self._rows(body, width)
+            if rows:
+                break
+        else:
+            raise FileError("The binary OFF file is damaged, or of a form that is not known")
+        self._vertex_rows, self._face_rows = rows
+        self._row_of = [k for k, (face, _) in enumerate(self._face_rows) if len(face) >= 3]
+        self._new_vertices: list[bytes] = []
+        self._new_faces: list[bytes] = []
+        super().__init__(self._vertex_rows[:, :3].astype(float), [list(self._face_rows[k][0]) for k in self._row_of])
+
+    def _rows(self, body, width: int):
+        """Rows of vertices (n, width), and of faces: corners, and the bytes of their colors. None where this is not the form."""
+        if len(body) < 12:
+            return None
+        n, m, self._edges = struct.unpack_from(self._order + "3i", body)
+        size = np.dtype(self._real).itemsize * width
+        if n < 0 or m < 0 or 12 + n * size + 4 * m > len(body):
+            return None
+        vertices = np.frombuffer(body, self._real, n * width, 12).reshape(n, width).copy()
+        whole = np.frombuffer(body[: len(body) // 4 * 4], self._order + "i4").tolist() if not n * size % 4 else []
+        at, faces = 3 + n * size // 4, []
+        for _ in range(m):
+            count = whole[at] if at < len(whole) else -1
+            end = at + 1 + count
+            if count < 0 or end > len(whole):
+                return None
+            face, at = whole[at + 1 : end], end
+            if face and not (min(face) >= 0 and max(face) < n):
+                return None
+            if self._colors:
+                if at >= len(whole) or not 0 <= whole[at] <= 4:
+                    return None
+                end = at + 1 + whole[at]
+            faces.append((face, bytes(body[4 * at : 4 * end])))
+            at = end
+        return (vertices, faces) if 4 * at == len(body) else None
+
+    def _row(self, face, colors: bytes) -> bytes:
+        return struct.pack(f"{self._order}{1 + len(face)}i", len(face), *face) + colors
+
+    def _move(self, v, place):
+        self._vertex_rows[v, :3] = place
+
+    def _split(self, f, place, v, t):
+        self._face_rows[self._row_of[f]][0].insert(place + 1, v)
+
+    def _append(self, fill, faces, near, around):
+        for point, normal, v in zip(fill.vertices, fill.normals, near):
+            row = self._vertex_rows[v].copy()
+            row[:3] = point
+            if self._normals:
+                row[3:6] = normal
+            self._new_vertices.append(row.tobytes())
+        none = struct.pack(self._order + "i", 0) if self._colors else b""
+        colors = writing.most(self._face_rows[self._row_of[f]][1] for f in around) if len(around) else none
+        self._new_faces += [self._row(face, colors) for face in faces]
+
+    def _save(self, path):
+        counts = (len(self._vertex_rows) + len(self._new_vertices), len(self._face_rows) + len(self._new_faces), self._edges)
+        with path.open("wb") as out:
+            out.write(self._head)
+            out.write(struct.pack(self._order + "3i", *counts))
+            out.write(self._vertex_rows.tobytes())
+            out.writelines(self._new_vertices)
+            out.writelines(self._row(*row) for row in self._face_rows)
+            out.writelines(self._new_faces)
