@@ -89,7 +89,8 @@ void check_value(const Option& option, int value) { check_number(option.name, op
 template <class T, std::size_t N>
   requires std::is_arithmetic_v<T>
 void check_value(const Option& option, const std::array<T, N>& values) {
-  for (std::size_t i = 0; i < N; ++i) check_number(option.name + std::string("[") + std::to_string(i) + "]", option.range, values[i]);
+  for (std::size_t i = 0; i < N; ++i)
+    check_number(option.name + std::string("[") + std::to_string(i) + "]", option.range, values[i]);
 }
 void check_value(const Option& option, const Vec3& values) { check_value(option, std::array{values[0], values[1], values[2]}); }
 void check_value(const Option&, const auto&) {}  // whatever the type holds is right

@@ -25,7 +25,8 @@ int most_at_edge(const Faces& mesh, const Faces& fill) {
   for (const Faces* faces : {&mesh, &fill})
     for (Index f = 0; f < faces->size(); ++f) {
       const auto face = (*faces)[f];
-      for (std::size_t k = 0; k < face.size(); ++k) most = std::max(most, ++uses[std::minmax(face[k], face[(k + 1) % face.size()])]);
+      for (std::size_t k = 0; k < face.size(); ++k)
+        most = std::max(most, ++uses[std::minmax(face[k], face[(k + 1) % face.size()])]);
     }
   return most;
 }
