@@ -67,3 +67,45 @@ def test_nor_are_those_that_have_no_other_neighbours():
                     break
         vertices.append((vertices[a] + vertices[b]) / 2)
     assert rim_error(np.array(vertices), faces, rim) < 1.5 * clean
+
+
+def filleted_box(segments, size, radius=0.8):
+    """A box whose three edges at the corner `size` are rounded, as CAD programs write it: fillets are strips of long triangles,
+    flat faces fans; the hole is the eighth of a sphere at the corner. Vertices, faces, rim and corners."""
+    points, index, faces = [], {}, []
+
+    def vertex(p):
+        key = tuple(np.round(p, 9))
+        if key not in index:
+            index[key] = len(points)
+            points.append(np.asarray(p, float))
+        return index[key]
+
+    axes, center = np.eye(3), np.array(size) - radius
+    angles = np.linspace(0, np.pi / 2, segments + 1)
+    arcs = [[center + radius * (np.cos(a) * axes[k] + np.sin(a) * axes[k - 2]) for a in angles] for k in range(3)]
+    far = [[p * (1 - axes[k - 1]) for p in arc] for k, arc in enumerate(arcs)]
+    for near, end, k in zip(arcs, far, range(3)):
+        for (a, b), (d, c) in zip(pairwise(near), pairwise(end)):
+            faces += [[vertex(b), vertex(a), vertex(d)], [vertex(b), vertex(d), vertex(c)]]
+        loop = [size * axes[k], *end, size * axes[k - 2]]  # the end of the box
+        faces += [[vertex(np.zeros(3)), vertex(q), vertex(p)] for p, q in pairwise(loop)]
+    for k in range(3):  # the flat side across axis k
+        a, b = center + radius * axes[k], size * axes[k]
+        u, v = axes[k - 2] * (size - radius), axes[k - 1] * (size - radius)
+        faces += [[vertex(b), vertex(b + u), vertex(a)], [vertex(b), vertex(a), vertex(b + v)]]
+    rim = [vertex(p) for arc in arcs for p in arc[:-1]]
+    return np.array(points), faces, rim, [vertex(arc[0]) for arc in arcs], center
+
+
+@pytest.mark.parametrize(("segments", "size"), [(22, (2, 3, 4)), (32, (2, 3, 4)), (39, (3, 3, 2)), (16, (5, 1.5, 2))])
+def test_planes_beside_fillets_are_those_of_the_fillets(segments, size):
+    """Strips of one row whose far end is a sharp edge, flat faces beside them: nothing but the strip itself tells its planes."""
+    vertices, faces, rim, corners, center = filleted_box(segments, np.array(size, float))
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, method="side_vertex")
+    out = (vertices[fill.rim] - center) / 0.8
+    angles = np.degrees(np.arccos(np.clip((fill.rim_normals * out).sum(1), -1, 1)))
+    inner = ~np.isin(fill.rim, corners)
+    assert angles[inner].max() < 0.05 and angles.max() < 0.2
+    assert fill.report.surroundings_error < 0.1
+    assert np.abs(np.linalg.norm(fill.vertices - center, axis=1) - 0.8).max() < 5e-4

@@ -31,7 +31,28 @@ constexpr double fade_width = 0.25;
 constexpr double never_one_plane = 60;  ///< degrees between the planes of two sides at their corner: each keeps its own;
 constexpr double one_plane = 5;         ///< also from so many degrees on,
 constexpr double apart = 5;             ///< where they are so many standard deviations apart
-constexpr Index long_rim = 60;          ///< edges, from which on threads are worth their start
+constexpr int pooled = 2;               ///< vertices to each side that are judged together
+/// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
+/// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
+constexpr double by_far = 2;
+constexpr double well_known =
+    0.05 * M_PI / 180;          ///< deviation of a plane, less than which nobody sees: nothing else is looked at
+constexpr Index long_rim = 60;  ///< edges, from which on threads are worth their start
+
+/// What the plane at a rim vertex may be estimated from. Which one serves best differs from vertex to vertex: on a fair surface the more
+/// the better, but beyond a smooth edge curvature may jump, as where a fillet ends, and no polynomial goes on there.
+struct Neighborhood {
+  int rings;
+  bool widened;    ///< where little lies in front of the side, by what does not
+  bool all_sides;  ///< the variances are those of all sides together, not of each
+  bool
+      scaled;  ///< lengths across the rim are in rows of faces: long strips bend little across, or their mesh would be finer there
+};
+constexpr std::array<Neighborhood, 5> neighborhoods = {{{most_rings, true, true, false},
+                                                        {most_rings, false, false, false},
+                                                        {most_rings, false, false, true},
+                                                        {2, false, false, true},
+                                                        {1, false, false, true}}};
 
 /// The three sides with the curves through their vertices and the planes of the faces beside them.
 std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const Hole& hole) {
@@ -54,6 +75,10 @@ std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const H
       side.face.push_back(w.beside[(from + k - 1) % n]);
       face.push_back(w.area[side.face.back()]);
     }
+    side.depth = 0;
+    for (int k = 0; k < edges; ++k)  // twice the area over the edge: of triangles the depth, of quads twice the depth
+      side.depth += face[k].norm() / (side.position[k + 1] - side.position[k]).squaredNorm() / edges /
+                    (w.part[side.face[k]].size() > 3 ? 2 : 1);
     for (double& t : side.t) t /= side.length;
     side.t.back() = 1;
     const PiecewisePolynomial c = curve_through(side);
@@ -131,7 +156,8 @@ struct Marks {
 };
 
 /// The vertices of a stencil: rings around vertex k of a side, across smooth edges, on the sheet with normal e3.
-std::vector<Share> grow(const LocalMesh& w, const SideDraft& side, int k, const Vec3& e3, const InFront& in_front, Marks& marks) {
+std::vector<Share> grow(const LocalMesh& w, const SideDraft& side, int k, const Vec3& e3, const InFront& in_front,
+                        const Neighborhood& near, Marks& marks) {
   std::vector<Share> used;
   std::vector<int> front, next, all;
   const auto reach = [&](int v) {
@@ -159,7 +185,7 @@ std::vector<Share> grow(const LocalMesh& w, const SideDraft& side, int k, const 
   next.clear();
   take(side.face[std::max(k - 1, 0)]);
   take(side.face[std::min(k, side.edges() - 1)]);
-  for (int ring = 0; ring < most_rings && static_cast<int>(used.size()) < enough_points && !front.empty(); ++ring) {
+  for (int ring = 0; ring < near.rings && static_cast<int>(used.size()) < enough_points && !front.empty(); ++ring) {
     for (int v : front)
       for (bool more = true; more;) {
         more = false;
@@ -173,7 +199,7 @@ std::vector<Share> grow(const LocalMesh& w, const SideDraft& side, int k, const 
     next.clear();
   }
   // Where the rows lean over the end of the side, next to nothing may be left: then what is nearer to this side, then all.
-  for (int attempt = 0; attempt < 2; ++attempt) {
+  for (int attempt = 0; near.widened && attempt < 2; ++attempt) {
     const auto beyond_rim = std::count_if(used.begin(), used.end(), [&](const Share& u) { return !in_front.is_own(u.first); });
     if (beyond_rim >= few_points || used.size() == all.size()) break;
     used.clear();
@@ -196,10 +222,11 @@ void set_rows(const LocalMesh& w, const std::vector<Share>& used, const Vec3& p,
   for (Index j = 0; j < size; ++j) {
     const Vec3 d = w.position[used[j].first] - p;
     s.x(j, 1) = d.dot(s.e1);
-    s.y(j, 1) = d.dot(s.e2);
+    const double y = d.dot(s.e2);
+    s.y(j, 1) = y / s.depth;
     s.z[j] = d.dot(s.e3);
     s.share[j] = used[j].second;
-    const double square = d.squaredNorm();
+    const double square = s.depth == 1 ? d.squaredNorm() : d.squaredNorm() + y * y * (1 / (s.depth * s.depth) - 1);
     s.g[j] = square * square * square * square * square * square;
   }
   for (Stencil::Columns* m : {&s.x, &s.y}) {
@@ -214,7 +241,8 @@ void set_slopes(const LocalMesh& w, const SideDraft& side, int k, Stencil& s) {
   const auto chord = [&](int e) { return (side.position[e + 1] - side.position[e]).norm(); };
   double depth = 0;  // of the faces beside the rim
   for (int e : {std::max(k - 1, 0), std::min(k, edges - 1)}) depth += 0.5 * w.area[side.face[e]].norm() / chord(e);
-  s.faces = -side.faces[k].dot(s.e2) / side.faces[k].dot(s.e3);
+  depth /= s.depth;
+  s.faces = -side.faces[k].dot(s.e2) / side.faces[k].dot(s.e3) * s.depth;
   s.faces_noise = 1 / (depth * depth);
   // how well the interpolating curve knows its own direction here
   const bool end = k == 0 || k == edges;
@@ -224,31 +252,40 @@ void set_slopes(const LocalMesh& w, const SideDraft& side, int k, Stencil& s) {
   s.slope_truncation = edges == 1 ? h / 2 : edges == 2 ? h * h / 3 : h * h * h / (end ? 4 : 24);
 }
 
+/// The heights at a rim vertex, and which vertices have them.
+struct Seen {
+  Stencil stencil;
+  std::vector<Share> used;
+};
+
 /// At vertex k of side i, over the plane guessed there.
-Stencil make_stencil(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, Marks& marks) {
-  Stencil s;
+Seen look(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near, Marks& marks) {
+  Seen seen;
+  Stencil& s = seen.stencil;
   const SideDraft& side = drafts[i];
   s.e1 = side.tangent[k];
   s.e3 = (side.guess[k] - s.e1 * s.e1.dot(side.guess[k])).normalized();
   s.e2 = s.e1.cross(s.e3);
-  std::vector<Share> used = grow(w, side, k, s.e3, InFront(w, drafts, i, k), marks);
+  if (near.scaled) s.depth = side.depth;
+  seen.used = grow(w, side, k, s.e3, InFront(w, drafts, i, k), near, marks);
   // Where the surface has turned far away, its height over this plane is no polynomial any more.
-  for (auto& [v, share] : used) {
+  for (auto& [v, share] : seen.used) {
     Vec3 n = Vec3::Zero();
     for (int f : w.part.faces_at(v)) n += w.area[f];
     if (n.norm() > 0) share *= std::max(smoothstep((n.dot(s.e3) / n.norm() - steep) / fully_from), never_nothing);
   }
-  set_rows(w, used, side.position[k], s);
+  set_rows(w, seen.used, side.position[k], s);
   set_slopes(w, side, k, s);
-  return s;
+  return seen;
 }
 
-VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts) {
+VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, const Neighborhood& near, int only) {
   Marks marks(w);
   std::array<std::vector<Stencil>, 3> samples;
   for (int i = 0; i < 3; ++i) {
-    const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / samples_a_side);
-    for (int k = 0; k < n; k += step) samples[i].push_back(make_stencil(w, drafts, i, k, marks));
+    if (only >= 0 && i != only) continue;
+    const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / ((only < 0 ? 1 : 3) * samples_a_side));
+    for (int k = 0; k < n; k += step) samples[i].push_back(look(w, drafts, i, k, near, marks).stencil);
   }
   double radius = 0, points = 0;
   for (const std::vector<Stencil>& side : samples)
@@ -266,52 +303,121 @@ VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft,
   return estimate_components(samples, radius / points, bend);
 }
 
-/// What one side's fits tell besides its planes.
-struct SideFit {
-  struct End {
-    Vec3 normal;
-    Eigen::Matrix3d information;  // of the normal
-  };
-  std::array<End, 2> ends;
-  double slope_variances = 0;  // their sum
-  double bend_variance = 0;    // of the second derivative across, mean over the side
+/// The plane at a rim vertex.
+struct VertexFit {
+  Vec3 normal;
+  Eigen::Matrix3d second;       ///< fundamental form
+  Eigen::Matrix3d information;  ///< of the normal
+  double slope_variances;       ///< their sum
+  double bend_variance;         ///< of the second derivative across
+  std::vector<double> density;  ///< logarithms, of what is predicted for each of the vertices nearest to it without itself
 };
 
-/// The planes and second fundamental forms of side i.
-SideFit fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3>& drafts, int i) {
+/// The heights nearest to a rim vertex, which every neighborhood has to explain.
+std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, const std::vector<Share>& nearest,
+                              const Seen& seen, const PlaneFit& fit, const VarianceComponents& components) {
+  std::vector<double> all;
+  const Stencil& s = seen.stencil;
+  for (const auto& [v, counts] : nearest) {
+    if (v == side.vertex[k]) continue;
+    const Vec3 d = w.position[v] - side.position[k];
+    const auto place = std::find_if(seen.used.begin(), seen.used.end(), [v = v](const Share& u) { return u.first == v; });
+    all.push_back(counts * predicted_density(fit, components, {d.dot(s.e1), d.dot(s.e2) / s.depth, d.dot(s.e3)},
+                                             place == seen.used.end() ? 0 : place->second));
+  }
+  return all;
+}
+
+/// The planes and second fundamental forms of side i, as one neighborhood has them.
+std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
+                                const Neighborhood& near, const std::vector<std::vector<Share>>& nearest) {
   SideDraft& side = drafts[i];
   Marks marks(w);
-  SideFit result;
+  std::vector<VertexFit> result;
   const int edges = side.edges();
   double tilt = 0;  // of the plane found last against the faces beside the rim: most likely that of the next one too
   for (int k = 0; k <= edges; ++k) {
     const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
     side.guess[k] -= tilt * outward;
-    Stencil s = make_stencil(w, drafts, i, k, marks);
-    PlaneFit fit = fit_plane(s, components);
-    if (std::abs(fit.mean[2]) > flat_enough) {  // once more over the plane just found
-      side.guess[k] = s.e3 - fit.mean[2] * s.e2;
-      s = make_stencil(w, drafts, i, k, marks);
-      fit = fit_plane(s, components);
+    Seen seen = look(w, drafts, i, k, near, marks);
+    PlaneFit fit = fit_plane(seen.stencil, components);
+    if (std::abs(fit.mean[2]) > flat_enough * seen.stencil.depth) {  // once more over the plane just found
+      side.guess[k] = seen.stencil.e3 - fit.mean[2] / seen.stencil.depth * seen.stencil.e2;
+      seen = look(w, drafts, i, k, near, marks);
+      fit = fit_plane(seen.stencil, components);
     }
-    const double fx = fit.mean[1], fy = fit.mean[2];
-    side.normal.push_back((s.e3 - fx * s.e1 - fy * s.e2).normalized());
-    tilt = std::clamp(-side.normal.back().dot(outward) / side.normal.back().dot(faces), -most_tilt, most_tilt);
+    const Stencil& s = seen.stencil;
+    const Eigen::Vector2d over(1, 1 / s.depth);  // by what derivatives along and across are multiplied
+    const double fx = fit.mean[1], fy = fit.mean[2] / s.depth;
+    VertexFit at;
+    at.normal = (s.e3 - fx * s.e1 - fy * s.e2).normalized();
+    tilt = std::clamp(-at.normal.dot(outward) / at.normal.dot(faces), -most_tilt, most_tilt);
     Eigen::Matrix<double, 3, 2> frame;
     frame << s.e1, s.e2;
     Eigen::Matrix2d hessian;
     hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
-    side.second.push_back(frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * frame.transpose());
+    hessian = over.asDiagonal() * hessian * over.asDiagonal();
+    at.second = frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * frame.transpose();
     Eigen::Matrix<double, fit_terms, 3> columns;  // of the covariance: the two slopes, the second derivative across
     columns << PlaneFit::Column::Unit(1), PlaneFit::Column::Unit(2), PlaneFit::Column::Unit(5);
     fit.factor.solveInPlace(columns);
-    const Eigen::Matrix2d covariance = columns.block<2, 2>(1, 0);
-    result.slope_variances += covariance.trace();
-    result.bend_variance += columns(5, 2) / (edges + 1);
-    if (k == 0 || k == edges) {
-      const Eigen::Matrix2d information = covariance.inverse();
-      result.ends[k == 0 ? 0 : 1] = {side.normal.back(), frame * information * frame.transpose()};
+    const Eigen::Matrix2d covariance = over.asDiagonal() * columns.block<2, 2>(1, 0) * over.asDiagonal();
+    at.slope_variances = covariance.trace();
+    at.bend_variance = columns(5, 2) * std::pow(over[1], 4);
+    at.information = frame * covariance.inverse() * frame.transpose();
+    at.density = densities(w, side, k, nearest[k], seen, fit, components);
+    result.push_back(std::move(at));
+  }
+  return result;
+}
+
+/// The vertices of side i that are nearest to each: in the faces at it, in front of the side.
+std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i) {
+  Marks marks(w);
+  std::vector<std::vector<Share>> nearest;
+  for (int k = 0; k <= drafts[i].edges(); ++k) nearest.push_back(look(w, drafts, i, k, {1, false, false, false}, marks).used);
+  return nearest;
+}
+
+/// What one side's fits tell besides its planes.
+struct SideFit {
+  std::array<VertexFit, 2> ends;
+  double slope_variances = 0;  ///< their sum
+  double bend_variance = 0;    ///< of the second derivative across, mean over the side
+};
+
+/// By how much the logarithm of the density of what is near vertex k of a side is higher by one fit than by another, for a vertex. Along
+/// the side neighbors are judged together, for a single vertex says little.
+double lead_of(const std::vector<VertexFit>& fit, const std::vector<VertexFit>& other, int k) {
+  double sum = 0, count = 0;
+  const int last = static_cast<int>(fit.size()) - 1;
+  for (int j = std::max(k - pooled, 0); j <= std::min(k + pooled, last); ++j)
+    for (std::size_t p = 0; p < fit[j].density.size(); ++p, ++count) sum += fit[j].density[p] - other[j].density[p];
+  return count > 0 ? sum / count : 0;
+}
+
+/// Whether nothing is to be won by looking at less.
+bool are_known(const std::vector<VertexFit>& fits) {
+  return std::all_of(fits.begin(), fits.end(), [](const VertexFit& f) { return f.slope_variances < well_known * well_known; });
+}
+
+/// The fits at each vertex of a side that are taken, of those by neighborhood, largest first: a smaller one where it predicts what is near
+/// by far better, the more so the less certain it is of its plane.
+SideFit choose(const std::vector<std::vector<VertexFit>>& fits, SideDraft& side) {
+  SideFit result;
+  const int edges = side.edges();
+  for (int k = 0; k <= edges; ++k) {
+    std::size_t best = 0;
+    for (std::size_t f = 1; f < fits.size(); ++f) {
+      const double less_certain = 0.5 * std::log(fits[f][k].slope_variances / fits[best][k].slope_variances);
+      if (lead_of(fits[f], fits[best], k) > by_far + std::max(less_certain, 0.0)) best = f;
     }
+    const VertexFit& fit = fits[best][k];
+    side.normal.push_back(fit.normal);
+    side.second.push_back(fit.second);
+    result.slope_variances += fit.slope_variances;
+    result.bend_variance += fit.bend_variance / (edges + 1);
+    if (k == 0 || k == edges) result.ends[k == 0 ? 0 : 1] = fit;
   }
   return result;
 }
@@ -321,7 +427,7 @@ SideFit fit_side(const LocalMesh& w, const VarianceComponents& components, std::
 void settle_corners(const std::array<SideFit, 3>& fits, std::array<SideDraft, 3>& drafts) {
   for (int corner = 0; corner < 3; ++corner) {
     const int in = (corner + 1) % 3, out = (corner + 2) % 3;
-    const SideFit::End &a = fits[in].ends[1], &b = fits[out].ends[0];
+    const VertexFit &a = fits[in].ends[1], &b = fits[out].ends[0];
     const double degrees = degrees_between(a.normal, b.normal);
     if (degrees > never_one_plane) continue;
     const Vec3 mean = (a.normal + b.normal).normalized();
@@ -345,10 +451,19 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
   const LocalMesh w = local_mesh(mesh, around, hole);
   const Index rim_size = static_cast<Index>(w.rim.size());
   std::array<SideDraft, 3> drafts = drafts_of(w, mesh, hole);
-  const VarianceComponents components = components_of(w, drafts);
+  const VarianceComponents components = components_of(w, drafts, neighborhoods[0], -1);
   std::array<SideFit, 3> fits;
   parallel_for(0, 3, rim_size < long_rim ? 3 : 1, [&](Index from, Index to) {
-    for (Index i = from; i < to; ++i) fits[i] = fit_side(w, components, drafts, static_cast<int>(i));
+    for (Index i = from; i < to; ++i) {
+      const std::vector<std::vector<Share>> nearest = nearest_of(w, drafts, static_cast<int>(i));
+      std::vector<std::vector<VertexFit>> by_neighborhood;
+      for (const Neighborhood& near : neighborhoods) {
+        if (!by_neighborhood.empty() && are_known(by_neighborhood[0])) break;
+        by_neighborhood.push_back(fit_side(w, near.all_sides ? components : components_of(w, drafts, near, static_cast<int>(i)),
+                                           drafts, static_cast<int>(i), near, nearest));
+      }
+      fits[i] = choose(by_neighborhood, drafts[i]);
+    }
   });
   MeshSides result;
   const double variance =

@@ -174,6 +174,17 @@ PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components) {
   return fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()));
 }
 
+double predicted_density(const PlaneFit& fit, const VarianceComponents& components, const Vec3& at, double share) {
+  Column row;
+  for (int k = 0; k < fit_terms; ++k) row[k] = term[k].over * std::pow(at[0], term[k].i) * std::pow(at[1], term[k].j);
+  const double own = components.noise + components.truncation * std::pow(at.squaredNorm(), fit_degree + 1);
+  const double known = fit.factor.matrixL().solve(row).squaredNorm();
+  // of the sum of the weights at the point, what is left without it
+  const double left = std::max(1 - share * known / own, 1e-9);
+  const double off = (at[2] - row.dot(fit.mean)) / left, variance = own + known / left;
+  return -0.5 * (std::log(2 * M_PI * variance) + off * off / variance);
+}
+
 /// MacKay 1992, eqs. 4.9 to 4.11: each component is the mean square of what it explains over the number of its well-determined
 /// parameters. The slopes across the rim are those of the faces beside it but for a tilt of a component of its own: where the next
 /// vertices are far, as beside a bevel of long strips, that is all there is to know them by, and its likeliest size is next to

@@ -19,6 +19,7 @@ struct Stencil {
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2 * fit_degree + 1>;
 
   Vec3 e1, e2, e3;              ///< along the rim, outward, normal
+  double depth = 1;             ///< of a row of faces, in edges: y is over it
   Columns x, y;                 ///< powers 0 .. 2 degree of the places
   Eigen::VectorXd z, share, g;  ///< height, weight by place, radius^(2 degree + 2)
   double faces = 0;             ///< slope across the rim of the faces beside it
@@ -46,6 +47,10 @@ struct PlaneFit {
 };
 
 PlaneFit fit_plane(const Stencil& stencil, const VarianceComponents& components);
+
+/// Logarithm of the density that a fit predicts for a height over its frame: `at` is the point in it (x, y, height). share: how much the
+/// point counted in the fit, which is taken back (leave-one-out cross-validation).
+double predicted_density(const PlaneFit& fit, const VarianceComponents& components, const Vec3& at, double share);
 
 /// The components that make the heights of all stencils, by side, likeliest. radius: mean distance of the points; bend: squared
 /// curvature that the faces show.

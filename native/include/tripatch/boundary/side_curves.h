@@ -14,6 +14,7 @@ struct SideDraft {
   std::vector<int> face;    ///< beside the edges
   std::vector<double> t;
   double length = 0;  ///< of the chords
+  double depth = 1;   ///< of the faces beside the rim, across it, over the edges that they have on it
   std::vector<Vec3> position;
   std::vector<Vec3> point;              ///< the same in scene units
   std::vector<Vec3> tangent;            ///< unit, of the curve through the positions alone
