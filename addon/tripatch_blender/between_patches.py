@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import bpy
-from bpy.props import FloatProperty, IntProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty
 
 from . import filling, library, selection
 from .construction import Construction
@@ -150,6 +152,31 @@ def _selected(context):
     return sorted((ob for ob in context.selected_objects if ob.type in ("SURFACE", "MESH")), key=lambda ob: ob.name)
 
 
+@dataclass
+class Between:
+    """What a mesh between objects was made from."""
+
+    loop: object  # tripatch.between.Loop
+    sides: list
+    patch: object
+
+
+def mesh_between(objects, tolerance, resolution, construction):
+    """A new mesh that fills the hole between objects, and its `Between`; UnusableError or ValueError if there is none."""
+    curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
+    loop = tripatch.between.find_loop(curves, tolerance)
+    sides = loop.sides()
+    patch = tripatch.patch([side for side, _ in sides], **construction)
+    by_number = [resolution and isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
+    barycentric, faces = patch.triangles([resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)])
+    mesh = bpy.data.meshes.new("Fill")
+    mesh.from_pydata(patch.evaluate(barycentric).tolist(), [], faces.tolist())
+    mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
+    for material in objects[0].data.materials:
+        mesh.materials.append(material)
+    return mesh, Between(loop, sides, patch)
+
+
 class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
     """Fill the three-sided hole between selected surface and mesh objects by a new mesh that continues them"""
 
@@ -173,6 +200,11 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         max=10000,
         default=0,
     )
+    keep_live: BoolProperty(
+        name="Keep Live",
+        description="The fill follows when the objects around it are moved or edited, until it is applied",
+        default=False,
+    )
 
     @classmethod
     def poll(cls, context):
@@ -188,41 +220,35 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         row = self.panel()
         row("tolerance")
         row("resolution")
+        row("keep_live")
         self.sides_rows(row)
         self.fairing_rows(row)
         self.construction_rows(row)
 
     def execute(self, context):
         objects = _selected(context)
+        between = {"tolerance": self.tolerance, "resolution": self.resolution, "construction": self.construction()}
         try:
-            curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
-            loop = tripatch.between.find_loop(curves, self.tolerance)
-            sides = loop.sides()
-            patch = tripatch.patch([side for side, _ in sides], **self.construction())
-            by_number = [self.resolution and isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
-            barycentric, faces = patch.triangles(
-                [self.resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)]
-            )
+            mesh, made = mesh_between(objects, **between)
         except ValueError as reason:  # Refusal, UnusableError, InvalidArgument
             self.report({"ERROR"}, str(reason))
             return {"CANCELLED"}
-        mesh = bpy.data.meshes.new("Fill")
-        mesh.from_pydata(patch.evaluate(barycentric).tolist(), [], faces.tolist())
-        mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
-        for material in objects[0].data.materials:
-            mesh.materials.append(material)
-        mesh.update()
         new = bpy.data.objects.new("Fill", mesh)
         context.collection.objects.link(new)
         for ob in context.selected_objects:
             ob.select_set(False)
         new.select_set(True)
         context.view_layer.objects.active = new
-        names = list(dict.fromkeys(curve.name for curve in loop.curves))
-        seam = max(_seam(patch, sides, [continuity not in ("Free", "G0") for continuity in self.continuities()]), 0.001)
+        if self.keep_live:
+            from . import following, live  # they use what is above
+
+            live.keep_patches(new, objects, **between)
+            following.begin(new)
+        names = list(dict.fromkeys(curve.name for curve in made.loop.curves))
+        seam = max(_seam(made.patch, made.sides, [continuity not in ("Free", "G0") for continuity in self.continuities()]), 0.001)
         self.report(
             {"INFO"},
-            f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(loop.gaps):.2g} "
+            f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(made.loop.gaps):.2g} "
             f"(tolerance {self.tolerance:.2g}, scene units), seam within {seam:.2g} deg",
         )
         return {"FINISHED"}

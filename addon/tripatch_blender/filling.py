@@ -36,6 +36,7 @@ class Outcome:
     faces: int = 0
     cage_rim: str = ""  # of fills that are cages
     beside: list = field(default_factory=list)  # names of objects made
+    live: list = field(default_factory=list)  # names of live fills made
 
     def add(self, other, name=""):
         prefix = f"{name}: " if name else ""
@@ -45,10 +46,11 @@ class Outcome:
         self.faces += other.faces
         self.cage_rim = other.cage_rim or self.cage_rim
         self.beside += other.beside
+        self.live += other.live
 
     def sentence(self):
         """'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'"""
-        told = {"cage_rim": self.cage_rim, "quads": self.faces, "limit": bool(self.beside), "into": self.beside}
+        told = {"cage_rim": self.cage_rim, "quads": self.faces, "limit": bool(self.beside), "into": self.beside + self.live}
         return words.filled(self.reports, **told)
 
 

@@ -5,7 +5,7 @@ import bmesh
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
-from . import beside, filling, layers, library, properties, selection, subdivision, writeback
+from . import beside, filling, following, layers, library, live, properties, selection, subdivision, writeback
 from .construction import Construction
 from .properties import OPTIONS
 
@@ -65,6 +65,11 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         default="neighbors",
     )
 
+    keep_live: BoolProperty(
+        name="Keep Live",
+        description="The fill is an object of its own that follows when the mesh around it changes, until it is applied",
+        default=False,
+    )
     deviation: BoolProperty(
         name="Deviation",
         description="Write how well each new vertex is known (one standard deviation in scene units) as the vertex attribute "
@@ -93,6 +98,7 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         self.construction_rows(row)
         row("corner_offset")
         row("shading")
+        row("keep_live", active=self.surroundings != "limit")
         row("deviation", active=self.output != "cage")
         if self.output == "cage":
             row("add_modifier", active=not all(modified))
@@ -157,6 +163,12 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         options = self._options()
         if options.arguments.get("surroundings") == "limit":
             outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)
+            outcome.refused += refused
+            return outcome
+        if self.keep_live:
+            outcome, made = live.keep_rims(ob, bm, rims, options)
+            for fill in made:
+                following.begin(fill)
             outcome.refused += refused
             return outcome
         cage = self.output == "cage"

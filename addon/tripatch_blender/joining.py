@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node group that joins a live fill to the mesh around it. It is plain Blender: files with it open without the add-on."""
+
+from __future__ import annotations
+
+import bpy
+
+NAME = "Join Live Fill"
+#: Of the shortest rim edge: what the merge may close. Both borders have the same positions to the bit of a float.
+WITHIN = 1e-3
+
+
+def _sockets(group):
+    """The inputs: geometry, the fill, the distance."""
+    if hasattr(group, "interface"):  # from 4.0
+        for kind, name in (("Geometry", "Geometry"), ("Object", "Fill"), ("Float", "Distance")):
+            group.interface.new_socket(name=name, in_out="INPUT", socket_type=f"NodeSocket{kind}")
+        group.interface.new_socket(name="Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    else:
+        for kind, name in (("Geometry", "Geometry"), ("Object", "Fill"), ("Float", "Distance")):
+            group.inputs.new(f"NodeSocket{kind}", name)
+        group.outputs.new("NodeSocketGeometry", "Geometry")
+
+
+def _identifiers(group):
+    """{name: what a modifier calls this input}"""
+    if hasattr(group, "interface"):
+        return {s.name: s.identifier for s in group.interface.items_tree if s.in_out == "INPUT"}
+    return {s.name: s.identifier for s in group.inputs}
+
+
+def group():
+    """The node group of this file, made where it is missing. Only what lies at a border is merged: doubles inside of the mesh
+    stay."""
+    made = bpy.data.node_groups.get(NAME)
+    if made is not None and made.bl_idname == "GeometryNodeTree" and {"Fill", "Distance"} <= set(_identifiers(made)):
+        return made
+    made = bpy.data.node_groups.new(NAME, "GeometryNodeTree")
+    _sockets(made)
+
+    def node(kind, x, y, **settings):
+        new = made.nodes.new(kind)
+        new.location = (x, y)
+        for name, value in settings.items():
+            setattr(new, name, value)
+        return new
+
+    start, end = node("NodeGroupInput", -600, 0), node("NodeGroupOutput", 600, 0)
+    fill = node("GeometryNodeObjectInfo", -400, -100, transform_space="ORIGINAL")
+    join, merge = node("GeometryNodeJoinGeometry", -100, 0), node("GeometryNodeMergeByDistance", 400, 0)
+    beside = node("GeometryNodeInputMeshEdgeNeighbors", -400, -400)
+    one = node("FunctionNodeCompare", -200, -400, data_type="INT", operation="EQUAL")
+    border = node("GeometryNodeFieldOnDomain", 100, -300, domain="EDGE", data_type="BOOLEAN")
+    link = made.links.new
+    link(start.outputs["Fill"], fill.inputs["Object"])
+    link(fill.outputs["Geometry"], join.inputs[0])
+    link(start.outputs["Geometry"], join.inputs[0])
+    link(join.outputs[0], merge.inputs["Geometry"])
+    link(start.outputs["Distance"], merge.inputs["Distance"])
+    compared = [s for s in one.inputs if s.enabled]
+    link(beside.outputs["Face Count"], compared[0])
+    compared[1].default_value = 1
+    link(one.outputs[0], next(s for s in border.inputs if s.enabled))
+    link(next(s for s in border.outputs if s.enabled), merge.inputs["Selection"])
+    link(merge.outputs[0], end.inputs[0])
+    return made
+
+
+def _first(ob, modifier):
+    """Moves a modifier to the top of the stack: what deforms or subdivides the mesh does so to the fill too."""
+    if hasattr(ob.modifiers, "move"):
+        ob.modifiers.move(len(ob.modifiers) - 1, 0)
+        return
+    with bpy.context.temp_override(object=ob, active_object=ob):
+        bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=0)
+
+
+def modifier_of(ob, fill):
+    """The modifier that joins a fill to an object, or None."""
+    for modifier in ob.modifiers:
+        if modifier.type == "NODES" and modifier.node_group and modifier.node_group.name.startswith(NAME):
+            if modifier.get(_identifiers(modifier.node_group)["Fill"]) == fill:
+                return modifier
+    return None
+
+
+def join(ob, fill, distance):
+    """Makes an object show its mesh and a fill as one."""
+    modifier = ob.modifiers.new(fill.name, "NODES")
+    modifier.node_group = group()
+    modifier.show_in_editmode = True
+    named = _identifiers(modifier.node_group)
+    modifier[named["Fill"]], modifier[named["Distance"]] = fill, float(distance)
+    _first(ob, modifier)
+    return modifier
+
+
+def part(ob, fill):
+    """Ends that."""
+    modifier = modifier_of(ob, fill)
+    if modifier is not None:
+        ob.modifiers.remove(modifier)

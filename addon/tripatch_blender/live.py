@@ -1,0 +1,368 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live fills: objects of their own that are filled anew when what lies around them changes.
+
+What a live fill needs is in custom properties of its object, so that it is saved, copied and undone with it: the objects around
+by pointer, all else as text. Without the add-on it is a mesh object like any other.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+
+import bmesh
+import bpy
+
+from . import between_patches, filling, joining, selection, writeback
+from .library import np
+from .selection import Rim, UnusableError
+
+_SETTINGS, _PROBLEM, _AROUND = "tripatch_live", "tripatch_problem", "tripatch_around_"
+#: Of the extent of a rim: how far on average the vertices of another border may be from where the rim was to count as it.
+_SAME_RIM = 0.5
+
+
+def is_live(ob):
+    return _SETTINGS in ob
+
+
+def fills():
+    """The live fills of this file."""
+    return [ob for ob in bpy.data.objects if is_live(ob)]
+
+
+def settings_of(fill):
+    return json.loads(fill[_SETTINGS])
+
+
+def problem_of(fill):
+    """Why the last change could not be followed, or nothing."""
+    return fill.get(_PROBLEM, "")
+
+
+def around(fill):
+    """The objects that a fill follows; UnusableError where one has been deleted."""
+    names = sorted(key for key in fill.keys() if key.startswith(_AROUND))
+    objects = [fill[key] for key in names]
+    if not objects or any(ob is None or not bpy.context.scene.objects.get(ob.name) for ob in objects):
+        raise UnusableError("An object that it followed is gone; apply it, or delete it")
+    return objects
+
+
+def _remember(fill, settings, objects):
+    fill[_SETTINGS] = json.dumps(settings)
+    for k, ob in enumerate(objects):
+        fill[f"{_AROUND}{k:02d}"] = ob
+
+
+def forget(fill):
+    """Makes a live fill an object like any other."""
+    for key in [key for key in fill.keys() if key in (_SETTINGS, _PROBLEM) or key.startswith(_AROUND)]:
+        del fill[key]
+
+
+# What lies around.
+
+
+def _mixed(mesh):
+    """The vertices (n, 3) of a mesh in object mode as its shape keys mix them."""
+    count = len(mesh.vertices)
+
+    def read(elements):
+        values = np.empty(3 * count, np.float32)
+        elements.foreach_get("co", values)
+        return values.reshape(-1, 3)
+
+    keys = mesh.shape_keys
+    if not keys or not keys.key_blocks:
+        return read(mesh.vertices)
+    if not keys.use_relative:
+        raise UnusableError("Shape keys that are absolute cannot be followed; make them relative")
+    shapes = {key.name: read(key.data) for key in keys.key_blocks}
+    mixed = shapes[keys.reference_key.name].copy()
+    for key in keys.key_blocks:
+        if not key.mute and key.value and key != keys.reference_key:
+            mixed += key.value * (shapes[key.name] - shapes[key.relative_key.name]) * _weights(mesh, key)
+    return mixed
+
+
+def _weights(mesh, key):
+    """How much each vertex takes part in a shape key, 1 or (n, 1)."""
+    owner = next((ob for ob in bpy.data.objects if ob.data == mesh), None)
+    group = owner.vertex_groups.get(key.vertex_group) if owner and key.vertex_group else None
+    if group is None:
+        return 1
+    held = [next((g.weight for g in v.groups if g.group == group.index), 0.0) for v in mesh.vertices]
+    return np.array(held, np.float32)[:, None]
+
+
+def _shown_key(ob):
+    """The only shape key that the object shows, or None for the mix of all."""
+    return ob.active_shape_key if ob.show_only_shape_key else None
+
+
+def _copy(ob):
+    """A BMesh of an object's mesh as it is now, without its other shapes."""
+    if ob.mode == "EDIT":
+        bm = bmesh.from_edit_mesh(ob.data).copy()
+    else:
+        copy = ob.data.copy()
+        try:
+            co = _mixed(ob.data)
+            only = _shown_key(ob)
+            if only is not None:
+                only.data.foreach_get("co", flat := np.empty(3 * len(co), np.float32))
+                co = flat
+            copy.vertices.foreach_set("co", co.ravel())
+            bm = bmesh.new()
+            bm.from_mesh(copy)
+        finally:
+            bpy.data.meshes.remove(copy)
+    for layer in list(bm.verts.layers.shape.values()):
+        bm.verts.layers.shape.remove(layer)
+    bm.verts.ensure_lookup_table()
+    bm.verts.index_update()
+    bm.faces.index_update()
+    return bm
+
+
+def state_of(fill):
+    """A number that changes with what a fill follows: positions, faces, shape keys, surfaces, scales."""
+    settings, found = settings_of(fill), 0
+
+    def take(values):
+        nonlocal found
+        found = zlib.crc32(np.ascontiguousarray(values), found)
+
+    for ob in around(fill):
+        matrix = np.array(ob.matrix_world, np.float64)
+        take(matrix if settings["kind"] == "patches" else matrix[:3, :3])
+        if ob.type == "SURFACE":
+            for spline in ob.data.splines:
+                take(np.array([tuple(p.co) for p in spline.points], np.float64))
+                take(np.array([spline.order_u, spline.order_v, spline.resolution_u, spline.resolution_v], np.int64))
+        elif ob.mode == "EDIT":
+            _take_edited(ob, settings, take)
+        else:
+            take(_mixed(ob.data))
+            corners = np.empty(len(ob.data.loops), np.int32)
+            ob.data.loops.foreach_get("vertex_index", corners)
+            take(corners)
+    return found
+
+
+def _take_edited(ob, settings, take):
+    """Of a mesh in edit mode only what lies around the rim, where the rim is still one."""
+    bm = bmesh.from_edit_mesh(ob.data)
+    bm.verts.ensure_lookup_table()
+    bm.verts.index_update()
+    bm.faces.index_update()
+    loop = _same_loop(bm, settings.get("rim", []))
+    seeds = loop or [v for e in bm.edges if e.is_boundary for v in e.verts]
+    positions, faces, _ = selection.Surroundings(bm, np.eye(4)).around(Rim(seeds))
+    take(np.array([v for face in faces for v in (*face, -1)], np.int64))
+    take(positions[sorted({v for face in faces for v in face})])
+
+
+# The rim of a hole.
+
+
+def _same_loop(bm, rim):
+    """The vertices of a rim by number, if they still go round a hole."""
+    if not rim or max(rim) >= len(bm.verts):
+        return None
+    loop = [bm.verts[k] for k in rim]
+    edges = selection.edges_of(bm, loop)
+    return loop if all(e is not None and e.is_boundary for e in edges) else None
+
+
+def find_rim(bm, settings):
+    """(loop of BMVert, corners or None) of the hole that was filled last: the same vertices, else the border that is nearest to
+    where they were. UnusableError where there is none."""
+    loop, given = _same_loop(bm, settings["rim"]), settings["corners"]
+    if loop:
+        return loop, None if given is None else [loop[k] for k in given]
+    was = np.array(settings["positions"], np.float64)
+    extent = np.linalg.norm(np.ptp(was, axis=0))
+    best = (np.inf, None)
+    for border in selection.border_loops({v for e in bm.edges if e.is_boundary for v in e.verts}):
+        here = np.array([v.co for v in border], np.float64)
+        apart = np.linalg.norm(was[:, None] - here, axis=2)
+        best = min(best, ((apart.min(axis=1).mean() + apart.min(axis=0).mean()) / 2, border), key=lambda pair: pair[0])
+    distance, border = best
+    if border is None or distance > _SAME_RIM * extent:
+        raise UnusableError("The hole is gone: there is no border of the mesh where it was")
+    if given is None:
+        return border, None
+    here = np.array([v.co for v in border], np.float64)
+    nearest = [int(np.linalg.norm(here - was[k], axis=1).argmin()) for k in given]
+    return border, [border[k] for k in sorted(set(nearest))]
+
+
+# Filling.
+
+
+def _options(settings):
+    return filling.Options(dict(settings["arguments"]), settings["corner_offset"], settings["shading"], settings["deviation"])
+
+
+def _fill_hole(fill, settings):
+    """A new mesh for a live fill of a hole, and its report."""
+    (ob,) = around(fill)
+    bm = _copy(ob)
+    try:
+        loop, corners = find_rim(bm, settings)
+        rim = Rim(loop, corners=corners or [])
+        matrix, options = filling.world_matrix(ob.name, ob.matrix_world), _options(settings)
+        settings["rim"], settings["positions"] = [v.index for v in loop], [tuple(v.co) for v in loop]
+        settings["corners"] = None if corners is None else [loop.index(v) for v in corners]
+        with writeback.deviation_layers(bm, options.deviation):
+            outcome, new = filling.fill_rims(bm, fill.data, matrix, [rim], options)
+        if outcome.refused:
+            raise UnusableError(outcome.refused[0])
+        return _only(bm, set(new), ob.data), outcome
+    finally:
+        bm.free()
+
+
+def _only(bm, faces, like):
+    """A mesh of some faces of a BMesh, with the materials of another."""
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if f not in faces], context="FACES")
+    bmesh.ops.delete(bm, geom=[v for v in bm.verts if not v.link_faces], context="VERTS")
+    for element in (*bm.verts, *bm.edges, *bm.faces):
+        element.hide = element.select = False
+    mesh = bpy.data.meshes.new("Fill")
+    bm.to_mesh(mesh)
+    for material in like.materials:
+        mesh.materials.append(material)
+    return mesh
+
+
+def _fill_patches(fill, settings):
+    """A new mesh for a live fill between objects."""
+    mesh, _ = between_patches.mesh_between(around(fill), **settings["between"])
+    return mesh, None
+
+
+def _follow(fill):
+    """Fills anew; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed."""
+    settings = settings_of(fill)
+    mesh, outcome = (_fill_hole if settings["kind"] == "hole" else _fill_patches)(fill, settings)
+    fill[_SETTINGS], fill[_PROBLEM] = json.dumps(settings), ""
+    _replace(fill, mesh)
+    return outcome
+
+
+def refill(fill):
+    """Fills anew. A fill that fails leaves the last good one. Returns the sentence of a failure, or nothing."""
+    try:
+        _follow(fill)
+    except (UnusableError, ValueError) as reason:  # Refusal, InvalidArgument
+        fill[_PROBLEM] = str(reason)
+    return problem_of(fill)
+
+
+def _replace(fill, mesh):
+    """Gives an object another mesh under the old one's name."""
+    old, fill.data = fill.data, mesh
+    name = old.name
+    if old.users == 0:
+        bpy.data.meshes.remove(old)
+    mesh.name = name
+
+
+# Making and ending.
+
+
+def keep_rims(ob, bm, rims, options):
+    """Live fills of holes of a mesh in edit mode. Returns (filling.Outcome, the objects)."""
+    outcome, made = filling.Outcome(), []
+    for rim in rims:
+        try:
+            if rim.replaced:
+                raise UnusableError("A live fill follows the rim of a hole; delete the selected faces first")
+            fill, report = keep_hole(ob, rim, options)
+        except UnusableError as reason:
+            outcome.refused.append(str(reason))
+        else:
+            made.append(fill)
+            outcome.add(report)
+            outcome.live.append(fill.name)
+    return outcome, made
+
+
+def keep_hole(ob, rim, options):
+    """A live fill of a hole of a mesh in edit mode: a new object, joined by a modifier, and the filling.Outcome. UnusableError if
+    it cannot be filled.
+
+    rim: a selection.Rim without faces to be replaced, its vertices' indices up to date.
+    """
+    if options.arguments.get("surroundings") == "limit":
+        raise UnusableError("A live fill follows the mesh; choose Surroundings: Mesh")
+    if options.arguments.get("output") == "cage" and options.arguments.get("cage_rim") != "exact":
+        options.arguments["cage_rim"] = "exact"  # it must not move what it follows
+    corners = [rim.loop.index(v) for v in rim.corners] or None
+    settings = {
+        "kind": "hole",
+        "arguments": options.arguments,
+        "corner_offset": options.corner_offset,
+        "shading": options.shading,
+        "deviation": options.deviation,
+        "rim": [v.index for v in rim.loop],
+        "positions": [tuple(v.co) for v in rim.loop],
+        "corners": corners,
+    }
+    fill = bpy.data.objects.new(f"{ob.name} Fill", bpy.data.meshes.new(f"{ob.data.name} Fill"))
+    _remember(fill, json.loads(json.dumps(settings, default=list)), [ob])
+    ob.users_collection[0].objects.link(fill)
+    try:
+        outcome = _follow(fill)
+    except (UnusableError, ValueError) as reason:
+        bpy.data.meshes.remove(fill.data)  # and the object with it
+        raise UnusableError(str(reason)) from None
+    fill.parent, fill.display_type, fill.hide_render = ob, "WIRE", True
+    shortest = min((a.co - b.co).length for a, b in selection.pairs(rim.loop))
+    joining.join(ob, fill, joining.WITHIN * shortest)
+    return fill, outcome
+
+
+def keep_patches(fill, objects, **between):
+    """Makes a fill between objects live. between: of between_patches.mesh_between."""
+    _remember(fill, {"kind": "patches", "between": json.loads(json.dumps(between, default=list))}, objects)
+
+
+def apply(fill):
+    """Ends a live fill. One of a hole becomes faces of the mesh around, in all its shapes; one between objects is a mesh of its
+    own already. Leaves object mode as it was."""
+    settings = settings_of(fill)
+    if settings["kind"] == "patches":
+        forget(fill)
+        return fill
+    (ob,) = around(fill)
+    edited = ob.mode == "EDIT"
+    if not edited:
+        bpy.context.view_layer.objects.active = ob
+        bpy.ops.object.mode_set(mode="EDIT")
+    try:
+        _apply_hole(ob, bmesh.from_edit_mesh(ob.data), settings)
+        bmesh.update_edit_mesh(ob.data)
+    finally:
+        if not edited:
+            bpy.ops.object.mode_set(mode="OBJECT")
+    joining.part(ob, fill)
+    bpy.data.meshes.remove(fill.data)  # and the object with it
+    return ob
+
+
+def _apply_hole(ob, bm, settings):
+    """Fills the hole in the mesh itself, with the same options, in all its shapes."""
+    for elements in (bm.verts, bm.faces):
+        elements.ensure_lookup_table()
+        elements.index_update()
+    loop, corners = find_rim(bm, settings)
+    matrix, options = filling.world_matrix(ob.name, ob.matrix_world), _options(settings)
+    active = ob.active_shape_key.name if ob.active_shape_key else None
+    with writeback.deviation_layers(bm, options.deviation):
+        outcome, _ = filling.fill_rims(bm, ob.data, matrix, [Rim(loop, corners=corners or [])], options, active)
+    if outcome.refused:
+        raise UnusableError(outcome.refused[0])

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live fills in the interface: apply, fill anew, and a list in the sidebar that says what could not be followed."""
+
+import bpy
+from bpy.props import StringProperty
+
+from . import following, library, live
+
+_PICK = {
+    "name": "Fill",
+    "description": "Name of the live fill; the active object, or all, if empty",
+    "options": {"SKIP_SAVE", "HIDDEN"},
+}
+
+
+def _meant(context, name):
+    """The live fills that an operator means: the one named, else the active object, else those of the active object, else all."""
+    fills = [fill for fill in live.fills() if fill.name in context.scene.objects]
+    if name:
+        return [fill for fill in fills if fill.name == name]
+    active = context.view_layer.objects.active
+    own = [fill for fill in fills if fill == active] or [fill for fill in fills if fill.parent == active and active]
+    return own or fills
+
+
+class _OfLiveFills:
+    @classmethod
+    def poll(cls, context):
+        if library.missing or context.mode not in ("OBJECT", "EDIT_MESH"):
+            cls.poll_message_set(library.missing or "Works in object mode and in edit mode")
+            return False
+        if not live.fills():
+            cls.poll_message_set("The file has no live fill: Keep Live makes one")
+            return False
+        return True
+
+
+class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
+    """Make a live fill a part of the mesh that it fills"""
+
+    bl_idname = "object.apply_live_fill"
+    bl_label = "Apply Live Fill"
+    bl_options = {"REGISTER", "UNDO"}
+
+    fill: StringProperty(**_PICK)
+
+    def execute(self, context):
+        applied, refused = [], []
+        for fill in _meant(context, self.fill):
+            name = fill.name
+            try:
+                live.apply(fill)
+            except (live.UnusableError, ValueError) as reason:
+                refused.append(f"{name}: {reason}")
+            else:
+                applied.append(name)
+        following.scan()
+        if refused:
+            self.report({"WARNING" if applied else "ERROR"}, refused[0])
+        else:
+            self.report({"INFO"}, f"Applied {', '.join(applied)}" if applied else "There is no such live fill")
+        return {"FINISHED"} if applied else {"CANCELLED"}
+
+
+class OBJECT_OT_update_live_fill(_OfLiveFills, bpy.types.Operator):
+    """Fill a live fill anew now"""
+
+    bl_idname = "object.update_live_fill"
+    bl_label = "Update Live Fill"
+    bl_options = {"REGISTER", "UNDO"}
+
+    fill: StringProperty(**_PICK)
+
+    def execute(self, context):
+        problems = []
+        for fill in _meant(context, self.fill):
+            try:
+                problem = live.refill(fill)
+            except live.UnusableError as reason:
+                problem = str(reason)
+            problems += [f"{fill.name}: {problem}"] if problem else []
+        if problems:
+            self.report({"WARNING"}, problems[0])
+        return {"FINISHED"}
+
+
+class VIEW3D_PT_tripatch_live(bpy.types.Panel):
+    """In the sidebar"""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "TriPatch"
+    bl_label = "Live Fills"
+
+    @classmethod
+    def poll(cls, context):
+        return not library.missing and any(live.is_live(ob) for ob in context.scene.objects)
+
+    def draw(self, context):
+        for fill in live.fills():
+            if fill.name not in context.scene.objects:
+                continue
+            row = self.layout.row(align=True)
+            row.label(text=fill.name, icon="ERROR" if live.problem_of(fill) else "MOD_MESHDEFORM")
+            row.operator(OBJECT_OT_update_live_fill.bl_idname, text="", icon="FILE_REFRESH").fill = fill.name
+            row.operator(OBJECT_OT_apply_live_fill.bl_idname, text="Apply").fill = fill.name
+            if live.problem_of(fill):
+                self.layout.label(text=live.problem_of(fill))
+
+
+_classes = (OBJECT_OT_apply_live_fill, OBJECT_OT_update_live_fill, VIEW3D_PT_tripatch_live)
+
+
+def register():
+    for cls in _classes:
+        bpy.utils.register_class(cls)
+    following.register()
+
+
+def unregister():
+    following.unregister()
+    for cls in reversed(_classes):
+        bpy.utils.unregister_class(cls)

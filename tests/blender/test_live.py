@@ -1,0 +1,349 @@
+"""Live fills follow what lies around them, keep the last good fill, and are plain meshes for who has no add-on."""
+
+import contextlib
+import json
+import sys
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+@pytest.fixture
+def live(addon):
+    return sys.modules[addon.__name__ + ".live"]
+
+
+@pytest.fixture
+def following(addon):
+    module = sys.modules[addon.__name__ + ".following"]
+    module._on_load()
+    yield module
+    module._on_load()
+
+
+def kept(shape=scenes.bowl, size=12, **options):
+    """(object in edit mode, its live fill)"""
+    ob = scenes.add_hole(shape, size=size)
+    scenes.edit(ob)
+    assert bpy.ops.mesh.fill_three_sided(keep_live=True, **options) == {"FINISHED"}
+    return ob, bpy.data.objects["Hole Fill"]
+
+
+def points(fill):
+    values = np.empty(3 * len(fill.data.vertices), np.float32)
+    fill.data.vertices.foreach_get("co", values)
+    return values.reshape(-1, 3).astype(float)
+
+
+def shown(ob):
+    """The evaluated mesh: numbers of vertices, faces and border edges."""
+    evaluated = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    bm = bmesh.new()
+    bm.from_mesh(evaluated.to_mesh())
+    evaluated.to_mesh_clear()
+    counts = len(bm.verts), len(bm.faces), sum(e.is_boundary for e in bm.edges)
+    bm.free()
+    return counts
+
+
+def after_a_change(following):
+    """What Blender does by itself with a window: the update, then the timer."""
+    bpy.context.view_layer.update()
+    due = bpy.app.timers.is_registered(following._tick)
+    if due:
+        following._tick()
+        bpy.app.timers.unregister(following._tick)
+    return due
+
+
+def move(ob, by, chosen=lambda v: True):
+    bm = bmesh.from_edit_mesh(ob.data)
+    for v in bm.verts:
+        if chosen(v):
+            v.co.z += by(v) if callable(by) else by
+    bmesh.update_edit_mesh(ob.data)
+
+
+def test_a_live_fill_is_an_object_that_is_joined_to_the_mesh(live):
+    ob, fill = kept()
+    vertices, faces = len(ob.data.vertices), len(ob.data.polygons)
+    assert live.is_live(fill) and fill.parent == ob and len(fill.data.polygons) > 10
+    bm = bmesh.from_edit_mesh(ob.data)
+    rim = len(scenes.border_loops(bm)[0])
+    for mode in ("EDIT", "OBJECT"):
+        bpy.ops.object.mode_set(mode=mode)
+        assert shown(ob) == (vertices + len(fill.data.vertices) - rim, faces + len(fill.data.polygons), 36)
+    assert len(ob.data.polygons) == faces, "the mesh itself has its hole"
+
+
+def test_it_follows_what_lies_around(live, following):
+    ob, fill = kept()
+    before = points(fill)
+    move(ob, 0.5)
+    assert after_a_change(following)
+    assert points(fill) == pytest.approx(before + [0, 0, 0.5], abs=1e-5)
+    # a neighbor of the rim only: the rim stays, the tangents turn
+    bm = bmesh.from_edit_mesh(ob.data)
+    rim = {v.index for v in scenes.border_loops(bm)[0]}
+    place = points(fill)
+    move(ob, 0.02, lambda v: v.index not in rim and any(e.other_vert(v).index in rim for e in v.link_edges))
+    assert after_a_change(following)
+    assert 1e-3 < np.abs(points(fill) - place).max() < 0.1
+    assert shown(ob)[2] == 36
+
+
+def test_without_a_change_nothing_is_filled(live, following, monkeypatch):
+    ob, fill = kept(size=24)
+    calls = []
+    monkeypatch.setattr(live, "refill", lambda fill: calls.append(fill.name))
+    after_a_change(following)
+    after_a_change(following)
+    other = scenes.bpy.data.objects.new("Other", None)
+    bpy.context.collection.objects.link(other)
+    other.location.x = 3
+    assert not after_a_change(following), "another object's move is none of its business"
+    bm = bmesh.from_edit_mesh(ob.data)
+    far = max(bm.verts, key=lambda v: v.co.x).index
+    move(ob, 0.01, lambda v: v.index == far)
+    after_a_change(following)
+    assert calls == []
+
+
+def test_files_without_live_fills_are_not_listened_to(live, following):
+    handlers = bpy.app.handlers.depsgraph_update_post
+    assert following._on_change not in handlers
+    _, fill = kept()
+    assert following._on_change in handlers
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
+    assert following._on_change not in handlers
+
+
+def test_it_follows_an_edge_that_is_cut_and_a_rim_that_shrinks(live, following):
+    ob, fill = kept()
+    bm = bmesh.from_edit_mesh(ob.data)
+    loop = scenes.border_loops(bm)[0]
+    bmesh.ops.subdivide_edges(bm, edges=[bm.edges.get((loop[0], loop[1]))], cuts=1)
+    bmesh.update_edit_mesh(ob.data)
+    after_a_change(following)
+    assert live.problem_of(fill) == "" and shown(ob)[2] == 36
+    bm = bmesh.from_edit_mesh(ob.data)
+    bmesh.ops.contextual_create(bm, geom=scenes.border_loops(bm)[0][2:5])
+    bmesh.update_edit_mesh(ob.data)
+    after_a_change(following)
+    assert live.problem_of(fill) == "" and shown(ob)[2] == 36
+
+
+def test_a_failure_leaves_the_last_good_fill_and_says_so(live, following):
+    ob, fill = kept()
+    good = points(fill)
+    bm = bmesh.from_edit_mesh(ob.data)
+    bmesh.ops.contextual_create(bm, geom=scenes.border_loops(bm)[0])
+    bmesh.update_edit_mesh(ob.data)
+    after_a_change(following)
+    assert live.problem_of(fill) == "The hole is gone: there is no border of the mesh where it was"
+    assert (points(fill) == good).all()
+    bm = bmesh.from_edit_mesh(ob.data)
+    bm.faces.ensure_lookup_table()
+    bmesh.ops.delete(bm, geom=[max(bm.faces, key=lambda f: len(f.verts))], context="FACES_ONLY")
+    bmesh.update_edit_mesh(ob.data)
+    after_a_change(following)
+    assert live.problem_of(fill) == "" and shown(ob)[2] == 36
+
+
+def test_it_follows_shape_keys_in_object_mode(live, following):
+    ob = scenes.add_hole(scenes.flat)
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="Bowl")
+    key.value = 0  # 1 in Blender 5
+    for k, v in enumerate(ob.data.vertices):
+        key.data[k].co.z = 0.6 * (v.co.x**2 + v.co.y**2)
+    ob.active_shape_key_index = 0
+    scenes.edit(ob)
+    bpy.ops.mesh.fill_three_sided(keep_live=True)
+    fill = bpy.data.objects["Hole Fill"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after_a_change(following)
+    assert np.abs(points(fill)[:, 2]).max() < 1e-6
+    for value in (1.0, 0.5):
+        key.value = value
+        assert after_a_change(following)
+        z = points(fill)
+        assert z[:, 2] == pytest.approx(0.6 * value * (z[:, :2] ** 2).sum(axis=1), abs=2e-3)
+        assert shown(ob)[2] == 36
+
+
+def test_given_corners_stay_those_vertices(live, following):
+    ob = scenes.add_mesh(*scenes.ring())
+    (bm,) = scenes.edit(ob)
+    scenes.select(bm, list(bm.verts)[:24:8])
+    assert bpy.ops.mesh.fill_three_sided(keep_live=True) == {"FINISHED"}
+    fill = bpy.data.objects["Hole Fill"]
+    settings = live.settings_of(fill)
+    assert sorted(settings["rim"][k] for k in settings["corners"]) == [0, 8, 16]
+    bm.verts.ensure_lookup_table()
+    bmesh.ops.subdivide_edges(bm, edges=[bm.edges.get((bm.verts[0], bm.verts[1]))], cuts=2)
+    bmesh.update_edit_mesh(ob.data)
+    after_a_change(following)
+    settings = live.settings_of(fill)
+    assert len(settings["rim"]) == 26
+    where = [tuple(round(c, 5) for c in settings["positions"][k]) for k in settings["corners"]]
+    here = [tuple(round(c, 5) for c in ob.matrix_world @ v.co) for v in list(bmesh.from_edit_mesh(ob.data).verts)[:24:8]]
+    assert sorted(where) == sorted(here)
+
+
+@pytest.mark.parametrize("mode", ["EDIT", "OBJECT"])
+def test_apply_makes_it_mesh(live, following, mode):
+    ob, fill = kept()
+    place, expected = points(fill), shown(ob)
+    bpy.ops.object.mode_set(mode=mode)
+    assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bm = scenes.checked(ob)
+    assert (len(bm.verts), len(bm.faces), sum(e.is_boundary for e in bm.edges)) == expected
+    mesh = np.array([v.co for v in bm.verts])
+    assert max(np.linalg.norm(mesh - p, axis=1).min() for p in place) < 1e-6
+    bm.free()
+    assert "Hole Fill" not in bpy.data.objects and not ob.modifiers
+
+
+def test_apply_fills_every_shape_key(live, following):
+    ob = scenes.add_hole(scenes.flat)
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="Bowl")
+    key.value = 0  # 1 in Blender 5
+    for k, v in enumerate(ob.data.vertices):
+        key.data[k].co.z = 0.6 * (v.co.x**2 + v.co.y**2)
+    scenes.edit(ob)
+    ob.active_shape_key_index = 0
+    bpy.ops.mesh.fill_three_sided(keep_live=True)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
+    z = np.array([d.co for d in ob.data.shape_keys.key_blocks["Bowl"].data])
+    assert z[:, 2] == pytest.approx(0.6 * (z[:, :2] ** 2).sum(axis=1), abs=2e-3)
+
+
+def test_a_subdivision_after_it_smooths_both(live):
+    ob = scenes.add_hole()
+    ob.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    scenes.edit(ob)
+    assert bpy.ops.mesh.fill_three_sided(keep_live=True, output="quads") == {"FINISHED"}
+    assert [m.type for m in ob.modifiers] == ["NODES", "SUBSURF"]
+    assert shown(ob)[2] == 72
+
+
+def test_undo_and_redo(live, following):
+    ob = scenes.add_hole()
+    scenes.edit(ob)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.mesh.fill_three_sided("EXEC_DEFAULT", True, keep_live=True)
+    move(bpy.context.object, 0.5)
+    bpy.ops.ed.undo_push(message="moved")
+    after_a_change(following)
+    assert points(bpy.data.objects["Hole Fill"])[:, 2].min() > 0.4
+    bpy.ops.ed.undo()
+    after_a_change(following)
+    assert points(bpy.data.objects["Hole Fill"])[:, 2].max() < 0.4
+    bpy.ops.ed.undo()
+    assert "Hole Fill" not in bpy.data.objects and not bpy.context.object.modifiers
+    assert following._on_change not in bpy.app.handlers.depsgraph_update_post
+    bpy.ops.ed.redo()
+    after_a_change(following)
+    assert shown(bpy.data.objects["Hole"])[2] == 36
+    bpy.ops.ed.redo()
+    after_a_change(following)
+    assert points(bpy.data.objects["Hole Fill"])[:, 2].min() > 0.4
+
+
+def test_saved_it_follows_again_and_without_the_addon_it_is_a_mesh(live, following, addon, tmp_path):
+    ob, fill = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    place, expected = points(fill), shown(ob)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"))
+    bpy.data.objects.remove(fill)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "live.blend"))
+    ob, fill = bpy.data.objects["Hole"], bpy.data.objects["Hole Fill"]
+    assert (points(fill) == place).all() and shown(ob) == expected
+    scenes.edit(ob)
+    move(ob, 0.5)
+    assert after_a_change(following)
+    assert points(fill) == pytest.approx(place + [0, 0, 0.5], abs=1e-5)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    following.unregister()  # what a Blender without the add-on does: nothing
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "live.blend"))
+    assert shown(bpy.data.objects["Hole"]) == expected
+    following.register()
+
+
+def test_a_refused_hole_leaves_no_object(live):
+    ob = scenes.add_mesh(*scenes.square_hole())
+    (bm,) = scenes.edit(ob)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    before = {o.name for o in bpy.data.objects}
+    with contextlib.suppress(RuntimeError):  # whether a refusal raises is the operator's matter
+        assert bpy.ops.mesh.fill_three_sided(keep_live=True, method="side_vertex") == {"CANCELLED"}
+    assert {o.name for o in bpy.data.objects} == before and not ob.modifiers
+
+
+def patches():
+    """Three NURBS surfaces around a three-sided hole: parts of a bowl."""
+    corners = np.array([(np.cos(a), np.sin(a), 0) for a in (0.3, 2.4, 4.5)])
+    objects = []
+    for i in range(3):
+        a, b = corners[(i + 1) % 3], corners[(i + 2) % 3]
+        away = (a + b) / np.linalg.norm(a + b)
+        data = bpy.data.curves.new(f"Patch {i}", "SURFACE")
+        data.dimensions = "3D"
+        made = []
+        for row in range(4):
+            spline = data.splines.new("NURBS")
+            spline.points.add(3)
+            for k, p in enumerate(spline.points):
+                point = a + (b - a) * k / 3 + away * row * 0.3
+                p.co = (*point[:2], 0.3 * (point[:2] @ point[:2]), 1)
+            made.append(spline)
+        ob = bpy.data.objects.new(f"Patch {i}", data)
+        bpy.context.collection.objects.link(ob)
+        bpy.context.view_layer.objects.active = ob
+        bpy.ops.object.select_all(action="DESELECT")
+        ob.select_set(True)
+        bpy.ops.object.mode_set(mode="EDIT")
+        for spline in data.splines:
+            for p in spline.points:
+                p.select = True
+        bpy.ops.curve.make_segment()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        for spline in data.splines:
+            spline.use_endpoint_u = spline.use_endpoint_v = True
+            spline.order_u = spline.order_v = 4
+        objects.append(ob)
+    for ob in objects:
+        ob.select_set(True)
+    return objects
+
+
+def test_a_fill_between_surfaces_follows_when_they_are_moved(live, following):
+    objects = patches()
+    assert bpy.ops.object.fill_between_patches(keep_live=True, tolerance=0.01) == {"FINISHED"}
+    fill = bpy.data.objects["Fill"]
+    assert live.is_live(fill) and [ob.name for ob in live.around(fill)] == [ob.name for ob in objects]
+    after_a_change(following)
+    before = points(fill)
+    for ob in objects:
+        ob.location.z += 1
+    assert after_a_change(following)
+    assert points(fill) == pytest.approx(before + [0, 0, 1], abs=1e-5)
+    objects[0].location.x += 5
+    after_a_change(following)
+    assert live.problem_of(fill)
+    assert points(fill) == pytest.approx(before + [0, 0, 1], abs=1e-5)
+    objects[0].location.x -= 5
+    after_a_change(following)
+    assert live.problem_of(fill) == ""
+    bpy.data.objects.remove(objects[0])
+    after_a_change(following)
+    assert bpy.ops.object.update_live_fill() == {"FINISHED"}
+    assert json.loads(fill["tripatch_live"])["kind"] == "patches"
