@@ -1,19 +1,18 @@
-"""The command line: `tripatch fill IN OUT`, `tripatch smooth IN OUT`, `tripatch view FILE OUT.png` and `tripatch methods`."""
+"""The command line: `tripatch fill IN OUT`, `batch INPUT...`, `smooth IN OUT`, `view FILE OUT.png` and `methods`."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
 import json
-import math
 import os
 import sys
 from pathlib import Path
 
-import numpy as np
-
 import tripatch
 from tripatch import arguments, files, view, words
+from tripatch.batch import command as batch
+from tripatch.batch.record import plain
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 INTERRUPTED = 130  # what shells say of SIGINT
@@ -51,6 +50,7 @@ def parser() -> argparse.ArgumentParser:
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
     for option in OPTIONS.values():
         arguments.add(fill, option)
+    batch.add(commands)
     smooth = commands.add_parser(
         "smooth",
         help="smooth a mesh of triangles",
@@ -81,17 +81,6 @@ def _refused(refusal: tripatch.Refusal, rim=None) -> None:
     _say(hole + words.refused(refusal))
 
 
-def _plain(value):
-    """What JSON can hold; numbers that are not finite become null."""
-    if isinstance(value, dict):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return [_plain(v) for v in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def _write_report(path: Path, holes: list) -> None:
     entries = []
     for rim, result in holes:
@@ -102,7 +91,7 @@ def _write_report(path: Path, holes: list) -> None:
             if len(result.creases[0]):
                 added["creases"] = result.creases[0]
             entries.append({**added, **result.report.as_dict()})
-    text = json.dumps({"holes": _plain(entries)}, indent=2) + "\n"
+    text = json.dumps({"holes": plain(entries)}, indent=2) + "\n"
     files.write_over(path, lambda part: part.write_text(text))
 
 
@@ -189,6 +178,8 @@ def _run(argv: list[str] | None) -> int:
         return int(end.code or 0)
     if args.command == "methods":
         return _methods()
+    if args.command == "batch":
+        return batch.run(args)
     if args.command == "view":
         return view.run(args)
     return _smooth(args) if args.command == "smooth" else _fill(args)

@@ -1,0 +1,88 @@
+"""One .blend: opened, filled and saved by a Blender of its own, and renamed when it is whole."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from . import crops, job, record
+from .settings import CROP, Settings
+
+_SCRIPT = Path(__file__).with_name("in_blender.py")
+MISSING = "No Blender found as {!r}; --blender names the program that opens .blend files"
+
+
+def _asked(file: Path, part: Path, settings: Settings, holes: tuple, filled: Path) -> dict:
+    root = Path(__file__).resolve().parents[2]
+    tree = root.parents[1] / "addon"  # where TriPatch lies as its source tree
+    addon = settings.addon or (os.fspath(tree) if (tree / "tripatch_blender").is_dir() else None)
+    return {
+        "input": os.fspath(file),
+        "output": os.fspath(part),
+        "mode": settings.mode,
+        "options": settings.options,
+        "version": settings.version,
+        "addon": addon,
+        "package": os.fspath(root),
+        "filled": os.fspath(filled),
+        "holes": list(holes),
+    }
+
+
+def _run(asked: dict, program: str) -> dict:
+    """What the script in Blender answers; else a status and a reason."""
+    with tempfile.TemporaryDirectory(prefix="tripatch-") as folder:
+        question, answer = Path(folder, "question.json"), Path(folder, "answer.json")
+        question.write_text(json.dumps({**asked, "answer": os.fspath(answer)}))
+        command = [program, "--background", "--factory-startup", "-noaudio", "--python-exit-code", "9"]
+        command += ["--python", os.fspath(_SCRIPT), "--", os.fspath(question)]
+        try:
+            ended = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        except OSError:
+            return {"status": record.CRASHED, "reason": MISSING.format(program)}
+        # a Blender that crashes after its answer has done what it was asked for
+        if answer.exists():
+            return json.loads(answer.read_text())
+        said = ended.stdout.decode(errors="replace").strip().splitlines()
+    last = next((line for line in reversed(said) if "Error" in line or "error" in line), "")[:200]
+    how = f"was ended by signal {-ended.returncode}" if ended.returncode < 0 else f"ended with code {ended.returncode}"
+    return {"status": record.CRASHED, "reason": f"Blender {how}{': ' * bool(last)}{last}"}
+
+
+def work(file: Path, name: str, sha256: str, settings: Settings, begun: float, holes: tuple) -> dict:
+    """As `job.work`."""
+    out = Path(settings.out, name)
+    part = out.with_name(f".{out.stem}.part.blend")
+    program = shutil.which(settings.blender)
+
+    def told(status: str, reason: str) -> dict:
+        line = record.of_file(settings, name, sha256=sha256, status=status, reason=reason)
+        return job.entry(settings, name, sha256, [line], begun)
+
+    if program is None:
+        return told(record.CRASHED, MISSING.format(settings.blender))
+    try:
+        if settings.mode == "fill":
+            out.parent.mkdir(parents=True, exist_ok=True)
+        answer = _run(_asked(file, part, settings, holes, out), program)
+        if settings.mode == CROP:
+            parts = answer.get("crops", [])
+            return {"crops": [c and crops.of_parts(np.array(c["vertices"]), c["around"], c["fill"]) for c in parts]}
+        if "status" in answer:
+            return told(answer["status"], answer["reason"])
+        lines = [record.of_hole(settings, name, **hole) for hole in answer["holes"]]
+        values = {"sha256": sha256, "vertices": answer["vertices"], "faces": answer["faces"], **record.outcome(lines)}
+        if values["filled"] and settings.mode == "fill":
+            os.replace(part, out)
+            values["output"] = name
+        return job.entry(settings, name, sha256, [record.of_file(settings, name, **values), *lines], begun)
+    except OSError as error:
+        return told(record.NOT_WRITTEN, f"{name} cannot be written: {error.strerror or error}")
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,250 @@
+"""`tripatch batch`."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .. import __version__, arguments
+from ..filling import fill_all
+from . import emit, inputs, journal, pictures, record, scheduling, serial
+from .in_words import given
+from .progress import Progress
+from .settings import BATCH_OPTIONS, FILL, LIST, Settings
+
+DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
+
+_DESCRIPTION = f"""\
+Fills every hole of many mesh files, on all cores or on a Dask cluster. INPUT are files or folders, which are searched for
+OBJ, PLY, STL, OFF and .blend files; the results lie in FOLDER as the inputs lie below the deepest folder that holds them all.
+A file that crashes TriPatch, or takes too much time or memory, costs itself only. The same command again goes on where it was
+stopped: what is done is known by its content, the options and the version.
+
+FOLDER/{journal.LINES} has a JSON line for each file and each hole, FOLDER/{journal.SHEET} shows the worst seams."""
+_EPILOG = """\
+exit status: 0 every file is filled or has no hole; 3 some holes were refused, or some files failed; 1 nothing was filled;
+2 bad usage; 130 stopped by Ctrl-C. With --range 0 whenever the portion was gone through"""
+
+
+def _range(text: str) -> tuple[int, int]:
+    first, _, last = text.partition("-")
+    try:
+        of, to = int(first), int(last or first)
+    except ValueError:
+        of = to = 0
+    if not 1 <= of <= to:
+        raise argparse.ArgumentTypeError(f"{text!r} is no range such as 51-100, counted from 1")
+    return of, to
+
+
+def _whole(least: int):
+    def read(text: str) -> int:
+        value = int(text)
+        if value < least:
+            raise argparse.ArgumentTypeError(f"{least} or more are needed, not {value}")
+        return value
+
+    read.__name__ = "whole number"
+    return read
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not value > 0:
+        raise argparse.ArgumentTypeError("a time limit must be longer than nothing")
+    return value
+
+
+def add(commands) -> None:
+    """The parser of `tripatch batch`."""
+    batch = commands.add_parser(
+        "batch",
+        help="fill the holes of many files",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    batch.add_argument("inputs", metavar="INPUT", nargs="*", help="mesh files and folders of them")
+    batch.add_argument("--files", type=Path, metavar="LIST", help="a text file that names the inputs instead, one a line")
+    batch.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="for the results; made if it is not there")
+    batch.add_argument("--root", metavar="FOLDER", help="folder that the places of results are counted from")
+    batch.add_argument("--dry-run", action="store_true", help="list the holes, and why some are left; nothing is written")
+    where = batch.add_argument_group("where the work is done")
+    where.add_argument("--workers", type=_whole(0), metavar="N", help="processes (as many as cores); 0: one, without Dask")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, whose workers see the same folders")
+    where.add_argument("--range", type=_range, metavar="A-B", help="only these files of the list, counted from 1, without Dask")
+    where.add_argument("--emit", choices=emit.KINDS, help="print commands or a job for a render farm instead")
+    where.add_argument("--chunk", type=_whole(1), default=50, metavar="N", help="files in each of these commands (50)")
+    limits = batch.add_argument_group("limits")
+    limits.add_argument("--time-limit", type=_seconds, metavar="SECONDS", help="for each file")
+    limits.add_argument("--memory-limit", type=_whole(200), metavar="MB", help="for the process of a file")
+    limits.add_argument("--retries", type=_whole(0), default=1, metavar="N", help="for a file whose process crashed (1)")
+    batch.add_argument("--worst", type=_whole(0), default=12, metavar="N", help="seams on the picture (12)")
+    batch.add_argument("--blender", default="blender", metavar="PROGRAM", help="for .blend files (blender)")
+    batch.add_argument("--addon", metavar="FOLDER", help="that holds tripatch_blender, if that Blender has it not installed")
+    options = batch.add_argument_group("options of fills")
+    for option in BATCH_OPTIONS.values():
+        arguments.add(options, option)
+
+
+def _say(text: str) -> None:
+    print(f"tripatch: {text}", file=sys.stderr)
+
+
+def _words(args: argparse.Namespace) -> list[str]:
+    """What a portion of a farm needs of the command, as words."""
+    words = [f"--root={args.root}"]
+    for name in ("time_limit", "memory_limit", "retries", "worst", "blender", "addon"):
+        value = getattr(args, name)
+        if value is not None and (name, value) not in (("retries", 1), ("worst", 12), ("blender", "blender")):
+            words += given({name: value})
+    return words + given(args.options)
+
+
+def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
+    """The files and what they have in common; ValueError where they do not go together."""
+    if bool(args.inputs) == bool(args.files):
+        raise inputs.InputError("name inputs, or a list of them by --files")
+    if args.range and not args.files:
+        raise inputs.InputError("--range counts in the list that --files names")
+    if args.scheduler and args.workers is not None:
+        raise inputs.InputError("--workers are those of this machine; a scheduler has its own")
+    out = args.out.absolute()
+    if out.exists() and not out.is_dir():
+        raise inputs.InputError(f"{args.out} is a file, and --out names a folder")
+    found = inputs.from_list(args.files) if args.files else inputs.listed(args.inputs, out)
+    root = inputs.root_of(found, args.root)
+    args.root, args.options = str(root), record.plain({n: getattr(args, n) for n in BATCH_OPTIONS if hasattr(args, n)})
+    # what no file could be filled with is said before the first
+    fill_all(np.eye(3), [[0, 1, 2]], [], **Settings("", "", args.options).filling())
+    if not args.dry_run:
+        inputs.check_places(found, root, out)
+    if args.range:
+        found = found[args.range[0] - 1 : args.range[1]]
+    common = {name: getattr(args, name) for name in ("time_limit", "memory_limit", "retries", "blender", "addon")}
+    mode = LIST if args.dry_run else FILL
+    return found, Settings(args.root, str(out), args.options, __version__, mode, **common)
+
+
+def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) -> tuple[list[dict | None], bool]:
+    """An entry for each file, None for those that Ctrl-C left undone, and whether it came."""
+    entries: list[dict | None] = [None] * len(found)
+    progress = Progress(len(found))
+    kept = journal.Journal(Path(settings.out)).before() if settings.mode == FILL else {}
+    known = [kept.get(file.relative_to(settings.root).as_posix(), {}) for file in found]
+
+    def take(done: list[tuple[int, dict]]) -> None:
+        for k, entry in done:
+            entries[k] = {**known[k][entry["again"]], "again": True} if "again" in entry else entry
+        progress.add([entries[k] for k, _ in done])
+
+    before = [{key: entry["output_sha256"] for key, entry in each.items()} for each in known]
+    stopped = False
+    try:
+        if args.range or args.workers == 0:
+            serial.run(found, settings, before, take)
+        elif found:
+            scheduling.run(found, settings, before, take, args.workers, args.scheduler)
+    except KeyboardInterrupt:
+        stopped = True
+    finally:
+        progress.end()
+    return entries, stopped
+
+
+def _listing(entries: Sequence[dict]) -> int:
+    """What a dry run says."""
+    meant = 0
+    for entry in entries:
+        head, *holes = entry["lines"]
+        if not holes:
+            print(f"{head['input']}: {head['reason'] or 'no hole'}")
+        for hole in holes:
+            meant += hole["status"] == record.LISTED
+            ob = f"{hole['object']}, " if hole["object"] else ""
+            place = f"hole through vertex {hole['vertex']}, {hole['edges']} edges, {hole['diameter']:.3g} wide"
+            what = "would be filled" if hole["status"] == record.LISTED else hole["reason"]
+            print(f"{head['input']}: {ob}{place if hole['vertex'] is not None else ''}: {what}")
+    print(f"{meant} {'hole' if meant == 1 else 'holes'} in {len(entries)} files would be filled")
+    return DONE if meant else NOTHING
+
+
+def _counted(number: int, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def _summary(entries: Sequence[dict]) -> str:
+    """'Filled 950 holes in 900 of 1000 files; 50 holes refused; 2 files failed: 1 unreadable, 1 crashed'"""
+    heads = [entry["lines"][0] for entry in entries]
+    holes = sum(head["filled"] for head in heads)
+    said = [
+        f"Filled {_counted(holes, 'hole')} in {sum(h['output'] is not None for h in heads)} of {_counted(len(heads), 'file')}"
+    ]
+    refused, folded = sum(head["refused"] for head in heads), sum(head["folded"] for head in heads)
+    if refused:
+        said.append(f"{_counted(refused, 'hole')} refused")
+    if folded:
+        said.append(f"{_counted(folded, 'fill')} folded")
+    bad = [head["status"] for head in heads if head["status"] in (record.UNREADABLE, *record.PASSING)]
+    if bad:
+        kinds = ", ".join(f"{bad.count(kind)} {kind}" for kind in dict.fromkeys(sorted(bad)))
+        said.append(f"{_counted(len(bad), 'file')} failed ({kinds})")
+    return "; ".join(said)
+
+
+def _end(args: argparse.Namespace, entries: Sequence[dict], settings: Settings) -> int:
+    """The lines, the picture, and the last words; the exit status."""
+    out = Path(settings.out)
+    lines = journal.write_lines(out, entries)
+    print(_summary(entries))
+    print(f"Every file and hole: {lines}")
+    total = sum(line["status"] == record.FILLED for entry in entries for line in entry["lines"][1:])
+    if args.worst and total:
+        try:
+            if pictures.sheet(out / journal.SHEET, pictures.worst(entries, args.worst), settings, total):
+                print(f"The worst seams: {out / journal.SHEET}")
+        except ImportError:
+            _say(pictures.NEEDED)
+    heads = [entry["lines"][0]["status"] for entry in entries]
+    if all(status in (record.FILLED, record.NOTHING) for status in heads):
+        return DONE if record.FILLED in heads else NOTHING
+    return SOME if total else NOTHING
+
+
+def _stops() -> None:
+    """SIGTERM, by which clusters take a machine back, ends a run as Ctrl-C does."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Runs `tripatch batch`; the exit status."""
+    found, settings = _settings(args)
+    if args.emit:
+        out = Path(settings.out)
+        text, told = emit.emitted(args.emit, found, out, _words(args), args.chunk, args.memory_limit)
+        print(text, end="")
+        _say(told)
+        return DONE if found else NOTHING
+    _stops()
+    try:
+        entries, stopped = _run(args, found, settings)
+    except scheduling.SchedulerError as error:
+        _say(str(error))
+        return USAGE
+    done = [entry for entry in entries if entry is not None]
+    if settings.mode == LIST:
+        return STOPPED if stopped else _listing(done)
+    if stopped:
+        _say(f"Stopped with {len(done)} of {len(entries)} files done; the same command goes on from there")
+        return STOPPED
+    if args.range:  # others are at work: who calls without a range gathers
+        print(_summary(done))
+        return DONE
+    return _end(args, done, settings)

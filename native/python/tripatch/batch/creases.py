@@ -1,0 +1,75 @@
+"""How sharply fills meet their surroundings as they are delivered: the angles between faces along the rims."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+
+def _flat(faces) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets and corners of faces."""
+    if isinstance(faces, np.ndarray):
+        return np.arange(0, faces.size + 1, faces.shape[1]), faces.ravel()
+    sizes = np.fromiter(map(len, faces), np.int64, len(faces))
+    return np.concatenate([[0], np.cumsum(sizes)]), np.fromiter(itertools.chain.from_iterable(faces), np.int64, int(sizes.sum()))
+
+
+def _next(offsets: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The corner after each in its face."""
+    following = np.roll(corners, -1)
+    following[offsets[1:] - 1] = corners[offsets[:-1]]
+    return following
+
+
+def _normals(vertices: np.ndarray, offsets: np.ndarray, corners: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Unit normals of some faces, by the area vector."""
+    sizes = offsets[wanted + 1] - offsets[wanted]
+    starts = np.cumsum(sizes) - sizes
+    within = np.arange(int(sizes.sum())) - np.repeat(starts, sizes)
+    p = vertices[corners[np.repeat(offsets[wanted], sizes) + within]]
+    p = p - np.repeat(p[starts], sizes, axis=0)  # the origin is not far from a face
+    after = np.roll(p, -1, axis=0)
+    after[starts + sizes - 1] = 0
+    normals = np.add.reduceat(np.cross(p, after), starts, axis=0)
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+
+
+def _at(vertices, faces, keys: np.ndarray, n: int) -> dict[int, np.ndarray]:
+    """The normal of a face at each of some edges."""
+    offsets, corners = _flat(faces)
+    if not len(corners):
+        return {}
+    following = _next(offsets, corners)
+    key = np.minimum(corners, following) * n + np.maximum(corners, following)
+    places = np.nonzero(np.isin(key, keys))[0]
+    if not len(places):
+        return {}
+    owner = np.searchsorted(offsets, places, "right") - 1
+    wanted, back = np.unique(owner, return_inverse=True)
+    normals = _normals(vertices, offsets, corners, wanted)
+    return dict(zip(key[places].tolist(), normals[back.reshape(-1)], strict=True))
+
+
+def largest(vertices: np.ndarray, faces, fills: Sequence[tuple[np.ndarray, list, np.ndarray]]) -> list[float | None]:
+    """For each fill the largest angle, in degrees, between a new face and the face across the rim; None where none is shared.
+
+    Args:
+        fills: new vertices, new faces counted on from `vertices`, and the rim.
+    """
+    n = len(vertices) + max((len(new) for new, _, _ in fills), default=0) + 1
+    rims = [np.column_stack([rim, np.roll(rim, -1)]) for _, _, rim in fills]
+    keys = [rim.min(axis=1) * n + rim.max(axis=1) for rim in rims]
+    outside = _at(vertices, faces, np.concatenate(keys), n) if keys else {}
+    found: list[float | None] = []
+    for (new, own, _), edges in zip(fills, keys, strict=True):
+        inside = _at(np.concatenate([vertices, new]), own, edges, n)
+        shared = [e for e in edges.tolist() if e in inside and e in outside]
+        if not shared:
+            found.append(None)
+            continue
+        a, b = np.array([inside[e] for e in shared]), np.array([outside[e] for e in shared])
+        angles = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1))
+        found.append(float(np.degrees(angles.max())))
+    return found

@@ -1,0 +1,47 @@
+"""What the picture of a filled hole needs: the fill and the faces around it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import Refusal
+
+#: Rings of faces around the rim that a picture shows.
+_RINGS = 3
+
+
+def around(faces, rim, count: int) -> list:
+    """The faces within some rings of the rim, of a mesh with `count` vertices."""
+    near = np.zeros(count, bool)
+    near[np.asarray(rim)] = True
+    if isinstance(faces, np.ndarray):
+        for _ in range(_RINGS):
+            chosen = near[faces].any(axis=1)
+            near[faces[chosen]] = True
+        return faces[chosen].tolist()
+    chosen = []
+    for _ in range(_RINGS):
+        chosen = [face for face in faces if near[face].any()]
+        for face in chosen:
+            near[face] = True
+    return chosen
+
+
+def of_parts(vertices: np.ndarray, shown: list, filled: list) -> dict:
+    """A picture's data: faces around, faces of the fill, over vertices that they share."""
+    used = np.unique(np.array([v for face in (*shown, *filled) for v in face], np.int64))
+    place = {int(v): k for k, v in enumerate(used)}
+
+    def renumbered(faces):
+        return [[place[int(v)] for v in face] for face in faces]
+
+    return {"vertices": vertices[used], "around": renumbered(shown), "fill": renumbered(filled)}
+
+
+def of_fill(vertices: np.ndarray, faces, fill) -> dict | None:
+    """Of a Fill; None of a Refusal."""
+    if isinstance(fill, Refusal):
+        return None
+    points = np.concatenate([vertices, fill.vertices])
+    points[fill.moved[0]] = fill.moved[1]
+    return of_parts(points, around(faces, fill.rim, len(vertices)), fill.faces)

@@ -1,0 +1,102 @@
+"""Commands and jobs for render farms: every one a portion of a list of files, which needs nothing but the list."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from . import journal
+
+KINDS = ("commands", "slurm", "openjd", "flamenco")
+
+#: OpenJD allows 1024 values of a task parameter, SLURM 1001 tasks of an array unless it is told otherwise.
+_MOST_TASKS = 1000
+
+
+def written_list(files: Sequence[Path], out: Path) -> Path:
+    """The list of files, in the folder of the results."""
+    folder = out / journal.FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "files.txt"
+    path.write_text("".join(f"{file}\n" for file in files), encoding="utf-8", errors="surrogateescape")
+    return path
+
+
+def _ranges(count: int, chunk: int) -> list[str]:
+    return [f"{first}-{min(first + chunk - 1, count)}" for first in range(1, count + 1, chunk)]
+
+
+def _words(command: list[str]) -> str:
+    return " ".join(shlex.quote(word) for word in command)
+
+
+def _command(listed: Path, out: Path, words: list[str], range_: str | None) -> list[str]:
+    part = ["--range", range_] if range_ else ["--workers", "0"]
+    return ["tripatch", "batch", "--files", str(listed), *part, "--out", str(out), *words]
+
+
+def _slurm(count: int, chunk: int, listed: Path, out: Path, words: list[str], memory: int | None) -> str:
+    tasks = len(_ranges(count, chunk))
+    portion = _words(_command(listed, out, words, "RANGE")).replace("--range RANGE", f'--range "$first-$((first + {chunk - 1}))"')
+    return f"""\
+#!/bin/bash
+# {count} files in portions of {chunk}; then what gathers their lines and the picture of the worst seams. Saved as fill.sbatch:
+#   job=$(sbatch --parsable fill.sbatch) && sbatch --dependency=afterany:$job --array=0 fill.sbatch gather
+#SBATCH --job-name=tripatch
+#SBATCH --array=0-{tasks - 1}
+#SBATCH --ntasks=1
+#SBATCH --cpus-per-task=1
+#SBATCH --mem={(memory or 2000) + 500}M
+set -eu
+if [ "${{1:-}}" = gather ]; then
+  exec {_words(_command(listed, out, words, None))}
+fi
+first=$((SLURM_ARRAY_TASK_ID * {chunk} + 1))
+exec {portion}
+"""
+
+
+def _openjd(count: int, chunk: int, words: list[str], listed: Path, out: Path) -> str:
+    def step(name: str, part: list[str]) -> dict:
+        arguments = ["batch", "--files", "{{Param.Files}}", *part, "--out", "{{Param.Out}}", *words]
+        return {"name": name, "script": {"actions": {"onRun": {"command": "tripatch", "args": arguments}}}}
+
+    ranges = [{"name": "Range", "type": "STRING", "range": _ranges(count, chunk)}]
+    fill = step("Fill", ["--range", "{{Task.Param.Range}}"]) | {"parameterSpace": {"taskParameterDefinitions": ranges}}
+    gather = step("Gather", ["--workers", "0"]) | {"dependencies": [{"dependsOn": "Fill"}]}
+    template = {
+        "specificationVersion": "jobtemplate-2023-09",
+        "name": "TriPatch: fill holes",
+        "parameterDefinitions": [
+            # strings: paths with defaults must lie beside the template, which is wherever the text is put
+            {"name": "Files", "type": "STRING", "default": str(listed)},
+            {"name": "Out", "type": "STRING", "default": str(out)},
+        ],
+        "steps": [fill, gather],
+    }
+    return json.dumps(template, indent=2) + "\n"
+
+
+def _flamenco(count: int, chunk: int, words: list[str], listed: Path, out: Path) -> str:
+    platform = {"win32": "windows"}.get(sys.platform, sys.platform)
+    settings = {"files": str(listed), "out": str(out), "count": count, "chunk_size": chunk, "options": json.dumps(words)}
+    job = {"name": "TriPatch: fill holes", "type": "tripatch-batch", "priority": 50, "submitter_platform": platform}
+    return json.dumps(job | {"settings": settings, "metadata": {}}, indent=2) + "\n"
+
+
+def emitted(kind: str, files: Sequence[Path], out: Path, words: list[str], chunk: int, memory: int | None) -> tuple[str, str]:
+    """The text for the farm, and what a person has to know of it."""
+    listed, count = written_list(files, out), len(files)
+    chunk = max(chunk, -(-count // _MOST_TASKS))
+    if kind == "commands":
+        text = "".join(_words(_command(listed, out, words, range_)) + "\n" for range_ in _ranges(count, chunk))
+        return text, f"When all are done, this gathers their lines: {_words(_command(listed, out, words, None))}"
+    if kind == "slurm":
+        return _slurm(count, chunk, listed, out, words, memory), "The script says how it is submitted"
+    if kind == "openjd":
+        return _openjd(count, chunk, words, listed, out), "Submit it with the program of your farm, or try it: openjd run FILE"
+    told = "contrib/flamenco/tripatch-batch.js belongs in the manager's scripts folder; then POST this to /api/v3/jobs"
+    return _flamenco(count, chunk, words, listed, out), told

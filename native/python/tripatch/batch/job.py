@@ -1,0 +1,176 @@
+"""One mesh file: read, filled, written, recorded. Runs in a process that may end with it."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+
+from .. import files
+from ..errors import Refusal
+from ..filling import fill_all
+from ..holes import choose_holes, find_holes
+from . import creases, crops, record
+from .settings import CROP, FILL, LIST, Settings
+
+
+def sha256_of(path: Path) -> str | None:
+    """Of a file's content; None where there is none."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return None
+
+
+def work(path: str, settings: Settings, done_before: dict | None = None, holes: tuple = ()) -> dict:
+    """What became of one file.
+
+    Args:
+        path: of the input, absolute.
+        done_before: what journals say of the file: key -> SHA-256 of its result, None where it had none.
+        holes: CROP: of each its object, its number, and how many fills of the object come before it.
+
+    Returns:
+        An entry of the journal: name, key, output_sha256, seconds, lines. Of what need not be done again its key
+        only, as "again".
+    """
+    begun = time.monotonic()
+    file = Path(path)
+    name = file.relative_to(settings.root).as_posix()
+    try:
+        with file.open("rb") as opened:
+            sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
+    except OSError as error:
+        reason = f"{name} cannot be read: {error.strerror or error}"
+        return entry(settings, name, None, [record.of_file(settings, name, status=record.UNREADABLE, reason=reason)], begun)
+    out = Path(settings.out, name)
+    key, before = record.key(settings, name, sha256), done_before or {}
+    if settings.mode == FILL and key in before and (before[key] is None or sha256_of(out) == before[key]):
+        return {"again": key}
+    if file.suffix.lower() == ".blend":
+        from . import blender
+
+        return blender.work(file, name, sha256, settings, begun, holes)
+    try:
+        return _done(file, name, sha256, settings, begun, holes)
+    except files.FileError as error:
+        status, reason = record.UNREADABLE, str(error).replace(os.fspath(file), name)
+    except MemoryError:
+        status, reason = record.MEMORY_LIMIT, memory_reason(settings)
+    return entry(settings, name, sha256, [record.of_file(settings, name, sha256=sha256, status=status, reason=reason)], begun)
+
+
+def memory_reason(settings: Settings) -> str:
+    limit = f" of the {settings.memory_limit} MB that a file may use" if settings.memory_limit else ""
+    return f"The memory{limit} was not enough"
+
+
+def entry(settings: Settings, name: str, sha256: str | None, lines: list[dict], begun: float) -> dict:
+    """An entry of the journal."""
+    output = lines[0]["output"] and Path(settings.out, lines[0]["output"])
+    # another Blender may read what this one did not
+    blend = lines[0]["status"] == record.UNREADABLE and name.lower().endswith(".blend")
+    passing = lines[0]["status"] in record.PASSING or sha256 is None or blend
+    return {
+        "name": name,
+        "key": None if passing else record.key(settings, name, sha256),
+        "output_sha256": sha256_of(output) if output else None,
+        "seconds": round(time.monotonic() - begun, 4),
+        "lines": lines,
+    }
+
+
+def _faces(mesh: files.MeshFile):
+    """As an array where all have the same number of corners: read once for all questions."""
+    sizes = {len(face) for face in mesh.faces}
+    return np.array(mesh.faces, np.int64) if len(sizes) == 1 and sizes <= {3, 4} else mesh.faces
+
+
+def _left(vertices, faces, loops: list, settings: Settings) -> dict[int, str]:
+    """Why loops are not filled: lowest vertex -> sentence."""
+    choosing = settings.choosing()
+    reasons: dict[int, str] = {}
+    named = [name for name in choosing if name != "outer"]
+    for name in named:
+        chosen = {int(loop[0]) for loop in choose_holes(vertices, faces, **{"outer": True, name: choosing[name]})}
+        said = f"--{name.replace('_', '-')} {','.join(map(str, np.atleast_1d(choosing[name])))} leaves it out"
+        for loop in loops:
+            if int(loop[0]) not in chosen:
+                reasons.setdefault(int(loop[0]), said)
+    for loop in loops:
+        reasons.setdefault(int(loop[0]), "An outer border of an open mesh, and no hole; --outer takes these too")
+    return reasons
+
+
+def _diameter(points: np.ndarray) -> float:
+    """Of the box around a rim, which says how large a hole is without all pairs of its points."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, wanted: tuple) -> dict:
+    mesh = files.read(file)
+    vertices, faces = mesh.vertices, _faces(mesh)
+    loops = find_holes(faces)
+    refused = None
+    try:
+        chosen = choose_holes(vertices, faces, **settings.choosing()) if loops else []
+    except Refusal as refusal:
+        chosen, refused = [], refusal
+    meant = {int(loop[0]): k for k, loop in enumerate(chosen)}
+    others = [loop for loop in loops if int(loop[0]) not in meant]
+    reasons = _left(vertices, faces, others, settings) if others and not refused else {}
+    results: list = []
+    try:
+        if chosen and settings.mode != LIST:
+            results = fill_all(vertices, faces, chosen, **settings.filling())
+    except Refusal as refusal:  # of what is asked for, not of one hole
+        results = [refusal] * len(chosen)
+    if settings.mode == CROP:
+        return {"crops": [crops.of_fill(vertices, faces, results[meant[int(loops[k][0])]]) for _, k, _ in wanted]}
+
+    sharp = _creases(vertices, faces, results)
+    lines = []
+    for k, loop in enumerate(loops):
+        first = int(loop[0])
+        place = {"hole": k, "vertex": first, "edges": len(loop), "diameter": _diameter(vertices[loop])}
+        if refused is not None:
+            line = record.of_hole(settings, name, refused, **place)
+        elif first not in meant:
+            line = record.of_hole(settings, name, **place, status=record.LEFT, reason=reasons[first])
+        elif settings.mode == LIST:
+            line = record.of_hole(settings, name, **place, status=record.LISTED)
+        else:
+            line = record.of_hole(settings, name, results[meant[first]], **place, crease_max=sharp[meant[first]])
+        lines.append(line)
+    values = {"sha256": sha256, "vertices": len(vertices), "faces": len(faces), **record.outcome(lines)}
+    if values["filled"]:
+        obstacle = _obstacle(mesh, [r for r in results if not isinstance(r, Refusal)], name, settings)
+        if obstacle:
+            line = record.of_file(settings, name, sha256=sha256, status=record.NOT_WRITTEN, reason=obstacle)
+            return entry(settings, name, sha256, [line], begun)
+        values["output"] = name
+    return entry(settings, name, sha256, [record.of_file(settings, name, **values), *lines], begun)
+
+
+def _creases(vertices, faces, results: list) -> dict[int, float | None]:
+    """By the place in `results`."""
+    made = [k for k, result in enumerate(results) if not isinstance(result, Refusal)]
+    fills = [(results[k].vertices, results[k].faces, np.asarray(results[k].rim, np.int64)) for k in made]
+    return dict.fromkeys(range(len(results))) | dict(zip(made, creases.largest(vertices, faces, fills), strict=True))
+
+
+def _obstacle(mesh: files.MeshFile, fills: list, name: str, settings: Settings) -> str:
+    """Writes the file with its fills; why that cannot be done, else nothing."""
+    out = Path(settings.out, name)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        for fill in fills:
+            mesh.append(fill)
+        mesh.write(out)
+    except (files.FileError, OSError) as error:
+        return str(error).replace(os.fspath(out), name)
+    return ""

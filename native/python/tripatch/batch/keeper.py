@@ -1,0 +1,151 @@
+"""Has files done by a process that may crash, run out of time or of memory: a new one takes its place."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+from . import child, job, record
+from .journal import Journal
+from .settings import FILL, Settings
+
+
+class _Ended(Exception):
+    """The process is gone; says why."""
+
+    def __init__(self, status: str, reason: str) -> None:
+        super().__init__(reason)
+        self.status, self.reason = status, reason
+
+
+def _kill(process: subprocess.Popen) -> None:
+    """Ends it and what it has started."""
+    if process.poll() is not None:
+        return
+    with contextlib.suppress(OSError):
+        if os.name == "posix":
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+
+
+class Keeper:
+    """Does one file at a time in a process of its own, which is made when first needed and again after `recycle` files."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._process: subprocess.Popen | None = None
+        self._done = 0
+        self._journal = Journal(Path(settings.out)) if settings.mode == FILL else None
+
+    def __enter__(self) -> Keeper:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+        if self._journal:
+            self._journal.close()
+
+    def work(self, path: str, done_before: dict | None = None) -> dict:
+        """`job.work`, whatever becomes of the process; what it answers is in a journal by then."""
+        entry = self._worked(path, done_before)
+        if self._journal and "again" not in entry:
+            self._journal.add(entry)
+        return entry
+
+    def _worked(self, path: str, done_before: dict | None) -> dict:
+        begun = time.monotonic()
+        for trial in range(self._settings.retries + 1):
+            try:
+                return self.call("tripatch.batch.job", "work", path, self._settings, done_before)
+            except _Ended as end:
+                status, reason = end.status, end.reason
+                if status == record.TIME_LIMIT or trial == self._settings.retries:
+                    break
+        name = Path(path).relative_to(self._settings.root).as_posix()
+        line = record.of_file(self._settings, name, sha256=job.sha256_of(Path(path)), status=status, reason=reason)
+        return job.entry(self._settings, name, line["sha256"], [line], begun)
+
+    def call(self, module: str, function: str, *arguments):
+        """The value of a function, computed by the process.
+
+        Raises:
+            _Ended: the process is gone, or the function has failed.
+        """
+        if self._done >= self._settings.recycle:
+            self.close()
+        process = self._process or self._started()
+        try:
+            if not self._done:
+                child.receive(process.stdout)  # it is ready
+        except (EOFError, OSError):
+            raise self._ended(False) from None
+        self._done += 1
+        late = threading.Event()
+        limit = self._settings.time_limit
+        timer = threading.Timer(limit, lambda: (late.set(), _kill(process))) if limit else None
+        if timer:
+            timer.daemon = True
+            timer.start()
+        try:
+            child.send(process.stdin, (module, function, arguments))
+            good, answer = child.receive(process.stdout)
+        except (EOFError, OSError):
+            raise self._ended(late.is_set()) from None
+        finally:
+            if timer:
+                timer.cancel()
+        if not good and answer == "MemoryError":
+            self.close()
+            raise _Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
+        if not good:
+            raise _Ended(record.CRASHED, f"TriPatch failed on it ({answer})")
+        return answer
+
+    def close(self) -> None:
+        """Ends the process."""
+        process, self._process = self._process, None
+        if process is not None:
+            with contextlib.suppress(OSError):
+                process.stdin.close()
+            _kill(process)
+            process.wait()
+            process.stdout.close()
+            self._said.close()
+
+    def _started(self) -> subprocess.Popen:
+        self._said = tempfile.TemporaryFile()  # what it writes to stderr: read if it ends
+        package = os.fspath(Path(__file__).resolve().parents[2])  # the same TriPatch, installed or in a source tree
+        paths = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
+        # -P: not the folder that the command was started in; one thread of BLAS: there is a process for each core
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"}
+        command = [sys.executable, "-P", "-m", "tripatch.batch.child", str(self._settings.memory_limit or 0)]
+        streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self._said}
+        group = {"process_group": 0} if os.name == "posix" else {}
+        self._process = subprocess.Popen(command, env=environment, **streams, **group)
+        self._done = 0
+        return self._process
+
+    def _ended(self, late: bool) -> _Ended:
+        process = self._process
+        if process.poll() is None:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(1)  # it is about to end by itself: its own code says more than SIGKILL
+        _kill(process)
+        code = process.wait()
+        self._said.seek(0)
+        lines = self._said.read().decode(errors="replace").strip().splitlines()
+        self.close()
+        if late:
+            return _Ended(record.TIME_LIMIT, f"It took longer than the {self._settings.time_limit:g} s that a file may take")
+        said = f" ({lines[-1][:200]})" if lines and code >= 0 else ""
+        by = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}{said}"
+        memory = ", as by a system that is short of memory" if code == -signal.SIGKILL else ""
+        return _Ended(record.CRASHED, f"The process that filled it {by}{memory}")

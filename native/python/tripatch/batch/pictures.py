@@ -1,0 +1,155 @@
+"""The contact sheet: the worst seams of a batch on one picture, for a look before all is used."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from . import record
+from .keeper import Keeper
+from .settings import CROP, Settings
+
+NEEDED = "The picture of the worst seams needs Pillow: pip install 'tripatch[batch]'; --worst 0 leaves it out"
+
+_TILE, _TEXT, _COLUMNS, _FINER = 300, 46, 4, 2  # pixels, pixels, tiles, times
+_AROUND, _FILL, _BEHIND, _INK = (200, 200, 204), (120, 168, 224), (250, 250, 250), (30, 30, 40)
+#: Degrees between the faces on both sides of an edge of the seam: from green, which nobody sees, to red.
+_SEEN = 30.0
+_TILT = np.radians(20.0)
+
+
+def worst(entries: Sequence[dict], count: int) -> list[tuple[dict, int]]:
+    """(line of a filled hole, how many fills of its object come before it): those that fold first, then by the angle between
+    the faces along the rim, which says what a person sees."""
+    found = []
+    for entry in entries:
+        before: dict = {}
+        for line in entry["lines"][1:]:
+            if line["status"] == record.FILLED and entry["lines"][0]["output"]:
+                place = before.get(line["object"], 0)
+                before[line["object"]] = place + 1
+                bad = ((line["triangles_folded"] or 0) > 0, line["crease_max"] or 0.0)
+                found.append((bad, line, place))
+    found.sort(key=lambda each: (tuple(-x for x in each[0]), each[1]["input"], each[1]["hole"]))
+    return [(line, place) for _, line, place in found[:count]]
+
+
+def gathered(holes: list[tuple[dict, int]], settings: Settings) -> list[dict | None]:
+    """What each picture needs, from the files as they are now; None where a file has changed or gone meanwhile."""
+    by_file: dict[str, list[int]] = {}
+    for k, (line, _) in enumerate(holes):
+        by_file.setdefault(line["input"], []).append(k)
+    asked = Settings(**{**vars(settings), "mode": CROP, "retries": 0})
+    made: list[dict | None] = [None] * len(holes)
+    with Keeper(asked) as keeper:
+        for name, places in by_file.items():
+            wanted = tuple((holes[k][0]["object"], holes[k][0]["hole"], holes[k][1]) for k in places)
+            try:
+                answer = keeper.call("tripatch.batch.job", "work", str(Path(settings.root, name)), asked, None, wanted)
+            except Exception:  # the sheet is not worth a run
+                continue
+            for k, crop in zip(places, answer.get("crops") or [None] * len(places), strict=False):
+                made[k] = crop
+    return made
+
+
+def _seen(crop: dict) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices as the eye has them (x right, y up, z towards it), in a box of size one; normals of the faces likewise."""
+    points = np.asarray(crop["vertices"], float)
+    faces = [*crop["around"], *crop["fill"]]
+    normals = np.array([_normal(points[face]) for face in faces])
+    toward = normals[len(crop["around"]) :].sum(axis=0)
+    toward = toward / max(np.linalg.norm(toward), 1e-300) if np.linalg.norm(toward) > 0 else np.array([0.0, 0, 1])
+    rim = points[sorted({v for face in crop["fill"] for v in face})]
+    _, axes = np.linalg.eigh(np.cov((rim - rim.mean(axis=0)).T))
+    right = axes[:, 2] - (axes[:, 2] @ toward) * toward
+    right /= max(np.linalg.norm(right), 1e-300)
+    right *= np.sign(right[np.argmax(np.abs(right))]) or 1.0  # an axis has no direction of its own
+    turned = np.stack([right, np.cross(toward, right), toward])
+    tilt = np.array([[1, 0, 0], [0, np.cos(_TILT), np.sin(_TILT)], [0, -np.sin(_TILT), np.cos(_TILT)]])
+    turned = tilt @ turned
+    normals = normals @ turned.T
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    points = points @ turned.T
+    low, high = points.min(axis=0), points.max(axis=0)
+    return (points - (low + high) / 2) / max((high - low)[:2].max(), 1e-300), normals
+
+
+def _normal(corners: np.ndarray) -> np.ndarray:
+    """Twice the area vector of a polygon."""
+    return np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0)
+
+
+def _seam(crop: dict, normals: np.ndarray) -> list[tuple[int, int, float]]:
+    """Edges between fill and surroundings, and the degrees between the faces there."""
+    owner: dict[frozenset, list[int]] = {}
+    for f, face in enumerate([*crop["around"], *crop["fill"]]):
+        for a, b in zip(face, [*face[1:], face[0]], strict=True):
+            owner.setdefault(frozenset((a, b)), []).append(f)
+    first, edges = len(crop["around"]), []
+    for edge, faces in owner.items():
+        if len(faces) == 2 and len(edge) == 2 and (faces[0] < first) != (faces[1] < first):
+            n0, n1 = normals[faces[0]], normals[faces[1]]
+            edges.append((*sorted(edge), float(np.degrees(np.arctan2(np.linalg.norm(np.cross(n0, n1)), n0 @ n1)))))
+    return edges
+
+
+def tile(crop: dict | None, image, draw, x: int, y: int, size: int) -> None:
+    """Draws a hole: what is nearer to the eye over what is behind, the seam over all."""
+    if crop is None:
+        draw.text((x + size / 2, y + size / 2), "(changed since)", fill=_INK, anchor="mm")
+        return
+    points, normals = _seen(crop)
+    scale = 0.92 * size
+    at = np.column_stack([x + size / 2 + scale * points[:, 0], y + size / 2 - scale * points[:, 1]])
+    faces = [*crop["around"], *crop["fill"]]
+    light = np.array([-0.35, 0.45, 0.82]) / np.linalg.norm([-0.35, 0.45, 0.82])
+    for f in np.argsort([points[face, 2].mean() for face in faces], kind="stable"):
+        shade = 0.35 + 0.65 * abs(normals[f] @ light)
+        color = _FILL if f >= len(crop["around"]) else _AROUND
+        line = tuple(int(0.82 * shade * c) for c in color)
+        draw.polygon([tuple(at[v]) for v in faces[f]], fill=tuple(int(shade * c) for c in color), outline=line)
+    for a, b, degrees in _seam(crop, normals):
+        bad = min(degrees / _SEEN, 1.0)
+        color = (int(40 + 190 * bad), int(150 - 110 * bad), 60 - int(20 * bad))
+        draw.line([tuple(at[a]), tuple(at[b])], fill=color, width=2 * _FINER)
+
+
+def _caption(place: int, line: dict) -> list[str]:
+    name = line["input"] if len(line["input"]) <= 40 else "..." + line["input"][-37:]
+    hole = f"{line['object']}, " if line["object"] else ""
+    where = f"vertex {line['vertex']}, {line['edges']} edges" if line["vertex"] is not None else f"hole {line['hole']}"
+    said = f"faces meet at {line['crease_max']:.2g} deg" if line["crease_max"] is not None else line["method"]
+    folded = f", folded at {line['triangles_folded']}" if line["triangles_folded"] else ""
+    return [f"{place}. {name}", f"{hole}{where}", said + folded]
+
+
+def sheet(path: Path, holes: list[tuple[dict, int]], settings: Settings, total: int) -> bool:
+    """Writes the picture; False where there is nothing to see."""
+    if not holes:
+        return False
+    from PIL import Image, ImageDraw, ImageFont
+
+    columns = min(_COLUMNS, len(holes))
+    rows = -(-len(holes) // columns)
+    head, size = 34, (columns * _TILE, 34 + rows * (_TILE + _TEXT))
+    big = Image.new("RGB", (size[0] * _FINER, size[1] * _FINER), _BEHIND)
+    for k, crop in enumerate(gathered(holes, settings)):
+        # in an image of its own: what is drawn beyond a tile stays out of the next
+        own = Image.new("RGB", (_TILE * _FINER, _TILE * _FINER), _BEHIND)
+        tile(crop, own, ImageDraw.Draw(own), 0, 0, _TILE * _FINER)
+        big.paste(own, (k % columns * _TILE * _FINER, (head + k // columns * (_TILE + _TEXT)) * _FINER))
+    image = big.resize(size, Image.Resampling.LANCZOS)
+    draw, font = ImageDraw.Draw(image), ImageFont.load_default(12)
+    draw.text((8, 8), f"The worst {len(holes)} of {total} seams", fill=_INK, font=ImageFont.load_default(15))
+    for k, (line, _) in enumerate(holes):
+        left, top = k % columns * _TILE + 8, head + k // columns * (_TILE + _TEXT) + _TILE + 1
+        for row, words in enumerate(_caption(k + 1, line)):
+            draw.text((left, top + 14 * row), words, fill=_INK, font=font)
+    data = io.BytesIO()
+    image.save(data, "PNG", optimize=True)
+    path.write_bytes(data.getvalue())
+    return True

@@ -1,0 +1,67 @@
+"""How far a run is: a bar on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import time
+
+from . import record
+
+#: Seconds between two looks at a bar, and between two plain lines.
+_BAR, _LINES = 0.1, 30.0
+
+_BAD = (record.UNREADABLE, *record.PASSING)
+
+
+def duration(seconds: float) -> str:
+    """'2 h 05 min', '3 min 20 s' or '12 s'."""
+    whole = round(seconds)
+    if whole >= 3600:
+        return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
+    return f"{whole // 60} min {whole % 60:02d} s" if whole >= 60 else f"{whole} s"
+
+
+class Progress:
+    """Told of every entry; says so on stderr."""
+
+    def __init__(self, total: int, stream=None) -> None:
+        self._total, self._stream = total, stream or sys.stderr
+        self._begun = self._said = time.monotonic()
+        self._done = self._again = self._holes = self._failed = 0
+        self._terminal = self._stream.isatty()
+
+    def add(self, entries: list[dict]) -> None:
+        self._done += len(entries)
+        self._again += sum(bool(entry.get("again")) for entry in entries)
+        self._holes += sum(entry["lines"][0]["filled"] for entry in entries)
+        self._failed += sum(entry["lines"][0]["status"] in _BAD for entry in entries)
+        now = time.monotonic()
+        if now - self._said >= (_BAR if self._terminal else _LINES):
+            self._said = now
+            self._say(now)
+
+    def end(self) -> None:
+        """The last word, which also stands where there is no terminal."""
+        self._say(time.monotonic())
+        if self._terminal and self._total:
+            print(file=self._stream, flush=True)
+
+    def _say(self, now: float) -> None:
+        if not self._total:
+            return
+        text = f"{self._done} of {self._total} files"
+        text += f", {self._holes} holes filled" if self._holes else ""
+        text += f", {self._failed} failed" if self._failed else ""
+        text += f", {self._again} done before" if self._again else ""
+        fresh = self._done - self._again
+        if fresh and self._done < self._total:
+            text += f", {duration((now - self._begun) / fresh * (self._total - self._done))} left"
+        if not self._terminal:
+            print(f"tripatch: {text}", file=self._stream, flush=True)
+            return
+        columns = shutil.get_terminal_size().columns
+        width = max(0, min(30, columns - len(text) - 4))
+        full = width * self._done // self._total
+        bar = "[" + "#" * full + "." * (width - full) + "] " if width >= 5 else ""
+        print(f"\r{(bar + text)[: columns - 1]:<{columns - 1}}", end="", file=self._stream, flush=True)

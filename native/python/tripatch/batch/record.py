@@ -1,0 +1,141 @@
+"""The lines of a batch: one for each file and one for each of its holes, JSON with always the same names.
+
+Nothing in them depends on when, where or beside what a file was done, so that the same files give the same bytes. docs/batch.md
+describes every name; SCHEMA counts up when one changes its meaning or goes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+
+import numpy as np
+
+from ..errors import Refusal
+from .settings import Settings
+
+SCHEMA = 1
+
+FILLED, PARTLY, REFUSED, NOTHING = "filled", "partly", "refused", "nothing"
+UNREADABLE, NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT = "unreadable", "not written", "crashed", "time limit", "memory limit"
+#: What may go otherwise the next time: the next run tries these again.
+PASSING = (NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT)
+LISTED, LEFT = "listed", "left"
+
+#: Vertices of a refusal that a line names at most: a rim can have thousands.
+_WHERE = 32
+
+_FILE = {
+    "sha256": None,
+    "output": None,
+    "status": None,
+    "reason": None,
+    "vertices": None,
+    "faces": None,
+    "new_vertices": 0,
+    "new_faces": 0,
+    "holes": None,
+    "filled": 0,
+    "refused": 0,
+    "left": 0,
+    "folded": 0,
+}
+_REPORTED = {
+    "method": None,
+    "method_reason": None,
+    "corners": None,
+    "continuity": None,
+    "fairing": None,
+    "seam_angle_max": None,
+    "seam_angle_rms": None,
+    "surroundings_error": None,
+    "deviation_max": None,
+    "cage_deviation_max": None,
+    "surroundings_moved_max": None,
+    "folds": None,
+    "triangles_folded": None,
+    "warnings": None,
+}
+_OF_CAGES = ("cage_deviation_max", "surroundings_moved_max")
+_HOLE = {
+    "object": None,
+    "hole": None,
+    "vertex": None,
+    "edges": None,
+    "diameter": None,
+    "status": None,
+    "reason": None,
+    "where": None,
+    "new_vertices": None,
+    "new_faces": None,
+    "crease_max": None,
+    **_REPORTED,
+}
+
+
+def plain(value):
+    """What JSON can hold; numbers that are not finite become null."""
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(v) for v in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def text(line: dict) -> str:
+    """A line as it is written."""
+    return json.dumps(line, ensure_ascii=False, separators=(",", ":"))
+
+
+def key(settings: Settings, name: str, sha256: str) -> str:
+    """What a result depends on, in short: the content of the file, its name, options and version."""
+    said = text([SCHEMA, settings.version, plain(settings.options), name, sha256])
+    return hashlib.sha256(said.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _begun(settings: Settings, kind: str, name: str) -> dict:
+    own = {"schema": SCHEMA, "line": kind, "tripatch": settings.version, "options": settings.options}
+    return {**own, "input": name}
+
+
+def of_file(settings: Settings, name: str, **values) -> dict:
+    """The line of a file."""
+    assert values.keys() <= _FILE.keys()
+    return plain({**_begun(settings, "file", name), **_FILE, **values})
+
+
+def of_hole(settings: Settings, name: str, result=None, **values) -> dict:
+    """The line of a hole: `result` is a Fill or a Refusal."""
+    if isinstance(result, Refusal):
+        values |= {"status": REFUSED, "reason": result.reason, "where": list(result.where)[:_WHERE]}
+    elif result is not None:
+        values |= {"status": FILLED, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
+        values |= reported(result.report.as_dict())
+    assert values.keys() <= _HOLE.keys()
+    return plain({**_begun(settings, "hole", name), **_HOLE, **values})
+
+
+def reported(report: dict) -> dict:
+    """What a line says of a fill's report."""
+    values = {name: report.get(name) for name in _REPORTED}
+    if not any(report.get("continuity") or ()):  # a fill without sides: no angle was measured, which is not 0
+        values |= dict.fromkeys(("continuity", "seam_angle_max", "seam_angle_rms"))
+    cage = report.get("cage_deviation_max")
+    return values | {"fairing": report.get("fairing") or None} | ({} if cage else dict.fromkeys(_OF_CAGES))
+
+
+def outcome(holes: list[dict]) -> dict:
+    """What the line of a file says of its holes."""
+    count = {status: sum(hole["status"] == status for hole in holes) for status in (FILLED, REFUSED, LEFT, LISTED)}
+    folded = sum((hole["triangles_folded"] or 0) > 0 for hole in holes)
+    if count[FILLED]:
+        status = PARTLY if count[REFUSED] or folded else FILLED
+    else:
+        status = LISTED if count[LISTED] else REFUSED if count[REFUSED] else NOTHING
+    values = {"status": status, "holes": len(holes), "folded": folded, "left": count[LEFT]}
+    values |= {"filled": count[FILLED], "refused": count[REFUSED]}
+    values |= {name: sum(hole[name] or 0 for hole in holes) for name in ("new_vertices", "new_faces")}
+    return values

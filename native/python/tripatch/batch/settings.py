@@ -1,0 +1,51 @@
+"""What all files of a run have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..options import OPTIONS
+
+#: The options of `tripatch fill --all`; but the faces of a file stay.
+BATCH_OPTIONS = {name: option for name, option in OPTIONS.items() if "fill_all" in option.functions and name != "replaced"}
+
+FILL, LIST, CROP = "fill", "list", "crop"
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What all files of a run have in common; travels to the workers.
+
+    Attributes:
+        root: folder that all inputs lie in; records name them from there.
+        out: folder of the results, laid out as below root.
+        options: those of BATCH_OPTIONS that were given, as JSON holds them.
+        version: of TriPatch, the same wherever a part of the run is.
+        mode: FILL; LIST: say which holes there are; CROP: what the picture of some holes needs.
+        time_limit: seconds a file; None: none.
+        memory_limit: MB of memory that the process of a file may have; None: no limit.
+        retries: how often a file is tried again whose process crashed.
+        recycle: files that a process does before a new one takes its place.
+        blender: the program for .blend files.
+        addon: folder that holds tripatch_blender, where that Blender has the add-on not installed.
+    """
+
+    root: str
+    out: str
+    options: dict = field(default_factory=dict)
+    version: str = ""
+    mode: str = FILL
+    time_limit: float | None = None
+    memory_limit: int | None = None
+    retries: int = 1
+    recycle: int = 200
+    blender: str = "blender"
+    addon: str | None = None
+
+    def choosing(self) -> dict:
+        """The options that say which holes are meant."""
+        return {name: value for name, value in self.options.items() if "choose_holes" in OPTIONS[name].functions}
+
+    def filling(self) -> dict:
+        """The options that say how they are filled."""
+        return {name: value for name, value in self.options.items() if "choose_holes" not in OPTIONS[name].functions}

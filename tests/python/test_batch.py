@@ -1,0 +1,413 @@
+"""`tripatch batch`: many files, some of them bad, by one process and by a real scheduler with two workers."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import stat
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tripatch
+from test_cli import sphere_hole, square, write_obj
+from tripatch import __main__ as cli
+from tripatch import files
+from tripatch.batch import creases, inputs, job, journal, keeper, pictures, record
+from tripatch.batch.settings import Settings
+
+distributed = pytest.importorskip("distributed")
+
+
+def run(capsys, *args):
+    code = cli.main(["batch", *map(str, args)])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def lines(out):
+    return [json.loads(line) for line in (out / journal.LINES).read_text().splitlines()]
+
+
+def heads(out):
+    return {line["input"]: line for line in lines(out) if line["line"] == "file"}
+
+
+def spheres(folder, count, suffix=".obj", first=0):
+    """Files with one hole each, no two alike."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for k in range(first, first + count):
+        vertices, faces = sphere_hole(2 + k % 3, rings=2)
+        mesh = files.converted(files.MeshFile(vertices * [1, 1, 1 + 0.01 * k], faces), suffix)
+        mesh.write(folder / f"m{k:03}{suffix}")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """A scheduler of Dask with two worker processes, as it runs on another machine."""
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, memory_limit=0, dashboard_address=None, silence_logs=50
+    ) as made:
+        yield made
+
+
+def test_every_format_and_folder(tmp_path, capsys):
+    source = tmp_path / "in"
+    for suffix in (".obj", ".ply", ".stl", ".off"):
+        spheres(source / suffix[1:], 2, suffix)
+    (source / "notes.txt").write_text("no mesh")
+    code, out, _ = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0)
+    assert code == 0
+    assert out.startswith("Filled 8 holes in 8 of 8 files\n")
+    made = heads(tmp_path / "out")
+    assert [h["status"] for h in made.values()] == ["filled"] * 8
+    assert sorted(made) == list(made)
+    for name, head in made.items():
+        mesh = files.read(tmp_path / "out" / name)
+        assert len(tripatch.find_holes(mesh.faces)) == 1  # the outer border
+        assert len(mesh.faces) == head["faces"] + head["new_faces"]
+
+
+def test_the_same_as_fill(tmp_path, capsys):
+    source = spheres(tmp_path / "in", 1)
+    run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, "--resolution", 3, "--bulge", "1,1.2,0.8")
+    cli.main(["fill", str(source / "m000.obj"), str(tmp_path / "one.obj"), "--all", "--resolution=3", "--bulge=1,1.2,0.8"])
+    assert (tmp_path / "out" / "m000.obj").read_bytes() == (tmp_path / "one.obj").read_bytes()
+    assert heads(tmp_path / "out")["m000.obj"]["options"] == {"resolution": 3, "bulge": [1.0, 1.2, 0.8]}
+
+
+#: The names of docs/batch.md, in their order: what outside programs rely on.
+FILE = (
+    "schema line tripatch options input sha256 output status reason vertices faces new_vertices new_faces holes filled refused "
+    "left folded"
+).split()
+HOLE = (
+    "schema line tripatch options input object hole vertex edges diameter status reason where new_vertices new_faces crease_max "
+    "method method_reason corners continuity fairing seam_angle_max seam_angle_rms surroundings_error deviation_max "
+    "cage_deviation_max surroundings_moved_max folds triangles_folded warnings"
+).split()
+
+
+def test_every_line_has_every_name(tmp_path, capsys):
+    source = spheres(tmp_path / "in", 1)
+    (source / "bad.obj").write_text("v 1 2 x\n")
+    write_obj(source / "some.obj", sphere_hole(3, rings=2), square())
+    code, _, _ = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, "--method", "side_vertex")
+    assert code == 3
+    by_kind = {"file": FILE, "hole": HOLE}
+    found = lines(tmp_path / "out")
+    assert all(list(line) == by_kind[line["line"]] for line in found)
+    statuses = sorted(line["status"] for line in found if line["line"] == "hole" and line["input"] == "some.obj")
+    assert statuses == ["filled", "left", "left", "refused"]
+    some = heads(tmp_path / "out")["some.obj"]
+    assert (some["status"], some["filled"], some["refused"], some["left"]) == ("partly", 1, 1, 2)
+    documented = (Path(__file__).resolve().parents[2] / "docs" / "batch.md").read_text()
+    assert all(f"`{name}`" in documented for name in (*FILE, *HOLE))
+
+
+def test_filters_and_reasons_of_a_dry_run(tmp_path, capsys):
+    source = tmp_path / "in"
+    source.mkdir()
+    write_obj(source / "two.obj", sphere_hole(3, rings=2), sphere_hole(5, rings=2, centre=5))
+    code, out, _ = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--dry-run", "--max-edges", 10)
+    assert code == 0
+    assert not (tmp_path / "out").exists()
+    told = out.splitlines()
+    assert "two.obj: hole through vertex 0, 9 edges, 1.73 wide: would be filled" in told
+    assert any("15 edges" in line and line.endswith("--max-edges 10 leaves it out") for line in told)
+    assert any("9 edges" in line and "An outer border of an open mesh" in line for line in told)
+    assert told[-1] == "1 hole in 1 files would be filled"
+    assert run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--dry-run", "--max-edges", 3)[0] == 1
+
+
+def test_bad_files_among_good_ones_by_a_scheduler(tmp_path, capsys, cluster):
+    """Each costs itself only, and the lines are the same bytes as from one process."""
+    source = spheres(tmp_path / "in", 96)
+    (source / "broken.ply").write_bytes(b"ply\nformat ascii 1.0\nelement vertex 3\n")
+    (source / "empty.obj").touch()
+    (source / "empty.stl").touch()
+    os.symlink(source / "nowhere", source / "gone.obj")
+    read_only = source / "m000.obj"
+    read_only.chmod(stat.S_IRUSR)
+    blocked = tmp_path / "out" / "m001.obj"
+    blocked.mkdir(parents=True)  # a folder where the result belongs
+    options = ["--retries", 0, "--worst", 0, "--fairing=none"]
+    code, _, err = run(capsys, source, "--out", tmp_path / "out", "--scheduler", cluster.scheduler_address, *options)
+    assert code == 3
+    assert "tripatch: 100 of 100 files, 95 holes filled, 4 failed" in err
+    made = heads(tmp_path / "out")
+    assert made["broken.ply"]["status"] == made["gone.obj"]["status"] == made["empty.stl"]["status"] == "unreadable"
+    assert "header is missing or has no end" in made["broken.ply"]["reason"]
+    assert made["empty.obj"]["status"] == "nothing"
+    assert made["m001.obj"]["status"] == "not written"
+    assert made["m000.obj"]["status"] == "filled"
+    assert sum(head["status"] == "filled" for head in made.values()) == 95
+    other = tmp_path / "other"
+    (other / "m001.obj").mkdir(parents=True)
+    assert run(capsys, source, "--out", other, "--workers", 0, *options)[0] == 3
+    assert (other / journal.LINES).read_bytes() == (tmp_path / "out" / journal.LINES).read_bytes()
+    for name, head in made.items():
+        if head["output"]:
+            assert (other / name).read_bytes() == (tmp_path / "out" / name).read_bytes()
+
+
+def test_a_worker_killed_half_way_costs_nothing(tmp_path, capsys, cluster):
+    source, out = spheres(tmp_path / "in", 80), tmp_path / "out"
+
+    def kill():
+        while len(list(out.glob("*.obj"))) < 30:
+            time.sleep(0.005)
+        os.kill(next(iter(cluster.workers.values())).pid, signal.SIGKILL)
+
+    killer = threading.Thread(target=kill, daemon=True)
+    killer.start()
+    code, said, _ = run(capsys, source, "--out", out, "--scheduler", cluster.scheduler_address, "--worst", 0, "--fairing=none")
+    killer.join(10)
+    assert not killer.is_alive()
+    assert code == 0
+    assert said.startswith("Filled 80 holes in 80 of 80 files\n")
+
+
+def test_resumes_by_content_options_and_results(tmp_path, capsys):
+    source, out = spheres(tmp_path / "in", 4), tmp_path / "out"
+    options = [source, "--out", out, "--workers", 0, "--worst", 0]
+    assert "done before" not in run(capsys, *options)[2]
+    written = (out / journal.LINES).read_bytes()
+    assert "4 of 4 files, 4 holes filled, 4 done before" in run(capsys, *options)[2]
+    assert (out / journal.LINES).read_bytes() == written
+    spheres(source, 1, first=1)  # the same content, another time
+    (source / "m002.obj").write_bytes((source / "m002.obj").read_bytes() + b"# another content\n")
+    (out / "m003.obj").write_text("spoiled")
+    assert "2 done before" in run(capsys, *options)[2]
+    assert (out / "m003.obj").read_text().startswith("v ")
+    assert "done before" not in run(capsys, *options, "--bulge", 1.5)[2]
+
+
+def test_a_journal_that_ends_within_a_line_is_read_up_to_there(tmp_path, capsys):
+    source, out = spheres(tmp_path / "in", 3), tmp_path / "out"
+    run(capsys, source, "--out", out, "--workers", 0, "--worst", 0)
+    (path,) = (out / journal.FOLDER).glob("journal-*")
+    path.write_bytes(path.read_bytes()[:-100])
+    assert "2 done before" in run(capsys, source, "--out", out, "--workers", 0, "--worst", 0)[2]
+
+
+def in_child(monkeypatch, tmp_path, text):
+    """Has the process that fills run a text when it starts."""
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site" / "sitecustomize.py").write_text(text)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "site"))
+
+
+#: Replaces the reading of files whose name says what becomes of the process.
+_BAD = """
+import os, sys
+if "tripatch.batch.child" in " ".join(sys.orig_argv):
+    import ctypes, time
+    from tripatch import files
+    def read(path, own=files.read):
+        if "crash" in path.name:
+            ctypes.string_at(1)
+        if "sleep" in path.name:
+            time.sleep(100)
+        if "huge" in path.name:
+            return bytearray(2**33)
+        if "once" in path.name and not os.path.exists(str(path) + ".seen"):
+            open(str(path) + ".seen", "w").close()
+            os._exit(7)
+        return own(path)
+    files.read = read
+"""
+
+
+def test_a_crash_and_limits_cost_that_file_only(tmp_path, capsys, monkeypatch):
+    in_child(monkeypatch, tmp_path, _BAD)
+    source = spheres(tmp_path / "in", 5)
+    for k, name in enumerate(("a-crash", "b-sleep", "c-huge", "d-once")):
+        (source / f"m{k:03}.obj").rename(source / f"{name}.obj")
+    options = ["--workers", 0, "--worst", 0, "--time-limit", 6, "--memory-limit", 800]
+    code, out, _ = run(capsys, source, "--out", tmp_path / "out", *options)
+    assert code == 3
+    assert "3 files failed (1 crashed, 1 memory limit, 1 time limit)" in out
+    made = heads(tmp_path / "out")
+    assert made["a-crash.obj"]["reason"] == "The process that filled it was ended by SIGSEGV"
+    assert made["b-sleep.obj"]["reason"] == "It took longer than the 6 s that a file may take"
+    assert made["c-huge.obj"]["reason"] == "The memory of the 800 MB that a file may use was not enough"
+    assert made["d-once.obj"]["status"] == made["m004.obj"]["status"] == "filled"  # tried again
+    again = run(capsys, source, "--out", tmp_path / "out", *options)[2]
+    assert "2 done before" in again  # what failed is tried again
+
+
+def test_a_process_is_recycled_and_ends_with_the_one_that_asks(tmp_path):
+    source = spheres(tmp_path / "in", 3)
+    settings = Settings(str(source), str(tmp_path / "out"), {}, tripatch.__version__, recycle=2)
+    with keeper.Keeper(settings) as one:
+        pids = [(one.work(str(source / f"m{k:03}.obj")), one._process.pid)[1] for k in range(3)]
+    assert pids[0] == pids[1] != pids[2]
+    ask = f"""
+import time
+from tripatch.batch import keeper, settings
+one = keeper.Keeper(settings.Settings({str(source)!r}, {str(tmp_path / "out")!r}, {{}}, {tripatch.__version__!r}))
+one.work({str(source / "m000.obj")!r})
+print(one._process.pid, flush=True)
+time.sleep(100)
+"""
+    asking = subprocess.Popen([sys.executable, "-c", ask], stdout=subprocess.PIPE, text=True)
+    child = int(asking.stdout.readline())
+    asking.kill()
+    asking.wait()
+    asking.stdout.close()
+    for _ in range(200):
+        # a process that nobody has waited for yet counts as gone
+        state = Path(f"/proc/{child}/stat")
+        if not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z":
+            break
+        time.sleep(0.02)
+    else:
+        pytest.fail("the process that fills outlives the one that asks")
+
+
+def test_ctrl_c_ends_it_orderly(tmp_path, capsys):
+    """By a cluster of its own; the same command goes on from there."""
+    source, out = spheres(tmp_path / "in", 80), tmp_path / "out"
+    command = [
+        sys.executable,
+        "-m",
+        "tripatch",
+        "batch",
+        str(source),
+        "--out",
+        str(out),
+        "--workers",
+        "2",
+        "--worst",
+        "0",
+        "--fairing=none",
+    ]
+    running = subprocess.Popen(
+        command,
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # these tests may run in the background
+    )
+    while len(list(out.glob("*.obj"))) < 20 and running.poll() is None:
+        time.sleep(0.005)
+    os.killpg(running.pid, signal.SIGINT)  # as a terminal does, to all processes
+    said, err = running.communicate(timeout=60)
+    assert running.returncode == 130, (said, err)
+    assert "the same command goes on from there" in err
+    assert "Traceback" not in err
+    assert not list(out.glob("*.part"))
+    done = len(list(out.glob("*.obj")))
+    code, _, err = run(capsys, source, "--out", out, "--workers", 0, "--worst", 0, "--fairing=none")
+    assert code == 0
+    # a file or two may have been written and not recorded
+    assert done - 2 <= int(re.findall(r"(\d+) done before", err)[-1]) <= done
+
+
+def test_without_dask_a_clear_sentence(tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "dask", None)
+    source = spheres(tmp_path / "in", 1)
+    code, _, err = run(capsys, source, "--out", tmp_path / "out")
+    assert code == 2
+    assert "pip install 'tripatch[batch]'" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        ([], "name inputs"),
+        (["nothing"], "nothing does not exist"),
+        (["in", "--files", "list"], "name inputs, or a list"),
+        (["in", "--range", "1-2"], "--files"),
+        (["in", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "--workers"),
+        (["in", "--bulge", "-1"], "bulge"),
+        (["in", "--root", "elsewhere"], "--root"),
+        (["--files", "list", "--range", "5-3"], "5-3"),
+    ],
+)
+def test_bad_usage(tmp_path, capsys, monkeypatch, arguments, word):
+    monkeypatch.chdir(tmp_path)
+    spheres(tmp_path / "in", 1)
+    (tmp_path / "list").write_text("in/m000.obj\n")
+    code, _, err = run(capsys, *arguments, "--out", "out")
+    assert code == 2
+    assert word in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_inputs_are_never_written_over(tmp_path, capsys):
+    source = spheres(tmp_path / "in", 1)
+    for given in (source, source / "m000.obj"):
+        code, _, err = run(capsys, given, "--out", source, "--workers", 0)
+        assert (code, "would be written over" in err) == (2, True)
+
+
+def test_portions_are_of_a_size_and_hold_every_file_once(tmp_path):
+    sizes = [10, 200_000, 50, 3_000_000, *[5000] * 200, 9_000_000, 70]
+    found = [tmp_path / f"{k:03}.obj" for k in range(len(sizes))]
+    for path, size in zip(found, sizes, strict=True):
+        with path.open("wb") as file:
+            file.truncate(size)
+    parts = inputs.portions(found, 2)
+    assert [k for part in parts for k in part] == list(range(len(sizes)))
+    assert all(len(part) == 1 or sum(sizes[k] for k in part) <= 2_000_000 for part in parts)
+    assert len(parts) < 30
+
+
+def test_a_key_says_what_a_result_depends_on():
+    one = Settings("/a", "/b", {"bulge": 1.5}, "1.0")
+    same = Settings("/a", "/other", {"bulge": 1.5}, "1.0", time_limit=3)
+    others = [Settings("/a", "/b", {"bulge": 1.25}, "1.0"), Settings("/a", "/b", {"bulge": 1.5}, "1.1")]
+    key = record.key(one, "x.obj", "00")
+    assert record.key(same, "x.obj", "00") == key
+    assert all(record.key(other, "x.obj", "00") != key for other in others)
+    assert record.key(one, "x.obj", "01") != key != record.key(one, "y.obj", "00")
+
+
+def test_creases_are_the_angles_along_the_rim():
+    """A square hole in a plane, filled with a roof of known slope."""
+    vertices, faces = square()
+    top = np.array([[-7.5, 1.5, 0.5 * np.tan(np.radians(20))]])
+    roof = [[4, 5, 8], [5, 6, 8], [6, 7, 8], [7, 4, 8]]
+    rim = np.array([4, 5, 6, 7])
+    (angle,) = creases.largest(vertices, faces, [(top, roof, rim)])
+    assert angle == pytest.approx(20, abs=1e-9)
+    (angle,) = creases.largest(vertices, np.array(faces), [(top * [1, 1, 0], roof, rim)])
+    assert angle == pytest.approx(0, abs=1e-9)
+    assert creases.largest(vertices, faces, [(top, [], rim)]) == [None]
+
+
+def test_the_sheet_shows_the_worst_first(tmp_path, capsys):
+    image = pytest.importorskip("PIL.Image")
+    source = spheres(tmp_path / "in", 3)
+    write_obj(source / "coarse.obj", sphere_hole(2, rings=1))
+    code, out, _ = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 2)
+    assert code == 0
+    assert "The worst seams: " in out
+    picture = np.asarray(image.open(tmp_path / "out" / journal.SHEET))
+    assert picture.shape[1] == 600
+    blue = (picture[..., 2].astype(int) - picture[..., 0] > 40).reshape(len(picture), 2, 300)
+    assert (blue.sum(axis=(0, 2)) > 2000).all()  # a fill on each
+    entries = [{"lines": [line]} for line in lines(tmp_path / "out") if line["line"] == "file"]
+    for entry in entries:
+        entry["lines"] += [h for h in lines(tmp_path / "out") if h["line"] == "hole" and h["input"] == entry["lines"][0]["input"]]
+    angles = [line["crease_max"] for line, _ in pictures.worst(entries, 4)]
+    assert angles == sorted(angles, reverse=True)
+
+
+def test_memory_of_one_file_is_no_more_than_it_needs(tmp_path):
+    """What a journal keeps of a file does not grow with the mesh."""
+    source = tmp_path / "in"
+    source.mkdir()
+    write_obj(source / "large.obj", sphere_hole(24, rings=40))
+    entry = job.work(str(source / "large.obj"), Settings(str(source), str(tmp_path / "out"), {}, tripatch.__version__))
+    assert len(record.text(entry)) < 4000
