@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fills three-sided holes so that the surface continues smoothly."""
+"""Fills holes so that the surface continues smoothly."""
 
 bl_info = {
     "name": "TriPatch",
     "author": "TriPatch contributors",
     "version": (0, 1, 0),
     "blender": (3, 4, 0),
-    "location": "Edit Mode > Face > Fill Three-Sided Hole",
-    "description": "Fill three-sided holes so that the surface continues smoothly",
+    "location": "Edit Mode > Face > Smooth Fill",
+    "description": "Fill holes so that the surface continues smoothly",
     "category": "Mesh",
 }
 

@@ -15,6 +15,8 @@ _LOOP_LAYERS = ("float", "float_vector", "float_color", "color", "uv")
 _PICKED = ("int", "bool", "string")
 # The selection of UVs, and normals: not the rim's to give.
 _OWN = (".", "custom_normal")
+# UVs of two faces at one vertex that differ by less, of the extent along the rim, are one.
+_SAME_UV = 1e-4
 # Creases and bevel weights are 0 inside a fill.
 _ZERO = ("crease_vert", "bevel_weight_vert")
 
@@ -98,15 +100,19 @@ def ends_of_corner(place, count, owned):
     return (2 * before + 1, 2 * after)
 
 
-def blend_corners(bm, ends, corners, blend, nearest):
+def blend_corners(bm, ends, corners, blend, nearest, charts=None):
     """Gives face corners the corner data of the rim.
 
     ends: face corners of the surroundings at the ends of the rim edges; corners: (new face corner, number of the vertex inside,
     ends that it continues, none inside); nearest: for each vertex inside the end whose values it takes where they cannot be
-    blended. Where two surrounding faces disagree at their vertex, as at a UV seam, the later
-    one counts.
+    blended. Where two surrounding faces disagree at their vertex the later one counts; UV maps that a seam parts are given by
+    charts: {name: values of the corners}.
     """
-    for kind, _name, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
+    for kind, name, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
+        if kind == "uv" and charts and name in charts:
+            for (corner, _, _), uv in zip(corners, charts[name], strict=True):
+                corner[layer].uv = uv
+            continue
         at_rim = np.array([_read(loop[layer], kind) for loop in ends], dtype=np.float64)
         inside = blend(at_rim).tolist()
         at_rim = at_rim.tolist()
@@ -115,6 +121,86 @@ def blend_corners(bm, ends, corners, blend, nearest):
     for _kind, _name, layer in _layers(bm.loops.layers, _PICKED):
         for corner, vertex, continued in corners:
             corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
+
+
+class Shares:
+    """How much every vertex of a fill has of what differs from rim edge to rim edge: a border that meets the rim is continued to
+    where it leaves it."""
+
+    def __init__(self, values, blend):
+        """values: of each rim edge."""
+        self.kinds = list(dict.fromkeys(values))
+        self._of_edge = np.array([self.kinds.index(value) for value in values])
+        of_edges = np.eye(len(self.kinds))[self._of_edge]
+        self._shares = None
+        if len(self.kinds) > 1:
+            at_rim = 0.5 * (of_edges + np.roll(of_edges, 1, axis=0))
+            self._shares = np.vstack([at_rim, blend(np.repeat(of_edges, 2, axis=0))])
+
+    def of_face(self, at):
+        """The number of the kind that a face with these vertices has most of; those of the rim come first."""
+        return 0 if self._shares is None else int(self._shares[at].sum(axis=0).argmax())
+
+    def edge_near(self, edge, kind):
+        """The rim edge of that kind that is the fewest edges away."""
+        count = len(self._of_edge)
+        own = np.flatnonzero(self._of_edge == kind)
+        away = np.abs(own - edge)
+        return int(own[np.minimum(away, count - away).argmin()])
+
+
+def uv_charts(bm, ends, blend, positions, faces):
+    """UV maps that seams of the surroundings part at the rim: {name: (the part that each new face belongs to, UV of every corner)}.
+
+    Each part of the rim between two seams is continued by the affine map that its faces have, whose errors along the rim are
+    blended away inside. positions (r + k, 3): of the rim and the vertices inside; faces: of places in it.
+    """
+    count, found = len(ends) // 2, {}
+    flat = _Plane(positions[:count])
+    places = flat(positions)
+    for kind, name, layer in _layers(bm.loops.layers, ("uv",)):
+        at_ends = np.array([_read(loop[layer], kind) for loop in ends], dtype=np.float64)
+        jumps = np.abs(np.roll(at_ends[1::2], 1, axis=0) - at_ends[::2]).max(axis=1)
+        parted = jumps > _SAME_UV * max(np.ptp(at_ends, axis=0).max(), 1e-12)
+        if parted.sum() < 2:
+            continue  # no seam, or one that ends here and has nowhere to go
+        part = np.cumsum(parted)
+        part[part == part[-1]] = 0  # the last goes on through the start of the loop
+        part = np.unique(part, return_inverse=True)[1]
+        shares = Shares(part.tolist(), blend)
+        of_faces = [shares.kinds[shares.of_face(at)] for at in faces]
+        maps = [_affine(flat, ends, np.repeat(part, 2) == p, layer) for p in range(part.max() + 1)]
+        everywhere = []
+        for p, own in enumerate(maps):
+            mine = np.repeat(part, 2) == p
+            at = np.stack([np.arange(count), np.roll(np.arange(count), -1)], axis=1).ravel()
+            left = np.where(mine[:, None], at_ends - places[at] @ own[:2] - own[2], 0)
+            at_rim = np.zeros((count, 2))
+            for end in np.flatnonzero(mine):
+                at_rim[at[end]] = left[end]
+            everywhere.append(places @ own[:2] + own[2] + np.vstack([at_rim, blend(left)]))
+        found[name] = of_faces, [everywhere[p][k] for p, at in zip(of_faces, faces, strict=True) for k in at]
+    return found
+
+
+class _Plane:
+    """The plane that points lie nearest to."""
+
+    def __init__(self, points):
+        self._middle = points.mean(axis=0)
+        self._axes = np.linalg.svd(points - self._middle, full_matrices=False)[2][:2]
+
+    def __call__(self, points):
+        return (points - self._middle) @ self._axes.T
+
+
+def _affine(flat, ends, mine, layer):
+    """(3, 2) of least squares: UV from places in the plane, over the faces at some ends."""
+    faces = {ends[k].face for k in np.flatnonzero(mine)}
+    loops = [loop for face in faces for loop in face.loops]
+    places = flat(np.array([loop.vert.co for loop in loops], dtype=np.float64))
+    uv = np.array([loop[layer].uv for loop in loops], dtype=np.float64)
+    return np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv, rcond=None)[0]
 
 
 def model_faces(surrounding, on_side):

@@ -69,14 +69,15 @@ def fill_rims(ob, bm, matrix, rims, options):
     bm.faces.index_update()
     cage = subdivision.cage_before(ob, bm, modifier)
     try:
-        return _fill_rims(ob, cage, modifier, matrix, [subdivision.in_cage(ob, cage, bm, rim) for rim in rims], options)
+        there = [subdivision.in_cage(ob, cage, bm, rim) for rim in rims]
+        return _fill_rims(ob, cage, modifier, matrix, there, rims, options)
     finally:
         if cage is not bm:
             cage.free()
 
 
-def _fill_rims(ob, bm, modifier, matrix, rims, options):
-    """The same for rims of the cage that the modifier subdivides."""
+def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
+    """The same for rims of the cage that the modifier subdivides. named: the rims in the object's own BMesh."""
     arrays = selection.Surroundings(bm, matrix).around(*rims)
     settings = subdivision.Cage(bm, modifier).near(arrays[1])
     fills = filling.fills(rims, arrays, options, subdivision=settings, level=subdivision.level_of(modifier))
@@ -84,9 +85,9 @@ def _fill_rims(ob, bm, modifier, matrix, rims, options):
     outcome, vertices, faces, materials, smooth = filling.Outcome(), [], [], [], []
     drawn = tree = None
     count = missing = 0
-    for rim, fill in zip(rims, fills, strict=True):
+    for rim, own, fill in zip(rims, named, fills, strict=True):
         if isinstance(fill, tripatch.Refusal):
-            outcome.refused.append(words.refused(fill))
+            outcome.refused.append(filling.Refused(words.refused(fill), [v.index for v in own.loop], ob))
             continue
         if drawn is None:
             drawn = subdivision.evaluated_points(bm, modifier)
@@ -107,6 +108,7 @@ def _fill_rims(ob, bm, modifier, matrix, rims, options):
         vertices.append(points)
         count += len(points)
         outcome.reports.append(fill.report)
+        outcome.rim_edges.append(len(own.loop))
         outcome.notes += fill.report.warnings
         if rim.replaced:
             outcome.notes.append("The selected faces stay: without them the modifier would draw the surface around otherwise")

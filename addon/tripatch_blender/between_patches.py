@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty
 
-from . import filling, library, selection
+from . import filling, library, panel, selection, sentences
 from .construction import Construction
 from .library import np, tripatch
 from .selection import UnusableError
@@ -166,7 +166,7 @@ def mesh_between(objects, tolerance, resolution, construction):
     curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
     loop = tripatch.between.find_loop(curves, tolerance)
     sides = loop.sides()
-    patch = tripatch.patch([side for side, _ in sides], **construction)
+    patch = tripatch.patch([side for side, _ in sides], **filling.for_sides(construction, len(sides)))
     by_number = [resolution and isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
     barycentric, faces = patch.triangles([resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)])
     mesh = bpy.data.meshes.new("Fill")
@@ -221,9 +221,11 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         row("tolerance")
         row("resolution")
         row("keep_live")
-        self.sides_rows(row)
-        self.fairing_rows(row)
-        self.construction_rows(row)
+        self.shape_rows(row)
+        with panel.folded(self, "sides", "Sides") as row:
+            self.sides_rows(row)
+        with panel.folded(self, "advanced", "Advanced") as row:
+            self.construction_rows(row)
 
     def execute(self, context):
         objects = _selected(context)
@@ -231,7 +233,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         try:
             mesh, made = mesh_between(objects, **between)
         except ValueError as reason:  # Refusal, UnusableError, InvalidArgument
-            self.report({"ERROR"}, str(reason))
+            self.report({"ERROR"}, sentences.for_people(str(reason)))
             return {"CANCELLED"}
         new = bpy.data.objects.new("Fill", mesh)
         context.collection.objects.link(new)
@@ -242,10 +244,12 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         if self.keep_live:
             from . import following, live  # they use what is above
 
+            between["construction"] = filling.for_sides(between["construction"], len(made.sides))
             live.keep_patches(new, objects, **between)
             following.begin(new)
         names = list(dict.fromkeys(curve.name for curve in made.loop.curves))
-        seam = max(_seam(made.patch, made.sides, [continuity not in ("Free", "G0") for continuity in self.continuities()]), 0.001)
+        kept = [continuity not in ("Free", "G0") for continuity in self.each_continuity(len(made.sides))]
+        seam = max(_seam(made.patch, made.sides, kept), 0.001)
         self.report(
             {"INFO"},
             f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(made.loop.gaps):.2g} "

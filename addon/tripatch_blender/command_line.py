@@ -133,7 +133,7 @@ def _fill(ob, arguments, options):
     if ob.library or mesh.library or mesh.override_library:
         raise selection.UnusableError(f"The mesh '{mesh.name}' is linked from another file; make it local first")
     matrix = filling.world_matrix(ob.name, ob.matrix_world)
-    with layers.mesh_without_matrices(mesh):
+    with layers.mesh_standing_aside(mesh):
         return _fill_mesh(ob, matrix, arguments, options)
 
 
@@ -192,15 +192,16 @@ def _run(arguments):
         except selection.UnusableError as reason:
             if str(reason) == "The mesh has no hole" and not arguments.object:
                 continue
-            outcome = filling.Outcome(refused=[str(reason)])
+            outcome = filling.Outcome(refused=[filling.Refused(str(reason))])
         if outcome.reports:
             print(f"{ob.name}: {outcome.sentence()}")
         for sentence in outcome.notes:
             print(f"{ob.name}: {sentence}")
-        for sentence in outcome.refused:
+        refused = [each.sentence for each in outcome.refused]
+        for sentence in refused:
             print(f"{ob.name}: {sentence}", file=sys.stderr)
         holes = [report.as_dict() for report in outcome.reports]
-        reports.append({"object": ob.name, "filled": holes, "refused": outcome.refused})
+        reports.append({"object": ob.name, "filled": holes, "refused": refused})
         total.add(outcome, ob.name)
     if arguments.report:
         with open(arguments.report, "w", encoding="utf-8") as file:

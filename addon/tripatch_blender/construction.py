@@ -3,13 +3,13 @@
 
 from bpy.props import BoolProperty
 
-from . import library, properties
+from . import filling, library, panel, properties
 from .properties import OPTIONS
 
 #: Options that may be absent and whose numbers leave no room to say so: the property that says it, and what it says.
 _SWITCHES = {
-    "shape": ("optimal_shape", False, "Optimal Shape", "The shape parameters of least thin-plate energy"),
-    "alpha": ("permanence", True, "Permanence Patch", "A net by the mask of alpha instead of the Coons patch"),
+    "shape": ("optimal_shape", False, "Optimal Shape", "The weights of the surfaces with which the fill bends least"),
+    "alpha": ("permanence", True, "Permanence Patch", "A net that keeps a mask instead of a Coons patch"),
 }
 _EXACT = "side_vertex"  # what auto takes between three smooth sides
 _ALPHA = -2 / 3  # in degree 3 the Coons patch
@@ -29,90 +29,98 @@ def _of_methods(option):
     return any(name == "method" for name, _ in option.applies)
 
 
+#: The folded parts of panels, where Blender cannot fold them itself.
+_FOLDED = ("holes", "sides", "subdivision", "advanced")
+
+
 def _declared():
     made = {}
     for option in options():
-        if option.kind == "choice" and option.by_side:
-            made[option.name] = properties.of(option)
-            for i in range(3):
-                made[f"{option.name}_{i}"] = properties.of(option, name=f"Side {i + 1}")
-        elif option.name == "shape":
+        if option.name == "shape":
             made[option.name] = properties.by_side(option)
         elif option.name == "alpha":
             made[option.name] = properties.of(option, default=_ALPHA, precision=4)
         else:
             made[option.name] = properties.of(option, **({"default": option.default or "none"} if option.none else {}))
             if option.by_side:
-                made[option.name + "s"] = properties.by_side(option)
+                for i in range(filling.MOST_SIDES):
+                    made[f"{option.name}_{i}"] = properties.of(option, name=f"Side {i + 1}")
     made["individual"] = BoolProperty(
-        name="Individual Sides", description="Continuity and bulge are chosen for each side by itself", default=False
+        name="By Side", description="Each side is met in its own way and bulges by its own amount", default=False
     )
     for name, _, label, description in _SWITCHES.values():
         made[name] = BoolProperty(name=label, description=description, default=False)
+    for name in _FOLDED:
+        made[f"show_{name}"] = BoolProperty(name=name.title(), description="Shows more rows", default=False, options={"HIDDEN"})
     return made
 
 
 class Construction:
     """Mixed into operators."""
 
+    sides = 3  # of the hole that was filled last
+
     def panel(self):
         """row(*names, active=True) puts properties into the panel."""
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-
-        def row(*names, active=True):
-            made = layout.row(align=True)
-            made.active = active
-            for name in names:
-                made.prop(self, name)
-
-        return row
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        return panel.Rows(self, self.layout)
 
     def takes_any_rim(self):
         """Whether a hole may have any number of corners."""
-        return self.method in ("auto", "polyharmonic_spline")
+        return self.method in library.ANY_RIM
 
     def keeps_tangents(self):
         return _about(self.method).continuity != "G0"
 
-    def sides_rows(self, row):
-        """How the sides are met, for all or for each."""
-        keeps = self.keeps_tangents()
-        row("continuity", active=keeps and not self.individual)
-        row("individual", active=keeps)
-        if self.individual and keeps:
-            for name in ("continuity_0", "continuity_1", "continuity_2"):
-                row(name)
+    def _has(self, name):
+        return name in _about(self.method).options
 
-    def fairing_rows(self, row):
-        """The fairing, and what shapes a patch of any method."""
-        row("fairing")
+    def shape_rows(self, row):
+        """How the fill meets its surroundings and what shape it takes."""
+        row("continuity", active=self.keeps_tangents() and not self.individual)
+        bulges = self._has("bulge") and self.continuity not in ("Free", "G0")
+        row("bulge", active=bulges and not self.individual)
         for option in options():
             if option.kind == "number" and not _of_methods(option):
                 row(option.name, active=not option.applies or self.fairing != "none")
 
+    def sides_rows(self, row):
+        """The same for each side."""
+        row("individual", active=self.keeps_tangents())
+        if self.individual and self.keeps_tangents():
+            for i in range(min(self.sides, filling.MOST_SIDES)):
+                row(f"continuity_{i}")
+                if self._has("bulge"):
+                    row(f"bulge_{i}", text="Bulge", active=getattr(self, f"continuity_{i}") not in ("Free", "G0"))
+
     def construction_rows(self, row):
-        """The method and the options that it has."""
+        """The method, the options that only it has, and the fairing."""
         row("method")
         for name in _about(self.method).options:
-            if not OPTIONS[name].panel:
+            if not OPTIONS[name].panel or name == "bulge":
                 continue
             if name in _SWITCHES:
                 switch, on, _, _ = _SWITCHES[name]
                 row(switch)
                 row(name, active=getattr(self, switch) == on)
-            elif name == "bulge" and self.individual:
-                row("bulges")
-            elif name in ("cross_boundary", "bulge"):
+            elif name == "cross_boundary":
                 row(name, active=self.individual or self.continuity not in ("Free", "G0"))
             else:
                 row(name)
+        row("fairing")
+
+    def _each(self, name):
+        """A value a side, for a hole of however many sides."""
+        return filling.BySide([getattr(self, f"{name}_{i}") for i in range(filling.MOST_SIDES)])
 
     def continuities(self):
-        """By side."""
-        each = (self.continuity_0, self.continuity_1, self.continuity_2)
-        return each if self.individual else (self.continuity,) * 3
+        """One, or a BySide."""
+        return self._each("continuity") if self.individual else self.continuity
+
+    def each_continuity(self, count):
+        """For each of so many sides."""
+        return self._each("continuity")[:count] if self.individual else (self.continuity,) * count
 
     def _argument(self, option):
         """What the property of an option says to the library."""
@@ -122,7 +130,7 @@ class Construction:
             value = tuple(value) if option.by_side else value
             return value if getattr(self, switch) == on else option.none.name if option.none else None
         if option.by_side and self.individual:
-            return tuple(getattr(self, option.name + "s"))
+            return self._each(option.name)
         return None if option.none and value == option.none.name else value
 
     def construction(self):

@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import bpy
 
 from . import seam, selection, subdivision, writeback
-from .library import np, tripatch, words
+from .library import ANY_RIM, np, tripatch, words
 from .selection import Surroundings, UnusableError
-
-#: Methods that fill holes with any number of corners.
-ANY_RIM = ("auto", "polyharmonic_spline")
 
 
 @dataclass
@@ -26,14 +24,47 @@ class Options:
     deviation: bool = False  # how well the new vertices are known, as attributes
 
 
+#: A panel has rows for so many sides.
+MOST_SIDES = 12
+
+
+class BySide(tuple):
+    """MOST_SIDES values, for the sides that a hole has; how many shows when its corners are found."""
+
+
+def for_sides(arguments, count):
+    """The arguments for a hole of so many sides."""
+    own = {name: value[:count] for name, value in arguments.items() if isinstance(value, BySide)}
+    return arguments | {name: tuple(value) if len(set(value)) > 1 else value[0] for name, value in own.items()}
+
+
+@dataclass
+class Refused:
+    """A hole, or a part of a selection, that is not filled."""
+
+    sentence: str
+    vertices: list = field(default_factory=list)  # indices of those concerned: a BMVert ends with the Python object of its BMesh
+    ob: object = None  # the object that they are of
+
+    @classmethod
+    def because(cls, reason, ob):
+        """From an UnusableError, while its BMesh is there."""
+        return cls(str(reason), [v.index for v in reason.vertices if v.is_valid], ob)
+
+    def of(self, name):
+        """The same with the name of its object, if there is one."""
+        return Refused(f"{name}: {self.sentence}" if name else self.sentence, self.vertices, self.ob)
+
+
 @dataclass
 class Outcome:
     """What became of the holes of one mesh or of several."""
 
     reports: list = field(default_factory=list)  # tripatch.Report of each filled hole
-    refused: list = field(default_factory=list)  # sentences
+    refused: list = field(default_factory=list)  # Refused
     notes: list = field(default_factory=list)  # sentences on holes that were filled
     faces: int = 0
+    rim_edges: list = field(default_factory=list)  # of each filled hole
     cage_rim: str = ""  # of fills that are cages
     beside: list = field(default_factory=list)  # names of objects made
     live: list = field(default_factory=list)  # names of live fills made
@@ -41,12 +72,21 @@ class Outcome:
     def add(self, other, name=""):
         prefix = f"{name}: " if name else ""
         self.reports += other.reports
-        self.refused += [prefix + sentence for sentence in other.refused]
+        self.refused += [refused.of(name) for refused in other.refused]
         self.notes += [prefix + sentence for sentence in other.notes]
         self.faces += other.faces
+        self.rim_edges += other.rim_edges
         self.cage_rim = other.cage_rim or self.cage_rim
         self.beside += other.beside
         self.live += other.live
+
+    def density(self, output):
+        """What was computed where none was asked for: edges of new faces along a side, extra rows of quads; None: not known."""
+        if output != "triangles":
+            return max((report.rows for report in self.reports), default=None)
+        # As many edges around as the rim has: the library counts them as three sides where the patch has no sides of its own.
+        sides = [len(r.corners) if r.method == "multi_sided" else 3 for r in self.reports]
+        return max((max(1, round(n / k)) for n, k in zip(self.rim_edges, sides, strict=True)), default=None)
 
     def sentence(self):
         """'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'"""
@@ -62,7 +102,7 @@ def world_matrix(name, matrix):
     return world
 
 
-def corners_of(rim, loop, mesh, replaced, offset):
+def corners_of(rim, loop, mesh, replaced, offset, any_rim):
     """The corners to fill with, as vertex indices, or None for the library to find them."""
     first = rim.first.index if rim.first else None
     if rim.corners:
@@ -70,7 +110,12 @@ def corners_of(rim, loop, mesh, replaced, offset):
     elif first is None and not offset:
         return None
     else:
-        corners = tripatch.find_corners(*mesh, loop, replaced=replaced).tolist()
+        try:
+            corners = tripatch.find_corners(*mesh, loop, replaced=replaced).tolist()
+        except tripatch.Refusal:
+            if offset or not any_rim:
+                raise
+            return None  # the active vertex is no corner of a rim that has not three
     places = [loop.index(v) for v in corners]
     if first is not None:
         # The active vertex is the first corner: one of the three, or it takes the place of the nearest.
@@ -116,6 +161,15 @@ def _planned(bm, rim, world, fill, count):
     return planned
 
 
+def _at_same_places(fill, in_key):
+    """Where the vertices of a fill over a plane domain are on the surface of the same hole in another shape, whose rim is laid out
+    otherwise: at the places that have the same mean value coordinates in it."""
+    first = in_key.rim.tolist().index(int(fill.rim[0]))
+    rim = np.roll(in_key.rim_uv, -first, axis=0)
+    ends = np.stack([rim, np.roll(rim, -1, axis=0)], axis=1).reshape(-1, 2)
+    return in_key.patch.evaluate(tripatch.attribute_weights(fill)(ends))
+
+
 def _in_shape_key(bm, planned, name, in_key, world):
     """Takes the fill of the same hole in a shape key, a Fill or a Refusal; returns notes."""
     own, fill = _ToObject(world), planned.fill
@@ -126,9 +180,9 @@ def _in_shape_key(bm, planned, name, in_key, world):
     if isinstance(in_key, tripatch.Refusal):
         planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
         return [f"Shape key '{name}' follows its rim only: {words.refused(in_key)}"]
-    if fill.uv is not None:  # a plane domain is laid out for one shape
-        planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
-        return [f"Shape key '{name}' follows its rim only"]
+    if fill.uv is not None:
+        planned.in_shape_keys[name] = own.points(_at_same_places(fill, in_key))
+        return []
     planned.in_shape_keys[name] = own.points(in_key.vertices if cage else in_key.patch.evaluate(fill.barycentric))
     if cage and (in_key.moved[0] == fill.moved[0]).all():
         planned.moved_in_shape_keys[name] = own.points(in_key.moved[1])
@@ -147,23 +201,49 @@ def fills(rims, arrays, options, progress=None, **arguments):
     any_rim = options.arguments.get("method", "auto") in ANY_RIM and options.arguments.get("output") != "cage"
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
         try:
-            corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset)
+            corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset, any_rim)
         except tripatch.Refusal as refusal:
-            if options.corner_offset or not any_rim:
-                results[k] = refusal
-            else:  # the active vertex is no corner of a rim that has not three
-                corners[k] = None
-    made = tripatch.fill_all(
-        positions,
-        faces,
-        [loops[k] for k in corners],
-        corners=list(corners.values()),
-        progress=progress,
-        **(options.arguments | {"replaced": replaced} | arguments),
-    )
-    for k, fill in zip(corners, made, strict=True):
+            results[k] = refusal
+    found = list(corners)
+    counts = None
+    if _is_by_side(options.arguments):
+        counts = [_sides(corners[k], loops[k], positions, faces, replaced) for k in found]
+    given = options.arguments | {"replaced": replaced, "progress": progress} | arguments
+    made = _shared_or_each((positions, faces), [loops[k] for k in found], [corners[k] for k in found], given, counts)
+    for k, fill in zip(found, made, strict=True):
         results[k] = fill
     return results
+
+
+def _is_by_side(arguments):
+    return any(isinstance(value, BySide) for value in arguments.values())
+
+
+def _shared_or_each(mesh, loops, corners, arguments, counts=None):
+    """tripatch.fill_all; where values differ by side each number of sides has a call of its own. counts: the numbers of sides
+    where the corners do not say them."""
+    if not _is_by_side(arguments):
+        return tripatch.fill_all(*mesh, loops, corners=corners, **arguments)
+    counts = counts or [len(each) for each in corners]
+    results = [None] * len(loops)
+    for count in set(counts):
+        same = [k for k, each in enumerate(counts) if each == count]
+        own = for_sides(arguments, count)
+        made = tripatch.fill_all(*mesh, [loops[k] for k in same], corners=[corners[k] for k in same], **own)
+        for k, fill in zip(same, made, strict=True):
+            results[k] = fill
+    return results
+
+
+def _sides(corners, loop, positions, faces, replaced):
+    """How many sides a rim has."""
+    if corners is not None:
+        return len(corners)
+    try:
+        return len(tripatch.find_corners(positions, faces, loop, replaced=replaced))
+    except tripatch.Refusal as refusal:
+        found = re.match(r"Rim has (\d+)", refusal.reason)
+        return int(found[1]) if found else 1
 
 
 def _plans(bm, rims, there, world, keys, options, around, cage, progress):
@@ -186,11 +266,16 @@ def _plans(bm, rims, there, world, keys, options, around, cage, progress):
     loops = [[v.index for v in rims[k].loop] for k in left]
     same = [results[k][0].fill.report.corners for k in left]
     arguments = options.arguments | of_cage
+    methods = sorted({results[k][0].fill.report.method for k in left})
     for name, shape in keys.items() if left else ():
         *in_shape, arguments["replaced"] = shape.around(*rims)
-        for k, fill in zip(left, tripatch.fill_all(*in_shape, loops, corners=same, **arguments), strict=True):
-            planned, notes = results[k]
-            notes += _in_shape_key(bm, planned, name, fill, world)
+        for method in methods:  # what auto takes may differ from shape to shape
+            own = [i for i, k in enumerate(left) if results[k][0].fill.report.method == method]
+            there = [loops[i] for i in own], [same[i] for i in own]
+            made = _shared_or_each(in_shape, *there, arguments | {"method": method})
+            for i, fill in zip(own, made, strict=True):
+                planned, notes = results[left[i]]
+                notes += _in_shape_key(bm, planned, name, fill, world)
     return results
 
 
@@ -267,15 +352,17 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     planned, loops = [], []
     for group in _clear_of_each_other(rims) if apart else [rims]:
         usable = [rim for rim in group if all(element.is_valid for element in (*rim.loop, *rim.replaced))]
-        outcome.refused += ["A fill before has replaced a part of this rim"] * (len(group) - len(usable))
+        outcome.refused += [Refused("A fill before has replaced a part of this rim")] * (len(group) - len(usable))
         if not usable:
             continue
-        for plan, notes in _plan_group(bm, usable, matrix, options, active_shape, cages, modifier if cages else None):
+        plans = _plan_group(bm, usable, matrix, options, active_shape, cages, modifier if cages else None)
+        for rim, (plan, notes) in zip(usable, plans, strict=True):
             if isinstance(plan, tripatch.Refusal):
-                outcome.refused.append(words.refused(plan))
+                outcome.refused.append(Refused(words.refused(plan), list(plan.where) or [v.index for v in rim.loop]))
                 continue
             planned.append(plan)
             loops.append(plan.loop)
+            outcome.rim_edges.append(len(rim.loop))
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
         if planned and cages:
@@ -290,12 +377,12 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     return outcome, new_faces
 
 
-def holes(bm, matrix):
-    """Every visible border loop but outer borders, which count where there is no other; the shortest first."""
+def holes(bm, matrix, outer=False):
+    """Every visible border loop but (unless `outer`) outer borders, which count where there is no other; the shortest first."""
     bm.verts.index_update()
     bm.faces.index_update()
     around, rims = Surroundings(bm, matrix), selection.all_rims(bm)
-    if len(rims) < 2:
+    if len(rims) < 2 or outer:
         return rims
     inner = [rim for rim in rims if not tripatch.is_outer_border(*around.around(rim)[:2], [v.index for v in rim.loop])]
     return inner or rims
@@ -321,16 +408,31 @@ def three_sided(bm, matrix, rims):
 def a_choice(found, advice):
     """UnusableError for several holes of which one is meant."""
     places = ", ".join(str(min(v.index for v in rim.loop)) for rim in found[:5]) + (", ..." if len(found) > 5 else "")
-    return UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); {advice}")
+    vertices = [v for rim in found for v in rim.loop]
+    return UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); {advice}", vertices)
 
 
-def open_holes(bm, matrix, any_rim, advice="select the rim of one"):
+def filtered(bm, matrix, rims, filters):
+    """Those of some rims that the filters of `tripatch.choose_holes` let through."""
+    if not {"max_edges", "max_diameter", "corner_count"} & set(filters):
+        return rims
+    positions, faces, _ = Surroundings(bm, matrix).around(*rims)
+    # The far borders of the faces around rims are no rims.
+    chosen = {frozenset(loop.tolist()) for loop in tripatch.choose_holes(positions, faces, **(filters | {"outer": True}))}
+    return [rim for rim in rims if frozenset(v.index for v in rim.loop) in chosen]
+
+
+def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None):
     """Every hole where any rim can be filled, else the mesh's only three-sided one; UnusableError if there is none, or a choice:
-    how to choose is the advice."""
-    rims = holes(bm, matrix)
+    how to choose is the advice. filters: arguments of `tripatch.choose_holes`."""
+    filters = filters or {}
+    rims = holes(bm, matrix, filters.get("outer", False))
     hidden = any(e.is_boundary and e.hide for e in bm.edges)
     if not rims:
         raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else "The mesh has no hole")
+    count, rims = len(rims), filtered(bm, matrix, rims, filters)
+    if not rims:
+        raise UnusableError(f"None of the {count} holes is as Holes asks for" if count > 1 else "The hole is not as Holes asks for")
     if not hidden and (any_rim or len(rims) == 1):
         return rims  # the library says what is wrong with it
     found, others = three_sided(bm, matrix, rims)
@@ -344,4 +446,4 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one"):
         if hidden
         else f"None of the {len(rims)} holes can be filled"
     )
-    raise UnusableError(f"{none}: {reasons}")
+    raise UnusableError(f"{none}: {reasons}", [v for rim in rims for v in rim.loop])

@@ -1,61 +1,116 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Attributes that a BMesh cannot make new elements with.
+"""Attributes that a BMesh cannot make new elements with, or that Python cannot read in it.
 
 Where a mesh has a FLOAT4X4 attribute, Blender (4.5 and 5.0 at least) ends with a segmentation fault as soon as Python makes an
-element of its domain in a BMesh: giving the default value supposes an address that the block of an element need not have. While
-elements are made the values stand in attributes of vectors.
+element of its domain in a BMesh: giving the default value supposes an address that the block of an element need not have. Other
+types have no layer in Python, so that nothing could be blended, nor given to new face corners. While elements are made the values
+stand in attributes that can be read.
 """
 
 from __future__ import annotations
 
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import bpy
 
 from .library import np
 
 STAND_IN = "TriPatch"
-_PARTS = 6  # vectors that hold the 16 numbers of a matrix
 
 
-def _matrices(mesh):
-    return [attribute.name for attribute in mesh.attributes if attribute.data_type == "FLOAT4X4"]
+@dataclass(frozen=True)
+class _Type:
+    """How the values of a type stand in attributes of another."""
+
+    width: int  # numbers of a value
+    stand_in: str
+    parts: int  # attributes of the other type
+    each: int  # numbers that each of them holds
+    field: str  # of the type's own data
+    domains: tuple  # where it has to stand aside
+
+
+_CORNER, _POINT = ("CORNER",), ("POINT",)
+_ALL = ("POINT", "EDGE", "FACE", "CORNER")
+_TYPES = {
+    "FLOAT4X4": _Type(16, "FLOAT_VECTOR", 6, 3, "value", _ALL),
+    "QUATERNION": _Type(4, "FLOAT_VECTOR", 2, 3, "value", _POINT + _CORNER),
+    # at points an example gives them
+    "INT8": _Type(1, "INT", 1, 1, "value", _CORNER),
+    "INT16_2D": _Type(2, "INT", 2, 1, "value", _CORNER),
+    "INT32_2D": _Type(2, "INT", 2, 1, "value", _CORNER),
+    "FLOAT2": _Type(2, "FLOAT_VECTOR", 1, 3, "vector", _POINT),
+}
+_FIELDS = {"FLOAT_VECTOR": "vector", "INT": "value"}
+if bpy.app.version < (3, 5):  # UV maps became attributes then, and BMesh has layers of booleans
+    _TYPES["FLOAT2"] = _Type(2, "FLOAT_VECTOR", 1, 3, "vector", _POINT + _CORNER)
+    _TYPES["BOOLEAN"] = _Type(1, "INT", 1, 1, "value", _CORNER)
+
+
+def _aside(mesh):
+    """The attributes that have to stand aside, but Blender's own."""
+    return [
+        attribute.name
+        for attribute in mesh.attributes
+        if (kind := _TYPES.get(attribute.data_type))
+        and attribute.domain in kind.domains
+        and attribute.name != "custom_normal"
+        and not attribute.name.startswith(".")
+    ]
+
+
+def _numbers(attribute, field, width, whole):
+    flat = np.empty(width * len(attribute.data), np.int32 if whole else np.float32)
+    attribute.data.foreach_get(field, flat)
+    return flat.reshape(-1, width)
 
 
 def _replaced(mesh):
-    """Matrices of a mesh in object mode become vectors; returns what `_restore` needs."""
+    """The stand-ins of a mesh in object mode take over; returns what `_restore` needs."""
     kept, active = [], mesh.attributes.active
     active = active.name if active else None
-    for name in _matrices(mesh):
+    for name in _aside(mesh):
         attribute = mesh.attributes[name]
-        domain, count = attribute.domain, len(attribute.data)
-        values = np.zeros((count, 3 * _PARTS), np.float32)
-        flat = np.empty(16 * count, np.float32)
-        attribute.data.foreach_get("value", flat)
-        values[:, :16] = flat.reshape(count, 16)
+        domain, data_type = attribute.domain, attribute.data_type
+        kind = _TYPES[data_type]
+        whole = kind.stand_in == "INT"
+        given = _numbers(attribute, kind.field, kind.width, whole and data_type != "BOOLEAN")
+        values = np.zeros((len(given), kind.parts * kind.each), given.dtype)
+        values[:, : kind.width] = given
         mesh.attributes.remove(attribute)
         parts = []
-        for k in range(_PARTS):
-            part = mesh.attributes.new(STAND_IN, "FLOAT_VECTOR", domain)
-            part.data.foreach_set("vector", values[:, 3 * k : 3 * k + 3].ravel())
+        for k in range(kind.parts):
+            part = mesh.attributes.new(STAND_IN, kind.stand_in, domain)
+            own = np.ascontiguousarray(values[:, kind.each * k : kind.each * (k + 1)])
+            part.data.foreach_set(_FIELDS[kind.stand_in], own.astype(np.int32 if whole else np.float32).ravel())
             parts.append(part.name)
-        kept.append((name, domain, parts))
+        kept.append((name, domain, data_type, parts, given))
     return kept, active
 
 
 def _restore(mesh, replaced):
     kept, active = replaced
-    for name, domain, parts in kept:
-        values = []
+    for name, domain, data_type, parts, given in kept:
+        kind, values = _TYPES[data_type], []
         for part in parts:
             attribute = mesh.attributes[part]
-            flat = np.empty(3 * len(attribute.data), np.float32)
-            attribute.data.foreach_get("vector", flat)
-            values.append(flat.reshape(-1, 3))
+            values.append(_numbers(attribute, _FIELDS[kind.stand_in], kind.each, kind.stand_in == "INT"))
             mesh.attributes.remove(attribute)
-        mesh.attributes.new(name, "FLOAT4X4", domain).data.foreach_set("value", np.hstack(values)[:, :16].ravel())
+        values = np.ascontiguousarray(np.hstack(values)[:, : kind.width])
+        if data_type == "QUATERNION":
+            values = _normalized(values, given)
+        mesh.attributes.new(name, data_type, domain).data.foreach_set(kind.field, values.ravel())
     if active and active in mesh.attributes:
         mesh.attributes.active = mesh.attributes[active]
+
+
+def _normalized(values, given):
+    """Blended quaternions at length 1; those that the mesh had keep their bits."""
+    row = np.dtype((np.void, 4 * values.itemsize))
+    old = np.isin(values.view(row).ravel(), np.ascontiguousarray(given, values.dtype).view(row).ravel())
+    length = np.linalg.norm(values, axis=1, keepdims=True)
+    return np.where(old[:, None] | (length < 1e-6), values, values / np.maximum(length, 1e-6)).astype(np.float32)
 
 
 @contextmanager
@@ -74,9 +129,9 @@ def _object_mode(context):
 
 
 @contextmanager
-def without_matrices(context, objects):
-    """Objects in edit mode have vectors for matrices inside. A BMesh of before is not valid inside, nor one of inside after."""
-    meshes = [ob.data for ob in objects if _matrices(ob.data)]
+def standing_aside(context, objects):
+    """Objects in edit mode have stand-ins inside. A BMesh of before is not valid inside, nor one of inside after."""
+    meshes = [ob.data for ob in objects if _aside(ob.data)]
     if not meshes:
         yield
         return
@@ -91,7 +146,7 @@ def without_matrices(context, objects):
 
 
 @contextmanager
-def mesh_without_matrices(mesh):
+def mesh_standing_aside(mesh):
     """The same for a mesh that is not in edit mode."""
     replaced = _replaced(mesh)
     try:

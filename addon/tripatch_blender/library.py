@@ -24,6 +24,10 @@ else:
         missing = f"TriPatch cannot load its library: {error}"
 
 
+#: Methods that fill holes with any number of corners.
+ANY_RIM = ("auto", "polyharmonic_spline", "multi_sided")
+
+
 def poll(operator, context, mode, sentence):
     """Whether an operator can run; Blender shows the reason if not."""
     if missing or context.mode != mode:

@@ -203,7 +203,11 @@ def find_rim(bm, settings):
 
 
 def _options(settings):
-    return filling.Options(dict(settings["arguments"]), settings["corner_offset"], settings["shading"], settings["deviation"])
+    arguments = {
+        name: filling.BySide(value) if isinstance(value, list) and len(value) == filling.MOST_SIDES else value
+        for name, value in settings["arguments"].items()
+    }
+    return filling.Options(arguments, settings["corner_offset"], settings["shading"], settings["deviation"])
 
 
 def _fill_hole(fill, settings):
@@ -219,7 +223,7 @@ def _fill_hole(fill, settings):
         with writeback.deviation_layers(bm, options.deviation):
             outcome, new = filling.fill_rims(bm, fill.data, matrix, [rim], options)
         if outcome.refused:
-            raise UnusableError(outcome.refused[0])
+            raise UnusableError(outcome.refused[0].sentence)
         return _only(bm, set(new), ob.data), outcome
     finally:
         bm.free()
@@ -283,7 +287,7 @@ def keep_rims(ob, bm, rims, options):
                 raise UnusableError("A live fill follows the rim of a hole; delete the selected faces first")
             fill, report = keep_hole(ob, rim, options)
         except UnusableError as reason:
-            outcome.refused.append(str(reason))
+            outcome.refused.append(filling.Refused(str(reason), [v.index for v in rim.loop], ob))
         else:
             made.append(fill)
             outcome.add(report)
@@ -365,4 +369,4 @@ def _apply_hole(ob, bm, settings):
     with writeback.deviation_layers(bm, options.deviation):
         outcome, _ = filling.fill_rims(bm, ob.data, matrix, [Rim(loop, corners=corners or [])], options, active)
     if outcome.refused:
-        raise UnusableError(outcome.refused[0])
+        raise UnusableError(outcome.refused[0].sentence)

@@ -1,20 +1,45 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""mesh.fill_three_sided"""
+"""mesh.fill_smooth, and mesh.fill_three_sided, which is its name of before."""
 
 import bmesh
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
-from . import beside, filling, following, layers, library, live, properties, selection, subdivision, writeback
+from . import (
+    beside,
+    filling,
+    following,
+    layers,
+    library,
+    live,
+    panel,
+    properties,
+    selection,
+    sentences,
+    subdivision,
+    writeback,
+)
 from .construction import Construction
 from .properties import OPTIONS
+
+_HIDDEN = {"HIDDEN", "SKIP_SAVE"}
+#: Rows that go into the folded part of the panel on subdivision.
+_OF_CAGES = ("surroundings", "cage_rim", "odd", "pole_offset", "tolerance")
+
+
+def _of(function, but):
+    """The options of a function that a person sets, without those of another."""
+    return [o for o in OPTIONS.values() if o.panel and function in o.functions and but not in o.functions]
 
 
 def _of_output():
     """The options that say what a hole is filled with and how finely."""
-    return [
-        option for option in OPTIONS.values() if option.panel and "fill" in option.functions and "patch" not in option.functions
-    ]
+    return _of("fill", "patch")
+
+
+def _of_holes():
+    """The options that say which holes are meant where none is selected."""
+    return _of("choose_holes", "fill")
 
 
 def _declared():
@@ -22,41 +47,56 @@ def _declared():
     made = {
         option.name: properties.of(option, **({"default": 0, "min": 0} if option.optional else {})) for option in _of_output()
     }
-    description = "Edges per side inside the fill, 0 to follow the rim"
-    made["resolution"] = properties.of(OPTIONS["resolution"], default=0, description=description)
+    density = OPTIONS["resolution"]
+    made["resolution"] = properties.of(
+        density,
+        name="Density",
+        description="Edges of the new faces along a side of the hole. As the rim has them, until it is changed",
+        default=0,
+        soft_min=1,
+    )
     made["rows"] = properties.of(
-        OPTIONS["resolution"],
-        name="Rows",
-        description="Extra rows of quads round the poles; -1: as many, up to four, as the tolerance asks for",
+        density,
+        name="Density",
+        description="More rows of quads between the rim and the middle. As few as the tolerance allows, until it is changed",
         min=-1,
+        soft_min=0,
         soft_max=8,
         max=100,
         default=-1,
     )
+    for option in _of_holes():
+        if option.kind == "flag":
+            made[option.name] = properties.of(option)
+            continue
+        made["use_" + option.name] = BoolProperty(
+            name=option.label or properties.words(option.name), description=properties.seen(option), default=False
+        )
+        made[option.name] = properties.of(option, default=_FILTERS[option.name])
     return made
 
 
-class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
-    """Fill selected three-sided holes so that the surface continues smoothly"""
+#: What filters begin with.
+_FILTERS = {"max_edges": 64, "max_diameter": 1.0, "corner_count": (2, 6)}
 
-    bl_idname = "mesh.fill_three_sided"
-    bl_label = "Fill Three-Sided Hole"
-    bl_options = {"REGISTER", "UNDO"}
+
+class FillSmooth(Construction):
+    """What the operator does under either of its names."""
 
     add_modifier: BoolProperty(
         name="Add Modifier",
-        description="Give the object a Subdivision modifier if it has none",
+        description="Give the object a Subdivision modifier if it has none: without it the cage is seen, not its surface",
         default=True,
     )
     corner_offset: IntProperty(
-        name="Corner Offset",
-        description="Slide the three corners along the rim by this many vertices",
+        name="Slide Corners",
+        description="Slides the corners along the rim by this many vertices: other edges become the sides",
         default=0,
         options={"SKIP_SAVE"},
     )
     shading: EnumProperty(
         name="Shading",
-        description="Shading of the new faces",
+        description="Whether the new faces look smooth or faceted",
         items=[
             ("neighbors", "Neighbors", "As the faces at the nearest side"),
             ("smooth", "Smooth", "Smooth"),
@@ -64,7 +104,6 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         ],
         default="neighbors",
     )
-
     keep_live: BoolProperty(
         name="Keep Live",
         description="The fill is an object of its own that follows when the mesh around it changes, until it is applied",
@@ -76,74 +115,156 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         '"deviation", and mark the new faces by the face attribute "reconstructed"',
         default=False,
     )
+    # What was computed the last time: a value that is still the same was not chosen by anyone, and is computed anew.
+    computed_output: StringProperty(options=_HIDDEN)
+    computed_resolution: IntProperty(default=0, options={"HIDDEN"})
+    computed_rows: IntProperty(default=-1, options={"HIDDEN"})
+    # Of the last run.
+    by_hand: BoolProperty(options=_HIDDEN, description="Called from a menu or by a key: a refusal can be corrected in the panel")
+    reasons: StringProperty(options=_HIDDEN)
+    all_holes: BoolProperty(options=_HIDDEN)
+    sides: IntProperty(default=3, options=_HIDDEN)
 
     @classmethod
     def poll(cls, context):
         return library.poll(cls, context, "EDIT_MESH", "Works on a mesh in edit mode")
 
+    def invoke(self, context, _event):
+        self.by_hand = True
+        return self.execute(context)
+
     def _applying(self):
         """The options of the output that mean something for the one that is chosen."""
         return [option for option in _of_output() if library.tripatch.options.applies(option, {"output": self.output})]
 
+    def density(self):
+        """The property that says how fine the fill is."""
+        return "resolution" if self.output == "triangles" else "rows"
+
     def draw(self, context):
         row = self.panel()
-        modified = list(map(subdivision.modifier_of, context.objects_in_mode_unique_data))
+        panel.reasons(self.layout, context, self.reasons)
         row("output")
-        row(*(["resolution"] if self.output == "triangles" else ["rows", "tolerance"]))
-        for option in self._applying():
-            if option.applies and option.name not in ("tolerance", "surroundings"):
+        row(self.density())
+        self.shape_rows(row)
+        if self.all_holes:
+            with panel.folded(self, "holes", "Holes") as row:
+                self._holes_rows(row)
+        with panel.folded(self, "sides", "Sides") as row:
+            self.sides_rows(row)
+            row("corner_offset")
+        with panel.folded(self, "subdivision", "Subdivision") as row:
+            self._subdivision_rows(row, context)
+        with panel.folded(self, "advanced", "Advanced") as row:
+            self.construction_rows(row)
+            row("shading")
+            row("keep_live", active=self.surroundings != "limit")
+            row("deviation", active=self.output != "cage")
+
+    def _holes_rows(self, row):
+        for option in _of_holes():
+            if option.kind == "flag":
                 row(option.name)
-        self.sides_rows(row)
-        self.fairing_rows(row)
-        self.construction_rows(row)
-        row("corner_offset")
-        row("shading")
-        row("keep_live", active=self.surroundings != "limit")
-        row("deviation", active=self.output != "cage")
-        if self.output == "cage":
-            row("add_modifier", active=not all(modified))
-        else:
-            row("surroundings", active=any(modified))
+            else:
+                row.optional("use_" + option.name, option.name)
+
+    def _subdivision_rows(self, row, context):
+        applying = {option.name for option in self._applying()}
+        modified = list(map(subdivision.modifier_of, context.objects_in_mode_unique_data))
+        row("surroundings", active=any(modified) and "surroundings" in applying)
+        for name in _OF_CAGES[1:]:
+            row(name, active=name in applying)
+        row("add_modifier", active=self.output == "cage" and not all(modified))
+
+    def _is_computed(self, name, none):
+        """Whether nobody has chosen a property: then it is computed."""
+        value = getattr(self, name)
+        return value == none or not self.properties.is_property_set(name) or value == getattr(self, "computed_" + name)
 
     def _options(self):
         arguments = self.construction() | {option.name: getattr(self, option.name) for option in self._applying()}
-        if self.output == "triangles":
-            arguments["resolution"] = self.resolution or None
-        else:
-            arguments["resolution"] = None if self.rows < 0 else self.rows
+        self._computes = self._is_computed(*(("resolution", 0) if self.output == "triangles" else ("rows", -1)))
+        arguments["resolution"] = None if self._computes else getattr(self, self.density())
+        if self.output != "triangles":
             arguments["tolerance"] = self.tolerance or None
         return filling.Options(arguments, self.corner_offset, self.shading, self.deviation)
 
+    def _filters(self):
+        """The arguments of `tripatch.choose_holes`."""
+        set_by_script = self.properties.is_property_set
+        given = {}
+        for option in _of_holes():
+            if option.kind == "flag":
+                given[option.name] = getattr(self, option.name)
+                continue
+            switch = "use_" + option.name
+            if getattr(self, switch) or (set_by_script(option.name) and not set_by_script(switch)):
+                value = getattr(self, option.name)
+                given[option.name] = tuple(value) if option.count > 1 else value
+        return given
+
+    def _show_computed(self, outcome):
+        """The panel shows the numbers that were taken."""
+        if outcome.reports:
+            self.sides = max(len(report.corners) for report in outcome.reports)
+            density = self.density()
+            if self._computes and (computed := outcome.density(self.output)) is not None:
+                setattr(self, density, computed)
+                setattr(self, "computed_" + density, computed)
+
     def execute(self, context):
-        with layers.without_matrices(context, context.objects_in_mode_unique_data):
+        with layers.standing_aside(context, context.objects_in_mode_unique_data):
             return self._execute(context)
+
+    def _choose_output(self, objects):
+        if self._is_computed("output", None):
+            # Who models under a Subdivision modifier wants a cage; an object of its own is asked for by name.
+            caged = self.surroundings == "mesh" and all(map(subdivision.modifier_of, objects))
+            self.output = self.computed_output = "cage" if caged else "triangles"
 
     def _execute(self, context):
         objects = context.objects_in_mode_unique_data
         selected = [ob for ob in objects if ob.data.total_vert_sel]
-        if not self.properties.is_property_set("output"):
-            # Who models under a Subdivision modifier wants a cage; an object of its own is asked for by name.
-            caged = self.surroundings == "mesh" and all(map(subdivision.modifier_of, selected or objects))
-            self.output = "cage" if caged else "triangles"
+        self._choose_output(selected or objects)
+        self.reasons, self.all_holes = "", False
         outcome, unusable = filling.Outcome(), []
         for ob in selected or objects:
-            prefix = f"{ob.name}: " if len(objects) > 1 else ""
+            name = ob.name if len(objects) > 1 else ""
             try:
-                outcome.add(self._fill(ob), prefix[:-2])
+                outcome.add(self._fill(ob), name)
             except selection.UnusableError as reason:
-                unusable.append(prefix + str(reason))
+                unusable.append(filling.Refused.because(reason, ob).of(name))
+        self._show_computed(outcome)
         refused = outcome.refused + (unusable if selected or not outcome.reports else [])
+        told = [sentences.for_people(each.sentence) for each in refused]
+        self.reasons = "\n".join(told)
         if not outcome.reports:
-            several = f" (and {len(refused) - 1} more)" if len(refused) > 1 else ""
-            self.report({"WARNING" if outcome.refused else "ERROR"}, refused[0] + several)
-            return {"CANCELLED"}
+            return self._refuse(context, refused, told)
         message = outcome.sentence()
         if refused:
-            message += f"; {len(refused)} not filled: {'; '.join(refused[:3])}{'; ...' if len(refused) > 3 else ''}"
+            message += f"; {len(refused)} not filled: {'; '.join(told[:3])}{'; ...' if len(told) > 3 else ''}"
         if outcome.notes:
-            message += f". {'. '.join(outcome.notes[:2])}"
+            message += f". {'. '.join(map(sentences.for_people, outcome.notes[:2]))}"
         self.report({"WARNING" if refused or outcome.notes else "INFO"}, message)
         return {"FINISHED"}
+
+    def _refuse(self, context, refused, told):
+        """Nothing could be filled. By hand the panel must come, which it does after what has changed something."""
+        message = told[0] + (f" (and {len(told) - 1} more)" if len(told) > 1 else "")
+        if not self.by_hand:
+            self.report({"ERROR"}, message)
+            return {"CANCELLED"}
+        selection.show(context, {each.ob: each.vertices for each in refused if each.vertices})
+        self.report({"WARNING"}, message)
+        return {"FINISHED"}
+
+    def _rims(self, bm, matrix, selected):
+        """The rims that the selection means, and a Refused for each part that means none."""
+        any_rim = self.takes_any_rim() and self.output != "cage" and self.surroundings != "limit"
+        if selected.vertices and not (any_rim and selected.is_all(bm)):
+            return selection.selected_rims(bm, selected)
+        self.all_holes = True
+        return filling.open_holes(bm, matrix, any_rim, filters=self._filters()), []
 
     def _fill(self, ob):
         bm = bmesh.from_edit_mesh(ob.data)
@@ -154,12 +275,9 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         bm.verts.index_update()
         bm.faces.index_update()
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
-        selected, refused = selection.Selected(bm), []
-        any_rim = self.takes_any_rim() and self.output != "cage" and self.surroundings != "limit"
-        if selected.vertices and not (any_rim and selected.is_all(bm)):
-            rims, refused = selection.selected_rims(bm, selected)
-        else:
-            rims = filling.open_holes(bm, matrix, any_rim)
+        selected = selection.Selected(bm)
+        rims, refused = self._rims(bm, matrix, selected)
+        refused = [filling.Refused.because(reason, ob) for reason in refused]
         options = self._options()
         if options.arguments.get("surroundings") == "limit":
             outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)
@@ -175,6 +293,8 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
         modifier = subdivision.usable(ob) if cage else None
         active = ob.active_shape_key
         outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, active.name if active else None, modifier)
+        for each in outcome.refused:
+            each.ob = ob
         outcome.refused += refused
         if new_faces:
             selected.replace(bm, new_faces)
@@ -185,12 +305,33 @@ class MESH_OT_fill_three_sided(Construction, bpy.types.Operator):
 
 
 if OPTIONS:
-    properties.declare(MESH_OT_fill_three_sided, _declared())
+    properties.declare(FillSmooth, _declared())
+
+
+class MESH_OT_fill_smooth(FillSmooth, bpy.types.Operator):
+    """Fill holes so that the surface goes on smoothly: the selected ones, or all where nothing or everything is selected"""
+
+    bl_idname = "mesh.fill_smooth"
+    bl_label = "Smooth Fill"
+    bl_options = {"REGISTER", "UNDO"}
+
+
+class MESH_OT_fill_three_sided(FillSmooth, bpy.types.Operator):
+    """Smooth Fill, under its name of before"""
+
+    bl_idname = "mesh.fill_three_sided"
+    bl_label = "Smooth Fill"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}  # for scripts: not in the search
+
+
+_classes = (MESH_OT_fill_smooth, MESH_OT_fill_three_sided)
 
 
 def register():
-    bpy.utils.register_class(MESH_OT_fill_three_sided)
+    for cls in _classes:
+        bpy.utils.register_class(cls)
 
 
 def unregister():
-    bpy.utils.unregister_class(MESH_OT_fill_three_sided)
+    for cls in reversed(_classes):
+        bpy.utils.unregister_class(cls)

@@ -3,7 +3,7 @@
 
 import math
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, IntVectorProperty
 
 from . import library
 
@@ -16,6 +16,11 @@ _INTEGERS = 2**31 - 1
 
 def words(name):
     return name.replace("_", " ").title()
+
+
+def seen(option):
+    """What one will see when an option is changed: its tooltip."""
+    return option.seen or option.description
 
 
 def _items(option):
@@ -39,7 +44,7 @@ def _limits(option, whole=False):
 
 def of(option, **given):
     """The property of an option; given: what it has otherwise than the table."""
-    common = {"name": option.label or words(option.name), "description": option.description, "default": option.default}
+    common = {"name": option.label or words(option.name), "description": seen(option), "default": option.default}
     if option.selection:
         common["options"] = {"SKIP_SAVE"}
     if option.kind == "flag":
@@ -47,7 +52,8 @@ def of(option, **given):
     if option.kind == "choice":
         return EnumProperty(**({"items": _items(option)} | common | given))
     if option.kind == "whole":
-        return IntProperty(**(common | _limits(option, whole=True) | given))
+        sized = {"size": option.count} if option.count > 1 else {}
+        return (IntVectorProperty if sized else IntProperty)(**(sized | common | _limits(option, whole=True) | given))
     if option.unit == "scene units":
         common["precision"] = 4
     if option.count > 1:
@@ -57,7 +63,7 @@ def of(option, **given):
 
 def by_side(option, **given):
     """Three numbers, one a side."""
-    common = {"name": option.label or words(option.name), "description": option.description + ", by side"}
+    common = {"name": option.label or words(option.name), "description": seen(option) + ", by side"}
     return FloatVectorProperty(**({"size": 3, "default": (option.default,) * 3} | common | _limits(option) | given))
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from itertools import compress
 from operator import attrgetter
 
+import bmesh
+
 from .library import np, tripatch
 
 # Rings of faces around a rim that are handed to the library.
@@ -14,7 +16,11 @@ RINGS = tripatch.SURROUNDING_RINGS if tripatch else 0
 
 
 class UnusableError(ValueError):
-    """Nothing that is selected can be filled; the message says why."""
+    """Nothing that is selected can be filled; the message says why. vertices: BMVert that are concerned."""
+
+    def __init__(self, message, vertices=()):
+        super().__init__(message)
+        self.vertices = list(vertices)
 
 
 @dataclass
@@ -109,25 +115,62 @@ def _region_to_replace(region, holes, by_faces):
         return None
     place = f"near vertex {region[0].verts[0].index}"
     if border:
-        raise UnusableError(f"The selected faces {place} reach the border of the mesh without going round a hole")
+        vertices = [v for e in border for v in e.verts]
+        raise UnusableError(f"The selected faces {place} reach the border of the mesh without going round a hole", vertices)
     loops = _loops(region)
     if len(loops) != 1:
         count = "no border" if not loops else f"{len(loops)} borders"
-        raise UnusableError(f"The selected faces {place} have {count}; a region to be replaced has one")
+        vertices = [v for loop in loops for v in loop] or [v for f in region for v in f.verts]
+        raise UnusableError(f"The selected faces {place} have {count}; a region to be replaced has one", vertices)
     return Rim(loops[0][::-1], replaced=set(region))
 
 
 def _no_hole(edges, vertices):
-    """Why the selection holds no rim."""
+    """UnusableError: why the selection holds no rim."""
     if not edges:
-        return f"No hole at the selected vertices (vertex {vertices[0].index} is not on a border of the mesh)"
+        sentence = f"No hole at the selected vertices (vertex {vertices[0].index} is not on a border of the mesh)"
+        return UnusableError(sentence, vertices)
     for edge in edges:
         a, b = (v.index for v in edge.verts)
         count = len(edge.link_faces)
         if count != 1:
             sides = {0: "no face beside it", 2: "a face on both sides"}.get(count, f"{count} faces")
-            return f"The selected edges are not the rim of a hole: the edge between vertices {a} and {b} has {sides}"
-    return "The selected edges are not the rim of a hole"
+            sentence = f"The selected edges are not the rim of a hole: the edge between vertices {a} and {b} has {sides}"
+            return UnusableError(sentence, edge.verts)
+    return UnusableError("The selected edges are not the rim of a hole", vertices)
+
+
+def _edges_alone(vertices):
+    """The edges between some vertices if every one of them has one, else none."""
+    held = set(vertices)
+    edges = {e for v in held for e in v.link_edges if all(end in held for end in e.verts) and not e.hide}
+    return edges if held == {v for e in edges for v in e.verts} else set()
+
+
+def show(context, concerned):
+    """Selects these vertices and nothing else, {object: indices}, in vertex mode where edge mode could not show them."""
+    objects, bms = context.objects_in_mode_unique_data, {}
+    for ob in objects:
+        bms[ob] = bm = bmesh.from_edit_mesh(ob.data)
+        bm.verts.ensure_lookup_table()
+    count = {ob: len(bm.verts) for ob, bm in bms.items()}
+    found = {ob: [bms[ob].verts[k] for k in where if 0 <= k < count[ob]] for ob, where in concerned.items() if ob in bms}
+    found = {ob: [v for v in vertices if not v.hide] for ob, vertices in found.items()}
+    if not any(found.values()):
+        return
+    tools = context.tool_settings
+    by_edges = tools.mesh_select_mode[1] and all(map(_edges_alone, found.values()))
+    if not (tools.mesh_select_mode[0] or by_edges):
+        tools.mesh_select_mode = (True, False, False)
+    for ob, bm in bms.items():
+        if not by_edges:
+            bm.select_mode |= {"VERT"}
+        Selected(bm).replace(bm, [])
+        vertices = found.get(ob, [])
+        for element in (*vertices, *(_edges_alone(vertices) if by_edges else ())):
+            element.select = True
+        bm.select_flush_mode()
+        bmesh.update_edit_mesh(ob.data, loop_triangles=False, destructive=False)
 
 
 class Selected:
@@ -162,7 +205,7 @@ def _are_corners(given):
 
 
 def selected_rims(bm, selection):
-    """The rims that the selection means, and a sentence for each selected part that means none.
+    """The rims that the selection means, and an UnusableError for each selected part that means none.
 
     Whole border loops are holes. Isolated selected vertices of a loop, two or more, are its corners. Faces: each connected region
     by itself; one without mesh border in it is to be replaced. Else whatever border loop the selection touches.
@@ -187,13 +230,12 @@ def selected_rims(bm, selection):
         try:
             rim = _region_to_replace(region, rims, "FACE" in bm.select_mode)
         except UnusableError as reason:
-            refused.append(str(reason))
+            refused.append(reason)
         else:
             rims += [rim] if rim else []
     if not rims and not refused:
         if not touched or not all(e.is_boundary for e in edges):
-            hidden = loops and not visible
-            raise UnusableError("The rim is hidden; reveal it first" if hidden else _no_hole(edges, vertices))
+            raise UnusableError("The rim is hidden; reveal it first") if loops and not visible else _no_hole(edges, vertices)
         rims = touched
     for rim in rims:
         if active in rim.loop:

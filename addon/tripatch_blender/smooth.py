@@ -227,7 +227,7 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
         layout.prop(self, "curve")
 
     def execute(self, context):
-        with layers.without_matrices(context, context.objects_in_mode_unique_data):
+        with layers.standing_aside(context, context.objects_in_mode_unique_data):
             return self._execute(context)
 
     def _execute(self, context):

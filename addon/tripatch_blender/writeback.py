@@ -61,18 +61,6 @@ def sides(rim, corners):
     return [range(a, b or len(rim)) for a, b in pairs(starts)]
 
 
-def side_of(at, everywhere, nearest, on_side):
-    """The side that a new face belongs to.
-
-    at: its vertices, those of the rim first; everywhere: parameters of all; nearest: for each vertex inside a rim edge; on_side:
-    sides by rim edge.
-    """
-    if everywhere.shape[1] == 3:
-        return int(np.argmin(everywhere[at].sum(axis=0)))
-    inside = max(at) - len(on_side)
-    return on_side[nearest[inside] if inside >= 0 else min(at)]
-
-
 @dataclass
 class _Rows:
     """A fill's rim and inside, once split edges have joined their vertices to the rim."""
@@ -112,6 +100,28 @@ def _split_edges(bm, planned, custom):
     return rows
 
 
+def _model(at, around, looks, nearest_edge):
+    """The surrounding face that a new one is like: at the nearest rim edge that looks as this part of the fill.
+
+    at: places of the new face's vertices, those of the rim first; around: the face at each rim edge; nearest_edge: for each vertex
+    inside.
+    """
+    inside = max(at) - len(around)
+    edge = nearest_edge[inside] if inside >= 0 else min(at)
+    return around[looks.edge_near(edge, looks.of_face(at))]
+
+
+def _continue_seams(new_faces, parts, loop):
+    """Marks as seam what parts the UVs of the new faces, if the surroundings have seams that end at the rim."""
+    if not any(edge.seam for v in loop for edge in v.link_edges):
+        return
+    part = dict(zip(new_faces, parts, strict=True))
+    for face in new_faces:
+        for edge in face.edges:
+            if len({part[other] for other in edge.link_faces if other in part}) > 1:
+                edge.seam = True
+
+
 def _write_one(bm, planned, shading, custom):
     """Creates the faces of one fill. custom: {face corner: normal} of the surroundings, or None. Returns the new faces."""
     fill, rim = planned.fill, planned.rim
@@ -123,12 +133,18 @@ def _write_one(bm, planned, shading, custom):
     with_corners = custom is not None or attributes.has_corner_data(bm)
     ends = attributes.rim_loops(edges, around) if with_corners else []
     on_side = {k: i for i, places in enumerate(sides(rows.numbers, fill.report.corners)) for k in places}
-    models = attributes.model_faces(around, on_side)
     blend = tripatch.attribute_weights(rows.parameters, at_inside)
+    looks = attributes.Shares([(face.material_index, face.smooth) for face in around], blend)
+    place = {v: k for k, v in enumerate(rows.numbers)}
+    faces = [[place[v] if v in place else len(loop) + v - planned.count - rows.split for v in face] for face in fill.faces]
+    everywhere = np.vstack([np.array([v.co for v in loop], dtype=np.float64), positions])
+    charts = attributes.uv_charts(bm, ends, blend, everywhere, faces) if ends else {}
 
+    nearest = blend.nearest.tolist()
+    nearest_edge = [end // 2 for end in nearest]
+    models = [_model(at, around, looks, nearest_edge) for at in faces]
     if rim.replaced:
         bmesh.ops.delete(bm, geom=list(rim.replaced), context="FACES")
-    nearest = blend.nearest.tolist()
     ends_at = [loop[(k + 1) // 2 % len(loop)] for k in range(2 * len(loop))]
     # A vertex made from an example has no place in any shape key yet; one made without would pass for the first of the mesh.
     inside = [bm.verts.new(co, ends_at[near]) for co, near in zip(positions.tolist(), nearest, strict=True)]
@@ -138,16 +154,12 @@ def _write_one(bm, planned, shading, custom):
         for vertex, co in zip(inside, shape.tolist(), strict=True):
             vertex[layer] = co
 
-    place = {v: k for k, v in enumerate(rows.numbers)}  # deleting has changed the indices in the BMesh
     place_of_edge = {frozenset(pair): k for k, pair in enumerate(pairs(list(range(len(loop)))))}
-    everywhere, nearest_edge = np.vstack([rows.parameters, at_inside]), [end // 2 for end in nearest]
     new_faces, corners = [], []
-    for face in fill.faces:
-        at = [place[v] if v in place else len(loop) + v - planned.count - rows.split for v in face]
-        side = side_of(at, everywhere, nearest_edge, on_side)
-        made = bm.faces.new([loop[k] if k < len(loop) else inside[k - len(loop)] for k in at], models[side])
+    for at, model in zip(faces, models, strict=True):
+        made = bm.faces.new([loop[k] if k < len(loop) else inside[k - len(loop)] for k in at], model)
         made.hide = False
-        made.smooth = models[side].smooth if shading == "neighbors" else shading == "smooth"
+        made.smooth = model.smooth if shading == "neighbors" else shading == "smooth"
         made.normal_update()
         new_faces.append(made)
         if not with_corners:
@@ -156,7 +168,9 @@ def _write_one(bm, planned, shading, custom):
         for corner, k in zip(made.loops, at, strict=True):
             continued = attributes.ends_of_corner(k, len(loop), own) if k < len(loop) else ()
             corners.append((corner, k - len(loop), continued))
-    attributes.blend_corners(bm, ends, corners, blend, nearest)
+    attributes.blend_corners(bm, ends, corners, blend, nearest, {name: uv for name, (_, uv) in charts.items()})
+    for parts, _ in charts.values():
+        _continue_seams(new_faces, parts, loop)
     if custom is not None:
         tangent = [planned.tangent[on_side[k]] if planned.tangent else True for k in range(len(loop))]
         _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)

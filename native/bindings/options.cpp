@@ -139,6 +139,7 @@ void bind_options(py::module_& m) {
       .def_readonly("count", &Option::count, "Numbers or indices that belong together; 0: any number of them.")
       .def_readonly("choices", &Option::choices, "Of a choice; those of `method` are METHODS.")
       .def_readonly("description", &Option::sentence, "A sentence without its full stop.")
+      .def_readonly("seen", &Option::seen, "What one will see when it is changed: a tooltip; empty: the description.")
       .def_readonly("range", &Option::range, "Of a number.")
       .def_readonly("soft", &Option::soft, "The range of a slider.")
       .def_readonly("unit", &Option::unit, "Empty: none.")

@@ -48,6 +48,7 @@ void bind_report(py::module_& m) {
       .def_readonly("seam_angle_median", &Report::seam_angle_median, "Cages: median angle along the seam, in degrees.")
       .def_readonly("seam_angle_max_inside", &Report::seam_angle_max_inside,
                     "Cages: largest angle without the rim edges that touch a corner, in degrees.")
+      .def_readonly("rows", &Report::rows, "Quads and cages: extra rows of quads round the poles that were taken.")
       .def_readonly("poles", &Report::poles, "Quads and cages: [vertex, valence] of each inner vertex with an irregular valence.")
       .def_readonly("warnings", &Report::warnings, "Sentences on what a person should know of the fill.")
       .def_readonly("seconds", &Report::seconds, "Time that the fill took.");

@@ -346,3 +346,162 @@ def test_a_fill_over_a_plane_domain_takes_over_what_the_rim_has(addon):
         np.testing.assert_allclose(uv.uv, mesh.vertices[loop.vertex_index].co.xy, atol=1e-5)
     assert {p.material_index for p in mesh.polygons} == {1}
     assert not mesh.validate(verbose=True)
+
+
+def new_faces(ob, old):
+    return list(ob.data.polygons)[old:]
+
+
+@pytest.mark.parametrize("shape", ["three sides", "four sides", "round"])
+def test_a_border_between_two_materials_is_continued_across(shape):
+    """Half of the surroundings has another material: so has half of the fill, and its border is one line from rim to rim."""
+    make = {"three sides": scenes.lattice, "four sides": scenes.square_hole, "round": scenes.ring}[shape]
+    points, faces = make()
+    ob = scenes.add_mesh(scenes.flat(points) if shape == "three sides" else points * [1, 1, 0], faces)
+    for name in "AB":
+        ob.data.materials.append(bpy.data.materials.new(name))
+    for p in ob.data.polygons:
+        p.material_index = int(p.center.x > 0)
+    _, old = fill_in_edit_mode(ob)
+    wrong = [p for p in new_faces(ob, old) if (p.center.x > 0) != p.material_index]
+    edge = max(np.linalg.norm(np.subtract(*(ob.data.vertices[v].co for v in e.vertices))) for e in ob.data.edges)
+    assert all(abs(p.center.x) < edge for p in wrong)
+    assert len(wrong) < 0.3 * len(new_faces(ob, old))
+    assert {p.material_index for p in new_faces(ob, old)} == {0, 1}
+
+
+def test_face_data_come_from_the_nearest_face():
+    points, faces = scenes.square_hole()
+    ob = scenes.add_mesh(points, faces)
+    layer = ob.data.attributes.new("set", "INT", "FACE")
+    for p in ob.data.polygons:
+        layer.data[p.index].value = 1 + 2 * (p.center.x > 0) + (p.center.y > 0)
+    _, old = fill_in_edit_mode(ob)
+    values = ob.data.attributes["set"].data
+    assert {values[p.index].value for p in new_faces(ob, old)} == {1, 2, 3, 4}
+    for p in new_faces(ob, old):
+        if min(abs(p.center.x), abs(p.center.y)) > 0.12:
+            assert values[p.index].value == 1 + 2 * (p.center.x > 0) + (p.center.y > 0)
+
+
+@pytest.mark.parametrize("shape", ["three sides", "four sides"])
+def test_a_uv_seam_is_continued_and_no_face_is_stretched(shape):
+    """The maps of two islands, one of them far away, turned and larger: in the fill too every face has one of the two."""
+    points, faces = scenes.lattice(size=24, holes=((6, 6, 8),)) if shape == "three sides" else scenes.square_hole()
+    ob = scenes.add_mesh(points[:, :2] @ np.eye(2, 3), faces)
+    mesh = ob.data
+    layer = mesh.uv_layers.new(name="UV")
+
+    def island(right, x, y):
+        return (5 - 2 * y, 7 + 2 * x) if right else (x, y)
+
+    for p in mesh.polygons:
+        for k in p.loop_indices:
+            x, y, _ = mesh.vertices[mesh.loops[k].vertex_index].co
+            layer.data[k].uv = island(p.center.x > 0, x, y)
+    bm = bmesh.new()
+    bm.from_mesh(mesh)
+    for e in bm.edges:
+        if len(e.link_faces) == 2:
+            a, b = (f.calc_center_median().x > 0 for f in e.link_faces)
+            e.seam = a != b
+    seams = sum(e.seam for e in bm.edges)
+    bm.to_mesh(mesh)
+    bm.free()
+    _, old = fill_in_edit_mode(ob)
+    layer, on = ob.data.uv_layers["UV"], [0, 0]
+    for p in new_faces(ob, old):
+        places = [ob.data.vertices[ob.data.loops[k].vertex_index].co for k in p.loop_indices]
+        got = np.array([layer.data[k].uv for k in p.loop_indices])
+        off = [np.abs(got - [island(right, x, y) for x, y, _ in places]).max() for right in (False, True)]
+        assert min(off) < 1e-3
+        on[int(np.argmin(off))] += 1
+    assert min(on) > 0.3 * sum(on)
+    bm = scenes.checked(ob)
+    between = [e for e in bm.edges if e.seam]
+    assert len(between) > seams
+    ends = [v for v in bm.verts if sum(e.seam for e in v.link_edges) == 1]
+    assert all(any(e.is_boundary for e in v.link_edges) for v in ends), "the seam goes on from rim to rim"
+
+
+@pytest.mark.skipif(
+    "QUATERNION" not in [i.identifier for i in bpy.types.Attribute.bl_rna.properties["data_type"].enum_items],
+    reason="this Blender has no quaternions",
+)
+@pytest.mark.parametrize("domain", ["POINT", "CORNER"])
+def test_quaternions_are_blended_and_normalized(domain):
+    ob = scenes.add_hole(shape=scenes.flat)
+    mesh = ob.data
+    layer = mesh.attributes.new("Q", "QUATERNION", domain)
+    at = [v.co.x for v in mesh.vertices] if domain == "POINT" else [mesh.vertices[c.vertex_index].co.x for c in mesh.loops]
+    turns = np.array(at) * 0.5
+    layer.data.foreach_set("value", np.column_stack([np.cos(turns), np.sin(turns), 0 * turns, 0 * turns]).astype(np.float32).ravel())
+    old = len(layer.data)
+    before = np.array([np.ravel(d.value) for d in layer.data], np.float32)
+    fill_in_edit_mode(ob)
+    mesh = ob.data
+    layer = mesh.attributes["Q"]
+    got = np.array([np.ravel(d.value) for d in layer.data], np.float32)
+    np.testing.assert_array_equal(got[:old], before)
+    np.testing.assert_allclose(np.linalg.norm(got[old:], axis=1), 1, atol=1e-6)
+    at = [v.co.x for v in mesh.vertices] if domain == "POINT" else [mesh.vertices[c.vertex_index].co.x for c in mesh.loops]
+    np.testing.assert_allclose(2 * np.arctan2(got[old:, 1], got[old:, 0]), np.array(at)[old:], atol=0.02)
+
+
+@pytest.mark.parametrize("kind", ["INT8", "INT16_2D", "INT32_2D", "INT", "BOOLEAN", "STRING"])
+@pytest.mark.parametrize("domain", ["POINT", "FACE", "CORNER"])
+def test_what_cannot_be_blended_is_the_nearest(kind, domain):
+    if kind not in [i.identifier for i in bpy.types.Attribute.bl_rna.properties["data_type"].enum_items]:
+        pytest.skip("this Blender has no such type")
+    ob = scenes.add_hole()
+    layer = ob.data.attributes.new("N", kind, domain)
+    values = {"INT8": 7, "INT": 7, "BOOLEAN": True, "STRING": "seven"}.get(kind, (7, 9))
+    if kind == "STRING" and bpy.app.version >= (4, 5):
+        values = b"seven"
+    for d in layer.data:
+        d.value = values
+    old = len(layer.data)
+    fill_in_edit_mode(ob)
+    got = [d.value if not hasattr(d.value, "__len__") or kind == "STRING" else tuple(d.value) for d in ob.data.attributes["N"].data]
+    assert len(got) > old and set(got) == {values}
+
+
+@pytest.mark.parametrize("shape", ["four sides", "round"])
+def test_shapes_of_holes_of_any_kind_are_filled_within_half_a_percent(shape):
+    """Over the surface that the shape has; the rim alone would leave 5% and more."""
+    points, faces = scenes.square_hole() if shape == "four sides" else scenes.ring()
+    plane = points[:, :2]
+    deep = np.column_stack([plane, 0.5 * np.sqrt(np.maximum(4 - (plane**2).sum(axis=1), 0))])
+    bent = np.column_stack([1.3 * plane[:, 0], plane[:, 1], 0.4 * plane[:, 0] ** 2 - 0.2 * plane[:, 1] ** 2 + 1])
+    ob = scenes.add_mesh(deep, faces)
+    ob.shape_key_add(name="Basis", from_mix=False)
+    ob.shape_key_add(name="Bent", from_mix=False).data.foreach_set("co", bent.astype(np.float32).ravel())
+    ob.active_shape_key_index = 0
+    old, _ = fill_in_edit_mode(ob)
+    place = np.array([d.co for d in ob.data.shape_keys.key_blocks["Bent"].data])
+    np.testing.assert_array_equal(place[: len(bent)], bent.astype(np.float32))
+    x, y, z = place[old:].T
+    size = 0.43 if shape == "four sides" else 1.3
+    assert np.abs(z - (0.4 * (x / 1.3) ** 2 - 0.2 * y**2 + 1)).max() < 0.005 * size
+
+
+def test_multires_and_armature_go_on_working():
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=10)
+    ob = bpy.context.object
+    group = ob.vertex_groups.new(name="Bone")
+    group.add(range(len(ob.data.vertices)), 1.0, "REPLACE")
+    modifier = ob.modifiers.new("Multires", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier="Multires", mode="CATMULL_CLARK")
+    (bm,) = scenes.edit(ob, mode="FACE")
+    bm.faces.ensure_lookup_table()
+    top = [f for f in bm.faces if f.calc_center_median().x > 0.8]
+    bmesh.ops.delete(bm, geom=top, context="FACES")
+    bmesh.update_edit_mesh(ob.data)
+    assert fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not ob.data.validate(verbose=True)
+    assert ob.modifiers["Multires"].total_levels == 1
+    made = ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    radius = np.linalg.norm([v.co for v in made.vertices], axis=1)
+    assert len(radius) > len(ob.data.vertices) and 0.8 < radius.min() and radius.max() < 1.2
+    assert all(v.groups and abs(v.groups[0].weight - 1) < 1e-5 for v in ob.data.vertices)

@@ -23,7 +23,7 @@ CONTROLS = {
     "center_offset": ({"center_offset": 0.125}, ["--center-offset", "0.125"], {"center_offset": 0.125}),
     "free": ({"continuity": "Free"}, ["--continuity", "Free"], {"continuity": "Free"}),
     "individual": (
-        {"individual": True, "continuity_1": "Free", "continuity_2": "G0", "bulges": (1.5, 1, 1), "continuity": "G0", "bulge": 3},
+        {"individual": True, "continuity_1": "Free", "continuity_2": "G0", "bulge_0": 1.5, "continuity": "G0", "bulge": 3},
         ["--continuity", "auto,Free,G0", "--bulge", "1.5,1,1"],
         {"continuity": ("auto", "Free", "G0"), "bulge": (1.5, 1, 1)},
     ),
@@ -82,54 +82,69 @@ def test_so_does_the_command_line(addon, tmp_path, name):
     np.testing.assert_allclose(new_points(bpy.data.objects["A"], count), wanted, atol=2e-6)
 
 
-@pytest.mark.parametrize("method", tripatch.METHODS)
-def test_the_panel_shows_the_options_that_the_method_has(addon, method):
-    construction = importlib.import_module(addon.__name__ + ".construction").Construction
-    shown = {}
-    state = types.SimpleNamespace(method=method, continuity="auto", individual=False, optimal_shape=True, permanence=False)
-    construction.construction_rows(state, lambda *names, active=True: shown.update(dict.fromkeys(names, active)))
-    options = {"optimal_shape" if name == "shape" else name for name in tripatch.METHODS[method].options if name != "reading"}
-    assert set(shown) - {"shape", "permanence"} == options | {"method"}
-    assert shown.get("shape", False) is False and shown.get("alpha", False) is False  # greyed
-    state.continuity = "G0"
-    construction.construction_rows(state, lambda *names, active=True: shown.update(dict.fromkeys(names, active)))
-    assert shown.get("bulge", False) is False
-
-
 class Layout:
-    def __init__(self):
-        self.shown = []
+    """Takes down what is shown, with whether it is greyed; every folded part is open."""
 
-    def row(self, align):
-        return self
+    def __init__(self, shown=None):
+        self.shown, self.active = {} if shown is None else shown, True
 
-    def prop(self, operator, name):
+    def row(self, **_given):
+        return Layout(self.shown)
+
+    def panel(self, _name, default_closed):
+        return self, self
+
+    def label(self, text, icon=""):
+        pass
+
+    def prop(self, operator, name, **_given):
         assert hasattr(operator, name)
-        self.shown.append(name)
+        assert name not in self.shown, "twice"
+        self.shown[name] = self.active
 
 
-@pytest.mark.parametrize("method", ["quintic", "szilvasi_nagy_c1", "coons_bezier"])
-@pytest.mark.parametrize("output", ["triangles", "quads", "cage", None])
-@pytest.mark.parametrize("individual", [False, True])
-def test_panels_are_drawn(addon, method, output, individual):
-    kind = ("operators", "MESH_OT_fill_three_sided") if output else ("between_patches", "OBJECT_OT_fill_between_patches")
+def drawn(addon, between=False, **values):
+    """{property: whether it is active} in the panel of an operator."""
+    kind = ("between_patches", "OBJECT_OT_fill_between_patches") if between else ("operators", "MESH_OT_fill_smooth")
     operator = getattr(importlib.import_module(f"{addon.__name__}.{kind[0]}"), kind[1])
-    rna = (bpy.ops.mesh.fill_three_sided if output else bpy.ops.object.fill_between_patches).get_rna_type()
-    stub = types.SimpleNamespace(layout=Layout())
+    rna = (bpy.ops.object.fill_between_patches if between else bpy.ops.mesh.fill_smooth).get_rna_type()
+    stub = types.SimpleNamespace(layout=Layout(), bl_rna=types.SimpleNamespace(properties=rna.properties), sides=3)
     for base in reversed(operator.__mro__):
         for name, function in vars(base).items():
             if isinstance(function, types.FunctionType):
                 setattr(stub, name, types.MethodType(function, stub))
     for prop in rna.properties:  # they hide functions of the same name
         setattr(stub, prop.identifier, getattr(prop, "default", None))
-    stub.method, stub.output, stub.individual = method, output, individual
+    for name, value in values.items():
+        setattr(stub, name, value)
     stub.draw(bpy.context)
     shown = stub.layout.shown
-    assert shown and len(shown) == len(set(shown)) and set(shown) <= {p.identifier for p in rna.properties}
+    assert set(shown) <= {p.identifier for p in rna.properties}
+    return shown
+
+
+@pytest.mark.parametrize("method", tripatch.METHODS)
+def test_the_panel_shows_the_options_that_the_method_has(addon, method):
+    shown = drawn(addon, method=method, optimal_shape=True, permanence=False)
+    own = {name for name in tripatch.METHODS[method].options if name != "reading"}
+    of_methods = {name for about in tripatch.METHODS.values() for name in about.options} - {"reading", "bulge"}
+    assert of_methods & set(shown) == own - {"bulge"}
+    assert shown["bulge"] == ("bulge" in own)
+    assert shown.get("shape", False) is False and shown.get("alpha", False) is False  # greyed
+    shown = drawn(addon, method=method, continuity="G0")
+    assert shown["bulge"] is False and shown.get("cross_boundary", False) is False
+
+
+@pytest.mark.parametrize("method", ["quintic", "szilvasi_nagy_c1", "coons_bezier"])
+@pytest.mark.parametrize("output", ["triangles", "quads", "cage", None])
+@pytest.mark.parametrize("individual", [False, True])
+def test_panels_are_drawn(addon, method, output, individual):
+    between = output is None
+    shown = drawn(addon, between, method=method, individual=individual, **({} if between else {"output": output}))
     assert {"method", "resolution" if output in ("triangles", None) else "rows"} <= set(shown)
     assert ("cross_boundary" in shown) == (method != "coons_bezier") and ("alpha" in shown) == (method == "coons_bezier")
     assert {"continuity", "individual", "fairing", "tension", "center_offset"} <= set(shown)
-    each = {"continuity_0", "continuity_1", "continuity_2", "bulges"}
+    each = {f"{name}_{i}" for name in ("continuity", "bulge") for i in range(3)}
     assert each & set(shown) == (each if individual and method != "coons_bezier" else set())
 
 
@@ -162,7 +177,7 @@ def test_properties_follow_the_table():
     properties = bpy.ops.mesh.fill_three_sided.get_rna_type().properties
     for name in ("bulge", "tension", "center_offset", "tolerance", "symmetric", "output", "odd", "cage_rim"):
         option = tripatch.OPTIONS[name]
-        assert properties[name].description == option.description
+        assert properties[name].description == option.seen
         assert properties[name].default == (0 if option.default is None else option.default)
     assert [item.identifier for item in properties["fairing"].enum_items] == [
         *(each.name for each in tripatch.OPTIONS["fairing"].choices),

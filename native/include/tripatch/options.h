@@ -40,7 +40,8 @@ inline constexpr const char* any_value = "";  ///< all but none
 
 /// What a row of the table says.
 struct AboutOption {
-  const char* sentence;  ///< without its full stop
+  const char* sentence;   ///< without its full stop
+  const char* seen = "";  ///< what one will see when it is changed: the tooltip of a panel; empty: the sentence
   Range range = {};
   Range soft = {};                      ///< between these a slider goes
   const char* unit = "";                ///< empty: none

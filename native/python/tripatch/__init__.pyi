@@ -57,6 +57,7 @@ class Option:
     choices: list[Choice]
     none: Choice | None
     description: str
+    seen: str
     range: Range
     soft: Range
     unit: str
@@ -142,6 +143,7 @@ class Report:
     corners_moved_max: float
     seam_angle_median: float
     seam_angle_max_inside: float
+    rows: int
     poles: list[list[int]]
     warnings: list[str]
     seconds: float

@@ -87,6 +87,7 @@ void CageFill::fit(std::vector<SurfacePtr> patches) {
   const std::vector<int> all_rows = rows_to_try(layout_options_, split_.settings.loop, exact);
   for (std::size_t k = 0; k < all_rows.size(); ++k) {
     if (k > 0) fit_ = lay_out(all_rows[k]);
+    rows_ = all_rows[k];
     fit_->fit(patches_, sides_, exact || k > 0);
     for (std::size_t h = 0; h < size(); ++h)
       open_[h] = layout_options_.rows || fit_->deviation_rms(h, *patches_[h]) > tolerance_[h];
@@ -160,6 +161,7 @@ void CageFill::report(std::size_t h, Report& report) const {
   report.surroundings_moved_where = measures.surroundings_where;
   report.corners_moved_max = measures.corners_moved;
   report.triangles_folded = measures.triangles_folded;
+  report.rows = rows_;
   report_seam(measures, laid_out_[h].hole, report);
   report_poles(h, report);
   for (Index v : holes_[h].rim)

@@ -45,6 +45,7 @@ void deliver(const Cover& cover, const Points& border, Index vertices, Fill& fil
   for (Index& v : fill.faces.corners) v = index[v];
   fill.split_edges = cover.split_edges;
   fill.split_t = cover.split_t;
+  fill.report.rows = cover.rows;
   fill.report.warnings.insert(fill.report.warnings.end(), cover.warnings.begin(), cover.warnings.end());
 }
 

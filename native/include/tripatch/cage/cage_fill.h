@@ -50,6 +50,7 @@ private:
   const SplitMesh split_;
   std::vector<double> tolerance_;
   std::vector<CageHole> laid_out_;
+  int rows_ = 0;            ///< extra rows of quads of the present layout
   std::vector<char> open_;  ///< asks for another layout
   std::unique_ptr<CageFit> fit_;
   std::vector<Sides> sides_;

@@ -40,6 +40,7 @@ struct Report {
   double corners_moved_max = 0;         ///< the limit at the three corners
   double seam_angle_median = 0;
   double seam_angle_max_inside = 0;         ///< without the rim edges that touch a corner
+  int rows = 0;                             ///< quads and cages: extra rows of quads round the poles that were taken
   std::vector<std::array<Index, 2>> poles;  ///< vertex, valence
   std::vector<std::string> warnings;
   double seconds = 0;

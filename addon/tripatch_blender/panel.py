@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts of the panels of operators: rows, folded parts, and sentences in lines that are not cut."""
+
+from __future__ import annotations
+
+import textwrap
+from contextlib import contextmanager
+
+import bpy
+
+# A character is about so many pixels wide in Blender's font at the scale 1; a line is never shorter than so many characters.
+_CHARACTER, _SHORTEST = 6.3, 28
+
+
+class Rows:
+    """row(*names, active=True) puts properties of an operator into a layout; without a layout it does nothing."""
+
+    def __init__(self, operator, layout):
+        self._operator, self._layout = operator, layout
+
+    def __call__(self, *names, active=True, **given):
+        if self._layout is None:
+            return
+        made = self._layout.row(align=True)
+        made.active = active
+        for name in names:
+            made.prop(self._operator, name, **given)
+
+    def label(self, text):
+        if self._layout is not None:
+            self._layout.label(text=text)
+
+    def optional(self, switch, name):
+        """A number beside the box that says whether it counts."""
+        if self._layout is None:
+            return
+        prop = self._operator.bl_rna.properties[switch]
+        made = self._layout.row(align=True, heading=prop.name)
+        made.prop(self._operator, switch, text="")
+        number = made.row(align=True)
+        number.active = getattr(self._operator, switch)
+        number.prop(self._operator, name, text="")
+
+
+@contextmanager
+def folded(operator, name, label):
+    """Rows for a part of the panel that is closed at first. From Blender 4.1 on it is a panel of its own, else there is an arrow."""
+    layout, body = operator.layout, None
+    try:
+        header, body = layout.panel(f"TRIPATCH_{name}", default_closed=True)
+        header.label(text=label)
+    except (AttributeError, RuntimeError):  # Blender 3 and 4.0; a place where panels cannot be folded
+        shown = f"show_{name}"
+        is_open = getattr(operator, shown)
+        header = layout.row(align=True)
+        header.use_property_split = False
+        header.alignment = "LEFT"
+        header.prop(operator, shown, text=label, icon="TRIA_DOWN" if is_open else "TRIA_RIGHT", emboss=False)
+        if is_open:
+            body = layout.column()
+    yield Rows(operator, body)
+
+
+def reasons(layout, context, text):
+    """Why something was not filled, in lines as wide as the panel."""
+    if not text:
+        return
+    region = context.region
+    width = region.width / bpy.context.preferences.system.ui_scale if region else 0
+    characters = max(_SHORTEST, int((width - 60) / _CHARACTER))
+    box = layout.box().column(align=True)
+    box.scale_y = 0.8
+    for reason in text.split("\n")[:4]:
+        for k, line in enumerate(textwrap.wrap(reason, characters)):
+            box.label(text=line, icon="ERROR" if k == 0 else "BLANK1")

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the library says, as a person in Blender reads it: sides and corners count from 1, and remedies have Blender's names."""
+
+from __future__ import annotations
+
+import re
+
+_NUMBERED = re.compile(r"\b([Ss]ides?|[Cc]orners?) (\d+)( and (\d+))?\b")
+
+#: What Blender has against it.
+_REMEDIES = (
+    (re.compile(r"has no length|at the same place"), "Mesh > Merge > By Distance joins such vertices"),
+    (re.compile(r"turned against"), "Mesh > Normals > Recalculate Outside turns them"),
+    (re.compile(r"Non-manifold"), "Select > All by Trait > Non Manifold finds such places"),
+    (re.compile(r"hidden"), "Mesh > Show/Hide > Reveal Hidden shows it"),
+    (re.compile(r"scaled to nothing"), "Object > Apply > Scale"),
+)
+
+
+def _one_more(match):
+    kind, first, _, second = match.groups()
+    return f"{kind} {int(first) + 1}" + (f" and {int(second) + 1}" if second else "")
+
+
+def for_people(sentence):
+    """The sentence with sides and corners from 1, and with its remedy."""
+    told = _NUMBERED.sub(_one_more, sentence).replace("; merge them first", "")
+    for cause, remedy in _REMEDIES:
+        if cause.search(told):
+            return f"{told}; {remedy}"
+    return told

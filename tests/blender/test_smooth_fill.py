@@ -1,0 +1,360 @@
+"""mesh.fill_smooth: where it is found, what its panel shows, and what becomes of a refusal by hand and from a script."""
+
+import importlib
+import types
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+import tripatch
+
+smooth = bpy.ops.mesh.fill_smooth
+
+
+def module(addon, name):
+    return importlib.import_module(f"{addon.__name__}.{name}")
+
+
+class Recorder:
+    """Takes a layout's calls down: the operators in their order."""
+
+    def __init__(self, operators=None):
+        self.operators = [] if operators is None else operators
+
+    def __getattr__(self, name):
+        def call(*arguments, **_given):
+            if name.startswith("operator") and name not in ("operator_context",):
+                self.operators.append(arguments[0])
+            return Recorder(self.operators)
+
+        return call if name != "operator_context" else "INVOKE_DEFAULT"
+
+
+def drawn(menu):
+    layout = Recorder()
+    getattr(bpy.types, menu).draw(types.SimpleNamespace(layout=layout, bl_owner_use_filter=False), bpy.context)
+    return layout.operators
+
+
+def test_the_face_menu_has_it_behind_grid_fill():
+    scenes.edit(scenes.add_hole())
+    names = drawn("VIEW3D_MT_edit_mesh_faces")
+    assert names.count("mesh.fill_smooth") == 1
+    assert names.index("mesh.fill_smooth") == names.index("mesh.fill_grid") + 1
+    assert "mesh.fill_three_sided" not in names
+
+
+@pytest.mark.parametrize("mode", ["VERT", "EDGE", "FACE"])
+def test_the_context_menu_has_it_once_and_not_at_its_end(mode):
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob, mode=mode)
+    if mode == "FACE":
+        bm.faces.ensure_lookup_table()
+        scenes.select(bm, faces=bm.faces[:3])
+    else:
+        scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    bmesh.update_edit_mesh(ob.data)
+    bpy.context.view_layer.update()
+    names = drawn("VIEW3D_MT_edit_mesh_context_menu")
+    assert names.count("mesh.fill_smooth") == 1
+    assert names[-1] != "mesh.smooth_triangles" and len(names) - names.index("mesh.fill_smooth") > 4
+    if mode == "EDGE":
+        assert names.index("mesh.fill_smooth") == names.index("mesh.fill") + 1
+
+
+def test_menus_are_blenders_own_again_without_the_add_on(addon):
+    ui = module(addon, "ui")
+    ui.unregister()
+    try:
+        for menu in ("VIEW3D_MT_edit_mesh_faces", "VIEW3D_MT_edit_mesh_context_menu"):
+            assert [f.__module__ for f in getattr(bpy.types, menu).draw._draw_funcs] == ["bl_ui.space_view3d"]
+        assert "mesh.fill_smooth" not in drawn("VIEW3D_MT_edit_mesh_faces")
+    finally:
+        ui.register()
+    assert "mesh.fill_smooth" in drawn("VIEW3D_MT_edit_mesh_faces")
+
+
+def test_the_name_of_before_is_the_same_operator():
+    results = []
+    for operator in (smooth, bpy.ops.mesh.fill_three_sided):
+        ob = scenes.add_hole()
+        scenes.edit(ob)
+        assert operator(bulge=1.5, resolution=5) == {"FINISHED"}
+        bpy.ops.object.mode_set(mode="OBJECT")
+        results.append(np.array([v.co for v in ob.data.vertices]))
+    np.testing.assert_array_equal(*results)
+    names = [{p.identifier for p in operator.get_rna_type().properties} for operator in (smooth, bpy.ops.mesh.fill_three_sided)]
+    assert names[0] == names[1]
+
+
+def three_holes():
+    """Rims of 9, 12 and 15 edges in one bowl."""
+    points, faces = scenes.lattice(size=30, holes=((2, 2, 3), (12, 2, 4), (4, 14, 5)))
+    return scenes.add_mesh(scenes.bowl(points), faces)
+
+
+def border_lengths(ob):
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bm = scenes.checked(ob)
+    return [len(loop) for loop in scenes.border_loops(bm)]
+
+
+@pytest.mark.parametrize(
+    ("filters", "left"),
+    [
+        ({}, [90]),
+        ({"max_edges": 12}, [15, 90]),
+        ({"max_diameter": 0.11}, [12, 15, 90]),
+        ({"corner_count": (4, 6)}, None),
+        ({"corner_count": (3, 3)}, [90]),
+        ({"max_edges": 12, "use_max_edges": False}, [90]),
+        ({"outer": True, "max_edges": 60}, [90]),
+    ],
+)
+@pytest.mark.parametrize("everything", [False, True])
+def test_of_all_holes_those_that_the_filters_let_through(filters, left, everything):
+    ob = three_holes()
+    scenes.edit(ob)
+    if everything:
+        bpy.ops.mesh.select_all(action="SELECT")
+    if left is None:
+        with pytest.raises(RuntimeError, match="None of the 3 holes is as Holes asks for"):
+            smooth(**filters)
+        return
+    assert smooth(**filters) == {"FINISHED"}
+    assert border_lengths(ob) == left
+
+
+def pinched():
+    """A bowl whose hole has two vertices at one place, its rim selected; and which vertices they are."""
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob)
+    loop = scenes.border_loops(bm)[0]
+    loop[5].co = loop[6].co
+    scenes.select_rim(bm, loop)
+    bmesh.update_edit_mesh(ob.data)
+    return ob, {loop[5].index, loop[6].index}
+
+
+HAND = {"by_hand": True}  # as `invoke` sets it, which Blender calls in a window only
+EXACT = {"method": "side_vertex"}  # which refuses what others get over
+
+
+def selected(ob):
+    bmesh.from_edit_mesh(ob.data).verts.index_update()
+    return {v.index for v in bmesh.from_edit_mesh(ob.data).verts if v.select}
+
+
+def test_a_refusal_from_a_script_is_an_error_and_touches_nothing():
+    ob, _ = pinched()
+    before = selected(ob)
+    with pytest.raises(RuntimeError, match="Merge > By Distance") as error:
+        smooth(**EXACT)
+    assert "Error: " in str(error.value)
+    assert selected(ob) == before and len(before) == 12
+
+
+def test_a_refusal_by_hand_selects_the_place_and_is_one_undo_step(capfd):
+    ob, concerned = pinched()
+    name, before = ob.name, selected(ob)
+    points = np.array([v.co for v in bmesh.from_edit_mesh(ob.data).verts])
+    bpy.ops.ed.undo_push(message="before")
+    assert smooth("EXEC_DEFAULT", True, **EXACT, **HAND) == {"FINISHED"}
+    told = capfd.readouterr().out
+    assert "Warning: " in told and "Merge > By Distance" in told
+    assert selected(ob) == concerned
+    np.testing.assert_array_equal(points, [v.co for v in bmesh.from_edit_mesh(ob.data).verts])
+    bpy.ops.ed.undo()
+    assert selected(bpy.data.objects[name]) == before
+
+
+@pytest.mark.parametrize("mode", ["EDGE", "FACE"])
+def test_the_place_can_be_seen_in_every_mode(mode):
+    ob, concerned = pinched()
+    bpy.ops.mesh.select_mode(type=mode)
+    bm = bmesh.from_edit_mesh(ob.data)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0]) if mode == "EDGE" else scenes.select(
+        bm, faces={f for v in scenes.border_loops(bm)[0] for f in v.link_faces}
+    )
+    assert smooth(**EXACT, **HAND) == {"FINISHED"}
+    assert selected(ob) == concerned
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+
+
+def test_what_a_refusal_names_is_selected_in_edge_mode_too():
+    ob = scenes.add_mesh(*scenes.square_hole())
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    loop = scenes.border_loops(bm)[0]
+    scenes.select_rim(bm, loop)
+    rim = {v.index for v in loop}
+    assert smooth(**EXACT, **HAND) == {"FINISHED"}
+    assert selected(ob) and selected(ob) <= rim  # its corners, which are too many
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+
+
+class Operator:
+    """What draw and execute see of an operator, in place of Blender's; properties as keywords."""
+
+    def __init__(self, cls, **values):
+        rna = smooth.get_rna_type()
+        object.__setattr__(self, "set", set(values))
+        self.bl_rna, self.said = types.SimpleNamespace(properties=rna.properties), []
+        self.properties = types.SimpleNamespace(is_property_set=lambda name: name in self.set)
+        for base in reversed(cls.__mro__):
+            for name, function in vars(base).items():
+                if isinstance(function, types.FunctionType):
+                    object.__setattr__(self, name, types.MethodType(function, self))
+        for prop in rna.properties:
+            length = getattr(prop, "array_length", 0)
+            object.__setattr__(self, prop.identifier, tuple(prop.default_array) if length else getattr(prop, "default", None))
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "report", lambda kind, text: self.said.append((kind, text)))
+
+    def __setattr__(self, name, value):
+        object.__setattr__(self, name, value)
+        self.set.add(name)
+
+
+def operator(addon, **values):
+    return Operator(module(addon, "operators").MESH_OT_fill_smooth, **values)
+
+
+class Layout:
+    """Takes down what is shown; `panels` as from Blender 4.1 on."""
+
+    def __init__(self, panels, shown=None, inside=""):
+        self.shown = [] if shown is None else shown
+        self._inside, self._panels = inside, panels
+        if panels:
+            self.panel = lambda name, default_closed: (self.row(), self if name in panels else None)
+
+    def row(self, **_given):
+        return Layout(self._panels, self.shown, self._inside)
+
+    column = box = row
+
+    def label(self, text, icon=""):
+        self.shown.append(text)
+
+    def prop(self, data, name, **_given):
+        assert hasattr(data, name)
+        self.shown.append(name)
+
+
+def shown(state, panels=("none",)):
+    state.layout = Layout(panels)
+    state.draw(bpy.context)
+    return state.layout.shown
+
+
+def test_six_rows_are_seen_before_anything_is_opened(addon):
+    scenes.edit(scenes.add_hole())
+    for output, density in (("triangles", "resolution"), ("quads", "rows"), ("cage", "rows")):
+        rows = shown(operator(addon, output=output))
+        assert rows == ["output", density, "continuity", "bulge", "tension", "center_offset", "Sides", "Subdivision", "Advanced"]
+        rows = shown(operator(addon, output=output), panels=())  # Blender 3
+        assert rows[:6] == ["output", density, "continuity", "bulge", "tension", "center_offset"]
+        assert rows[6:] == ["show_sides", "show_subdivision", "show_advanced"]
+
+
+def test_folded_parts_open(addon):
+    scenes.edit(scenes.add_hole())
+    state = operator(addon, show_advanced=True, all_holes=True, show_holes=True)
+    rows = shown(state, panels=())
+    assert {"method", "fairing", "cross_boundary", "shading", "max_edges", "max_diameter", "corner_count", "outer"} <= set(rows)
+    assert "max_edges" in shown(operator(addon, all_holes=True), panels=("TRIPATCH_holes",))
+    assert "max_edges" not in shown(operator(addon, all_holes=False, show_holes=True), panels=())
+
+
+@pytest.mark.parametrize("sides", [2, 3, 5, 14])
+def test_a_row_for_every_side_that_the_fill_has_counted_from_one(addon, sides):
+    scenes.edit(scenes.add_hole())
+    rows = shown(operator(addon, sides=sides, individual=True), panels=("TRIPATCH_sides",))
+    assert [name for name in rows if name.startswith("continuity_")] == [f"continuity_{i}" for i in range(min(sides, 12))]
+    properties = smooth.get_rna_type().properties
+    assert [properties[f"continuity_{i}"].name for i in range(12)] == [f"Side {i + 1}" for i in range(12)]
+
+
+def test_reasons_stand_in_the_panel_in_whole(addon):
+    pinched()
+    state = operator(addon, **EXACT)
+    assert state.invoke(bpy.context, None) == {"FINISHED"}
+    (said,) = state.said
+    assert said[0] == {"WARNING"}
+    rows = shown(state)
+    reason = rows[: rows.index("output")]
+    assert " ".join(reason) == state.reasons == said[1]
+    assert max(map(len, reason)) < 60
+
+
+def test_what_was_computed_is_shown_and_computed_anew(addon):
+    """Density is 0 nowhere in the panel; Shift R on another object chooses anew what was automatic, and keeps what was chosen."""
+    state = operator(addon)
+    scenes.edit(scenes.add_hole(holes=((3, 3, 4),)))
+    assert state.execute(bpy.context) == {"FINISHED"}
+    assert (state.resolution, state.output) == (4, "triangles")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    scenes.edit(scenes.add_hole(size=24, holes=((5, 5, 9),)))
+    assert state.execute(bpy.context) == {"FINISHED"}
+    assert state.resolution == 9
+    state.resolution = 5  # by hand
+    bpy.ops.object.mode_set(mode="OBJECT")
+    ob = scenes.add_hole(size=24, holes=((5, 5, 9),))
+    scenes.edit(ob)
+    assert state.execute(bpy.context) == {"FINISHED"}
+    assert state.resolution == 5
+    bpy.ops.object.mode_set(mode="OBJECT")
+    ob = scenes.add_hole()
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    scenes.edit(ob)
+    assert state.execute(bpy.context) == {"FINISHED"}
+    assert state.output == "cage" and state.rows >= 0
+    assert len(state.said) == 4
+
+
+def test_cages_and_quads_show_their_rows(addon):
+    for output in ("quads", "cage"):
+        state = operator(addon, output=output)
+        scenes.edit(scenes.add_hole(size=20, holes=((4, 4, 6),)))
+        assert state.execute(bpy.context) == {"FINISHED"}
+        assert 0 <= state.rows <= 4
+        count = len(bmesh.from_edit_mesh(bpy.context.object.data).faces)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        again = operator(addon, output=output, rows=state.rows)
+        scenes.edit(scenes.add_hole(size=20, holes=((4, 4, 6),)))
+        assert again.execute(bpy.context) == {"FINISHED"}
+        assert len(bmesh.from_edit_mesh(bpy.context.object.data).faces) == count
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_sides_and_corners_count_from_one_in_sentences(addon):
+    for_people = module(addon, "sentences").for_people
+    assert for_people("Sides 0 and 1 do not meet at corner 2") == "Sides 1 and 2 do not meet at corner 3"
+    assert for_people("Rim has 4 corners; select three") == "Rim has 4 corners; select three"
+    assert for_people("Corner vertex 7 is not on the rim") == "Corner vertex 7 is not on the rim"
+    assert "Recalculate Outside" in for_people("The face at vertex 3 is turned against its neighbors")
+
+
+def test_every_property_says_what_one_will_see(addon):
+    for prop in smooth.get_rna_type().properties:
+        if prop.identifier == "rna_type" or prop.is_hidden:
+            continue
+        assert prop.description and not prop.description.endswith(".")
+        for word in ("functional", "barycentric", "Wachspress", "paper", "lambda", "thin-plate"):
+            assert word not in prop.description, prop.identifier
+    for option in tripatch.OPTIONS.values():
+        if option.panel:
+            assert option.seen or option.name == "resolution", option.name
+
+
+def test_an_active_vertex_on_a_rim_with_other_corners_than_three():
+    ob = scenes.add_mesh(*scenes.square_hole())
+    (bm,) = scenes.edit(ob)
+    loop = scenes.border_loops(bm)[0]
+    scenes.select_rim(bm, loop)
+    bm.select_history.add(loop[1])
+    assert smooth() == {"FINISHED"}
+    assert len(border_lengths(ob)) == 1
