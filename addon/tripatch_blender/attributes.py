@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections import Counter
 
+import bpy
+
 from .library import np
 from .selection import pairs
 
@@ -108,6 +110,9 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
     blended. Where two surrounding faces disagree at their vertex the later one counts; UV maps that a seam parts are given by
     charts: {name: values of the corners}.
     """
+    if bpy.app.version < (4, 0) and any(True for _ in _layers(bm.loops.layers, ("string",))):
+        for corner, vertex, continued in corners:  # Python reads none of the strings that an attribute has there
+            corner.copy_from(ends[continued[-1] if continued else nearest[vertex]])
     for kind, name, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
         if kind == "uv" and charts and name in charts:
             for (corner, _, _), uv in zip(corners, charts[name], strict=True):
@@ -118,8 +123,8 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
         at_rim = at_rim.tolist()
         for corner, vertex, continued in corners:
             _write(corner, layer, kind, at_rim[continued[-1]] if continued else inside[vertex])
-    for _kind, _name, layer in _layers(bm.loops.layers, _PICKED):
-        for corner, vertex, continued in corners:
+    for kind, _name, layer in _layers(bm.loops.layers, _PICKED):
+        for corner, vertex, continued in corners if kind != "string" or bpy.app.version >= (4, 0) else ():
             corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
 
 
@@ -150,7 +155,7 @@ class Shares:
 
 
 def uv_charts(bm, ends, blend, positions, faces):
-    """UV maps that seams of the surroundings part at the rim: {name: (the part that each new face belongs to, UV of every corner)}.
+    """UV maps that seams of the surroundings part at the rim: {name: (the part of each new face, UV of every corner)}.
 
     Each part of the rim between two seams is continued by the affine map that its faces have, whose errors along the rim are
     blended away inside. positions (r + k, 3): of the rim and the vertices inside; faces: of places in it.

@@ -162,8 +162,7 @@ def _planned(bm, rim, world, fill, count):
 
 
 def _at_same_places(fill, in_key):
-    """Where the vertices of a fill over a plane domain are on the surface of the same hole in another shape, whose rim is laid out
-    otherwise: at the places that have the same mean value coordinates in it."""
+    """Where the vertices of a fill over a plane domain are on the surface of the same hole in another shape, laid out otherwise: at the places that have the same mean value coordinates in it."""
     first = in_key.rim.tolist().index(int(fill.rim[0]))
     rim = np.roll(in_key.rim_uv, -first, axis=0)
     ends = np.stack([rim, np.roll(rim, -1, axis=0)], axis=1).reshape(-1, 2)
@@ -432,7 +431,9 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None
         raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else "The mesh has no hole")
     count, rims = len(rims), filtered(bm, matrix, rims, filters)
     if not rims:
-        raise UnusableError(f"None of the {count} holes is as Holes asks for" if count > 1 else "The hole is not as Holes asks for")
+        raise UnusableError(
+            f"None of the {count} holes is as Holes asks for" if count > 1 else "The hole is not as Holes asks for"
+        )
     if not hidden and (any_rim or len(rims) == 1):
         return rims  # the library says what is wrong with it
     found, others = three_sided(bm, matrix, rims)

@@ -44,7 +44,7 @@ class Rows:
 
 @contextmanager
 def folded(operator, name, label):
-    """Rows for a part of the panel that is closed at first. From Blender 4.1 on it is a panel of its own, else there is an arrow."""
+    """Rows for a part of the panel that is closed at first: from Blender 4.1 on a panel of its own, else behind an arrow."""
     layout, body = operator.layout, None
     try:
         header, body = layout.panel(f"TRIPATCH_{name}", default_closed=True)

@@ -103,7 +103,7 @@ def _split_edges(bm, planned, custom):
 def _model(at, around, looks, nearest_edge):
     """The surrounding face that a new one is like: at the nearest rim edge that looks as this part of the fill.
 
-    at: places of the new face's vertices, those of the rim first; around: the face at each rim edge; nearest_edge: for each vertex
+    at: places of the new face's vertices, those of the rim first; around: the face at each rim edge; nearest_edge: of each vertex
     inside.
     """
     inside = max(at) - len(around)

@@ -435,7 +435,9 @@ def test_quaternions_are_blended_and_normalized(domain):
     layer = mesh.attributes.new("Q", "QUATERNION", domain)
     at = [v.co.x for v in mesh.vertices] if domain == "POINT" else [mesh.vertices[c.vertex_index].co.x for c in mesh.loops]
     turns = np.array(at) * 0.5
-    layer.data.foreach_set("value", np.column_stack([np.cos(turns), np.sin(turns), 0 * turns, 0 * turns]).astype(np.float32).ravel())
+    layer.data.foreach_set(
+        "value", np.column_stack([np.cos(turns), np.sin(turns), 0 * turns, 0 * turns]).astype(np.float32).ravel()
+    )
     old = len(layer.data)
     before = np.array([np.ravel(d.value) for d in layer.data], np.float32)
     fill_in_edit_mode(ob)
@@ -462,7 +464,9 @@ def test_what_cannot_be_blended_is_the_nearest(kind, domain):
         d.value = values
     old = len(layer.data)
     fill_in_edit_mode(ob)
-    got = [d.value if not hasattr(d.value, "__len__") or kind == "STRING" else tuple(d.value) for d in ob.data.attributes["N"].data]
+    got = [
+        d.value if not hasattr(d.value, "__len__") or kind == "STRING" else tuple(d.value) for d in ob.data.attributes["N"].data
+    ]
     assert len(got) > old and set(got) == {values}
 
 
@@ -490,7 +494,7 @@ def test_multires_and_armature_go_on_working():
     ob = bpy.context.object
     group = ob.vertex_groups.new(name="Bone")
     group.add(range(len(ob.data.vertices)), 1.0, "REPLACE")
-    modifier = ob.modifiers.new("Multires", "MULTIRES")
+    ob.modifiers.new("Multires", "MULTIRES")
     bpy.ops.object.multires_subdivide(modifier="Multires", mode="CATMULL_CLARK")
     (bm,) = scenes.edit(ob, mode="FACE")
     bm.faces.ensure_lookup_table()

@@ -136,13 +136,13 @@ def story():
     yield
     yield
     w.picture("blender-face-menu.png")
-    w.move(590, 295)  # Fill Three-Sided Hole
+    w.move(590, 487)  # Smooth Fill
     yield
-    w.click(590, 295)
+    w.click(590, 487)
     yield
     yield
     filled = counts()
-    assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_three_sided", "the entry of the Face menu fills"
+    assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_smooth", "the entry of the Face menu fills"
     assert filled[1] == 0, f"{filled[1]} border edges are left"
     assert filled[0] > before[0]
 
@@ -152,13 +152,13 @@ def story():
     yield
     w.picture("blender-redo-panel.png")
     hud = w.region("HUD")
-    w.move(hud.x + hud.width - 14, hud.y + hud.height - 62)  # arrow of the second row, Resolution
+    w.move(hud.x + hud.width - 14, hud.y + hud.height - 62)  # arrow of the second row, Density
     yield
     w.click(hud.x + hud.width - 14, hud.y + hud.height - 62)
     yield
     yield
     w.picture("blender-redo-panel-changed.png")
-    assert last_operator().resolution == 1, f"resolution is {last_operator().resolution} after a click on its arrow"
+    assert last_operator().resolution == 11, f"resolution is {last_operator().resolution} after a click on its arrow"
     coarse = counts()
     assert coarse[1] == 0
     assert coarse[0] != filled[0], "the operator ran again with another resolution"
