@@ -162,7 +162,8 @@ def _planned(bm, rim, world, fill, count):
 
 
 def _at_same_places(fill, in_key):
-    """Where the vertices of a fill over a plane domain are on the surface of the same hole in another shape, laid out otherwise: at the places that have the same mean value coordinates in it."""
+    """Where the vertices of a fill over a plane domain lie on the surface of the same hole in another shape, of another domain:
+    at the places that have the same mean value coordinates in it."""
     first = in_key.rim.tolist().index(int(fill.rim[0]))
     rim = np.roll(in_key.rim_uv, -first, axis=0)
     ends = np.stack([rim, np.roll(rim, -1, axis=0)], axis=1).reshape(-1, 2)

@@ -22,7 +22,7 @@ class Shown:
     worst: tuple | None = None  # where the seam is worst, and the angle there in degrees
 
 
-def _got(elements, name, width, kind=np.float32):
+def _got(elements, name, width, kind="float32"):
     values = np.empty(len(elements) * width, kind)
     elements.foreach_get(name, values)
     return values.reshape(-1, width) if width > 1 else values
