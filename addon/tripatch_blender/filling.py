@@ -104,6 +104,8 @@ def world_matrix(name, matrix):
 
 def corners_of(rim, loop, mesh, replaced, offset, any_rim):
     """The corners to fill with, as vertex indices, or None for the library to find them."""
+    if rim.round:
+        return []
     first = rim.first.index if rim.first else None
     if rim.corners:
         corners = [v.index for v in rim.corners]

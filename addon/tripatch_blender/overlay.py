@@ -77,7 +77,7 @@ def _shader():
     return _state.shader
 
 
-class _Drawn:
+class Drawn:
     """One object on the graphics card."""
 
     def __init__(self, made, turn):
@@ -144,7 +144,7 @@ def _drawn(ob, depsgraph, settings):
     stale = ob.name in _state.changed or (ob.data and ob.data.name in _state.changed)
     if known is None or stale or (known and known.turn != turn):
         made = shown.of_object(ob, depsgraph, settings)
-        known = _state.drawn[ob.name] = _Drawn(made, turn) if made else False
+        known = _state.drawn[ob.name] = Drawn(made, turn) if made else False
     return known or None
 
 
@@ -171,6 +171,15 @@ def _draw_surface():
     except Exception:  # one that leaves a callback would come again with every frame
         traceback.print_exc()
         stop()
+
+
+def draw_colored(drawn, place, view):
+    """A surface that has its own colors, lit, with lines."""
+    _draw_one(drawn, place, view, _PLAIN)
+
+
+class _PLAIN:  # settings of an overlay without stripes
+    surface, direction, density, opacity = "CURVATURE", (0, 0, 1), 1, 1.0
 
 
 def _draw_one(drawn, place, view, settings):
@@ -256,7 +265,7 @@ def _on_load(*_):
     _state.changed.clear()
 
 
-def _redraw():
+def redraw():
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
@@ -271,7 +280,7 @@ def start():
     _state.handles = [add(_draw_surface, (), "WINDOW", "POST_VIEW"), add(_draw_text, (), "WINDOW", "POST_PIXEL")]
     bpy.app.handlers.depsgraph_update_post.append(_on_change)
     bpy.app.handlers.load_pre.append(_on_load)
-    _redraw()
+    redraw()
 
 
 def stop():
@@ -285,18 +294,18 @@ def stop():
         if function in handlers:
             handlers.remove(function)
     _state.__init__()
-    _redraw()
+    redraw()
 
 
 def _renew(_settings, _context):
     """After a setting has changed."""
     _state.drawn.clear()
-    _redraw()
+    redraw()
 
 
 def _move(_settings, _context):
     """After one that only the shader asks for."""
-    _redraw()
+    redraw()
 
 
 class TripatchOverlay(bpy.types.PropertyGroup):

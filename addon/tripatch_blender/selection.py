@@ -31,6 +31,7 @@ class Rim:
     corners: list = field(default_factory=list)  # three BMVert that the user gave, or none
     first: object = None  # BMVert that is to be the first corner
     replaced: set = field(default_factory=set)  # BMFace of a region that the fill replaces
+    round: bool = False  # it is to have no corners
 
 
 def pairs(loop):

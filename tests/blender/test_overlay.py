@@ -141,7 +141,7 @@ def test_off_it_leaves_nothing(overlay):
 
 def test_only_what_has_changed_is_made_anew(overlay, monkeypatch):
     made = []
-    monkeypatch.setattr(overlay, "_Drawn", lambda shown, turn: SimpleNamespace(made=shown, turn=turn))
+    monkeypatch.setattr(overlay, "Drawn", lambda shown, turn: SimpleNamespace(made=shown, turn=turn))
     monkeypatch.setattr(overlay.shown, "of_object", lambda ob, *_: made.append(ob.name) or SimpleNamespace(told=[]))
     first, second = scenes.add_hole(), scenes.add_hole()
     first.name, second.name = "first", "second"

@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A hole that is being shaped by hand: corners, bulge by side, the middle. The mesh stays as it is until the end.
+
+Nothing here needs a window: the gizmos and the operators of the tool call what is here.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field
+
+from . import filling, selection, writeback
+from .library import np, tripatch
+from .selection import Rim, UnusableError
+
+#: Pixels within which a click still means a rim.
+REACH = 60
+#: Of the size of the hole: an arrow at bulge 1.
+ARROW = 0.25
+LEAST_BULGE = 0.05
+#: Vertices of a rim from which on the preview while dragging is coarser inside, so that a step stays fluent.
+_MANY = 72
+
+
+@dataclass
+class Shape:
+    """What can be changed, by hand or by undoing a drag."""
+
+    corners: list = field(default_factory=list)  # places in the rim, in its order
+    bulges: list = field(default_factory=list)  # for the part of the rim from each corner on; one where there are no corners
+    middle: float = 0.0  # of the fill, along its normal, in scene units
+    round: bool = False  # no corners are wanted
+
+
+class Shaping:
+    """One hole of one mesh in edit mode."""
+
+    def __init__(self, ob, bm, rim, arguments=None):
+        """UnusableError if there is nothing that could be filled. Indices must be up to date."""
+        if rim.replaced:
+            raise UnusableError("The tool shapes holes; delete the selected faces first")
+        self.name, self.arguments = ob.name, dict(arguments or {})
+        matrix = filling.world_matrix(ob.name, ob.matrix_world)
+        positions, faces, _ = selection.Surroundings(bm, matrix).around(rim)
+        used = sorted({v for face in faces for v in face})
+        number = {v: k for k, v in enumerate(used)}
+        self._positions, self._faces = positions[used], [[number[v] for v in face] for face in faces]
+        self.rim = [v.index for v in rim.loop]
+        self._loop = [number[v] for v in self.rim]
+        self._local = [tuple(v.co) for v in rim.loop]
+        self.points = self._positions[self._loop]  # (r, 3) of the rim, in the world
+        self.size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
+        self.shape = Shape()
+        self._start_corners(rim)
+        self.fill = self.refusal = None
+        self._before = None
+
+    def _start_corners(self, rim):
+        if rim.corners:
+            at = {v.index: k for k, v in enumerate(rim.loop)}
+            corners = sorted(at[v.index] for v in rim.corners)
+        else:
+            try:
+                found = tripatch.find_corners(self._positions, self._faces, self._loop)
+                corners = sorted(self._loop.index(v) for v in found.tolist())
+            except tripatch.Refusal:
+                corners = []
+        self.shape = Shape(corners, [1.0] * max(1, len(corners)), 0.0, not corners)
+
+    # Corners.
+
+    def nearest_place(self, screen, mouse, taken=()):
+        """The place in the rim that is nearest to the mouse, among those that are no other corner, and its distance in pixels.
+
+        screen: (r, 2) of the rim's vertices, nan behind the eye.
+        """
+        apart = np.linalg.norm(np.asarray(screen, float) - np.asarray(mouse, float), axis=1)
+        apart[~np.isfinite(apart)] = np.inf
+        apart[list(taken)] = np.inf
+        place = int(apart.argmin())
+        return place, float(apart[place])
+
+    def drag_corner(self, k, place):
+        """Moves corner k along the rim, not past its neighbors. Returns where it is."""
+        corners, count = self.shape.corners, len(self.rim)
+        if len(corners) > 1:
+            before, after = corners[k - 1], corners[(k + 1) % len(corners)]
+            span = (after - before) % count or count
+            step = (place - before) % count
+            if not 0 < step < span:
+                return corners[k]
+        corners[k] = place
+        return place
+
+    def set_round(self, on):
+        """No corners at all, or those that the rim has (three at equal distances where it has none)."""
+        if on == self.shape.round:
+            return
+        self.shape.round = on
+        if not on and not self.shape.corners:
+            self.shape.corners = self._thirds()
+        self.shape.bulges = [1.0] * (1 if on else len(self.shape.corners))
+
+    def _thirds(self):
+        steps = np.linalg.norm(np.roll(self.points, -1, axis=0) - self.points, axis=1)
+        along = np.concatenate([[0], np.cumsum(steps)[:-1]]) / steps.sum()
+        return sorted({int(np.abs(along - t).argmin()) for t in (0, 1 / 3, 2 / 3)})
+
+    def add_corner(self, place):
+        """A further corner, or one less where there is one."""
+        corners = self.shape.corners if not self.shape.round else []
+        corners = sorted(set(corners) ^ {place})
+        if len(corners) < 2:
+            self.set_round(True)
+            return
+        self.shape = Shape(corners, [1.0] * len(corners), self.shape.middle, False)
+
+    # Bulge and middle.
+
+    def set_bulge(self, k, value):
+        self.shape.bulges[k] = max(float(value), LEAST_BULGE)
+
+    def set_middle(self, value):
+        self.shape.middle = float(value)
+
+    # Drags.
+
+    def begin_drag(self):
+        self._before = copy.deepcopy(self.shape)
+
+    def cancel_drag(self):
+        if self._before is not None:
+            self.shape, self._before = self._before, None
+            self.preview()
+
+    def end_drag(self):
+        self._before = None
+        self.preview()
+
+    # The fill.
+
+    def _by_side(self):
+        """Bulges in the order of sides: of three, side i is opposite corner i."""
+        bulges = self.shape.bulges
+        if len(bulges) == 3 and not self.shape.round:
+            return bulges[1:] + bulges[:1]
+        return bulges
+
+    def options(self):
+        """The arguments of tripatch.fill that the shape makes."""
+        bulges = self._by_side()
+        given = dict(self.arguments, center_offset=self.shape.middle)
+        given["bulge"] = tuple(bulges) if len(bulges) == 3 else sum(bulges) / len(bulges)
+        return given
+
+    def corners(self):
+        """Places of the corners, none on a round rim."""
+        return [] if self.shape.round else self.shape.corners
+
+    def preview(self, quick=False):
+        """Fills, and keeps the fill or its refusal. quick: coarser inside, without fairing where that is a step of its own."""
+        given = self.options()
+        if quick:
+            given = self._quick(given)
+        try:
+            corners = [self._loop[k] for k in self.corners()]
+            self.fill, self.refusal = tripatch.fill(self._positions, self._faces, rim=self._loop, corners=corners, **given), None
+        except (tripatch.Refusal, ValueError) as reason:
+            self.refusal = str(reason)
+        return self.fill
+
+    def _quick(self, given):
+        if len(self.corners()) == 3 and given.get("method", "auto") in ("auto", "side_vertex"):
+            return given | {"method": "side_vertex", "fairing": None}
+        return given | {"resolution": 8} if len(self.rim) > _MANY else given
+
+    def surface(self):
+        """(vertices (n, 3), triangles (t, 3)) of the fill, with the mesh's own vertices as far as it uses them."""
+        vertices = np.vstack([self._positions, self.fill.vertices])
+        triangles = [(f[0], f[k], f[k + 1]) for f in self.fill.faces for k in range(1, len(f) - 1)]
+        return vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3)
+
+    # Where the handles are.
+
+    def side_handles(self):
+        """For each bulge: (place in the rim, its point, the direction into the hole)."""
+        corners, count = self.corners() or [0], len(self.rim)
+        middle, handles = self.points.mean(axis=0), []
+        for k, a in enumerate(corners):
+            length = (corners[(k + 1) % len(corners)] - a) % count or count
+            place = (a + length // 2) % count
+            away = middle - self.points[place]
+            handles.append((place, self.points[place], away / max(np.linalg.norm(away), 1e-30)))
+        return handles
+
+    def middle_handle(self):
+        """(point, normal) of the fill's middle without its offset."""
+        if self.fill is None or not len(self.fill.vertices):
+            return self.points.mean(axis=0), np.array([0.0, 0.0, 1.0])
+        rim, inside = writeback.parameters(self.fill)  # places in the domain: they stay where the surface moves
+        k = int(np.linalg.norm(inside - rim.mean(axis=0), axis=1).argmin())
+        normal = self.fill.normals[k]
+        return self.fill.vertices[k] - self.shape.middle * normal, normal
+
+    # The mesh.
+
+    def is_current(self, bm):
+        """Whether the mesh still has this rim, with its vertices where they were."""
+        if max(self.rim) >= len(bm.verts):
+            return False
+        bm.verts.ensure_lookup_table()
+        loop = [bm.verts[k] for k in self.rim]
+        if any(tuple(v.co) != co for v, co in zip(loop, self._local, strict=True)):
+            return False
+        return all(e is not None and e.is_boundary for e in selection.edges_of(bm, loop))
+
+    def write(self, ob, bm):
+        """Fills the hole in the mesh. Returns (filling.Outcome, new faces); UnusableError if the mesh has changed."""
+        bm.verts.index_update()
+        bm.faces.index_update()
+        if not self.is_current(bm):
+            raise UnusableError("The mesh has changed; choose the hole again")
+        loop = [bm.verts[k] for k in self.rim]
+        rim = Rim(loop, corners=[loop[k] for k in self.corners()], round=self.shape.round)
+        active = ob.active_shape_key.name if ob.active_shape_key else None
+        matrix = filling.world_matrix(ob.name, ob.matrix_world)
+        return filling.fill_rims(bm, ob.data, matrix, [rim], filling.Options(self.options()), active)
+
+
+def rims_at(bm, screen_of, mouse):
+    """The hole whose rim is nearest to the mouse, or None. screen_of: BMVert -> its pixel or None."""
+    best, reach = None, REACH
+    for rim in selection.all_rims(bm):
+        for v in rim.loop:
+            at = screen_of(v)
+            apart = float("inf") if at is None else ((at[0] - mouse[0]) ** 2 + (at[1] - mouse[1]) ** 2) ** 0.5
+            if apart < reach:
+                best, reach = rim, apart
+    return best
+
+
+def from_selection(ob, bm, arguments=None):
+    """A `Shaping` of the one hole that is selected. UnusableError if none or several are."""
+    bm.verts.index_update()
+    bm.faces.index_update()
+    rims, refused = selection.selected_rims(bm, selection.Selected(bm))
+    if refused:
+        raise UnusableError(refused[0])
+    if len(rims) != 1:
+        raise UnusableError(f"{len(rims)} holes are selected; the tool shapes one")
+    return Shaping(ob, bm, rims[0], arguments)

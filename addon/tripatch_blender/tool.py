@@ -1,0 +1,480 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tool of edit mode that shapes a hole by hand: what it shows, what mouse and keys do. What is done stands in shaping.py."""
+
+import traceback
+
+import bmesh
+import bpy
+import gpu
+from bpy.app.handlers import persistent
+from bpy.props import BoolProperty, EnumProperty, PointerProperty
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Matrix, Vector
+
+from . import library, overlay, shaping, shown
+from .library import np, quality
+
+_COLOR = (0.35, 0.62, 0.95)
+_RIM = (1.0, 0.75, 0.2, 1.0)
+_HINT = "Drag corners, arrows for bulge and the middle   Click: another hole   Ctrl Click: corner   Enter: fill   Esc: leave it"
+
+
+class _State:
+    """The hole that is being shaped."""
+
+    def __init__(self):
+        self.shaping = None
+        self.handle = self.drawn = None
+        self.problem = ""
+
+
+_state = _State()
+
+
+def current():
+    """The `Shaping` that is under way in this mode, or None."""
+    return _state.shaping
+
+
+def _object():
+    ob = bpy.context.scene.objects.get(_state.shaping.name) if _state.shaping else None
+    return ob if ob is not None and ob.mode == "EDIT" else None
+
+
+def start(made):
+    """Begins to shape a hole: shows the fill, changes nothing."""
+    stop()
+    _state.shaping = made
+    made.preview()
+    _state.handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+    changed()
+
+
+def stop():
+    """Ends it, and leaves nothing behind."""
+    if _state.handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_state.handle, "WINDOW")
+    _state.__init__()
+    overlay.redraw()
+
+
+def changed():
+    """After the fill was made anew."""
+    _state.drawn = None
+    _state.problem = _state.shaping.refusal or "" if _state.shaping else ""
+    overlay.redraw()
+
+
+def arguments(settings):
+    """Of tripatch.fill, as the tool's settings have them."""
+    return {"output": settings.output}
+
+
+def _drawn():
+    """The preview on the graphics card."""
+    if _state.drawn is None and _state.shaping.fill is not None:
+        vertices, triangles = _state.shaping.surface()
+        used = triangles.ravel()
+        normals = quality.corner_normals(vertices, triangles).reshape(-1, 3)
+        colors = np.ones((len(used), 4), np.float32)
+        colors[:, :3] = _COLOR
+        made = shown.Shown(vertices[used].astype(np.float32), normals.astype(np.float32), colors)
+        loop = _state.shaping.points
+        made.lines = np.stack([loop, np.roll(loop, -1, axis=0)], axis=1).reshape(-1, 3).astype(np.float32)
+        made.line_colors = np.tile(np.array(_RIM, np.float32), (len(made.lines), 1))
+        _state.drawn = overlay.Drawn(made, None)
+    return _state.drawn
+
+
+def _draw():
+    """In every 3D view, after the scene."""
+    try:
+        if _object() is None:
+            return
+        drawn = _drawn()
+        if drawn:
+            gpu.state.depth_test_set("LESS_EQUAL")
+            overlay.draw_colored(drawn, Vector(), bpy.context.region_data)
+            gpu.state.depth_test_set("NONE")
+    except Exception:  # one that leaves a callback would come again with every frame
+        traceback.print_exc()
+        stop()
+
+
+@persistent
+def _on_undo(*_):
+    """What was undone may have changed the rim."""
+    ob = _object()
+    if _state.shaping and (ob is None or not _state.shaping.is_current(bmesh.from_edit_mesh(ob.data))):
+        stop()
+
+
+@persistent
+def _on_load(*_):
+    stop()
+
+
+class TripatchTool(bpy.types.PropertyGroup):
+    """Settings of the tool."""
+
+    output: EnumProperty(
+        name="Output",
+        description="What the hole is filled with",
+        items=[("triangles", "Triangles", "Triangles as fine as the rim"), ("quads", "Quads", "Quads round one pole or more")],
+        update=lambda settings, _: _renew(settings),
+    )
+    round: BoolProperty(
+        name="Round",
+        description="The rim has no corners: the fill runs out of it the same way all around",
+        get=lambda _: bool(_state.shaping and _state.shaping.shape.round),
+        set=lambda _, on: _set_round(on),
+    )
+
+
+def _renew(settings):
+    if _state.shaping:
+        _state.shaping.arguments = arguments(settings)
+        _state.shaping.preview()
+        changed()
+
+
+def _set_round(on):
+    if _state.shaping:
+        _state.shaping.set_round(on)
+        _state.shaping.preview()
+        changed()
+
+
+def on_screen(context, point):
+    """Pixels of a point in the world, nan behind the eye."""
+    at = location_3d_to_region_2d(context.region, context.region_data, Vector(point))
+    return (float("nan"),) * 2 if at is None else (at.x, at.y)
+
+
+# Operators.
+
+
+class _OfTool:
+    @classmethod
+    def poll(cls, context):
+        return library.poll(cls, context, "EDIT_MESH", "Works on a mesh in edit mode")
+
+
+class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
+    """Choose the hole to be shaped: the one under the mouse, or the selected one"""
+
+    bl_idname = "mesh.shape_fill"
+    bl_label = "Shape Fill"
+    bl_options = {"INTERNAL"}
+
+    pick: BoolProperty(name="Under Mouse", description="The hole under the mouse, not the selected one", options={"SKIP_SAVE"})
+    corner: BoolProperty(name="Corner", description="Make the vertex under the mouse a corner, or none", options={"SKIP_SAVE"})
+
+    def invoke(self, context, event):
+        mouse = (event.mouse_region_x, event.mouse_region_y)
+        if self.corner and current():
+            screen = [on_screen(context, p) for p in current().points]
+            place, apart = current().nearest_place(screen, mouse)
+            if apart < shaping.REACH:
+                current().add_corner(place)
+                current().preview()
+                changed()
+            return {"FINISHED"}
+        if not self.pick:
+            return self.execute(context)
+        for ob in context.objects_in_mode:
+            bm = bmesh.from_edit_mesh(ob.data)
+            bm.verts.index_update()
+            bm.faces.index_update()
+            rim = shaping.rims_at(bm, lambda v, ob=ob: on_screen(context, ob.matrix_world @ v.co), mouse)
+            if rim:
+                return self._start(context, lambda ob=ob, bm=bm, rim=rim: shaping.Shaping(ob, bm, rim, self._arguments(context)))
+        return {"CANCELLED", "PASS_THROUGH"}
+
+    def execute(self, context):
+        ob = context.edit_object
+        bm = bmesh.from_edit_mesh(ob.data)
+        return self._start(context, lambda: shaping.from_selection(ob, bm, self._arguments(context)))
+
+    def _arguments(self, context):
+        return arguments(context.window_manager.tripatch_tool)
+
+    def _start(self, _context, make):
+        try:
+            start(make())
+        except shaping.UnusableError as reason:
+            self.report({"WARNING"}, str(reason))
+            return {"CANCELLED"}
+        if _state.problem:
+            self.report({"WARNING"}, _state.problem)
+        return {"FINISHED"}
+
+
+class MESH_OT_shape_fill_confirm(_OfTool, bpy.types.Operator):
+    """Fill the hole as it has been shaped"""
+
+    bl_idname = "mesh.shape_fill_confirm"
+    bl_label = "Fill as Shaped"
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and current() is not None
+
+    def execute(self, context):
+        ob, made = _object(), current()
+        if ob is None:
+            stop()
+            return {"CANCELLED"}
+        bm = bmesh.from_edit_mesh(ob.data)
+        selected = shaping.selection.Selected(bm)
+        try:
+            outcome, faces = made.write(ob, bm)
+        except shaping.UnusableError as reason:
+            self.report({"ERROR"}, str(reason))
+            return {"CANCELLED"}
+        if outcome.refused:
+            self.report({"WARNING"}, outcome.refused[0])
+            return {"CANCELLED"}
+        selected.replace(bm, faces)
+        bmesh.update_edit_mesh(ob.data)
+        stop()
+        self.report({"INFO"}, outcome.sentence())
+        return {"FINISHED"}
+
+
+class MESH_OT_shape_fill_cancel(_OfTool, bpy.types.Operator):
+    """Leave the hole as it is"""
+
+    bl_idname = "mesh.shape_fill_cancel"
+    bl_label = "Leave the Hole"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and current() is not None
+
+    def execute(self, context):
+        stop()
+        return {"FINISHED"}
+
+
+# Gizmos.
+
+_DISC = (
+    [(np.cos(a), np.sin(a), 0.0) for k in range(16) for a in (0, 2 * np.pi * k / 16, 2 * np.pi * (k + 1) / 16)]
+    if np is not None
+    else []
+)
+for _k in range(0, len(_DISC), 3):
+    _DISC[_k] = (0.0, 0.0, 0.0)
+
+
+class VIEW3D_GT_tripatch_corner(bpy.types.Gizmo):
+    """A corner that is dragged along the rim."""
+
+    bl_idname = "VIEW3D_GT_tripatch_corner"
+
+    __slots__ = ("number", "shape")
+
+    def setup(self):
+        if not hasattr(self, "shape"):
+            self.shape = self.new_custom_shape("TRIS", _DISC)
+            self.number = 0
+
+    def _facing(self, context):
+        """Towards the eye, some pixels large."""
+        turn = context.region_data.view_matrix.to_3x3().inverted().to_4x4()
+        return Matrix.Translation(self.matrix_basis.translation) @ turn @ Matrix.Scale(self.scale_basis * self._pixel(context), 4)
+
+    def _pixel(self, context):
+        """The length of a pixel at the corner."""
+        at = self.matrix_basis.translation
+        one = context.region_data.view_matrix.inverted().col[0].to_3d()
+        a, b = (Vector(on_screen(context, p)) for p in (at, at + one))
+        return 1 / max((b - a).length, 1e-6)
+
+    def draw(self, context):
+        self.draw_custom_shape(self.shape, matrix=self._facing(context))
+
+    def draw_select(self, context, select_id):
+        self.draw_custom_shape(self.shape, matrix=self._facing(context), select_id=select_id)
+
+    def invoke(self, _context, _event):
+        current().begin_drag()
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event, _tweak):
+        if current() is None:
+            return {"CANCELLED"}
+        if event.type == "MOUSEMOVE":
+            drag_to(context, self.number, (event.mouse_region_x, event.mouse_region_y))
+        return {"RUNNING_MODAL"}
+
+    def exit(self, _context, cancel):
+        if current() is not None:
+            (current().cancel_drag if cancel else current().end_drag)()
+            changed()
+
+
+def drag_to(context, number, mouse):
+    """Moves a corner to the vertex of the rim under the mouse; the fill follows where it has moved."""
+    made = current()
+    corners = made.shape.corners
+    screen = [on_screen(context, p) for p in made.points]
+    place, _ = made.nearest_place(screen, mouse, [c for k, c in enumerate(corners) if k != number])
+    before = corners[number]
+    if made.drag_corner(number, place) != before:
+        made.preview(quick=True)
+        changed()
+
+
+class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
+    """The handles of the hole that is being shaped."""
+
+    bl_idname = "VIEW3D_GGT_tripatch"
+    bl_label = "Shape Fill"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "WINDOW"
+    bl_options = {"3D", "SHOW_MODAL_ALL"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "EDIT_MESH"
+
+    def setup(self, _context):
+        self.corners, self.arrows, self.middle = [], [], None
+
+    def _corner(self, k):
+        gizmo = self.gizmos.new(VIEW3D_GT_tripatch_corner.bl_idname)
+        gizmo.color, gizmo.alpha = (0.95, 0.3, 0.15), 0.9
+        gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
+        gizmo.scale_basis, gizmo.use_draw_scale, gizmo.number = 8.0, False, k
+        return gizmo
+
+    def _arrow(self, get, put, color):
+        gizmo = self.gizmos.new("GIZMO_GT_arrow_3d")
+        gizmo.target_set_handler("offset", get=get, set=put)
+        gizmo.draw_style, gizmo.use_draw_value = "BOX", True
+        gizmo.color, gizmo.alpha = color, 0.8
+        gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
+        gizmo.scale_basis = 0.5
+        return gizmo
+
+    def _make(self, made):
+        """As many handles as the hole has corners and sides."""
+        count, sides = len(made.corners()), len(made.shape.bulges)
+        if len(self.corners) == count and len(self.arrows) == sides and self.middle is not None:
+            return
+        self.gizmos.clear()
+        self.corners = [self._corner(k) for k in range(count)]
+        self.arrows = [self._arrow(*bulge_handlers(k), (0.3, 0.8, 0.4)) for k in range(sides)]
+        self.middle = self._arrow(*middle_handlers(), (0.35, 0.6, 1.0))
+
+    def refresh(self, context):
+        self.draw_prepare(context)
+
+    def draw_prepare(self, context):
+        made = current()
+        if made is None or _object() is None:
+            self.gizmos.clear()
+            self.corners, self.arrows, self.middle = [], [], None
+            return
+        self._make(made)
+        for gizmo, place in zip(self.corners, made.corners()):
+            gizmo.matrix_basis = Matrix.Translation(Vector(made.points[place]))
+        handles = [(point, direction) for _, point, direction in made.side_handles()] + [made.middle_handle()]
+        for gizmo, (point, direction) in zip((*self.arrows, self.middle), handles):
+            turn = Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4()
+            gizmo.matrix_basis = Matrix.Translation(Vector(point)) @ turn
+
+
+def bulge_handlers(k):
+    """What an arrow of a side reads and writes: its offset in scene units."""
+
+    def get():
+        made = current()
+        return made.shape.bulges[k] * shaping.ARROW * made.size if made and k < len(made.shape.bulges) else 0.0
+
+    def put(value):
+        made = current()
+        if made and k < len(made.shape.bulges):
+            made.set_bulge(k, value / (shaping.ARROW * made.size))
+            made.preview(quick=True)
+            changed()
+
+    return get, put
+
+
+def middle_handlers():
+    def get():
+        return current().shape.middle if current() else 0.0
+
+    def put(value):
+        if current():
+            current().set_middle(value)
+            current().preview(quick=True)
+            changed()
+
+    return get, put
+
+
+class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
+    bl_space_type = "VIEW_3D"
+    bl_context_mode = "EDIT_MESH"
+    bl_idname = "tripatch.shape_fill"
+    bl_label = "Shape Fill"
+    bl_description = "Fill a hole and shape the fill by hand.\n" + _HINT.replace("   ", ". ")
+    bl_icon = "ops.mesh.dupli_extrude_cursor"
+    bl_widget = "VIEW3D_GGT_tripatch"
+    bl_keymap = (
+        ("mesh.shape_fill", {"type": "LEFTMOUSE", "value": "CLICK"}, {"properties": [("pick", True)]}),
+        ("mesh.shape_fill", {"type": "LEFTMOUSE", "value": "CLICK", "ctrl": True}, {"properties": [("corner", True)]}),
+        ("mesh.shape_fill_confirm", {"type": "RET", "value": "PRESS"}, None),
+        ("mesh.shape_fill_confirm", {"type": "NUMPAD_ENTER", "value": "PRESS"}, None),
+        ("mesh.shape_fill_cancel", {"type": "ESC", "value": "PRESS"}, None),
+    )
+
+    def draw_settings(context, layout, _tool):  # noqa: N805  Blender calls it so
+        settings, made = context.window_manager.tripatch_tool, current()
+        layout.prop(settings, "output")
+        if made is None:
+            layout.operator("mesh.shape_fill", text="Shape Selected Hole")
+            return
+        layout.prop(settings, "round")
+        layout.operator("mesh.shape_fill_confirm", text="Fill")
+        layout.operator("mesh.shape_fill_cancel", text="Leave")
+        if _state.problem:
+            layout.label(text=_state.problem, icon="ERROR")
+
+
+_classes = (
+    TripatchTool,
+    MESH_OT_shape_fill,
+    MESH_OT_shape_fill_confirm,
+    MESH_OT_shape_fill_cancel,
+    VIEW3D_GT_tripatch_corner,
+    VIEW3D_GGT_tripatch,
+)
+_HANDLERS = (("undo_post", _on_undo), ("redo_post", _on_undo), ("load_pre", _on_load))
+
+
+def register():
+    for cls in _classes:
+        bpy.utils.register_class(cls)
+    bpy.types.WindowManager.tripatch_tool = PointerProperty(type=TripatchTool)
+    for name, function in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(function)
+    if not bpy.app.background:
+        bpy.utils.register_tool(TRIPATCH_TOOL_shape, after={"builtin.poly_build"}, separator=True)
+
+
+def unregister():
+    stop()
+    if not bpy.app.background:
+        bpy.utils.unregister_tool(TRIPATCH_TOOL_shape)
+    for name, function in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(function)
+    del bpy.types.WindowManager.tripatch_tool
+    for cls in reversed(_classes):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,207 @@
+"""The tool that shapes a hole: what gizmos and keys call. That they call it is tried in a window (tests/gui)."""
+
+import sys
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+@pytest.fixture
+def shaping(addon):
+    return sys.modules[addon.__name__ + ".shaping"]
+
+
+@pytest.fixture
+def tool(addon):
+    module = sys.modules[addon.__name__ + ".tool"]
+    yield module
+    module.stop()
+
+
+def begun(shaping, ob, *selected):
+    (bm,) = scenes.edit(ob)
+    bm.verts.ensure_lookup_table()
+    scenes.select(bm, [bm.verts[k] for k in selected])
+    return bm, shaping.from_selection(ob, bm)
+
+
+def lattice_hole(shaping, **size):
+    """A hole of three corners, its rim selected."""
+    ob = scenes.add_hole(**size)
+    (bm,) = scenes.edit(ob)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    return ob, bm, shaping.from_selection(ob, bm)
+
+
+def test_it_starts_with_the_corners_that_the_rim_has(shaping):
+    _, bm, made = lattice_hole(shaping)
+    assert len(made.shape.corners) == 3 and not made.shape.round and made.shape.bulges == [1, 1, 1]
+    gaps = np.diff([*made.shape.corners, made.shape.corners[0] + len(made.rim)])
+    assert gaps.tolist() == [4, 4, 4]
+    assert made.preview() and not made.refusal
+    assert made.surface()[1].max() < len(made.surface()[0])
+
+
+def test_isolated_selected_vertices_are_the_corners_two_or_more(shaping):
+    for chosen in ([0, 12], [0, 8, 16], [0, 6, 12, 18]):
+        _, made = begun(shaping, scenes.add_mesh(*scenes.ring()), *chosen)
+        assert sorted(made.rim[k] for k in made.shape.corners) == chosen
+        assert made.preview() is not None, made.refusal
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_a_rim_without_corners_is_round_and_can_be_given_some(shaping):
+    ob = scenes.add_mesh(*scenes.ring())
+    (bm,) = scenes.edit(ob)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    made = shaping.from_selection(ob, bm)
+    assert made.shape.round and made.corners() == [] and len(made.side_handles()) == 1
+    assert made.preview().report.corners == []
+    made.set_round(False)
+    assert len(made.corners()) == 3 and len(made.shape.bulges) == 3
+    gaps = np.diff([*made.corners(), made.corners()[0] + 24])
+    assert gaps.tolist() == [8, 8, 8]
+    made.add_corner(made.corners()[0] + 2)
+    assert len(made.corners()) == 4 == len(made.shape.bulges)
+    made.set_round(True)
+    assert made.corners() == []
+
+
+def test_a_corner_is_dragged_along_the_rim_but_not_past_another(shaping):
+    _, _, made = lattice_hole(shaping)
+    start = list(made.shape.corners)
+    screen = made.points[:, :2] * 400 + 500
+    target = (start[0] + 2) % 12
+    place, apart = made.nearest_place(screen, screen[target] + 3)
+    assert place == target and apart == pytest.approx(3 * np.sqrt(2))
+    assert made.drag_corner(0, place) == target
+    assert made.drag_corner(0, start[1]) == target and made.drag_corner(0, (start[1] + 1) % 12) == target
+    assert made.nearest_place(screen, screen[start[1]], taken=[start[1]])[0] != start[1]
+    screen[target] = np.nan
+    assert made.nearest_place(screen, (0, 0))[0] != target, "what is behind the eye cannot be meant"
+
+
+def test_escape_brings_back_what_was_before_the_drag(shaping):
+    _, _, made = lattice_hole(shaping)
+    made.preview()
+    before, vertices = list(made.shape.corners), made.fill.vertices.copy()
+    made.begin_drag()
+    made.drag_corner(0, (before[0] + 1) % 12)
+    made.set_bulge(1, 2.5)
+    made.set_middle(0.1)
+    made.preview(quick=True)
+    assert made.fill.vertices.shape != vertices.shape or np.abs(made.fill.vertices - vertices).max() > 1e-3
+    made.cancel_drag()
+    assert made.shape.corners == before and made.shape.bulges == [1, 1, 1] and made.shape.middle == 0
+    assert (made.fill.vertices == vertices).all()
+
+
+def test_the_arrow_of_a_side_bulges_the_fill_at_that_side(shaping):
+    _, _, made = lattice_hole(shaping, size=24, holes=((7, 7, 9),))
+    made.preview()
+    flat = made.fill.vertices.copy()
+    for k in range(3):
+        made.shape.bulges = [1.0] * 3
+        made.set_bulge(k, 2)
+        made.preview()
+        moved = np.linalg.norm(made.fill.vertices - flat, axis=1)
+        near = [np.argsort(np.linalg.norm(flat - p, axis=1))[:3] for _, p, _ in made.side_handles()]
+        by_side = [moved[n].mean() for n in near]
+        assert int(np.argmax(by_side)) == k, by_side
+    made.set_bulge(0, -3)
+    assert made.shape.bulges[0] > 0
+
+
+def test_the_arrow_of_the_middle_moves_the_middle_along_its_normal(shaping):
+    _, _, made = lattice_hole(shaping, size=24, holes=((7, 7, 9),))
+    made.preview()
+    at, normal = made.middle_handle()
+    for quick in (True, False):
+        made.set_middle(0.1)
+        made.preview(quick)
+        assert not made.refusal
+        moved = made.middle_handle()[0] + 0.1 * made.middle_handle()[1]
+        assert (moved - at) @ normal == pytest.approx(0.1, abs=0.02)
+
+
+def test_what_is_shown_is_what_is_written_in_one_step_of_undo(shaping, tool):
+    ob, bm, made = lattice_hole(shaping)
+    name = ob.name
+    bpy.ops.ed.undo_push(message="before")
+    before = scenes.state(name)
+    tool.start(shaping.from_selection(bpy.data.objects[name], bmesh.from_edit_mesh(bpy.data.objects[name].data)))
+    made = tool.current()
+    made.set_bulge(0, 1.7)
+    made.set_middle(0.05)
+    made.preview()
+    shown = made.fill.vertices
+    assert scenes.state(name) == before, "the mesh is not touched"
+    tool.start(shaping.from_selection(bpy.data.objects[name], bmesh.from_edit_mesh(bpy.data.objects[name].data)))
+    tool.current().shape = made.shape
+    assert bpy.ops.mesh.shape_fill_confirm("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert tool.current() is None
+    mesh = np.array([v.co for v in bmesh.from_edit_mesh(bpy.data.objects[name].data).verts])
+    assert max(np.linalg.norm(mesh - p, axis=1).min() for p in shown) < 1e-6
+    bpy.ops.ed.undo_push(message="after")
+    bpy.ops.ed.undo()
+    bpy.ops.ed.undo()
+    assert scenes.state(name)["vertices"] == before["vertices"]
+
+
+def test_a_round_fill_is_written_without_corners(shaping, tool):
+    ob = scenes.add_mesh(*scenes.ring())
+    (bm,) = scenes.edit(ob)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    assert bpy.ops.mesh.shape_fill() == {"FINISHED"}
+    assert bpy.context.window_manager.tripatch_tool.round
+    assert bpy.ops.mesh.shape_fill_confirm() == {"FINISHED"}
+    assert len(scenes.border_loops(bmesh.from_edit_mesh(ob.data))) == 1
+
+
+def test_leaving_it_leaves_the_mesh(shaping, tool):
+    ob, _, _ = lattice_hole(shaping)
+    before = scenes.state(ob.name)
+    assert bpy.ops.mesh.shape_fill() == {"FINISHED"} and tool.current() is not None
+    assert bpy.ops.mesh.shape_fill_cancel() == {"FINISHED"} and tool.current() is None
+    assert scenes.state(ob.name) == before
+    assert not bpy.ops.mesh.shape_fill_confirm.poll() and tool._state.handle is None
+
+
+def test_a_mesh_that_has_changed_is_not_written_to(shaping, tool):
+    ob, bm, _ = lattice_hole(shaping)
+    bpy.ops.mesh.shape_fill()
+    loop = scenes.border_loops(bm)[0]
+    loop[0].co.z += 0.1
+    assert not tool.current().is_current(bm)
+    with pytest.raises(RuntimeError, match="The mesh has changed; choose the hole again"):
+        bpy.ops.mesh.shape_fill_confirm()
+    tool._on_undo()
+    assert tool.current() is None
+
+
+def test_a_click_means_the_nearest_rim_within_reach(shaping):
+    points, faces, _ = scenes.lattice_parts(size=18, holes=((2, 2, 4), (9, 3, 4)))
+    ob = scenes.add_mesh(scenes.bowl(points), faces)
+    (bm,) = scenes.edit(ob)
+    bm.verts.index_update()
+
+    def screen(v):
+        return v.co.x * 800, v.co.y * 800
+
+    loops = scenes.border_loops(bm)[:2]
+    for loop in loops:
+        x, y = screen(loop[3])
+        assert set(shaping.rims_at(bm, screen, (x + 2, y + 2)).loop) == set(loop)
+    assert shaping.rims_at(bm, screen, (9000, 9000)) is None
+    assert shaping.rims_at(bm, lambda v: None, (0, 0)) is None
+
+
+def test_what_cannot_be_shaped_is_said(shaping):
+    ob = scenes.add_mesh(scenes.bowl(scenes.lattice_parts()[0]), sum(scenes.lattice_parts()[1:], []))
+    (bm,) = scenes.edit(ob, mode="FACE")
+    scenes.select(bm, faces=list(bm.faces)[-4:])
+    with pytest.raises(ValueError, match="delete the selected faces first|reach the border|borders"):
+        shaping.from_selection(ob, bm)
