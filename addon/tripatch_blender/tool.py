@@ -14,7 +14,7 @@ from mathutils import Matrix, Vector
 from . import library, overlay, shaping, shown
 from .library import np, quality
 
-_COLOR = (0.35, 0.62, 0.95)
+_COLOR = (0.16, 0.36, 0.62)
 _RIM = (1.0, 0.75, 0.2, 1.0)
 _HINT = "Drag corners, arrows for bulge and the middle   Click: another hole   Ctrl Click: corner   Enter: fill   Esc: leave it"
 
@@ -275,12 +275,12 @@ class VIEW3D_GT_tripatch_corner(bpy.types.Gizmo):
 
     bl_idname = "VIEW3D_GT_tripatch_corner"
 
-    __slots__ = ("number", "shape")
+    __slots__ = ("number", "seen", "shape")
 
     def setup(self):
         if not hasattr(self, "shape"):
             self.shape = self.new_custom_shape("TRIS", _DISC)
-            self.number = 0
+            self.number, self.seen = 0, Matrix()
 
     def _facing(self, context):
         """Towards the eye, some pixels large."""
@@ -295,10 +295,12 @@ class VIEW3D_GT_tripatch_corner(bpy.types.Gizmo):
         return 1 / max((b - a).length, 1e-6)
 
     def draw(self, context):
-        self.draw_custom_shape(self.shape, matrix=self._facing(context))
+        self.seen = self._facing(context)
+        self.draw_custom_shape(self.shape, matrix=self.seen)
 
-    def draw_select(self, context, select_id):
-        self.draw_custom_shape(self.shape, matrix=self._facing(context), select_id=select_id)
+    def draw_select(self, _context, select_id):
+        # As it was drawn: while Blender picks, the view's matrices are those of a few pixels round the mouse.
+        self.draw_custom_shape(self.shape, matrix=self.seen, select_id=select_id)
 
     def invoke(self, _context, _event):
         current().begin_drag()
