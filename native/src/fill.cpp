@@ -26,6 +26,9 @@ namespace {
 /// Degrees between the tangent planes of two sides at their corner from which on a person is told.
 constexpr double corner_mismatch_warned = 1;
 
+/// Edges of a rim that a face beside it is as long as, from which on it is a strip: twice the diagonal of two squares.
+constexpr double strip = 4;
+
 class Stopwatch {
 public:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -162,6 +165,38 @@ bool is_shaped(const FillOptions& options) {
          std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
 }
 
+std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<Hole>& holes, const FillOptions& options);
+
+/// Whether faces beside the hole are many times as long as its rim's edges.
+bool has_strips(const Ground& ground, const Hole& hole) {
+  const Points vertices = ground.mesh.vertices(hole.rim, Eigen::all);
+  const Index n = vertices.rows();
+  for (Index k = 0; k < n; ++k) {
+    const double edge = (vertices.row(k) - vertices.row((k + 1) % n)).norm();
+    for (const Connectivity::Corner c : ground.left.at(hole.rim[k]))
+      for (Index v : ground.mesh.faces[ground.left.face(c)])
+        if ((ground.mesh.vertices.row(v) - vertices.row(k)).norm() > strip * edge) return true;
+  }
+  return false;
+}
+
+/// A vertex on an edge of an odd rim leaves the face beside it an n-gon, whose limit goes no way along a strip as that of its neighbors
+/// does: beside long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
+std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const std::vector<Hole>& holes,
+                                                   const FillOptions& options, std::vector<Fill> fills) {
+  const auto folds = [](const Fill& fill) { return fill.report.folds + fill.report.triangles_folded; };
+  if (holes.size() != 1 || options.odd != Odd::split || holes[0].rim.size() % 2 == 0 || folds(fills[0]) == 0 ||
+      !has_strips(ground, holes[0]))
+    return fills;
+  FillOptions triangle = options;
+  triangle.odd = Odd::triangle;
+  std::vector<Fill> others = fill_with_cages(ground, holes, triangle);
+  if (folds(others[0]) >= folds(fills[0])) return fills;
+  others[0].report.warnings.push_back(
+      "The rim is odd, and with an edge of it split the fill would fold beside long faces: it has a triangle instead");
+  return others;
+}
+
 /// The path of cages, fitted together: layouts, the fairest cages on them, patches between their sides, the cages fitted to these.
 std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<Hole>& holes, const FillOptions& options) {
   CageOptions cage_options;
@@ -190,7 +225,7 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<Hole>&
     if (follows) cages.report_energies(h, fills[h].report);
     complete_report(holes[h], options, {0, 0, 0}, fills[h].report);
   }
-  return fills;
+  return with_triangle_if_that_folds_less(ground, holes, options, std::move(fills));
 }
 
 Refused refused(const Refusal& refusal) { return {refusal.what(), refusal.where()}; }

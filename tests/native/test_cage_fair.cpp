@@ -54,7 +54,10 @@ Points repaired(const Grid& given, int first, int last, FairHole& hole) {
   for (const Sums& s : sums) together.push_back(&s);
   system.prepare(together);
   hole.size = 1;
-  for (std::size_t k = 0; k < sums.size(); ++k) (inside[k] ? hole.inside : hole.around).push_back(face_shape(sums[k], false));
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    hole.even.push_back(face_shape(sums[k], false));
+    if (inside[k]) hole.inside.push_back(hole.even.back());
+  }
   Points start(static_cast<Index>(free.size()), 3);
   for (std::size_t k = 0; k < free.size(); ++k) start.row(static_cast<Index>(k)) = vertices.row(free[k]);
   std::vector<FairHole> holes = {hole};

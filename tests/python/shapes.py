@@ -1,5 +1,7 @@
 """Meshes and cages that several tests use."""
 
+from itertools import pairwise
+
 import numpy as np
 
 
@@ -66,3 +68,27 @@ def octant(n=8, rings=3):
         + [vertex(m, 0, n - m) for m in range(n)]
     )
     return np.array(vertices), faces, rim
+
+
+def bevelled_corner(segments, width=0.2):
+    """The corner (1, 1, 1) of a cube of 1 whose three edges there are bevelled round: strips of long quads. The hole is where they meet.
+    Vertices, faces, rim and corners."""
+    points, index, faces = [], {}, []
+
+    def vertex(p):
+        key = tuple(np.round(p, 9))
+        if key not in index:
+            index[key] = len(points)
+            points.append(np.asarray(p, float))
+        return index[key]
+
+    axes, angles = np.eye(3), np.linspace(0, np.pi / 2, segments + 1)
+    arcs = [[1 - width + width * (np.cos(a) * axes[k] + np.sin(a) * axes[k - 2]) for a in angles] for k in range(3)]
+    for k, near in enumerate(arcs):
+        far = [p * (1 - axes[k - 1]) for p in near]
+        faces += [[vertex(p) for p in (b, a, c, d)] for (a, b), (c, d) in zip(pairwise(near), pairwise(far))]
+        faces.append([vertex(p) for p in (np.zeros(3), axes[k - 2], *far[::-1], axes[k])])
+    for k in range(3):  # what is left of the flat side across axis k
+        along, across = (1 - width) * axes[k - 2], (1 - width) * axes[k - 1]
+        faces.append([vertex(p) for p in (axes[k], axes[k] + along, axes[k] + along + across, axes[k] + across)])
+    return np.array(points), faces, [vertex(p) for arc in arcs for p in arc[:-1]], [vertex(arc[0]) for arc in arcs]

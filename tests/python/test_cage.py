@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
-from shapes import corner_removed, cube_sphere, octant
+from shapes import bevelled_corner, corner_removed, cube_sphere, octant
 from tripatch import _arrays, _native
 
 
@@ -303,3 +303,14 @@ def test_a_cage_is_the_same_whichever_corner_is_the_first(cage_rim):
         apart = np.linalg.norm(first.vertices[:, None] - other.vertices, axis=-1).min(axis=1)
         assert apart.max() < 1e-9 * diameter
         assert other.report.cage_deviation_rms == pytest.approx(first.report.cage_deviation_rms, rel=1e-6)
+
+
+@pytest.mark.parametrize("segments", [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12])
+def test_the_cage_of_a_bevelled_corner_stays_within_the_cube(segments):
+    """Strips many times as long as the fill's faces: uniform B-splines would go on into the hole by their length."""
+    vertices, faces, rim, corners = bevelled_corner(segments)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage")
+    limit, _ = fill.limit(2)
+    assert limit.min() > 0.5 and limit.max() <= 1  # the corner of a cube from 0 to 1, bevelled by 0.2
+    assert fill.report.triangles_folded == 0
+    assert fill.report.folds == 0 or segments >= 10  # of the patch, between the cage's corners; the cage itself does not fold

@@ -115,16 +115,15 @@ FaceShape face_shape(const Sums& positions, bool triangle) {
 
 void add_third_derivatives(const CageSystem& system, const FairHole& hole, const Points& free, double weight,
                            CageSystem::Term& term) {
-  for (const auto* faces : {&hole.inside, &hole.around})
-    for (const FaceShape& face : *faces) {
-      const Points now = face.derivatives.at(free);
-      for (Index row = 0; row < now.rows(); ++row) {
-        const Index d = row % 9;
-        if (d < 5) continue;
-        const double w = weight * face.area * (d == 6 || d == 7 ? 3 : 1);
-        system.add(term, face.derivatives, row, w * Eigen::Matrix3d::Identity(), now.row(row));
-      }
+  for (const FaceShape& face : hole.even) {
+    const Points now = face.derivatives.at(free);
+    for (Index row = 0; row < now.rows(); ++row) {
+      const Index d = row % 9;
+      if (d < 5) continue;
+      const double w = weight * face.area * (d == 6 || d == 7 ? 3 : 1);
+      system.add(term, face.derivatives, row, w * Eigen::Matrix3d::Identity(), now.row(row));
     }
+  }
 }
 
 Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>& holes, const CageSystem::Term& held,

@@ -2,14 +2,19 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/smoothstep.h"
 
 namespace tripatch {
 namespace {
 
 constexpr int samples = 4;  ///< a row of each face: what face_shape takes its polynomials from
+/// Times as long across the rim as the fill's own faces: from there on a face of the surroundings is a strip, by twice that for certain.
+constexpr double uneven = 2.5;
 
 Points unit_normals(const Points& pu, const Points& pv) {
   Points normals(pu.rows(), 3);
@@ -30,8 +35,55 @@ void sample_inside(const CageSurfaces& surfaces, const QuadLayout& layout, Index
   for (std::size_t k = 0; k < coordinates.size(); ++k) hole.coordinates.row(static_cast<Index>(k)) = coordinates[k];
 }
 
+/// The surroundings as they would be if none of their faces were longer across the rim than the fill's are: a uniform B-spline knows no
+/// other spacing, and its least third derivatives would carry strips of the length of a bevel on into the hole.
+class EvenSurroundings {
+public:
+  EvenSurroundings(const CageSurfaces& surfaces, const Hole& hole, const std::vector<Index>& ring)
+      : vertices_(surfaces.closed.vertices) {
+    const Points& given = surfaces.closed.vertices;
+    const std::size_t n = hole.rim.size();
+    std::map<Index, double> depth;  // of the fill's faces at a vertex of the rim: the layout's are as long as its edges
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto edge = [&](std::size_t e) { return (given.row(hole.rim[e % n]) - given.row(hole.rim[(e + 1) % n])).norm(); };
+      depth[hole.rim[k]] = std::max(edge(k), edge(k + n - 1));
+    }
+    for (Index f : ring) {
+      const auto face = surfaces.closed.faces[f];
+      for (Index v : face) {
+        if (depth.contains(v)) continue;
+        Index near = -1;
+        double distance = INFINITY;
+        for (Index r : face)
+          if (depth.contains(r) && (given.row(v) - given.row(r)).norm() < distance) {
+            near = r;
+            distance = (given.row(v) - given.row(r)).norm();
+          }
+        if (near < 0) continue;
+        const double ratio = distance / depth[near];
+        longest_[f] = std::max(longest_[f], ratio);
+        if (ratio > uneven) vertices_.row(v) = given.row(near) + (given.row(v) - given.row(near)) / ratio;
+      }
+    }
+  }
+
+  /// From 1 for a face of the ring that is about as long as the fill's to 0 for one that is much longer.
+  double evenness(Index face) const {
+    const auto found = longest_.find(face);
+    return found == longest_.end() ? 1 : 1 - smoothstep(found->second / uneven - 1);
+  }
+
+  FaceShape shape(const CageSystem& system, const LimitStencils& stencils, bool loop) const {
+    return face_shape(system.sums(stencils.vertices, stencils.p, vertices_), loop);
+  }
+
+private:
+  Points vertices_;
+  std::map<Index, double> longest_;
+};
+
 void sample_outside(const CageSurfaces& surfaces, const Hole& hole, const std::array<std::vector<Index>, 2>& rings,
-                    double corner_trust, HoleSamples& samples) {
+                    const EvenSurroundings& even, double corner_trust, HoleSamples& samples) {
   std::set<Index> corners;
   for (Index c : hole.corners) corners.insert(hole.rim[c]);
   samples.first_ring = rings[0].size();
@@ -45,20 +97,24 @@ void sample_outside(const CageSurfaces& surfaces, const Hole& hole, const std::a
       const Points vertices = surfaces.given.vertices(before.vertices, Eigen::all);
       samples.outside.push_back({f, surfaces.system.sums(now.vertices, now.p), before.p * vertices,
                                  unit_normals(before.pu * vertices, before.pv * vertices),
-                                 corner && !samples.region ? corner_trust : 1});
+                                 corner && !samples.region ? corner_trust : 1, even.evenness(f)});
     }
 }
 
 /// The shape of the faces that the scheme knows as its own: quads, with Loop's triangles.
-FairHole shape_of(const CageSurfaces& surfaces, const Hole& hole, const HoleSamples& samples) {
+FairHole shape_of(const CageSurfaces& surfaces, const Hole& hole, const EvenSurroundings& even, const HoleSamples& samples) {
   FairHole shape;
   shape.size = diameter(surfaces.given, hole.rim);
   const std::size_t corners = surfaces.loop ? 3 : 4;
-  for (const SampledFace& face : samples.inside)
-    if (surfaces.closed.faces[face.face].size() == corners) shape.inside.push_back(face_shape(face.limit, surfaces.loop));
+  for (std::size_t k = 0; k < samples.inside.size(); ++k) {
+    if (surfaces.closed.faces[samples.inside[k].face].size() != corners) continue;
+    shape.inside.push_back(face_shape(samples.inside[k].limit, surfaces.loop));
+    shape.even.push_back(even.shape(surfaces.system, samples.stencils[k], surfaces.loop));
+  }
   for (std::size_t k = 0; k < samples.first_ring; ++k) {
     const SampledFace& face = samples.outside[k];
-    if (surfaces.closed.faces[face.face].size() == corners) shape.around.push_back(face_shape(face.limit, surfaces.loop));
+    if (surfaces.closed.faces[face.face].size() == corners && even.evenness(face.face) == 1)
+      shape.even.push_back(face_shape(face.limit, surfaces.loop));
   }
   return shape;
 }
@@ -123,8 +179,9 @@ HoleSamples sample_hole(const CageSurfaces& surfaces, const CageHole& hole, Inde
   HoleSamples samples;
   samples.region = region;
   sample_inside(surfaces, hole.layout, first_face, samples);
-  sample_outside(surfaces, hole.hole, rings, corner_trust, samples);
-  samples.shape = shape_of(surfaces, hole.hole, samples);
+  const EvenSurroundings even(surfaces, hole.hole, rings[0]);
+  sample_outside(surfaces, hole.hole, rings, even, corner_trust, samples);
+  samples.shape = shape_of(surfaces, hole.hole, even, samples);
   return samples;
 }
 

@@ -18,13 +18,17 @@ CageSystem::CageSystem(const Points& vertices, std::vector<Index> free)
 }
 
 Sums CageSystem::sums(const std::vector<Index>& vertices, const Weights& weights) const {
+  return sums(vertices, weights, vertices_);
+}
+
+Sums CageSystem::sums(const std::vector<Index>& vertices, const Weights& weights, const Points& places) const {
   Sums result;
   std::vector<Index> columns;
   result.rest = Points::Zero(weights.rows(), 3);
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     const Index column = static_cast<Index>(k);
     if (slot_[vertices[k]] < 0) {
-      result.rest += weights.col(column) * vertices_.row(vertices[k]);
+      result.rest += weights.col(column) * places.row(vertices[k]);
     } else {
       result.slots.push_back(slot_[vertices[k]]);
       columns.push_back(column);

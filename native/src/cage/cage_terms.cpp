@@ -53,7 +53,7 @@ void add_surroundings(const CageSystem& system, const Points& free, const HoleSa
     if (face.limit.slots.empty()) continue;
     const Points now = face.limit.at(free);
     for (Index k = 0; k < now.rows(); ++k)
-      system.add(term, face.limit, k, metric(face.normal.row(k), face.trust * across, face.trust * along),
+      system.add(term, face.limit, k, metric(face.normal.row(k), face.trust * across, face.trust * face.along * along),
                  now.row(k) - face.target.row(k));
   }
 }
@@ -67,7 +67,7 @@ void hold_surroundings(const CageSystem& system, const Points& free, const HoleS
     if (face.trust < 1 || face.limit.slots.empty()) continue;
     const Points now = face.limit.at(free);
     for (Index k = 0; k < now.rows(); ++k)
-      system.add(term, face.limit, k, Eigen::Matrix3d::Identity() / (count * tolerated * tolerated),
+      system.add(term, face.limit, k, metric(face.normal.row(k), 1, face.along) / (count * tolerated * tolerated),
                  now.row(k) - face.target.row(k));
   }
 }

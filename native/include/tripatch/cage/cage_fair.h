@@ -22,12 +22,15 @@ struct FaceShape {
 FaceShape face_shape(const Sums& positions, bool triangle);
 
 struct FairHole {
-  std::vector<FaceShape> inside, around;  ///< the hole's faces, and those that touch the rim from outside
-  double size = 0;                        ///< of the hole, scene units
-  double before = 0, after = 0;           ///< the energy, see fair_cage
+  std::vector<FaceShape> inside;  ///< the hole's faces
+  /// The same faces and those that touch the rim from outside, where all are about as long across the rim: what parameters run on. Of
+  /// longer ones only what lies as near to the rim as the fill's own faces are deep.
+  std::vector<FaceShape> even;
+  double size = 0;               ///< of the hole, scene units
+  double before = 0, after = 0;  ///< the energy, see fair_cage
 };
 
-/// Adds weight times the integral of squared third derivatives, inside and around.
+/// Adds weight times the integral of squared third derivatives of the even faces.
 void add_third_derivatives(const CageSystem& system, const FairHole& hole, const Points& free, double weight,
                            CageSystem::Term& term);
 

@@ -24,6 +24,7 @@ struct SampledFace {
   Sums limit;
   Points target, normal;  ///< outside: of the old limit surface
   double trust = 1;       ///< times the weight of these distances
+  double along = 1;       ///< times that of distances along the surface: nothing on strips much longer than the fill's faces
 };
 
 /// A hole's samples, while its cage is fitted.

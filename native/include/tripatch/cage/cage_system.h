@@ -28,6 +28,8 @@ public:
 
   const std::vector<Index>& free() const { return free_; }
   Sums sums(const std::vector<Index>& vertices, const Weights& weights) const;
+  /// The same with those that are not free in other places.
+  Sums sums(const std::vector<Index>& vertices, const Weights& weights, const Points& places) const;
 
   /// A sum of squares |A y + b|^2 in the movement y of the free vertices, three unknowns a slot: y' h y + 2 g' y + c.
   struct Term {
