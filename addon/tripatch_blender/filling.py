@@ -326,7 +326,7 @@ def _plan_group(bm, rims, matrix, options, active_shape, cages, modifier):
     bm.verts.index_update()
     bm.faces.index_update()
     ob = modifier.id_data if modifier else None
-    made = subdivision.cage_before(ob, bm, modifier) if modifier else bm
+    made = subdivision.cage_before(ob, bm, modifier, rims) if modifier else bm
     try:
         there = [subdivision.in_cage(ob, made, bm, rim) for rim in rims]
         around, keys = Surroundings(made, matrix), _shapes(bm, matrix, active_shape, len(made.verts))
@@ -386,8 +386,13 @@ def holes(bm, matrix, outer=False):
     around, rims = Surroundings(bm, matrix), selection.all_rims(bm)
     if len(rims) < 2 or outer:
         return rims
-    inner = [rim for rim in rims if not tripatch.is_outer_border(*around.around(rim)[:2], [v.index for v in rim.loop])]
-    return inner or rims
+    return [rim for rim in rims if not is_outer(bm, matrix, rim, around)] or rims
+
+
+def is_outer(bm, matrix, rim, around=None):
+    """Whether a rim is an outer border of the mesh."""
+    around = around or Surroundings(bm, matrix)
+    return tripatch.is_outer_border(*around.around(rim)[:2], [v.index for v in rim.loop])
 
 
 def three_sided(bm, matrix, rims):

@@ -12,8 +12,10 @@ from . import (
     layers,
     library,
     live,
+    mirrored,
     panel,
     properties,
+    seam,
     selection,
     sentences,
     subdivision,
@@ -181,6 +183,35 @@ class FillSmooth(Construction):
         value = getattr(self, name)
         return value == none or not self.properties.is_property_set(name) or value == getattr(self, "computed_" + name)
 
+    def _fill_halves(self, ob, bm, matrix, options, halves, selected):
+        """Fills the holes that a Mirror modifier cuts in half."""
+        outcome, kept = filling.Outcome(), []
+        modifier = subdivision.usable(ob) if self.output == "cage" else None
+        active = ob.active_shape_key.name if ob.active_shape_key else None
+        for half in halves:
+            own = [v.index for v in half[1]]
+            with mirrored.image_of(bm, half) as (rim, keep):
+                if rim and not selected.vertices and not self.outer and filling.is_outer(bm, matrix, rim):
+                    continue
+                if rim is None:
+                    made = filling.Outcome(refused=[filling.Refused("The hole at the mirror plane is not whole", own)])
+                else:
+                    made, new_faces = filling.fill_rims(bm, ob.data, matrix, [rim], options, active, modifier)
+                    new_faces = keep(new_faces)
+                    made.faces = len(new_faces)
+                    kept += new_faces
+            for each in made.refused:
+                each.vertices, each.ob = own, ob
+            outcome.add(made)
+            if made.reports:
+                seam.remember(bm, ob.data.name, [])
+        if not outcome.reports and not outcome.refused:
+            raise selection.UnusableError("The mesh has no hole")
+        if kept:
+            selected.replace(bm, kept)
+            bmesh.update_edit_mesh(ob.data)
+        return outcome
+
     def _options(self):
         arguments = self.construction() | {option.name: getattr(self, option.name) for option in self._applying()}
         self._computes = self._is_computed(*(("resolution", 0) if self.output == "triangles" else ("rows", -1)))
@@ -276,9 +307,12 @@ class FillSmooth(Construction):
         bm.faces.index_update()
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         selected = selection.Selected(bm)
+        options = self._options()
+        halves = mirrored.half_rims(ob, bm, bool(selected.vertices)) if any(m.type == "MIRROR" for m in ob.modifiers) else []
+        if halves and self.surroundings != "limit" and not self.keep_live:
+            return self._fill_halves(ob, bm, matrix, options, halves, selected)
         rims, refused = self._rims(bm, matrix, selected)
         refused = [filling.Refused.because(reason, ob) for reason in refused]
-        options = self._options()
         if options.arguments.get("surroundings") == "limit":
             outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)
             outcome.refused += refused

@@ -33,9 +33,14 @@ def modifier_of(ob):
     return next((m for m in ob.modifiers if m.type == "SUBSURF" and m.show_viewport), None)
 
 
+def _is_shown(ob, modifier):
+    """Whether the viewport shows what a modifier does, in the mode that its object is in."""
+    return modifier.show_viewport and (ob.mode != "EDIT" or modifier.show_in_editmode)
+
+
 def usable(ob, limit=False):
-    """`modifier_of`, or UnusableError if its cage is not the object's own mesh, or (limit) if its surface is changed; for what
-    changes the cage there is `cage_before`."""
+    """`modifier_of`, or UnusableError if it does not smooth, or (limit) if its surface is changed; for what changes the cage there
+    is `cage_before`."""
     modifier = modifier_of(ob)
     if modifier is None:
         if limit:
@@ -50,11 +55,6 @@ def usable(ob, limit=False):
     for other in ob.modifiers:
         if other == modifier:
             before = False
-        elif other.show_viewport and before and not limit and other.type not in _HARMLESS_BEFORE:
-            raise UnusableError(
-                f"The modifier '{other.name}' of {ob.name} changes the cage before it is subdivided; apply it, or choose "
-                "Output: Triangles and Surroundings: Mesh"
-            )
         elif other.show_viewport and limit and not before:
             if other.type not in _HARMLESS_AFTER or (other.type == "MIRROR" and any(other.use_bisect_axis)):
                 raise UnusableError(f"The modifier '{other.name}' of {ob.name} changes the subdivided surface; hide or apply it")
@@ -63,38 +63,80 @@ def usable(ob, limit=False):
     return modifier
 
 
-def cage_before(ob, bm, modifier):
-    """The cage that the modifiers before make of a BMesh: the BMesh itself, or a new one in which it comes first, vertices and
-    faces (a mirror image follows it). UnusableError if they leave nothing of it."""
-    stack = list(ob.modifiers)
-    changing = [m.name for m in stack[: stack.index(modifier)] if m.show_viewport and m.type not in _HARMLESS]
-    if not changing:
-        return bm
+def _evaluated(ob, bm, names, read):
+    """What `read` takes from the mesh that these modifiers of an object make of a BMesh."""
     mesh = bpy.data.meshes.new("TriPatch")
     bm.to_mesh(mesh)
     twin = ob.copy()
     twin.data = mesh
     bpy.context.scene.collection.objects.link(twin)
     try:
-        for other in list(twin.modifiers)[stack.index(modifier) :]:
-            twin.modifiers.remove(other)
+        for other in list(twin.modifiers):
+            if other.name not in names:
+                twin.modifiers.remove(other)
         evaluated = twin.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        made = bmesh.new()
-        made.from_mesh(evaluated.to_mesh())
+        result = read(evaluated.to_mesh())
         evaluated.to_mesh_clear()
     finally:
         bpy.data.objects.remove(twin)
         bpy.data.meshes.remove(mesh)
+    return result
+
+
+def _as_bmesh(mesh):
+    made = bmesh.new()
+    made.from_mesh(mesh)
+    return made
+
+
+def _points(mesh):
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3)
+
+
+def _stays(points, places):
+    """Whether there is a point at each of some places, to what single precision leaves of their extent."""
+    within = 1e-5 * max(np.ptp(places, axis=0).max(), 1e-12)
+    near = points[((points > places.min(axis=0) - within) & (points < places.max(axis=0) + within)).all(axis=1)]
+    return all(len(near) and np.abs(near - place).max(axis=1).min() <= within for place in places)
+
+
+def _changes(ob, modifier, verb):
+    return UnusableError(
+        f"The modifier '{modifier.name}' of {ob.name} {verb}; apply it, turn it off in edit mode, or choose "
+        "Output: Triangles and Surroundings: Mesh"
+    )
+
+
+def cage_before(ob, bm, modifier, rims=None):
+    """The cage that the modifiers before make of a BMesh: the BMesh itself, or a new one in which it comes first, vertices and
+    faces (a mirror image follows it). UnusableError if they leave nothing of it.
+
+    rims: of a cage that is to be filled in the BMesh itself: of what else modifiers do only that counts which moves them, in the
+    mode that the object is in.
+    """
+    stack = list(ob.modifiers)
+    changing = [m for m in stack[: stack.index(modifier)] if m.show_viewport and m.type not in _HARMLESS]
+    if rims is not None:
+        changing = [m for m in changing if _is_shown(ob, m)]
+        places = np.array([v.co for rim in rims for v in rim.loop], dtype=np.float64)
+        others = [m for m in changing if m.type not in _HARMLESS_BEFORE]
+        names = [m.name for m in changing]
+        if others and not _stays(_evaluated(ob, bm, names, _points), places):
+            moving = [m for k, m in enumerate(changing) if not _stays(_evaluated(ob, bm, names[: k + 1], _points), places)]
+            raise _changes(ob, moving[0], "moves the rim before the cage is subdivided")
+        changing = [m for m in changing if m not in others]
+    if not changing:
+        return bm
+    made = _evaluated(ob, bm, [m.name for m in changing], _as_bmesh)
     for elements in (made.verts, made.edges, made.faces):
         elements.ensure_lookup_table()
         elements.index_update()
     same = len(made.verts) >= len(bm.verts) and len(made.faces) >= len(bm.faces)
     if not same or any([v.index for v in f.verts] != [v.index for v in g.verts] for f, g in zip(bm.faces, made.faces)):
         made.free()
-        raise UnusableError(
-            f"The modifier '{changing[0]}' of {ob.name} changes the cage before it is subdivided; apply it, or choose "
-            "Output: Triangles and Surroundings: Mesh"
-        )
+        raise _changes(ob, changing[0], "changes the cage before it is subdivided")
     return made
 
 

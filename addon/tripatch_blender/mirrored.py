@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Holes that a Mirror modifier cuts in half: the mesh has one half of the rim, the modifier makes the other.
+
+The surroundings of the half are mirrored into the BMesh for a moment, so that the hole is whole and is filled as any other; then the
+fill is cut where it meets its image, and what was only there for the moment goes again.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bmesh
+from mathutils import Matrix, Vector
+
+from . import selection
+
+# Of the mean length of the edges of a fill: vertices that are nearer to the mirror plane are put on it, else slivers would be cut.
+_NEAR = 0.25
+
+
+@dataclass
+class _Plane:
+    """A mirror plane in an object's own space."""
+
+    point: Vector
+    normal: Vector
+    within: float  # vertices that are as near count as on it
+
+    def height(self, co):
+        return (co - self.point).dot(self.normal)
+
+    def on(self, co):
+        return co - self.height(co) * self.normal
+
+    def image(self, co):
+        return co - 2 * self.height(co) * self.normal
+
+
+def _planes(ob):
+    """Those of the Mirror modifiers that join a mesh to its image."""
+    for modifier in ob.modifiers:
+        if modifier.type != "MIRROR" or not (modifier.show_viewport and modifier.use_mirror_merge):
+            continue
+        other = modifier.mirror_object
+        matrix = ob.matrix_world.inverted_safe() @ other.matrix_world if other else Matrix()
+        for axis in range(3):
+            if modifier.use_axis[axis]:
+                normal = matrix.to_3x3().inverted_safe().transposed().col[axis].normalized()
+                yield _Plane(matrix.translation.copy(), normal, max(modifier.merge_threshold, 1e-6))
+
+
+def _chain(start, plane, on_plane):
+    """The border vertices from one on the plane, along an edge off it, to the next on it; empty where that is not clear."""
+    chain = [start]
+    ahead = [e for e in start.link_edges if e.is_boundary and not all(v in on_plane for v in e.verts)]
+    if len(ahead) != 1:
+        return []
+    edge = ahead[0]
+    while True:
+        chain.append(edge.other_vert(chain[-1]))
+        if chain[-1] in on_plane:
+            return chain
+        further = [e for e in chain[-1].link_edges if e.is_boundary and e is not edge]
+        if len(further) != 1:
+            return []
+        edge = further[0]
+
+
+def half_rims(ob, bm, selected):
+    """[(plane, chain of vertices)] of the holes that a Mirror cuts in half, and that are selected, or all if nothing is.
+
+    Between two of them on one plane the mesh lies on it; a mesh that only touches the plane has none.
+    """
+    found = []
+    for plane in _planes(ob):
+        border = {v for e in bm.edges if e.is_boundary for v in e.verts}
+        on_plane = {v for v in border if abs(plane.height(v.co)) <= plane.within}
+        joined = {v for v in on_plane for e in v.link_edges if e.is_boundary and e.other_vert(v) in on_plane}
+        done = set()
+        for start in sorted(joined, key=lambda v: v.index):
+            if start in done:
+                continue
+            chain = _chain(start, plane, on_plane)
+            if chain and chain[-1] in joined and chain[-1] is not start:
+                done |= {chain[0], chain[-1]}
+                if not selected or any(v.select for v in chain[1:-1]):
+                    found.append((plane, chain))
+    return found
+
+
+def _around(vertices):
+    """The faces around that a fill reads."""
+    front, seen, faces = list(vertices), set(vertices), set()
+    for _ in range(selection.RINGS):
+        ring = {f for v in front for f in v.link_faces} - faces
+        faces |= ring
+        front = {v for f in ring for v in f.verts} - seen
+        seen |= front
+    return sorted(faces, key=lambda f: f.index)
+
+
+def _add_image(bm, faces, plane):
+    """Mirrors faces into the BMesh, joined to it on the plane. Returns the new vertices."""
+    edges, own = {e for f in faces for e in f.edges}, {v for f in faces for v in f.verts}
+    made = bmesh.ops.duplicate(bm, geom=[*faces, *edges, *own])
+    vertices = [g for g in made["geom"] if isinstance(g, bmesh.types.BMVert)]
+    copies = [g for g in made["geom"] if isinstance(g, bmesh.types.BMFace)]
+    original = {made["vert_map"][v]: v for v in own}
+    for v in vertices:
+        v.co = plane.image(v.co)
+        for layer in bm.verts.layers.shape.values():
+            v[layer] = plane.image(v[layer])
+    bmesh.ops.reverse_faces(bm, faces=copies)
+    on_plane = {v: original[v] for v in vertices if abs(plane.height(original[v].co)) <= plane.within}
+    bmesh.ops.weld_verts(bm, targetmap=on_plane)
+    return [v for v in vertices if v.is_valid]
+
+
+def _whole_rim(chain):
+    """The rim of the whole hole once the image is there, or None."""
+    held = set(chain)
+    loops = [loop for loop in selection.border_loops(chain[1:2]) if held <= set(loop)]
+    return selection.Rim(loops[0]) if len(loops) == 1 else None
+
+
+@contextmanager
+def image_of(bm, half):
+    """The Rim of the whole hole inside, with the image of its surroundings in the BMesh, and a function that cuts new faces and
+    returns those of this half."""
+    plane, chain = half
+    side = 1 if sum(plane.height(v.co) for v in chain) > 0 else -1
+    bm.faces.index_update()
+    image = _add_image(bm, _around(chain), plane)
+    bm.verts.index_update()
+    bm.faces.index_update()
+    cut = []
+
+    def keep(faces):
+        cut.extend(_cut(bm, faces, plane, side, set(image) | set(chain)))
+        return cut
+
+    try:
+        yield _whole_rim(chain), keep
+    finally:
+        bmesh.ops.delete(bm, geom=[v for v in image if v.is_valid], context="VERTS")
+        bm.verts.index_update()
+        bm.faces.index_update()
+        cut[:] = [f for f in cut if f.is_valid]
+
+
+def _cut(bm, faces, plane, side, old):
+    """Cuts the faces of a fill at the plane and removes those beyond it; returns those that stay."""
+    inside = {v for f in faces for v in f.verts} - old
+    edges = {e for f in faces for e in f.edges}
+    near = _NEAR * sum(e.calc_length() for e in edges) / max(len(edges), 1)
+    for v in inside:
+        if abs(plane.height(v.co)) < near:
+            v.co = plane.on(v.co)
+    new_edges = {e for e in edges if any(v in inside for v in e.verts) or not e.is_boundary}
+    count = {len(f.verts) for f in faces}
+    geometry = [*faces, *new_edges, *{v for f in faces for v in f.verts}]
+    made = bmesh.ops.bisect_plane(bm, geom=geometry, dist=1e-6, plane_co=plane.point, plane_no=plane.normal)
+    for element in made["geom_cut"]:
+        if isinstance(element, bmesh.types.BMVert):
+            element.co = plane.on(element.co)
+    pieces = {f for f in (*faces, *made["geom"]) if isinstance(f, bmesh.types.BMFace) and f.is_valid}
+    beyond = [f for f in pieces if side * plane.height(f.calc_center_median()) < 0]
+    kept = pieces - set(beyond)
+    bmesh.ops.delete(bm, geom=beyond, context="FACES")
+    if count == {3}:
+        larger = [f for f in kept if len(f.verts) > 3]
+        kept -= set(larger)
+        kept |= set(bmesh.ops.triangulate(bm, faces=larger)["faces"]) if larger else set()
+    return sorted((f for f in kept if f.is_valid), key=lambda f: f.index)

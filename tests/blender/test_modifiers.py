@@ -1,0 +1,182 @@
+"""Modifiers before the subdivision that leave the rim where it is do not hinder a cage; a Mirror that cuts the hole in half."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+from test_subdivision import add_cage
+
+smooth = bpy.ops.mesh.fill_smooth
+
+
+def cage(change):
+    """A cube sphere's cage with a hole, under a modifier and a Subdivision modifier, in edit mode with nothing selected."""
+    ob = add_cage(levels=None)
+    change(ob)
+    ob.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    bpy.context.view_layer.objects.active = ob
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    return ob
+
+
+def armature(ob):
+    bones = bpy.data.objects.new("Bones", bpy.data.armatures.new("Bones"))
+    bpy.context.collection.objects.link(bones)
+    ob.modifiers.new("Armature", "ARMATURE").object = bones
+
+
+def bevel(ob):
+    ob.modifiers.new("Bevel", "BEVEL").limit_method = "WEIGHT"
+
+
+def solidify(ob):
+    ob.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.05
+
+
+def mirror(ob):
+    ob.modifiers.new("Mirror", "MIRROR").use_axis = (False, False, False)
+
+
+def nodes(ob):
+    ob.modifiers.new("Nodes", "NODES").node_group = None
+
+
+def cast(ob, **options):
+    modifier = ob.modifiers.new("Cast", "CAST")
+    modifier.factor = 0.9
+    modifier.cast_type = "CYLINDER"
+    for name, value in options.items():
+        setattr(modifier, name, value)
+
+
+def hidden_in_edit_mode(ob):
+    cast(ob, show_in_editmode=False)
+
+
+def hidden(ob):
+    cast(ob, show_viewport=False)
+
+
+@pytest.mark.parametrize("change", [armature, bevel, solidify, mirror, nodes, hidden_in_edit_mode, hidden])
+def test_what_leaves_the_rim_alone_does_not_hinder_a_cage(change):
+    results = []
+    for each in (change, lambda ob: None):
+        ob = cage(each)
+        old = len(ob.data.vertices)
+        names = set(bpy.data.objects.keys()), set(bpy.data.meshes.keys())
+        assert smooth() == {"FINISHED"}
+        assert (set(bpy.data.objects.keys()), set(bpy.data.meshes.keys())) == names
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert not scenes.border_loops(scenes.checked(ob))
+        results.append(np.array([v.co for v in ob.data.vertices]))
+        assert len(results[-1]) > old
+    np.testing.assert_allclose(*results, atol=1e-6)
+
+
+def test_what_moves_the_rim_is_named():
+    ob = cage(cast)
+    before = [tuple(v.co) for v in bmesh.from_edit_mesh(ob.data).verts]
+    with pytest.raises(RuntimeError, match="The modifier 'Cast' of Cage.* moves the rim before the cage is subdivided; .*edit mode"):
+        smooth()
+    assert [tuple(v.co) for v in bmesh.from_edit_mesh(ob.data).verts] == before
+
+
+def height(x, y):
+    return 0.4 * np.cos(1.2 * x) * np.cos(y) + 0.1 * y
+
+
+def add_half(n=20, **values):
+    """The half x >= 0 of a sheet that a Mirror modifier completes, with a round hole on the mirror plane."""
+    steps = np.linspace(-1, 1, n + 1)
+    points = np.array([(x, y, height(x, y)) for y in steps for x in steps if x >= -1e-9])
+    columns = n // 2 + 1
+    faces = [
+        [j * columns + i, j * columns + i + 1, (j + 1) * columns + i + 1, (j + 1) * columns + i]
+        for j in range(n)
+        for i in range(columns - 1)
+    ]
+    faces = [f for f in faces if np.linalg.norm(points[f, :2].mean(axis=0)) > 0.42]
+    used = sorted({v for f in faces for v in f})
+    new = {v: k for k, v in enumerate(used)}
+    ob = scenes.add_mesh(points[used], [[new[v] for v in f] for f in faces], name="Half")
+    ob.modifiers.new("Mirror", "MIRROR").use_axis = (True, False, False)
+    return ob
+
+
+def evaluated(ob):
+    bpy.context.view_layer.update()
+    made = ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    bm = bmesh.new()
+    bm.from_mesh(made)
+    return bm
+
+
+@pytest.mark.parametrize("choice", ["nothing", "rim", "one vertex"])
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_half_of_a_hole_on_the_mirror_plane_is_filled_and_meets_its_image(output, choice):
+    ob = add_half()
+    old, first = len(ob.data.vertices), [tuple(v.co) for v in ob.data.vertices]
+    (bm,) = scenes.edit(ob)
+    rim = [v for v in bm.verts if v.is_boundary and np.hypot(*v.co.xy) < 0.7]
+    if choice == "rim":
+        scenes.select(bm, rim)
+    elif choice == "one vertex":
+        scenes.select(bm, [max(rim, key=lambda v: v.co.x)])
+    assert smooth(output=output) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not ob.data.validate(verbose=True)
+    points = np.array([v.co for v in ob.data.vertices])
+    assert [tuple(p) for p in points[:old].tolist()] == first and len(points) > old
+    new = points[old:]
+    assert new[:, 0].min() == 0 and (new[:, 0] == 0).sum() >= 2, "vertices on the plane, none beyond"
+    assert np.abs(new[:, 2] - height(new[:, 0], new[:, 1])).max() < 5e-3
+    assert sum(p.select for p in ob.data.polygons) == len([p for p in ob.data.polygons if p.index >= 0 and p.select])
+    whole = evaluated(ob)
+    loops = scenes.border_loops(whole)
+    assert len(loops) == 1 and len(loops[0]) == 80, "only the outer border of the sheet is left"
+    middle = [e for e in whole.edges if all(abs(v.co.x) < 1e-6 and np.hypot(*v.co.xy) < 0.41 for v in e.verts)]
+    assert middle and all(len(e.link_faces) == 2 for e in middle)
+    assert max(np.degrees(e.calc_face_angle()) for e in middle) < 8  # faces of this size: a smooth surface has that
+
+
+def test_attributes_of_a_half():
+    ob = add_half()
+    uv = ob.data.uv_layers.new(name="UV")
+    for loop, data in zip(ob.data.loops, uv.data, strict=True):
+        data.uv = ob.data.vertices[loop.vertex_index].co.xy
+    for name in "AB":
+        ob.data.materials.append(bpy.data.materials.new(name))
+    for p in ob.data.polygons:
+        p.material_index = int(p.center.y > 0)
+    old = len(ob.data.polygons)
+    scenes.edit(ob)
+    assert smooth() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    mesh = ob.data
+    new = list(mesh.polygons)[old:]
+    assert {p.material_index for p in new} == {0, 1}
+    assert all(p.material_index == (p.center.y > 0) for p in new if abs(p.center.y) > 0.15)
+    assert len({tuple(v.co) for v in mesh.vertices}) == len(mesh.vertices), "nothing of the image is left"
+
+
+def test_a_half_that_cannot_be_filled_is_left_as_it_was():
+    ob = add_half()
+    scenes.edit(ob)
+    count = len(ob.data.vertices), len(ob.data.polygons)
+    with pytest.raises(RuntimeError, match="Rim has"):
+        smooth(method="side_vertex")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert (len(ob.data.vertices), len(ob.data.polygons)) == count
+    assert not ob.data.validate(verbose=True)
+
+
+def test_a_hole_off_the_plane_is_filled_as_any_other():
+    points, faces = scenes.lattice()
+    ob = scenes.add_mesh(scenes.bowl(points) + [3, 0, 0], faces)
+    ob.modifiers.new("Mirror", "MIRROR")
+    scenes.edit(ob)
+    assert smooth() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(scenes.border_loops(scenes.checked(ob))) == 1
