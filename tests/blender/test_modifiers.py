@@ -46,7 +46,7 @@ def nodes(ob):
 def cast(ob, **options):
     modifier = ob.modifiers.new("Cast", "CAST")
     modifier.factor = 0.9
-    modifier.cast_type = "CYLINDER"
+    modifier.cast_type, modifier.show_in_editmode = "CYLINDER", True
     for name, value in options.items():
         setattr(modifier, name, value)
 
