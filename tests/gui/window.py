@@ -1,4 +1,5 @@
-"""Run by tests/gui/run in a Blender window: a hole is filled from the Face menu, the redo panel opened and used, all undone."""
+"""Run by tests/gui/run in a Blender window, by mouse and keys: a hole is filled from the Face menu, the redo panel opened and used,
+all undone; filled by the key, by the search, from the context menu; a refusal is read and corrected in the panel; repeated elsewhere."""
 
 import os
 import sys
@@ -103,6 +104,94 @@ def last_operator():
     return operators[-1] if operators else None
 
 
+def sheet(name):
+    """A bent sheet with a hole of four sides, in edit mode with its rim selected."""
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=14, y_subdivisions=14, size=4)
+    ob = bpy.context.object
+    ob.name = name
+    for v in ob.data.vertices:
+        v.co.z = 0.2 * v.co.x**2 - 0.1 * v.co.y**2 + 0.5
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_mode(type="EDGE")
+    bm = bmesh.from_edit_mesh(ob.data)
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if max(map(abs, f.calc_center_median().xy)) < 0.6], context="FACES")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    for e in bm.edges:
+        e.select = e.is_boundary and max(map(abs, e.verts[0].co.xy)) < 1
+    bm.select_flush_mode()
+    bmesh.update_edit_mesh(ob.data)
+    bpy.ops.ed.undo_push(message=name)
+    return ob
+
+
+def row_from_below(w, number):
+    """Over the field of a row of the redo panel, counted from its last."""
+    hud = w.region("HUD")
+    return hud.x + 200, hud.y + 18 + 23 * number
+
+
+def refusal_and_correction(w):
+    """A method of three sides on a hole of four: the panel says so, and another method fills it."""
+    with bpy.context.temp_override(window=w.window, area=w.area(), region=w.region("WINDOW")):
+        sheet("Sheet")
+        before = counts()
+        assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, method="side_vertex", show_advanced=True) == {"FINISHED"}
+    yield
+    yield
+    w.picture("blender-refusal.png")
+    assert counts() == before, "nothing but the selection has changed"
+    assert "Rim has 4 corners" in last_operator().reasons
+    bm = bmesh.from_edit_mesh(bpy.context.view_layer.objects.active.data)
+    assert sum(v.select for v in bm.verts) == 4, "the corners are selected"
+    place = row_from_below(w, 5)
+    w.move(*place)
+    yield
+    w.press("BACK_SPACE")  # Method: its default
+    yield
+    yield
+    w.picture("blender-corrected.png")
+    assert last_operator().method == "auto" and last_operator().reasons == ""
+    assert counts()[1] == before[1] - 20 or counts()[1] < before[1], "filled"
+    w.move(*w.middle())
+    yield
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before, "one undo step"
+    w.press("Z", ctrl=True, shift=True)
+    yield
+    yield
+    assert counts()[1] < before[1]
+
+
+def repeated_elsewhere(w, _coarse):
+    """Shift R on another mesh chooses anew what was automatic."""
+    with bpy.context.temp_override(window=w.window, area=w.area(), region=w.region("WINDOW")):
+        sheet("Other")
+        before = counts()
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0)
+    yield
+    first = last_operator().resolution
+    assert first > 1 and counts()[1] < before[1]
+    with bpy.context.temp_override(window=w.window, area=w.area(), region=w.region("WINDOW")):
+        ob = sheet("Finer")
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.subdivide(number_cuts=1)
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bm = bmesh.from_edit_mesh(ob.data)
+        for e in bm.edges:
+            e.select = e.is_boundary and max(map(abs, e.verts[0].co.xy)) < 1
+        bmesh.update_edit_mesh(ob.data)
+        bpy.ops.ed.undo_push(message="Finer")
+        repeated = bpy.context.window_manager.operators[-1]
+        assert repeated.bl_idname != "MESH_OT_fill_smooth" or repeated.resolution == first
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True)
+    yield
+    assert last_operator().resolution == 2 * first, f"{last_operator().resolution} beside {first} on half as fine a mesh"
+
+
 def story():
     """One step between two yields, so that Blender handles the events."""
     w = Window()
@@ -174,6 +263,43 @@ def story():
     yield
     yield
     assert counts() == coarse, "redone"
+    w.press("Z", ctrl=True)
+    yield
+
+    w.press("F", ctrl=True, alt=True)
+    yield
+    yield
+    assert counts() == coarse, "the key fills, with the density that was chosen"
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before
+
+    w.press("F3")
+    yield
+    for letter in "smooth fill":
+        w.window.event_simulate(type="SPACE" if letter == " " else letter.upper(), value="PRESS", unicode=letter)
+        w.window.event_simulate(type="SPACE" if letter == " " else letter.upper(), value="RELEASE")
+    yield
+    yield
+    w.picture("blender-search.png")
+    w.press("RET")
+    yield
+    yield
+    assert last_operator().bl_idname == "MESH_OT_fill_smooth" and counts() == coarse, "the search finds it"
+    w.press("Z", ctrl=True)
+    yield
+
+    w.window.event_simulate(type="RIGHTMOUSE", value="PRESS", x=int(w.middle()[0]), y=int(w.middle()[1]))
+    w.window.event_simulate(type="RIGHTMOUSE", value="RELEASE", x=int(w.middle()[0]), y=int(w.middle()[1]))
+    yield
+    yield
+    w.picture("blender-context-menu.png")
+    w.press("ESC")
+    yield
+
+    yield from refusal_and_correction(w)
+    yield from repeated_elsewhere(w, coarse)
 
 
 steps = story()
