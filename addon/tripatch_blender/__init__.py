@@ -26,3 +26,5 @@ def register():
 def unregister():
     for module in reversed(_modules):
         module.unregister()
+    if hasattr(library, "vendored"):
+        library.vendored.forget()

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The geometry: NumPy and the tripatch package, or the sentence that says what is missing."""
 
-import os
-import sys
+import contextlib
 
-# The classic zip carries the unpacked wheel; an extension's wheel is installed by Blender.
-_unpacked = os.path.join(os.path.dirname(__file__), "_vendor")
-if os.path.isdir(_unpacked) and _unpacked not in sys.path:
-    sys.path.append(_unpacked)
+with contextlib.suppress(ImportError):
+    from . import vendored  # noqa: F401  in the classic zip only; an extension's wheel is installed by Blender
 
 #: One sentence for the user, empty when all is there.
 missing = ""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Holes that a Mirror modifier cuts in half: the mesh has one half of the rim, the modifier makes the other.
 
-The surroundings of the half are mirrored into the BMesh for a moment, so that the hole is whole and is filled as any other; then the
-fill is cut where it meets its image, and what was only there for the moment goes again.
+The surroundings of the half are mirrored into the BMesh for a moment, so that the hole is whole and is filled as any other; then
+the fill is cut where it meets its image, and what was only there for the moment goes again.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from mathutils import Matrix, Vector
 
 from . import selection
 
-# Of the mean length of the edges of a fill: vertices that are nearer to the mirror plane are put on it, else slivers would be cut.
+# Of the mean length of a fill's edges: vertices that are nearer to the mirror plane are put on it, else slivers would be cut.
 _NEAR = 0.25
 
 

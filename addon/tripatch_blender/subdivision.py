@@ -39,8 +39,8 @@ def _is_shown(ob, modifier):
 
 
 def usable(ob, limit=False):
-    """`modifier_of`, or UnusableError if it does not smooth, or (limit) if its surface is changed; for what changes the cage there
-    is `cage_before`."""
+    """`modifier_of`, or UnusableError if it does not smooth, or (limit) if its surface is changed; for what changes the cage
+    there is `cage_before`."""
     modifier = modifier_of(ob)
     if modifier is None:
         if limit:

@@ -78,7 +78,9 @@ def test_what_leaves_the_rim_alone_does_not_hinder_a_cage(change):
 def test_what_moves_the_rim_is_named():
     ob = cage(cast)
     before = [tuple(v.co) for v in bmesh.from_edit_mesh(ob.data).verts]
-    with pytest.raises(RuntimeError, match="The modifier 'Cast' of Cage.* moves the rim before the cage is subdivided; .*edit mode"):
+    with pytest.raises(
+        RuntimeError, match="The modifier 'Cast' of Cage.* moves the rim before the cage is subdivided; .*edit mode"
+    ):
         smooth()
     assert [tuple(v.co) for v in bmesh.from_edit_mesh(ob.data).verts] == before
 

@@ -358,3 +358,45 @@ def test_an_active_vertex_on_a_rim_with_other_corners_than_three():
     bm.select_history.add(loop[1])
     assert smooth() == {"FINISHED"}
     assert len(border_lengths(ob)) == 1
+
+
+def registered(addon):
+    """What Blender knows of the add-on."""
+    classes = {
+        name for name in dir(bpy.types) if str(getattr(getattr(bpy.types, name), "__module__", "")).startswith(addon.__name__)
+    }
+    handlers = {
+        f"{kind}: {function.__name__}"
+        for kind in dir(bpy.app.handlers)
+        if isinstance(functions := getattr(bpy.app.handlers, kind), list)
+        for function in functions
+        if str(getattr(function, "__module__", "")).startswith(addon.__name__)
+    }
+    of_data = {
+        f"{kind}.{prop.identifier}"
+        for kind in ("WindowManager", "Scene", "Object", "Mesh", "Screen", "WorkSpace")
+        for prop in getattr(bpy.types, kind).bl_rna.properties
+        if "tripatch" in prop.identifier.lower()
+    }
+    menus = {
+        f"{name}: {function.__name__}"
+        for name in dir(bpy.types)
+        for function in getattr(getattr(getattr(bpy.types, name), "draw", None), "_draw_funcs", ())
+        if str(getattr(function, "__module__", "")).startswith(addon.__name__)
+    }
+    return classes | handlers | of_data | menus
+
+
+def test_removed_it_leaves_nothing_behind(addon):
+    import sys
+
+    path = list(sys.path)
+    before = registered(addon)
+    assert before
+    addon.unregister()
+    try:
+        assert registered(addon) == set()
+        assert not hasattr(bpy.types, "MESH_OT_fill_smooth")
+    finally:
+        addon.register()
+    assert registered(addon) == before and sys.path == path
