@@ -1,5 +1,5 @@
-"""Run by tests/gui/run in a Blender window, by mouse and keys: a hole is filled from the Face menu, the redo panel opened and
-used, all undone; filled by the key, by the search, from the context menu; a refusal is read and corrected in the panel; and all is
+"""Run by tests/gui/run in a Blender window, by mouse and keys: a hole is filled from the Face menu, the redo panel opened, used,
+all undone; filled by the key, by the search, from the context menu; a refusal is read and corrected in the panel; and all is
 repeated on another mesh."""
 
 import os
