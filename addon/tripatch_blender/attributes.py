@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What new vertices, faces and face corners take over from the rim: UVs, colours, weights, material, shading."""
+"""What new vertices, faces and face corners take over from the rim: UVs, colors, weights, material, shading."""
 
 from __future__ import annotations
 

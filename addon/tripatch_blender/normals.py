@@ -2,7 +2,7 @@
 """Custom normals of a BMesh, read and written as vectors.
 
 Blender stores a custom normal relative to the fan of face corners around its vertex, so the faces of a fill would turn the
-normals of their neighbours. Python cannot reach that encoding in a BMesh, but a small mesh with the same fans can decode and
+normals of their neighbors. Python cannot reach that encoding in a BMesh, but a small mesh with the same fans can decode and
 encode it, and corners can be copied from one BMesh to another. Corners elsewhere keep their bits.
 """
 

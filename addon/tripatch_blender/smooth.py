@@ -54,7 +54,7 @@ def _triangles(bm):
 
 
 def _check_positions(faces, triangles, positions):
-    """The library sees no neighbours, and would number the selected faces only."""
+    """The library sees no neighbors, and would number the selected faces only."""
     if not np.isfinite(positions).all():
         raise UnusableError(f"The position of vertex {int(np.argmin(np.isfinite(positions).all(axis=1)))} is not finite")
     a, b, c = positions[triangles].transpose(1, 0, 2)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tripatch/math/parallel.h"
 #include "tripatch/types.h"
 
 namespace py = pybind11;
@@ -23,6 +24,18 @@ void bind_report(py::module_& m);
 void bind_holes(py::module_& m);
 void bind_fill(py::module_& m);
 void bind_making(py::module_& m);
+
+/// Does work without the GIL in a thread of its own, and ends it within 100 ms where a signal has come, such as Ctrl-C.
+template <class Work>
+void interruptibly(const Work& work) {
+  const py::gil_scoped_release release;
+  tripatch::parallel_for_each(
+      1, [&](std::size_t) { work(); },
+      [](std::size_t) {
+        const py::gil_scoped_acquire acquire;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      });
+}
 
 /// A tripatch.Refusal.
 py::object refusal_object(const std::string& reason, const std::vector<tripatch::Index>& where);

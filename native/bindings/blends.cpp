@@ -17,7 +17,7 @@ void bind_blends(py::module_& m) {
             for (const SzilvasiNagy::Step& step : patch.path()) steps.append(py::make_tuple(step.shape, step.energy));
             return steps;
           },
-          "The optimiser's path: (lambda, energy) from the start to the optimum; empty where lambda was given.")
+          "The optimizer's path: (lambda, energy) from the start to the optimum; empty where lambda was given.")
       .def("_mu",
            [](const SzilvasiNagy& patch, const Array& b) {
              Array out({Index{b.shape(0)}, Index{3}});

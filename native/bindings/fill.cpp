@@ -34,8 +34,9 @@ void bind_fill(py::module_& m) {
     const FillOptions o = fill_options(options);
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    py::gil_scoped_release release;
-    return fill({points, faces}, o);
+    Fill filled;
+    interruptibly([&] { filled = fill({points, faces}, o); });
+    return filled;
   });
   m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                         const std::vector<std::vector<Index>>& rims, const py::dict& options,

@@ -13,10 +13,7 @@ void bind_limit(py::module_& m) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     LimitMesh limit;
-    {
-      py::gil_scoped_release release;
-      limit = sample_limit({points, faces}, settings, first_face, level);
-    }
+    interruptibly([&] { limit = sample_limit({points, faces}, settings, first_face, level); });
     return py::make_tuple(array_from(limit.vertices), array_from(limit.faces.corners));
   });
   py::class_<Subdivision>(m, "Subdivision")

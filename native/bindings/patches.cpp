@@ -83,10 +83,7 @@ void bind_patches(py::module_& m) {
       .def("_normal", [](const Surface& surface, const Array& b) {
         const Points points = points_from(b);
         Points normals;
-        {
-          py::gil_scoped_release release;
-          normals = surface.normals(points);
-        }
+        interruptibly([&] { normals = surface.normals(points); });
         return array_from(normals);
       });
 
@@ -103,17 +100,14 @@ void bind_patches(py::module_& m) {
 void bind_making(py::module_& m) {
   m.def("_patch", [](const Sides& sides, const py::dict& given) {
     const FillOptions options = fill_options(given);
-    const py::gil_scoped_release release;
-    MadePatch made = patch_from_sides(sides, options);
+    MadePatch made;
+    interruptibly([&] { made = patch_from_sides(sides, options); });
     return std::make_pair(std::const_pointer_cast<Surface>(made.patch), std::move(made.report.warnings));
   });
   m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,
                          const std::optional<int>& resolution) {
     TriangleMesh mesh;
-    {
-      py::gil_scoped_release release;
-      mesh = triangulate(parameters, resolution, *patch);
-    }
+    interruptibly([&] { mesh = triangulate(parameters, resolution, *patch); });
     return py::make_tuple(array_from(mesh.barycentric), mesh.triangles);
   });
   m.def("_blend", [](const std::array<std::shared_ptr<Surface>, 3>& surfaces, const std::string& method, const py::dict& own) {

@@ -45,7 +45,8 @@ void bind_smooth_triangles(py::module_& m) {
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     std::optional<Points> given;
     if (normals) given = points_from(*normals);
-    py::gil_scoped_release release;
-    return smooth_triangles({points, faces}, given, resolution, curve);
+    SmoothMesh smooth;
+    interruptibly([&] { smooth = smooth_triangles({points, faces}, given, resolution, curve); });
+    return smooth;
   });
 }

@@ -98,6 +98,19 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
   return plain.report.folds < made.report.folds && !made.gave_up ? plain : made;
 }
 
+/// Of the hole's size, and times the slopes' own length: beyond, too few digits are left for the rim. A choice; what looks like a fill
+/// at all is within ten.
+constexpr double farthest = 1e6;
+
+void check_reach(const Sides& sides, const FillOptions& options) {
+  for (double bulge : options.bulge)
+    if (!(bulge < farthest)) throw InvalidArgument("bulge must be less than a million");
+  const double most = farthest * check_sides(sides);
+  if (std::abs(options.center_offset) > most || (options.center && !((*options.center - sides[0].c(0)).stableNorm() <= most)))
+    throw InvalidArgument(std::string(options.center ? "center" : "center_offset") +
+                          " is more than a million times the size of the hole");
+}
+
 }  // namespace
 
 MadePatch patch_from_sides(const Sides& sides, const FillOptions& options, const SurfacePoints* points) {
@@ -113,6 +126,7 @@ MadePatch patch_from_sides(const Sides& sides, const FillOptions& options, const
   if (options.tension > 0 && !faired) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
   if (options.center && options.center_offset != 0)
     throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+  check_reach(sides, options);
 
   MadePatch made = patch_with_fewest_folds(sides, method, continuity, options, options.center, faired, points);
   if (options.center_offset == 0) return made;

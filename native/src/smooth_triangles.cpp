@@ -8,6 +8,7 @@
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/constructions/side_vertex.h"
+#include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
 namespace {
@@ -16,8 +17,6 @@ using Triangle = std::array<Index, 3>;
 
 /// Of a triangle's area over its longest edge squared, below which it has none: rounding of its corners alone makes up to 1e-15.
 constexpr double least_area = 1e-12;
-/// Length of a sum of unit normals, weighted by angles in radians, below which they cancel.
-constexpr double least_normal = 1e-9;
 constexpr double rounded = 1e-9;  ///< what the length of a unit normal may differ from 1
 
 std::vector<Triangle> checked_triangles(const Mesh& mesh) {
@@ -187,29 +186,6 @@ std::vector<Triangle> small_triangles(const Lattice& lattice) {
 
 }  // namespace
 
-Points angle_weighted_normals(const Mesh& mesh) {
-  Points normals = Points::Zero(mesh.vertices.rows(), 3);
-  for (Index f = 0; f < mesh.faces.size(); ++f) {
-    const std::span<const Index> face = mesh.faces[f];
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const Vec3 p = mesh.vertices.row(face[k]);
-      const Vec3 a = mesh.vertices.row(face[(k + 1) % face.size()]).transpose() - p;
-      const Vec3 b = mesh.vertices.row(face[(k + face.size() - 1) % face.size()]).transpose() - p;
-      const Vec3 n = a.cross(b);
-      normals.row(face[k]) += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
-    }
-  }
-  for (Index v = 0; v < normals.rows(); ++v) {
-    const double length = normals.row(v).norm();
-    if (length > least_normal) {
-      normals.row(v) /= length;
-    } else {
-      normals.row(v).setZero();
-    }
-  }
-  return normals;
-}
-
 SmoothMesh smooth_triangles(const Mesh& mesh, const std::optional<Points>& normals, int resolution, NormalCurve curve) {
   const Index n = mesh.vertices.rows();
   if (resolution < 1 || resolution > max_smooth_resolution)
@@ -224,7 +200,7 @@ SmoothMesh smooth_triangles(const Mesh& mesh, const std::optional<Points>& norma
   out.vertices.resize(lattice.total(), 3);
   out.vertices.topRows(n) = mesh.vertices;
   out.normals = Points::Zero(lattice.total(), 3);
-  take_normals(normals ? *normals : angle_weighted_normals(mesh), !normals, lattice, out.normals);
+  take_normals(normals ? *normals : vertex_normals(mesh), !normals, lattice, out.normals);
   const std::vector<Side> sides = smooth_edges(lattice, curve, out);
   smooth_faces(lattice, sides, out);
   out.faces = small_triangles(lattice);

@@ -304,7 +304,7 @@ TriPatch and by other programs, all in one run and measured by the same code ([m
 ## What it looks like
 
 Above, reflection lines (surroundings blue, fill orange): where the surface has a crease they break, where its curvature jumps
-they bend sharply, where it is not fair they waver. Below, mean curvature on one scale for all four, estimated from the triangles
+they bend sharply, where it is not fair they undulate. Below, mean curvature on one scale for all four, from the triangles
 of each in the same way, the truth's included. The baselines shown are the two nearest to the truth of different make; the
 number is the rms distance of 10,000 points of the surface to the truth over the diameter of the hole.
 """

@@ -152,8 +152,8 @@ def _in_chart(name, n, surface, corners, nearest, *, counts=None, step, along=No
     along = along or (lambda i, s: corners[i] + (corners[(i + 1) % 3] - corners[i]) * s[:, None])
 
     def strip(i, s, d):
-        centre = corners.mean(0)
-        at = (centre + (along(i, s) - centre) * (1 + d)[:, None]).T
+        center = corners.mean(0)
+        at = (center + (along(i, s) - center) * (1 + d)[:, None]).T
         _, du, dv = _with_derivatives(surface, *at.real)
         return surface(*at), unit(np.cross(du, dv))
 
@@ -355,7 +355,7 @@ def bezier3(n):
     normals = unit(np.array([[-0.35, 0.15, 1], [0.3, 0.25, 1], [-0.1, -0.45, 1]]))
     outward = corners - corners.mean(0)
     outward = 1.2 * unit(outward - (outward * normals).sum(1)[:, None] * normals)
-    shared = []  # the curve between neighbouring patches at each corner
+    shared = []  # the curve between neighboring patches at each corner
     for p, normal, o, bump in zip(corners, normals, outward, (0.25, -0.15, 0.1)):
         second = p + 2 * o / 3 - 0.15 * normal
         shared.append(np.array([p, p + o / 3, second, second + o / 3 + bump * normal]))
@@ -528,7 +528,7 @@ def suzanne(n, folder: Path):
 
 
 def _nearest_on_triangles(points, vertices, triangles):
-    """Nearest points of the triangles whose centres are the nearest few."""
+    """Nearest points of the triangles whose centers are the nearest few."""
     corners = vertices[triangles]
     best, least = np.empty_like(points), np.full(len(points), np.inf)
     for f in cKDTree(corners.mean(1)).query(points, 24)[1].T:

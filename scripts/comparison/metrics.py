@@ -125,15 +125,15 @@ def _fits(vertices, faces, where):
     A height field over the vertex's tangent plane through the vertex, a least-squares cubic (less where vertices are few) over
     the nearest rings with 20 vertices or more, fitted twice: the second time over the plane that the first one found.
     """
-    neighbours = {}
+    neighbors = {}
     for f in faces.tolist():
         for k in range(3):
-            neighbours.setdefault(f[k], set()).update((f[k - 1], f[k - 2]))
+            neighbors.setdefault(f[k], set()).update((f[k - 1], f[k - 2]))
     by_count = {}  # vertices with as many others around are fitted at once
     for row, v in enumerate(np.asarray(where).tolist()):
         around, front = {v}, {v}
         for _ in range(4):
-            front = {w for q in front for w in neighbours[q]} - around
+            front = {w for q in front for w in neighbors[q]} - around
             around |= front
             if len(around) > 20:
                 break
@@ -141,8 +141,8 @@ def _fits(vertices, faces, where):
     guess = _vertex_normals(vertices, faces)
     normals, slopes = np.empty((len(where), 3)), np.empty((len(where), 5))
     for group in by_count.values():
-        at, centre, around = (np.array(part) for part in zip(*group))
-        offsets, normals[at] = vertices[around] - vertices[centre][:, None], guess[centre]
+        at, center, around = (np.array(part) for part in zip(*group))
+        offsets, normals[at] = vertices[around] - vertices[center][:, None], guess[center]
         for _ in range(2):
             normals[at], slopes[at] = _fit(offsets, normals[at])
     return normals, slopes

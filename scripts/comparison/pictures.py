@@ -1,4 +1,4 @@
-"""The pictures of docs/fairness.md: truth, two baselines and TriPatch, in reflection lines and in colours of mean curvature."""
+"""The pictures of docs/fairness.md: truth, two baselines and TriPatch, in reflection lines and in colors of mean curvature."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def draw(path: Path, hole: Hole, made: dict, result: dict) -> None:
     middle, reach = np.median(known), max(np.ptp(known) / 2, 0.1 * np.abs(known).max())
     scale = matplotlib.colors.Normalize(middle - 1.5 * reach, middle + 1.5 * reach)
 
-    def colours(curvature):
+    def colors(curvature):
         return COLOURS(scale(np.nan_to_num(curvature, nan=middle)))[:, :3]
 
     images = []
@@ -58,7 +58,7 @@ def draw(path: Path, hole: Hole, made: dict, result: dict) -> None:
             normals = np.zeros_like(filling.vertices)
             normals[used] = metrics.limit_normals(filling.vertices, filling.faces, used)
             scene = render.Scene(**view(hole), stripes=17, contrast=0.45 if lines else 0.12)
-            blue, orange = (render.BLUE, render.CLAY) if lines else (colours(outside), colours(inside[name]))
+            blue, orange = (render.BLUE, render.CLAY) if lines else (colors(outside), colors(inside[name]))
             scene.mesh(hole.vertices, hole.faces, hole.normals, blue, zebra=lines)
             scene.mesh(filling.vertices, filling.faces, normals, orange, zebra=lines)
             if not lines:

@@ -35,7 +35,7 @@ def page(figures):
         "side's length, as in their section 5; `cross_boundary` says what is made of them.",
         "",
         "A dash: the method keeps position only and reads no slopes. The three Bezier methods take each side as the curve of",
-        f"degree {DEGREE} that meets the function at Chebyshev's points of the side; coons_extremal and coons_mask favour the",
+        f"degree {DEGREE} that meets the function at Chebyshev's points of the side; coons_extremal and coons_mask favor the",
         "third corner of each triangle.",
         "",
         provenance("patches of three sides each, neither made fair nor scaled"),

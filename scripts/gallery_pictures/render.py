@@ -184,7 +184,7 @@ class Scene:
 
 
 def save(path: pathlib.Path, images, titles=None, columns=None):
-    """Images side by side with titles, as a small PNG of 256 colours."""
+    """Images side by side with titles, as a small PNG of 256 colors."""
     columns = columns or len(images)
     rows = -(-len(images) // columns)
     height, width = images[0].shape[:2]
@@ -202,7 +202,7 @@ def save(path: pathlib.Path, images, titles=None, columns=None):
 
 
 def save_figure(path: pathlib.Path, figure, colors=256):
-    """As a PNG of so many colours, None: of all."""
+    """As a PNG of so many colors, None: of all."""
     memory = io.BytesIO()
     figure.savefig(memory, format="png", dpi=100)
     plt.close(figure)

@@ -183,7 +183,7 @@ def corner(folder):
     save(
         folder / "szilvasi-nagy-10-12.png",
         [inside.image(), filled(plain, view).image(), filled(plain, side_view).image()],
-        ["10: open corner of a prism, constituents", "11: C1 surface with the neighbours", "12: from another side"],
+        ["10: open corner of a prism, constituents", "11: C1 surface with the neighbors", "12: from another side"],
     )
     rows = []
     for p in (other, changed):

@@ -106,7 +106,7 @@ def edit(*objects, mode="VERT"):
 
 
 def border_loops(bm):
-    """Border loops as lists of vertices, the shortest first, each from its lowest vertex towards the lower neighbour."""
+    """Border loops as lists of vertices, the shortest first, each from its lowest vertex towards the lower neighbor."""
     bm.verts.index_update()
     bm.verts.ensure_lookup_table()
     left, loops = {tuple(sorted(v.index for v in e.verts)) for e in bm.edges if e.is_boundary}, []

@@ -238,7 +238,7 @@ def test_nan_at_the_rim_and_far_away(refusal):
     assert fill() == {"FINISHED"}
 
 
-def test_flipped_neighbours(refusal):
+def test_flipped_neighbors(refusal):
     ob = scenes.add_hole()
     bm, loop = rim_of(ob)
     face = next(e for e in loop[1].link_edges if e.is_boundary).link_faces[0]

@@ -16,7 +16,7 @@ def rims(ob):
     bpy.ops.object.mode_set(mode="OBJECT")
     bm = scenes.checked(ob)
     assert all(e.is_manifold or e.is_boundary for e in bm.edges)
-    assert all(e.is_contiguous for e in bm.edges if e.is_manifold), "new faces are turned against their neighbours"
+    assert all(e.is_contiguous for e in bm.edges if e.is_manifold), "new faces are turned against their neighbors"
     lengths = [len(loop) for loop in scenes.border_loops(bm)]
     bm.free()
     return lengths

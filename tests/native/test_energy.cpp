@@ -1,6 +1,9 @@
 #include "test_surfaces.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/energy.h"
+#include "tripatch/patch/bezier_triangle.h"
+#include "tripatch/options.h"
+#include "tripatch/patch_from_sides.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
@@ -65,4 +68,17 @@ TEST_CASE("thin plate of a blend with disagreeing corners is finite and does not
 
 TEST_CASE("energies are not called by other names") {
   CHECK_THROWS_WITH(named<Fairing>("membrane", "energy"), Catch::Contains("thin_plate, third_derivative"));
+}
+
+TEST_CASE("a plane has none of any energy, and fairing leaves it alone") {
+  const SurfacePtr flat = std::make_shared<BezierTriangle>((Points(3, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0).finished());
+  for (const Fairing of : {Fairing::thin_plate, Fairing::third_derivative, Fairing::minimum_variation, Fairing::quadric_variation,
+                           Fairing::automatic})
+    CHECK(energy(*flat, of, 1) == 0);
+  CHECK(soft_minimum(0, 0) == 0);
+  CHECK(soft_minimum(1, 0) == 0);
+  const MadePatch made = patch_from_sides(sides_of(flat), {});
+  CHECK(made.report.energy_before < 1e-20);
+  CHECK(made.report.energy_after <= made.report.energy_before);
+  CHECK(made.report.warnings.empty());
 }

@@ -98,7 +98,7 @@ Sides sphere_sides(const std::array<Vec3, 3>& corner, const Eigen::Matrix3d& tur
 
 const std::array<Vec3, 3> octant = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
 
-/// The sides of a chart over a triangle, run through unevenly, with unit conormals: little of the chart's parameterisation is left.
+/// The sides of a chart over a triangle, run through unevenly, with unit conormals: little of the chart's parameterization is left.
 template <class Chart>
 Sides chart_sides(const std::array<Eigen::Vector2d, 3>& corners) {
   Sides sides;
@@ -248,7 +248,7 @@ TEST_CASE("the default comes near the truth") {
   CHECK(std::sqrt(sum / p.rows()) < 5e-5 * 1.4);
 }
 
-TEST_CASE("twice the quadrature changes neither the energy nor the minimiser") {
+TEST_CASE("twice the quadrature changes neither the energy nor the minimizer") {
   const Sides sides = sphere_sides(octant);
   const Points b = grid(20);
   for (const Fairing name : energies) {

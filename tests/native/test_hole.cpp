@@ -40,18 +40,18 @@ Model model(const std::vector<Vec3>& vertices, const std::vector<std::vector<Ind
 /// run along it in this order.
 Model surround(const std::vector<Vec2>& rim, const Map& map = flat, double ring = 0.15) {
   const Index n = static_cast<Index>(rim.size());
-  Vec2 centre = Vec2::Zero();
+  Vec2 center = Vec2::Zero();
   double length = 0;
   for (Index k = 0; k < n; ++k) {
     const Vec2 step = rim[(k + 1) % n] - rim[k];
-    centre += step.norm() * (rim[k] + rim[(k + 1) % n]) / 2;
+    center += step.norm() * (rim[k] + rim[(k + 1) % n]) / 2;
     length += step.norm();
   }
-  centre /= length;
+  center /= length;
   std::vector<Vec3> vertices;
   std::vector<std::vector<Index>> faces;
   for (int j = 0; j <= 3; ++j)
-    for (Index k = 0; k < n; ++k) vertices.push_back(map(centre + (1 + ring * j) * (rim[k] - centre)));
+    for (Index k = 0; k < n; ++k) vertices.push_back(map(center + (1 + ring * j) * (rim[k] - center)));
   for (Index j = 0; j < 3; ++j)
     for (Index k = 0; k < n; ++k) {
       const Index a = j * n + k, b = j * n + (k + 1) % n;
@@ -450,12 +450,12 @@ TEST_CASE("noise and uneven spacing do not move the corners") {
 
 TEST_CASE("a corner rounded over a few edges is one corner") {
   std::vector<Vec2> rim;
-  const std::vector<Vec2> centre = {{0, 0}, {1, 0}, {0.5, std::sqrt(0.75)}};
+  const std::vector<Vec2> center = {{0, 0}, {1, 0}, {0.5, std::sqrt(0.75)}};
   for (int i = 0; i < 3; ++i) {
-    const Vec2 next = centre[(i + 1) % 3] - centre[i];
+    const Vec2 next = center[(i + 1) % 3] - center[i];
     for (int k = 0; k <= 4; ++k) {  // 120 degrees at radius 0.02
       const double a = M_PI * (5.0 / 6 + 2.0 / 3 * i + k / 6.0);
-      rim.push_back(centre[i] + 0.02 * Vec2(std::cos(a), std::sin(a)));
+      rim.push_back(center[i] + 0.02 * Vec2(std::cos(a), std::sin(a)));
     }
     const Vec2 start = rim.back();
     for (int k = 1; k < 40; ++k) rim.push_back(start + k / 40.0 * next);
@@ -563,7 +563,7 @@ TEST_CASE("rims that are none") {
   CHECK_THROWS_AS(make_hole(m.mesh(), {16, 17, -1}, std::nullopt), InvalidArgument);
 }
 
-TEST_CASE("a non-manifold edge on the rim, flipped neighbours") {
+TEST_CASE("a non-manifold edge on the rim, flipped neighbors") {
   Model m = triangular(3, 3, 3);
   m.faces.add(Loop{2, 1, 30});
   m.faces.add(Loop{2, 1, 31});

@@ -93,7 +93,7 @@ TEST_CASE("patches of sides with kinks are whole and keep the sides") {
       CHECK(seam_error(*made.patch, sides) < 1e-6);
       const auto [gap, angle] = tear(*made.patch);
       CHECK(gap < 1e-7);
-      CHECK(angle < 8);  // where the two planes of the kink's neighbourhood come apart; the kinks turn by 33, 32 and 22 degrees
+      CHECK(angle < 8);  // where the two planes of the kink's neighborhood come apart; the kinks turn by 33, 32 and 22 degrees
       CHECK(made.report.folds == 0);
     }
   }

@@ -47,3 +47,49 @@ TEST_CASE("the work's own exception is thrown on after all have stopped", "[para
   CHECK_THROWS_AS(parallel_for_each(100000, fails, [](std::size_t) {}), std::invalid_argument);
   CHECK(running == 0);
 }
+
+TEST_CASE("a running piece of work ends when progress throws, with what was thrown", "[parallel]") {
+  std::atomic<int> ended = 0;
+  const auto endless = [&](std::size_t) {
+    for (;;) {
+      try {
+        parallel_for(0, 100, 10, [](Index, Index) {
+          for (;;) check_interruption();
+        });
+      } catch (const Interrupted&) {
+        ++ended;
+        throw;
+      }
+    }
+  };
+  for (std::size_t count : {1, 5}) {
+    ended = 0;
+    CHECK_THROWS_AS(parallel_for_each(count, endless, [](std::size_t) { throw std::runtime_error("enough"); }),
+                    std::runtime_error);
+    CHECK(ended >= 1);
+  }
+  CHECK_NOTHROW(check_interruption());
+}
+
+TEST_CASE("a failure is thrown on and not what it makes of the work beside it", "[parallel]") {
+  const auto work = [](std::size_t k) {
+    if (k == 1) throw std::invalid_argument("the second");
+    for (;;) check_interruption();
+  };
+  if (std::thread::hardware_concurrency() < 2) return;
+  for (int again = 0; again < 20; ++again) CHECK_THROWS_AS(parallel_for_each(2, work, [](std::size_t) {}), std::invalid_argument);
+}
+
+TEST_CASE("who is asked to end hands that on", "[parallel]") {
+  const std::atomic<bool> stop = true;
+  const InterruptedBy asked(&stop);
+  CHECK_THROWS_AS(check_interruption(), Interrupted);
+  CHECK_THROWS_AS(parallel_for(0, 10, 1, [](Index, Index) {}), Interrupted);
+  CHECK_THROWS_AS(parallel_for_each(
+                      1,
+                      [](std::size_t) {
+                        for (;;) check_interruption();
+                      },
+                      [](std::size_t) {}),
+                  Interrupted);
+}

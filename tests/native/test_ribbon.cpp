@@ -17,7 +17,7 @@ double scalar(const PiecewisePolynomial& f, double t) {
   return value;
 }
 
-/// The surroundings of one surface in affine parameterisations of their own: constant stretch and skew on each side.
+/// The surroundings of one surface in affine parameterizations of their own: constant stretch and skew on each side.
 Sides affine_sides(const SurfacePtr& s) {
   Sides sides;
   for (int i = 0; i < 3; ++i)

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "tripatch/constructions/side_vertex.h"
+#include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/smooth_triangles.h"
 
 using namespace tripatch;
@@ -96,7 +97,7 @@ std::pair<double, double> seams(const TriangleSoup& soup, const Points& normals,
     for (int s = 1; s < 10; ++s) {
       std::array<Points, 2> b = {Points::Zero(1, 3), Points::Zero(1, 3)};
       for (int side = 0; side < 2; ++side) {
-        const double t = side == 0 ? s / 10.0 : 1 - s / 10.0;  // the neighbour runs along the edge the other way
+        const double t = side == 0 ? s / 10.0 : 1 - s / 10.0;  // the neighbor runs along the edge the other way
         b[side](0, both[side].second) = 1 - t;
         b[side](0, (both[side].second + 1) % 3) = t;
       }
@@ -134,7 +135,7 @@ TEST_CASE("patches on both sides of every interior edge have one normal and one 
       CHECK(gap < 1e-14);
     }
     const TriangleSoup soup = sheet(5);
-    const auto [angle, gap] = seams(soup, angle_weighted_normals(soup.mesh()), curve);
+    const auto [angle, gap] = seams(soup, vertex_normals(soup.mesh()), curve);
     CHECK(angle < 1e-6);
     CHECK(gap < 1e-13);
   }
@@ -142,7 +143,7 @@ TEST_CASE("patches on both sides of every interior edge have one normal and one 
 
 TEST_CASE("what comes out are the patches, with their normals, joined without a crack") {
   const TriangleSoup soup = sheet(3);
-  const Points normals = angle_weighted_normals(soup.mesh());
+  const Points normals = vertex_normals(soup.mesh());
   const int n = 7;
   const SmoothMesh smooth = smooth_triangles(soup.mesh(), {}, n);
   CHECK(smooth.faces.size() == std::size_t(soup.faces.size() * n * n));
@@ -229,7 +230,7 @@ TEST_CASE("inner normals and turned faces give the same surface") {
 
 TEST_CASE("estimated normals of a sphere point outwards") {
   const TriangleSoup soup = icosphere(2);
-  const Points normals = angle_weighted_normals(soup.mesh());
+  const Points normals = vertex_normals(soup.mesh());
   for (Index v = 0; v < soup.vertices.rows(); ++v) CHECK(degrees_between(normals.row(v), soup.vertices.row(v)) < 1.0);
   CHECK(distance_to_sphere(smooth_triangles(soup.mesh(), {}, 6)) < 2e-3);
 }
@@ -253,7 +254,7 @@ TEST_CASE("every resolution from 1 on") {
 
 TEST_CASE("the smooth surface follows rigid motions and scales") {
   const TriangleSoup soup = sheet(3);
-  const Points normals = angle_weighted_normals(soup.mesh());
+  const Points normals = vertex_normals(soup.mesh());
   const Points expected = smooth_triangles(soup.mesh(), normals, 5).vertices;
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vec3(1, -1, 2).normalized()).toRotationMatrix();
   for (double scale : {1e-6, 1.0, 1e6}) {

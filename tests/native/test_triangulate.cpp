@@ -97,7 +97,7 @@ std::string flaw(const Parameters& parameters, const TriangleMesh& mesh) {
 
 struct Angles {
   double smallest = 180, largest = 0;
-  double fold = 0;  ///< largest angle between neighbouring triangles
+  double fold = 0;  ///< largest angle between neighboring triangles
   int under_20 = 0;
 };
 

@@ -188,3 +188,43 @@ def test_the_seam_is_never_said_to_be_better_than_the_surroundings_are_known():
     assert fill.report.seam_angle_max < 1e-4
     known = f"{fill.report.surroundings_error:.2g} deg"
     assert words.filled([fill.report] * 2) == f"Filled 2 holes; seam within {known} (surroundings known to {known})"
+
+
+def flat_with_a_hole(n=14):
+    x, y = np.meshgrid(np.arange(n), np.arange(n))
+    vertices = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()]).astype(float)
+    a = np.array([i * n + j for i in range(n - 1) for j in range(n - 1)])
+    faces = np.concatenate([np.column_stack([a, a + 1, a + n]), np.column_stack([a + 1, a + n + 1, a + n])])
+    middle = vertices[faces].mean(axis=1)
+    return vertices, faces[~((middle[:, 0] > 4) & (middle[:, 1] > 4) & (middle[:, 0] + middle[:, 1] < 14))]
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize(
+    "options, name",
+    [({"center_offset": 1e307}, "center_offset"), ({"center_offset": -1e100}, "center_offset"),
+     ({"center": (0, 0, 1e307)}, "center"), ({"center": (1e200, 0, 0)}, "center"), ({"bulge": 1e100}, "bulge"),
+     ({"bulge": 1e6}, "bulge")],
+)  # fmt: skip
+def test_what_no_fill_can_reach_is_refused(options, name, size):
+    vertices, faces = flat_with_a_hole()
+    rim = min(tripatch.find_holes(faces), key=len)
+    with pytest.raises(ValueError, match=name):
+        tripatch.fill(size * vertices, faces, rim=rim, method="side_vertex", **options)
+    within = {"center_offset": 1e3 * size} if name == "center_offset" else {"bulge": 100} if name == "bulge" else {}
+    fill = tripatch.fill(size * vertices, faces, rim=rim, method="side_vertex", **within)
+    assert np.isfinite(fill.vertices).all()
+    np.testing.assert_allclose(np.linalg.norm(fill.normals, axis=1), 1, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "creases",
+    [{"edge_creases": ([[0, 9999]], [1.0])}, {"edge_creases": ([[-1, 5]], [1.0])}, {"vertex_creases": ([9999], [1.0])},
+     {"loose_vertices": [196]}, {"loose_vertices": [-1]}],
+)  # fmt: skip
+def test_creases_are_at_vertices_that_exist(creases):
+    vertices, faces = flat_with_a_hole()
+    rim = min(tripatch.find_holes(faces), key=len)
+    given = {name: (np.array(v[0]), np.array(v[1])) if isinstance(v, tuple) else np.array(v) for name, v in creases.items()}
+    with pytest.raises(ValueError, match=next(iter(creases))):
+        tripatch.fill(vertices, faces, rim=rim, surroundings="limit", subdivision=given, method="side_vertex")

@@ -41,7 +41,7 @@ def test_the_correction_fits_the_auxiliary_curves():
         assert np.abs(patch.correction(b) - patch.auxiliary_curve(i, t)).max() < 1e-13
 
 
-def test_the_path_of_the_optimiser_goes_down():
+def test_the_path_of_the_optimizer_goes_down():
     patch = tripatch.blend(*three_patches(), method="szilvasi_nagy_c1", shape="optimal")
     energies = [energy for _, energy in patch.path]
     assert len(energies) >= 2

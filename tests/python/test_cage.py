@@ -270,7 +270,7 @@ def test_loop_subdivision_of_triangles(cage_rim):
         assert fill.report.seam_angle_max < 1e-4
         assert np.ptp(radii) < 0.03
     sides = np.linalg.norm(limit[triangles] - limit[np.roll(triangles, 1, axis=1)], axis=2)
-    assert sides.max() < 4 * np.median(sides)  # the grid is that of neighbours
+    assert sides.max() < 4 * np.median(sides)  # the grid is that of neighbors
 
 
 def test_loop_subdivision_refuses_what_it_cannot_take():

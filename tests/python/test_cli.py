@@ -15,7 +15,7 @@ from tripatch import __main__ as cli
 from tripatch import files
 
 
-def sphere_hole(n=6, rings=3, centre=0.0):
+def sphere_hole(n=6, rings=3, center=0.0):
     """A unit sphere around an octant hole: vertices, faces; the rim is 0 .. 3n - 1, its corners 0, n, 2n."""
     axes = np.eye(3)
     s = np.arange(n) / n * np.pi / 2
@@ -30,7 +30,7 @@ def sphere_hole(n=6, rings=3, centre=0.0):
         for k in range(m):
             a, b = j * m + k, j * m + (k + 1) % m
             faces += [[b, a, b + m], [a, a + m, b + m]]
-    return np.concatenate(vertices) + [centre, 0, 0], faces
+    return np.concatenate(vertices) + [center, 0, 0], faces
 
 
 def write_obj(path, *meshes):
@@ -50,7 +50,7 @@ def one(tmp_path):
 
 @pytest.fixture
 def two(tmp_path):
-    return write_obj(tmp_path / "in.obj", sphere_hole(), sphere_hole(5, centre=5))
+    return write_obj(tmp_path / "in.obj", sphere_hole(), sphere_hole(5, center=5))
 
 
 def square():

@@ -94,7 +94,7 @@ def test_obj_line_ends_and_a_missing_last_one(tmp_path):
     assert reread(out, "b.obj", tmp_path).faces[-1] == [7, 4, 8]
 
 
-def test_obj_vertex_colours_come_from_the_rim(tmp_path):
+def test_obj_vertex_colors_come_from_the_rim(tmp_path):
     data = re.sub(rb"(?m)^(v 2 1 0)$", rb"\1 0.25 0.5 1", OBJ)
     data = re.sub(rb"(?m)^(v \d \d \d)$", rb"\1 1 1 1", data)
     out = filled(data, "a.obj", tmp_path, [fan([4, 5, 6, 7], 8, (1.9, 1.2, 0))])
@@ -304,7 +304,7 @@ def test_off_keeps_all_lines_but_the_counts(tmp_path):
     assert (mesh.vertices[:8] == FRAME).all()
 
 
-def test_off_colours_and_normals(tmp_path):
+def test_off_colors_and_normals(tmp_path):
     rows = b"".join(b"%d %d %d 0 0 -1 %d 0 0 255\n" % (*p, k) for k, p in enumerate(FRAME.astype(int)))
     data = b"CNOFF 8 4 0\r\n" + rows + b"".join(b"4 %d %d %d %d\n" % tuple(q) for q in QUADS)[:-1]
     out = filled(data, "a.off", tmp_path)
@@ -334,7 +334,7 @@ def test_off_errors(data, said, tmp_path):
 
 
 def ply(form: str, index: str = "vertex_indices", triangles: bool = False) -> bytes:
-    """A frame with normals, colours, face flags, another element and comments."""
+    """A frame with normals, colors, face flags, another element and comments."""
     faces = (
         [[a, b, c] for a, b, c, d in QUADS for a, b, c in ([a, b, c], [a, c, d])]
         if triangles

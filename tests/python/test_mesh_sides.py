@@ -52,7 +52,7 @@ def test_vertices_put_on_edges_are_not_taken_for_points_of_the_surface(where):
     assert rim_error(*with_edges_split(vertices, faces, apart), rim) < 1.5 * clean
 
 
-def test_nor_are_those_that_have_no_other_neighbours():
+def test_nor_are_those_that_have_no_other_neighbors():
     vertices, faces = shapes.cube_sphere(12)
     faces, _ = shapes.corner_removed(vertices, faces, 3)
     (rim,) = tripatch.find_holes(faces)

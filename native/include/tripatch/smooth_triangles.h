@@ -31,7 +31,4 @@ constexpr int max_smooth_resolution = 256;
 SmoothMesh smooth_triangles(const Mesh& mesh, const std::optional<Points>& normals = {}, int resolution = 8,
                             NormalCurve curve = NormalCurve::hermite);
 
-/// The faces' unit normals weighted by their angles at the vertex, as unit vectors; zero where no face is or all cancel.
-Points angle_weighted_normals(const Mesh& mesh);
-
 }  // namespace tripatch

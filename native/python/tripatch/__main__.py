@@ -33,7 +33,7 @@ OPTIONS = {name: option for name, option in tripatch.OPTIONS.items() if name != 
 def parser() -> argparse.ArgumentParser:
     """The parser of the command line."""
     main = argparse.ArgumentParser(
-        prog="tripatch", description="Fills three-sided holes with surfaces that continue theirs exactly."
+        prog="tripatch", description="Fills holes in meshes with surfaces that continue their surroundings."
     )
     main.add_argument("--version", action="version", version=f"tripatch {tripatch.__version__}")
     commands = main.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -46,7 +46,7 @@ def parser() -> argparse.ArgumentParser:
     )
     fill.add_argument("input", metavar="IN", type=Path, help="mesh file")
     fill.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
-    fill.add_argument("--all", action="store_true", help="fill every three-sided hole")
+    fill.add_argument("--all", action="store_true", help="fill every hole")
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
     for option in OPTIONS.values():
         arguments.add(fill, option)
@@ -54,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
     smooth = commands.add_parser(
         "smooth",
         help="smooth a mesh of triangles",
-        description="Every triangle becomes a curved patch that meets its neighbours smoothly; the normals at the vertices are "
+        description="Every triangle becomes a curved patch that meets its neighbors smoothly; the normals at the vertices are "
         "those of the faces around. OUT holds vertices and faces only.",
     )
     smooth.add_argument("input", metavar="IN", type=Path, help="mesh file")

@@ -163,7 +163,7 @@ def sides_from_normals(points, normals, curve: str = "hermite") -> tuple[Side, S
         curve: "hermite": cubic, end tangents as long as the arc; "smits": equations 4 to 9 as printed.
 
     Raises:
-        Refusal: a normal that is zero, along an edge, or opposite to its neighbour's.
+        Refusal: a normal that is zero, along an edge, or opposite to its neighbor's.
     """
     p, n = _corners_and_normals(points, normals)
     return tuple(_native._sides_from_normals(p, n, _named(curve, "curve", _CURVES)))

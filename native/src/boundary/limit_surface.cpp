@@ -58,6 +58,7 @@ public:
 
   /// Of the faces `some` of a cage, in its order.
   LocalCage(const Mesh& cage, const Subdivision& settings, std::vector<Index> some) : part(submesh(cage.faces, std::move(some))) {
+    check_vertices(settings, cage.vertices.rows());
     if (part.face.empty()) throw Refusal("The cage has no faces around the hole");
     for (Index f : part.face) {
       if (settings.loop && cage.faces[f].size() != 3)
@@ -92,6 +93,17 @@ public:
   }
 
 private:
+  static void check_vertices(const Subdivision& settings, Index count) {
+    const auto check = [&](Index v, const char* option) {
+      if (v < 0 || v >= count)
+        throw InvalidArgument(std::string(option) + " names vertex " + std::to_string(v) +
+                              ", which does not exist: the mesh has " + std::to_string(count) + " vertices");
+    };
+    for (const auto& [a, b] : settings.crease_edges) check(a, "edge_creases"), check(b, "edge_creases");
+    for (Index v : settings.crease_vertices) check(v, "vertex_creases");
+    for (Index v : settings.loose_vertices) check(v, "loose_vertices");
+  }
+
   void describe(const Subdivision& settings) {
     std::map<std::pair<int, int>, double> edge_sharpness;
     std::map<int, double> vertex_sharpness;

@@ -45,10 +45,15 @@ Side make_side(const Series<Degree>& c, const Vec3& mean, const Vec3& difference
 
 bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); }
 
+constexpr double unit_length = 1e-9;  ///< what a normal's length may differ from 1 once it is divided by it: else it had none
+/// Of the edge's length: what is left of it in a vertex's plane, and of the derivative across. Below, directions have fewer than the
+/// ten digits that the seams of smoothed triangles are tested to.
+constexpr double along_normal = 1e-6;
+
 Vec3 unit_normal(const Vec3& n, Index vertex) {
   const Vec3 unit = n.stableNormalized();
   if (!n.allFinite()) throw Refusal("The normal is not finite", {vertex});
-  if (!(std::abs(unit.norm() - 1) < 1e-9)) throw Refusal("The normal is zero", {vertex});
+  if (!(std::abs(unit.norm() - 1) < unit_length)) throw Refusal("The normal is zero", {vertex});
   return unit;
 }
 
@@ -73,8 +78,8 @@ Side side_from_normals(const Vec3& p, const Vec3& normal_p, const Vec3& q, const
   const double length = d.norm();
   if (!(length > 0)) throw Refusal("The edge has no length", {0, 1});
   const Vec3 to_p = d - np.dot(d) * np, to_q = d - nq.dot(d) * nq;  // the chord in the vertices' planes
-  if (!(to_p.norm() > 1e-6 * length)) throw Refusal("The normal points along the edge", {0});
-  if (!(to_q.norm() > 1e-6 * length)) throw Refusal("The normal points along the edge", {1});
+  if (!(to_p.norm() > along_normal * length)) throw Refusal("The normal points along the edge", {0});
+  if (!(to_q.norm() > along_normal * length)) throw Refusal("The normal points along the edge", {1});
   const Vec3 mean = 0.5 * (np + nq), difference = nq - np;
 
   Side side;
@@ -95,7 +100,8 @@ Side side_from_normals(const Vec3& p, const Vec3& normal_p, const Vec3& q, const
                         difference);
   }
   for (int k = 0; k <= 8; ++k)  // a normal field everywhere: neither opposite normals nor a curve that stands still
-    if (!(side.r(k / 8.0).norm() > 1e-6 * length)) throw Refusal("The normals do not fit together along the edge", {0, 1});
+    if (!(side.r(k / 8.0).norm() > along_normal * length))
+      throw Refusal("The normals do not fit together along the edge", {0, 1});
   return side;
 }
 

@@ -6,6 +6,13 @@
 #include <string>
 
 namespace tripatch {
+namespace {
+
+/// Of the size: ends that are nearer count as one point, and are made one. What coordinates in single precision, as files and Blender
+/// have them, leave of a common point with some digits to spare.
+constexpr double sides_meet = 1e-6;
+
+}  // namespace
 
 Vec3 Side::normal(double t) const { return r(t).cross(c.derivative_at(t)).stableNormalized(); }
 
@@ -13,7 +20,7 @@ Side piece_of(const Side& side, double from, double to) {
   const double low = std::min(from, to), high = std::max(from, to);
   if (!(low >= 0 && low < 1 && high > low && high <= low + 1))
     throw InvalidArgument("A piece of a side needs two different parameters from 0 to 1");
-  if (high > 1 && (side.c(1) - side.c(0)).norm() > 1e-6 * (side.c(0.5) - side.c(0)).norm())
+  if (high > 1 && (side.c(1) - side.c(0)).norm() > sides_meet * (side.c(0.5) - side.c(0)).norm())
     throw InvalidArgument("Only a piece of a closed side can go on beyond its end");
   const auto field = [&](const PiecewisePolynomial& f) {
     if (f.empty()) return f;
@@ -48,7 +55,7 @@ double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {
   if (!(size > 0)) throw Refusal("The three sides have no length");
   for (int i = 0; i < 3; ++i) {
     const double gap = (curves[i](1) - curves[(i + 1) % 3](0)).norm();
-    if (!(gap <= 1e-6 * size))
+    if (!(gap <= sides_meet * size))
       throw Refusal("Sides " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " " + gap_at_corner((i + 2) % 3, gap));
   }
   return size;

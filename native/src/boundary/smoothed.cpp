@@ -76,10 +76,14 @@ struct FittedPolynomial {
   }
 };
 
+constexpr std::size_t few = 8;        ///< values of a side that say too little of what is noise: it stays as it is
+constexpr double too_far = 0.1;       ///< of the field's scale: the best polynomial does not follow it, it stays as it is
+constexpr double near_the_best = 2;   ///< times the residual of the highest degree: a lower one is as good
+constexpr double near_enough = 2e-5;  ///< of the field's scale: a residual that no seam shows, of about 1e-3 degrees
+
 /// The polynomial of least degree that is nearly as near as that of the highest, or the field itself where that is not near or
 /// where it has few pieces. `rim`: the parameters of the mesh vertices; `kept`: how much of the ends, see Ends.
 PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<double>& rim, int kept) {
-  constexpr std::size_t few = 8;
   if (f.empty() || rim.size() <= few) return f;
   const Eigen::Map<const Eigen::VectorXd> t(rim.data(), static_cast<Index>(rim.size()));
   Eigen::MatrixXd values(t.size(), 3);
@@ -91,10 +95,10 @@ PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<dou
   const Ends ends(f, kept);
   const int most = static_cast<int>(std::clamp<Index>((t.size() - 1) / 2 - kept, 4, 16));
   const double best = FittedPolynomial(t, values, most, kept, ends).residual;
-  if (best > 0.1 * scale) return f;
+  if (best > too_far * scale) return f;
   for (int degree = std::min(6, most);; degree += 2) {
     const FittedPolynomial polynomial(t, values, std::min(degree, most), kept, ends);
-    if (polynomial.residual <= std::max(2 * best, 2e-5 * scale) || degree >= most) return polynomial.field();
+    if (polynomial.residual <= std::max(near_the_best * best, near_enough * scale) || degree >= most) return polynomial.field();
   }
 }
 

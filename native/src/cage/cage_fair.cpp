@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tripatch/fairing/energy.h"
+#include "tripatch/math/interruption.h"
 
 namespace tripatch {
 namespace {
@@ -167,6 +168,7 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
 
   double damping = first_damping;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
+    check_interruption();
     std::vector<CageSystem::Term> model(count, system.zero());
     const Points free = at(y);
     for (std::size_t h = 0; h < count; ++h) variation(system, holes[h], free, y, &model[h]);

@@ -7,6 +7,7 @@
 #include "tripatch/cage/cage_fair.h"
 #include "tripatch/cage/cage_terms.h"
 #include "tripatch/cage/limit_mesh.h"
+#include "tripatch/math/interruption.h"
 
 namespace tripatch {
 namespace {
@@ -171,6 +172,7 @@ void CageFit::fit(const std::vector<SurfacePtr>& patches, const std::vector<Side
   system_.prepare(together);
 
   for (int round = 0; round < options_.rounds; ++round) {
+    check_interruption();
     CageSystem::Term term = system_.zero();
     for (std::size_t h = 0; h < holes_.size(); ++h) {
       HoleSamples& hole = samples_[h];

@@ -145,6 +145,7 @@ double Merit::energy(double variation, double quadric) const {
 /// Of the quadric energy in the logarithm's derivative.
 double Merit::quadric_share(double variation, double quadric) const {
   if (!quadric_ || !whole_) return quadric_ ? 1 : 0;
+  if (!(variation > 0)) return 0;
   return 1 - 1 / (1 + std::pow(quadric_ratio * variation / quadric, 4));
 }
 

@@ -8,6 +8,7 @@
 
 namespace tripatch {
 double soft_minimum(double variation, double quadric) {
+  if (!(variation > 0)) return variation;  // of a plane both are 0
   const double ratio = quadric_ratio * variation / quadric;
   return variation / std::pow(1 + std::pow(ratio, 4), 0.25);
 }

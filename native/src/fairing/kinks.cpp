@@ -72,6 +72,8 @@ private:
 
 Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
+/// Of a side: breaks that are nearer to each other, or to an end, are one. Rims of 10,000 edges have breaks a hundred times as far apart.
+constexpr double one_place = 1e-6;
 constexpr double nearly_one_plane = 1e-5;  // sine of the angle between two planes: less, and the line where they meet is rounding
 constexpr double least_slant =
     0.2;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
@@ -94,7 +96,7 @@ std::vector<double> kinks_of(const Side& side) {
   breaks.insert(breaks.end(), side.r.breaks().begin(), side.r.breaks().end());
   std::sort(breaks.begin(), breaks.end());
   for (double t : breaks) {
-    if (t < 1e-6 || t > 1 - 1e-6 || (!at.empty() && t < at.back() + 1e-6)) continue;
+    if (t < one_place || t > 1 - one_place || (!at.empty() && t < at.back() + one_place)) continue;
     const double before = t - just_before;
     if (apart(side.c.derivative_at(before), side.c.derivative_at(t)) || apart(side.r(before), side.r(t))) at.push_back(t);
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/math/interruption.h"
+
 namespace tripatch {
 
 double shape(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -110,6 +112,7 @@ void DomainMesh::look_at_all() {
 void DomainMesh::flip_all() {
   std::size_t budget = 40 * alive_triangles() + 1000;  // where the surface folds over itself there may be no end
   while (!dirty_.empty() && budget-- > 0) {
+    check_interruption();
     const auto [t, k] = dirty_.back();
     dirty_.pop_back();
     const int o = alive(t) ? triangles_[t].n[k] : -1;
@@ -135,6 +138,7 @@ void DomainMesh::flip_all() {
 }
 
 const std::vector<int>& DomainMesh::around(int v) {
+  check_interruption();
   ring_.clear();
   int t = triangle_of_[v];
   do {
@@ -157,7 +161,10 @@ void DomainMesh::collapse_short() {
       if (ratio < 1) edges.push_back({v, w, ratio});
     }
   }
-  std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) { return p.excess < q.excess; });
+  std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
+    check_interruption();
+    return p.excess < q.excess;
+  });
   for (const Edge& e : edges) collapse(e.triangle, e.k);
 }
 
@@ -183,7 +190,7 @@ bool DomainMesh::collapse(int v, int w) {
     after = std::min(after, shape_of(w, p, q));
     if (p != link_of_v[(at + 1) % n] && length(w, p) > too_long * size_of_edge(w, p)) return false;
   }
-  if (after < std::min(0.4, before)) return false;
+  if (after < std::min(collapsed_shape, before)) return false;
   // ring[at] = (v, w, next) and ring[at - 1] = (v, previous, w) go
   const int gone = ring[at], gone2 = ring[(at + n - 1) % n];
   const int next = link_of_v[(at + 1) % n], previous = link_of_v[(at + n - 1) % n];

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/math/angle.h"
+
 namespace tripatch {
 namespace {
 
@@ -13,17 +15,16 @@ struct TrianglePair {
   std::array<Index, 4> corners;
 };
 
-double degrees(const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / EIGEN_PI; }
-
 /// Infinite beyond the thresholds. The quad is (c, a, d, b), its diagonal a-b.
 double error_of(const PointsRef& points, const std::array<Index, 4>& quad, const PairQuadsOptions& options) {
   std::array<Vec3, 4> x;
   for (int k = 0; k < 4; ++k) x[k] = points.row(quad[k]);
   const Vec3 first = (x[1] - x[0]).cross(x[3] - x[0]), second = (x[3] - x[2]).cross(x[1] - x[2]);
   if (!(first.squaredNorm() > 0) || !(second.squaredNorm() > 0)) return std::numeric_limits<double>::infinity();
-  const double fold = degrees(first, second);
+  const double fold = degrees_between(first, second);
   double corner = 0;
-  for (int k = 0; k < 4; ++k) corner = std::max(corner, std::abs(degrees(x[(k + 1) % 4] - x[k], x[(k + 3) % 4] - x[k]) - 90));
+  for (int k = 0; k < 4; ++k)
+    corner = std::max(corner, std::abs(degrees_between(x[(k + 1) % 4] - x[k], x[(k + 3) % 4] - x[k]) - 90));
   if (!(fold <= options.largest_fold) || !(corner <= options.largest_corner)) return std::numeric_limits<double>::infinity();
   return fold / std::max(options.largest_fold, 1e-9) + corner / std::max(options.largest_corner, 1e-9);
 }

@@ -109,7 +109,7 @@ private:
     std::array<Path, 3> first, second;  // the two edges of the strip, from the side to the triangle
     for (int i = 0; i < 3; ++i) {
       const int before = (i + 2) % 3, after = (i + 1) % 3;
-      // where the neighbour's strip has no length, the grid between has none either: its two long sides are one
+      // where the neighbor's strip has no length, the grid between has none either: its two long sides are one
       first[i] = s[before] == 0 ? back(part(loop.side[before], middle(before) + 1, loop.count(before)))
                  : s[i] == 0    ? Path{tip[after]}
                                 : path(loop.side[i][middle(i)], tip[after], s[i]);
@@ -152,8 +152,8 @@ private:
   Index next_;
 };
 
-/// Inside vertices at the mean of their neighbours (Tutte 1963): in a convex triangle no face is turned over.
-void embed(const std::vector<std::vector<Index>>& neighbours, Index rim, const std::vector<Index>& held, Points& barycentric) {
+/// Inside vertices at the mean of their neighbors (Tutte 1963): in a convex triangle no face is turned over.
+void embed(const std::vector<std::vector<Index>>& neighbors, Index rim, const std::vector<Index>& held, Points& barycentric) {
   const Index n = barycentric.rows();
   std::vector<Index> unknown(n, -1);
   Index unknowns = 0;
@@ -164,8 +164,8 @@ void embed(const std::vector<std::vector<Index>>& neighbours, Index rim, const s
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(unknowns, 3);
   for (Index v = rim; v < n; ++v) {
     if (unknown[v] < 0) continue;
-    entries.emplace_back(unknown[v], unknown[v], static_cast<double>(neighbours[v].size()));
-    for (Index w : neighbours[v]) {
+    entries.emplace_back(unknown[v], unknown[v], static_cast<double>(neighbors[v].size()));
+    for (Index w : neighbors[v]) {
       if (unknown[w] >= 0) {
         entries.emplace_back(unknown[v], unknown[w], -1.0);
       } else {
@@ -222,23 +222,23 @@ QuadLayout quad_layout(const std::array<std::vector<double>, 3>& parameters, int
   layout.faces = builder.faces;
 
   const Index n = builder.vertex_count();
-  std::vector<std::vector<Index>> neighbours(n);
+  std::vector<std::vector<Index>> neighbors(n);
   for (Index f = 0; f < layout.faces.size(); ++f) {
     const auto face = layout.faces[f];
     for (std::size_t k = 0; k < face.size(); ++k) {
       const Index a = face[k], b = face[(k + 1) % face.size()];
-      neighbours[a].push_back(b);
-      neighbours[b].push_back(a);
+      neighbors[a].push_back(b);
+      neighbors[b].push_back(a);
     }
   }
   for (Index v = 0; v < n; ++v) {
-    std::sort(neighbours[v].begin(), neighbours[v].end());
-    neighbours[v].erase(std::unique(neighbours[v].begin(), neighbours[v].end()), neighbours[v].end());
-    if (v >= layout.rim && neighbours[v].size() != 4) layout.poles.push_back(v);
+    std::sort(neighbors[v].begin(), neighbors[v].end());
+    neighbors[v].erase(std::unique(neighbors[v].begin(), neighbors[v].end()), neighbors[v].end());
+    if (v >= layout.rim && neighbors[v].size() != 4) layout.poles.push_back(v);
   }
   layout.barycentric = Points::Zero(n, 3);
   for (Index v = 0; v < layout.rim; ++v) layout.barycentric.row(v) = rim[v];
-  embed(neighbours, layout.rim, {}, layout.barycentric);
+  embed(neighbors, layout.rim, {}, layout.barycentric);
 
   // The poles move together, as far as no face turns over.
   Vec3 shift(-pole_offset[0] - pole_offset[1] / std::sqrt(3.0), pole_offset[0] - pole_offset[1] / std::sqrt(3.0),
@@ -246,7 +246,7 @@ QuadLayout quad_layout(const std::array<std::vector<double>, 3>& parameters, int
   for (int attempt = 0; attempt < 8 && shift.norm() > 0 && !layout.poles.empty(); ++attempt, shift *= 0.5) {
     Points moved = layout.barycentric;
     for (Index v : layout.poles) moved.row(v) += shift;
-    embed(neighbours, layout.rim, layout.poles, moved);
+    embed(neighbors, layout.rim, layout.poles, moved);
     if (moved.minCoeff() >= 0 && smallest_corner(layout.faces, moved) > 0) {
       layout.barycentric = moved;
       break;

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <set>
 
+#include "tripatch/math/interruption.h"
 #include "tripatch/output/domain_mesh.h"
 
 namespace tripatch {
@@ -18,12 +19,10 @@ namespace {
 using Vec2 = Eigen::Vector2d;
 using Pair = std::array<int, 2>;
 
-constexpr double area_of_triangle = 0.43;  // of squared edge length: that of an equilateral one
-constexpr int most_sources = 200;          // of rim sizes: longer rims count by runs of edges
-constexpr int most_passes = 60;            // a rim of 10,000 edges needs 25
+constexpr int most_sources = 200;  // of rim sizes: longer rims count by runs of edges
+constexpr int most_passes = 60;    // a rim of 10,000 edges needs 25
 constexpr int careful_passes = 2;
 constexpr double least_move = 0.03;  // of the size: smaller moves are not worth an evaluation
-constexpr double good_enough = 0.3;  // shape of a triangle that a move in between may bring about
 
 Pair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
 
@@ -267,7 +266,10 @@ private:
           edges.push_back({t, k, excess});
       }
     }
-    std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) { return p.excess > q.excess; });
+    std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
+      check_interruption();
+      return p.excess > q.excess;
+    });
     if (inner) edges.resize(std::min(edges.size(), static_cast<std::size_t>((most_ - alive) / 2) + 1));
     return split(edges);
   }
@@ -337,7 +339,7 @@ private:
     if (!(weights > 0) || !(uu.determinant() > 0)) return false;
     const Eigen::Matrix<double, 3, 2> jacobian = xu * uu.inverse();
     const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
-    if (!(metric.determinant() > 1e-12 * metric.squaredNorm())) return false;
+    if (!(metric.determinant() > flat_metric * metric.squaredNorm())) return false;
     step = metric.inverse() * (jacobian.transpose() * (center / weights));
     in_space = jacobian * step;
     return true;

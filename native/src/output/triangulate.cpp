@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "tripatch/math/interruption.h"
+#include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/regular_grid.h"
 
@@ -156,20 +158,17 @@ private:
   /// How many triangles of the wanted sizes cover the surface.
   double triangles_wanted() const {
     constexpr int rows = 48;
-    Points b((rows + 1) * (rows + 2) / 2, 3);
-    auto place = [&](int p, int q) { return q * (rows + 1) - q * (q - 1) / 2 + p; };
-    for (int q = 0; q <= rows; ++q)
-      for (int p = 0; p + q <= rows; ++p) b.row(place(p, q)) << rows - p - q, p, q;
-    b /= rows;
+    constexpr TriangularGrid grid = {rows};
+    const Points b = grid.barycentric();
     const Points x = patch_.positions(b);
     double count = 0;
     for (int q = 0; q < rows; ++q)
       for (int p = 0; p + q < rows; ++p)
         for (int half = 0; half < (p + q + 1 < rows ? 2 : 1); ++half) {
-          const int i = half ? place(p + 1, q + 1) : place(p, q), j = place(p + 1, q), k = place(p, q + 1);
+          const Index i = half ? grid.at(p + 1, q + 1) : grid.at(p, q), j = grid.at(p + 1, q), k = grid.at(p, q + 1);
           const double twice = Vec3(x.row(j) - x.row(i)).cross(Vec3(x.row(k) - x.row(i))).norm();
           const double h = wanted((b.row(i) + b.row(j) + b.row(k)) / 3);
-          count += twice / 2 / (0.43 * h * h);
+          count += twice / 2 / (area_of_triangle * h * h);
         }
     return count;
   }
@@ -219,7 +218,10 @@ private:
         }
       }
     }
-    std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) { return p.excess > q.excess; });
+    std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
+      check_interruption();
+      return p.excess > q.excess;
+    });
     std::vector<char> taken(triangles_.size(), 0);
     std::vector<Edge> chosen;
     std::vector<Vec3> middles;
@@ -298,7 +300,7 @@ private:
       if (!(det > 0)) continue;
       const Eigen::Matrix<double, 3, 2> jacobian = xu * uu.inverse();
       const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
-      if (!(metric.determinant() > 1e-12 * metric.squaredNorm())) continue;
+      if (!(metric.determinant() > flat_metric * metric.squaredNorm())) continue;
       Vec2 step = metric.inverse() * (jacobian.transpose() * (center / weights));
       for (int attempt = 0; attempt < 4; ++attempt, step *= 0.5) {
         const Vec3 b = moved(b_[v], step);
@@ -311,9 +313,9 @@ private:
     const Points x = positions(where);
     for (std::size_t i = 0; i < who.size(); ++i) {
       const int v = who[i];
-      if (!star_is_valid(v, where[i])) continue;  // a neighbour has moved meanwhile
+      if (!star_is_valid(v, where[i])) continue;  // a neighbor has moved meanwhile
       const double before = star_quality(v, x_[v]), after = star_quality(v, x.row(i));
-      if (careful ? after < before : after < std::min(before, 0.3)) continue;
+      if (careful ? after < before : after < std::min(before, good_enough)) continue;
       b_[v] = where[i];
       x_[v] = x.row(i);
     }

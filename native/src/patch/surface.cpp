@@ -60,12 +60,17 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
     if (vertex_of(b + 3 * k, vertex_radius[order]) >= 0) near.push_back(k);
   // A run of points far from the vertices at a time; a share of one is worth a thread (some 0.3 us a point without derivatives).
   constexpr std::array<Index, max_order + 1> share = {2000, 1000, 600, 400, 200};
+  constexpr Index block = 4096;  // some milliseconds
   Index start = 0;
   const Index row = 3 * jet_size(order);
   for (std::size_t next = 0; start < n; ++next) {
     const Index end = next < near.size() ? near[next] : n;
-    parallel_for(start, end, share[order],
-                 [&](Index from, Index to) { evaluate_regular(b + 3 * from, to - from, order, out + from * row); });
+    parallel_for(start, end, share[order], [&](Index from, Index to) {
+      for (Index first = from; first < to; first += block) {
+        check_interruption();
+        evaluate_regular(b + 3 * first, std::min(block, to - first), order, out + first * row);
+      }
+    });
     start = end + 1;
   }
 
@@ -95,6 +100,9 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
   }
 }
 
+/// A step in barycentric coordinates after which Gauss-Newton's distance is good to its square.
+constexpr double settled = 1e-4;
+
 Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b) {
   Eigen::VectorXd distance = Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
   Points at = b;
@@ -115,7 +123,7 @@ Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b)
       Eigen::RowVector3d moved = (at.row(k) + Eigen::RowVector3d(m0, m1, -m0 - m1)).cwiseMax(0);
       at.row(k) = moved / moved.sum();
     }
-    if (largest < 1e-4) break;  // the distance is within its square
+    if (largest < settled) break;
   }
   return distance;
 }

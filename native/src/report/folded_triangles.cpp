@@ -5,6 +5,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "tripatch/math/interruption.h"
+
 namespace tripatch {
 
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces) {
@@ -13,6 +15,7 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
   std::vector<Vec3> normals;                           // of the triangles; zero where one has no area
   std::vector<std::tuple<Index, Index, Index>> edges;  // lower vertex, higher vertex, triangle
   for (Index f = 0; f < faces.size(); ++f) {
+    check_interruption();
     const auto face = faces[f];
     for (std::size_t k = 2; k < face.size(); ++k) {
       const std::array<Index, 3> corner = {face[0], face[k - 1], face[k]};
@@ -24,7 +27,10 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
       normals.push_back((at(corner[1]) - a).cross(at(corner[2]) - a).stableNormalized());
     }
   }
-  std::sort(edges.begin(), edges.end());
+  std::sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) {
+    check_interruption();
+    return a < b;
+  });
   const double cosine = std::cos(folded_degrees * M_PI / 180);
   Index count = 0;
   for (std::size_t k = 0, first = 0; k < edges.size(); ++k) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tripatch/math/interruption.h"
+
 namespace tripatch {
 namespace {
 
@@ -241,6 +243,7 @@ void Field::fit(Part& part, const Points& samples) const {
 void Field::values(const Part& part, const double* rows, Index n, double* out) const {
   constexpr Index block = 64;  // points: their distances from some hundred samples stay in the cache
   for (Index from = 0; from < n; from += block) {
+    check_interruption();
     const Index count = std::min(block, n - from);
     PlanePoints at(count, 2);
     for (Index k = 0; k < count; ++k)
@@ -257,6 +260,7 @@ void Field::values_and_slopes(const Part& part, const double* rows, Index n, dou
   const int m = part.order;
   const double sign = m % 2 == 0 ? 0.5 : -0.5;
   for (Index from = 0; from < n; from += block) {
+    check_interruption();
     const Index count = std::min(block, n - from);
     PlanePoints at(count, 2);
     for (Index k = 0; k < count; ++k)

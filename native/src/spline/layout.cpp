@@ -8,6 +8,8 @@
 #include <map>
 #include <numeric>
 
+#include "tripatch/math/interruption.h"
+
 namespace tripatch {
 namespace {
 
@@ -247,6 +249,7 @@ public:
 
   /// Infinite where a triangle is turned over or has lost its area.
   double energy(const PlanePoints& uv) const {
+    check_interruption();
     double sum = 0;
     for (std::size_t t = 0; t < shapes_.size(); ++t) {
       const Matrix2 J = jacobian(t, uv);

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "tripatch/math/interruption.h"
+
 namespace tripatch {
 namespace {
 
@@ -125,8 +127,10 @@ private:
   std::vector<std::array<Index, 3>> exact(const Polygon& polygon) {
     const Index n = polygon.size();
     prepare(polygon);
-    for (Index i = n - 2; i-- > 0;)
+    for (Index i = n - 2; i-- > 0;) {
+      check_interruption();
       for (Index k = i + 2; k < n; ++k) choose(i, k, n, polygon);
+    }
     std::vector<std::array<Index, 3>> out;
     std::vector<std::array<Index, 2>> open = {{0, n - 1}};
     while (!open.empty()) {

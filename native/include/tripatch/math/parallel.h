@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "tripatch/math/interruption.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -22,21 +23,28 @@ void parallel_for(Index from, Index to, Index least, const F& f) {
   static const Index all_cores = std::max(1U, std::thread::hardware_concurrency());
   const Index n = to - from, cores = one_of_many ? 1 : all_cores;
   const Index shares = std::clamp<Index>(n / least, 1, cores);
-  std::vector<std::future<void>> others;
+  check_interruption();
+  std::vector<std::future<void>> others;  // which are waited for, whatever is thrown here
+  const auto share = [&f, flag = interruption](Index first, Index last) {
+    const InterruptedBy inherited(flag);
+    f(first, last);
+  };
   for (Index k = 1; k < shares; ++k)
-    others.push_back(std::async(std::launch::async, f, from + n * k / shares, from + n * (k + 1) / shares));
+    others.push_back(std::async(std::launch::async, share, from + n * k / shares, from + n * (k + 1) / shares));
   if (n > 0) f(from, from + n / shares);
   for (std::future<void>& other : others) other.get();
 }
 
 /// f(k) for each k < count, on all cores, each core the next one as soon as it is free. progress(done) is called by the caller's own
-/// thread, ten times a second and after the last. What either throws ends the work and is thrown on, the first of them.
+/// thread, twenty times a second and after the last. What either throws ends the work, also in the middle of an f that looks at
+/// check_interruption, and is thrown on, the first of them.
 template <class F, class Progress>
 void parallel_for_each(std::size_t count, const F& f, const Progress& progress) {
-  constexpr std::chrono::milliseconds between_calls(100);  // often enough for a bar and for Ctrl-C
+  constexpr std::chrono::milliseconds between_calls(50);  // often enough for a bar, and for Ctrl-C to be obeyed within 100 ms
   std::atomic<std::size_t> next = 0, done = 0;
   std::atomic<bool> stop = false;
   const auto work = [&] {
+    const InterruptedBy stopped(&stop);
     one_of_many = count > 1;
     for (std::size_t k = next++; k < count && !stop; k = next++) {
       try {
@@ -52,11 +60,18 @@ void parallel_for_each(std::size_t count, const F& f, const Progress& progress) 
   std::vector<std::future<void>> workers;
   for (std::size_t k = 0; k < std::min(cores, count); ++k) workers.push_back(std::async(std::launch::async, work));
   std::exception_ptr failure;
+  bool interrupted = false;  // which is what a failure makes of the other workers
   for (std::future<void>& worker : workers) {
     try {
       while (worker.wait_for(between_calls) == std::future_status::timeout)
-        if (!stop) progress(std::size_t{done});
+        if (!stop) {
+          check_interruption();
+          progress(std::size_t{done});
+        }
       worker.get();
+    } catch (const Interrupted&) {
+      stop = interrupted = true;
+      if (worker.valid()) worker.wait();
     } catch (...) {
       stop = true;
       if (!failure) failure = std::current_exception();
@@ -64,6 +79,7 @@ void parallel_for_each(std::size_t count, const F& f, const Progress& progress) 
     }
   }
   if (failure) std::rethrow_exception(failure);
+  if (interrupted) throw Interrupted();
   progress(std::size_t{done});
 }
 

@@ -13,6 +13,8 @@ namespace tripatch {
 /// 1 for an equilateral triangle, 0 for one without area.
 double shape(const Vec3& a, const Vec3& b, const Vec3& c);
 
+constexpr double area_of_triangle = 0.43;  ///< of squared edge length: that of an equilateral one
+
 class DomainMesh {
 public:
   virtual ~DomainMesh() = default;
@@ -22,6 +24,11 @@ protected:
   static constexpr double most_triangles = 50'000;  // wanted where the rim's density says the count; grading adds to it
   static constexpr double most_over = 8;  // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
   static constexpr double too_long = 4.0 / 3, too_short = 0.75;  // times the size: where edges are split and collapsed
+
+  static constexpr double good_enough = 0.3;        // shape of a triangle that a move in between may bring about
+  static constexpr double flat_metric = 1e-12;      // of its square: a metric's determinant below it has no inverse but rounding
+  static constexpr double collapsed_shape = 0.4;    // that a collapse may bring about; or no worse than what was there
+  static constexpr double rounding = 1e-15;         // of an area, per length: four times that of coordinates from 0 to 1
 
   struct Triangle {
     std::array<int, 3> v;  // v[0] < 0: removed
@@ -56,7 +63,7 @@ protected:
   static bool positive(const Vec3& a, const Vec3& b, const Vec3& c) {
     const double ux = b[1] - a[1], uy = b[2] - a[2], vx = c[1] - a[1], vy = c[2] - a[2];
     const double longest = std::max(std::max(std::abs(ux), std::abs(uy)), std::max(std::abs(vx), std::abs(vy)));
-    return ux * vy - vx * uy > 1e-15 * longest;
+    return ux * vy - vx * uy > rounding * longest;
   }
 
   /// Sizes of inner vertices: what is wanted; more near longer rim edges; not more than what shorter neighbors allow; and, next to

@@ -1,13 +1,13 @@
 """Mesh files: read, add fills, write. Nothing of the user's file is lost.
 
 OBJ, OFF, PLY and STL are read by small passes of our own that keep the file's bytes and add to them: comments, groups, materials,
-texture coordinates, colours, other elements and the header stay as they are. All other formats (VTK, VTU, ...) go through meshio,
+texture coordinates, colors, other elements and the header stay as they are. All other formats (VTK, VTU, ...) go through meshio,
 which keeps points, cells, and the data of both, but not what it does not read: comments, the title line, VTK's POLYDATA.
 
 A vertex that a fill moves keeps its line or row but for the three numbers. A face whose edge a fill splits keeps all that the
 file says of it, texture coordinates by corner are interpolated; in OBJ it goes to the end, after its new vertex. A new vertex
-takes what the file says of a vertex beyond its position and normal (colours, say) from the nearest rim vertex, a new face what
-the file says of a face (material, group, colour) from the faces around the rim.
+takes what the file says of a vertex beyond its position and normal (colors, say) from the nearest rim vertex, a new face what
+the file says of a face (material, group, color) from the faces around the rim.
 """
 
 from __future__ import annotations

@@ -259,7 +259,7 @@ class PlyFile(MeshFile):
             vertex.new.append(self._encode(vertex, row))
         empty = [[] if p[2] else 0 for p in face.properties]
         like = empty
-        if len(around):  # lists, such as texture coordinates by corner, are not what a neighbour can give
+        if len(around):  # lists, such as texture coordinates by corner, are not what a neighbor can give
             rows = (self._row(face, self._row_of[f]) for f in around)
             like = list(writing.most(tuple(() if p[2] else x for p, x in zip(face.properties, row)) for row in rows))
         for corners in faces:

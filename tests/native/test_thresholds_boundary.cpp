@@ -1,0 +1,124 @@
+// What decides in the surroundings, on both sides of its thresholds; those of meshes are in test_local_mesh and test_mesh_sides.
+#include "test_surfaces.h"
+#include "tripatch/boundary/normal_sides.h"
+#include "tripatch/boundary/ribbon.h"
+#include "tripatch/boundary/smoothed.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+PiecewisePolynomial line(const Vec3& a, const Vec3& b) {
+  const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
+  return PiecewisePolynomial::bezier(net, 3);
+}
+
+const std::array<Vec3, 3> corners = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, std::sqrt(0.75), 0)};
+
+/// The equilateral triangle in its plane.
+Sides flat_sides() {
+  Sides sides;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 &a = corners[(i + 1) % 3], &b = corners[(i + 2) % 3], out = (b - a).cross(Vec3::UnitZ());
+    sides[i] = {line(a, b), line(out, out), {}};
+  }
+  return sides;
+}
+
+}  // namespace
+
+TEST_CASE("sides meet whose ends are a millionth of the size apart") {
+  for (const double gap : {0.99e-6, 1.01e-6}) {
+    Sides sides = flat_sides();
+    sides[0] = moved_ends(sides[0], Vec3::Zero(), gap * Vec3::UnitZ());
+    if (gap < 1e-6) {
+      CHECK_NOTHROW(make_boundary(sides));
+    } else {
+      CHECK_THROWS_WITH(make_boundary(sides), Catch::Contains("do not meet at corner 2"));
+    }
+  }
+}
+
+TEST_CASE("a side is closed whose ends are a millionth of its width apart") {
+  for (const double gap : {0.99e-6, 1.01e-6}) {
+    const double width = std::sqrt(0.5);
+    const std::array<double, 9> net = {0, 0, 0, 1, 1, 0, gap * width, 0, 0};
+    const Side side = {PiecewisePolynomial::bezier(net, 3), line(Vec3::UnitZ(), Vec3::UnitZ()), {}};
+    if (gap < 1e-6) {
+      CHECK_NOTHROW(piece_of(side, 0.5, 1.2));
+    } else {
+      CHECK_THROWS_AS(piece_of(side, 0.5, 1.2), InvalidArgument);
+    }
+    CHECK_NOTHROW(piece_of(side, 0.5, 1));
+  }
+}
+
+TEST_CASE("surroundings have planes where what is across leaves the line of the side by a billionth") {
+  RibbonOptions given;
+  given.cross_boundary = CrossBoundary::given;
+  for (const double sine : {0.9e-9, 1.1e-9}) {
+    Sides sides = flat_sides();
+    const Vec3 along = corners[2] - corners[1], across = along + sine * along.cross(Vec3::UnitZ());
+    sides[0].r = line(across, across);
+    if (sine < 1e-9) {
+      CHECK_THROWS_WITH(make_boundary(sides, given), Catch::Contains("Side 0 has no tangent planes"));
+    } else {
+      CHECK_NOTHROW(make_boundary(sides, given));
+    }
+  }
+}
+
+TEST_CASE("slopes that would lead backwards are a thousandth of what an equilateral patch has, and no other is that small") {
+  Sides sides = flat_sides();
+  const auto share = [&](const Boundary& boundary, int i, double t) {
+    double alpha = 0;
+    boundary.ribbons[i].alpha.taylor(t, 0, &alpha);
+    return alpha * sides[i].r(t).norm() / std::sqrt(0.75);  // height of the patch
+  };
+  CHECK(share(make_boundary(sides), 0, 0) == Approx(1));
+  sides[0].r = -1.0 * sides[0].r;
+  CHECK(share(make_boundary(sides), 0, 0) == Approx(1e-3));
+  CHECK(share(make_boundary(sides), 0, 1) == Approx(1e-3));
+  CHECK(share(make_boundary(sides), 1, 1) > 0.1);
+}
+
+TEST_CASE("a normal that leaves the edge's line by more than a millionth makes a curve") {
+  const Vec3 p = Vec3::Zero(), q = Vec3::UnitX();
+  for (const double sine : {0.9e-6, 1.1e-6}) {
+    const Vec3 normal(std::sqrt(1 - sine * sine), 0, sine);
+    for (const bool at_start : {true, false}) {
+      std::string said;
+      try {
+        if (at_start) {
+          side_from_normals(p, normal, q, Vec3::UnitZ(), NormalCurve::smits);
+        } else {
+          side_from_normals(p, Vec3::UnitZ(), q, normal, NormalCurve::smits);
+        }
+      } catch (const Refusal& refusal) {
+        said = refusal.what();
+      }
+      CHECK((said == "The normal points along the edge") == (sine < 1e-6));
+    }
+  }
+}
+
+TEST_CASE("sides of nine vertices and more are smoothed where their noise is small beside them, shorter ones are left alone") {
+  const auto zigzag = [](int vertices, double noise) {
+    Sides sides = flat_sides();
+    std::vector<PiecewisePolynomial> pieces;
+    const auto at = [&](int k) {
+      const double t = static_cast<double>(k) / (vertices - 1);
+      return Vec3(corners[1] + t * (corners[2] - corners[1]) + (k % 2 ? noise : 0) * Vec3::UnitZ());
+    };
+    for (int k = 0; k < vertices; ++k) sides[0].rim.push_back(static_cast<double>(k) / (vertices - 1));
+    for (int k = 0; k + 1 < vertices; ++k) pieces.push_back(line(at(k), at(k + 1)));
+    sides[0].c = PiecewisePolynomial::joined(pieces);
+    const Sides smooth = smoothed(sides);
+    return (smooth[0].c(1.0 / (vertices - 1)) - sides[0].c(1.0 / (vertices - 1))).norm();
+  };
+  CHECK(zigzag(8, 0.02) == 0);
+  CHECK(zigzag(10, 0.02) > 0.005);
+  CHECK(zigzag(40, 0.15) > 0.01);
+  CHECK(zigzag(40, 0.5) == 0);
+}

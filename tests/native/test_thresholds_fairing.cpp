@@ -1,0 +1,73 @@
+// What counts as a fold, on both sides of its thresholds; those of kinks are in test_kinks.
+#include <Eigen/Geometry>
+
+#include "test_surfaces.h"
+#include "tripatch/fairing/folds.h"
+#include "tripatch/patch/bezier_triangle.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+/// The equilateral triangle in its plane, but bent by an angle (degrees) along the line b0 = at.
+class Bent final : public Surface {
+public:
+  Bent(double at, double degrees) : at_(at), turn_(Eigen::AngleAxisd(degrees * M_PI / 180, Vec3::UnitX())) {}
+  void evaluate(const double* b, Index n, int order, double* out) const override {
+    const Eigen::Vector2d first(0, std::sqrt(0.75)), second(-0.5, 0), third(0.5, 0);  // corners; b0 runs along y
+    for (Index k = 0; k < n; ++k, b += 3, out += 3 * jet_size(order)) {
+      const Eigen::Vector2d p = b[0] * first + b[1] * second + b[2] * third;
+      const bool beyond = b[0] > at_;
+      const double y = at_ * first[1];
+      const auto placed = [&](const Eigen::Vector2d& v, bool vector) -> Vec3 {
+        if (!beyond) return Vec3(v[0], v[1], 0);
+        return turn_ * Vec3(v[0], v[1] - (vector ? 0 : y), 0) + (vector ? Vec3(Vec3::Zero()) : Vec3(0, y, 0));
+      };
+      std::fill_n(out, 3 * jet_size(order), 0.0);
+      Vec3::Map(out) = placed(p, false);
+      if (order < 1) continue;
+      Vec3::Map(out + 3) = placed(first - third, true);
+      Vec3::Map(out + 6) = placed(second - third, true);
+    }
+  }
+
+private:
+  double at_;
+  Eigen::Matrix3d turn_;
+};
+
+Sides flat_sides(double tilt_at_corner = 0) {
+  const SurfacePtr flat =
+      std::make_shared<BezierTriangle>((Points(3, 3) << 0, std::sqrt(0.75), 0, -0.5, 0, 0, 0.5, 0, 0).finished());
+  Sides sides = sides_of(flat);
+  // side 2 runs from corner 0 on: its planes turn about it, so that they differ from side 1's there
+  const Vec3 axis = sides[2].c.derivative_at(0).normalized(), r = sides[2].r(0);
+  const Vec3 turned = Eigen::AngleAxisd(tilt_at_corner * M_PI / 180, axis) * r;
+  const std::array<double, 6> net = {turned[0], turned[1], turned[2], r[0], r[1], r[2]};
+  sides[2].r = PiecewisePolynomial::bezier(net, 3);
+  return sides;
+}
+
+}  // namespace
+
+TEST_CASE("neighbors fold whose normals are 60 degrees apart") {
+  const FoldCounter folds(flat_sides());
+  CHECK(folds(Bent(0.5, 0)) == 0);
+  CHECK(folds(Bent(0.5, 59.9)) == 0);
+  CHECK(folds(Bent(0.5, 60.1)) > 50);
+}
+
+TEST_CASE("points fold whose normal is a right angle from the rim's") {
+  const FoldCounter folds(flat_sides());
+  const Index of_neighbors = folds(Bent(0.5, 89.9));
+  CHECK(folds(Bent(0.5, 90.1)) > of_neighbors + 500);
+}
+
+TEST_CASE("beside a corner whose planes are a degree apart neighbors are not compared, a seventh of the way in they are") {
+  for (const double tilt : {0.9, 1.1}) {
+    const FoldCounter folds(flat_sides(tilt));
+    CHECK((folds(Bent(0.9, 70)) > 0) == (tilt < 1));
+    CHECK(folds(Bent(0.8, 70)) > 0);
+  }
+}
