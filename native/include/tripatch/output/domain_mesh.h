@@ -25,10 +25,10 @@ protected:
   static constexpr double most_over = 8;  // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
   static constexpr double too_long = 4.0 / 3, too_short = 0.75;  // times the size: where edges are split and collapsed
 
-  static constexpr double good_enough = 0.3;        // shape of a triangle that a move in between may bring about
-  static constexpr double flat_metric = 1e-12;      // of its square: a metric's determinant below it has no inverse but rounding
-  static constexpr double collapsed_shape = 0.4;    // that a collapse may bring about; or no worse than what was there
-  static constexpr double rounding = 1e-15;         // of an area, per length: four times that of coordinates from 0 to 1
+  static constexpr double good_enough = 0.3;      // shape of a triangle that a move in between may bring about
+  static constexpr double flat_metric = 1e-12;    // of its square: a metric's determinant below it has no inverse but rounding
+  static constexpr double collapsed_shape = 0.4;  // that a collapse may bring about; or no worse than what was there
+  static constexpr double rounding = 1e-15;       // of an area, per length: four times that of coordinates from 0 to 1
 
   struct Triangle {
     std::array<int, 3> v;  // v[0] < 0: removed
