@@ -115,7 +115,7 @@ def test_every_line_has_every_name(tmp_path, capsys):
 def test_filters_and_reasons_of_a_dry_run(tmp_path, capsys):
     source = tmp_path / "in"
     source.mkdir()
-    write_obj(source / "two.obj", sphere_hole(3, rings=2), sphere_hole(5, rings=2, centre=5))
+    write_obj(source / "two.obj", sphere_hole(3, rings=2), sphere_hole(5, rings=2, center=5))
     code, out, _ = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--dry-run", "--max-edges", 10)
     assert code == 0
     assert not (tmp_path / "out").exists()
