@@ -9,6 +9,7 @@ import struct
 import subprocess
 import sys
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -248,7 +249,10 @@ def test_interrupted_the_file_that_was_there_stays(tmp_path):
             "f " + " ".join(str(v + 1) for v in cell) + "\n" for cell in cells[: len(cells) // 2] + cells[len(cells) // 2 + 1 :]
         )
     before = path.read_bytes()
-    child = subprocess.Popen([sys.executable, "-m", "tripatch", "fill", path, path, "--all"], stderr=subprocess.PIPE, text=True)
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # which jobs in the background do not
+    child = subprocess.Popen(
+        [sys.executable, "-m", "tripatch", "fill", path, path, "--all"], stderr=subprocess.PIPE, text=True, preexec_fn=heed
+    )
     time.sleep(0.5)
     child.send_signal(signal.SIGINT)
     _, said = child.communicate(timeout=60)
