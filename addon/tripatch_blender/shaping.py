@@ -20,6 +20,8 @@ ARROW = 0.25
 LEAST_BULGE = 0.05
 #: Vertices of a rim from which on the preview while dragging is coarser inside, so that a step stays fluent.
 _MANY = 72
+_FEW_RINGS = 2  # of the surroundings are looked at for it, and
+_COARSE = 12  # edges a side inside of such a preview
 
 
 @dataclass
@@ -46,14 +48,24 @@ class Shaping:
         number = {v: k for k, v in enumerate(used)}
         self._positions, self._faces = positions[used], [[number[v] for v in face] for face in faces]
         self.rim = [v.index for v in rim.loop]
+        self._nearest = self._faces
         self._loop = [number[v] for v in self.rim]
         self._local = [tuple(v.co) for v in rim.loop]
         self.points = self._positions[self._loop]  # (r, 3) of the rim, in the world
         self.size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
         self.shape = Shape()
+        if len(self.rim) > _MANY:
+            self._nearest = self._rings(_FEW_RINGS)
         self._start_corners(rim)
         self.fill = self.refusal = None
         self._before = None
+
+    def _rings(self, count):
+        near, faces = set(self._loop), []
+        for _ in range(count):
+            faces = [face for face in self._faces if not near.isdisjoint(face)]
+            near.update(v for face in faces for v in face)
+        return faces
 
     def _start_corners(self, rim):
         if rim.corners:
@@ -159,20 +171,22 @@ class Shaping:
 
     def preview(self, quick=False):
         """Fills, and keeps the fill or its refusal. quick: coarser inside, without fairing where that is a step of its own."""
-        given = self.options()
+        given, faces = self.options(), self._faces
         if quick:
-            given = self._quick(given)
+            given, faces = self._quick(given), self._nearest
         try:
             corners = [self._loop[k] for k in self.corners()]
-            self.fill, self.refusal = tripatch.fill(self._positions, self._faces, rim=self._loop, corners=corners, **given), None
+            self.fill, self.refusal = tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), None
         except (tripatch.Refusal, ValueError) as reason:
             self.refusal = str(reason)
         return self.fill
 
     def _quick(self, given):
+        if len(self.rim) > _MANY:
+            given = given | {"resolution": _COARSE}
         if len(self.corners()) == 3 and given.get("method", "auto") in ("auto", "side_vertex"):
-            return given | {"method": "side_vertex", "fairing": None}
-        return given | {"resolution": 8} if len(self.rim) > _MANY else given
+            given = given | {"method": "side_vertex", "fairing": None}
+        return given
 
     def surface(self):
         """(vertices (n, 3), triangles (t, 3)) of the fill, with the mesh's own vertices as far as it uses them."""
