@@ -234,7 +234,7 @@ class MESH_OT_shape_fill_confirm(_OfTool, bpy.types.Operator):
             self.report({"ERROR"}, str(reason))
             return {"CANCELLED"}
         if outcome.refused:
-            self.report({"WARNING"}, outcome.refused[0])
+            self.report({"WARNING"}, outcome.refused[0].sentence)
             return {"CANCELLED"}
         selected.replace(bm, faces)
         bmesh.update_edit_mesh(ob.data)
