@@ -33,6 +33,8 @@ def edges(mesh, evaluated=None):
     ends, selected = np.empty(2 * len(mesh.edges), np.int32), np.empty(len(mesh.edges), bool)
     mesh.edges.foreach_get("vertices", ends)
     mesh.edges.foreach_get("select", selected)
+    if selected.all():  # as in a mesh that was just made: nothing is meant by it
+        selected[:] = False
     return ends.reshape(-1, 2)[selected].astype(np.int64)
 
 

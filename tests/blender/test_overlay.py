@@ -77,6 +77,11 @@ def test_without_a_fill_the_selected_edges_are_the_seam(overlay, shown):
     assert made.line_colors[0, 0] > made.line_colors[0, 2], "red"
 
 
+def test_where_everything_is_selected_no_seam_is_meant(overlay, shown):
+    bpy.ops.mesh.primitive_cube_add()
+    assert seen(shown, bpy.context.object).told == ["No seam: fill a hole, or select edges"]
+
+
 def test_curvature_is_in_units_of_the_scene(overlay, shown):
     bpy.ops.mesh.primitive_uv_sphere_add(radius=1, segments=48, ring_count=24, scale=(2, 2, 2))
     made = seen(shown, bpy.context.object, surface="CURVATURE", seam=False)
