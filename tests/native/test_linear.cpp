@@ -19,6 +19,24 @@ TEST_CASE("products by rows are those of Eigen, whatever the size") {
     CHECK((out.middleCols(2, n) - four * b).cwiseAbs().maxCoeff() < 1e-13);
     CHECK((out.leftCols(2).array() == 7).all());
     CHECK((out.rightCols(3).array() == 7).all());
+
+    const Eigen::MatrixXd columns = Eigen::MatrixXd::Random(n, 3);
+    Points sum = Points::Constant(13, 3, 7);
+    add_product(a.data(), 13, n, columns.data(), sum.data());
+    CHECK((sum.array() - 7 - (a * columns).array()).abs().maxCoeff() < 1e-13);
+  }
+}
+
+TEST_CASE("a quadratic minimum is where the gradient vanishes, whatever the size; without one it is not finite") {
+  for (const Index n : {1, 2, 7, 8, 15, 16, 17, 31, 33, 64, 105}) {
+    CAPTURE(n);
+    const Eigen::MatrixXd root = Eigen::MatrixXd::Random(n + 3, n);
+    Eigen::MatrixXd a = root.transpose() * root + 0.1 * Eigen::MatrixXd::Identity(n, n);
+    const Eigen::VectorXd b = Eigen::VectorXd::Random(n);
+    const Eigen::VectorXd x = constrained_quadratic_minimum(a, b, Eigen::MatrixXd(0, n));
+    CHECK((a * x + b).norm() < 1e-11 * b.norm() * a.norm());
+    a(n / 2, n / 2) = -1;
+    CHECK_FALSE(constrained_quadratic_minimum(a, b, Eigen::MatrixXd(0, n)).allFinite());
   }
 }
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import numbers
 import textwrap
+import types
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
@@ -19,6 +21,11 @@ METHODS = _native._methods()
 #: name -> option of a fill, in the order of the table: .kind, .default, .optional, .by_side, .count, .choices, .range, .soft,
 #: .unit, .description, .applies, .functions
 OPTIONS: dict[str, Option] = _native._options()
+
+#: What the checks of a call read. Every reading of a field of an Option makes new objects of what the core holds, and the fill
+#: of a small hole spent a quarter of its time on that.
+_FIELDS = ("name", "kind", "default", "optional", "by_side", "count", "none", "range", "applies", "functions")
+_ROWS = [types.SimpleNamespace(**{field: getattr(option, field) for field in _FIELDS}) for option in OPTIONS.values()]
 
 _LARGEST = 2**31 - 1
 
@@ -72,7 +79,12 @@ def _number(value, option: Option):
 
 def names(option: Option) -> tuple[str, ...]:
     """What a choice offers."""
-    return ("auto", *METHODS) if option.name == "method" else tuple(each.name for each in option.choices)
+    return _names(option.name)
+
+
+@functools.cache
+def _names(option: str) -> tuple[str, ...]:
+    return ("auto", *METHODS) if option == "method" else tuple(each.name for each in OPTIONS[option].choices)
 
 
 def _choice(value, option: Option):
@@ -173,13 +185,18 @@ def of(function: str) -> list[Option]:
     return [option for option in OPTIONS.values() if function in option.functions]
 
 
+@functools.cache
+def _rows(function: str) -> list:
+    return [row for row in _ROWS if function in row.functions]
+
+
 def checked(function: str, given: dict) -> dict:
     """The options of a function, by their types and with defaults, as the core reads them; it checks their ranges itself.
 
     Raises:
         TypeError, ValueError: what is given has the wrong type or shape, is no option, or not one of the method.
     """
-    rows = of(function)
+    rows = _rows(function)
     unknown = set(given) - {option.name for option in rows}
     if unknown:
         raise TypeError(f"{function}() got an unexpected keyword argument {min(unknown)!r}")

@@ -81,10 +81,9 @@ Eigen::VectorXd FairingProblem::raised(const FairingProblem& lower, const Eigen:
 std::vector<Derivatives> FairingProblem::derivatives(Index from, Index to, const Eigen::VectorXd& x) const {
   std::vector<Derivatives> d(base_.begin() + from, base_.begin() + to);
   const Index n = to - from;
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> rows(d[0].data(), 9 * n, 3);
   Eigen::Map<Eigen::VectorXd> all(d[0].data(), 27 * n);
-  rows.noalias() += unknowns_.size * shared_.interior.middleRows(9 * from, 9 * n) *
-                    Eigen::Map<const Eigen::MatrixXd>(x.data(), unknowns_.interior, 3);
+  const Eigen::VectorXd scalars = unknowns_.size * x.head(3 * unknowns_.interior);
+  add_product(shared_.interior.row(9 * from).data(), 9 * n, unknowns_.interior, scalars.data(), d[0].data());
   all.noalias() += basis_.middleRows(27 * from, 27 * n) * x.tail(unknowns_.slopes_count);
   return d;
 }

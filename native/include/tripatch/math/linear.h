@@ -44,6 +44,8 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 void add_gram(const RowMajor& a, RowMajor& c);
 /// out = a b for a (4, k) and b (k, n), by rows; a row of `out` begins `stride` after the last one.
 void multiply_four(const double* a, Index k, const double* b, Index n, double* out, Index stride);
+/// out += a b for a (m, k), by rows, and three columns b (k, 3), by columns; out (m, 3) by rows.
+void add_product(const double* a, Index m, Index k, const double* b, double* out);
 
 /// (x, y) such that x a + y b is nearest to v; the shortest such where a and b are parallel or zero.
 Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v);
