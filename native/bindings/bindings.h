@@ -24,6 +24,7 @@ void bind_report(py::module_& m);
 void bind_holes(py::module_& m);
 void bind_fill(py::module_& m);
 void bind_making(py::module_& m);
+void bind_polygon(py::module_& m);
 
 /// Does work without the GIL in a thread of its own, and ends it within 100 ms where a signal has come, such as Ctrl-C.
 template <class Work>

@@ -30,4 +30,5 @@ PYBIND11_MODULE(_native, m) {
   bind_fill(m);
   bind_holes(m);
   bind_making(m);
+  bind_polygon(m);
 }

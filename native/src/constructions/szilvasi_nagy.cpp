@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tripatch/constructions/shape_search.h"
-#include "tripatch/fairing/quadrature.h"
+#include "tripatch/math/quadrature.h"
 #include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {

@@ -81,12 +81,4 @@ Eigen::VectorXd CurvatureFollowing::jumps(const Eigen::VectorXd& x, RowMajor* ro
   return value;
 }
 
-Quadratic CurvatureFollowing::linearized(const Eigen::VectorXd& x) const {
-  RowMajor rows;
-  const Eigen::VectorXd value = jumps(x, &rows);
-  RowMajor normal = RowMajor::Zero(unknowns_.count(), unknowns_.count());
-  add_gram(rows, normal);
-  return {normal.selfadjointView<Eigen::Lower>(), rows.transpose() * value, value.squaredNorm()};
-}
-
 }  // namespace tripatch

@@ -3,9 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
+#include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/math/linear.h"
 
@@ -30,9 +32,9 @@ constexpr double none =
 
 }  // namespace
 
-Eigen::VectorXd minimum(const FairingProblem& problem, const Quadratic& energy) {
+Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy) {
   const Eigen::MatrixXd held = problem.held();
-  const CurvatureFollowing& following = problem.following();
+  const CurvatureJumps& following = problem.following();
   const auto among = [&](Index m) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.count());
     for (int pass = 0; pass < (following.any() ? 2 : 1); ++pass) {
@@ -58,7 +60,7 @@ Eigen::VectorXd minimum(const FairingProblem& problem, const Quadratic& energy) 
   return share > 0 ? scalars + std::min(share, 1.0) * (all - scalars) : scalars;
 }
 
-Merit::Merit(const FairingProblem& problem, const Quadratic& third, Quadratic tension, Fairing energy)
+Merit::Merit(const EnergyProblem& problem, const Quadratic& third, Quadratic tension, Fairing energy)
     : problem_(problem),
       third_(third),
       tension_(std::move(tension)),
@@ -74,7 +76,7 @@ Merit::Value Merit::operator()(const Eigen::VectorXd& x) const {
   v.energy = energy(v.variation, v.quadric) + tension(x);
   if (std::isfinite(v.energy)) {
     v.log = std::log(std::max(v.energy, no_energy)) + parameterization * std::log(std::max(v.third, no_energy));
-    if (problem_.following().any()) v.log += problem_.following().jumps(x).squaredNorm();
+    if (problem_.following().any()) v.log += problem_.following().jumps(x, nullptr).squaredNorm();
   }
   return v;
 }
@@ -169,6 +171,35 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
     if (gain < enough || value.energy < none) return step + (gain > 0 ? 1 : 0);
   }
   return iterations;
+}
+
+Quadratic tension_of(const EnergyProblem& problem) {
+  const FairingOptions& options = problem.options();
+  Quadratic tension;
+  if (!(options.tension > 0)) return tension;
+  tension = problem.quadratic(1);
+  const double wave = 2 * std::numbers::pi;
+  tension *= options.tension * std::pow(wave, options.energy == Fairing::thin_plate ? 2 : 4);
+  return tension;
+}
+
+Merit merit_of(const EnergyProblem& problem, const Quadratic& third) {
+  Quadratic tension = tension_of(problem);
+  if (problem.options().tension > 0)  // less its minimum, so that it pulls gradually where the energy alone would reach zero
+    tension.constant -= tension(constrained_quadratic_minimum(tension.normal, tension.gradient, problem.held()));
+  return {problem, third, std::move(tension), problem.options().energy};
+}
+
+Descent descent(const EnergyProblem& problem, const Quadratic& third) {
+  const Merit merit = merit_of(problem, third);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.count());
+  Descent d;
+  d.first = minimum(problem, third);
+  d.x = d.first;
+  d.value = merit(d.x);
+  if (const Merit::Value unchanged = merit(none); !(d.value.log < unchanged.log)) d.x = none, d.value = unchanged;
+  d.iterations = descend(merit, third.normal, d.x, d.value, problem.options().iterations);
+  return d;
 }
 
 }  // namespace tripatch

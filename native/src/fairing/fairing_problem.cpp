@@ -35,18 +35,22 @@ double alpha_reach(const Boundary& boundary, int i, const PiecewisePolynomial& a
 }
 
 FairingProblem::FairingProblem(const FairingBase& base, const FairingOptions& options, int nodes)
-    : shared_(fairing_space(options.degree, options.second_cross, options.slopes, nodes)),
-      base_(cartesian_derivatives(*base.patch, shared_.quadrature.b)),
+    : FairingProblem(base, options, fairing_space(options.degree, options.second_cross, options.slopes, nodes)) {}
+
+FairingProblem::FairingProblem(const FairingBase& base, const FairingOptions& options, const FairingSpace& shared)
+    : EnergyProblem(shared, cartesian_derivatives(*base.patch, shared.quadrature.b), options, base.boundary.size,
+                    shared.normal[3].rows()),
+      shared_(shared),
       sides_(base.sides),
-      boundary_(base.boundary),
-      options_(options) {
+      boundary_(base.boundary) {
   unknowns_.size = boundary_.size;
-  unknowns_.interior = shared_.normal[3].rows();
+  unknowns_.interior = interior_;
   unknowns_.slopes = options.slopes;
   for (int i = 0; i < 3; ++i) {
     unknowns_.first[i] = unknowns_.slopes_count;
     unknowns_.slopes_count += options.slopes * static_cast<Index>(take_directions(i));
   }
+  fields_ = unknowns_.slopes_count;
   following_.emplace(shared_, unknowns_, base, options);
   const Index n = static_cast<Index>(base_.size());
   basis_.setZero(27 * n, unknowns_.slopes_count);
@@ -75,125 +79,6 @@ Eigen::VectorXd FairingProblem::raised(const FairingProblem& lower, const Eigen:
   all << inside.net(), a.bottomRows(3 * options_.second_cross);
   Eigen::Map<Eigen::MatrixXd>(out.data(), unknowns_.interior, 3) = solve_upper_triangular(shared_.combination, all);
   return out;
-}
-
-/// Of the patch, at the nodes [from, to).
-std::vector<Derivatives> FairingProblem::derivatives(Index from, Index to, const Eigen::VectorXd& x) const {
-  std::vector<Derivatives> d(base_.begin() + from, base_.begin() + to);
-  const Index n = to - from;
-  Eigen::Map<Eigen::VectorXd> all(d[0].data(), 27 * n);
-  const Eigen::VectorXd scalars = unknowns_.size * x.head(3 * unknowns_.interior);
-  add_product(shared_.interior.row(9 * from).data(), 9 * n, unknowns_.interior, scalars.data(), d[0].data());
-  all.noalias() += basis_.middleRows(27 * from, 27 * n) * x.tail(unknowns_.slopes_count);
-  return d;
-}
-
-Quadratic FairingProblem::quadratic(int order) const {
-  const int rows = order + 1, first = FairingSpace::first_of(order);
-  const Index n = static_cast<Index>(base_.size());
-  const Eigen::MatrixXd &inner = shared_.rows[order], &inner_normal = shared_.normal[order];
-  Quadratic q;
-  q.normal.setZero(count(), count());
-  q.gradient.setZero(count());
-  Eigen::MatrixXd slope(rows * n, unknowns_.slopes_count);
-  Eigen::VectorXd value(rows * n);
-  for (int c = 0; c < 3; ++c) {
-    for (Index k = 0; k < n; ++k) {
-      const double w = std::sqrt(shared_.quadrature.weights[k]) / unknowns_.size;
-      for (int d = 0; d < rows; ++d) {
-        const double f = w * FairingSpace::factor(order, d);
-        slope.row(rows * k + d) = f * basis_.row(27 * k + 3 * (first + d) + c);
-        value[rows * k + d] = f * base_[k](first + d, c);
-      }
-    }
-    const Index at = c * unknowns_.interior;
-    q.normal.block(at, at, unknowns_.interior, unknowns_.interior) = inner_normal;
-    q.normal.block(at, scalars(), unknowns_.interior, unknowns_.slopes_count).noalias() = inner.transpose() * slope;
-    q.normal.bottomRightCorner(unknowns_.slopes_count, unknowns_.slopes_count).noalias() += slope.transpose() * slope;
-    q.gradient.segment(at, unknowns_.interior).noalias() = inner.transpose() * value;
-    q.gradient.tail(unknowns_.slopes_count).noalias() += slope.transpose() * value;
-    q.constant += value.squaredNorm();
-  }
-  q.normal.bottomLeftCorner(unknowns_.slopes_count, scalars()) =
-      q.normal.topRightCorner(scalars(), unknowns_.slopes_count).transpose();
-  return q;
-}
-
-std::pair<double, double> FairingProblem::variation(const Eigen::VectorXd& x) const {
-  double variation = 0, quadric = 0;
-  const std::vector<Derivatives> d = derivatives(0, static_cast<Index>(base_.size()), x);
-  for (std::size_t k = 0; k < d.size(); ++k) {
-    const CurvatureVariation v = curvature_variation(d[k], flat_curvature(unknowns_.size));
-    const double w = shared_.quadrature.weights[k] * unknowns_.size * unknowns_.size * v.area;
-    variation += w * v.variation.squaredNorm();
-    quadric += w * v.quadric.squaredNorm();
-  }
-  return {variation, quadric};
-}
-
-std::array<Quadratic, 2> FairingProblem::linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted) const {
-  // in blocks of nodes, always the same, so that sums do not depend on the number of cores
-  constexpr Index block = 96;
-  const Index n = static_cast<Index>(base_.size()), blocks = (n + block - 1) / block;
-  std::vector<std::array<Quadratic, 2>> parts(blocks);
-  parallel_for(0, blocks, 2, [&](Index from, Index to) {
-    for (Index at = from; at < to; ++at) parts[at] = linearized(x, wanted, at * block, std::min(n, (at + 1) * block));
-  });
-  std::array<Quadratic, 2> model = std::move(parts[0]);
-  for (Index at = 1; at < blocks; ++at)
-    for (int which = 0; which < 2; ++which)
-      if (wanted[which]) model[which] += parts[at][which];
-  return model;
-}
-
-/// The same of some of the nodes.
-std::array<Quadratic, 2> FairingProblem::linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from,
-                                                    Index to) const {
-  constexpr Index block = 12;  // nodes: their rows stay in the cache
-  std::array<Quadratic, 2> model;
-  std::array<RowMajor, 2> jacobian, normal;
-  std::array<Eigen::VectorXd, 2> value;
-  for (int which = 0; which < 2; ++which) {
-    if (!wanted[which]) continue;
-    normal[which].setZero(count(), count());
-    model[which].gradient.setZero(count());
-  }
-  for (Index start = from; start < to; start += block) {
-    const Index n = std::min(block, to - start);
-    for (int which = 0; which < 2; ++which) {
-      if (!wanted[which]) continue;
-      jacobian[which].resize(4 * n, count());
-      value[which].resize(4 * n);
-    }
-    const std::vector<Derivatives> d = derivatives(start, start + n, x);
-    for (Index k = start; k < start + n; ++k) {
-      const CurvatureVariationRows v = curvature_variation_rows(d[k - start], flat_curvature(unknowns_.size));
-      const double w = std::sqrt(shared_.quadrature.weights[k]) * unknowns_.size;
-      const Index row = 4 * (k - start);
-      for (int which = 0; which < 2; ++which) {
-        if (!wanted[which]) continue;
-        value[which].segment<4>(row) = w * v.value.segment<4>(4 * which);
-        const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
-        double* const out = jacobian[which].row(row).data();
-        for (int c = 0; c < 3; ++c) {
-          Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
-          for (int d = 0; d < 9; ++d) part.col(d) = unknowns_.size * rows.col(3 * d + c);
-          multiply_four(part.data(), 9, shared_.interior.row(9 * k).data(), unknowns_.interior, out + c * unknowns_.interior,
-                        count());
-        }
-        multiply_four(rows.data(), 27, basis_.row(27 * k).data(), unknowns_.slopes_count, out + scalars(), count());
-      }
-    }
-    for (int which = 0; which < 2; ++which) {
-      if (!wanted[which]) continue;
-      add_gram(jacobian[which], normal[which]);
-      model[which].gradient.noalias() += jacobian[which].transpose() * value[which];
-      model[which].constant += value[which].squaredNorm();
-    }
-  }
-  for (int which = 0; which < 2; ++which)
-    if (wanted[which]) model[which].normal = normal[which].selfadjointView<Eigen::Lower>();
-  return model;
 }
 
 double FairingProblem::reach(const Eigen::VectorXd& x) const {

@@ -92,6 +92,7 @@ PiecewisePolynomial slope_function(std::span<const double> coefficients) {
 
 FairingSpace::FairingSpace(int degree, int second_cross, int slopes, int nodes)
     : quadrature(corner_quadrature(nodes)), combination(orthonormal(degree, second_cross)) {
+  weights = quadrature.weights;
   const Index n = quadrature.b.rows(), count = scalars(degree, second_cross);
   std::vector<PiecewisePolynomial> functions;
   for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
@@ -103,10 +104,10 @@ FairingSpace::FairingSpace(int degree, int second_cross, int slopes, int nodes)
     const double w = std::sqrt(quadrature.weights[k]);
     for (int m = 1; m <= 3; ++m)
       for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * interior.row(9 * k + first_of(m) + d);
-    const std::array<Jet<3>, 3> weights = side_weights(b);
+    const std::array<Jet<3>, 3> of_sides = side_weights(b);
     std::array<Slope, 3> sides;
     for (int i = 0; i < 3; ++i) {
-      const Jet<3> t = ray_parameter(b, i), kernel = slope_kernel(b, weights, i);
+      const Jet<3> t = ray_parameter(b, i), kernel = slope_kernel(b, of_sides, i);
       sides[i].t = t.value();
       sides[i].rows.resize(9 * slopes, 4);
       for (int m = 0; m < slopes; ++m) {

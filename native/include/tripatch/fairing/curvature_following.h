@@ -24,20 +24,18 @@ struct Unknowns {
   Index count() const { return 3 * interior + slopes_count; }
 };
 
-class CurvatureFollowing {
+class CurvatureFollowing final : public CurvatureJumps {
 public:
   CurvatureFollowing(const FairingSpace& space, const Unknowns& unknowns, const FairingBase& base, const FairingOptions& options);
 
-  bool any() const { return !sides_.empty(); }
-  bool all() const { return sides_.size() == 3; }
+  bool any() const override { return !sides_.empty(); }
+  bool all() const override { return sides_.size() == 3; }
 
   /// The relative jumps of normal curvature along the sides followed, over what is tolerated, as rows whose squares sum to the mean
   /// square; their derivatives where `rows` is given. With alpha and beta free the surroundings' part is quadratic in them:
   /// n . P_dd = II(d, d), d = alpha r + beta c', and what a change (a, b) of alpha, beta adds to n . P_dd of a patch whose slopes are
   /// carried by slope_kernel is 2 (1/2 - t) n . (a r' + b c'').
-  Eigen::VectorXd jumps(const Eigen::VectorXd& x, RowMajor* rows = nullptr) const;
-  /// Gauss-Newton's model of the sum of their squares.
-  Quadratic linearized(const Eigen::VectorXd& x) const;
+  Eigen::VectorXd jumps(const Eigen::VectorXd& x, RowMajor* rows) const override;
 
 private:
   /// At the points of FairingSpace::side_t.

@@ -1,23 +1,23 @@
-// The least of the energies of a FairingProblem: one solve for the quadratic ones, steps downhill for the geometric ones.
+// The least of the energies of a EnergyProblem: one solve for the quadratic ones, steps downhill for the geometric ones.
 #pragma once
 
 #include <array>
 #include <limits>
 
-#include "tripatch/fairing/fairing_problem.h"
+#include "tripatch/fairing/energy_problem.h"
 
 namespace tripatch {
 
 /// The minimum of a quadratic energy, slopes free; with the scalar functions alone where alpha would leave its bound, or, where tension
 /// or the center is a person's to change (which shall not jump), most of the way from there to the bound. Curvature that is to be
 /// followed weighs a tenth of the energy at the start for each jump tolerated; two passes, because slopes enter it squared.
-Eigen::VectorXd minimum(const FairingProblem& problem, const Quadratic& energy);
+Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy);
 
 /// A geometric energy as the logarithm of its value, so that "auto" weighs its two parts without units, plus the jumps of curvature.
 class Merit {
 public:
   /// third: the third-derivative energy. tension: added to the energy; without unknowns: none. All must outlive this.
-  Merit(const FairingProblem& problem, const Quadratic& third, Quadratic tension, Fairing energy);
+  Merit(const EnergyProblem& problem, const Quadratic& third, Quadratic tension, Fairing energy);
 
   struct Value {
     double log = std::numeric_limits<double>::infinity();
@@ -46,7 +46,7 @@ private:
   double quadric_share(double variation, double quadric) const;
   Quadratic weighted(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::VectorXd& y) const;
 
-  const FairingProblem& problem_;
+  const EnergyProblem& problem_;
   const Quadratic& third_;
   Quadratic tension_;
   Eigen::MatrixXd held_;

@@ -3,7 +3,7 @@
 
 #include "tripatch/choices.h"
 #include "tripatch/fairing/curvature_variation.h"
-#include "tripatch/fairing/quadrature.h"
+#include "tripatch/math/quadrature.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {

@@ -9,6 +9,7 @@
 
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/energy_problem.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/piecewise_polynomial.h"
 #include "tripatch/patch/bezier_triangle.h"
@@ -16,13 +17,6 @@
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
-
-/// Binomial coefficient.
-inline double choose(int n, int k) {
-  double r = 1;
-  for (int i = 1; i <= k; ++i) r = r * (n - k + i) / i;
-  return r;
-}
 
 /// The part of a side-vertex patch that multiplies the derivative across side i.
 template <int N>
@@ -112,17 +106,15 @@ Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
 }
 
 /// What is the same for all holes: nodes, the interior basis and the kernels of the slopes at them.
-struct FairingSpace {
+struct FairingSpace : NodeBasis {
   Quadrature quadrature;
   Eigen::MatrixXd combination;  // of the scalar functions, one basis function a column
-  RowMajor interior;            // derivatives of the interior basis, nine rows a node
   /// Side i at a node: t_i there, and the derivatives of the kernel times function m times (t - t_i)^k: row 9 m + derivative, column k.
   struct Slope {
     double t;
     Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> rows;
   };
-  std::vector<std::array<Slope, 3>> slope;      // at each node
-  std::array<Eigen::MatrixXd, 4> rows, normal;  // by order m of derivatives: rows sqrt(w) D^m of the interior basis
+  std::vector<std::array<Slope, 3>> slope;  // at each node
   static constexpr int side_points = 12;
   double side_sum = 0;                         // of sin(pi t)
   std::vector<double> side_t;                  // where curvature is compared along a side: denser towards the corners
@@ -131,10 +123,6 @@ struct FairingSpace {
   Eigen::RowVectorXd center, center_slope;     // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
 
   FairingSpace(int degree, int second_cross, int slopes, int nodes);
-
-  /// Derivative d of order m counts as often as it occurs in D^m; where order m begins in Derivatives.
-  static double factor(int m, int d) { return std::sqrt(choose(m, d)); }
-  static int first_of(int m) { return (m - 1) * (m + 2) / 2; }
 };
 
 /// Made once for each set of numbers and kept.

@@ -8,6 +8,12 @@
 
 namespace tripatch {
 
+/// Gauss-Legendre nodes and weights on [0, 1], by Newton's method on the Legendre polynomial.
+struct GaussNodes {
+  std::vector<double> x, w;
+};
+GaussNodes gauss(int n);
+
 /// Nodes over the triangle that converge quickly for functions that are smooth in polar coordinates about each corner, as the
 /// blends are: the triangle is cut into six about its center, each a square collapsed at its corner of the triangle.
 struct Quadrature {

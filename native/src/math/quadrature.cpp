@@ -1,13 +1,13 @@
-#include "tripatch/fairing/quadrature.h"
+#include "tripatch/math/quadrature.h"
 
 #include <cmath>
 #include <numbers>
 
 namespace tripatch {
-namespace {
 
-/// Gauss-Legendre nodes and weights on [0, 1] by Newton's method on the Legendre polynomial.
-void gauss(int n, std::vector<double>& x, std::vector<double>& w) {
+GaussNodes gauss(int n) {
+  GaussNodes nodes;
+  auto& [x, w] = nodes;
   x.resize(n);
   w.resize(n);
   for (int k = 0; k < n; ++k) {
@@ -27,13 +27,11 @@ void gauss(int n, std::vector<double>& x, std::vector<double>& w) {
     x[k] = 0.5 * (1 - z);
     w[k] = 1 / ((1 - z * z) * slope * slope);
   }
+  return nodes;
 }
 
-}  // namespace
-
 Quadrature corner_quadrature(int n) {
-  std::vector<double> x, w;
-  gauss(n, x, w);
+  const auto [x, w] = gauss(n);
   Quadrature result;
   result.b.resize(6 * n * n, 3);
   const double area = std::sqrt(3.0) / 4 / 6;  // of one of the six

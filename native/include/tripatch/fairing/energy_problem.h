@@ -1,0 +1,89 @@
+// The energies of a surface over any plane domain as functions of what may be added to it: scalar functions of the domain with vector
+// coefficients, the same for all holes, and vector fields of the one hole.
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "tripatch/fairing/curvature_variation.h"
+#include "tripatch/fairing/fairing.h"
+#include "tripatch/fairing/quadratic.h"
+#include "tripatch/math/linear.h"
+
+namespace tripatch {
+
+/// Binomial coefficient.
+inline double choose(int n, int k) {
+  double r = 1;
+  for (int i = 1; i <= k; ++i) r = r * (n - k + i) / i;
+  return r;
+}
+
+/// Scalar functions at the nodes of a quadrature over the domain.
+struct NodeBasis {
+  std::vector<double> weights;                  ///< of the nodes, corner weight included
+  RowMajor interior;                            ///< derivatives of the functions, nine rows a node, one function a column
+  std::array<Eigen::MatrixXd, 4> rows, normal;  ///< by order m of derivatives: rows sqrt(w) D^m of the functions
+
+  /// Derivative d of order m counts as often as it occurs in D^m; where order m begins in Derivatives.
+  static double factor(int m, int d) { return std::sqrt(choose(m, d)); }
+  static int first_of(int m) { return (m - 1) * (m + 2) / 2; }
+};
+
+/// Jumps of normal curvature along sides that are followed by least squares.
+class CurvatureJumps {
+public:
+  virtual ~CurvatureJumps() = default;
+  virtual bool any() const = 0;
+  virtual bool all() const = 0;
+  /// Over what is tolerated, as rows whose squares sum to the mean square; their derivatives where `rows` is given.
+  virtual Eigen::VectorXd jumps(const Eigen::VectorXd& x, RowMajor* rows) const = 0;
+  /// Gauss-Newton's model of the sum of their squares.
+  Quadratic linearized(const Eigen::VectorXd& x) const;
+};
+
+/// Unknowns are the coefficients of the scalar functions, component by component, then those of the fields.
+class EnergyProblem {
+public:
+  virtual ~EnergyProblem() = default;
+
+  const FairingOptions& options() const { return options_; }
+  Index count() const { return 3 * interior_ + fields_; }
+  Index scalars() const { return 3 * interior_; }  ///< those before the fields
+  /// A person's hand is on it.
+  bool controlled() const { return options_.tension > 0 || options_.center; }
+
+  /// What the unknowns change of that which is held, a row each; none where nothing is.
+  virtual Eigen::MatrixXd held() const = 0;
+  virtual const CurvatureJumps& following() const = 0;
+  /// How much of x can be added until the surface is about to turn back over a side.
+  virtual double reach(const Eigen::VectorXd& x) const = 0;
+  bool open(const Eigen::VectorXd& x) const { return reach(x) >= 1; }
+
+  /// The integral of w |D^order P|^2 over the size squared: thin_plate (2), third_derivative (3), tension (1).
+  Quadratic quadratic(int order) const;
+  /// minimum_variation and quadric_variation at x.
+  std::pair<double, double> variation(const Eigen::VectorXd& x) const;
+  /// Gauss-Newton's model about x of minimum_variation (0) and quadric_variation (1), those that are wanted.
+  std::array<Quadratic, 2> linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted) const;
+
+protected:
+  /// nodes must outlive this.
+  EnergyProblem(const NodeBasis& nodes, std::vector<Derivatives> base, FairingOptions options, double size, Index interior)
+      : nodes_(nodes), base_(std::move(base)), options_(std::move(options)), size_(size), interior_(interior) {}
+
+  const NodeBasis& nodes_;
+  std::vector<Derivatives> base_;  // of the surface that is given, at the nodes
+  FairingOptions options_;
+  double size_;     // of the hole, scene units; coefficients of scalar functions are relative to it
+  Index interior_;  // scalar functions
+  Index fields_ = 0;
+  RowMajor basis_;  // derivatives of the fields, 27 rows a node
+
+private:
+  std::vector<Derivatives> derivatives(Index from, Index to, const Eigen::VectorXd& x) const;
+  std::array<Quadratic, 2> linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from, Index to) const;
+};
+
+}  // namespace tripatch

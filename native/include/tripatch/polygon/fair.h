@@ -1,0 +1,69 @@
+// The fairest patch over a polygon among those that meet the surroundings just as well; what fairing/fairing.h says of the triangle holds
+// here with the polygon's own functions:
+//   - the interior term bubble^2 times polynomials of (u, v),
+//   - the second derivative across each side, 1/2 phi_i^2 (cubic side weight) times a polynomial of t_i,
+//   - the slopes alpha and beta of each side between the corners: phi_i (side weight) times (a r + b c')(t_i).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/energy_problem.h"
+#include "tripatch/polygon/surface.h"
+
+namespace tripatch {
+
+/// Conditions on the inside that are met exactly: the patch goes through `point` at `uv`, and has this normal there where one is given.
+struct InnerPoint {
+  Vec2 uv = Vec2::Zero();
+  Vec3 point = Vec3::Zero();
+  std::optional<Vec3> normal;
+};
+
+/// A patch of `boundary` that keeps G1 to `sides`, and what is asked of it besides.
+struct PolygonBase {
+  SideList sides;
+  PolygonBoundary boundary;
+  SurfacePtr patch;
+  std::vector<bool> slopes_free;    ///< by side; empty: all
+  std::vector<bool> position_only;  ///< by side: the derivative across is free in all directions; empty: none
+  std::vector<bool> curvature;      ///< by side: curvature that is followed by least squares; empty: none
+  std::vector<InnerPoint> through;  ///< met by `patch`: what is added vanishes there
+};
+
+/// An energy of a surface over a polygon, as energy() for a triangle.
+double polygon_energy(const Surface& surface, const PolygonDomain& domain, Fairing of, double size);
+
+/// Degrees of freedom as FairingOptions counts them; its `curvature`, `automatic`, `position_only`, `slopes_free` and `center` are not
+/// read. `measured` is the same base on smoothed sides.
+struct PolygonFairResult {
+  SurfacePtr patch;
+  double before = 0, after = 0;
+  Index folds = 0;
+  bool gave_up = false;
+  std::vector<std::string> warnings;
+};
+PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measured, const FairingOptions& options);
+
+/// The patch lifted by least-norm multiples of the squared bubble so that it meets the points.
+SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, const std::vector<InnerPoint>& points, double size);
+
+/// Places of a grid over the polygon where the patch faces away from what its sides show, and neighbors whose normals are 60 degrees or more
+/// apart.
+Index count_polygon_folds(const Surface& patch, const PolygonDomain& domain, const SideList& sides);
+
+/// As derivatives_across: first and second derivative along the outward normal at parameters of side i.
+std::vector<Across> derivatives_across(const Surface& patch, const PolygonDomain& domain, int i, std::span<const double> t,
+                                       int order = 2);
+/// As meet_curvature of a triangle's sides.
+SurfacePtr meet_curvature(const SurfacePtr& patch, const PolygonDomain& domain, const SideList& sides,
+                          const std::vector<bool>& wanted);
+/// The sides that have a q and agree with their neighbors' curvature at both corners.
+std::vector<bool> curvature_agrees(const SideList& sides);
+double curvature_jump(const Surface& patch, const PolygonDomain& domain, const SideList& sides, int samples = 99,
+                      double margin = 0.01);
+
+}  // namespace tripatch

@@ -1,0 +1,39 @@
+// From n sides to a patch over a polygon: base, fairing, curvature, inner points.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tripatch/choices.h"
+#include "tripatch/polygon/fair.h"
+
+namespace tripatch {
+
+struct PolygonPatchOptions {
+  std::vector<SideContinuity> continuity = {};  ///< one for all sides or one a side; empty: automatic
+  std::vector<double> bulge = {};               ///< likewise; empty: 1
+  std::optional<Fairing> fairing = Fairing::automatic;
+  double tension = 0;
+  std::optional<Vec3> center = {};       ///< where the center of the domain is to be
+  double center_offset = 0;              ///< instead: how far it moves along its normal
+  std::vector<InnerPoint> through = {};  ///< met exactly
+};
+
+struct PolygonPatch {
+  SurfacePtr patch;
+  PolygonDomain domain;
+  SideList sides;  ///< closed
+  std::vector<double> corner_mismatch_deg;
+  std::vector<double> seam_angle_max,
+      seam_angle_rms;                   ///< by side, degrees: against the sides, outside of 1% at corners of two planes
+  std::vector<std::string> continuity;  ///< by side: Free, G0, G1 or G2
+  std::string fairing;
+  double energy_before = 0, energy_after = 0;
+  Index folds = 0;
+  std::vector<std::string> warnings;
+};
+
+PolygonPatch polygon_patch(const SideList& sides, const PolygonPatchOptions& options = {});
+
+}  // namespace tripatch

@@ -1,0 +1,71 @@
+// What a fairing adds to a patch over a polygon, and its derivatives at the nodes of a quadrature.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/fairing/energy_problem.h"
+#include "tripatch/fairing/fairing_space.h"
+#include "tripatch/polygon/surface.h"
+
+namespace tripatch {
+
+/// Nodes over the polygon, as corner_quadrature: two triangles to a corner, each a square collapsed there. All weights carry the corner
+/// weight, the product over the corners of 1 - lambda_k (1 at the center of a regular polygon).
+struct PolygonQuadrature {
+  Points uv;
+  std::vector<double> weights;
+};
+PolygonQuadrature polygon_quadrature(const PolygonDomain& domain, int nodes_per_direction);
+
+/// Derivatives of a surface at points (u, v, -).
+std::vector<Derivatives> plane_derivatives(const Surface& surface, const Points& uv);
+
+inline Index polynomials_to(int degree) { return static_cast<Index>(degree + 1) * (degree + 2) / 2; }
+
+/// The second cross derivatives side by side, then the interior functions by rising degree: a space of lower degree comes first in one of
+/// higher.
+template <int N>
+std::vector<Jet<N>> polygon_basis(const PolygonDomain& domain, const Place<N>& place, const Jet<N>& u, const Jet<N>& v,
+                                  int degree, int second_cross) {
+  std::vector<Jet<N>> basis;
+  const int n = domain.sides();
+  for (int i = 0; i < n; ++i) {
+    const Jet<N> kernel = 0.5 * (square(place.phi[i]) * place.cubic[i]), &t = place.t[i], s = 1.0 - t;
+    for (int m = 0; m < second_cross; ++m) {
+      Jet<N> f = choose(second_cross - 1, m) * kernel;
+      for (int k = 0; k < m; ++k) f *= t;
+      for (int k = m + 1; k < second_cross; ++k) f *= s;
+      basis.push_back(f);
+    }
+  }
+  const Jet<N> x = (1 / domain.radius()) * (u - domain.center()[0]), y = (1 / domain.radius()) * (v - domain.center()[1]);
+  const Jet<N> inside = square(place.bubble);
+  std::vector<Jet<N>> last = {inside};
+  basis.push_back(inside);
+  for (int d = 1; d <= degree; ++d) {
+    std::vector<Jet<N>> now;
+    for (const Jet<N>& f : last) now.push_back(f * x);
+    now.push_back(last.back() * y);
+    basis.insert(basis.end(), now.begin(), now.end());
+    last = std::move(now);
+  }
+  return basis;
+}
+
+struct PolygonSpace : NodeBasis {
+  PolygonSpace(const PolygonDomain& domain, int degree, int second_cross, int slopes, int nodes);
+
+  Points uv;
+  Eigen::MatrixXd combination;  // of the basis, one orthonormal function a column
+  static constexpr int side_points = FairingSpace::side_points;
+  std::vector<double> side_t;                // where curvature is compared along a side
+  std::vector<Eigen::MatrixXd> side_second;  // there: second derivative of each function across side i
+  Eigen::MatrixXd side_slope;                // there: the functions of alpha and beta
+  std::vector<PiecewisePolynomial> slope_functions;
+};
+
+/// slopes: on each side what is added to the derivative along the inward normal; coefficients: of polygon_basis, one a row.
+SurfacePtr polygon_correction(const PolygonDomain& domain, std::vector<PiecewisePolynomial> slopes, int degree, int second_cross,
+                              const Points& coefficients);
+
+}  // namespace tripatch

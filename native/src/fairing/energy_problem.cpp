@@ -1,0 +1,135 @@
+#include "tripatch/fairing/energy_problem.h"
+
+#include <cmath>
+
+#include "tripatch/fairing/energy.h"
+#include "tripatch/math/parallel.h"
+
+namespace tripatch {
+
+Quadratic CurvatureJumps::linearized(const Eigen::VectorXd& x) const {
+  RowMajor rows;
+  const Eigen::VectorXd value = jumps(x, &rows);
+  RowMajor normal = RowMajor::Zero(x.size(), x.size());
+  add_gram(rows, normal);
+  return {normal.selfadjointView<Eigen::Lower>(), rows.transpose() * value, value.squaredNorm()};
+}
+
+/// Of the patch, at the nodes [from, to).
+std::vector<Derivatives> EnergyProblem::derivatives(Index from, Index to, const Eigen::VectorXd& x) const {
+  std::vector<Derivatives> d(base_.begin() + from, base_.begin() + to);
+  const Index n = to - from;
+  Eigen::Map<Eigen::VectorXd> all(d[0].data(), 27 * n);
+  const Eigen::VectorXd scalars = size_ * x.head(3 * interior_);
+  add_product(nodes_.interior.row(9 * from).data(), 9 * n, interior_, scalars.data(), d[0].data());
+  all.noalias() += basis_.middleRows(27 * from, 27 * n) * x.tail(fields_);
+  return d;
+}
+
+Quadratic EnergyProblem::quadratic(int order) const {
+  const int rows = order + 1, first = NodeBasis::first_of(order);
+  const Index n = static_cast<Index>(base_.size());
+  const Eigen::MatrixXd &inner = nodes_.rows[order], &inner_normal = nodes_.normal[order];
+  Quadratic q;
+  q.normal.setZero(count(), count());
+  q.gradient.setZero(count());
+  Eigen::MatrixXd slope(rows * n, fields_);
+  Eigen::VectorXd value(rows * n);
+  for (int c = 0; c < 3; ++c) {
+    for (Index k = 0; k < n; ++k) {
+      const double w = std::sqrt(nodes_.weights[k]) / size_;
+      for (int d = 0; d < rows; ++d) {
+        const double f = w * NodeBasis::factor(order, d);
+        slope.row(rows * k + d) = f * basis_.row(27 * k + 3 * (first + d) + c);
+        value[rows * k + d] = f * base_[k](first + d, c);
+      }
+    }
+    const Index at = c * interior_;
+    q.normal.block(at, at, interior_, interior_) = inner_normal;
+    q.normal.block(at, scalars(), interior_, fields_).noalias() = inner.transpose() * slope;
+    q.normal.bottomRightCorner(fields_, fields_).noalias() += slope.transpose() * slope;
+    q.gradient.segment(at, interior_).noalias() = inner.transpose() * value;
+    q.gradient.tail(fields_).noalias() += slope.transpose() * value;
+    q.constant += value.squaredNorm();
+  }
+  q.normal.bottomLeftCorner(fields_, scalars()) = q.normal.topRightCorner(scalars(), fields_).transpose();
+  return q;
+}
+
+std::pair<double, double> EnergyProblem::variation(const Eigen::VectorXd& x) const {
+  double variation = 0, quadric = 0;
+  const std::vector<Derivatives> d = derivatives(0, static_cast<Index>(base_.size()), x);
+  for (std::size_t k = 0; k < d.size(); ++k) {
+    const CurvatureVariation v = curvature_variation(d[k], flat_curvature(size_));
+    const double w = nodes_.weights[k] * size_ * size_ * v.area;
+    variation += w * v.variation.squaredNorm();
+    quadric += w * v.quadric.squaredNorm();
+  }
+  return {variation, quadric};
+}
+
+std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted) const {
+  // in blocks of nodes, always the same, so that sums do not depend on the number of cores
+  constexpr Index block = 96;
+  const Index n = static_cast<Index>(base_.size()), blocks = (n + block - 1) / block;
+  std::vector<std::array<Quadratic, 2>> parts(blocks);
+  parallel_for(0, blocks, 2, [&](Index from, Index to) {
+    for (Index at = from; at < to; ++at) parts[at] = linearized(x, wanted, at * block, std::min(n, (at + 1) * block));
+  });
+  std::array<Quadratic, 2> model = std::move(parts[0]);
+  for (Index at = 1; at < blocks; ++at)
+    for (int which = 0; which < 2; ++which)
+      if (wanted[which]) model[which] += parts[at][which];
+  return model;
+}
+
+/// The same of some of the nodes.
+std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from,
+                                                   Index to) const {
+  constexpr Index block = 12;  // nodes: their rows stay in the cache
+  std::array<Quadratic, 2> model;
+  std::array<RowMajor, 2> jacobian, normal;
+  std::array<Eigen::VectorXd, 2> value;
+  for (int which = 0; which < 2; ++which) {
+    if (!wanted[which]) continue;
+    normal[which].setZero(count(), count());
+    model[which].gradient.setZero(count());
+  }
+  for (Index start = from; start < to; start += block) {
+    const Index n = std::min(block, to - start);
+    for (int which = 0; which < 2; ++which) {
+      if (!wanted[which]) continue;
+      jacobian[which].resize(4 * n, count());
+      value[which].resize(4 * n);
+    }
+    const std::vector<Derivatives> d = derivatives(start, start + n, x);
+    for (Index k = start; k < start + n; ++k) {
+      const CurvatureVariationRows v = curvature_variation_rows(d[k - start], flat_curvature(size_));
+      const double w = std::sqrt(nodes_.weights[k]) * size_;
+      const Index row = 4 * (k - start);
+      for (int which = 0; which < 2; ++which) {
+        if (!wanted[which]) continue;
+        value[which].segment<4>(row) = w * v.value.segment<4>(4 * which);
+        const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
+        double* const out = jacobian[which].row(row).data();
+        for (int c = 0; c < 3; ++c) {
+          Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
+          for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
+          multiply_four(part.data(), 9, nodes_.interior.row(9 * k).data(), interior_, out + c * interior_, count());
+        }
+        multiply_four(rows.data(), 27, basis_.row(27 * k).data(), fields_, out + scalars(), count());
+      }
+    }
+    for (int which = 0; which < 2; ++which) {
+      if (!wanted[which]) continue;
+      add_gram(jacobian[which], normal[which]);
+      model[which].gradient.noalias() += jacobian[which].transpose() * value[which];
+      model[which].constant += value[which].squaredNorm();
+    }
+  }
+  for (int which = 0; which < 2; ++which)
+    if (wanted[which]) model[which].normal = normal[which].selfadjointView<Eigen::Lower>();
+  return model;
+}
+
+}  // namespace tripatch

@@ -1,0 +1,112 @@
+#include "tripatch/polygon/domain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "tripatch/math/linear.h"
+#include "tripatch/types.h"
+
+namespace tripatch {
+namespace {
+
+double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
+
+/// A corner that turns by less is seen as one that does (radians; 12 degrees): two sides nearly on one line have no parameters, and a
+/// regular polygon of twelve sides turns by 30.
+constexpr double least_turn = 0.2;
+/// And by more: 150 degrees, a corner of 30.
+constexpr double most_turn = 2.6;
+/// A side of the domain is no shorter than this share of the hole's own: else the angles give way.
+constexpr double least_length = 0.4;
+
+/// Lengths as near to those given (relative) as closes a polygon with these turns.
+Eigen::VectorXd closing_lengths(const std::vector<double>& turns, const std::vector<double>& lengths) {
+  const Index n = static_cast<Index>(turns.size());
+  Eigen::MatrixXd directions(2, n);
+  Eigen::VectorXd wanted(n);
+  double angle = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (i > 0) angle += turns[i];
+    wanted[i] = lengths[i];
+    directions.col(i) << std::cos(angle) * wanted[i], std::sin(angle) * wanted[i];
+  }
+  // factors of the lengths, nearest to 1
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
+  const Eigen::MatrixXd correction = least_squares(directions, -directions * ones);
+  return wanted.cwiseProduct(ones + correction.col(0));
+}
+
+}  // namespace
+
+PolygonDomain::PolygonDomain(std::vector<Vec2> corners) : corners_(std::move(corners)) {
+  const int n = sides();
+  if (n < 3 || n > most_sides) throw InvalidArgument("a polygon has from 3 to " + std::to_string(most_sides) + " corners");
+  for (int i = 0; i < n; ++i) {
+    const Vec2 along = (corner(i + 1) - corner(i)).normalized();
+    inward_.emplace_back(-along[1], along[0]);
+    center_ += corner(i) / n;
+  }
+  for (int i = 0; i < n; ++i) {
+    turn_.push_back(cross(inward(i - 1), inward(i)));
+    if (!(turn_.back() > 1e-3)) throw InvalidArgument("the domain must be convex, without straight angles");
+    reach_.push_back({inward(i - 1).dot(corner(i + 1) - corner(i)), inward(i + 1).dot(corner(i) - corner(i + 1))});
+    radius_ = std::max(radius_, (corner(i) - center_).norm());
+  }
+  bubble_at_center_ = place<0>(center_[0], center_[1]).bubble.value();
+}
+
+int PolygonDomain::corner_at(const Vec2& p, double share) const {
+  for (int i = 0; i < sides(); ++i)
+    if ((p - corner(i)).norm() <= share * radius_) return i;
+  return -1;
+}
+
+Vec2 PolygonDomain::moved_off(int i, const Vec2& p, double share) const {
+  const Vec2 off = p - corner(i), middle = (corner(i + 1) - corner(i)).normalized() + (corner(i - 1) - corner(i)).normalized();
+  return corner(i) + share * radius_ * (off.norm() > 1e-30 * radius_ ? off : middle).normalized();
+}
+
+PolygonDomain polygon_like(std::vector<double> turns, const std::vector<double>& given) {
+  const std::size_t n = turns.size();
+  const double equal = 2 * std::numbers::pi / static_cast<double>(n);
+  double mean = 0;
+  for (double l : given) mean += l / static_cast<double>(n);
+  std::vector<double> lengths;  // sides much shorter than others are drawn longer: their parameters would crowd
+  for (double l : given) lengths.push_back(std::max(l / mean, 0.25));
+  for (int round = 0; round < 60; ++round) {  // a whole turn, each within its bounds
+    double sum = 0;
+    for (double& t : turns) {
+      t = std::clamp(t, std::min(least_turn, equal), most_turn);
+      sum += t;
+    }
+    for (double& t : turns) t *= 2 * std::numbers::pi / sum;
+  }
+  Eigen::VectorXd closed;
+  for (int attempt = 0; attempt <= 8; ++attempt) {
+    std::vector<double> now;
+    for (double t : turns) now.push_back(t + (equal - t) * attempt / 8.0);
+    std::vector<double> wanted;
+    for (double l : lengths) wanted.push_back(attempt < 8 ? l : 1);
+    closed = closing_lengths(now, wanted);
+    bool good = true;
+    for (std::size_t i = 0; i < n; ++i) good = good && closed[static_cast<Index>(i)] > least_length * wanted[i];
+    if (!good) continue;
+    turns = now;
+    break;
+  }
+  closed *= static_cast<double>(n) / closed.sum();
+  std::vector<Vec2> corners = {Vec2::Zero()};
+  double angle = 0;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    if (i > 0) angle += turns[i];
+    corners.push_back(corners.back() + closed[static_cast<Index>(i)] * Vec2(std::cos(angle), std::sin(angle)));
+  }
+  Vec2 center = Vec2::Zero();
+  for (const Vec2& c : corners) center += c / static_cast<double>(n);
+  for (Vec2& c : corners) c -= center;
+  return PolygonDomain(std::move(corners));
+}
+
+}  // namespace tripatch

@@ -1,0 +1,160 @@
+#include "tripatch/polygon/patch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tripatch/boundary/smoothed.h"
+#include "tripatch/math/angle.h"
+
+namespace tripatch {
+namespace {
+
+constexpr double same_plane = 1e-6;  ///< as measure_seam for triangles
+constexpr double beside_corner = 0.01;
+constexpr int seam_samples = 200;
+
+template <class T>
+std::vector<T> each(const std::vector<T>& given, int n, const T& otherwise, const char* name) {
+  if (given.empty()) return std::vector<T>(n, otherwise);
+  if (given.size() == 1) return std::vector<T>(n, given[0]);
+  if (static_cast<int>(given.size()) != n)
+    throw InvalidArgument(std::string(name) + " has one value or one a side: " + std::to_string(n));
+  return given;
+}
+
+/// Of all sides, three at a time.
+SideList smoothed_list(const SideList& sides) {
+  SideList out;
+  for (const Side& side : sides) out.push_back(smoothed(Sides{side, Side(), Side()})[0]);
+  return out;
+}
+
+/// What is asked of each side.
+struct Asked {
+  std::vector<bool> tangent, free, exact, automatic;
+  std::vector<std::string> names;
+};
+
+Asked asked(const std::vector<SideContinuity>& continuity, const SideList& sides) {
+  Asked out;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const SideContinuity c = continuity[i];
+    if (c == SideContinuity::g2 && sides[i].q.empty())
+      throw Refusal("The curvature of side " + std::to_string(i) + "'s surroundings is not known: G2 cannot be met there");
+    out.free.push_back(c == SideContinuity::free);
+    out.tangent.push_back(c != SideContinuity::free && c != SideContinuity::g0);
+    out.exact.push_back(c == SideContinuity::g2);
+    out.automatic.push_back(c == SideContinuity::automatic);
+    out.names.push_back(c == SideContinuity::automatic ? "G1" : name_of(c));
+  }
+  return out;
+}
+
+PolygonBase base_of(const SideList& sides, const Asked& asked, const std::vector<double>& bulge, const PolygonDomain* domain,
+                    const std::vector<InnerPoint>& through) {
+  PolygonBase base;
+  base.sides = sides;
+  base.boundary = polygon_boundary(sides, {bulge, asked.tangent}, domain);
+  base.patch = with_points(corner_blend(base.boundary), base.boundary.domain, through, base.boundary.size);
+  const std::vector<bool> agree = curvature_agrees(sides);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    base.slopes_free.push_back(asked.tangent[i] && bulge[i] == 1);
+    base.curvature.push_back(asked.exact[i] || (asked.automatic[i] && agree[i]));
+  }
+  base.position_only = asked.free;
+  base.through = through;
+  return base;
+}
+
+void measure_seam(PolygonPatch& made) {
+  const int n = made.domain.sides();
+  for (int i = 0; i < n; ++i) {
+    const double first = made.corner_mismatch_deg[i] <= same_plane ? 0 : beside_corner,
+                 last = made.corner_mismatch_deg[(i + 1) % n] <= same_plane ? 1 : 1 - beside_corner;
+    Points uv = Points::Zero(seam_samples, 3);
+    std::vector<double> t;
+    for (int k = 0; k < seam_samples; ++k) {
+      t.push_back(first + (last - first) * k / (seam_samples - 1));
+      uv.row(k).head<2>() = made.domain.on_side(i, t.back());
+    }
+    const Points normals = made.patch->normals(uv);
+    double most = 0, squares = 0;
+    Index used = 0;
+    for (int k = 0; k < seam_samples; ++k) {
+      const Vec3 theirs = made.sides[i].normal(t[k]);
+      if (!(theirs.norm() > 0)) continue;
+      const double angle = normals.row(k).norm() > 0 ? degrees_between(normals.row(k), theirs) : 90;
+      most = std::max(most, angle);
+      squares += angle * angle;
+      ++used;
+    }
+    made.seam_angle_max.push_back(most);
+    made.seam_angle_rms.push_back(used ? std::sqrt(squares / static_cast<double>(used)) : 0);
+  }
+}
+
+PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
+                       const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
+  PolygonPatch made;
+  made.sides = sides;
+  const PolygonBase base = base_of(sides, asked, bulge, nullptr, through);
+  made.domain = base.boundary.domain;
+  made.corner_mismatch_deg = base.boundary.corner_mismatch_deg;
+  made.patch = base.patch;
+  if (options.fairing) {
+    FairingOptions fairing;
+    fairing.energy = *options.fairing;
+    fairing.tension = options.tension;
+    const int n = made.domain.sides();  // as many nodes in all as a triangle has, or a few more
+    fairing.nodes = n <= 5 ? 8 : n <= 8 ? 7 : 6;
+    fairing.rough_nodes = n <= 5 ? 5 : 4;
+    // the larger the polygon, the farther its middle from what the sides say of it
+    fairing.degree = n <= 4 ? 4 : n == 5 ? 6 : 8;
+    fairing.second_cross = n <= 5 ? 4 : 6;
+    const PolygonBase measured = base_of(smoothed_list(sides), asked, bulge, &made.domain, through);
+    PolygonFairResult fair = fair_polygon(base, measured, fairing);
+    made.patch = fair.patch;
+    made.fairing = name_of(fairing.energy);
+    made.energy_before = fair.before;
+    made.energy_after = fair.after;
+    made.folds = fair.folds;
+    made.warnings = std::move(fair.warnings);
+  } else {
+    made.folds = count_polygon_folds(*made.patch, made.domain, sides);
+  }
+  if (std::find(asked.exact.begin(), asked.exact.end(), true) != asked.exact.end()) {
+    made.patch = meet_curvature(made.patch, made.domain, sides, asked.exact);
+    made.patch = with_points(made.patch, made.domain, through, base.boundary.size);
+    made.folds = count_polygon_folds(*made.patch, made.domain, sides);
+  }
+  return made;
+}
+
+}  // namespace
+
+PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& options) {
+  const SideList sides = closed(given);
+  const int n = static_cast<int>(sides.size());
+  if (n < 3) throw InvalidArgument("three sides or more");
+  if (options.tension > 0 && !options.fairing) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
+  if (options.center && options.center_offset != 0)
+    throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+  const Asked wanted = asked(each(options.continuity, n, SideContinuity::automatic, "continuity"), sides);
+  const std::vector<double> bulge = each(options.bulge, n, 1.0, "bulge");
+  std::vector<InnerPoint> through = options.through;
+  PolygonPatch made;
+  if (options.center) through.push_back({polygon_boundary(sides).domain.center(), *options.center, {}});
+  made = made_with(sides, options, wanted, bulge, through);
+  if (options.center_offset != 0) {
+    Points middle = Points::Zero(1, 3);
+    middle.row(0).head<2>() = made.domain.center();
+    const auto [position, normal] = made.patch->positions_and_normals(middle);
+    through.push_back({made.domain.center(), Vec3(position.row(0) + options.center_offset * normal.row(0)), {}});
+    made = made_with(sides, options, wanted, bulge, through);
+  }
+  made.continuity = wanted.names;
+  measure_seam(made);
+  return made;
+}
+
+}  // namespace tripatch

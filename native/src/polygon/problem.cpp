@@ -1,0 +1,246 @@
+#include "tripatch/polygon/problem.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/fairing_problem.h"
+#include "tripatch/math/linear.h"
+#include "tripatch/patch/side_weights.h"
+
+namespace tripatch {
+namespace {
+
+/// As for triangles: fairing_problem.cpp and curvature_following.cpp say why.
+constexpr double least_alpha_kept = 0.1;
+constexpr double deviations = 3, weight_at_corners = 0.05;
+
+bool is(const std::vector<bool>& flags, int i, bool otherwise) { return flags.empty() ? otherwise : static_cast<bool>(flags[i]); }
+
+}  // namespace
+
+PolygonJumps::PolygonJumps(const PolygonSpace& space, const PolygonBase& base, const PolygonSlopes& slopes, int functions,
+                           double tolerance)
+    : space_(space), slopes_(slopes), functions_(functions), size_(base.boundary.size) {
+  constexpr int points = PolygonSpace::side_points;
+  const int n = base.boundary.domain.sides();
+  double curvature = 0, sines = 0;
+  for (double t : space.side_t) sines += std::sin(std::numbers::pi * t);
+  for (int i = 0; i < n; ++i) {
+    if (!is(base.curvature, i, false) || base.sides[i].q.empty() || slopes.scale[i][0] == 0) continue;
+    Followed side;
+    side.i = i;
+    const std::vector<Across> across = derivatives_across(*base.patch, base.boundary.domain, i, space.side_t);
+    for (int k = 0; k < points; ++k) {
+      const double t = space.side_t[k];
+      const SideForm form = side_form(base.sides[i], t);
+      side.form[k] = form;
+      base.boundary.ribbons[i].alpha.taylor(t, 0, &side.alpha[k]);
+      base.boundary.ribbons[i].beta.taylor(t, 0, &side.beta[k]);
+      side.base[k] = form.n.dot(across[k].second);
+      side.weight[k] = 1 / form.across(side.alpha[k] * form.r);
+      const PolygonDomain& d = base.boundary.domain;
+      const Vec2 p = d.on_side(i, t), nu = d.inward(i);
+      side.slant[k] = d.place(Jet<1>::linear(p[0], nu[0], 0), Jet<1>::linear(p[1], nu[1], 0)).t[i].c[1];
+      curvature += form.squared_norm() / points / n;
+    }
+    sides_.push_back(side);
+  }
+  const double tolerated = tolerance * std::sqrt(curvature + flat_curvature(size_));
+  for (Followed& side : sides_) {
+    const double unit = std::hypot(tolerated, deviations * base.sides[side.i].curvature_error);
+    for (int k = 0; k < points; ++k)
+      side.weight[k] *= std::sqrt((weight_at_corners + std::sin(std::numbers::pi * space.side_t[k])) /
+                                  (n * (weight_at_corners * points + sines))) /
+                        unit;
+  }
+}
+
+Eigen::VectorXd PolygonJumps::jumps(const Eigen::VectorXd& x, RowMajor* rows) const {
+  constexpr int points = PolygonSpace::side_points;
+  const Index n = space_.combination.cols(), m = functions_;
+  Eigen::VectorXd value(points * static_cast<Index>(sides_.size()));
+  if (rows) rows->setZero(value.size(), x.size());
+  for (std::size_t f = 0; f < sides_.size(); ++f) {
+    const Followed& side = sides_[f];
+    const int i = side.i;
+    const Index alpha_at = 3 * n + slopes_.first[i], beta_at = alpha_at + m;
+    const std::array<double, 2>& scale = slopes_.scale[i];
+    const Eigen::VectorXd da = scale[0] * (space_.side_slope * x.segment(alpha_at, m)),
+                          db = scale[1] * (space_.side_slope * x.segment(beta_at, m));
+    for (int k = 0; k < points; ++k) {
+      const SideForm& form = side.form[k];
+      const Index row = points * static_cast<Index>(f) + k;
+      // phi_i F(t_i) with F = -(a r + b c') has 2 F' dt/dnu as second derivative along nu
+      const double a = side.alpha[k] + da[k], b = side.beta[k] + db[k], skew = -2 * side.slant[k];
+      double jump =
+          side.base[k] + skew * (da[k] * form.rc + db[k] * form.cc) - (a * a * form.rr + 2 * a * b * form.rc + b * b * form.cc);
+      for (int c = 0; c < 3; ++c) jump += size_ * form.n[c] * space_.side_second[i].row(k).dot(x.segment(c * n, n));
+      value[row] = side.weight[k] * jump;
+      if (!rows) continue;
+      for (int c = 0; c < 3; ++c)
+        rows->row(row).segment(c * n, n) = side.weight[k] * size_ * form.n[c] * space_.side_second[i].row(k);
+      rows->row(row).segment(alpha_at, m) =
+          side.weight[k] * scale[0] * (skew * form.rc - 2 * a * form.rr - 2 * b * form.rc) * space_.side_slope.row(k);
+      rows->row(row).segment(beta_at, m) =
+          side.weight[k] * scale[1] * (skew * form.cc - 2 * a * form.rc - 2 * b * form.cc) * space_.side_slope.row(k);
+    }
+  }
+  return value;
+}
+
+PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes)
+    : PolygonProblem(base, options,
+                     std::make_shared<const PolygonSpace>(base.boundary.domain, options.degree, options.second_cross,
+                                                          options.slopes, nodes)) {}
+
+PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, std::shared_ptr<const PolygonSpace> space)
+    : EnergyProblem(*space, plane_derivatives(*base.patch, space->uv), options, base.boundary.size, space->combination.cols()),
+      space_(std::move(space)),
+      of_(base) {
+  const int n = base.boundary.domain.sides();
+  std::vector<std::vector<PiecewisePolynomial>> directions(n);
+  for (int i = 0; i < n; ++i) {
+    slopes_.scale.push_back({0, 0});
+    if (is(base.slopes_free, i, true) && !is(base.position_only, i, false) && !base.sides[i].r.empty())
+      slopes_.scale[i] = {scale_to(size_, base.sides[i].r), scale_to(size_, base.sides[i].c.derivative())};
+    directions[i] = directions_of(base.sides, i);
+    slopes_.first.push_back(fields_);
+    fields_ += options.slopes * static_cast<Index>(directions[i].size());
+  }
+  basis_.setZero(27 * space_->uv.rows(), fields_);
+  for (int i = 0; i < n; ++i) add_slopes(i, directions[i]);
+  following_.emplace(*space_, base, slopes_, options.slopes, options.curvature_jump);
+  hold_points();
+}
+
+std::vector<PiecewisePolynomial> PolygonProblem::directions_of(const SideList& sides, int i) const {
+  std::vector<PiecewisePolynomial> directions;
+  if (is(of_.position_only, i, false)) {
+    for (int x = 0; x < 3; ++x) {
+      const Vec3 unit = size_ * Vec3::Unit(x);
+      directions.push_back(PiecewisePolynomial::constant({unit.data(), 3}));
+    }
+  } else if (slopes_.scale[i][0] > 0) {
+    directions = {-slopes_.scale[i][0] * sides[i].r, -slopes_.scale[i][1] * sides[i].c.derivative()};
+  }
+  return directions;
+}
+
+/// The derivatives, at all nodes, of what the free slopes of side i add.
+void PolygonProblem::add_slopes(int i, const std::vector<PiecewisePolynomial>& directions) {
+  if (directions.empty()) return;
+  const PolygonDomain& d = of_.boundary.domain;
+  for (Index k = 0; k < space_->uv.rows(); ++k) {
+    const Place<3> place = d.place(Jet<3>::linear(space_->uv(k, 0), 1, 0), Jet<3>::linear(space_->uv(k, 1), 0, 1));
+    const Jet<3> kernel = place.phi[i] * place.side[i];
+    for (std::size_t f = 0; f < directions.size(); ++f) {
+      const JetPoint<3> field = kernel * compose(directions[f], place.t[i]);
+      for (int m = 0; m < options_.slopes; ++m) {
+        std::array<double, 4> series;
+        space_->slope_functions[m].taylor(place.t[i].value(), 3, series.data());
+        const Jet<3> function = compose<3>(series.data(), 1, place.t[i]);
+        Derivatives all;
+        for (int x = 0; x < 3; ++x) all.col(x) = derivatives_of(function * field.x[x]);
+        basis_.block<27, 1>(27 * k, slopes_.first[i] + static_cast<Index>(f) * options_.slopes + m) =
+            Eigen::Map<const Eigen::Matrix<double, 27, 1>>(all.data());
+      }
+    }
+  }
+}
+
+/// What the unknowns change at the inner points: three rows each, two more where a normal is held.
+void PolygonProblem::hold_points() {
+  Index count_rows = 0;
+  for (const InnerPoint& p : of_.through) count_rows += p.normal ? 5 : 3;
+  held_.setZero(count_rows, count());
+  Index row = 0;
+  const PolygonDomain& d = of_.boundary.domain;
+  for (const InnerPoint& inner : of_.through) {
+    const Jet<1> u = Jet<1>::linear(inner.uv[0], 1, 0), v = Jet<1>::linear(inner.uv[1], 0, 1);
+    const Place<1> place = d.place(u, v);
+    const std::vector<Jet<1>> basis = polygon_basis<1>(d, place, u, v, options_.degree, options_.second_cross);
+    Eigen::MatrixXd scalar(3, static_cast<Index>(basis.size()));
+    for (std::size_t c = 0; c < basis.size(); ++c)
+      for (int k = 0; k < 3; ++k) scalar(k, static_cast<Index>(c)) = basis[c].c[k];
+    scalar = (size_ * scalar * space_->combination).eval();
+    Eigen::MatrixXd field = Eigen::MatrixXd::Zero(9, fields_);  // rows: value, d/du, d/dv, each x, y, z
+    for (int i = 0; i < d.sides(); ++i) {
+      const std::vector<PiecewisePolynomial> directions = directions_of(of_.sides, i);
+      for (std::size_t f = 0; f < directions.size(); ++f) {
+        const JetPoint<1> whole = (place.phi[i] * place.side[i]) * compose(directions[f], place.t[i]);
+        for (int m = 0; m < options_.slopes; ++m) {
+          std::array<double, 2> series;
+          space_->slope_functions[m].taylor(place.t[i].value(), 1, series.data());
+          const Jet<1> function = compose<1>(series.data(), 1, place.t[i]);
+          for (int x = 0; x < 3; ++x) {
+            const Jet<1> value = function * whole.x[x];
+            for (int k = 0; k < 3; ++k)
+              field(3 * k + x, slopes_.first[i] + static_cast<Index>(f) * options_.slopes + m) = value.c[k];
+          }
+        }
+      }
+    }
+    const auto add = [&](int derivative, const Vec3& along) {
+      for (int x = 0; x < 3; ++x) {
+        held_.row(row).segment(x * interior_, interior_) += along[x] * scalar.row(derivative);
+        held_.row(row).tail(fields_) += along[x] * field.row(3 * derivative + x);
+      }
+      ++row;
+    };
+    for (int x = 0; x < 3; ++x) add(0, Vec3::Unit(x));
+    if (inner.normal)
+      for (int k = 1; k <= 2; ++k) add(k, *inner.normal);
+  }
+}
+
+Eigen::VectorXd PolygonProblem::raised(const PolygonProblem& lower, const Eigen::VectorXd& x) const {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(count());
+  for (int c = 0; c < 3; ++c) out.segment(c * interior_, lower.interior_) = x.segment(c * lower.interior_, lower.interior_);
+  out.tail(fields_) = x.tail(fields_);
+  return out;
+}
+
+PiecewisePolynomial PolygonProblem::combination(const Eigen::VectorXd& x, int i, std::size_t direction) const {
+  const std::size_t m = options_.slopes;
+  return slope_function({&x[scalars() + slopes_.first[i] + static_cast<Index>(direction * m)], m});
+}
+
+double PolygonProblem::reach(const Eigen::VectorXd& x) const {
+  double most = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < of_.boundary.domain.sides(); ++i) {
+    if (slopes_.scale[i][0] == 0) continue;
+    const PiecewisePolynomial added = slopes_.scale[i][0] * combination(x, i, 0);
+    for (int k = 1; k < 32; ++k) {
+      double before, change;
+      of_.boundary.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
+      added.taylor(k / 32.0, 0, &change);
+      if (!(change >= 0)) most = std::min(most, -(1 - least_alpha_kept) * before / change);
+    }
+  }
+  return most;
+}
+
+bool PolygonProblem::meets_planes() const {
+  return std::find(of_.position_only.begin(), of_.position_only.end(), true) == of_.position_only.end();
+}
+
+SurfacePtr PolygonProblem::correction(const Eigen::VectorXd& x, const SideList& sides) const {
+  const int n = of_.boundary.domain.sides();
+  std::vector<PiecewisePolynomial> slopes(n);
+  for (int i = 0; i < n; ++i) {
+    const std::vector<PiecewisePolynomial> directions = directions_of(sides, i);
+    for (std::size_t f = 0; f < directions.size(); ++f) {
+      const PiecewisePolynomial term = combination(x, i, f) * directions[f];
+      slopes[i] = f == 0 ? term : slopes[i] + term;
+    }
+  }
+  Points a(interior_, 3);
+  for (int c = 0; c < 3; ++c) a.col(c) = size_ * (space_->combination * x.segment(c * interior_, interior_));
+  return polygon_correction(of_.boundary.domain, std::move(slopes), options_.degree, options_.second_cross, a);
+}
+
+}  // namespace tripatch

@@ -1,0 +1,149 @@
+#include "tripatch/polygon/space.h"
+
+#include <cmath>
+
+#include "tripatch/math/quadrature.h"
+#include "tripatch/patch/side_weights.h"
+
+namespace tripatch {
+namespace {
+
+/// Nodes of the quadrature in which functions are made orthonormal: the same for problems of few and of many nodes.
+constexpr int orthonormal_nodes = 6;
+
+class Correction final : public CornerSafeSurface<Correction> {
+public:
+  Correction(const PolygonDomain& domain, std::vector<PiecewisePolynomial> slopes, int degree, int second_cross,
+             const Points& coefficients)
+      : CornerSafeSurface(domain), slopes_(std::move(slopes)), degree_(degree) {
+    const int n = domain.sides();
+    second_cross_.resize(n);
+    for (int i = 0; i < n && second_cross > 0; ++i) {
+      const Points own = coefficients.middleRows(static_cast<Index>(i) * second_cross, second_cross);
+      second_cross_[i] = PiecewisePolynomial::bezier({own.data(), static_cast<std::size_t>(own.size())}, 3);
+    }
+    inside_ = coefficients.bottomRows(polynomials_to(degree));
+  }
+
+  Vec3 corner(int) const { return Vec3::Zero(); }
+
+  template <int N>
+  JetPoint<N> at(const Jet<N>& u, const Jet<N>& v) const {
+    const PolygonDomain& d = domain();
+    const Place<N> place = d.place(u, v);
+    JetPoint<N> p;
+    const std::vector<Jet<N>> basis = polygon_basis<N>(d, place, u, v, degree_, 0);
+    for (std::size_t k = 0; k < basis.size(); ++k)
+      for (int x = 0; x < 3; ++x) p.x[x] += inside_(static_cast<Index>(k), x) * basis[k];
+    for (int i = 0; i < d.sides(); ++i) {
+      if (!slopes_[i].empty()) p += (place.phi[i] * place.side[i]) * compose(slopes_[i], place.t[i]);
+      if (!second_cross_[i].empty()) p += (0.5 * (square(place.phi[i]) * place.cubic[i])) * compose(second_cross_[i], place.t[i]);
+    }
+    return p;
+  }
+
+private:
+  std::vector<PiecewisePolynomial> slopes_, second_cross_;  // empty: none
+  int degree_;
+  Points inside_;
+};
+
+using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
+
+Basis derivatives_at(const PolygonDomain& domain, const double* uv, int degree, int second_cross) {
+  const Jet<3> u = Jet<3>::linear(uv[0], 1, 0), v = Jet<3>::linear(uv[1], 0, 1);
+  const std::vector<Jet<3>> basis = polygon_basis<3>(domain, domain.place(u, v), u, v, degree, second_cross);
+  Basis all(9, static_cast<Index>(basis.size()));
+  for (std::size_t c = 0; c < basis.size(); ++c) all.col(static_cast<Index>(c)) = derivatives_of(basis[c]);
+  return all;
+}
+
+Eigen::MatrixXd orthonormal(const PolygonDomain& domain, int degree, int second_cross) {
+  const PolygonQuadrature quadrature = polygon_quadrature(domain, orthonormal_nodes);
+  const Index count = polynomials_to(degree) + static_cast<Index>(domain.sides()) * second_cross;
+  Eigen::MatrixXd rows(4 * quadrature.uv.rows(), count);
+  for (Index k = 0; k < quadrature.uv.rows(); ++k) {
+    const Basis all = derivatives_at(domain, quadrature.uv.row(k).data(), degree, second_cross);
+    for (int d = 0; d <= 3; ++d)
+      rows.row(4 * k + d) = std::sqrt(quadrature.weights[k]) * NodeBasis::factor(3, d) * all.row(NodeBasis::first_of(3) + d);
+  }
+  return orthonormalization(rows);
+}
+
+}  // namespace
+
+PolygonQuadrature polygon_quadrature(const PolygonDomain& domain, int nodes) {
+  const auto [x, w] = gauss(nodes);
+  const int n = domain.sides();
+  PolygonQuadrature result;
+  result.uv = Points::Zero(static_cast<Index>(2) * n * nodes * nodes, 3);
+  Index row = 0;
+  for (int i = 0; i < n; ++i)
+    for (int half = 0; half < 2; ++half) {
+      const Vec2 corner = domain.corner(i), to = domain.on_side(half ? i - 1 : i, 0.5) - corner, inner = domain.center() - corner;
+      const double twice = std::abs(to[0] * inner[1] - to[1] * inner[0]);
+      for (int a = 0; a < nodes; ++a)
+        for (int c = 0; c < nodes; ++c) {
+          const Vec2 p = corner + x[a] * ((1 - x[c]) * to + x[c] * inner);
+          const Place<0> place = domain.place(Jet<0>(p[0]), Jet<0>(p[1]));
+          double sum = 0, corner_weight = 1;
+          for (int k = 0; k < n; ++k) sum += std::sqrt(place.corner[k].value());
+          for (int k = 0; k < n; ++k) corner_weight *= (1 - std::sqrt(place.corner[k].value()) / sum) * n / (n - 1.0);
+          result.uv.row(row++).head<2>() = p;
+          result.weights.push_back(w[a] * w[c] * x[a] * twice * corner_weight);
+        }
+    }
+  return result;
+}
+
+std::vector<Derivatives> plane_derivatives(const Surface& surface, const Points& uv) {
+  Eigen::Matrix<double, Eigen::Dynamic, 30, Eigen::RowMajor> jets(uv.rows(), 30);
+  surface.evaluate(uv.data(), uv.rows(), 3, jets.data());
+  std::vector<Derivatives> out(uv.rows());
+  const std::array<double, 9> factor = {1, 1, 2, 1, 2, 6, 2, 2, 6};
+  for (Index k = 0; k < uv.rows(); ++k) {
+    out[k] = Eigen::Map<const Derivatives>(jets.row(k).data() + 3);
+    for (int d = 0; d < 9; ++d) out[k].row(d) *= factor[d];
+  }
+  return out;
+}
+
+PolygonSpace::PolygonSpace(const PolygonDomain& domain, int degree, int second_cross, int slopes, int nodes)
+    : combination(orthonormal(domain, degree, second_cross)) {
+  PolygonQuadrature quadrature = polygon_quadrature(domain, nodes);
+  uv = std::move(quadrature.uv);
+  weights = std::move(quadrature.weights);
+  const Index n = uv.rows(), count = combination.cols();
+  for (int m = 0; m < slopes; ++m) slope_functions.push_back(slope_function(slopes, m));
+  interior.resize(9 * n, count);
+  for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
+  for (Index k = 0; k < n; ++k) {
+    interior.middleRows(9 * k, 9) = derivatives_at(domain, uv.row(k).data(), degree, second_cross) * combination;
+    const double w = std::sqrt(weights[k]);
+    for (int m = 1; m <= 3; ++m)
+      for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * interior.row(9 * k + first_of(m) + d);
+  }
+  for (int m = 1; m <= 3; ++m) normal[m] = rows[m].transpose() * rows[m];
+  side_slope.resize(side_points, slopes);
+  for (int k = 0; k < side_points; ++k) {
+    side_t.push_back(0.5 * (1 - std::cos(M_PI * (k + 0.5) / side_points)));
+    for (int m = 0; m < slopes; ++m) slope_functions[m].taylor(side_t[k], 0, &side_slope(k, m));
+  }
+  for (int i = 0; i < domain.sides(); ++i) {
+    Eigen::MatrixXd second(side_points, count);
+    for (int k = 0; k < side_points; ++k) {
+      const Vec2 p = domain.on_side(i, side_t[k]), nu = domain.inward(i);
+      const Jet<2> u = Jet<2>::linear(p[0], nu[0], 0), v = Jet<2>::linear(p[1], nu[1], 0);
+      const std::vector<Jet<2>> basis = polygon_basis<2>(domain, domain.place(u, v), u, v, degree, second_cross);
+      for (Index c = 0; c < count; ++c) second(k, c) = 2 * basis[c].c[jet_index(2, 0)];
+    }
+    side_second.push_back(second * combination);
+  }
+}
+
+SurfacePtr polygon_correction(const PolygonDomain& domain, std::vector<PiecewisePolynomial> slopes, int degree, int second_cross,
+                              const Points& coefficients) {
+  return std::make_shared<Correction>(domain, std::move(slopes), degree, second_cross, coefficients);
+}
+
+}  // namespace tripatch
