@@ -29,6 +29,6 @@ PYBIND11_MODULE(_native, m) {
   bind_report(m);
   bind_fill(m);
   bind_holes(m);
-  bind_making(m);
   bind_polygon(m);
+  bind_making(m);
 }

@@ -8,6 +8,7 @@
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fill.h"
 #include "tripatch/output/triangulate.h"
+#include "tripatch/polygon/fair.h"
 
 using namespace tripatch;
 
@@ -77,7 +78,10 @@ void bind_patches(py::module_& m) {
       .def(
           "_energy",
           [](const Surface& surface, const std::string& name) {
-            return energy(surface, named<Fairing>(name, "energy"), size_of(surface));
+            const Fairing of = named<Fairing>(name, "energy");
+            if (const auto* polygon = dynamic_cast<const PolygonSurface*>(&surface))
+              return polygon_energy(surface, polygon->domain(), of, polygon_size(surface, polygon->domain()));
+            return energy(surface, of, size_of(surface));
           },
           py::call_guard<py::gil_scoped_release>())
       .def("_normal", [](const Surface& surface, const Array& b) {

@@ -1,40 +1,37 @@
 // Patches of n sides over a polygon.
-#include <pybind11/stl.h>
-
 #include "arrays.h"
 #include "bindings.h"
 #include "options.h"
-#include "tripatch/choices.h"
-#include "tripatch/polygon/patch.h"
+#include "tripatch/polygon_fill.h"
 
 using namespace tripatch;
 
 void bind_polygon(py::module_& m) {
-  py::class_<PolygonPatch>(m, "PolygonPatch")
-      .def_property_readonly("patch", [](const PolygonPatch& p) { return std::const_pointer_cast<Surface>(p.patch); })
-      .def_property_readonly("domain",
-                             [](const PolygonPatch& p) {
-                               PlanePoints corners(p.domain.sides(), 2);
-                               for (int i = 0; i < p.domain.sides(); ++i) corners.row(i) = p.domain.corner(i);
-                               return array_from(corners);
-                             })
-      .def_readonly("seam_angle_max", &PolygonPatch::seam_angle_max)
-      .def_readonly("seam_angle_rms", &PolygonPatch::seam_angle_rms)
-      .def_readonly("corner_mismatch", &PolygonPatch::corner_mismatch_deg)
-      .def_readonly("continuity", &PolygonPatch::continuity)
-      .def_readonly("fairing", &PolygonPatch::fairing)
-      .def_readonly("energy_before", &PolygonPatch::energy_before)
-      .def_readonly("energy_after", &PolygonPatch::energy_after)
-      .def_readonly("folds", &PolygonPatch::folds)
-      .def_readonly("warnings", &PolygonPatch::warnings);
-  m.def("_polygon_patch", [](const std::vector<Side>& sides, const std::string& fairing) {
-    PolygonPatchOptions options;
-    if (fairing.empty()) {
-      options.fairing.reset();
-    } else {
-      options.fairing = named<Fairing>(fairing, "fairing");
+  py::class_<OverPolygon, Surface, std::shared_ptr<OverPolygon>>(m, "PolygonPatch", "A patch over a convex polygon.")
+      .def_property_readonly(
+          "domain",
+          [](const OverPolygon& surface) {
+            PlanePoints corners(surface.domain().sides(), 2);
+            for (int i = 0; i < surface.domain().sides(); ++i) corners.row(i) = surface.domain().corner(i);
+            return array_from(corners);
+          },
+          "(n, 2) the corners of the polygon; side i runs from corner i to corner i + 1.");
+  m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given, const std::vector<std::string>& continuity,
+                             const std::vector<double>& bulge,
+                             const std::vector<std::pair<std::array<double, 3>, std::optional<std::array<double, 3>>>>& through) {
+    PolygonPatchOptions options = polygon_options(fill_options(given));
+    options.continuity.clear();
+    for (const std::string& name : continuity) options.continuity.push_back(named<SideContinuity>(name, "continuity"));
+    options.bulge = bulge;
+    for (const auto& [point, normal] : through) {
+      options.through.push_back({Vec3::Map(point.data()), {}});
+      if (normal) options.through.back().normal = Vec3::Map(normal->data());
     }
-    py::gil_scoped_release release;
-    return polygon_patch(sides, options);
+    PolygonPatch made;
+    {
+      py::gil_scoped_release release;
+      made = polygon_patch(sides, options);
+    }
+    return py::make_tuple(std::const_pointer_cast<Surface>(made.patch), made.warnings, made.seam_angle_max);
   });
 }

@@ -12,12 +12,9 @@ void bind_report(py::module_& m) {
       .def_readonly("seam_angle_max", &Report::seam_angle_max,
                     "Largest angle between the fill and the surroundings used, in degrees.")
       .def_readonly("seam_angle_rms", &Report::seam_angle_rms, "Root mean square of that angle, in degrees.")
-      .def_readonly("seam_angle_max_by_side", &Report::seam_angle_max_by_side,
-                    "Largest angle on each of the three sides, in degrees.")
-      .def_readonly("seam_angle_rms_by_side", &Report::seam_angle_rms_by_side,
-                    "Root mean square on each of the three sides, in degrees.")
-      .def_readonly("continuity", &Report::continuity,
-                    "On each of the three sides: Free, G0, G1 or G2, what was asked or what auto took.")
+      .def_readonly("seam_angle_max_by_side", &Report::seam_angle_max_by_side, "Largest angle on each side, in degrees.")
+      .def_readonly("seam_angle_rms_by_side", &Report::seam_angle_rms_by_side, "Root mean square on each side, in degrees.")
+      .def_readonly("continuity", &Report::continuity, "On each side: Free, G0, G1 or G2, what was asked or what auto took.")
       .def_readonly("surroundings_error", &Report::surroundings_error,
                     "How well the mesh determines its own tangent planes, in degrees; 0 where they are known exactly.")
       .def_readonly("fairing", &Report::fairing, "Name of the energy that was made small; empty: none.")

@@ -17,6 +17,7 @@
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
+#include "tripatch/polygon_fill.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline_fill.h"
 
@@ -332,12 +333,60 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   return fill;
 }
 
+/// A rim from its first corner on, with the places of the corners.
+struct CorneredRim {
+  std::vector<Index> rim, places;
+};
+CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners) {
+  CorneredRim out;
+  out.rim = check_topology(ground.left, rim);
+  check_finite(ground.mesh, ground.left, out.rim);
+  check_positions(ground.mesh, ground.left, out.rim);
+  for (Index v : corners)
+    if (std::find(out.rim.begin(), out.rim.end(), v) == out.rim.end())
+      throw Refusal("Corner vertex " + std::to_string(v) + " is not on the rim", {v});
+  std::rotate(out.rim.begin(), std::find(out.rim.begin(), out.rim.end(), corners[0]), out.rim.end());
+  for (std::size_t k = 0; k < out.rim.size(); ++k)
+    if (std::find(corners.begin(), corners.end(), out.rim[k]) != corners.end()) out.places.push_back(static_cast<Index>(k));
+  if (out.places.size() != corners.size()) throw InvalidArgument("A corner is given twice");
+  return out;
+}
+
+/// Numbers of corners that a patch over a polygon takes besides three.
+bool makes_polygon(const std::vector<Index>& corners) {
+  return corners.size() > 3 && corners.size() <= static_cast<std::size_t>(most_sides);
+}
+
+/// The exact patch between four sides or more where they are smooth, else the surface over a plane.
+Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners,
+                       const FillOptions& options, const std::string& otherwise) {
+  const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
+  std::string reason = otherwise;
+  std::optional<Fill> patch;
+  try {
+    const CorneredRim found = cornered(ground, rim, corners);
+    if (zigzag(ground.mesh, found.rim, found.places) > smooth_sides) return any_rim("the sides between the corners zigzag");
+    PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options);
+    made.fill.report.method_reason = "the rim has " + std::to_string(corners.size()) + " smooth sides";
+    if (!made.crumpled) return std::move(made.fill);
+    reason = "a patch between " + std::to_string(corners.size()) + " corners would fold or crumple";
+    patch = std::move(made.fill);
+  } catch (const Refusal& refusal) {
+    reason = "no patch fits between " + std::to_string(corners.size()) + " sides: " + refusal.what();
+  }
+  Fill other = any_rim(reason);
+  const bool better = !patch || other.report.triangles_folded <= patch->report.triangles_folded;
+  return better ? other : std::move(*patch);
+}
+
 /// The exact patch between three smooth sides, else the surface over a plane.
 Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
   if (!options.islands.empty()) return any_rim("the hole has islands");
   if (corners && corners->empty()) return any_rim("a round rim was asked for");
+  if (corners && makes_polygon(*corners))
+    return fill_between_many(ground, rim, *corners, options, std::to_string(corners->size()) + " corners are given");
   if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
   Hole hole;
   const std::vector<Index> checked = check_topology(ground.left, rim);
@@ -368,7 +417,15 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
                     const FillOptions& options) {
   const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
   const bool automatic = options.method == automatic_method && of_mesh;
-  if (!automatic && options.method != spline_method) return fill_with_patch(ground, hole_of(ground, rim, corners), options);
+  if (!automatic && options.method != spline_method) {
+    const bool polygon = options.method == polygon_method || options.method == patch_method;
+    if (!polygon || !of_mesh || !corners || !makes_polygon(*corners))
+      return fill_with_patch(ground, hole_of(ground, rim, corners), options);
+    const CorneredRim found = cornered(ground, rim ? *rim : loop_through(ground, *corners), *corners);
+    Fill fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
+    fill.report.method_reason = "it was asked for";
+    return fill;
+  }
   const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
   if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");
   return fill_as_the_rim_asks(ground, loop, corners, options);

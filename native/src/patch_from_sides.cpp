@@ -75,7 +75,8 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
   }
   if (!kinks.empty()) made.patch = kinks.restored(made.patch, continuity.tangent);
   made.report.folds = folds && made.patch == counted ? *folds : count_folds(*made.patch, given);
-  made.report.continuity = continuity.names();
+  const std::array<std::string, 3> names = continuity.names();
+  made.report.continuity.assign(names.begin(), names.end());
   return made;
 }
 
@@ -115,7 +116,7 @@ void check_reach(const Sides& sides, const FillOptions& options) {
 
 MadePatch patch_from_sides(const Sides& sides, const FillOptions& options, const SurfacePoints* points) {
   check(options);
-  const Method& method = find_method(options.method == automatic_method ? patch_method : options.method);
+  const Method& method = find_method(options.method == automatic_method || options.method == polygon_method ? patch_method : options.method);
   if (!method.from_boundary)
     throw InvalidArgument(options.method + (method.any_rim ? " fills holes in meshes; a patch between sides is of another method"
                                                            : " joins three surfaces; use tripatch.blend"));

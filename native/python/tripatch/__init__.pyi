@@ -281,6 +281,7 @@ def patch(
     cross_boundary: CrossBoundary = "consistent",
     *,
     fairing: Fairing | None = None,
+    through: Sequence[ArrayLike] = (),
     # begin patch: scripts/stubs
     continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
     bulge: float | tuple[float, float, float] = 1.0,

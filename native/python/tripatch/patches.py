@@ -15,32 +15,70 @@ from .options import OPTIONS, checked, choice, names, takes_options, whole
 
 @takes_options
 def patch(
-    sides: Sequence[Side], method: str = OPTIONS["method"].default, cross_boundary: str = "consistent", *, fairing=None, **options
+    sides: Sequence[Side],
+    method: str = OPTIONS["method"].default,
+    cross_boundary: str = "consistent",
+    *,
+    fairing=None,
+    through=(),
+    **options,
 ) -> Patch:
-    """A patch from three sides that meet at the corners.
+    """A patch from three to twelve sides that meet at the corners.
 
     Options are those of `fill`, but nothing is made fair unless `fairing` says how ("auto" and so on). What a person should know
     of the patch is given as a warning.
 
     Args:
-        sides: three `Side` objects, side i opposite corner i, from corner i + 1 to corner i + 2.
+        sides: `Side` objects in the order of the rim. Of three, side i is opposite corner i and runs from corner i + 1 to corner
+            i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values.
+        through: of four sides or more: points (k, 3) inside, or (point, normal) pairs, that the patch meets exactly.
         method, cross_boundary, fairing: as of `fill`.
         **options: see OPTIONS.
 
     Returns:
-        A `Patch`, for `evaluate` and `normal` at barycentric coordinates (k, 3).
+        A `Patch`, for `evaluate` and `normal` at barycentric coordinates (k, 3); of four sides or more at places (k, 2) of its
+        `domain`, a polygon with these corners (n, 2).
 
     Raises:
         Refusal: the sides do not meet.
     """
     sides = tuple(sides)
-    if len(sides) != 3 or not all(isinstance(side, Side) for side in sides):
-        raise TypeError("sides must be three Side objects")
+    if not 3 <= len(sides) <= 12 or not all(isinstance(side, Side) for side in sides):
+        raise TypeError("sides must be three to twelve Side objects")
+    if len(sides) > 3:
+        made, notes = _between_many(
+            sides, through, {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, **options}
+        )
+        for note in notes:
+            warnings.warn(note, stacklevel=2)
+        return made
+    if len(through) > 0:
+        raise ValueError("through is for patches of four sides or more; of three center holds the middle")
     given = checked("patch", {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, **options})
     made, notes = _native._patch(sides, given)
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return made
+
+
+def _between_many(sides, through, options: dict) -> tuple[Patch, list[str]]:
+    """A patch of four sides or more: options by side have one value or one a side."""
+    by_side = []
+    for name in ("continuity", "bulge"):
+        value = options.pop(name, OPTIONS[name].default)
+        values = [value] if isinstance(value, (str, numbers.Real)) else list(value)
+        if len(values) not in (1, len(sides)):
+            raise ValueError(f"{name} must be one value or one a side, {len(sides)}, not {len(values)}")
+        by_side.append([checked("patch", {name: each})[name][0] for each in values * (len(sides) // len(values))])
+    if options["method"] not in ("auto", "multi_sided", "side_vertex"):
+        raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
+    points = []
+    for one in through:
+        one = np.asarray(one, dtype=np.float64)
+        if one.shape not in ((3,), (2, 3)) or not np.isfinite(one).all():
+            raise ValueError("through must hold points (3,) or pairs of a point and a normal")
+        points.append((one.tolist(), None) if one.ndim == 1 else (one[0].tolist(), one[1].tolist()))
+    return _native._polygon_patch(sides, checked("patch", options), *by_side, points)[:2]
 
 
 def blend(
@@ -89,8 +127,8 @@ def _evaluate(self: Patch, b, derivatives: int = 0):
 
 
 def _normal(self: Patch, b) -> np.ndarray:
-    """(k, 3) unit normals at barycentric coordinates b (k, 3), on the mesh's outer side."""
-    return self._normal(_arrays.barycentric(b))
+    """(k, 3) unit normals at barycentric coordinates b (k, 3), or places (k, 2) of a plane domain, on the outer side."""
+    return self._normal(_places(b))
 
 
 def _patch_energy(self: Patch, name: str) -> float:

@@ -76,11 +76,11 @@ RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector
   return shape;
 }
 
-double zigzag(const Mesh& mesh, const Loop& rim, const std::array<Index, 3>& places) {
+double zigzag(const Mesh& mesh, const Loop& rim, std::span<const Index> places) {
   const Index n = static_cast<Index>(rim.size());
   std::vector<double> off;
-  for (int i = 0; i < 3; ++i) {
-    const Index first = places[i], edges = (places[(i + 1) % 3] - first + n) % n;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Index first = places[i], edges = (places[(i + 1) % places.size()] - first + n) % n;
     const auto direction = [&](Index k) -> Vec3 {
       const auto a = mesh.vertices.row(rim[(first + k) % n]), b = mesh.vertices.row(rim[(first + k + 1) % n]);
       return Vec3(b - a).stableNormalized();

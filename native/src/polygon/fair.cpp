@@ -95,7 +95,19 @@ double polygon_energy(const Surface& surface, const PolygonDomain& domain, Fairi
   }
   if (is_quadratic(of)) return flat;
   if (of == Fairing::minimum_variation) return variation;
-  return of == Fairing::quadric_variation ? quadric : soft_minimum(variation, quadric);
+  if (of == Fairing::quadric_variation || !(quadric > 0)) return quadric;
+  return soft_minimum(variation, quadric);
+}
+
+double polygon_size(const Surface& surface, const PolygonDomain& domain) {
+  constexpr int a_side = 16;
+  Points uv = Points::Zero(static_cast<Index>(a_side) * domain.sides(), 3);
+  for (Index k = 0; k < uv.rows(); ++k)
+    uv.row(k).head<2>() = domain.on_side(static_cast<int>(k) / a_side, static_cast<double>(k % a_side) / a_side);
+  const Points p = surface.positions(uv);
+  double size = 0;
+  for (Index k = 0; k < p.rows(); ++k) size = std::max(size, (p.rowwise() - p.row(k)).rowwise().norm().maxCoeff());
+  return size;
 }
 
 PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measured, const FairingOptions& options) {
@@ -105,7 +117,7 @@ PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measu
                                                     : geometric_candidates<PolygonProblem>(measured, options);
   PolygonFairResult plain;
   plain.patch = base.patch;
-  plain.before = plain.after = candidates.before;
+  plain.before = plain.after = std::isnan(candidates.before) ? 0 : candidates.before;  // of a plane both parts are nothing
   plain.folds = count_polygon_folds(*base.patch, domain, base.sides);
   if (candidates.beyond && plain.folds == 0) {
     plain.gave_up = true;

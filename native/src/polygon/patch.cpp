@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {
@@ -93,6 +95,34 @@ void measure_seam(PolygonPatch& made) {
   }
 }
 
+/// Where the patch comes nearest to a point: Gauss-Newton from the nearest place of a grid, kept off the border.
+Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3& point) {
+  constexpr double least_share = 0.02;  // of the radius, from each side: what is added vanishes there
+  const Points grid = polygon_grid(domain, 12);
+  const Points at = patch.positions(grid);
+  Index best = 0;
+  (at.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&best);
+  Vec2 place = grid.row(best).head<2>();
+  const auto inside = [&](const Vec2& p) {
+    for (int i = 0; i < domain.sides(); ++i)
+      if (domain.inward(i).dot(p - domain.corner(i)) < least_share * domain.radius()) return false;
+    return true;
+  };
+  for (int step = 0; step < 8; ++step) {
+    const std::array<double, 3> b = {place[0], place[1], 0};
+    std::array<double, 9> jets;
+    patch.evaluate(b.data(), 1, 1, jets.data());
+    const Vec2 move = in_frame(Vec3::Map(&jets[3]), Vec3::Map(&jets[6]), point - Vec3::Map(jets.data()));
+    if (!move.allFinite()) break;
+    double share = 1;
+    while (share > 1e-3 && !inside(place + share * move)) share /= 2;
+    if (share <= 1e-3) break;
+    place += share * move;
+  }
+  while (!inside(place)) place += 0.1 * (domain.center() - place);
+  return place;
+}
+
 PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
                        const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
   PolygonPatch made;
@@ -118,6 +148,7 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
     made.energy_before = fair.before;
     made.energy_after = fair.after;
     made.folds = fair.folds;
+    made.gave_up = fair.gave_up;
     made.warnings = std::move(fair.warnings);
   } else {
     made.folds = count_polygon_folds(*made.patch, made.domain, sides);
@@ -135,23 +166,28 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
 PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& options) {
   const SideList sides = closed(given);
   const int n = static_cast<int>(sides.size());
-  if (n < 3) throw InvalidArgument("three sides or more");
+  if (n < 3) throw InvalidArgument("a patch over a polygon has three sides or more");
   if (options.tension > 0 && !options.fairing) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
   if (options.center && options.center_offset != 0)
     throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
   const Asked wanted = asked(each(options.continuity, n, SideContinuity::automatic, "continuity"), sides);
   const std::vector<double> bulge = each(options.bulge, n, 1.0, "bulge");
-  std::vector<InnerPoint> through = options.through;
-  PolygonPatch made;
-  if (options.center) through.push_back({polygon_boundary(sides).domain.center(), *options.center, {}});
-  made = made_with(sides, options, wanted, bulge, through);
-  if (options.center_offset != 0) {
-    Points middle = Points::Zero(1, 3);
-    middle.row(0).head<2>() = made.domain.center();
-    const auto [position, normal] = made.patch->positions_and_normals(middle);
-    through.push_back({made.domain.center(), Vec3(position.row(0) + options.center_offset * normal.row(0)), {}});
+  const Vec2 center = polygon_boundary(sides).domain.center();
+  std::vector<InnerPoint> through;
+  if (options.center) through.push_back({center, *options.center, {}});
+  PolygonPatch made = made_with(sides, options, wanted, bulge, through);
+  if (options.center_offset != 0 || !options.through.empty()) {
+    if (options.center_offset != 0) {
+      Points middle = Points::Zero(1, 3);
+      middle.row(0).head<2>() = center;
+      const auto [position, normal] = made.patch->positions_and_normals(middle);
+      through.push_back({center, Vec3(position.row(0) + options.center_offset * normal.row(0)), {}});
+    }
+    for (const Through& t : options.through)
+      through.push_back({nearest_place(*made.patch, made.domain, t.point), t.point, t.normal});
     made = made_with(sides, options, wanted, bulge, through);
   }
+  made.patch = std::make_shared<OverPolygon>(made.domain, made.patch);
   made.continuity = wanted.names;
   measure_seam(made);
   return made;

@@ -1,7 +1,7 @@
 // How a rim runs in the surface that it borders: its edge lengths and where it turns; and how large it is.
 #pragma once
 
-#include <array>
+#include <span>
 #include <vector>
 
 #include "tripatch/mesh/connectivity.h"
@@ -24,7 +24,7 @@ RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector
 /// directions before and after it, exceeded at two thirds of the inner edges of the sides. Of smooth sides it falls with the square
 /// of the edge length, and kinks here and there do not count; where a rim zigzags between irregular triangles it is a third or more.
 /// 0 where no side has three edges. places: of the corners in the rim, in rim order.
-double zigzag(const Mesh& mesh, const std::vector<Index>& rim, const std::array<Index, 3>& places);
+double zigzag(const Mesh& mesh, const std::vector<Index>& rim, std::span<const Index> places);
 /// Sides up to here are smooth. Coarse sides of the smooth surfaces that were tried (8 edges) stay below 0.16, rims of deleted
 /// irregular triangles begin at 0.3.
 constexpr double smooth_sides = 0.2;

@@ -37,6 +37,9 @@ struct PolygonBase {
 /// An energy of a surface over a polygon, as energy() for a triangle.
 double polygon_energy(const Surface& surface, const PolygonDomain& domain, Fairing of, double size);
 
+/// The largest distance between points of the border.
+double polygon_size(const Surface& surface, const PolygonDomain& domain);
+
 /// Degrees of freedom as FairingOptions counts them; its `curvature`, `automatic`, `position_only`, `slopes_free` and `center` are not
 /// read. `measured` is the same base on smoothed sides.
 struct PolygonFairResult {

@@ -10,14 +10,20 @@
 
 namespace tripatch {
 
+/// A point that the patch shall go through, scene units; its place in the domain is where the patch without it comes nearest.
+struct Through {
+  Vec3 point = Vec3::Zero();
+  std::optional<Vec3> normal;
+};
+
 struct PolygonPatchOptions {
   std::vector<SideContinuity> continuity = {};  ///< one for all sides or one a side; empty: automatic
   std::vector<double> bulge = {};               ///< likewise; empty: 1
   std::optional<Fairing> fairing = Fairing::automatic;
   double tension = 0;
-  std::optional<Vec3> center = {};       ///< where the center of the domain is to be
-  double center_offset = 0;              ///< instead: how far it moves along its normal
-  std::vector<InnerPoint> through = {};  ///< met exactly
+  std::optional<Vec3> center = {};    ///< where the center of the domain is to be
+  double center_offset = 0;           ///< instead: how far it moves along its normal
+  std::vector<Through> through = {};  ///< met exactly
 };
 
 struct PolygonPatch {
@@ -31,6 +37,7 @@ struct PolygonPatch {
   std::string fairing;
   double energy_before = 0, energy_after = 0;
   Index folds = 0;
+  bool gave_up = false;  ///< no energy serves here: `patch` is the plain one
   std::vector<std::string> warnings;
 };
 

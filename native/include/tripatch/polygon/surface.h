@@ -20,6 +20,16 @@ private:
   PolygonDomain domain_;
 };
 
+/// A surface made of parts, with the polygon that all of them are over.
+class OverPolygon final : public PolygonSurface {
+public:
+  OverPolygon(PolygonDomain domain, SurfacePtr surface) : PolygonSurface(std::move(domain)), surface_(std::move(surface)) {}
+  void evaluate(const double* b, Index n, int order, double* out) const override { surface_->evaluate(b, n, order, out); }
+
+private:
+  SurfacePtr surface_;
+};
+
 /// As VertexSafeSurface, over a polygon: where side weights are 0/0 and lose digits (beside corners), derivatives of order m are those a
 /// little farther off on the same ray. Derived: `template <int N> JetPoint<N> at(const Jet<N>& u, const Jet<N>& v) const`, and
 /// `Vec3 corner(int i) const`.

@@ -15,9 +15,9 @@ namespace tripatch {
 struct Report {
   double seam_angle_max = 0;  ///< degrees, fill against the surroundings used
   double seam_angle_rms = 0;
-  std::array<double, 3> seam_angle_max_by_side = {0, 0, 0};
-  std::array<double, 3> seam_angle_rms_by_side = {0, 0, 0};
-  std::array<std::string, 3> continuity;  ///< by side: Free, G0, G1 or G2, what was asked or what auto took
+  std::vector<double> seam_angle_max_by_side = {0, 0, 0};
+  std::vector<double> seam_angle_rms_by_side = {0, 0, 0};
+  std::vector<std::string> continuity = {"", "", ""};  ///< by side: Free, G0, G1 or G2, what was asked or what auto took
   double surroundings_error = 0;          ///< degrees; 0 where the surroundings are known exactly
   std::string fairing;                    ///< name of the energy used, empty: none
   double energy_before = 0;

@@ -1,0 +1,35 @@
+// The path of n sides: what surrounds a hole between its corners, the patch over a polygon between them, and faces on it.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+#include "tripatch/options.h"
+#include "tripatch/output/fill_result.h"
+#include "tripatch/polygon/patch.h"
+
+namespace tripatch {
+
+/// The sides of a hole in a mesh as estimated from the faces around it, three corners at a time.
+struct MeshPolygon {
+  SideList sides;
+  std::vector<std::vector<double>> parameters;  ///< of the rim's vertices on each side
+  double surroundings_error = 0;                ///< degrees
+};
+
+/// rim: from corner 0 on, in the direction of new faces; corners: places in it, increasing, the first 0, two or more. Takes time by
+/// the hole.
+MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                         const std::vector<Index>& corners);
+
+/// What of the options concerns a patch of n sides; InvalidArgument for values by side that are not n.
+PolygonPatchOptions polygon_options(const FillOptions& options);
+
+struct PolygonFill {
+  Fill fill;
+  bool crumpled = false;  ///< folds, or no energy serves: another kind of fill may do better
+};
+PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                              const std::vector<Index>& corners, const FillOptions& options);
+
+}  // namespace tripatch

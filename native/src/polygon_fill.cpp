@@ -1,0 +1,229 @@
+#include "tripatch/polygon_fill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "tripatch/boundary/mesh_sides.h"
+#include "tripatch/constructions/methods.h"
+#include "tripatch/output/pair_quads.h"
+#include "tripatch/output/remesh.h"
+#include "tripatch/report/folded_triangles.h"
+
+namespace tripatch {
+namespace {
+
+/// Degrees between the tangent planes of two sides at their corner from which on a person is told, as for three sides.
+constexpr double mismatch_warned = 1;
+
+template <class T>
+std::vector<T> one_for_all(const BySide<T>& values, const char* name) {
+  if (!std::all_of(values.begin(), values.end(), [&](const T& v) { return v == values[0]; }))
+    throw InvalidArgument(std::string(name) + " has one value for all sides where a hole has not three of them");
+  return {values[0]};
+}
+
+std::vector<std::array<Index, 2>> joined_on_rim(const Connectivity& around, const std::vector<Index>& rim) {
+  std::vector<std::array<Index, 2>> row, joined;  // (vertex, row), sorted
+  for (std::size_t k = 0; k < rim.size(); ++k) row.push_back({rim[k], static_cast<Index>(k)});
+  std::sort(row.begin(), row.end());
+  for (Index k = 0; k < static_cast<Index>(rim.size()); ++k)
+    for (Connectivity::Corner c : around.at(rim[k]))
+      for (Index other : {around.next(c), around.previous(c)}) {
+        const auto found = std::lower_bound(row.begin(), row.end(), std::array<Index, 2>{other, -1});
+        if (found != row.end() && (*found)[0] == other && k < (*found)[1]) joined.push_back({k, (*found)[1]});
+      }
+  std::sort(joined.begin(), joined.end());
+  joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
+  return joined;
+}
+
+/// Places of a cover and its faces, the rim's rows first.
+struct PlaneCover {
+  PlanePoints uv;
+  Faces faces;
+};
+
+PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vector<double>>& parameters) {
+  std::vector<Vec2> places;
+  for (int i = 0; i < domain.sides(); ++i)
+    for (std::size_t k = 0; k + 1 < parameters[i].size(); ++k) places.push_back(domain.on_side(i, parameters[i][k]));
+  PlanePoints uv(static_cast<Index>(places.size()), 2);
+  for (std::size_t k = 0; k < places.size(); ++k) uv.row(static_cast<Index>(k)) = places[k];
+  return uv;
+}
+
+/// The polygon in triangles about its center.
+PlaneCover triangles_of(const PolygonPatch& made, const PlanePoints& rim_uv, const Points& rim,
+                        std::vector<std::array<Index, 2>> joined, std::optional<int> resolution) {
+  const Index r = rim_uv.rows();
+  PlanePolygon polygon;
+  polygon.uv.resize(r + 1, 2);
+  polygon.uv << rim_uv, made.domain.center().transpose();
+  Points middle = Points::Zero(1, 3);
+  middle.row(0).head<2>() = made.domain.center();
+  polygon.points.resize(r + 1, 3);
+  polygon.points << rim, made.patch->positions(middle);
+  polygon.rim = r;
+  for (Index k = 0; k < r; ++k) polygon.triangles.push_back({k, (k + 1) % r, r});
+  polygon.joined = std::move(joined);
+  PlaneTriangulation triangulated = remesh(polygon, resolution, *made.patch);
+  PlaneCover cover;
+  cover.uv = triangulated.uv;
+  for (const std::array<Index, 3>& t : triangulated.triangles) cover.faces.add(t);
+  return cover;
+}
+
+/// Four sides, opposite ones with as many edges: the grid without a pole. Rows of the domain by Coons's blend of its border.
+std::optional<PlaneCover> grid_of(const PolygonDomain& domain, const std::vector<std::vector<double>>& t,
+                                  const PlanePoints& rim_uv) {
+  if (domain.sides() != 4 || t[0].size() != t[2].size() || t[1].size() != t[3].size()) return {};
+  const Index a = static_cast<Index>(t[0].size()) - 1, b = static_cast<Index>(t[1].size()) - 1, r = rim_uv.rows();
+  PlaneCover cover;
+  cover.uv.resize(r + (a - 1) * (b - 1), 2);
+  cover.uv.topRows(r) = rim_uv;
+  // of column i and row j: the rim runs along row 0, column a, row b backwards, column 0 backwards
+  const auto at = [&](Index i, Index j) {
+    if (j == 0) return i;
+    if (i == a) return a + j;
+    if (j == b) return a + b + (a - i);
+    if (i == 0) return 2 * a + b + (b - j);
+    return r + (j - 1) * (a - 1) + i - 1;
+  };
+  for (Index j = 1; j < b; ++j)
+    for (Index i = 1; i < a; ++i) {
+      // where the line between the places on opposite sides crosses that between the other two
+      const Vec2 low = rim_uv.row(at(i, 0)), high = rim_uv.row(at(i, b)), left = rim_uv.row(at(0, j)),
+                 right = rim_uv.row(at(a, j));
+      const Vec2 d = high - low, e = right - left, f = left - low;
+      const double det = d[0] * -e[1] + e[0] * d[1];
+      const double s = (f[0] * -e[1] + e[0] * f[1]) / det;
+      cover.uv.row(at(i, j)) = low + s * d;
+    }
+  for (Index j = 0; j < b; ++j)
+    for (Index i = 0; i < a; ++i) cover.faces.add(std::array<Index, 4>{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+  return cover;
+}
+
+/// The derivative across turned at a right angle to the side at the rim's vertices, within the tangent planes. As read it leans towards
+/// the corners of a triangle.
+Side upright(Side side) {
+  const std::vector<double>& t = side.rim;
+  std::vector<double> lean, bend;
+  for (double at : t) {
+    const SideForm form = side_form(side, at);
+    const double b = form.r.dot(form.dc) / form.dc.squaredNorm();
+    lean.push_back(b);
+    const Vec3 q = (form.rr - 2 * b * form.rc + b * b * form.cc) * form.n;
+    bend.insert(bend.end(), q.data(), q.data() + 3);
+  }
+  side.r = side.r - PiecewisePolynomial::spline(t, lean, 1) * side.c.derivative();
+  if (!side.q.empty()) side.q = PiecewisePolynomial::spline(t, bend, 3);
+  return side;
+}
+
+Points plane_rows(const PlanePoints& uv) {
+  Points rows = Points::Zero(uv.rows(), 3);
+  rows.leftCols(2) = uv;
+  return rows;
+}
+
+}  // namespace
+
+MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                         const std::vector<Index>& corners) {
+  const Index n = static_cast<Index>(corners.size()), edges = static_cast<Index>(rim.size());
+  MeshPolygon out;
+  for (Index k = 0; k < n; k += 2) {
+    // a hole of three corners: k, the next and the one after it, of which the third side is read for its beginning and end only
+    Hole hole;
+    const Index start = corners[k], second = (corners[(k + 1) % n] - start + edges) % edges;
+    Index third = (corners[(k + 2) % n] - start + edges) % edges;
+    if (n == 2) third = (second + edges) / 2;
+    for (Index j = 0; j < edges; ++j) hole.rim.push_back(rim[(start + j) % edges]);
+    hole.corners = {0, second, third};
+    MeshSides three = mesh_sides(mesh, around, hole);
+    const bool both = k + 1 < n && n > 2;
+    for (int i : both ? std::vector<int>{2, 0} : std::vector<int>{2}) {
+      out.sides.push_back(upright(std::move(three.sides[i])));
+      out.parameters.push_back(std::move(three.parameters[i]));
+    }
+    out.surroundings_error = std::max(out.surroundings_error, three.surroundings_error);
+  }
+  return out;
+}
+
+PolygonPatchOptions polygon_options(const FillOptions& options) {
+  PolygonPatchOptions own;
+  own.continuity = one_for_all(options.continuity, "continuity");
+  own.bulge = one_for_all(options.bulge, "bulge");
+  own.fairing = options.fairing;
+  own.tension = options.tension;
+  own.center = options.center;
+  own.center_offset = options.center_offset;
+  return own;
+}
+
+PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                              const std::vector<Index>& corners, const FillOptions& options) {
+  MeshPolygon known = mesh_polygon(mesh, around, rim, corners);
+  PolygonPatch made = polygon_patch(known.sides, polygon_options(options));
+  PolygonFill result;
+  Fill& fill = result.fill;
+  const Index r = static_cast<Index>(rim.size()), n = mesh.vertices.rows();
+  const PlanePoints rim_uv = rim_places(made.domain, known.parameters);
+  const bool quads = options.output == Output::quads;
+  std::optional<PlaneCover> cover;
+  if (quads) cover = grid_of(made.domain, known.parameters, rim_uv);
+  if (!cover) {
+    Points points(r, 3);
+    for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
+    cover = triangles_of(made, rim_uv, points, joined_on_rim(around, rim), options.resolution);
+    if (quads) {
+      std::vector<std::array<Index, 3>> triangles;
+      for (Index f = 0; f < cover->faces.size(); ++f)
+        triangles.push_back({cover->faces[f][0], cover->faces[f][1], cover->faces[f][2]});
+      Points all(cover->uv.rows(), 3);
+      all << points, made.patch->positions(plane_rows(cover->uv.bottomRows(cover->uv.rows() - r)));
+      cover->faces = pair_quads(all, triangles);
+    }
+  }
+  fill.rim = rim;
+  fill.rim_uv = rim_uv;
+  fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
+  fill.uv = cover->uv.bottomRows(cover->uv.rows() - r);
+  std::tie(fill.vertices, fill.normals) = made.patch->positions_and_normals(plane_rows(fill.uv));
+  fill.faces = std::move(cover->faces);
+  for (Index& v : fill.faces.corners) v = v < r ? rim[v] : n + v - r;
+  fill.patch = made.patch;
+  fill.sides = std::move(made.sides);
+
+  Report& report = fill.report;
+  report.method = polygon_method;
+  report.surroundings_error = known.surroundings_error;
+  report.fairing = made.fairing;
+  report.energy_before = made.energy_before;
+  report.energy_after = made.energy_after;
+  report.folds = made.folds;
+  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
+  report.continuity = made.continuity;
+  report.seam_angle_max_by_side = made.seam_angle_max;
+  report.seam_angle_rms_by_side = made.seam_angle_rms;
+  report.seam_angle_max = *std::max_element(made.seam_angle_max.begin(), made.seam_angle_max.end());
+  double squares = 0;
+  for (double a : made.seam_angle_rms) squares += a * a / static_cast<double>(made.seam_angle_rms.size());
+  report.seam_angle_rms = std::sqrt(squares);
+  report.warnings = made.warnings;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    report.corners.push_back(rim[corners[k]]);
+    if (made.corner_mismatch_deg[k] > mismatch_warned)
+      report.warnings.push_back("The tangent planes of the two sides differ by " +
+                                std::to_string(std::lround(made.corner_mismatch_deg[k])) + " degrees at corner " +
+                                std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
+  }
+  if (report.folds > 0) report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) + " places");
+  result.crumpled = made.gave_up || report.folds > 0 || report.triangles_folded > 0;
+  return result;
+}
+
+}  // namespace tripatch

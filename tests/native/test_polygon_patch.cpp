@@ -1,0 +1,302 @@
+// Patches of four sides and more: what they promise along their sides, and what they make of surfaces that are known.
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "test_surfaces.h"
+#include "tripatch/polygon/patch.h"
+
+using namespace tripatch;
+using tripatch::testing::degrees_between;
+
+namespace {
+
+/// A surface over a plane of its own from one formula on jets.
+template <int N>
+using Formula = JetPoint<N> (*)(const Jet<N>&, const Jet<N>&);
+struct Known {
+  Formula<2> at;
+  double (*distance)(const Vec3&);
+};
+
+template <int N>
+JetPoint<N> sphere_at(const Jet<N>& x, const Jet<N>& y) {
+  const Jet<N> d = reciprocal(1.0 + (x * x + y * y));
+  JetPoint<N> p;
+  p.x = {2.0 * (x * d), 2.0 * (y * d), (1.0 - (x * x + y * y)) * d};
+  return p;
+}
+const Known sphere = {sphere_at<2>, [](const Vec3& p) { return std::abs(p.norm() - 1); }};
+
+template <int N>
+JetPoint<N> saddle_at(const Jet<N>& x, const Jet<N>& y) {
+  JetPoint<N> p;
+  p.x = {x, y, 0.5 * (x * x - y * y)};
+  return p;
+}
+const Known saddle = {saddle_at<2>, [](const Vec3& p) { return std::abs(p[2] - 0.5 * (p[0] * p[0] - p[1] * p[1])); }};
+
+template <int N>
+JetPoint<N> plane_at(const Jet<N>& x, const Jet<N>& y) {
+  JetPoint<N> p;
+  p.x = {x + 0.2 * (y * y), y, Jet<N>(0.0)};
+  return p;
+}
+const Known plane = {plane_at<2>, [](const Vec3& p) { return std::abs(p[2]); }};
+
+/// A side of a known surface between two places of its plane, its surroundings as they are.
+Side side_between(const Known& known, const Vec2& from, const Vec2& to) {
+  const Vec2 along = to - from, out(along[1], -along[0]);
+  const auto jets = [=](double t) {
+    const Vec2 p = from + t * along;
+    return known.at(Jet<2>::linear(p[0], along[0], out[0]), Jet<2>::linear(p[1], along[1], out[1]));
+  };
+  const auto field = [&](int which, double factor) {
+    return PiecewisePolynomial::fit(
+        [&](std::span<const double> t, std::span<double> values) {
+          for (std::size_t k = 0; k < t.size(); ++k) {
+            const JetPoint<2> p = jets(t[k]);
+            for (int x = 0; x < 3; ++x) values[3 * k + x] = factor * p.x[x].c[which];
+          }
+        },
+        3);
+  };
+  return {field(0, 1), field(2, 1), field(jet_index(0, 2), 2)};
+}
+
+SideList sides_between(const Known& known, const std::vector<Vec2>& corners) {
+  SideList sides;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    sides.push_back(side_between(known, corners[i], corners[(i + 1) % corners.size()]));
+  return sides;
+}
+
+/// n corners about a place, a little uneven.
+std::vector<Vec2> ring(int n, double radius = 0.4, double uneven = 0.1, const Vec2& middle = {0.1, 0.15}) {
+  std::vector<Vec2> corners;
+  for (int k = 0; k < n; ++k) {
+    const double angle = 2 * std::numbers::pi * (k + uneven * std::sin(3.0 * k + 1)) / n,
+                 r = radius * (1 + uneven * std::cos(5.0 * k));
+    corners.emplace_back(middle + r * Vec2(std::cos(angle), std::sin(angle)));
+  }
+  return corners;
+}
+
+double largest_distance(const PolygonPatch& made, const Known& known) {
+  const Points p = made.patch->positions(polygon_grid(made.domain, 8));
+  double most = 0;
+  for (Index k = 0; k < p.rows(); ++k) most = std::max(most, known.distance(p.row(k)));
+  return most;
+}
+
+/// Largest distance from the sides' curves.
+double curve_error(const PolygonPatch& made) {
+  double most = 0;
+  for (int i = 0; i < made.domain.sides(); ++i)
+    for (int k = 0; k <= 40; ++k) {
+      const Vec2 p = made.domain.on_side(i, k / 40.0);
+      const std::array<double, 3> row = {p[0], p[1], 0};
+      most = std::max(
+          most,
+          (Vec3(made.patch->positions(Eigen::Map<const Points>(row.data(), 1, 3)).row(0)) - made.sides[i].c(k / 40.0)).norm());
+    }
+  return most;
+}
+
+double seam(const PolygonPatch& made) { return *std::max_element(made.seam_angle_max.begin(), made.seam_angle_max.end()); }
+
+Points middle_of(const PolygonPatch& made) {
+  Points row = Points::Zero(1, 3);
+  row.row(0).head<2>() = made.domain.center();
+  return row;
+}
+
+const PolygonPatchOptions plain = [] {
+  PolygonPatchOptions options;
+  options.fairing.reset();
+  return options;
+}();
+
+}  // namespace
+
+TEST_CASE("polygon patch: sides and tangent planes are met, plain and fair") {
+  for (const Known& known : {sphere, saddle})
+    for (int n : {4, 5, 6, 8, 12})
+      for (const PolygonPatchOptions& options : {plain, PolygonPatchOptions()}) {
+        const PolygonPatch made = polygon_patch(sides_between(known, ring(n)), options);
+        CAPTURE(n, made.fairing);
+        CHECK(curve_error(made) < 1e-12);
+        CHECK(seam(made) < 1e-5);
+      }
+}
+
+TEST_CASE("polygon patch: a plane hole is filled with its plane") {
+  for (int n : {4, 7}) CHECK(largest_distance(polygon_patch(sides_between(plane, ring(n))), plane) < 1e-13);
+}
+
+TEST_CASE("polygon patch: a fair patch in a sphere is the sphere's") {
+  for (int n : {4, 5, 6, 8}) {
+    CAPTURE(n);
+    CHECK(largest_distance(polygon_patch(sides_between(sphere, ring(n))), sphere) < 1e-4);
+  }
+}
+
+TEST_CASE("polygon patch: plain patches come nearer with the fourth power of the hole's size") {
+  for (const Known& known : {sphere, saddle})
+    for (int n : {4, 5, 6}) {
+      CAPTURE(n);
+      const double whole = largest_distance(polygon_patch(sides_between(known, ring(n, 0.2)), plain), known),
+                   half = largest_distance(polygon_patch(sides_between(known, ring(n, 0.1)), plain), known);
+      CHECK(half < whole / 3.5);
+    }
+}
+
+TEST_CASE("polygon patch: the result does not depend on which corner is the first") {
+  const SideList sides = sides_between(sphere, ring(5));
+  SideList turned(sides.begin() + 2, sides.end());
+  turned.insert(turned.end(), sides.begin(), sides.begin() + 2);
+  const PolygonPatch a = polygon_patch(sides), b = polygon_patch(turned);
+  CHECK((a.patch->positions(middle_of(a)) - b.patch->positions(middle_of(b))).norm() < 1e-7);
+}
+
+TEST_CASE("polygon patch: rigid motions and scales move it with its sides") {
+  const SideList sides = sides_between(saddle, ring(6));
+  const PolygonPatch still = polygon_patch(sides);
+  const Points grid = polygon_grid(still.domain, 4);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  for (double scale : {1e-6, 1.0, 1e6}) {
+    const Eigen::Matrix3d linear = scale * turn;
+    const Vec3 shift = scale * Vec3(3, -2, 5);
+    const auto moved = [&](const PiecewisePolynomial& f, const Vec3& by) {
+      return PiecewisePolynomial::fit(
+          [&](std::span<const double> t, std::span<double> out) {
+            for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = linear * f(t[k]) + by;
+          },
+          3);
+    };
+    SideList there;
+    for (const Side& side : sides)
+      there.push_back({moved(side.c, shift), moved(side.r, Vec3::Zero()), moved(side.q, Vec3::Zero())});
+    const PolygonPatch made = polygon_patch(there);
+    const Points p = still.patch->positions(grid), q = made.patch->positions(grid);
+    double most = 0;
+    for (Index k = 0; k < p.rows(); ++k) most = std::max(most, (linear * Vec3(p.row(k)) + shift - Vec3(q.row(k))).norm() / scale);
+    CAPTURE(scale);
+    CHECK(most < 1e-6);
+  }
+}
+
+TEST_CASE("polygon patch: sides whose planes or twists disagree at the corners are met beside them") {
+  SideList sides = sides_between(sphere, ring(5));
+  for (std::size_t i = 0; i < sides.size();
+       ++i) {  // each plane turned about its side: by 9 degrees, and by as much more along it
+    const Side side = sides[i];
+    sides[i].r = PiecewisePolynomial::fit(
+        [&](std::span<const double> t, std::span<double> out) {
+          for (std::size_t k = 0; k < t.size(); ++k)
+            Vec3::Map(&out[3 * k]) = side.r(t[k]) + 0.15 * (1 + t[k]) * side.r(t[k]).norm() * side.normal(t[k]);
+        },
+        3);
+    sides[i].q = {};
+  }
+  const PolygonPatch made = polygon_patch(sides);
+  CHECK(curve_error(made) < 1e-12);
+  CHECK(seam(made) < 1e-5);
+  const Points beside = (Points(2, 3) << made.domain.corner(0)[0], made.domain.corner(0)[1], 0,
+                         made.domain.corner(2)[0] * (1 - 1e-7), made.domain.corner(2)[1] * (1 - 1e-7), 0)
+                            .finished();
+  std::vector<double> jets(2 * 30);
+  made.patch->evaluate(beside.data(), 2, 3, jets.data());
+  for (double x : jets) CHECK(std::isfinite(x));
+}
+
+TEST_CASE("polygon patch: derivatives are those of differences") {
+  const PolygonPatch made = polygon_patch(sides_between(saddle, ring(7)));
+  const Vec2 at(0.21, -0.13);
+  const double h = 1e-5;
+  const std::array<double, 15> rows = {at[0], at[1], 0,         at[0] + h, at[1], 0,         at[0] - h, at[1],
+                                       0,     at[0], at[1] + h, 0,         at[0], at[1] - h, 0};
+  std::vector<double> jets(5 * 30);
+  made.patch->evaluate(rows.data(), 5, 3, jets.data());
+  const auto get = [&](int point, int which) { return Vec3(Vec3::Map(&jets[30 * point + 3 * which])); };
+  const std::array<double, 6> factor = {1, 1, 1, 2, 1, 2};
+  for (int i = 0; i <= 2; ++i)
+    for (int j = 0; i + j <= 2; ++j) {
+      const Vec3 u = (get(1, jet_index(i, j)) - get(2, jet_index(i, j))) / (2 * h) / (i + 1),
+                 v = (get(3, jet_index(i, j)) - get(4, jet_index(i, j))) / (2 * h) / (j + 1);
+      CHECK((u - get(0, jet_index(i + 1, j))).norm() < 1e-6 * factor[5]);
+      CHECK((v - get(0, jet_index(i, j + 1))).norm() < 1e-6 * factor[5]);
+    }
+}
+
+TEST_CASE("polygon patch: points and normals inside are met exactly, with the sides") {
+  const SideList sides = sides_between(saddle, ring(5));
+  const PolygonPatch without = polygon_patch(sides);
+  const Vec3 up = without.patch->normals(middle_of(without)).row(0);
+  PolygonPatchOptions options;
+  options.through = {{Vec3(without.patch->positions(middle_of(without)).row(0)) + 0.05 * up, {}},
+                     {Vec3(0.25, 0.2, 0.03), Vec3(0.1, -0.2, 1).normalized()}};
+  const PolygonPatch made = polygon_patch(sides, options);
+  for (const Through& t : options.through) {
+    double nearest = 1, off = 90;
+    const Points grid = polygon_grid(made.domain, 40);
+    Points place(1, 3);
+    Index best = 0;
+    (made.patch->positions(grid).rowwise() - t.point.transpose()).rowwise().norm().minCoeff(&best);
+    place.row(0) = grid.row(best);
+    for (int step = 0; step < 20; ++step) {  // Gauss-Newton
+      std::array<double, 9> jets;
+      made.patch->evaluate(place.data(), 1, 1, jets.data());
+      Eigen::Matrix<double, 3, 2> d;
+      d << Vec3::Map(&jets[3]), Vec3::Map(&jets[6]);
+      const Vec3 rest = t.point - Vec3::Map(jets.data());
+      nearest = rest.norm();
+      if (t.normal) off = degrees_between(d.col(0).cross(d.col(1)), *t.normal);
+      const Vec2 move = (d.transpose() * d).inverse() * (d.transpose() * rest);
+      place(0, 0) += move[0];
+      place(0, 1) += move[1];
+    }
+    CHECK(nearest < 1e-12);
+    if (t.normal) CHECK(off < 1e-8);
+  }
+  CHECK(seam(made) < 1e-5);
+}
+
+TEST_CASE("polygon patch: G2 meets the curvature too") {
+  PolygonPatchOptions options;
+  options.continuity = {SideContinuity::g2};
+  const PolygonPatch made = polygon_patch(sides_between(saddle, ring(6)), options);
+  CHECK(curvature_jump(*made.patch, made.domain, made.sides) < 1e-5);
+  CHECK(seam(made) < 1e-5);
+}
+
+TEST_CASE("polygon patch: the middle goes where it is asked") {
+  const SideList sides = sides_between(sphere, ring(4));
+  PolygonPatchOptions options;
+  options.center_offset = 0.1;
+  const PolygonPatch without = polygon_patch(sides), made = polygon_patch(sides, options);
+  CHECK((made.patch->positions(middle_of(made)) - without.patch->positions(middle_of(without))).norm() ==
+        Approx(0.1).epsilon(1e-9));
+  CHECK(seam(made) < 1e-5);
+}
+
+TEST_CASE("polygon patch: what does not meet is refused with the corner and the gap") {
+  SideList sides = sides_between(sphere, ring(5));
+  sides[3] = moved_ends(sides[3], Vec3(0, 0, 0.01), Vec3::Zero());
+  CHECK_THROWS_WITH(polygon_patch(sides), Catch::Contains("Sides 2 and 3 do not meet at corner 3: the gap is 0.01"));
+  CHECK_THROWS_AS(polygon_patch(SideList(13, sides[0])), InvalidArgument);
+}
+
+TEST_CASE("polygon domain: it follows angles and lengths, and stays convex") {
+  const double right = std::numbers::pi / 2;
+  const PolygonDomain rectangle = polygon_like({right, right, right, right}, {2, 1, 2, 1});
+  CHECK(rectangle.length(0) == Approx(2 * rectangle.length(1)));
+  for (const std::vector<double>& turns : {std::vector<double>{3, 0, 0, -1, 2}, {0, 0, 0, 0}, {2.5, 2.5, 0.1, 0.1, 0.1, 0.1}}) {
+    const PolygonDomain d = polygon_like(turns, std::vector<double>(turns.size(), 1.0));
+    for (int i = 0; i < d.sides(); ++i)
+      for (int k = 0; k < d.sides(); ++k)
+        if (k != i && k != d.wrap(i + 1)) CHECK(d.inward(i).dot(d.corner(k) - d.corner(i)) > 0);
+  }
+}

@@ -1,0 +1,100 @@
+"""Patches and fills of four sides and more."""
+
+import numpy as np
+import pytest
+import tripatch
+
+
+def around(n, radius=0.5):
+    """A sphere's upper half as a grid of triangles in the stereographic plane, with a hole of n straight sides: vertices, faces,
+    corners."""
+    per_side, rings = 8, 6
+    angles = 2 * np.pi * np.arange(n) / n
+    corners = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    t = np.arange(per_side)[:, None] / per_side
+    rim = np.concatenate([(1 - t) * corners[i] + t * corners[(i + 1) % n] for i in range(n)])
+    step = 1 + 0.1 * np.arange(rings)
+    plane = radius * (step[:, None, None] * rim[None]).reshape(-1, 2)
+    square = (plane**2).sum(axis=1)
+    vertices = np.column_stack([2 * plane, 1 - square]) / (1 + square)[:, None]
+    m = len(rim)
+    faces = []
+    for j in range(rings - 1):
+        for k in range(m):
+            a, b = j * m + k, j * m + (k + 1) % m
+            faces += [[b, a, a + m], [b, a + m, b + m]]
+    return vertices, np.array(faces), [per_side * i for i in range(n)]
+
+
+@pytest.mark.parametrize("n", [4, 5, 6, 8])
+def test_a_hole_of_many_sides_in_a_sphere(n):
+    vertices, faces, corners = around(n)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(8 * n), corners=corners)
+    assert fill.report.method == "multi_sided"
+    assert fill.report.corners == [corners[k] for k in range(n)] or set(fill.report.corners) == set(corners)
+    assert len(fill.report.seam_angle_max_by_side) == len(fill.report.continuity) == n
+    assert fill.report.seam_angle_max < 1e-5
+    assert fill.report.folds == fill.report.triangles_folded == 0
+    assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < (2e-3 if n == 4 else 5e-3)
+    np.testing.assert_allclose(fill.patch.evaluate(fill.uv), fill.vertices, atol=1e-12)
+    assert fill.patch.domain.shape == (n, 2)
+    # with the rim it is a disc: every edge of the rim once, every other one twice
+    edges = np.sort(np.concatenate([np.roll(np.array(f), -k)[:2][None] for f in fill.faces for k in range(3)]), axis=1)
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    assert (count == 1).sum() == 8 * n and count.max() == 2
+
+
+def test_four_sides_of_equal_counts_give_a_grid_of_quads():
+    vertices, faces, corners = around(4)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(32), corners=corners, output="quads")
+    assert {len(f) for f in fill.faces} == {4} and len(fill.faces) == 64 and len(fill.vertices) == 49
+    everything = np.concatenate([vertices, fill.vertices])
+    for face in fill.faces:
+        p = everything[list(face)]
+        normal = np.cross(p[2] - p[0], p[3] - p[1])
+        for k in range(4):
+            assert np.cross(p[k] - p[k - 1], p[(k + 1) % 4] - p[k]) @ normal > 0
+
+
+def test_the_method_can_be_insisted_on():
+    vertices, faces, corners = around(5)
+    for method in ("multi_sided", "side_vertex"):
+        fill = tripatch.fill(vertices, faces, rim=np.arange(40), corners=corners, method=method)
+        assert fill.report.method == "multi_sided" and fill.report.method_reason == "it was asked for"
+    with pytest.raises(tripatch.Refusal, match="three corners"):
+        tripatch.fill(vertices, faces, rim=np.arange(40), corners=corners, method="quintic")
+
+
+def flat_sides(corners):
+    sides = []
+    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        along = b - a
+        out = np.array([along[1], -along[0], 0.0])
+        sides.append(
+            tripatch.Side.from_functions(
+                lambda t, a=a, along=along: a + t[:, None] * along,
+                lambda t, along=along: np.broadcast_to(along, (len(t), 3)),
+                lambda t, out=out: np.broadcast_to(out, (len(t), 3)),
+            )
+        )
+    return sides
+
+
+def test_a_patch_of_five_sides():
+    angles = 2 * np.pi * np.arange(5) / 5
+    corners = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    patch = tripatch.patch(flat_sides(corners), fairing="auto", bulge=(1, 1, 2, 1, 1), continuity="G1")
+    p, d = patch.evaluate(patch.domain * 0.5, 1)
+    assert np.abs(p[:, 2]).max() < 1e-13 and d.shape == (5, 2, 3)
+    np.testing.assert_allclose(patch.evaluate(patch.domain), corners, atol=1e-12)
+    np.testing.assert_allclose(patch.normal(patch.domain * 0.5), [[0, 0, 1]] * 5, atol=1e-12)
+    lifted = tripatch.patch(flat_sides(corners), fairing="auto", through=[(0.1, 0.1, 0.2)])
+    assert np.linalg.norm(lifted.evaluate(lifted.domain * 0.3), axis=1).max() < 1
+    assert lifted.evaluate(lifted.domain * 0.05)[:, 2].mean() > 0.1
+    assert patch.energy("third_derivative") >= 0
+    with pytest.raises(ValueError, match="one a side, 5"):
+        tripatch.patch(flat_sides(corners), bulge=(1, 2, 3))
+    with pytest.raises(ValueError, match="multi_sided"):
+        tripatch.patch(flat_sides(corners), method="quintic")
+    with pytest.raises(TypeError, match="three to twelve"):
+        tripatch.patch(flat_sides(corners)[:2])
