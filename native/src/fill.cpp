@@ -368,7 +368,12 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     if (zigzag(ground.mesh, found.rim, found.places) > smooth_sides) return any_rim("the sides between the corners zigzag");
     PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options);
     made.fill.report.method_reason = "the rim has " + std::to_string(corners.size()) + " smooth sides";
-    if (!made.crumpled) return std::move(made.fill);
+    if (!made.crumpled) {
+      if (!not_taken(options).empty()) return std::move(made.fill);
+      Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
+                            " sides alone");
+      return excluded_by(made.fill, spline) ? spline : std::move(made.fill);
+    }
     reason = "a patch between " + std::to_string(corners.size()) + " corners would fold or crumple";
     patch = std::move(made.fill);
   } catch (const Refusal& refusal) {

@@ -6,6 +6,7 @@
 
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/folded_triangles.h"
@@ -15,6 +16,10 @@ namespace {
 
 /// Degrees between the tangent planes of two sides at their corner from which on a person is told, as for three sides.
 constexpr double mismatch_warned = 1;
+/// Where the patch lies farther from the spline than this many of the standard deviations that the spline states of itself, the
+/// spline is the nearer one: so it was on 31 of 32 holes in spheres, tori, saddles and eggs (docs/mathematics/n-sides.md).
+constexpr double clearly_off = 2;
+constexpr Index compared_points = 300;
 
 template <class T>
 std::vector<T> one_for_all(const BySide<T>& values, const char* name) {
@@ -128,7 +133,38 @@ Points plane_rows(const PlanePoints& uv) {
   return rows;
 }
 
+/// Root mean square distance of some of the points from a surface over a plane, by Gauss-Newton from the places of other points of it.
+double distance_from(const Surface& surface, const Points& known, const PlanePoints& places, const Points& points) {
+  const Index step = std::max<Index>(1, points.rows() / compared_points);
+  double squares = 0;
+  Index count = 0;
+  for (Index k = 0; k < points.rows(); k += step, ++count) {
+    Index nearest = 0;
+    double best = (known.rowwise() - points.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
+    std::array<double, 3> at = {places(nearest, 0), places(nearest, 1), 0};
+    for (int round = 0; round < 5; ++round) {
+      std::array<double, 9> jets;
+      surface.evaluate(at.data(), 1, 1, jets.data());
+      const Vec3 off = points.row(k).transpose() - Vec3::Map(jets.data());
+      best = std::min(best, off.squaredNorm());
+      const Eigen::Vector2d move = in_frame(Vec3::Map(&jets[3]), Vec3::Map(&jets[6]), off);
+      if (!move.allFinite()) break;
+      at[0] += move[0];
+      at[1] += move[1];
+    }
+    squares += best;
+  }
+  return std::sqrt(squares / static_cast<double>(std::max<Index>(count, 1)));
+}
+
 }  // namespace
+
+bool excluded_by(const Fill& patch, const Fill& spline) {
+  if (!spline.patch || spline.deviation.size() == 0 || patch.vertices.rows() == 0 || spline.report.triangles_folded > 0)
+    return false;
+  const double said = spline.deviation.norm() / std::sqrt(static_cast<double>(spline.deviation.size()));
+  return distance_from(*spline.patch, spline.vertices, spline.uv, patch.vertices) > clearly_off * said;
+}
 
 MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                          const std::vector<Index>& corners) {
@@ -155,6 +191,8 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
 
 PolygonPatchOptions polygon_options(const FillOptions& options) {
   PolygonPatchOptions own;
+  if (options.cross_boundary != CrossBoundary::consistent)
+    throw InvalidArgument("cross_boundary is consistent where a patch has not three sides");
   own.continuity = one_for_all(options.continuity, "continuity");
   own.bulge = one_for_all(options.bulge, "bulge");
   own.fairing = options.fairing;

@@ -5,10 +5,9 @@ import pytest
 import tripatch
 
 
-def around(n, radius=0.5):
+def around(n, radius=0.5, per_side=8, rings=6):
     """A sphere's upper half as a grid of triangles in the stereographic plane, with a hole of n straight sides: vertices, faces,
     corners."""
-    per_side, rings = 8, 6
     angles = 2 * np.pi * np.arange(n) / n
     corners = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     t = np.arange(per_side)[:, None] / per_side
@@ -29,7 +28,7 @@ def around(n, radius=0.5):
 @pytest.mark.parametrize("n", [4, 5, 6, 8])
 def test_a_hole_of_many_sides_in_a_sphere(n):
     vertices, faces, corners = around(n)
-    fill = tripatch.fill(vertices, faces, rim=np.arange(8 * n), corners=corners)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(8 * n), corners=corners, method="multi_sided")
     assert fill.report.method == "multi_sided"
     assert fill.report.corners == [corners[k] for k in range(n)] or set(fill.report.corners) == set(corners)
     assert len(fill.report.seam_angle_max_by_side) == len(fill.report.continuity) == n
@@ -46,7 +45,7 @@ def test_a_hole_of_many_sides_in_a_sphere(n):
 
 def test_four_sides_of_equal_counts_give_a_grid_of_quads():
     vertices, faces, corners = around(4)
-    fill = tripatch.fill(vertices, faces, rim=np.arange(32), corners=corners, output="quads")
+    fill = tripatch.fill(vertices, faces, rim=np.arange(32), corners=corners, method="multi_sided", output="quads")
     assert {len(f) for f in fill.faces} == {4} and len(fill.faces) == 64 and len(fill.vertices) == 49
     everything = np.concatenate([vertices, fill.vertices])
     for face in fill.faces:
@@ -54,6 +53,19 @@ def test_four_sides_of_equal_counts_give_a_grid_of_quads():
         normal = np.cross(p[2] - p[0], p[3] - p[1])
         for k in range(4):
             assert np.cross(p[k] - p[k - 1], p[(k + 1) % 4] - p[k]) @ normal > 0
+
+
+def test_auto_takes_one_of_the_two_kinds_and_says_why():
+    vertices, faces, corners = around(4)
+    egg = vertices * (1, 0.8, 1.3) + 0.05 * vertices[:, :1] * vertices[:, 1:2]
+    auto = tripatch.fill(egg, faces, rim=np.arange(32), corners=corners)
+    assert auto.report.method in ("polyharmonic_spline", "multi_sided")
+    assert "4 smooth sides" in auto.report.method_reason or "the surroundings as a whole" in auto.report.method_reason
+    same = tripatch.fill(egg, faces, rim=np.arange(32), corners=corners, method=auto.report.method)
+    assert np.array_equal(same.vertices, auto.vertices)
+    # what only the patch takes is not lost
+    bulged = tripatch.fill(egg, faces, rim=np.arange(32), corners=corners, bulge=1.1)
+    assert bulged.report.method == "multi_sided"
 
 
 def test_the_method_can_be_insisted_on():

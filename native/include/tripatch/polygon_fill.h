@@ -29,6 +29,10 @@ struct PolygonFill {
   Fill fill;
   bool crumpled = false;  ///< folds, or no energy serves: another kind of fill may do better
 };
+/// Whether a fill from the surroundings as a whole, which states how well it is known, tells of another surface than the patch between
+/// the sides.
+bool excluded_by(const Fill& patch, const Fill& spline);
+
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options);
 

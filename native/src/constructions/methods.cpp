@@ -142,7 +142,7 @@ const std::vector<Method> all = {
      "Charrot and Gregory 1984",
      true,
      "G1",
-     {"bulge"},
+     slopes,
      {},
      {}},
     {spline_method,
