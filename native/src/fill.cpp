@@ -16,6 +16,7 @@
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
+#include "tripatch/patch/moved_surface.h"
 #include "tripatch/patch_from_sides.h"
 #include "tripatch/polygon_fill.h"
 #include "tripatch/report/folded_triangles.h"
@@ -29,6 +30,48 @@ constexpr double corner_mismatch_warned = 1;
 
 /// Edges of a rim that a face beside it is as long as, from which on it is a strip: twice the diagonal of two squares.
 constexpr double strip = 4;
+
+/// Sizes of what is filled that it lies away from the origin, from which on coordinates have lost more than they can spare: second
+/// differences of a rim of a hundred edges lose four digits more.
+constexpr double far_away = 1e3;
+
+/// Where computations are about: the middle of the rims, or of the mesh where none is given; nothing where that is near the origin.
+std::optional<Vec3> local_origin(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  const auto take = [&](Index v) {
+    const Vec3 p = mesh.vertices.row(v);
+    if (!p.allFinite()) return;  // named later on, where it matters
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  };
+  for (const std::vector<Index>& rim : rims)
+    for (Index v : rim)
+      if (v >= 0 && v < mesh.vertices.rows()) take(v);
+  if (rims.empty())
+    for (Index v = 0; v < mesh.vertices.rows(); ++v) take(v);
+  const Vec3 middle = 0.5 * (low + high);
+  if (!middle.allFinite() || middle.norm() <= far_away * (high - low).norm()) return {};
+  return middle;
+}
+
+/// A mesh about another origin, and the options of what is filled in it.
+struct Elsewhere {
+  Vec3 origin;
+  Points vertices;
+  FillOptions options;
+
+  Elsewhere(const Mesh& mesh, const FillOptions& given, const Vec3& about)
+      : origin(about), vertices(mesh.vertices.rowwise() - about.transpose()), options(given) {
+    if (options.center) *options.center -= origin;
+  }
+
+  void bring_back(Fill& fill) const {
+    fill.vertices.rowwise() += origin.transpose();
+    fill.moved_to.rowwise() += origin.transpose();
+    if (fill.patch) fill.patch = moved(fill.patch, origin);
+    for (Side& side : fill.sides) side.c = side.c + PiecewisePolynomial::constant(std::span<const double>(origin.data(), 3));
+  }
+};
 
 class Stopwatch {
 public:
@@ -451,6 +494,14 @@ void check_for_holes(const FillOptions& options) {
 Fill fill(const Mesh& mesh, const FillOptions& options) {
   const Stopwatch watch;
   check_for_holes(options);
+  const std::span<const std::vector<Index>> given =
+      options.rim ? std::span<const std::vector<Index>>(&*options.rim, 1) : std::span<const std::vector<Index>>();
+  if (const std::optional<Vec3> origin = local_origin(mesh, given)) {
+    const Elsewhere near(mesh, options, *origin);
+    Fill result = fill({near.vertices, mesh.faces}, near.options);
+    near.bring_back(result);
+    return result;
+  }
   const Ground ground(mesh, options.rim, options);
   Fill result = options.output == Output::cage
                     ? std::move(fill_with_cages(ground, {hole_of(ground, options.rim, options.corners)}, options)[0])
@@ -468,6 +519,13 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   check_for_holes(options);
   Results results(rims.size());
   if (rims.empty()) return results;
+  if (const std::optional<Vec3> origin = local_origin(mesh, rims)) {
+    const Elsewhere near(mesh, options, *origin);
+    results = fill_all({near.vertices, mesh.faces}, rims, near.options, corners, progress);
+    for (std::variant<Fill, Refused>& result : results)
+      if (Fill* fill = std::get_if<Fill>(&result)) near.bring_back(*fill);
+    return results;
+  }
   std::optional<std::vector<Index>> only;
   if (rims.size() == 1) only = rims[0];
   const Ground ground(mesh, only, options);

@@ -116,7 +116,9 @@ def fill():
     shape = rounded_box()
     face = corner_face(shape)
     sides = [edge.side() for edge in edges_round(shape, face)]
-    return tripatch.patch(sides, fairing="auto"), sides, face
+    # edges of real files meet within the tolerances of their vertices only
+    gap = max(BRep_Tool.Tolerance_s(v) for v in parts(face, TopAbs_VERTEX, "Vertex"))
+    return tripatch.patch(sides, fairing="auto", tolerance=2 * gap), sides, face
 
 
 def main():

@@ -71,8 +71,8 @@ def octant(n=8, rings=3):
 
 
 def bevelled_corner(segments, width=0.2):
-    """The corner (1, 1, 1) of a cube of 1 whose three edges there are bevelled round: strips of long quads. The hole is where they meet.
-    Vertices, faces, rim and corners."""
+    """The corner (1, 1, 1) of a cube of 1 whose three edges there are bevelled round: strips of long quads, and the hole
+    where they meet. Vertices, faces, rim and corners."""
     points, index, faces = [], {}, []
 
     def vertex(p):

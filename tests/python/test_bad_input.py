@@ -228,3 +228,20 @@ def test_creases_are_at_vertices_that_exist(creases):
     given = {name: (np.array(v[0]), np.array(v[1])) if isinstance(v, tuple) else np.array(v) for name, v in creases.items()}
     with pytest.raises(ValueError, match=next(iter(creases))):
         tripatch.fill(vertices, faces, rim=rim, surroundings="limit", subdivision=given, method="side_vertex")
+
+
+@pytest.mark.parametrize("options", [{}, {"method": "gregory"}], ids=str)
+def test_a_hole_far_from_the_origin_is_filled_as_one_near_it(options):
+    """Coordinates as of a map: a hole of unit size, 30 edges a side, 1e6 away, where double precision knows 1e-10."""
+    vertices, faces, rim = octant(30, 3)
+    away = np.array([1e6, -1e6, 3e5])
+    there = vertices + away
+    here = there - away  # exactly, with the same last digits lost
+    near, far = tripatch.fill(here, faces, rim=rim, **options), tripatch.fill(there, faces, rim=rim, **options)
+    assert np.abs(far.vertices - away - near.vertices).max() < 1e-6
+    assert [list(face) for face in far.faces] == [list(face) for face in near.faces]
+    b = np.array([[0.2, 0.3, 0.5], [0, 0.4, 0.6]])
+    assert np.abs(far.patch.evaluate(b) - away - near.patch.evaluate(b)).max() < 1e-6
+    assert np.abs(far.sides[0].evaluate([0.3])[0] - away - near.sides[0].evaluate([0.3])[0]).max() < 1e-6
+    (other,) = tripatch.fill_all(there, faces, [rim], **options)
+    assert np.abs(other.vertices - far.vertices).max() < 1e-6

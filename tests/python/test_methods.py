@@ -237,6 +237,22 @@ def test_sides_that_do_not_meet_are_named(method):
         tripatch.patch(sides, method)
 
 
+def test_ends_within_a_tolerance_are_moved_together():
+    exact = tripatch.patch(filled().sides)
+    sides = with_side(lambda c, dc, r: (lambda t: c(t) + [0, 0, 1e-4], dc, r))
+    with pytest.warns(UserWarning, match="The ends of the sides were moved together, by 5e-05 at most"):
+        patch = tripatch.patch(sides, tolerance=2e-4)
+    b = np.random.default_rng(1).dirichlet((1, 1, 1), 50)
+    assert np.abs(patch.evaluate(b) - exact.evaluate(b)).max() < 2e-4
+    with pytest.raises(tripatch.Refusal, match="do not meet at corner"):
+        tripatch.patch(sides, tolerance=5e-5)
+    with pytest.raises(TypeError, match="tolerance must be a number"):
+        tripatch.patch(sides, tolerance="some")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tripatch.patch(filled().sides, tolerance=0)
+
+
 @pytest.mark.parametrize("method", [m for m in BETWEEN_SIDES if tripatch.METHODS[m].continuity == "G1"])
 @pytest.mark.parametrize("cross_boundary", ["given", "consistent"])
 def test_slopes_without_a_tangent_plane_are_refused(method, cross_boundary):

@@ -282,6 +282,7 @@ def patch(
     *,
     fairing: Fairing | None = None,
     through: Sequence[ArrayLike] = (),
+    tolerance: float | None = None,
     # begin patch: scripts/stubs
     continuity: Continuity | tuple[Continuity, Continuity, Continuity] = "auto",
     bulge: float | tuple[float, float, float] = 1.0,

@@ -13,6 +13,20 @@ from ._native import Patch, Report, Side, SzilvasiNagyPatch
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 
 
+def _closed(sides: tuple[Side, ...], tolerance: float) -> tuple[Side, ...]:
+    """The sides with ends that are no farther apart than the tolerance moved to their middles."""
+    starts, ends = (np.array([side.evaluate([t])[0][0] for side in sides]) for t in (0.0, 1.0))
+    gaps = np.roll(starts, -1, axis=0) - ends  # from the end of a side to the start of the next
+    size = np.linalg.norm(gaps, axis=1)
+    gaps[size > tolerance] = 0  # refused later on, with the place
+    largest = 0.5 * np.linalg.norm(gaps, axis=1).max()
+    if largest <= 1e-12 * np.ptp(starts, axis=0).max():  # rounding
+        return sides
+    warnings.warn(f"The ends of the sides were moved together, by {largest:.2g} at most", stacklevel=3)
+    moves = zip(sides, np.roll(-0.5 * gaps, 1, axis=0), 0.5 * gaps)
+    return tuple(side._moved(before.tolist(), after.tolist()) for side, before, after in moves)
+
+
 @takes_options
 def patch(
     sides: Sequence[Side],
@@ -21,6 +35,7 @@ def patch(
     *,
     fairing=None,
     through=(),
+    tolerance: float | None = None,
     **options,
 ) -> Patch:
     """A patch from three to twelve sides that meet at the corners.
@@ -33,6 +48,7 @@ def patch(
             i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values.
         through: of four sides or more: points (k, 3) inside, or (point, normal) pairs, that the patch meets exactly.
         method, cross_boundary, fairing: as of `fill`.
+        tolerance: ends up to so far apart are moved together, half the way each, and a warning says how far; none: they meet.
         **options: see OPTIONS.
 
     Returns:
@@ -45,6 +61,12 @@ def patch(
     sides = tuple(sides)
     if not 3 <= len(sides) <= 12 or not all(isinstance(side, Side) for side in sides):
         raise TypeError("sides must be three to twelve Side objects")
+    if tolerance is not None:
+        if not isinstance(tolerance, numbers.Real) or isinstance(tolerance, bool):
+            raise TypeError("tolerance must be a number or None")
+        if not 0 <= tolerance < np.inf:
+            raise ValueError("tolerance must be a length")
+        sides = _closed(sides, float(tolerance))
     if len(sides) > 3:
         made, notes = _between_many(
             sides, through, {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, **options}
