@@ -148,6 +148,8 @@ class Shares:
 
     def edge_near(self, edge, kind):
         """The rim edge of that kind that is the fewest edges away."""
+        if self._of_edge[edge] == kind:
+            return edge
         count = len(self._of_edge)
         own = np.flatnonzero(self._of_edge == kind)
         away = np.abs(own - edge)
