@@ -1,5 +1,6 @@
 """Run by tests/gui/run in a Blender window, by mouse and keys: a hole is filled from the Face menu, the redo panel opened, used,
-all undone; filled by the key and by the search; the context menu is opened, and a refusal read in the panel."""
+all undone; filled by the key, by the search, from the context menu; a refusal is read and corrected in the panel; and all is
+repeated on another mesh."""
 
 import os
 import sys
@@ -129,8 +130,14 @@ def sheet(name):
     return ob
 
 
-def refusal(w):
-    """A method of three sides on a hole of four: the panel says so, and the corners are selected."""
+def row_from_below(w, number):
+    """Over the field of a row of the redo panel, counted from its last."""
+    hud = w.region("HUD")
+    return hud.x + 200, hud.y + 18 + 23 * number
+
+
+def refusal_and_correction(w):
+    """A method of three sides on a hole of four: the panel says so, and another method fills it."""
     with bpy.context.temp_override(window=w.window, area=w.area(), region=w.region("WINDOW")):
         sheet("Sheet")
         before = counts()
@@ -142,6 +149,53 @@ def refusal(w):
     assert "Rim has 4 corners" in last_operator().reasons
     bm = bmesh.from_edit_mesh(bpy.context.view_layer.objects.active.data)
     assert sum(v.select for v in bm.verts) == 4, "the corners are selected"
+    place = row_from_below(w, 5)
+    w.move(*place)
+    yield
+    w.click(*place)  # Method
+    yield
+    w.press("A")  # Auto
+    yield
+    yield
+    w.picture("blender-corrected.png")
+    assert last_operator().method == "auto" and last_operator().reasons == ""
+    assert counts()[1] < before[1], "filled"
+    w.move(*w.middle())
+    yield
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before, "one undo step"
+    w.press("Z", ctrl=True, shift=True)
+    yield
+    yield
+    assert counts()[1] < before[1]
+
+
+def repeated_elsewhere(w):
+    """Shift R on another mesh chooses anew what was automatic."""
+    with bpy.context.temp_override(window=w.window, area=w.area(), region=w.region("WINDOW")):
+        sheet("Other")
+        before = counts()
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0)
+    yield
+    first = last_operator().resolution
+    assert first > 1 and counts()[1] < before[1]
+    with bpy.context.temp_override(window=w.window, area=w.area(), region=w.region("WINDOW")):
+        ob = sheet("Finer")
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.subdivide(number_cuts=1)
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bm = bmesh.from_edit_mesh(ob.data)
+        for e in bm.edges:
+            e.select = e.is_boundary and max(map(abs, e.verts[0].co.xy)) < 1
+        bmesh.update_edit_mesh(ob.data)
+        bpy.ops.ed.undo_push(message="Finer")
+        repeated = bpy.context.window_manager.operators[-1]
+        assert repeated.bl_idname != "MESH_OT_fill_smooth" or repeated.resolution == first
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True)
+    yield
+    assert (first, last_operator().resolution) == (5, 11), "a third of the edges around, 16 and then 32"
 
 
 def story():
@@ -252,7 +306,8 @@ def story():
     w.press("ESC")
     yield
 
-    yield from refusal(w)
+    yield from refusal_and_correction(w)
+    yield from repeated_elsewhere(w)
 
 
 steps = story()
