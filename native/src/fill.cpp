@@ -20,6 +20,7 @@
 #include "tripatch/patch_from_sides.h"
 #include "tripatch/polygon_fill.h"
 #include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/features.h"
 #include "tripatch/spline_fill.h"
 
 namespace tripatch {
@@ -352,7 +353,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   };
   std::vector<std::vector<Index>> islands;
   for (const std::vector<Index>& island : options.islands) islands.push_back(ordered(island));
-  const SplineFillOptions own = {options.resolution, options.output == Output::quads};
+  const SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features};
   // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
   const std::optional<Connectivity> all =
       ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
@@ -439,6 +440,12 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   Hole hole;
   const std::vector<Index> checked = check_topology(ground.left, rim);
   check_finite(ground.mesh, ground.left, checked);
+  const auto creases_in = [&](const Connectivity& around) {
+    return !find_features(ground.mesh, around, checked).creases.empty();
+  };
+  if (options.features && creases_in(ground.left) &&
+      (!ground.is_part() || creases_in(Connectivity(ground.mesh, options.replaced))))
+    return any_rim("a crease of the surroundings goes on across the hole");
   try {
     hole = make_hole(ground.mesh, ground.left, rim, three(corners));
   } catch (const Refusal& refusal) {

@@ -9,6 +9,7 @@
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/creased_fill.h"
 #include "tripatch/spline/plane_fill.h"
 
 namespace tripatch {
@@ -86,7 +87,11 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
                       const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options) {
   std::vector<std::vector<Index>> loops = {rim};
   loops.insert(loops.end(), islands.begin(), islands.end());
-  PlaneFill made = fill_over_plane(mesh, around, loops, {options.resolution});
+  const PlaneFillOptions own = {options.resolution, {}};
+  std::optional<PlaneFill> creased;
+  if (options.features && islands.empty())
+    creased = fill_across_creases(mesh, around, rim, find_features(mesh, around, rim), own);
+  PlaneFill made = creased ? std::move(*creased) : fill_over_plane(mesh, around, loops, own);
 
   Fill fill;
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
@@ -97,7 +102,7 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(fill.rim[k]);
   points.bottomRows(made.vertices.rows()) = made.vertices;
   if (options.quads) {
-    const Faces faces = pair_quads(points, made.triangles);
+    const Faces faces = pair_quads(points, made.triangles, {}, made.creases);
     for (Index f = 0; f < faces.size(); ++f) {
       std::vector<Index> face;
       for (Index v : faces[f]) face.push_back(mesh_index(v));
@@ -114,13 +119,15 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   fill.patch = made.surface;
   if (made.surface) {
     fill.normals = std::move(made.normals);
-    fill.rim_normals = made.surface->normals(as_rows(fill.rim_uv));
+    fill.rim_normals = creased ? made.rim_normals : made.surface->normals(as_rows(fill.rim_uv));
   } else {
     fill.rim_uv = on_circle(points.topRows(r));
     const Points normals = triangle_normals(points, made.triangles);
     fill.rim_normals = normals.topRows(r);
     fill.normals = normals.bottomRows(normals.rows() - r);
   }
+
+  for (const auto& [a, b] : made.creases) fill.feature_edges.push_back({mesh_index(a), mesh_index(b)});
 
   Report& report = fill.report;
   report.method = spline_method;

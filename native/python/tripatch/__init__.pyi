@@ -164,6 +164,7 @@ class Fill:
     split_edges: tuple[Indices, Floats]
     creases: tuple[Indices, Floats]
     border: Indices
+    feature_edges: Indices
     sides: tuple[Side, ...]
     patch: Patch
     report: Report
@@ -224,6 +225,7 @@ def fill(
     fairing: Fairing | None = "auto",
     output: Output = "triangles",
     resolution: int | None = None,
+    features: bool = True,
     tolerance: float | None = None,
     cage_rim: CageRim = "smooth",
     odd: Odd = "split",
@@ -256,6 +258,7 @@ def fill_all(
     fairing: Fairing | None = "auto",
     output: Output = "triangles",
     resolution: int | None = None,
+    features: bool = True,
     tolerance: float | None = None,
     cage_rim: CageRim = "smooth",
     odd: Odd = "split",

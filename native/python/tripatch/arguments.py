@@ -118,5 +118,8 @@ def add(parser: argparse.ArgumentParser, option: Option) -> None:
     text = described(option)
     if option.kind not in ("flag", "indices", "loops", "subdivision"):
         text += f" ({'none' if option.default is None else option.default})".replace("(0.0, 0.0)", "0,0")
-    value = {"action": "store_true"} if option.kind == "flag" else {"type": reader(option), "metavar": _metavar(option)}
+    if option.kind == "flag":
+        value = {"action": argparse.BooleanOptionalAction if option.default else "store_true"}
+    else:
+        value = {"type": reader(option), "metavar": _metavar(option)}
     parser.add_argument(f"--{option.name.replace('_', '-')}", default=argparse.SUPPRESS, help=text.replace("%", "%%"), **value)

@@ -300,9 +300,15 @@ struct Way {
 
 }  // namespace
 
+Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
+  const Rim rim = rim_of(mesh, around, loops);
+  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles);
+}
+
 PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                           const PlaneFillOptions& options) {
   Rim rim = rim_of(mesh, around, loops);
+  rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
   const RoughFill rough = rough_fill(rim.points, rim.surroundings);
   rim.rough = rough.triangles;
   rim.folds = folded_edges(rim.points, rim.rough);

@@ -34,6 +34,8 @@ struct Fill {
   std::vector<Index> moved;                   ///< cage, rim `move`: vertices of the mesh
   Points moved_to = Points(0, 3);             ///< and where they go
   std::vector<std::array<Index, 2>> creases;  ///< cage, rim `exact`: edges to be creased with 1
+  std::vector<std::array<Index, 2>>
+      feature_edges;  ///< edges of the fill on which creases of the surroundings go on across the hole
   SurfacePtr patch;
   std::vector<Side> sides;  ///< the surroundings used; empty where the patch has no sides
   Report report;

@@ -17,24 +17,31 @@ namespace tripatch {
 
 struct PlaneFillOptions {
   std::optional<int> resolution;  ///< a third of the rim has so many edges inside the fill; none: edges as long as the rim's
+  /// Rows of the loops' vertices, loop by loop, that no inner edge may join, besides those that the mesh joins already.
+  std::vector<std::array<Index, 2>> joined;
 };
 
 struct PlaneFill {
-  std::shared_ptr<const Field> surface;    ///< empty: plain triangles, no surface over a plane
+  SurfacePtr surface;                      ///< empty: plain triangles, no surface over a plane
   PlanePoints rim_uv = PlanePoints(0, 2);  ///< of the loops' vertices, loop by loop
   Points vertices = Points(0, 3);          ///< the new ones
   PlanePoints uv = PlanePoints(0, 2);      ///< of these
   Points normals = Points(0, 3);
   /// Rows: the loops' vertices, loop by loop, then the new vertices.
   std::vector<std::array<Index, 3>> triangles;
-  Index folds = 0;                ///< edges whose triangles face more than 120 degrees apart
-  Index rim_folds = 0;            ///< the same of the rim's own triangulation without new vertices
-  Eigen::VectorXd deviation;      ///< standard deviation at `vertices`, scene units; empty where there is no surface
-  double surroundings_error = 0;  ///< degrees, root mean square: how well the samples determine the slope at the rim
+  std::vector<std::array<Index, 2>> creases;  ///< edges of these along which the surface is sharp
+  Points rim_normals = Points(0, 3);          ///< where creases end there; else those of the surface
+  Index folds = 0;                            ///< edges whose triangles face more than 120 degrees apart
+  Index rim_folds = 0;                        ///< the same of the rim's own triangulation without new vertices
+  Eigen::VectorXd deviation;                  ///< standard deviation at `vertices`, scene units; empty where there is no surface
+  double surroundings_error = 0;              ///< degrees, root mean square: how well the samples determine the slope at the rim
   int rings = 0;
   std::string plainer;  ///< why not the likeliest field through as many rings as there are: a sentence, or empty
   bool doubles_edges = false;
 };
+
+/// Edges whose triangles face more than 120 degrees apart in the rim's triangulation without new vertices.
+Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
 /// loops: border loops in the direction of new faces, the outer one first, then islands. Choices that fold more than the rim does,
 /// leave its neighborhood or double edges of the mesh give way to plainer ones: fewer rings, order 2, at last triangles without new

@@ -1,0 +1,334 @@
+#include "tripatch/spline/features.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/angle.h"
+#include "tripatch/mesh/submesh.h"
+#include "tripatch/spline/disc.h"
+
+namespace tripatch {
+namespace {
+
+using Pair = std::array<Index, 2>;
+
+constexpr double degree = std::numbers::pi / 180;
+/// Between the faces at a sharp edge at least: the sides of a cylinder of 14 corners stay below it.
+constexpr double least_angle = 25 * degree;
+/// And so many times what three quarters of the edges around stay below, and the half of those beside the crease: noise of a tenth of an
+/// edge, and coarse triangles of anything round, stay below that.
+constexpr double above_noise = 3, ordinary_share = 0.75;
+/// Of the hole's diameter: as far as creases are followed.
+constexpr double reach_share = 0.75;
+constexpr int most_rings = 40;
+/// Where a crease turns by more it ends.
+constexpr double sharpest_turn = 45 * degree;
+/// A crease of a single edge is believed where the edge is this share of the diameter, or longer.
+constexpr double long_edge = 0.25;
+/// One that gets blunt is believed to go on across the hole where it is this long: those of animals' faces and limbs seldom are.
+constexpr double least_length = 0.35;
+/// Between the directions in which two ends go on and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
+constexpr double widest = 65 * degree;
+/// Ends that see each other with less, both together, belong together whatever else meets there.
+constexpr double straight = 50 * degree;
+/// Between the faces on the same side of the two ends, once turned as the crease turns.
+constexpr double same_face = 50 * degree;
+/// One end's angle over the other's, at most.
+constexpr double same_angle = 3;
+/// Of the diameter: so near to a point go the lines of creases that meet there.
+constexpr double meeting = 0.15;
+/// A rim edge goes on along a crease where it leaves neither face by more than this, or than this times what the crease's own edges
+/// do, nor the crease's direction by more than 25 degrees.
+constexpr double in_face = 3 * degree, as_curved = 1.5, along_crease = 0.9;
+
+Pair ordered(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// The angles at the edges of the surroundings.
+class Angles {
+public:
+  Angles(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) : mesh_(mesh), around_(around) {
+    std::vector<double> all;
+    for (Index v : vertices)
+      for (Connectivity::Corner c : around.at(v)) {
+        const Index w = around.next(c);
+        const auto across = around.edge(w, v);
+        if (!across || (v > w && std::binary_search(vertices.begin(), vertices.end(), w))) continue;
+        const double angle = angle_between(normal(around.face(c)), normal(around.face(*across)));
+        edges_.push_back({ordered(v, w), angle});
+        all.push_back(angle);
+      }
+    std::sort(edges_.begin(), edges_.end());
+    if (all.empty()) return;
+    const auto ordinary = all.begin() + static_cast<std::ptrdiff_t>(ordinary_share * static_cast<double>(all.size() - 1));
+    std::nth_element(all.begin(), ordinary, all.end());
+    threshold_ = std::max(least_angle, above_noise * *ordinary);
+  }
+
+  Vec3 normal(Index f) const {
+    const auto face = mesh_.faces[f];
+    const Vec3 p = mesh_.vertices.row(face[0]);
+    Vec3 n = Vec3::Zero();
+    for (std::size_t k = 1; k + 1 < face.size(); ++k)
+      n += (mesh_.vertices.row(face[k]).transpose() - p).cross(mesh_.vertices.row(face[k + 1]).transpose() - p);
+    return n.stableNormalized();
+  }
+  /// 0 where the edge has not two faces, or lies farther off.
+  double at(Index a, Index b) const {
+    const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(ordered(a, b), -1.0));
+    return found != edges_.end() && found->first == ordered(a, b) ? found->second : 0;
+  }
+  bool sharp(Index a, Index b) const { return at(a, b) > threshold_; }
+  std::vector<Pair> all_sharp() const {
+    std::vector<Pair> out;
+    for (const auto& [edge, angle] : edges_)
+      if (angle > threshold_) out.push_back(edge);
+    return out;
+  }
+
+private:
+  const Mesh& mesh_;
+  const Connectivity& around_;
+  std::vector<std::pair<Pair, double>> edges_;
+  double threshold_ = least_angle;
+};
+
+class Finder {
+public:
+  Finder(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const Angles& angles, double diameter)
+      : mesh_(mesh), around_(around), rim_(rim), angles_(angles), diameter_(diameter) {}
+
+  std::vector<CreaseEnd> ends() const {
+    std::vector<CreaseEnd> found;
+    for (Index k = 0; k < static_cast<Index>(rim_.size()); ++k)
+      for (Index w : neighbors(rim_[k])) {
+        if (!angles_.sharp(rim_[k], w)) continue;
+        if (std::optional<CreaseEnd> end = traced(k, w)) found.push_back(std::move(*end));
+      }
+    return found;
+  }
+
+  /// Pairs of ends that see each other, the best first, none across another; where three or more meet at a point, those that go
+  /// straight on before, others after.
+  std::vector<Crease> creases(std::vector<CreaseEnd> ends) const {
+    std::vector<Crease> out = pairs(ends, straight);
+    if (out.empty())
+      if (std::optional<Crease> met = meet(ends)) return {std::move(*met)};
+    std::vector<Crease> others = pairs(ends, 2 * widest);
+    return others.size() > out.size() ? others : out;
+  }
+
+private:
+  Vec3 point(Index v) const { return mesh_.vertices.row(v); }
+
+  std::vector<Index> neighbors(Index v) const {
+    std::vector<Index> out;
+    for (Connectivity::Corner c : around_.at(v)) {
+      out.push_back(around_.next(c));
+      out.push_back(around_.previous(c));
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+
+  std::vector<Index> chain_from(Index v, Index w) const {
+    std::vector<Index> chain = {v, w};
+    double length = (point(w) - point(v)).norm();
+    while (length < reach_share * diameter_) {
+      const Index at = chain.back(), before = chain[chain.size() - 2];
+      const Vec3 way = point(at) - point(before);
+      Index best = -1;
+      double least = sharpest_turn;
+      for (Index next : neighbors(at)) {
+        if (!angles_.sharp(at, next) || std::find(chain.begin(), chain.end(), next) != chain.end()) continue;
+        if (const double turn = angle_between(way, point(next) - point(at)); turn < least) least = turn, best = next;
+      }
+      if (best < 0) break;
+      length += (point(best) - point(at)).norm();
+      chain.push_back(best);
+    }
+    return chain;
+  }
+
+  /// Whether a crease gets blunt and is lost; it may also end at a corner, at a border, or where the mesh is not looked at.
+  bool runs_out(const std::vector<Index>& chain) const {
+    const Index last = chain.back();
+    if (!around_.knows(last)) return false;
+    int others = 0;
+    for (Index w : neighbors(last)) {
+      if (!around_.edge(last, w) || !around_.edge(w, last)) return false;
+      others += w != chain[chain.size() - 2] && angles_.sharp(last, w);
+    }
+    return others < 2;
+  }
+
+  /// Whether a crease stands out from what is beside it.
+  bool stands_out(const std::vector<Index>& chain) const {
+    double sum = 0, length = 0;
+    std::vector<double> beside;
+    for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
+      sum += angles_.at(chain[k], chain[k + 1]);
+      length += (point(chain[k + 1]) - point(chain[k])).norm();
+      for (Index w : neighbors(chain[k])) {
+        const bool own = w == chain[k + 1] || (k > 0 && w == chain[k - 1]);
+        if (const double angle = angles_.at(chain[k], w); !own && angle > 0) beside.push_back(angle);
+      }
+    }
+    if (length < (runs_out(chain) ? least_length : chain.size() < 3 ? long_edge : 0) * diameter_) return false;
+    if (beside.empty()) return true;
+    const auto middle = beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2);
+    std::nth_element(beside.begin(), middle, beside.end());
+    return sum / static_cast<double>(chain.size() - 1) > above_noise * *middle;
+  }
+
+  std::optional<CreaseEnd> traced(Index place, Index w) const {
+    CreaseEnd end;
+    end.place = place;
+    end.chain = chain_from(rim_[place], w);
+    if (!stands_out(end.chain)) return {};
+    end.left = end.right = Vec3::Zero();
+    const std::size_t near = std::min<std::size_t>(end.chain.size() - 1, 3);
+    for (std::size_t k = 0; k < near; ++k) {
+      const Index to = end.chain[k], from = end.chain[k + 1];
+      const auto left = around_.edge(from, to), right = around_.edge(to, from);
+      if (!left || !right) return {};  // the faces are turned against each other
+      end.left += angles_.normal(around_.face(*left)) / static_cast<double>(k + 1);
+      end.right += angles_.normal(around_.face(*right)) / static_cast<double>(k + 1);
+    }
+    end.left = end.left.stableNormalized();
+    end.right = end.right.stableNormalized();
+    follow_rim(end);
+    aim(end);
+    const double sign = end.left.cross(end.right).dot(end.into) > 0 ? 1 : -1;
+    end.angle = sign * angle_between(end.left, end.right);
+    return end;
+  }
+
+  /// How far a step leaves the faces beside the edge of a chain before it: the sines of both angles, the larger.
+  double leaves(const Vec3& way, Index from, Index to) const {
+    const auto left = around_.edge(from, to), right = around_.edge(to, from);
+    if (!left || !right) return 1;
+    const Vec3 unit = way.stableNormalized();
+    return std::max(std::abs(unit.dot(angles_.normal(around_.face(*left)))),
+                    std::abs(unit.dot(angles_.normal(around_.face(*right)))));
+  }
+
+  /// The rim itself may go on along the crease for some edges: where they leave its faces no more than its own edges do.
+  void follow_rim(CreaseEnd& end) const {
+    const Index n = static_cast<Index>(rim_.size());
+    const Index from = end.chain[1], to = end.chain[0];
+    double own = std::sin(in_face);
+    for (std::size_t k = 0; k + 2 < end.chain.size() && k < 4; ++k)
+      own = std::max(own, as_curved * leaves(point(end.chain[k]) - point(end.chain[k + 1]), end.chain[k + 2], end.chain[k + 1]));
+    for (const Index step : {Index{1}, n - 1})
+      for (Index taken = 1; 2 * taken < n; ++taken) {
+        const Index next = rim_[(end.place + step) % n];
+        const Vec3 way = point(next) - point(end.chain[0]), before = point(end.chain[0]) - point(end.chain[1]);
+        if (way.stableNormalized().dot(before.stableNormalized()) < along_crease) break;
+        if (leaves(way, from, to) > static_cast<double>(taken) * own) break;
+        if (std::find(end.chain.begin(), end.chain.end(), next) != end.chain.end()) break;
+        end.place = (end.place + step) % n;
+        end.chain.insert(end.chain.begin(), next);
+      }
+  }
+
+  void aim(CreaseEnd& end) const {
+    std::size_t k = 1;  // over three edges, or as far as there are
+    while (k + 1 < end.chain.size() && k < 3) ++k;
+    end.into = (point(end.chain[0]) - point(end.chain[k])).stableNormalized();
+  }
+
+  std::vector<Crease> pairs(const std::vector<CreaseEnd>& ends, double most) const {
+    struct Candidate {
+      double cost;
+      std::size_t i, j;
+    };
+    std::vector<Candidate> candidates;
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      for (std::size_t j = i + 1; j < ends.size(); ++j)
+        if (const double cost = mismatch(ends[i], ends[j], most); std::isfinite(cost)) candidates.push_back({cost, i, j});
+    std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    std::vector<Crease> out;
+    std::vector<std::array<Index, 2>> chords;
+    for (const Candidate& c : candidates) {
+      const Index a = ends[c.i].place, b = ends[c.j].place;
+      const auto hinders = [&](const auto& x) {
+        const bool shared = x[0] == a || x[0] == b || x[1] == a || x[1] == b;
+        const auto between = [&](Index p) { return p > std::min(a, b) && p < std::max(a, b); };
+        return shared || between(x[0]) != between(x[1]);
+      };
+      if (std::any_of(chords.begin(), chords.end(), hinders)) continue;
+      chords.push_back({a, b});
+      out.push_back({{ends[c.i], ends[c.j]}, Vec3::Zero()});
+    }
+    return out;
+  }
+
+  /// How badly two ends fit; infinite where they do not see each other, or turn by more than `most`.
+  double mismatch(const CreaseEnd& a, const CreaseEnd& b, double most) const {
+    const double none = std::numeric_limits<double>::infinity();
+    const Index n = static_cast<Index>(rim_.size()), apart = std::abs(a.place - b.place);
+    if (apart < 2 || n - apart < 2) return none;
+    const Vec3 across = point(b.chain[0]) - point(a.chain[0]);
+    const double from_a = angle_between(a.into, across), from_b = angle_between(b.into, -across);
+    if (!(from_a < widest && from_b < widest && from_a + from_b < most)) return none;
+    const double larger = std::max(std::abs(a.angle), std::abs(b.angle)),
+                 smaller = std::min(std::abs(a.angle), std::abs(b.angle));
+    if (a.angle * b.angle < 0 || larger > same_angle * smaller) return none;
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(a.into, -b.into);
+    const double left = angle_between(turn * a.left, b.right), right = angle_between(turn * a.right, b.left);
+    if (!(left < same_face && right < same_face)) return none;
+    return from_a + from_b + left + right;
+  }
+
+  std::optional<Crease> meet(std::vector<CreaseEnd> ends) const {
+    if (ends.size() < 3) return {};
+    for (std::size_t k = 0; k < ends.size(); ++k)
+      for (std::size_t j = k + 1; j < ends.size(); ++j)
+        if (ends[k].place == ends[j].place) return {};
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    Vec3 right = Vec3::Zero();
+    for (const CreaseEnd& end : ends) {
+      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - end.into * end.into.transpose();
+      sum += across;
+      right += across * point(end.chain[0]);
+    }
+    if (!(sum.determinant() > 1e-2)) return {};  // their lines are nearly parallel
+    const Vec3 node = sum.ldlt().solve(right);
+    for (const CreaseEnd& end : ends) {
+      const Vec3 to = node - point(end.chain[0]);
+      const double along = to.dot(end.into);
+      if (!(along > 0 && along < diameter_ && (to - along * end.into).norm() < meeting * diameter_)) return {};
+    }
+    std::sort(ends.begin(), ends.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
+    return Crease{std::move(ends), node};
+  }
+
+  const Mesh& mesh_;
+  const Connectivity& around_;
+  const std::vector<Index>& rim_;
+  const Angles& angles_;
+  double diameter_;
+};
+
+}  // namespace
+
+Features find_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  Features features;
+  const double across = diameter(mesh, rim);
+  if (!(across > 0) || !std::isfinite(across)) return features;
+  const Disc disc = disc_around(mesh, around, {rim}, reach_share * across, most_rings);
+  features.vertices = disc.vertices;
+  std::sort(features.vertices.begin(), features.vertices.end());
+  const Angles angles(mesh, around, features.vertices);
+  const Finder finder(mesh, around, rim, angles, across);
+  features.creases = finder.creases(finder.ends());
+  if (!features.creases.empty()) features.barred = angles.all_sharp();
+  return features;
+}
+
+}  // namespace tripatch
