@@ -12,37 +12,37 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int lowest_order = 2, highest_order = 5;
-/// Over the mean eigenvalue of the kernel, in decades: from rounding to a straight line.
-constexpr double lowest_nugget = -13, highest_nugget = 3, nugget_step = 0.5;
+constexpr int lowest_curve_order = 2, highest_curve_order = 5;
+/// Over the mean eigenvalue of the curve_kernel, in decades: from rounding to a straight line.
+constexpr double least_curve_nugget = -13, most_curve_nugget = 3, curve_nugget_step = 0.5;
 /// The length of the gap is that of the curve in it, which is not known before it: each round leaves a hundredth of the error.
-constexpr int rounds = 4;
-constexpr int pieces = 64;  // that the length is summed over
+constexpr int gap_rounds = 4;
+constexpr int length_pieces = 64;  // that the length is summed over
 
-double kernel(int order, double t) {
+double curve_kernel(int order, double t) {
   const double r = std::abs(t);
   double power = r;
   for (int k = 1; k < order; ++k) power *= r * r;
   return order % 2 == 0 ? power : -power;
 }
 
-MatrixXd kernels(int order, const VectorXd& a, const VectorXd& b) {
+MatrixXd curve_kernels(int order, const VectorXd& a, const VectorXd& b) {
   MatrixXd k(a.size(), b.size());
   for (Index j = 0; j < b.size(); ++j)
-    for (Index i = 0; i < a.size(); ++i) k(i, j) = kernel(order, a[i] - b[j]);
+    for (Index i = 0; i < a.size(); ++i) k(i, j) = curve_kernel(order, a[i] - b[j]);
   return k;
 }
 
-MatrixXd monomials(int order, const VectorXd& t) {
+MatrixXd powers(int order, const VectorXd& t) {
   MatrixXd p(t.size(), order);
   for (Index i = 0; i < t.size(); ++i)
     for (int k = 0; k < order; ++k) p(i, k) = std::pow(t[i], k);
   return p;
 }
 
-/// The kernel among samples seen through the combinations of them in which polynomials cancel.
-struct Contrasts {
-  Contrasts(int order, const VectorXd& t) : n(t.size()), q(order), among(kernels(order, t, t)), qr(monomials(order, t)) {
+/// The curve_kernel among samples seen through the combinations of them in which polynomials cancel.
+struct CurveContrasts {
+  CurveContrasts(int order, const VectorXd& t) : n(t.size()), q(order), among(curve_kernels(order, t, t)), qr(powers(order, t)) {
     const MatrixXd full = qr.householderQ() * MatrixXd::Identity(n, n);
     first = full.leftCols(q);
     rest = full.rightCols(n - q);
@@ -65,30 +65,30 @@ CreaseCurve::CreaseCurve(const Points& before, const Points& after, double unit)
   along[n - 1] = 0;
   for (Index k = n - 1; k-- > 0;) along[k] = along[k + 1] - (before.row(k + 1) - before.row(k)).norm();
   gap_ = (after.row(0) - before.row(n - 1)).norm();
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < gap_rounds; ++round) {
     along[n] = gap_;
     for (Index k = 1; k < m; ++k) along[n + k] = along[n + k - 1] + (after.row(k) - after.row(k - 1)).norm();
     middle_ = (along[0] + along[n + m - 1]) / 2;
     half_ = std::max((along[n + m - 1] - along[0]) / 2, 1e-300);
     t_ = (along.array() - middle_) / half_;
     choose(unit);
-    const Points curve = at(VectorXd::LinSpaced(pieces + 1, 0, 1));
+    const Points curve = at(VectorXd::LinSpaced(length_pieces + 1, 0, 1));
     double length = 0;
-    for (int k = 0; k < pieces; ++k) length += (curve.row(k + 1) - curve.row(k)).norm();
-    if (round + 1 < rounds) gap_ = length;
+    for (int k = 0; k < length_pieces; ++k) length += (curve.row(k + 1) - curve.row(k)).norm();
+    if (round + 1 < gap_rounds) gap_ = length;
   }
 }
 
 void CreaseCurve::choose(double unit) {
   const Index n = t_.size();
   double most = -std::numeric_limits<double>::infinity();
-  for (int order = lowest_order; order <= highest_order; ++order) {
-    if (order > lowest_order && 2 * order > n) break;
-    const Contrasts contrasts(order, t_);
+  for (int order = lowest_curve_order; order <= highest_curve_order; ++order) {
+    if (order > lowest_curve_order && 2 * order > n) break;
+    const CurveContrasts contrasts(order, t_);
     const VectorXd values = contrasts.eigen.eigenvalues();
     const MatrixXd z = contrasts.eigen.eigenvectors().transpose() * (contrasts.rest.transpose() * (samples_ / unit));
     const double scale = std::max(values.mean(), 1e-300), count = static_cast<double>(values.size());
-    for (double decade = lowest_nugget; decade <= highest_nugget; decade += nugget_step) {
+    for (double decade = least_curve_nugget; decade <= most_curve_nugget; decade += curve_nugget_step) {
       const double nugget = std::pow(10.0, decade) * scale;
       const Eigen::ArrayXd pivots = values.array() + nugget;
       if (!(pivots.minCoeff() > 0)) continue;
@@ -108,9 +108,9 @@ void CreaseCurve::choose(double unit) {
 MatrixXd CreaseCurve::weights(const VectorXd& shares, VectorXd* variance) const {
   VectorXd t(shares.size());
   for (Index k = 0; k < t.size(); ++k) t[k] = normalised(shares[k] * gap_);
-  const Contrasts contrasts(order_, t_);
-  const MatrixXd polynomials = monomials(order_, t);
-  const MatrixXd at_points = kernels(order_, t_, t);
+  const CurveContrasts contrasts(order_, t_);
+  const MatrixXd polynomials = powers(order_, t);
+  const MatrixXd at_points = curve_kernels(order_, t_, t);
   // the polynomial through the samples that is nearest, and what the contrasts add to it
   const MatrixXd nearest = contrasts.first * contrasts.qr.matrixQR()
                                                  .topLeftCorner(order_, order_)

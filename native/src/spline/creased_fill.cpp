@@ -14,20 +14,20 @@
 namespace tripatch {
 namespace {
 
-using Loop = std::vector<Index>;
-using Pair = std::array<Index, 2>;
+using VertexLoop = std::vector<Index>;
+using EdgeKey = std::array<Index, 2>;
 
 /// Vertices of a crease that its curve is fitted to, on either side: farther ones tell nothing of the hole.
 constexpr Index most_of_chain = 24;
 /// Of new edges along a crease.
-constexpr Index most_edges = 2000;
+constexpr Index most_crease_edges = 2000;
 
-Pair ordered(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
+EdgeKey edge_key(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// The creases in the hole and the loops around the parts between them. New points are numbered after the mesh's vertices.
 class Division {
 public:
-  Division(const Mesh& mesh, const Loop& rim, const Features& features, const PlaneFillOptions& options)
+  Division(const Mesh& mesh, const VertexLoop& rim, const Features& features, const PlaneFillOptions& options)
       : mesh_(mesh), rim_(rim), first_(mesh.vertices.rows()), loops_({rim}) {
     const Index r = static_cast<Index>(rim.size());
     for (Index k = 0; k < r; ++k) around_ += edge(k);
@@ -40,8 +40,8 @@ public:
     }
   }
 
-  const std::vector<Loop>& loops() const { return loops_; }
-  const std::vector<Loop>& curves() const { return curves_; }  // with their ends
+  const std::vector<VertexLoop>& loops() const { return loops_; }
+  const std::vector<VertexLoop>& curves() const { return curves_; }  // with their ends
   Index added() const { return static_cast<Index>(points_.size()); }
   Vec3 point(Index v) const { return v < first_ ? Vec3(mesh_.vertices.row(v)) : points_[static_cast<std::size_t>(v - first_)]; }
   double deviation(Index v) const { return v < first_ ? 0 : deviation_[static_cast<std::size_t>(v - first_)]; }
@@ -67,12 +67,12 @@ private:
   }
 
   /// New points of a curve between two rows, spaced from the size at one end to that at the other. At least `least` edges.
-  Loop points_along(Index from, Index to, const CreaseCurve& curve, double before, double after, Index least) {
+  VertexLoop points_along(Index from, Index to, const CreaseCurve& curve, double before, double after, Index least) {
     // edges of linearly growing length: their number is the integral of 1 / size
     const double ratio = after / before;
     const double edges = curve.length() / before * (std::abs(ratio - 1) < 1e-6 ? 1 : std::log(ratio) / (ratio - 1));
-    const Index count = std::clamp<Index>(static_cast<Index>(std::llround(edges)), least, most_edges);
-    Loop line = {from};
+    const Index count = std::clamp<Index>(static_cast<Index>(std::llround(edges)), least, most_crease_edges);
+    VertexLoop line = {from};
     if (count > 1) {
       Eigen::VectorXd shares(count - 1);
       for (Index k = 1; k < count; ++k) {
@@ -98,15 +98,16 @@ private:
     const CreaseEnd &a = crease.ends[0], &b = crease.ends[1];
     const Index from = a.chain[0], to = b.chain[0];
     for (std::size_t k = 0; k < loops_.size(); ++k) {
-      const Loop loop = loops_[k];
+      const VertexLoop loop = loops_[k];
       const auto i = std::find(loop.begin(), loop.end(), from), j = std::find(loop.begin(), loop.end(), to);
       if (i == loop.end() || j == loop.end()) continue;
       const CreaseCurve curve(chain(a, true), chain(b, false), (size(a.place) + size(b.place)) / 2);
-      const Loop line = points_along(from, to, curve, size(a.place), size(b.place), even_ > 0 && even_ * 3 >= around_ ? 1 : 2);
-      Loop turned = loop;  // from the crease's start on
+      const VertexLoop line =
+          points_along(from, to, curve, size(a.place), size(b.place), even_ > 0 && even_ * 3 >= around_ ? 1 : 2);
+      VertexLoop turned = loop;  // from the crease's start on
       std::rotate(turned.begin(), turned.begin() + (i - loop.begin()), turned.end());
       const auto end = std::find(turned.begin(), turned.end(), to);
-      Loop first(turned.begin(), end), second(end, turned.end());
+      VertexLoop first(turned.begin(), end), second(end, turned.end());
       first.insert(first.end(), line.rbegin(), line.rend() - 1);
       second.insert(second.end(), line.begin(), line.end() - 1);
       loops_[k] = first;
@@ -121,7 +122,7 @@ private:
     const Index node = add(crease.node, 0);
     Points at_node(1, 3);
     at_node << crease.node.transpose();
-    std::vector<Loop> spokes;
+    std::vector<VertexLoop> spokes;
     double mean = 0, spread = 0;
     for (const CreaseEnd& end : crease.ends) mean += size(end.place) / static_cast<double>(n);
     for (const CreaseEnd& end : crease.ends) {
@@ -131,13 +132,13 @@ private:
       spread = std::max(spread, (to - to.dot(end.into) * end.into).norm());
     }
     deviation_[static_cast<std::size_t>(node - first_)] = spread;
-    const Loop whole = loops_[0];
+    const VertexLoop whole = loops_[0];
     loops_.clear();
     for (std::size_t k = 0; k < n; ++k) {
-      const Loop &here = spokes[k], &next = spokes[(k + 1) % n];
-      Loop turned = whole;
+      const VertexLoop &here = spokes[k], &next = spokes[(k + 1) % n];
+      VertexLoop turned = whole;
       std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), here[0]), turned.end());
-      Loop part(turned.begin(), std::find(turned.begin(), turned.end(), next[0]));
+      VertexLoop part(turned.begin(), std::find(turned.begin(), turned.end(), next[0]));
       part.insert(part.end(), next.begin(), next.end());
       part.insert(part.end(), here.rbegin() + 1, here.rend() - 1);
       loops_.push_back(std::move(part));
@@ -145,21 +146,21 @@ private:
   }
 
   const Mesh& mesh_;
-  const Loop& rim_;
+  const VertexLoop& rim_;
   Index first_;
   double around_ = 0, even_ = 0;
-  std::vector<Loop> loops_, curves_;
+  std::vector<VertexLoop> loops_, curves_;
   std::vector<Vec3> points_;
   std::vector<double> deviation_;
 };
 
 /// For each part the faces on its side of the creases: from its piece of the rim on across edges that are not sharp.
 std::vector<std::vector<Index>> faces_of_parts(const Mesh& mesh, const Connectivity& around, const Features& features,
-                                               const std::vector<Loop>& loops) {
-  std::set<Pair> barred(features.barred.begin(), features.barred.end());
+                                               const std::vector<VertexLoop>& loops) {
+  std::set<EdgeKey> barred(features.barred.begin(), features.barred.end());
   for (const Crease& crease : features.creases)
     for (const CreaseEnd& end : crease.ends)
-      for (std::size_t k = 0; k + 1 < end.chain.size(); ++k) barred.insert(ordered(end.chain[k], end.chain[k + 1]));
+      for (std::size_t k = 0; k + 1 < end.chain.size(); ++k) barred.insert(edge_key(end.chain[k], end.chain[k + 1]));
   const auto near = [&](Index f) {
     const auto face = mesh.faces[f];
     return std::all_of(face.begin(), face.end(),
@@ -169,7 +170,7 @@ std::vector<std::vector<Index>> faces_of_parts(const Mesh& mesh, const Connectiv
   std::deque<std::pair<Index, std::size_t>> open;
   Numbering taken;
   const auto claim = [&](Index a, Index b, std::size_t part) {  // the face that holds the edge so
-    if (barred.count(ordered(a, b))) return;
+    if (barred.count(edge_key(a, b))) return;
     const auto corner = around.edge(a, b);
     if (!corner || !near(around.face(*corner)) || !taken.add(around.face(*corner))) return;
     open.emplace_back(around.face(*corner), part);
@@ -190,27 +191,27 @@ std::vector<std::vector<Index>> faces_of_parts(const Mesh& mesh, const Connectiv
 }
 
 /// One part as a hole of a mesh of its own: its loop's vertices come first, then those of the faces around.
-struct Part {
+struct CreasedPart {
   Points vertices;
   Faces faces;
-  Loop loop;  // 0, 1, 2, ...
+  VertexLoop loop;  // 0, 1, 2, ...
   PlaneFillOptions options;
 };
 
-Part part_of(const Mesh& mesh, const Connectivity& around, const Division& division, std::size_t number,
-             const std::vector<Index>& faces, const PlaneFillOptions& options) {
-  const Loop& loop = division.loops()[number];
+CreasedPart creased_part(const Mesh& mesh, const Connectivity& around, const Division& division, std::size_t number,
+                         const std::vector<Index>& faces, const PlaneFillOptions& options) {
+  const VertexLoop& loop = division.loops()[number];
   const Index r = static_cast<Index>(loop.size());
   Numbering row;
   for (Index v : loop) row.add(v);
   for (Index f : faces)
     for (Index v : mesh.faces[f]) row.add(v);
-  Part part;
+  CreasedPart part;
   part.vertices.resize(static_cast<Index>(row.size()), 3);
   for (Index k = 0; k < part.vertices.rows(); ++k)
     part.vertices.row(k) = division.point(row.items()[static_cast<std::size_t>(k)]);
   for (Index f : faces) {
-    Loop face;
+    VertexLoop face;
     for (Index v : mesh.faces[f]) face.push_back(row.find(v));
     part.faces.add(face);
   }
@@ -221,14 +222,14 @@ Part part_of(const Mesh& mesh, const Connectivity& around, const Division& divis
     if (loop[k] >= division.first()) continue;
     for (Connectivity::Corner c : around.at(loop[k]))
       for (Index other : {around.next(c), around.previous(c)})
-        if (const Index at = row.find(other); at >= 0 && at < r && at != k) part.options.joined.push_back(ordered(k, at));
+        if (const Index at = row.find(other); at >= 0 && at < r && at != k) part.options.joined.push_back(edge_key(k, at));
   }
   // What is inside one part between the points of a crease must not be inside another.
-  for (const Loop& curve : division.curves())
+  for (const VertexLoop& curve : division.curves())
     for (std::size_t i = 0; i < curve.size(); ++i)
       for (std::size_t j = i + 2; j < curve.size(); ++j) {
         const Index a = row.find(curve[i]), b = row.find(curve[j]);
-        if (a >= 0 && a < r && b >= 0 && b < r) part.options.joined.push_back(ordered(a, b));
+        if (a >= 0 && a < r && b >= 0 && b < r) part.options.joined.push_back(edge_key(a, b));
       }
   std::sort(part.options.joined.begin(), part.options.joined.end());
   part.options.joined.erase(std::unique(part.options.joined.begin(), part.options.joined.end()), part.options.joined.end());
@@ -238,8 +239,8 @@ Part part_of(const Mesh& mesh, const Connectivity& around, const Division& divis
 }
 
 /// Where the domains of the parts go: each beside one that shares a crease with it, no nearer than their curves allow.
-std::vector<PlaneMotion> hinged(const Division& division, const std::vector<PlaneFill>& fills) {
-  const std::vector<Loop>& loops = division.loops();
+std::vector<PlaneMotion> hinged_motions(const Division& division, const std::vector<PlaneFill>& fills) {
+  const std::vector<VertexLoop>& loops = division.loops();
   std::vector<PlaneMotion> motions(fills.size());
   std::vector<char> placed(fills.size(), 0);
   placed[0] = 1;
@@ -247,13 +248,13 @@ std::vector<PlaneMotion> hinged(const Division& division, const std::vector<Plan
     const auto at = std::find(loops[part].begin(), loops[part].end(), v);
     return fills[part].rim_uv.row(at - loops[part].begin()).transpose();
   };
-  const auto has = [&](std::size_t part, const Loop& curve) {
+  const auto has = [&](std::size_t part, const VertexLoop& curve) {
     return std::all_of(curve.begin(), curve.end(),
                        [&](Index v) { return std::find(loops[part].begin(), loops[part].end(), v) != loops[part].end(); });
   };
   for (bool more = true; more;) {
     more = false;
-    for (const Loop& curve : division.curves())
+    for (const VertexLoop& curve : division.curves())
       for (std::size_t i = 0; i < fills.size(); ++i)
         for (std::size_t j = 0; j < fills.size(); ++j) {
           if (!placed[i] || placed[j] || !has(i, curve) || !has(j, curve)) continue;
@@ -279,8 +280,8 @@ std::vector<PlaneMotion> hinged(const Division& division, const std::vector<Plan
   return motions;
 }
 
-/// In a row, where hinged domains overlap.
-std::vector<PlaneMotion> in_a_row(const std::vector<PlaneFill>& fills) {
+/// In a row, where hinged_motions domains overlap.
+std::vector<PlaneMotion> motions_in_a_row(const std::vector<PlaneFill>& fills) {
   std::vector<PlaneMotion> motions(fills.size());
   double right = 0;
   for (std::size_t k = 0; k < fills.size(); ++k) {
@@ -292,9 +293,9 @@ std::vector<PlaneMotion> in_a_row(const std::vector<PlaneFill>& fills) {
 }
 
 /// The parts as one fill of the rim.
-class Joined {
+class JoinedParts {
 public:
-  Joined(const Loop& rim, const Division& division, const std::vector<PlaneFill>& fills)
+  JoinedParts(const VertexLoop& rim, const Division& division, const std::vector<PlaneFill>& fills)
       : rim_(rim), division_(division), fills_(fills) {
     const Index r = static_cast<Index>(rim.size());
     for (Index k = 0; k < r; ++k) row_[rim[k]] = k;
@@ -325,7 +326,7 @@ public:
       if (out.plainer.empty()) out.plainer = fill.plainer;
       out.doubles_edges |= fill.doubles_edges;
     }
-    for (const Loop& curve : division_.curves())
+    for (const VertexLoop& curve : division_.curves())
       for (std::size_t k = 0; k + 1 < curve.size(); ++k) out.creases.push_back({row_.at(curve[k]), row_.at(curve[k + 1])});
     deviations(out);
     surface(out);
@@ -339,7 +340,7 @@ private:
     out.deviation = Eigen::VectorXd::Zero(count_ - r);
     for (Index k = 0; k < added; ++k) out.deviation[k] = division_.deviation(division_.first() + k);
     for (std::size_t part = 0; part < fills_.size(); ++part) {
-      const Loop& loop = division_.loops()[part];
+      const VertexLoop& loop = division_.loops()[part];
       for (Index k = 0; k < fills_[part].vertices.rows(); ++k) {
         double sum = 0, weights = 0;
         for (Index v : loop) {
@@ -354,7 +355,7 @@ private:
 
   void surface(PlaneFill& out) const {
     const Index r = static_cast<Index>(rim_.size());
-    std::vector<PlaneMotion> motions = hinged(division_, fills_);
+    std::vector<PlaneMotion> motions = hinged_motions(division_, fills_);
     for (int attempt = 0; attempt < 2; ++attempt) {
       std::vector<HingedSurface::Part> parts;
       for (std::size_t k = 0; k < fills_.size(); ++k) parts.push_back({fills_[k].surface, fills_[k].rim_uv, motions[k]});
@@ -386,11 +387,11 @@ private:
       Points at = Points::Zero(inner, 3);
       at.leftCols(2) = out.uv.bottomRows(inner);
       if (inner == 0 || (out.surface->positions(at) - out.vertices.bottomRows(inner)).norm() < 1e-6 * out.vertices.norm()) return;
-      motions = in_a_row(fills_);
+      motions = motions_in_a_row(fills_);
     }
   }
 
-  const Loop& rim_;
+  const VertexLoop& rim_;
   const Division& division_;
   const std::vector<PlaneFill>& fills_;
   std::map<Index, Index> row_;  // of the rim's vertices and the creases' points
@@ -400,19 +401,19 @@ private:
 
 }  // namespace
 
-std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivity& around, const Loop& rim,
+std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivity& around, const VertexLoop& rim,
                                              const Features& features, const PlaneFillOptions& options) {
   if (features.creases.empty()) return {};
   const Division division(mesh, rim, features, options);
   const std::vector<std::vector<Index>> faces = faces_of_parts(mesh, around, features, division.loops());
   std::vector<PlaneFill> fills;
   for (std::size_t k = 0; k < division.loops().size(); ++k) {
-    const Part part = part_of(mesh, around, division, k, faces[k], options);
+    const CreasedPart part = creased_part(mesh, around, division, k, faces[k], options);
     const Mesh own{part.vertices, part.faces};
     fills.push_back(fill_over_plane(own, Connectivity(own), {part.loop}, part.options));
     if (!fills.back().surface) return {};
   }
-  PlaneFill fill = Joined(rim, division, fills).fill();
+  PlaneFill fill = JoinedParts(rim, division, fills).fill();
   Points points(static_cast<Index>(rim.size()) + fill.vertices.rows(), 3);
   for (std::size_t k = 0; k < rim.size(); ++k) points.row(static_cast<Index>(k)) = mesh.vertices.row(rim[k]);
   points.bottomRows(fill.vertices.rows()) = fill.vertices;

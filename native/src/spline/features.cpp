@@ -14,43 +14,43 @@
 namespace tripatch {
 namespace {
 
-using Pair = std::array<Index, 2>;
+using EdgePair = std::array<Index, 2>;
 
-constexpr double degree = std::numbers::pi / 180;
+constexpr double one_degree = std::numbers::pi / 180;
 /// Between the faces at a sharp edge at least: the sides of a cylinder of 14 corners stay below it.
-constexpr double least_angle = 25 * degree;
+constexpr double least_crease_angle = 25 * one_degree;
 /// And so many times what three quarters of the edges around stay below, and the half of those beside the crease: noise of a tenth of an
 /// edge, and coarse triangles of anything round, stay below that.
 constexpr double above_noise = 3, ordinary_share = 0.75;
 /// Of the hole's diameter: as far as creases are followed.
-constexpr double reach_share = 0.75;
-constexpr int most_rings = 40;
+constexpr double crease_reach = 0.75;
+constexpr int most_crease_rings = 40;
 /// Where a crease turns by more it ends.
-constexpr double sharpest_turn = 45 * degree;
+constexpr double sharpest_turn = 45 * one_degree;
 /// A crease of a single edge is believed where the edge is this share of the diameter, or longer.
 constexpr double long_edge = 0.25;
 /// One that gets blunt is believed to go on across the hole where it is this long: those of animals' faces and limbs seldom are.
 constexpr double least_length = 0.35;
 /// Between the directions in which two ends go on and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
-constexpr double widest = 65 * degree;
+constexpr double widest_view = 65 * one_degree;
 /// Ends that see each other with less, both together, belong together whatever else meets there.
-constexpr double straight = 50 * degree;
+constexpr double straight_on = 50 * one_degree;
 /// Between the faces on the same side of the two ends, once turned as the crease turns.
-constexpr double same_face = 50 * degree;
+constexpr double same_face = 50 * one_degree;
 /// One end's angle over the other's, at most.
 constexpr double same_angle = 3;
 /// Of the diameter: so near to a point go the lines of creases that meet there.
-constexpr double meeting = 0.15;
+constexpr double meeting_share = 0.15;
 /// A rim edge goes on along a crease where it leaves neither face by more than this, or than this times what the crease's own edges
 /// do, nor the crease's direction by more than 25 degrees.
-constexpr double in_face = 3 * degree, as_curved = 1.5, along_crease = 0.9;
+constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
 
-Pair ordered(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
+EdgePair edge_pair(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// The angles at the edges of the surroundings.
-class Angles {
+class EdgeAngles {
 public:
-  Angles(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) : mesh_(mesh), around_(around) {
+  EdgeAngles(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) : mesh_(mesh), around_(around) {
     std::vector<double> all;
     for (Index v : vertices)
       for (Connectivity::Corner c : around.at(v)) {
@@ -58,14 +58,14 @@ public:
         const auto across = around.edge(w, v);
         if (!across || (v > w && std::binary_search(vertices.begin(), vertices.end(), w))) continue;
         const double angle = angle_between(normal(around.face(c)), normal(around.face(*across)));
-        edges_.push_back({ordered(v, w), angle});
+        edges_.push_back({edge_pair(v, w), angle});
         all.push_back(angle);
       }
     std::sort(edges_.begin(), edges_.end());
     if (all.empty()) return;
     const auto ordinary = all.begin() + static_cast<std::ptrdiff_t>(ordinary_share * static_cast<double>(all.size() - 1));
     std::nth_element(all.begin(), ordinary, all.end());
-    threshold_ = std::max(least_angle, above_noise * *ordinary);
+    threshold_ = std::max(least_crease_angle, above_noise * *ordinary);
   }
 
   Vec3 normal(Index f) const {
@@ -78,12 +78,12 @@ public:
   }
   /// 0 where the edge has not two faces, or lies farther off.
   double at(Index a, Index b) const {
-    const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(ordered(a, b), -1.0));
-    return found != edges_.end() && found->first == ordered(a, b) ? found->second : 0;
+    const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(edge_pair(a, b), -1.0));
+    return found != edges_.end() && found->first == edge_pair(a, b) ? found->second : 0;
   }
   bool sharp(Index a, Index b) const { return at(a, b) > threshold_; }
-  std::vector<Pair> all_sharp() const {
-    std::vector<Pair> out;
+  std::vector<EdgePair> all_sharp() const {
+    std::vector<EdgePair> out;
     for (const auto& [edge, angle] : edges_)
       if (angle > threshold_) out.push_back(edge);
     return out;
@@ -92,13 +92,14 @@ public:
 private:
   const Mesh& mesh_;
   const Connectivity& around_;
-  std::vector<std::pair<Pair, double>> edges_;
-  double threshold_ = least_angle;
+  std::vector<std::pair<EdgePair, double>> edges_;
+  double threshold_ = least_crease_angle;
 };
 
-class Finder {
+class CreaseFinder {
 public:
-  Finder(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const Angles& angles, double diameter)
+  CreaseFinder(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const EdgeAngles& angles,
+               double diameter)
       : mesh_(mesh), around_(around), rim_(rim), angles_(angles), diameter_(diameter) {}
 
   std::vector<CreaseEnd> ends() const {
@@ -112,12 +113,12 @@ public:
   }
 
   /// Pairs of ends that see each other, the best first, none across another; where three or more meet at a point, those that go
-  /// straight on before, others after.
+  /// straight_on on before, others after.
   std::vector<Crease> creases(std::vector<CreaseEnd> ends) const {
-    std::vector<Crease> out = pairs(ends, straight);
+    std::vector<Crease> out = pairs(ends, straight_on);
     if (out.empty())
       if (std::optional<Crease> met = meet(ends)) return {std::move(*met)};
-    std::vector<Crease> others = pairs(ends, 2 * widest);
+    std::vector<Crease> others = pairs(ends, 2 * widest_view);
     return others.size() > out.size() ? others : out;
   }
 
@@ -138,7 +139,7 @@ private:
   std::vector<Index> chain_from(Index v, Index w) const {
     std::vector<Index> chain = {v, w};
     double length = (point(w) - point(v)).norm();
-    while (length < reach_share * diameter_) {
+    while (length < crease_reach * diameter_) {
       const Index at = chain.back(), before = chain[chain.size() - 2];
       const Vec3 way = point(at) - point(before);
       Index best = -1;
@@ -275,7 +276,7 @@ private:
     if (apart < 2 || n - apart < 2) return none;
     const Vec3 across = point(b.chain[0]) - point(a.chain[0]);
     const double from_a = angle_between(a.into, across), from_b = angle_between(b.into, -across);
-    if (!(from_a < widest && from_b < widest && from_a + from_b < most)) return none;
+    if (!(from_a < widest_view && from_b < widest_view && from_a + from_b < most)) return none;
     const double larger = std::max(std::abs(a.angle), std::abs(b.angle)),
                  smaller = std::min(std::abs(a.angle), std::abs(b.angle));
     if (a.angle * b.angle < 0 || larger > same_angle * smaller) return none;
@@ -302,7 +303,7 @@ private:
     for (const CreaseEnd& end : ends) {
       const Vec3 to = node - point(end.chain[0]);
       const double along = to.dot(end.into);
-      if (!(along > 0 && along < diameter_ && (to - along * end.into).norm() < meeting * diameter_)) return {};
+      if (!(along > 0 && along < diameter_ && (to - along * end.into).norm() < meeting_share * diameter_)) return {};
     }
     std::sort(ends.begin(), ends.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
     return Crease{std::move(ends), node};
@@ -311,7 +312,7 @@ private:
   const Mesh& mesh_;
   const Connectivity& around_;
   const std::vector<Index>& rim_;
-  const Angles& angles_;
+  const EdgeAngles& angles_;
   double diameter_;
 };
 
@@ -321,11 +322,11 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   Features features;
   const double across = diameter(mesh, rim);
   if (!(across > 0) || !std::isfinite(across)) return features;
-  const Disc disc = disc_around(mesh, around, {rim}, reach_share * across, most_rings);
+  const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, most_crease_rings);
   features.vertices = disc.vertices;
   std::sort(features.vertices.begin(), features.vertices.end());
-  const Angles angles(mesh, around, features.vertices);
-  const Finder finder(mesh, around, rim, angles, across);
+  const EdgeAngles angles(mesh, around, features.vertices);
+  const CreaseFinder finder(mesh, around, rim, angles, across);
   features.creases = finder.creases(finder.ends());
   if (!features.creases.empty()) features.barred = angles.all_sharp();
   return features;
