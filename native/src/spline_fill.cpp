@@ -69,12 +69,12 @@ void halve_doubled(const Mesh& mesh, const Connectivity& around, const std::vect
   for (Index k = 0; k < added; ++k) {
     const auto [a, b] = halved[k];
     middle.row(k) = (mesh.vertices.row(rim[a]) + mesh.vertices.row(rim[b])) / 2;
-    if (made.surface) uv.row(k) = (made.rim_uv.row(a) + made.rim_uv.row(b)) / 2;
+    if (made.field) uv.row(k) = (made.rim_uv.row(a) + made.rim_uv.row(b)) / 2;
   }
-  if (made.surface) {
+  if (made.field) {
     Points normals;
     std::tie(middle, normals) = made.surface->positions_and_normals(as_rows(uv));
-    made.deviation = stacked(made.deviation, made.surface->deviation(uv, normals));
+    made.deviation = stacked(made.deviation, made.field->deviation(uv, normals));
     made.normals = stacked(made.normals, normals);
     made.uv = stacked(made.uv, uv);
   }
@@ -95,7 +95,7 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
 
   Fill fill;
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
-  halve_doubled(mesh, around, fill.rim, made);
+  if (!creased) halve_doubled(mesh, around, fill.rim, made);
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };
   Points points(r + made.vertices.rows(), 3);

@@ -49,9 +49,65 @@ def colored(figure, place, points, faces, values, most, title):
     axes.set_axis_off()
 
 
+def on_edges(lift, n=20, radius=0.5, seed=5):
+    """The same over something whose crease is the line y = 0 of the plane."""
+    rng = np.random.default_rng(seed)
+    grid = np.linspace(-1.2, 1.2, n + 1)
+    points = np.stack(np.meshgrid(grid, grid, indexing="ij"), -1).reshape(-1, 2)
+    jitter = rng.uniform(-0.3, 0.3, points.shape) * (grid[1] - grid[0])
+    jitter[np.abs(points[:, 1]) < 1e-9, 1] = 0
+    points += jitter
+    at = np.arange(len(points)).reshape(n + 1, n + 1)
+    a, b, c, d = (q.ravel() for q in (at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]))
+    turn = (rng.random(len(a)) < 0.5)[:, None]
+    faces = np.vstack([np.where(turn, np.c_[a, b, c], np.c_[a, b, d]), np.where(turn, np.c_[a, c, d], np.c_[b, c, d])])
+    faces = faces[np.linalg.norm(points[faces].mean(axis=1), axis=1) > radius]
+    return lift(*points.T), faces, sorted(tripatch.find_holes(faces), key=len)[-2]
+
+
+def solid(figure, place, vertices, faces, title, new=(), creases=()):
+    """Flat shading, the new faces in another color, creases drawn."""
+    axes = figure.add_subplot(*place, projection="3d")
+    axes.plot_trisurf(*vertices.T, triangles=faces, color="0.85", edgecolor="0.45", linewidth=0.25)
+    if len(new):
+        axes.plot_trisurf(*vertices.T, triangles=new, color="#8db3e2", edgecolor="0.35", linewidth=0.25)
+    for a, b in creases:
+        axes.plot(*vertices[[a, b]].T, color="#b02020", linewidth=1.8, zorder=10)
+    axes.set_title(title, y=0.97)
+    axes.set_box_aspect(np.ptp(vertices, axis=0), zoom=1.3)
+    axes.view_init(32, 35)
+    axes.set_axis_off()
+
+
+def draw_creases(path):
+    """Holes across the edge of a box and of a cylinder's end: with the creases continued, and rounded off."""
+
+    def box(x, y):
+        return np.column_stack([np.minimum(y, 0), x, -np.maximum(y, 0)])
+
+    def cylinder(x, y):
+        r = 1 + np.minimum(y, 0)
+        return np.column_stack([r * np.cos(x), r * np.sin(x), -np.maximum(y, 0)])
+
+    figure = plt.figure(figsize=(12, 7))
+    for row, lift in enumerate((box, cylinder)):
+        vertices, faces, rim = on_edges(lift)
+        near = faces[np.linalg.norm(vertices[faces].mean(axis=1) - lift(np.zeros(1), np.zeros(1)), axis=1) < 1.0]
+        solid(figure, (2, 3, 3 * row + 1), vertices, near, "the hole")
+        for column, features in enumerate((True, False)):
+            fill = tripatch.fill(vertices, faces, rim=rim, features=features)
+            whole = np.vstack([vertices, fill.vertices])
+            title = "creases go on" if features else "features=False"
+            solid(figure, (2, 3, 3 * row + 2 + column), whole, near, title, fill.faces, fill.feature_edges)
+    figure.tight_layout()
+    figure.savefig(path, dpi=90)
+    plt.close(figure)
+
+
 def draw(folder):
-    """Writes hill.png into a folder."""
+    """Writes hill.png and creases.png into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
+    draw_creases(folder / "creases.png")
 
     def hill(x, y):
         return 0.5 * np.exp(-0.9 * (x * x + y * y))

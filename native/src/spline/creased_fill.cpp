@@ -411,7 +411,7 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
     const CreasedPart part = creased_part(mesh, around, division, k, faces[k], options);
     const Mesh own{part.vertices, part.faces};
     fills.push_back(fill_over_plane(own, Connectivity(own), {part.loop}, part.options));
-    if (!fills.back().surface) return {};
+    if (!fills.back().surface || fills.back().doubles_edges) return {};
   }
   PlaneFill fill = JoinedParts(rim, division, fills).fill();
   Points points(static_cast<Index>(rim.size()) + fill.vertices.rows(), 3);

@@ -30,7 +30,7 @@ constexpr double sharpest_turn = 45 * one_degree;
 /// A crease of a single edge is believed where the edge is this share of the diameter, or longer.
 constexpr double long_edge = 0.25;
 /// One that gets blunt is believed to go on across the hole where it is this long: those of animals' faces and limbs seldom are.
-constexpr double least_length = 0.35;
+constexpr double least_blunt_length = 0.35;
 /// Between the directions in which two ends go on and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
 constexpr double widest_view = 65 * one_degree;
 /// Ends that see each other with less, both together, belong together whatever else meets there.
@@ -179,7 +179,7 @@ private:
         if (const double angle = angles_.at(chain[k], w); !own && angle > 0) beside.push_back(angle);
       }
     }
-    if (length < (runs_out(chain) ? least_length : chain.size() < 3 ? long_edge : 0) * diameter_) return false;
+    if (length < (runs_out(chain) ? least_blunt_length : chain.size() < 3 ? long_edge : 0) * diameter_) return false;
     if (beside.empty()) return true;
     const auto middle = beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2);
     std::nth_element(beside.begin(), middle, beside.end());

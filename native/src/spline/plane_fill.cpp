@@ -268,7 +268,7 @@ double slope_error(const Attempt& result, const Rim& rim) {
 PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   PlaneFill fill;
   const Index r = disc.rim, added = result.made.points.rows() - r;
-  fill.surface = result.field;
+  fill.surface = fill.field = result.field;
   fill.rim_uv = result.rim_uv;
   fill.vertices = result.made.points.bottomRows(added);
   fill.uv = result.made.uv.bottomRows(added);

@@ -23,6 +23,7 @@ struct PlaneFillOptions {
 
 struct PlaneFill {
   SurfacePtr surface;                      ///< empty: plain triangles, no surface over a plane
+  std::shared_ptr<const Field> field;      ///< the same, where it is one field
   PlanePoints rim_uv = PlanePoints(0, 2);  ///< of the loops' vertices, loop by loop
   Points vertices = Points(0, 3);          ///< the new ones
   PlanePoints uv = PlanePoints(0, 2);      ///< of these
