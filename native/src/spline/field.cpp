@@ -12,12 +12,13 @@
 namespace tripatch {
 namespace {
 
+using Eigen::ArrayXXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// So many samples decide on order and nugget: the time grows with their cube, and more changed the choice in none of some hundred
 /// holes that were tried.
-constexpr Index deciding_samples = 160;
+constexpr Index deciding_samples = 96;
 /// Nuggets that are tried, over the mean eigenvalue of the kernel: decades, from rounding to a field that is all noise.
 constexpr double lowest_nugget = -14, highest_nugget = 4, nugget_step = 0.5;
 /// A nugget up to here is rounding: the samples are met.
@@ -28,46 +29,62 @@ constexpr double tempering = 0.1;
 /// Surroundings whose noise is this share of an edge, or more, are not sampled finely enough to tell how they go on: the lowest two
 /// orders, which run on least, are taken instead of the likeliest. Measured as above: noise of 0.02 edges stays below it.
 constexpr double rough_noise = 0.03;
+/// Standard deviations are those of so many samples at most: the time grows with their square.
+constexpr Index deviation_samples = 120;
 /// Orders with less than this share are left out of the average.
 constexpr double least_share = 0.02;
 /// Distance from a sample, in normalised coordinates, at which derivatives are taken that have no limit there.
 constexpr double least_distance = 1e-7;
+/// Points whose distances from some hundred samples stay in the cache.
+constexpr Index block = 64;
 
-int polynomials(int order) { return order * (order + 1) / 2; }
+/// r^(2m-2), with a logarithm where the exponent is even; free polynomials up to degree m - 1 rounded down.
+int exponent(double order) { return static_cast<int>(std::lround(2 * order - 2)); }
+int degree(double order) { return static_cast<int>(std::floor(order - 1 + 1e-9)); }
+int polynomials(double order) { return (degree(order) + 1) * (degree(order) + 2) / 2; }
+double sign_of(int e) { return (e % 2 == 0 ? (e / 2 + 1) : (e + 1) / 2) % 2 == 0 ? 1 : -1; }
 
-/// Monomials of degree below the order at points, n x q.
-MatrixXd monomials(const PlanePoints& c, int order) {
+/// Monomials up to the order's degree at points, n x q; their derivatives by one of the coordinates.
+MatrixXd monomials(const PlanePoints& c, double order, int axis = -1) {
+  const int d = degree(order);
+  MatrixXd u = MatrixXd::Ones(c.rows(), d + 1), v = u;
+  for (int k = 1; k <= d; ++k) {
+    u.col(k) = u.col(k - 1).cwiseProduct(c.col(0));
+    v.col(k) = v.col(k - 1).cwiseProduct(c.col(1));
+  }
+  if (axis >= 0) {
+    MatrixXd& along = axis == 0 ? u : v;
+    for (int k = d; k > 0; --k) along.col(k) = k * along.col(k - 1);
+    along.col(0).setZero();
+  }
   MatrixXd out(c.rows(), polynomials(order));
   int column = 0;
-  for (int i = 0; i < order; ++i)
-    for (int j = 0; i + j < order; ++j, ++column)
-      for (Index k = 0; k < c.rows(); ++k) out(k, column) = std::pow(c(k, 0), i) * std::pow(c(k, 1), j);
+  for (int i = 0; i <= d; ++i)
+    for (int j = 0; i + j <= d; ++j, ++column) out.col(column) = u.col(i).cwiseProduct(v.col(j));
   return out;
 }
 
-/// Their derivatives by one of the coordinates.
-MatrixXd monomial_slopes(const PlanePoints& c, int order, int axis) {
-  MatrixXd out(c.rows(), polynomials(order));
-  int column = 0;
-  for (int i = 0; i < order; ++i)
-    for (int j = 0; i + j < order; ++j, ++column) {
-      const int degree = axis == 0 ? i : j, other = axis == 0 ? j : i;
-      for (Index k = 0; k < c.rows(); ++k)
-        out(k, column) = degree > 0 ? degree * std::pow(c(k, axis), degree - 1) * std::pow(c(k, 1 - axis), other) : 0;
-    }
-  return out;
+ArrayXXd power(const ArrayXXd& x, int exponent) {
+  ArrayXXd p = ArrayXXd::Ones(x.rows(), x.cols());
+  for (int k = 0; k < exponent; ++k) p *= x;
+  return p;
 }
 
-/// Kernel of squared distances: (-1)^m s^(m-1) log(s) / 2, with the limit 0 at 0.
-void apply_kernel(int order, Eigen::Ref<MatrixXd> s) {
-  const double sign = order % 2 == 0 ? 0.5 : -0.5;
-  const auto power = [&](const auto& x) -> Eigen::ArrayXXd {
-    Eigen::ArrayXXd p = x;
-    for (int k = 2; k < order; ++k) p *= x;
-    return p;
-  };
-  const Eigen::ArrayXXd x = s.array();
-  s = sign * power(x) * x.max(std::numeric_limits<double>::min()).log();
+/// Of squared distances, with the limit 0 at 0.
+MatrixXd kernel_of(double order, const MatrixXd& squared) {
+  const int e = exponent(order);
+  const ArrayXXd s = squared.array();
+  if (e % 2 == 1) return (sign_of(e) * power(s, e / 2) * s.sqrt()).matrix();
+  return (0.5 * sign_of(e) * power(s, e / 2) * s.max(std::numeric_limits<double>::min()).log()).matrix();
+}
+
+/// Twice its derivative by the squared distance: its gradient over the way from the sample.
+MatrixXd kernel_slope(double order, const MatrixXd& squared) {
+  const int e = exponent(order);
+  const ArrayXXd s = squared.array().max(least_distance * least_distance);
+  if (e % 2 == 1)
+    return (e == 1 ? ArrayXXd(sign_of(e) / s.sqrt()) : ArrayXXd(e * sign_of(e) * power(s, e / 2 - 1) * s.sqrt())).matrix();
+  return (sign_of(e) * power(s, e / 2 - 1) * (e / 2 * s.log() + 1)).matrix();
 }
 
 MatrixXd squared_distances(const PlanePoints& a, const PlanePoints& b) {
@@ -76,31 +93,35 @@ MatrixXd squared_distances(const PlanePoints& a, const PlanePoints& b) {
   return s;
 }
 
-/// The kernel among samples, seen through contrasts: combinations of samples in which polynomials cancel.
+/// The kernel among samples, seen through contrasts: combinations of samples in which polynomials cancel. Polynomials themselves
+/// are given the kernel's mean variance in it, so that it is definite, and stay apart from contrasts.
 struct Contrasts {
-  Contrasts(const PlanePoints& c, int order) : qr(monomials(c, order)), q(polynomials(order)), kernel(squared_distances(c, c)) {
-    apply_kernel(order, kernel);
-    MatrixXd turned = kernel;
-    turned.applyOnTheLeft(qr.householderQ().adjoint());
-    turned.applyOnTheRight(qr.householderQ());
-    inner = turned.bottomRightCorner(c.rows() - q, c.rows() - q);
+  Contrasts(const PlanePoints& c, const MatrixXd& squared, double order)
+      : q(polynomials(order)), kernel(kernel_of(order, squared)) {
+    const Eigen::HouseholderQR<MatrixXd> qr(monomials(c, order));
+    basis = qr.householderQ() * MatrixXd::Identity(c.rows(), q);
+    triangle = qr.matrixQR().topLeftCorner(q, q).triangularView<Eigen::Upper>();
+    MatrixXd turned = kernel * basis;
+    const MatrixXd within = basis.transpose() * turned;
+    const double trace = kernel.trace() - 2 * within.trace() + within.trace();
+    unit = trace / static_cast<double>(c.rows() - q);
+    turned -= 0.5 * basis * (within + unit * MatrixXd::Identity(q, q));
+    inner = kernel;
+    inner.triangularView<Eigen::Lower>() -= basis * turned.transpose();
+    inner.triangularView<Eigen::Lower>() -= turned * basis.transpose();
   }
-  MatrixXd of(const MatrixXd& samples) const {
-    MatrixXd z = samples;
-    z.applyOnTheLeft(qr.householderQ().adjoint());
-    return z.bottomRows(samples.rows() - q);
-  }
-  /// Combinations of samples from combinations of contrasts.
-  MatrixXd back(const MatrixXd& z) const {
-    MatrixXd full = MatrixXd::Zero(z.rows() + q, z.cols());
-    full.bottomRows(z.rows()) = z;
-    full.applyOnTheLeft(qr.householderQ());
-    return full;
+  /// Without their polynomial part.
+  MatrixXd of(const MatrixXd& samples) const { return samples - basis * (basis.transpose() * samples); }
+  Eigen::LLT<MatrixXd> factor(double nugget) const {
+    MatrixXd sum = inner;
+    sum.diagonal().array() += nugget;
+    return Eigen::LLT<MatrixXd>(sum);
   }
 
-  Eigen::HouseholderQR<MatrixXd> qr;
   Index q;
-  MatrixXd kernel, inner;
+  MatrixXd kernel, inner;    // inner: the lower half
+  MatrixXd basis, triangle;  // of the polynomials at the samples: orthonormal, and the monomials by it
+  double unit = 0;           // mean eigenvalue of the kernel among contrasts
 };
 
 struct Likelihood {
@@ -117,12 +138,12 @@ Likelihood likelihood_of(const Contrasts& contrasts, const MatrixXd& samples) {
   const VectorXd diagonal = decomposed.diagonal(), beside = decomposed.subDiagonal();
   MatrixXd z = contrasts.of(samples);
   z.applyOnTheLeft(decomposed.matrixQ().adjoint());
-  const Index n = z.rows();
-  const double unit = diagonal.mean();
+  const Index n = z.rows(), free = n - contrasts.q;
   Likelihood best;
   for (double decade = lowest_nugget; decade <= highest_nugget; decade += nugget_step) {
-    const double nugget = std::pow(10.0, decade) * unit;
-    double pivot = diagonal[0] + nugget, logarithms = std::log(pivot);
+    const double nugget = std::pow(10.0, decade) * contrasts.unit;
+    double pivot = diagonal[0] + nugget;
+    double logarithms = std::log(pivot) - static_cast<double>(contrasts.q) * std::log(contrasts.unit + nugget);
     Eigen::RowVectorXd y = z.row(0);
     double squares = y.squaredNorm() / pivot;
     bool definite = pivot > 0;
@@ -135,8 +156,8 @@ Likelihood likelihood_of(const Contrasts& contrasts, const MatrixXd& samples) {
       squares += y.squaredNorm() / pivot;
     }
     if (!definite) continue;
-    const double variance = std::max(squares / static_cast<double>(n), 1e-300);
-    const double logarithm = -0.5 * static_cast<double>(n) * std::log(variance) - 0.5 * logarithms;
+    const double variance = std::max(squares / static_cast<double>(free), 1e-300);
+    const double logarithm = -0.5 * static_cast<double>(free) * std::log(variance) - 0.5 * logarithms;
     if (logarithm > best.logarithm) best = {logarithm, decade, nugget, variance};
   }
   return best;
@@ -155,28 +176,29 @@ Field::Field(const PlanePoints& points, const Points& samples, const FieldOption
   origin_ = samples.colwise().mean();
   const Points local = samples.rowwise() - origin_;
   const Index few = std::min(n, deciding_samples);
-  few_.resize(few, 2);
+  PlanePoints at(few, 2);
   Points values(few, 3);
   for (Index k = 0; k < few; ++k) {
-    few_.row(k) = points_.row(k * n / few);
+    at.row(k) = points_.row(k * n / few);
     values.row(k) = local.row(k * n / few);
   }
-  choose(few_, values, options);
-  for (Part& part : parts_) fit(part, local);
+  choose(at, values, options);
+  const MatrixXd squared = squared_distances(points_, points_);
+  for (Part& part : parts_) fit(part, squared, local);
 }
 
 PlanePoints Field::normalised(const PlanePoints& points) const { return (points.rowwise() - middle_) / size_; }
 
 void Field::choose(const PlanePoints& few, const Points& samples, const FieldOptions& options) {
   const Index n = few.rows();
-  const MatrixXd y = samples / options.unit;
+  const MatrixXd y = samples / options.unit, squared = squared_distances(few, few);
   std::vector<Likelihood> found;
-  std::vector<int> orders;
-  for (int order : options.orders) {
+  std::vector<double> orders;
+  for (double order : options.orders) {
     if (order != options.orders.front() && polynomials(order) > n / 3) continue;
     if (polynomials(order) >= n) continue;
     orders.push_back(order);
-    found.push_back(likelihood_of(Contrasts(few, order), y));
+    found.push_back(likelihood_of(Contrasts(few, squared, order), y));
   }
   if (orders.empty()) {  // a handful of samples: a plane
     orders = {2};
@@ -218,80 +240,43 @@ void Field::hedge(double unit) {
   for (Part& part : parts_) part.share /= sum;
 }
 
-void Field::fit(Part& part, const Points& samples) const {
-  const Contrasts contrasts(points_, part.order);
-  MatrixXd inner = contrasts.inner;
-  const double unit = inner.diagonal().mean();
+void Field::fit(Part& part, const MatrixXd& squared, const Points& samples) const {
+  const Contrasts contrasts(points_, squared, part.order);
   const MatrixXd z = contrasts.of(samples);
-  MatrixXd solved;
-  for (double nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * unit);; nugget *= 10) {
-    inner.diagonal() = contrasts.inner.diagonal().array() + nugget;
-    const Eigen::LLT<MatrixXd> factor(inner);
-    if (factor.info() != Eigen::Success && nugget < unit) continue;
-    solved = factor.solve(z);
-    part.weights = contrasts.back(solved);
-    MatrixXd rest = samples - contrasts.kernel * part.weights - nugget * part.weights;
-    rest.applyOnTheLeft(contrasts.qr.householderQ().adjoint());
-    part.polynomial = contrasts.qr.matrixQR()
-                          .topLeftCorner(contrasts.q, contrasts.q)
-                          .triangularView<Eigen::Upper>()
-                          .solve(rest.topRows(contrasts.q));
-    return;
-  }
+  double& nugget = part.used_nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * contrasts.unit);
+  Eigen::LLT<MatrixXd> factor = contrasts.factor(nugget);
+  while (factor.info() != Eigen::Success && nugget < contrasts.unit) factor = contrasts.factor(nugget *= 10);
+  part.weights = contrasts.of(factor.solve(z));
+  part.polynomial = contrasts.triangle.triangularView<Eigen::Upper>().solve(contrasts.basis.transpose() *
+                                                                            (samples - contrasts.kernel * part.weights));
 }
 
-void Field::values(const Part& part, const double* rows, Index n, double* out) const {
-  constexpr Index block = 64;  // points: their distances from some hundred samples stay in the cache
-  for (Index from = 0; from < n; from += block) {
-    check_interruption();
-    const Index count = std::min(block, n - from);
-    PlanePoints at(count, 2);
+void Field::evaluate_block(const PlanePoints& at, int order, double* out) const {
+  const Index count = at.rows();
+  const MatrixXd squared = squared_distances(at, points_);
+  for (const Part& part : parts_) {
+    const Points p = kernel_of(part.order, squared) * part.weights + monomials(at, part.order) * part.polynomial;
+    const Index stride = order == 0 ? 3 : 9;
     for (Index k = 0; k < count; ++k)
-      at.row(k) = (Eigen::RowVector2d(rows[3 * (from + k)], rows[3 * (from + k) + 1]) - middle_) / size_;
-    MatrixXd kernel = squared_distances(at, points_);
-    apply_kernel(part.order, kernel);
-    Eigen::Map<Points>(out + 3 * from, count, 3) +=
-        part.share * (kernel * part.weights + monomials(at, part.order) * part.polynomial);
-  }
-}
-
-void Field::values_and_slopes(const Part& part, const double* rows, Index n, double* out) const {
-  constexpr Index block = 64;
-  const int m = part.order;
-  const double sign = m % 2 == 0 ? 0.5 : -0.5;
-  for (Index from = 0; from < n; from += block) {
-    check_interruption();
-    const Index count = std::min(block, n - from);
-    PlanePoints at(count, 2);
-    for (Index k = 0; k < count; ++k)
-      at.row(k) = (Eigen::RowVector2d(rows[3 * (from + k)], rows[3 * (from + k) + 1]) - middle_) / size_;
-    const Eigen::ArrayXXd s = squared_distances(at, points_).array().max(least_distance * least_distance);
-    const Eigen::ArrayXXd logarithm = s.log();
-    Eigen::ArrayXXd power = Eigen::ArrayXXd::Constant(s.rows(), s.cols(), sign);  // of s^(m - 2)
-    for (int k = 2; k < m; ++k) power *= s;
-    const MatrixXd kernel = (power * s * logarithm).matrix();
-    const Eigen::ArrayXXd slope = 2 / size_ * power * ((m - 1) * logarithm + 1);  // by half of the squared distance
-    const MatrixXd by_u =
-        (slope * (at.col(0).replicate(1, s.cols()) - points_.col(0).transpose().replicate(count, 1)).array()).matrix();
-    const MatrixXd by_v =
-        (slope * (at.col(1).replicate(1, s.cols()) - points_.col(1).transpose().replicate(count, 1)).array()).matrix();
-    const Points p = kernel * part.weights + monomials(at, m) * part.polynomial;
-    const Points u = by_u * part.weights + monomial_slopes(at, m, 0) / size_ * part.polynomial;
-    const Points v = by_v * part.weights + monomial_slopes(at, m, 1) / size_ * part.polynomial;
-    for (Index k = 0; k < count; ++k)
-      for (int axis = 0; axis < 3; ++axis) {
-        double* to = out + 9 * (from + k) + axis;
-        to[0] += part.share * p(k, axis);
-        to[3] += part.share * u(k, axis);
-        to[6] += part.share * v(k, axis);
-      }
+      for (int axis = 0; axis < 3; ++axis) out[stride * k + axis] += part.share * p(k, axis);
+    if (order == 0) continue;
+    const MatrixXd slope = kernel_slope(part.order, squared);
+    const Points sum = slope * part.weights;
+    for (int by = 0; by < 2; ++by) {
+      // the way from each sample to each point, times the slope: the point's part and the sample's part apart
+      const Points from = slope * points_.col(by).asDiagonal() * part.weights;
+      Points d = monomials(at, part.order, by) * part.polynomial - from;
+      d += at.col(by).asDiagonal() * sum;
+      for (Index k = 0; k < count; ++k)
+        for (int axis = 0; axis < 3; ++axis) out[9 * k + 3 * (by + 1) + axis] += part.share / size_ * d(k, axis);
+    }
   }
 }
 
 template <int N>
 void Field::jets(const Part& part, const double* rows, Index n, double* out) const {
-  const int m = part.order;
-  const double sign = m % 2 == 0 ? 0.5 : -0.5, step = 1 / size_;
+  const int e = exponent(part.order);
+  const double sign = e % 2 == 0 ? 0.5 * sign_of(e) : sign_of(e), half = 0.5 * e, step = 1 / size_;
   for (Index k = 0; k < n; ++k) {
     const Eigen::RowVector2d at = (Eigen::RowVector2d(rows[3 * k], rows[3 * k + 1]) - middle_) / size_;
     JetPoint<N> sum;
@@ -299,26 +284,27 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
       double x = at[0] - points_(i, 0), y = at[1] - points_(i, 1);
       if (std::abs(x) + std::abs(y) < least_distance) x = least_distance;
       const Jet<N> u = Jet<N>::linear(x, step, 0), v = Jet<N>::linear(y, 0, step), s = u * u + v * v;
-      std::array<double, N + 1> logarithm{}, power{};  // Taylor coefficients at s of log and of the power
+      std::array<double, N + 1> logarithm{}, power{}, kernel{};  // Taylor coefficients at s
       const double s0 = s.value();
       logarithm[0] = std::log(s0);
-      power[0] = std::pow(s0, m - 1);
+      power[0] = std::pow(s0, half);
       for (int d = 1; d <= N; ++d) {
         logarithm[d] = (d % 2 == 1 ? 1.0 : -1.0) / (d * std::pow(s0, d));
-        power[d] = power[d - 1] * (m - d) / (d * s0);
+        power[d] = power[d - 1] * (half + 1 - d) / (d * s0);
       }
-      std::array<double, N + 1> kernel{};
-      for (int d = 0; d <= N; ++d)
-        for (int e = 0; e <= d; ++e) kernel[d] += sign * power[e] * logarithm[d - e];
+      for (int d = 0; d <= N; ++d) {
+        if (e % 2 == 1) kernel[d] = sign * power[d];
+        for (int c = 0; c <= d && e % 2 == 0; ++c) kernel[d] += sign * power[c] * logarithm[d - c];
+      }
       const Jet<N> value = compose<N>(kernel.data(), 1, s);
       for (int axis = 0; axis < 3; ++axis) sum.x[axis] += part.weights(i, axis) * value;
     }
     const Jet<N> u = Jet<N>::linear(at[0], step, 0), v = Jet<N>::linear(at[1], 0, step);
     int row = 0;
     Jet<N> ui(1.0);
-    for (int i = 0; i < m; ++i, ui = ui * u) {
+    for (int i = 0; i <= degree(part.order); ++i, ui = ui * u) {
       Jet<N> term = ui;
-      for (int j = 0; i + j < m; ++j, ++row, term = term * v)
+      for (int j = 0; i + j <= degree(part.order); ++j, ++row, term = term * v)
         for (int axis = 0; axis < 3; ++axis) sum.x[axis] += part.polynomial(row, axis) * term;
     }
     for (int c = 0; c < Jet<N>::size; ++c)
@@ -328,51 +314,51 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
 
 void Field::evaluate(const double* b, Index n, int order, double* out) const {
   std::fill_n(out, n * jet_size(std::clamp(order, 0, max_order)) * 3, 0.0);
-  for (const Part& part : parts_) {
-    if (order == 0) {
-      values(part, b, n, out);
-    } else if (order == 1) {
-      values_and_slopes(part, b, n, out);
-    } else {
-      with_order<2, max_order>(order, [&](auto constant) { jets<constant.value>(part, b, n, out); });
-    }
-  }
   const Index stride = jet_size(order) * 3;
+  if (order < 2) {
+    for (Index from = 0; from < n; from += block) {
+      check_interruption();
+      const Index count = std::min(block, n - from);
+      PlanePoints at(count, 2);
+      for (Index k = 0; k < count; ++k) at.row(k) << b[3 * (from + k)], b[3 * (from + k) + 1];
+      evaluate_block(normalised(at), order, out + stride * from);
+    }
+  } else {
+    for (const Part& part : parts_)
+      with_order<2, max_order>(order, [&](auto constant) { jets<constant.value>(part, b, n, out); });
+  }
   for (Index k = 0; k < n; ++k)
     for (int axis = 0; axis < 3; ++axis) out[k * stride + axis] += origin_[axis];
 }
 
 VectorXd Field::deviation(const PlanePoints& points, const Points& directions) const {
   const PlanePoints at = normalised(points);
+  const Index n = points_.rows(), few = std::min(n, deviation_samples);
+  PlanePoints some(few, 2);
+  for (Index k = 0; k < few; ++k) some.row(k) = points_.row(k * n / few);
   VectorXd variance = VectorXd::Zero(points.rows());
-  Points rows = Points::Zero(points.rows(), 3);
-  rows.leftCols(2) = points;
   MatrixXd each(points.rows(), static_cast<Index>(parts_.size()));
+  const MatrixXd squared = squared_distances(some, some), apart = squared_distances(some, at);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const Part& part = parts_[p];
-    const Contrasts contrasts(few_, part.order);
-    const double nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * contrasts.inner.diagonal().mean());
-    MatrixXd inner = contrasts.inner;
-    inner.diagonal().array() += nugget;
-    const Eigen::LLT<MatrixXd> factor(inner);
+    const Contrasts contrasts(some, squared, part.order);
+    const Eigen::LLT<MatrixXd> factor = contrasts.factor(part.used_nugget);
+    const MatrixXd free = monomials(at, part.order), kernel = kernel_of(part.order, apart);
     // the polynomial through the samples that is nearest, and the contrast of a point with it
-    MatrixXd nearest = MatrixXd::Zero(few_.rows(), at.rows());
-    nearest.topRows(contrasts.q) = contrasts.qr.matrixQR()
-                                       .topLeftCorner(contrasts.q, contrasts.q)
-                                       .transpose()
-                                       .triangularView<Eigen::Lower>()
-                                       .solve(monomials(at, part.order).transpose());
-    nearest.applyOnTheLeft(contrasts.qr.householderQ());
-    MatrixXd kernel = squared_distances(few_, at);
-    apply_kernel(part.order, kernel);
-    const MatrixXd among = contrasts.kernel * nearest + nugget * nearest;
+    const MatrixXd nearest =
+        contrasts.basis * contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
+    const MatrixXd among = contrasts.kernel * nearest + part.used_nugget * nearest;
     const VectorXd own = nearest.cwiseProduct(among - 2 * kernel).colwise().sum().transpose();
     const MatrixXd known = factor.matrixL().solve(contrasts.of(kernel - among));
     const VectorXd left = (own - known.colwise().squaredNorm().transpose()).cwiseMax(0);
     variance += part.share * part.variance * left;
-    Points position = Points::Zero(at.rows(), 3);
-    values(part, rows.data(), at.rows(), position.data());
-    each.col(static_cast<Index>(p)) = position.cwiseProduct(directions).rowwise().sum() / part.share;
+    for (Index k = 0; k < at.rows(); k += block) {
+      check_interruption();
+      const Index count = std::min(block, at.rows() - k);
+      const Points position = kernel_of(part.order, squared_distances(at.middleRows(k, count), points_)) * part.weights +
+                              free.middleRows(k, count) * part.polynomial;
+      each.col(static_cast<Index>(p)).segment(k, count) = position.cwiseProduct(directions.middleRows(k, count)).rowwise().sum();
+    }
   }
   VectorXd mean = VectorXd::Zero(at.rows());
   for (std::size_t p = 0; p < parts_.size(); ++p) mean += parts_[p].share * each.col(static_cast<Index>(p));

@@ -14,7 +14,8 @@
 namespace tripatch {
 
 struct FieldOptions {
-  std::vector<int> orders = {2, 3, 4, 5, 6};  ///< those with more free polynomials than a third of the samples are left out
+  std::vector<double> orders = {
+      2.5, 3.5, 5.5};  ///< halves are fastest; those with more free polynomials than a third of the samples are left out
   /// Scene units: the length of an edge. Likelihoods of orders are compared as if free polynomials were known to about that.
   double unit = 1;
 };
@@ -40,9 +41,10 @@ public:
 
   /// One order of the average.
   struct Part {
-    int order = 0;
+    double order = 0;
     double share = 0;
-    double nugget = 0;           ///< over the kernel's unit, in normalised coordinates
+    double nugget = 0;           ///< in units of the kernel, in normalised coordinates; 0: the samples are met
+    double used_nugget = 0;      ///< at least as much as doubles need
     Eigen::MatrixXd weights;     ///< n x 3, of the kernel
     Eigen::MatrixXd polynomial;  ///< q x 3
     double variance = 0;         ///< of the kernel's unit, scene units squared
@@ -53,9 +55,8 @@ private:
   PlanePoints normalised(const PlanePoints& points) const;
   void choose(const PlanePoints& few, const Points& samples, const FieldOptions& options);
   void hedge(double unit);
-  void fit(Part& part, const Points& samples) const;
-  void values(const Part& part, const double* rows, Index n, double* out) const;
-  void values_and_slopes(const Part& part, const double* rows, Index n, double* out) const;
+  void fit(Part& part, const Eigen::MatrixXd& squared, const Points& samples) const;
+  void evaluate_block(const PlanePoints& at, int order, double* out) const;
   template <int N>
   void jets(const Part& part, const double* rows, Index n, double* out) const;
 
@@ -63,7 +64,6 @@ private:
   Eigen::RowVector3d origin_;  // of the samples
   double size_ = 1;
   PlanePoints points_;  // normalised
-  PlanePoints few_;     // those that decide on order and nugget, and on the deviation
   std::vector<Part> parts_;
   double noise_ = 0, mean_order_ = 0, likelihood_ = 0;
 };
