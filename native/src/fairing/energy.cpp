@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tripatch/fairing/curvature_variation.h"
-#include "tripatch/fairing/quadrature.h"
+#include "tripatch/math/quadrature.h"
 
 namespace tripatch {
 double soft_minimum(double variation, double quadric) {
