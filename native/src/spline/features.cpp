@@ -30,7 +30,9 @@ constexpr double sharpest_turn = 45 * one_degree;
 /// A crease of a single edge is believed where the edge is this share of the diameter, or longer.
 constexpr double long_edge = 0.25;
 /// One that gets blunt is believed to go on across the hole where it is this long: those of animals' faces and limbs seldom are.
-constexpr double least_blunt_length = 0.35;
+constexpr double least_blunt_length = 0.5;
+/// Where ordinary edges turn by more, corners at which a crease could end cannot be told from others.
+constexpr double smooth_angle = 5 * one_degree;
 /// Between the directions in which two ends go on and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
 constexpr double widest_view = 65 * one_degree;
 /// Ends that see each other with less, both together, belong together whatever else meets there.
@@ -65,7 +67,8 @@ public:
     if (all.empty()) return;
     const auto ordinary = all.begin() + static_cast<std::ptrdiff_t>(ordinary_share * static_cast<double>(all.size() - 1));
     std::nth_element(all.begin(), ordinary, all.end());
-    threshold_ = std::max(least_crease_angle, above_noise * *ordinary);
+    ordinary_ = *ordinary;
+    threshold_ = std::max(least_crease_angle, above_noise * ordinary_);
   }
 
   Vec3 normal(Index f) const {
@@ -81,6 +84,7 @@ public:
     const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(edge_pair(a, b), -1.0));
     return found != edges_.end() && found->first == edge_pair(a, b) ? found->second : 0;
   }
+  double ordinary() const { return ordinary_; }
   bool sharp(Index a, Index b) const { return at(a, b) > threshold_; }
   std::vector<EdgePair> all_sharp() const {
     std::vector<EdgePair> out;
@@ -93,7 +97,7 @@ private:
   const Mesh& mesh_;
   const Connectivity& around_;
   std::vector<std::pair<EdgePair, double>> edges_;
-  double threshold_ = least_crease_angle;
+  double ordinary_ = 0, threshold_ = least_crease_angle;
 };
 
 class CreaseFinder {
@@ -159,12 +163,13 @@ private:
   bool runs_out(const std::vector<Index>& chain) const {
     const Index last = chain.back();
     if (!around_.knows(last)) return false;
+    const bool smooth_beside = angles_.ordinary() < smooth_angle;  // else what looks like a corner is chance
     int others = 0;
     for (Index w : neighbors(last)) {
       if (!around_.edge(last, w) || !around_.edge(w, last)) return false;
       others += w != chain[chain.size() - 2] && angles_.sharp(last, w);
     }
-    return others < 2;
+    return others < 2 || !smooth_beside;
   }
 
   /// Whether a crease stands out from what is beside it.
