@@ -29,9 +29,9 @@ constexpr int most_crease_rings = 40;
 constexpr double sharpest_turn = 45 * one_degree;
 /// A crease of a single edge is believed where the edge is this share of the diameter, or longer.
 constexpr double long_edge = 0.25;
-/// One that gets blunt is believed to go on across the hole where it is this long: those of animals' faces and limbs seldom are.
-constexpr double least_blunt_length = 0.5;
-/// Where ordinary edges turn by more, corners at which a crease could end cannot be told from others.
+/// One that gets blunt is believed to go on across the hole where it is this long; those of animals' faces and limbs seldom are. Where
+/// ordinary edges turn by more than the angle it must be longer, and corners at which it could end cannot be told from others.
+constexpr double least_blunt_length = 0.35, least_rough_length = 0.5;
 constexpr double smooth_angle = 5 * one_degree;
 /// Between the directions in which two ends go on and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
 constexpr double widest_view = 65 * one_degree;
@@ -184,7 +184,8 @@ private:
         if (const double angle = angles_.at(chain[k], w); !own && angle > 0) beside.push_back(angle);
       }
     }
-    if (length < (runs_out(chain) ? least_blunt_length : chain.size() < 3 ? long_edge : 0) * diameter_) return false;
+    const double blunt = angles_.ordinary() < smooth_angle ? least_blunt_length : least_rough_length;
+    if (length < (runs_out(chain) ? blunt : chain.size() < 3 ? long_edge : 0) * diameter_) return false;
     if (beside.empty()) return true;
     const auto middle = beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2);
     std::nth_element(beside.begin(), middle, beside.end());
