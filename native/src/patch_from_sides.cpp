@@ -116,7 +116,8 @@ void check_reach(const Sides& sides, const FillOptions& options) {
 
 MadePatch patch_from_sides(const Sides& sides, const FillOptions& options, const SurfacePoints* points) {
   check(options);
-  const Method& method = find_method(options.method == automatic_method || options.method == polygon_method ? patch_method : options.method);
+  const Method& method =
+      find_method(options.method == automatic_method || options.method == polygon_method ? patch_method : options.method);
   if (!method.from_boundary)
     throw InvalidArgument(options.method + (method.any_rim ? " fills holes in meshes; a patch between sides is of another method"
                                                            : " joins three surfaces; use tripatch.blend"));

@@ -33,13 +33,13 @@ TEST_CASE("a crease's curve is straight where the crease is") {
   for (Index k = 0; k < p.rows(); ++k) CHECK((p.row(k) - Eigen::RowVector3d(-0.2 + 0.7 * shares[k], 0, 0)).norm() < 1e-9);
 }
 
-TEST_CASE("a crease's curve goes on as an arc does, over a gap as long as its radius, and meets both rims") {
+TEST_CASE("a crease's curve goes on as an arc does, over a gap as long as its radius, and meets both rims to 1e-4 edges") {
   for (unsigned seed = 1; seed < 6; ++seed) {
     const Points before = arc(-1.2, -0.5, 8, seed), after = arc(0.5, 1.2, 8, seed + 10);
     const CreaseCurve curve(before, after, 0.1);
     const Points p = curve.at(shares);
-    CHECK((p.row(0) - before.row(7)).norm() < 1e-6);
-    CHECK((p.row(10) - after.row(0)).norm() < 1e-6);
+    CHECK((p.row(0) - before.row(7)).norm() < 1e-5);
+    CHECK((p.row(10) - after.row(0)).norm() < 1e-5);
     for (Index k = 0; k < p.rows(); ++k) {
       CHECK(std::abs(p.row(k).head<2>().norm() - 1) < 3e-4);
       CHECK(std::abs(p(k, 2) - 0.2 * p(k, 1)) < 3e-4);

@@ -1,8 +1,8 @@
 #include "test_surfaces.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/energy.h"
-#include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/options.h"
+#include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch_from_sides.h"
 
 using namespace tripatch;

@@ -37,7 +37,10 @@ def roof(degrees):
         first = np.where(p[:, 1] <= 1e-9, np.abs(p[:, 2]), to_edge)
         return np.minimum(first, np.where(p @ along >= -1e-9, np.abs(p @ normal), to_edge))
 
-    return lambda x, y: np.outer(x, [1, 0, 0]) + np.outer(np.minimum(y, 0), [0, 1, 0]) + np.outer(np.maximum(y, 0), along), distance
+    return (
+        lambda x, y: np.outer(x, [1, 0, 0]) + np.outer(np.minimum(y, 0), [0, 1, 0]) + np.outer(np.maximum(y, 0), along),
+        distance,
+    )
 
 
 def cylinder_top(radius):

@@ -7,6 +7,7 @@
 #include "tripatch/math/quadrature.h"
 
 namespace tripatch {
+
 double soft_minimum(double variation, double quadric) {
   if (!(variation > 0)) return variation;  // of a plane both are 0
   const double ratio = quadric_ratio * variation / quadric;

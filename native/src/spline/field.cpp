@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 /// So many samples decide on order and nugget: the time grows with their cube, and more changed the choice in none of some hundred
 /// holes that were tried.
-constexpr Index deciding_samples = 96;
+constexpr Index deciding_samples = 160;
 /// Nuggets that are tried, over the mean eigenvalue of the kernel: decades, from rounding to a field that is all noise.
 constexpr double lowest_nugget = -14, highest_nugget = 4, nugget_step = 0.5;
 /// A nugget up to here is rounding: the samples are met.
