@@ -452,15 +452,16 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
   const Index rim_size = static_cast<Index>(w.rim.size());
   std::array<SideDraft, 3> drafts = drafts_of(w, mesh, hole);
   const VarianceComponents components = components_of(w, drafts, neighborhoods[0], -1);
+  const std::array<SideDraft, 3> guessed = drafts;  // what all threads read, while each completes its own side of the drafts
   std::array<SideFit, 3> fits;
   parallel_for(0, 3, rim_size < long_rim ? 3 : 1, [&](Index from, Index to) {
     for (Index i = from; i < to; ++i) {
-      const std::vector<std::vector<Share>> nearest = nearest_of(w, drafts, static_cast<int>(i));
+      const std::vector<std::vector<Share>> nearest = nearest_of(w, guessed, static_cast<int>(i));
       std::vector<std::vector<VertexFit>> by_neighborhood;
       for (const Neighborhood& near : neighborhoods) {
         if (!by_neighborhood.empty() && are_known(by_neighborhood[0])) break;
-        by_neighborhood.push_back(fit_side(w, near.all_sides ? components : components_of(w, drafts, near, static_cast<int>(i)),
-                                           drafts, static_cast<int>(i), near, nearest));
+        by_neighborhood.push_back(fit_side(w, near.all_sides ? components : components_of(w, guessed, near, static_cast<int>(i)),
+                                           guessed, static_cast<int>(i), near, nearest));
       }
       fits[i] = choose(by_neighborhood, drafts[i]);
     }
