@@ -17,6 +17,8 @@ _modules = (operators, between_patches, smooth, ui, overlay, live_fills, tool, c
 
 
 def register():
+    if hasattr(library, "vendored"):
+        library.vendored.remember()  # switched off and on again
     if library.missing:
         print(library.missing)
     for module in _modules:

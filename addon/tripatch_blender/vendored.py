@@ -7,11 +7,17 @@ import sys
 
 FOLDER = os.path.join(os.path.dirname(__file__), "_vendor")
 
-if os.path.isdir(FOLDER) and FOLDER not in sys.path:
-    sys.path.append(FOLDER)
+
+def remember():
+    """Adds the folder to the places where Python looks."""
+    if os.path.isdir(FOLDER) and FOLDER not in sys.path:
+        sys.path.append(FOLDER)
 
 
 def forget():
     """Takes the folder out of the places where Python looks."""
     if FOLDER in sys.path:
         sys.path.remove(FOLDER)
+
+
+remember()
