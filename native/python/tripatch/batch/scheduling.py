@@ -93,7 +93,7 @@ def _client(workers: int | None, address: str | None):
             threads_per_worker=1,
             processes=True,
             memory_limit=0,
-            dashboard_address=None,
+            dashboard_address=":0",  # any free port: two batches at once must not argue over one
             silence_logs=50,
         )
     return distributed.Client(cluster), cluster
