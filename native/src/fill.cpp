@@ -170,7 +170,9 @@ void complete_report(const Hole& hole, const FillOptions& options, const std::ar
       report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(corner_mismatch_deg[k]) +
                                 " at corner " + std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
   }
-  if (report.folds > 0) report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) + " places");
+  if (report.folds > 0)
+    report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) +
+                              (report.folds == 1 ? " place" : " places"));
 }
 
 /// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
@@ -212,10 +214,12 @@ bool is_shaped(const FillOptions& options) {
 
 std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<Hole>& holes, const FillOptions& options);
 
-/// Whether faces beside the hole are many times as long as its rim's edges.
-bool has_strips(const Ground& ground, const Hole& hole) {
+/// Whether faces beside the hole are many times as long as its rim's edges, or its sides have an edge each, of which one split leaves
+/// no even way from side to side.
+bool may_fold_by_splitting(const Ground& ground, const Hole& hole) {
   const Points vertices = ground.mesh.vertices(hole.rim, Eigen::all);
   const Index n = vertices.rows();
+  if (n == 3) return true;
   for (Index k = 0; k < n; ++k) {
     const double edge = (vertices.row(k) - vertices.row((k + 1) % n)).norm();
     for (const Connectivity::Corner c : ground.left.at(hole.rim[k]))
@@ -231,14 +235,14 @@ std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const s
                                                    const FillOptions& options, std::vector<Fill> fills) {
   const auto folds = [](const Fill& fill) { return fill.report.folds + fill.report.triangles_folded; };
   if (holes.size() != 1 || options.odd != Odd::split || holes[0].rim.size() % 2 == 0 || folds(fills[0]) == 0 ||
-      !has_strips(ground, holes[0]))
+      !may_fold_by_splitting(ground, holes[0]))
     return fills;
   FillOptions triangle = options;
   triangle.odd = Odd::triangle;
   std::vector<Fill> others = fill_with_cages(ground, holes, triangle);
   if (folds(others[0]) >= folds(fills[0])) return fills;
   others[0].report.warnings.push_back(
-      "The rim is odd, and with an edge of it split the fill would fold beside long faces: it has a triangle instead");
+      "The rim is odd, and with an edge of it split the fill would fold: it has a triangle instead");
   return others;
 }
 
