@@ -210,16 +210,20 @@ class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MESH_OT_shape_fill_confirm(_OfTool, bpy.types.Operator):
+class _OfShaping(_OfTool):
+    """Works while a hole is being shaped."""
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and current() is not None
+
+
+class MESH_OT_shape_fill_confirm(_OfShaping, bpy.types.Operator):
     """Fill the hole as it has been shaped"""
 
     bl_idname = "mesh.shape_fill_confirm"
     bl_label = "Fill as Shaped"
     bl_options = {"UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and current() is not None
 
     def execute(self, context):
         ob, made = _object(), current()
@@ -243,16 +247,12 @@ class MESH_OT_shape_fill_confirm(_OfTool, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MESH_OT_shape_fill_cancel(_OfTool, bpy.types.Operator):
+class MESH_OT_shape_fill_cancel(_OfShaping, bpy.types.Operator):
     """Leave the hole as it is"""
 
     bl_idname = "mesh.shape_fill_cancel"
     bl_label = "Leave the Hole"
     bl_options = {"INTERNAL"}
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and current() is not None
 
     def execute(self, context):
         stop()

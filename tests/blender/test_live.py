@@ -154,13 +154,19 @@ def test_a_failure_leaves_the_last_good_fill_and_says_so(live, following):
     assert live.problem_of(fill) == "" and shown(ob)[2] == 36
 
 
-def test_it_follows_shape_keys_in_object_mode(live, following):
+def flat_with_a_bowl():
+    """A flat hole, and a shape key that makes a bowl of it."""
     ob = scenes.add_hole(scenes.flat)
     ob.shape_key_add(name="Basis")
     key = ob.shape_key_add(name="Bowl")
     key.value = 0  # 1 in Blender 5
     for k, v in enumerate(ob.data.vertices):
         key.data[k].co.z = 0.6 * (v.co.x**2 + v.co.y**2)
+    return ob, key
+
+
+def test_it_follows_shape_keys_in_object_mode(live, following):
+    ob, key = flat_with_a_bowl()
     ob.active_shape_key_index = 0
     scenes.edit(ob)
     bpy.ops.mesh.fill_three_sided(keep_live=True)
@@ -211,12 +217,7 @@ def test_apply_makes_it_mesh(live, following, mode):
 
 
 def test_apply_fills_every_shape_key(live, following):
-    ob = scenes.add_hole(scenes.flat)
-    ob.shape_key_add(name="Basis")
-    key = ob.shape_key_add(name="Bowl")
-    key.value = 0  # 1 in Blender 5
-    for k, v in enumerate(ob.data.vertices):
-        key.data[k].co.z = 0.6 * (v.co.x**2 + v.co.y**2)
+    ob, key = flat_with_a_bowl()
     scenes.edit(ob)
     ob.active_shape_key_index = 0
     bpy.ops.mesh.fill_three_sided(keep_live=True)

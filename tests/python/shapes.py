@@ -70,18 +70,24 @@ def octant(n=8, rings=3):
     return np.array(vertices), faces, rim
 
 
+class Vertices:
+    """Numbers points; those that are the same to 1e-9 are one."""
+
+    def __init__(self):
+        self.points, self._index = [], {}
+
+    def __call__(self, p):
+        key = tuple(np.round(p, 9))
+        if key not in self._index:
+            self._index[key] = len(self.points)
+            self.points.append(np.asarray(p, float))
+        return self._index[key]
+
+
 def bevelled_corner(segments, width=0.2):
     """The corner (1, 1, 1) of a cube of 1 whose three edges there are bevelled round: strips of long quads, and the hole
     where they meet. Vertices, faces, rim and corners."""
-    points, index, faces = [], {}, []
-
-    def vertex(p):
-        key = tuple(np.round(p, 9))
-        if key not in index:
-            index[key] = len(points)
-            points.append(np.asarray(p, float))
-        return index[key]
-
+    vertex, faces = Vertices(), []
     axes, angles = np.eye(3), np.linspace(0, np.pi / 2, segments + 1)
     arcs = [[1 - width + width * (np.cos(a) * axes[k] + np.sin(a) * axes[k - 2]) for a in angles] for k in range(3)]
     for k, near in enumerate(arcs):
@@ -91,4 +97,4 @@ def bevelled_corner(segments, width=0.2):
     for k in range(3):  # what is left of the flat side across axis k
         along, across = (1 - width) * axes[k - 2], (1 - width) * axes[k - 1]
         faces.append([vertex(p) for p in (axes[k], axes[k] + along, axes[k] + along + across, axes[k] + across)])
-    return np.array(points), faces, [vertex(p) for arc in arcs for p in arc[:-1]], [vertex(arc[0]) for arc in arcs]
+    return np.array(vertex.points), faces, [vertex(p) for arc in arcs for p in arc[:-1]], [vertex(arc[0]) for arc in arcs]

@@ -72,15 +72,7 @@ def test_nor_are_those_that_have_no_other_neighbors():
 def filleted_box(segments, size, radius=0.8):
     """A box whose three edges at the corner `size` are rounded, as CAD programs write it: fillets are strips of long triangles,
     flat faces fans; the hole is the eighth of a sphere at the corner. Vertices, faces, rim and corners."""
-    points, index, faces = [], {}, []
-
-    def vertex(p):
-        key = tuple(np.round(p, 9))
-        if key not in index:
-            index[key] = len(points)
-            points.append(np.asarray(p, float))
-        return index[key]
-
+    vertex, faces = shapes.Vertices(), []
     axes, center = np.eye(3), np.array(size) - radius
     angles = np.linspace(0, np.pi / 2, segments + 1)
     arcs = [[center + radius * (np.cos(a) * axes[k] + np.sin(a) * axes[k - 2]) for a in angles] for k in range(3)]
@@ -95,7 +87,7 @@ def filleted_box(segments, size, radius=0.8):
         u, v = axes[k - 2] * (size - radius), axes[k - 1] * (size - radius)
         faces += [[vertex(b), vertex(b + u), vertex(a)], [vertex(b), vertex(a), vertex(b + v)]]
     rim = [vertex(p) for arc in arcs for p in arc[:-1]]
-    return np.array(points), faces, rim, [vertex(arc[0]) for arc in arcs], center
+    return np.array(vertex.points), faces, rim, [vertex(arc[0]) for arc in arcs], center
 
 
 @pytest.mark.parametrize(("segments", "size"), [(22, (2, 3, 4)), (32, (2, 3, 4)), (39, (3, 3, 2)), (16, (5, 1.5, 2))])

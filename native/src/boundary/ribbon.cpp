@@ -12,30 +12,13 @@
 namespace tripatch {
 namespace {
 
-double arc_length(const PiecewisePolynomial& c) {
-  constexpr int steps = 32;
-  double length = 0;
-  Vec3 last = c(0);
-  for (int k = 1; k <= steps; ++k) {
-    const Vec3 p = c(static_cast<double>(k) / steps);
-    length += (p - last).norm();
-    last = p;
-  }
-  return length;
-}
-
-PiecewisePolynomial linear(double a, double b) {
-  const std::array<double, 2> net = {a, b};
-  return PiecewisePolynomial::bezier(net, 1);
-}
-
 /// 1 up to `low`, 0 from `high` on, smooth in between.
 double fading(double x, double low, double high) { return smoothstep((high - x) / (high - low)); }
 
-/// How much of the floor a corner takes: all where the rim turns by 5 degrees or less (or backwards), none from 25 on. A triangle may
-/// be obtuse and turn little and still be an affine image of a plain one, which has to keep its alpha (Theorem 2): what `opening`
-/// tells apart, the area that the two tangents span over that of the chords: 1 for straight sides, 0 on a round rim.
-double floor_share(double turn_deg, double opening) { return fading(turn_deg, 5, 25) * fading(opening, 0.1, 0.4); }
+/// How much of the floor a triangle's corner takes. A triangle may be obtuse and turn little and still be an affine image of a plain
+/// one, which has to keep its alpha (Theorem 2): what `opening` tells apart, the area that the two tangents span over that of the
+/// chords: 1 for straight sides, 0 on a round rim.
+double triangle_floor_share(double turn_deg, double opening) { return floor_share(turn_deg) * fading(opening, 0.1, 0.4); }
 
 /// max(a, b) with a corner rounded over a width of b / 2; a itself where b is 0.
 double smooth_max(double a, double b) { return 0.5 * (a + b + std::sqrt((a - b) * (a - b) + 0.25 * b * b)); }
@@ -48,27 +31,6 @@ constexpr double least_alpha = 1e-3;
 /// Sine of the angle between the derivatives along and across a side: below it they are one line to within the rounding of sides
 /// fitted to 1e-13, squared and more.
 constexpr double one_line = 1e-9;
-
-struct CornerSlope {
-  double alpha, beta;
-  Vec3 lifted;  ///< what the floor added, as a vector
-};
-
-/// The corrected corner equations: (alpha, beta) such that alpha r + beta c' is nearest to tau; alpha kept above a floor.
-CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share) {
-  const double rn = r.norm();
-  if (!(rn > 0)) return {0, 0, Vec3::Zero()};
-  Eigen::Vector2d x;
-  if (dc.norm() > no_tangent * height) {
-    x = in_frame(r, dc, tau);
-  } else {
-    x << tau.dot(r) / (rn * rn), 0;
-  }
-  const double whole = height / rn;  // what an equilateral patch of this size has
-  const double kept = share > 0 ? smooth_max(x[0], share * whole) : x[0];
-  const double alpha = std::max(kept, least_alpha * whole);
-  return {alpha, x[1], (alpha - x[0]) * r};
-}
 
 /// Sides that meet to the last bits: a gap, however small, would be divided by the distance from the corner in the derivatives.
 Sides closed(Sides sides) {
@@ -112,6 +74,23 @@ PiecewisePolynomial printed_beta(const Side& side, const PiecewisePolynomial& al
 
 }  // namespace
 
+double floor_share(double turn_deg) { return fading(turn_deg, 5, 25); }
+
+CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share) {
+  const double rn = r.norm();
+  if (!(rn > 0)) return {0, 0, Vec3::Zero()};
+  Eigen::Vector2d x;
+  if (dc.norm() > no_tangent * height) {
+    x = in_frame(r, dc, tau);
+  } else {
+    x << tau.dot(r) / (rn * rn), 0;
+  }
+  const double whole = height / rn;  // what an equilateral patch of this size has
+  const double kept = share > 0 ? smooth_max(x[0], share * whole) : x[0];
+  const double alpha = std::max(kept, least_alpha * whole);
+  return {alpha, x[1], (alpha - x[0]) * r};
+}
+
 Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
   Boundary boundary;
   boundary.size = check_sides(given);
@@ -132,7 +111,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     boundary.turn_deg[k] = backwards ? -turn : turn;
     const double tangents = before.cross(after).norm(), chords = (in.c(1) - in.c(0)).cross(out.c(1) - out.c(0)).norm();
     const double opening = backwards || !(chords > 0) ? 0 : tangents / chords;
-    share[k] = options.cross_boundary == CrossBoundary::consistent ? floor_share(boundary.turn_deg[k], opening) : 0;
+    share[k] = options.cross_boundary == CrossBoundary::consistent ? triangle_floor_share(boundary.turn_deg[k], opening) : 0;
   }
 
   for (int i = 0; i < 3; ++i) {
@@ -148,14 +127,14 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     const Vec3 tau0 = sides[second].c.derivative_at(1) + 0.5 * c0;
     const Vec3 tau1 = -sides[first].c.derivative_at(0) - 0.5 * c1;
     if (options.cross_boundary == CrossBoundary::given) {
-      ribbon.alpha = linear(1, 1);
-      ribbon.beta = linear(0, 0);
+      ribbon.alpha = PiecewisePolynomial::linear(1, 1);
+      ribbon.beta = PiecewisePolynomial::linear(0, 0);
     } else if (options.cross_boundary == CrossBoundary::as_printed) {
       const double a = printed_alpha(r0, c0, tau0), b = printed_alpha(r1, c1, tau1);
       if (!std::isfinite(a) || !std::isfinite(b))
         throw Refusal("The printed slopes need a side and its surroundings that are not parallel at the corners: side " +
                       std::to_string(i));
-      ribbon.alpha = linear(a, b);
+      ribbon.alpha = PiecewisePolynomial::linear(a, b);
       ribbon.beta = printed_beta(side, ribbon.alpha);
     } else {
       const CornerSlope a = corner_slope(r0, c0, tau0, height, share[first]);
@@ -163,8 +142,8 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
       if (share[first] > 0) boundary.inward[first] -= 0.5 * a.lifted;
       if (share[second] > 0) boundary.inward[second] -= 0.5 * b.lifted;
       lifted = {a.lifted, b.lifted};
-      ribbon.alpha = linear(a.alpha, b.alpha);
-      ribbon.beta = linear(a.beta, b.beta);
+      ribbon.alpha = PiecewisePolynomial::linear(a.alpha, b.alpha);
+      ribbon.beta = PiecewisePolynomial::linear(a.beta, b.beta);
     }
     if (options.bulge[i] != 1) {
       const double e = (options.bulge[i] - 1) * 16 / 6;  // 16 t^2 (1 - t)^2 in Bernstein form
@@ -175,7 +154,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
         double b0 = 0, b1 = 0;
         ribbon.beta.taylor(0, 0, &b0);
         ribbon.beta.taylor(1, 0, &b1);
-        ribbon.beta = linear(b0, b1) + bump * (ribbon.beta - linear(b0, b1));
+        ribbon.beta = PiecewisePolynomial::linear(b0, b1) + bump * (ribbon.beta - PiecewisePolynomial::linear(b0, b1));
       }
     }
     if (options.tangent[i] && no_planes(side))

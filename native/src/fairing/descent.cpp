@@ -34,7 +34,7 @@ constexpr double none =
 
 Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy) {
   const Eigen::MatrixXd held = problem.held();
-  const CurvatureJumps& following = problem.following();
+  const CurvatureFollowing& following = problem.following();
   const auto among = [&](Index m) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.count());
     for (int pass = 0; pass < (following.any() ? 2 : 1); ++pass) {

@@ -7,14 +7,6 @@
 
 namespace tripatch {
 
-Quadratic CurvatureJumps::linearized(const Eigen::VectorXd& x) const {
-  RowMajor rows;
-  const Eigen::VectorXd value = jumps(x, &rows);
-  RowMajor normal = RowMajor::Zero(x.size(), x.size());
-  add_gram(rows, normal);
-  return {normal.selfadjointView<Eigen::Lower>(), rows.transpose() * value, value.squaredNorm()};
-}
-
 /// Of the patch, at the nodes [from, to).
 std::vector<Derivatives> EnergyProblem::derivatives(Index from, Index to, const Eigen::VectorXd& x) const {
   std::vector<Derivatives> d(base_.begin() + from, base_.begin() + to);

@@ -51,10 +51,27 @@ FairingProblem::FairingProblem(const FairingBase& base, const FairingOptions& op
     unknowns_.slopes_count += options.slopes * static_cast<Index>(take_directions(i));
   }
   fields_ = unknowns_.slopes_count;
-  following_.emplace(shared_, unknowns_, base, options);
+  following_.emplace(followed(base));
   const Index n = static_cast<Index>(base_.size());
   basis_.setZero(27 * n, unknowns_.slopes_count);
   for (Index k = 0; k < n; ++k) add_slopes(k);
+}
+
+/// The slopes of these sides are carried by slope_kernel: it grows by 2 (1/2 - t) their own slope across.
+CurvatureFollowing FairingProblem::followed(const FairingBase& base) const {
+  const SideBasis& along = shared_.along;
+  std::vector<FollowedSide> all;
+  for (int i = 0; i < 3; ++i) {
+    if (!options_.curvature[i] || sides_[i].q.empty() || unknowns_.scale[i][0] == 0) continue;
+    const Ribbon& ribbon = boundary_.ribbons[i];
+    FollowedSide side =
+        followed_side(sides_[i], i, ribbon.alpha, ribbon.beta, along.t, derivatives_across(*base.patch, i, along.t));
+    for (int k = 0; k < SideBasis::points; ++k) side.skew[k] = 2 * (0.5 - along.t[k]);
+    side.first = scalars() + unknowns_.first[i];
+    side.scale = unknowns_.scale[i];
+    all.push_back(side);
+  }
+  return {along, std::move(all), 3, size_, options_.curvature_jump};
 }
 
 Eigen::MatrixXd FairingProblem::held() const {

@@ -79,10 +79,14 @@ Eigen::MatrixXd orthonormal(int degree, int second_cross) {
 
 }  // namespace
 
-PiecewisePolynomial slope_function(int count, int m) {
-  std::vector<double> net(count, 0.0);
-  net[m] = 1;
-  return slope_function(net);
+std::vector<PiecewisePolynomial> slope_functions(int count) {
+  std::vector<PiecewisePolynomial> functions;
+  for (int m = 0; m < count; ++m) {
+    std::vector<double> net(count, 0.0);
+    net[m] = 1;
+    functions.push_back(slope_function(net));
+  }
+  return functions;
 }
 
 PiecewisePolynomial slope_function(std::span<const double> coefficients) {
@@ -91,11 +95,10 @@ PiecewisePolynomial slope_function(std::span<const double> coefficients) {
 }
 
 FairingSpace::FairingSpace(int degree, int second_cross, int slopes, int nodes)
-    : quadrature(corner_quadrature(nodes)), combination(orthonormal(degree, second_cross)) {
+    : quadrature(corner_quadrature(nodes)), combination(orthonormal(degree, second_cross)), along(slope_functions(slopes)) {
   weights = quadrature.weights;
   const Index n = quadrature.b.rows(), count = scalars(degree, second_cross);
-  std::vector<PiecewisePolynomial> functions;
-  for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
+  const std::vector<PiecewisePolynomial> functions = slope_functions(slopes);
   interior.resize(9 * n, count);
   for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
   for (Index k = 0; k < n; ++k) {
@@ -131,23 +134,17 @@ FairingSpace::FairingSpace(int degree, int second_cross, int slopes, int nodes)
   for (int m = 0; m < slopes; ++m) functions[m].taylor(0.5, 0, &center_slope[m]);
   center_slope *= slope_kernel(b, side_weights(b), 0).value();
 
-  side_slope.resize(side_points, slopes);
-  for (int k = 0; k < side_points; ++k) {
-    side_t.push_back(0.5 * (1 - std::cos(M_PI * (k + 0.5) / side_points)));
-    side_sum += std::sin(M_PI * side_t[k]);
-    for (int m = 0; m < slopes; ++m) functions[m].taylor(side_t[k], 0, &side_slope(k, m));
-  }
   for (int i = 0; i < 3; ++i) {
-    side_second[i].resize(side_points, count);
-    for (int k = 0; k < side_points; ++k) {
+    Eigen::MatrixXd second(SideBasis::points, count);
+    for (int k = 0; k < SideBasis::points; ++k) {
       Barycentric<2> b;  // db0: the way along delta_i
       b[i] = Jet<2>::linear(0, 1, 0);
-      b[(i + 1) % 3] = Jet<2>::linear(1 - side_t[k], -0.5, 0);
-      b[(i + 2) % 3] = Jet<2>::linear(side_t[k], -0.5, 0);
+      b[(i + 1) % 3] = Jet<2>::linear(1 - along.t[k], -0.5, 0);
+      b[(i + 2) % 3] = Jet<2>::linear(along.t[k], -0.5, 0);
       const std::vector<Jet<2>> basis = scalar_basis(b, degree, second_cross);
-      for (Index c = 0; c < count; ++c) side_second[i](k, c) = 2 * basis[c].c[jet_index(2, 0)];
+      for (Index c = 0; c < count; ++c) second(k, c) = 2 * basis[c].c[jet_index(2, 0)];
     }
-    side_second[i] *= combination;
+    along.second.push_back(second * combination);
   }
 }
 

@@ -17,8 +17,7 @@ SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOp
   const auto& [sides, boundary, plain] = base;
   const int slopes = options.slopes;
   const Index inner = scalars(options.degree, options.second_cross), n = points.points.rows();
-  std::vector<PiecewisePolynomial> functions;
-  for (int m = 0; m < slopes; ++m) functions.push_back(slope_function(slopes, m));
+  const std::vector<PiecewisePolynomial> functions = slope_functions(slopes);
   // r and c' are of any length; a hole is as long as its size
   std::array<std::array<PiecewisePolynomial, 2>, 3> directions;
   std::array<std::array<double, 2>, 3> scale = {};

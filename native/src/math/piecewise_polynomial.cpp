@@ -386,4 +386,21 @@ PiecewisePolynomial operator*(const PiecewisePolynomial& scalar, const Piecewise
   return {f.breaks_, degree, dimension, coefficients};
 }
 
+PiecewisePolynomial PiecewisePolynomial::linear(double a, double b) {
+  const std::array<double, 2> net = {a, b};
+  return bezier(net, 1);
+}
+
+double arc_length(const PiecewisePolynomial& curve) {
+  constexpr int steps = 32;
+  double length = 0;
+  Vec3 last = curve(0);
+  for (int k = 1; k <= steps; ++k) {
+    const Vec3 p = curve(static_cast<double>(k) / steps);
+    length += (p - last).norm();
+    last = p;
+  }
+  return length;
+}
+
 }  // namespace tripatch

@@ -6,36 +6,11 @@
 #include <numbers>
 #include <string>
 
+#include "tripatch/boundary/ribbon.h"
 #include "tripatch/math/angle.h"
-#include "tripatch/math/linear.h"
-#include "tripatch/math/smoothstep.h"
 
 namespace tripatch {
 namespace {
-
-/// The same floor as of triangles (boundary/ribbon.cpp): all of it where the rim turns by 5 degrees or less, none from 25 on.
-constexpr double floor_all = 5, floor_none = 25;
-/// Alpha is never less than this share of what a regular patch has: G1 keeps its sign.
-constexpr double least_alpha = 1e-3;
-
-double arc_length(const PiecewisePolynomial& c) {
-  constexpr int steps = 32;
-  double length = 0;
-  Vec3 last = c(0);
-  for (int k = 1; k <= steps; ++k) {
-    const Vec3 p = c(static_cast<double>(k) / steps);
-    length += (p - last).norm();
-    last = p;
-  }
-  return length;
-}
-
-PiecewisePolynomial linear(double a, double b) {
-  const std::array<double, 2> net = {a, b};
-  return PiecewisePolynomial::bezier(net, 1);
-}
-
-double smooth_max(double a, double b) { return 0.5 * (a + b + std::sqrt((a - b) * (a - b) + 0.25 * b * b)); }
 
 double size_of(const SideList& sides) {
   std::vector<Vec3> points;
@@ -51,25 +26,6 @@ double size_of(const SideList& sides) {
 double turn_about(const Vec3& before, const Vec3& after, const Vec3& normal) {
   const double turn = degrees_between(before, after);
   return before.cross(after).dot(normal) < 0 && turn < 179 ? -turn : turn;
-}
-
-struct CornerSlope {
-  double alpha, beta;
-};
-
-/// (alpha, beta) such that alpha r + beta c' is nearest to tau; alpha kept above a share of what a regular patch has.
-CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share) {
-  const double rn = r.norm();
-  if (!(rn > 0)) return {0, 0};
-  Eigen::Vector2d x;
-  if (dc.norm() > 1e-12 * height) {
-    x = in_frame(r, dc, tau);
-  } else {
-    x << tau.dot(r) / (rn * rn), 0;
-  }
-  const double whole = height / rn;
-  const double kept = share > 0 ? smooth_max(x[0], share * whole) : x[0];
-  return {std::max(kept, least_alpha * whole), x[1]};
 }
 
 /// v as a combination of a and b.
@@ -119,7 +75,7 @@ PolygonBoundary polygon_boundary(const SideList& sides, const PolygonRibbonOptio
     out.corner_mismatch_deg.push_back(degrees_between(n_in, n_out));
     out.turn_deg.push_back(turn_about(before, after, n_in + n_out));
     turns.push_back(out.turn_deg.back() * std::numbers::pi / 180);
-    share.push_back(smoothstep((floor_none - out.turn_deg.back()) / (floor_none - floor_all)));
+    share.push_back(floor_share(out.turn_deg.back()));
   }
   out.domain = domain ? *domain : polygon_like(turns, lengths);
   const PolygonDomain& d = out.domain;
@@ -135,8 +91,8 @@ PolygonBoundary polygon_boundary(const SideList& sides, const PolygonRibbonOptio
                       b = corner_slope(side.r(1), c1, -tau1, length, share[(i + 1) % n]);
     PolygonRibbon ribbon;
     ribbon.c = side.c;
-    ribbon.alpha = linear(a.alpha, b.alpha);
-    ribbon.beta = linear(a.beta, b.beta);
+    ribbon.alpha = PiecewisePolynomial::linear(a.alpha, b.alpha);
+    ribbon.beta = PiecewisePolynomial::linear(a.beta, b.beta);
     const double bulge = options.bulge.empty() ? 1 : options.bulge[i];
     if (bulge != 1) {
       const double e = (bulge - 1) * 16 / 6;  // 16 t^2 (1 - t)^2 in Bernstein form

@@ -261,17 +261,10 @@ std::vector<bool> curvature_agrees(const SideList& sides) {
 }
 
 double curvature_jump(const Surface& patch, const PolygonDomain& domain, const SideList& sides, int samples, double margin) {
+  const std::vector<double> t = middles(samples, margin);
   double worst = 0;
-  for (int i = 0; i < domain.sides(); ++i) {
-    std::vector<double> t(samples);
-    for (int k = 0; k < samples; ++k) t[k] = margin + (1 - 2 * margin) * (k + 0.5) / samples;
-    const std::vector<Across> across = derivatives_across(patch, domain, i, t);
-    for (int k = 0; k < samples; ++k) {
-      const SideForm form = side_form(sides[i], t[k]);
-      const double jump = std::abs(form.n.dot(across[k].second) - form(across[k].first)) / form.across(across[k].first);
-      worst = std::max(worst, jump / std::max(std::sqrt(form.squared_norm()), 1e-300));
-    }
-  }
+  for (int i = 0; i < domain.sides(); ++i)
+    worst = std::max(worst, largest_jump(sides[i], t, derivatives_across(patch, domain, i, t)));
   return worst;
 }
 

@@ -14,82 +14,33 @@
 namespace tripatch {
 namespace {
 
-/// As for triangles: fairing_problem.cpp and curvature_following.cpp say why.
+/// As for triangles: fairing_problem.cpp says why.
 constexpr double least_alpha_kept = 0.1;
-constexpr double deviations = 3, weight_at_corners = 0.05;
 
 bool is(const std::vector<bool>& flags, int i, bool otherwise) { return flags.empty() ? otherwise : static_cast<bool>(flags[i]); }
 
 }  // namespace
 
-PolygonJumps::PolygonJumps(const PolygonSpace& space, const PolygonBase& base, const PolygonSlopes& slopes, int functions,
-                           double tolerance)
-    : space_(space), slopes_(slopes), functions_(functions), size_(base.boundary.size) {
-  constexpr int points = PolygonSpace::side_points;
-  const int n = base.boundary.domain.sides();
-  double curvature = 0, sines = 0;
-  for (double t : space.side_t) sines += std::sin(std::numbers::pi * t);
-  for (int i = 0; i < n; ++i) {
-    if (!is(base.curvature, i, false) || base.sides[i].q.empty() || slopes.scale[i][0] == 0) continue;
-    Followed side;
-    side.i = i;
-    const std::vector<Across> across = derivatives_across(*base.patch, base.boundary.domain, i, space.side_t);
-    for (int k = 0; k < points; ++k) {
-      const double t = space.side_t[k];
-      const SideForm form = side_form(base.sides[i], t);
-      side.form[k] = form;
-      base.boundary.ribbons[i].alpha.taylor(t, 0, &side.alpha[k]);
-      base.boundary.ribbons[i].beta.taylor(t, 0, &side.beta[k]);
-      side.base[k] = form.n.dot(across[k].second);
-      side.weight[k] = 1 / form.across(side.alpha[k] * form.r);
-      const PolygonDomain& d = base.boundary.domain;
-      const Vec2 p = d.on_side(i, t), nu = d.inward(i);
-      side.slant[k] = d.place(Jet<1>::linear(p[0], nu[0], 0), Jet<1>::linear(p[1], nu[1], 0)).t[i].c[1];
-      curvature += form.squared_norm() / points / n;
+/// phi_i F(t_i) with F = -(a r + b c') has 2 F' dt/dnu as second derivative along nu.
+CurvatureFollowing PolygonProblem::followed(const PolygonBase& base) const {
+  const PolygonDomain& d = base.boundary.domain;
+  const SideBasis& along = space_->along;
+  std::vector<FollowedSide> all;
+  for (int i = 0; i < d.sides(); ++i) {
+    if (!is(base.curvature, i, false) || base.sides[i].q.empty() || slopes_.scale[i][0] == 0) continue;
+    const PolygonRibbon& ribbon = base.boundary.ribbons[i];
+    FollowedSide side =
+        followed_side(base.sides[i], i, ribbon.alpha, ribbon.beta, along.t, derivatives_across(*base.patch, d, i, along.t));
+    const Vec2 nu = d.inward(i);
+    for (int k = 0; k < SideBasis::points; ++k) {
+      const Vec2 p = d.on_side(i, along.t[k]);
+      side.skew[k] = -2 * d.place(Jet<1>::linear(p[0], nu[0], 0), Jet<1>::linear(p[1], nu[1], 0)).t[i].c[1];
     }
-    sides_.push_back(side);
+    side.first = scalars() + slopes_.first[i];
+    side.scale = slopes_.scale[i];
+    all.push_back(side);
   }
-  const double tolerated = tolerance * std::sqrt(curvature + flat_curvature(size_));
-  for (Followed& side : sides_) {
-    const double unit = std::hypot(tolerated, deviations * base.sides[side.i].curvature_error);
-    for (int k = 0; k < points; ++k)
-      side.weight[k] *= std::sqrt((weight_at_corners + std::sin(std::numbers::pi * space.side_t[k])) /
-                                  (n * (weight_at_corners * points + sines))) /
-                        unit;
-  }
-}
-
-Eigen::VectorXd PolygonJumps::jumps(const Eigen::VectorXd& x, RowMajor* rows) const {
-  constexpr int points = PolygonSpace::side_points;
-  const Index n = space_.combination.cols(), m = functions_;
-  Eigen::VectorXd value(points * static_cast<Index>(sides_.size()));
-  if (rows) rows->setZero(value.size(), x.size());
-  for (std::size_t f = 0; f < sides_.size(); ++f) {
-    const Followed& side = sides_[f];
-    const int i = side.i;
-    const Index alpha_at = 3 * n + slopes_.first[i], beta_at = alpha_at + m;
-    const std::array<double, 2>& scale = slopes_.scale[i];
-    const Eigen::VectorXd da = scale[0] * (space_.side_slope * x.segment(alpha_at, m)),
-                          db = scale[1] * (space_.side_slope * x.segment(beta_at, m));
-    for (int k = 0; k < points; ++k) {
-      const SideForm& form = side.form[k];
-      const Index row = points * static_cast<Index>(f) + k;
-      // phi_i F(t_i) with F = -(a r + b c') has 2 F' dt/dnu as second derivative along nu
-      const double a = side.alpha[k] + da[k], b = side.beta[k] + db[k], skew = -2 * side.slant[k];
-      double jump =
-          side.base[k] + skew * (da[k] * form.rc + db[k] * form.cc) - (a * a * form.rr + 2 * a * b * form.rc + b * b * form.cc);
-      for (int c = 0; c < 3; ++c) jump += size_ * form.n[c] * space_.side_second[i].row(k).dot(x.segment(c * n, n));
-      value[row] = side.weight[k] * jump;
-      if (!rows) continue;
-      for (int c = 0; c < 3; ++c)
-        rows->row(row).segment(c * n, n) = side.weight[k] * size_ * form.n[c] * space_.side_second[i].row(k);
-      rows->row(row).segment(alpha_at, m) =
-          side.weight[k] * scale[0] * (skew * form.rc - 2 * a * form.rr - 2 * b * form.rc) * space_.side_slope.row(k);
-      rows->row(row).segment(beta_at, m) =
-          side.weight[k] * scale[1] * (skew * form.cc - 2 * a * form.rc - 2 * b * form.cc) * space_.side_slope.row(k);
-    }
-  }
-  return value;
+  return {along, std::move(all), d.sides(), size_, options_.curvature_jump};
 }
 
 PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes)
@@ -113,7 +64,7 @@ PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& op
   }
   basis_.setZero(27 * space_->uv.rows(), fields_);
   for (int i = 0; i < n; ++i) add_slopes(i, directions[i]);
-  following_.emplace(*space_, base, slopes_, options.slopes, options.curvature_jump);
+  following_.emplace(followed(base));
   hold_points();
 }
 

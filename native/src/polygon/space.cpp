@@ -109,12 +109,13 @@ std::vector<Derivatives> plane_derivatives(const Surface& surface, const Points&
 }
 
 PolygonSpace::PolygonSpace(const PolygonDomain& domain, int degree, int second_cross, int slopes, int nodes)
-    : combination(orthonormal(domain, degree, second_cross)) {
+    : combination(orthonormal(domain, degree, second_cross)),
+      slope_functions(tripatch::slope_functions(slopes)),
+      along(slope_functions) {
   PolygonQuadrature quadrature = polygon_quadrature(domain, nodes);
   uv = std::move(quadrature.uv);
   weights = std::move(quadrature.weights);
   const Index n = uv.rows(), count = combination.cols();
-  for (int m = 0; m < slopes; ++m) slope_functions.push_back(slope_function(slopes, m));
   interior.resize(9 * n, count);
   for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
   for (Index k = 0; k < n; ++k) {
@@ -124,20 +125,15 @@ PolygonSpace::PolygonSpace(const PolygonDomain& domain, int degree, int second_c
       for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * interior.row(9 * k + first_of(m) + d);
   }
   for (int m = 1; m <= 3; ++m) normal[m] = rows[m].transpose() * rows[m];
-  side_slope.resize(side_points, slopes);
-  for (int k = 0; k < side_points; ++k) {
-    side_t.push_back(0.5 * (1 - std::cos(M_PI * (k + 0.5) / side_points)));
-    for (int m = 0; m < slopes; ++m) slope_functions[m].taylor(side_t[k], 0, &side_slope(k, m));
-  }
   for (int i = 0; i < domain.sides(); ++i) {
-    Eigen::MatrixXd second(side_points, count);
-    for (int k = 0; k < side_points; ++k) {
-      const Vec2 p = domain.on_side(i, side_t[k]), nu = domain.inward(i);
+    Eigen::MatrixXd second(SideBasis::points, count);
+    for (int k = 0; k < SideBasis::points; ++k) {
+      const Vec2 p = domain.on_side(i, along.t[k]), nu = domain.inward(i);
       const Jet<2> u = Jet<2>::linear(p[0], nu[0], 0), v = Jet<2>::linear(p[1], nu[1], 0);
       const std::vector<Jet<2>> basis = polygon_basis<2>(domain, domain.place(u, v), u, v, degree, second_cross);
       for (Index c = 0; c < count; ++c) second(k, c) = 2 * basis[c].c[jet_index(2, 0)];
     }
-    side_second.push_back(second * combination);
+    along.second.push_back(second * combination);
   }
 }
 

@@ -30,6 +30,19 @@ struct Boundary {
   double size = 0;
 };
 
+/// How much of the floor of alpha a corner takes: all where the rim turns by 5 degrees or less (or backwards), none from 25 on.
+double floor_share(double turn_deg);
+
+/// The derivative across a side at a corner.
+struct CornerSlope {
+  double alpha, beta;
+  Vec3 lifted;  ///< what the floor added, as a vector
+};
+
+/// The corrected corner equations: (alpha, beta) such that alpha r + beta c' is nearest to tau; alpha kept above the given share of
+/// what a regular patch of this height has.
+CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share);
+
 struct RibbonOptions {
   CrossBoundary cross_boundary = CrossBoundary::consistent;
   std::array<double, 3> bulge = {1, 1, 1};           ///< > 0; scales the slopes inside each side, corners kept

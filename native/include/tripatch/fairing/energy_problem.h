@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "tripatch/fairing/curvature_following.h"
 #include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/fairing/fairing.h"
 #include "tripatch/fairing/quadratic.h"
@@ -31,18 +32,6 @@ struct NodeBasis {
   static int first_of(int m) { return (m - 1) * (m + 2) / 2; }
 };
 
-/// Jumps of normal curvature along sides that are followed by least squares.
-class CurvatureJumps {
-public:
-  virtual ~CurvatureJumps() = default;
-  virtual bool any() const = 0;
-  virtual bool all() const = 0;
-  /// Over what is tolerated, as rows whose squares sum to the mean square; their derivatives where `rows` is given.
-  virtual Eigen::VectorXd jumps(const Eigen::VectorXd& x, RowMajor* rows) const = 0;
-  /// Gauss-Newton's model of the sum of their squares.
-  Quadratic linearized(const Eigen::VectorXd& x) const;
-};
-
 /// Unknowns are the coefficients of the scalar functions, component by component, then those of the fields.
 class EnergyProblem {
 public:
@@ -56,7 +45,7 @@ public:
 
   /// What the unknowns change of that which is held, a row each; none where nothing is.
   virtual Eigen::MatrixXd held() const = 0;
-  virtual const CurvatureJumps& following() const = 0;
+  virtual const CurvatureFollowing& following() const = 0;
   /// How much of x can be added until the surface is about to turn back over a side.
   virtual double reach(const Eigen::VectorXd& x) const = 0;
   bool open(const Eigen::VectorXd& x) const { return reach(x) >= 1; }

@@ -19,6 +19,17 @@ double scale_to(double size, const PiecewisePolynomial& field);
 /// How much of `added` side i's alpha can gain until it falls below a tenth of what it was.
 double alpha_reach(const Boundary& boundary, int i, const PiecewisePolynomial& added);
 
+/// Where the unknowns of a hole stand: `interior` coefficients of scalar functions for each component, then on each side `slopes`
+/// coefficients for each direction that its derivative across may gain.
+struct Unknowns {
+  double size = 0;  ///< of the hole, scene units; coefficients are relative to it
+  Index interior = 0;
+  int slopes = 0;
+  Index slopes_count = 0;                           ///< on all sides
+  std::array<Index, 3> first = {};                  ///< of each side's slopes among all
+  std::array<std::array<double, 2>, 3> scale = {};  ///< of r and c'; 0: alpha and beta are held
+};
+
 /// Unknowns are the interior coefficients, component by component, then alpha and beta of each side (see Unknowns). `base` must
 /// outlive this.
 class FairingProblem final : public EnergyProblem {
@@ -29,7 +40,7 @@ public:
   Eigen::MatrixXd held() const override;
   /// The unknowns of a problem whose interior term is of the same degree or lower as those of this one.
   Eigen::VectorXd raised(const FairingProblem& lower, const Eigen::VectorXd& x) const;
-  const CurvatureJumps& following() const override { return *following_; }
+  const CurvatureFollowing& following() const override { return *following_; }
   /// Until alpha falls below a tenth of what it was.
   double reach(const Eigen::VectorXd& x) const override;
   /// What x adds to a patch of these sides.
@@ -45,6 +56,7 @@ private:
   void add_slopes(Index node);
   std::vector<PiecewisePolynomial> directions_of(const Side& side, int i) const;
   std::size_t take_directions(int i);
+  CurvatureFollowing followed(const FairingBase& base) const;
   PiecewisePolynomial combination(const Eigen::VectorXd& x, int i, std::size_t direction) const;
 
   const FairingSpace& shared_;

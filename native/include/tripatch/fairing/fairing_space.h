@@ -90,8 +90,8 @@ std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int second
 SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients);
 
 /// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
-PiecewisePolynomial slope_function(int count, int m);
-/// The sum of them with the given coefficients.
+std::vector<PiecewisePolynomial> slope_functions(int count);
+/// Their sum with the given coefficients.
 PiecewisePolynomial slope_function(std::span<const double> coefficients);
 
 /// The nine derivatives of orders 1 to 3, as Derivatives has them.
@@ -115,12 +115,8 @@ struct FairingSpace : NodeBasis {
     Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> rows;
   };
   std::vector<std::array<Slope, 3>> slope;  // at each node
-  static constexpr int side_points = 12;
-  double side_sum = 0;                         // of sin(pi t)
-  std::vector<double> side_t;                  // where curvature is compared along a side: denser towards the corners
-  std::array<Eigen::MatrixXd, 3> side_second;  // there: second derivative of each basis function across side i
-  Eigen::MatrixXd side_slope;                  // there: the functions of alpha and beta
-  Eigen::RowVectorXd center, center_slope;     // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
+  SideBasis along;
+  Eigen::RowVectorXd center, center_slope;  // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
 
   FairingSpace(int degree, int second_cross, int slopes, int nodes);
 };

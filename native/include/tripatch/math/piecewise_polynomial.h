@@ -21,6 +21,8 @@ public:
   static PiecewisePolynomial constant(std::span<const double> value);
   /// a polynomial of t from Bernstein coefficients, (degree + 1) x dimension, row by row.
   static PiecewisePolynomial bezier(std::span<const double> net, int dimension);
+  /// a at 0, b at 1; a scalar.
+  static PiecewisePolynomial linear(double a, double b);
   /// C2 cubic spline through values (n x dimension, row by row) at increasing parameters from 0 to 1; not-a-knot ends, or the
   /// given end derivatives (each `dimension` long; empty: not-a-knot). Fewer than four values: the polynomial through them.
   static PiecewisePolynomial spline(std::span<const double> parameters, std::span<const double> values, int dimension,
@@ -71,5 +73,8 @@ private:
   std::vector<double> coefficients_;
   std::vector<std::int32_t> lookup_;  // first candidate piece for floor(t * lookup size)
 };
+
+/// Of a curve in space, by 32 chords.
+double arc_length(const PiecewisePolynomial& curve);
 
 }  // namespace tripatch

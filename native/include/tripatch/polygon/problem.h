@@ -16,34 +16,13 @@ struct PolygonSlopes {
   std::vector<std::array<double, 2>> scale;  ///< of r and c'; 0: alpha and beta are held
 };
 
-class PolygonJumps final : public CurvatureJumps {
-public:
-  PolygonJumps(const PolygonSpace& space, const PolygonBase& base, const PolygonSlopes& slopes, int functions, double tolerated);
-
-  bool any() const override { return !sides_.empty(); }
-  bool all() const override { return sides_.size() == slopes_.first.size(); }
-  Eigen::VectorXd jumps(const Eigen::VectorXd& x, RowMajor* rows) const override;
-
-private:
-  struct Followed {
-    int i;
-    std::array<SideForm, PolygonSpace::side_points> form;
-    std::array<double, PolygonSpace::side_points> alpha, beta, base, weight, slant;
-  };
-  const PolygonSpace& space_;
-  PolygonSlopes slopes_;
-  int functions_;
-  double size_;
-  std::vector<Followed> sides_;
-};
-
 class PolygonProblem final : public EnergyProblem {
 public:
   PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes);
 
   Eigen::MatrixXd held() const override { return held_; }
   Eigen::VectorXd raised(const PolygonProblem& lower, const Eigen::VectorXd& x) const;
-  const CurvatureJumps& following() const override { return *following_; }
+  const CurvatureFollowing& following() const override { return *following_; }
   double reach(const Eigen::VectorXd& x) const override;
   bool meets_planes() const;
   /// What x adds to a patch of these sides.
@@ -55,11 +34,12 @@ private:
   PiecewisePolynomial combination(const Eigen::VectorXd& x, int i, std::size_t direction) const;
   void add_slopes(int i, const std::vector<PiecewisePolynomial>& directions);
   void hold_points();
+  CurvatureFollowing followed(const PolygonBase& base) const;
 
   std::shared_ptr<const PolygonSpace> space_;
   const PolygonBase& of_;
   PolygonSlopes slopes_;
-  std::optional<PolygonJumps> following_;
+  std::optional<CurvatureFollowing> following_;
   Eigen::MatrixXd held_;
 };
 

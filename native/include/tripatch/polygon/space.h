@@ -57,11 +57,8 @@ struct PolygonSpace : NodeBasis {
 
   Points uv;
   Eigen::MatrixXd combination;  // of the basis, one orthonormal function a column
-  static constexpr int side_points = FairingSpace::side_points;
-  std::vector<double> side_t;                // where curvature is compared along a side
-  std::vector<Eigen::MatrixXd> side_second;  // there: second derivative of each function across side i
-  Eigen::MatrixXd side_slope;                // there: the functions of alpha and beta
   std::vector<PiecewisePolynomial> slope_functions;
+  SideBasis along;
 };
 
 /// slopes: on each side what is added to the derivative along the inward normal; coefficients: of polygon_basis, one a row.
