@@ -9,9 +9,11 @@
 #include "tripatch/boundary/surroundings.h"
 #include "tripatch/cage/cage_fill.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/hole/corners.h"
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/output/cover.h"
@@ -175,13 +177,35 @@ void complete_report(const Hole& hole, const FillOptions& options, const std::ar
                               (report.folds == 1 ? " place" : " places"));
 }
 
+/// Angles by side of a hole with three corners, as of sharp_sides.
+std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole) {
+  const std::vector<double> from_first = sharp_sides(ground.mesh, ground.left, hole.rim, hole.corners);
+  return {from_first[1], from_first[2], from_first[0]};  // side 2 begins at corner 0
+}
+
+/// The continuity that each side is given: where the method keeps tangent planes and auto is asked for, sharp sides are free.
+BySide<SideContinuity> continuity_of(const FillOptions& options, const std::vector<double>& angles) {
+  BySide<SideContinuity> given = options.continuity;
+  for (int i = 0; i < 3; ++i)
+    if (given[i] == SideContinuity::automatic && angles[i] > 0) given[i] = SideContinuity::free;
+  return given;
+}
+
 /// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
-Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& options) {
+Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options) {
   const Mesh& mesh = ground.mesh;
+  const std::string method = options.method == automatic_method ? patch_method : options.method;
+  const bool looks_for_sharp =
+      options.surroundings == SurroundingsFrom::mesh && std::string(find_method(method).continuity) != "G0";
+  const std::vector<double> angles = looks_for_sharp ? sharp_sides_of(ground, hole) : std::vector<double>(3, 0.0);
+  FillOptions own = options;
+  own.continuity = continuity_of(options, angles);
+  for (int i = 0; i < 3; ++i)
+    hole.alone[i] = own.continuity[i] == SideContinuity::free || own.continuity[i] == SideContinuity::g0;
   const Surroundings surroundings = surroundings_of(
       mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
 
-  MadePatch made = patch_from_sides(surroundings.sides, options);
+  MadePatch made = patch_from_sides(surroundings.sides, own);
   Fill fill;
   fill.patch = std::move(made.patch);
   fill.report = std::move(made.report);
@@ -203,6 +227,7 @@ Fill fill_with_patch(const Ground& ground, const Hole& hole, const FillOptions& 
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
   complete_report(hole, options, made.corner_mismatch_deg, report);
+  if (own.continuity != options.continuity) tell_sharp(angles, report.warnings);
   return fill;
 }
 
@@ -336,6 +361,30 @@ std::string not_taken(const FillOptions& options) {
   return names;
 }
 
+/// The spline, which does not continue what meets the hole at an angle. given: corners of the rim, in its order; none: as detected.
+Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, const std::vector<Index>& rim,
+                             const std::vector<Index>& given, SplineFillOptions options) {
+  std::vector<Index> places;
+  for (std::size_t k = 0; k < rim.size(); ++k)
+    if (std::find(given.begin(), given.end(), rim[k]) != given.end()) places.push_back(static_cast<Index>(k));
+  try {
+    if (given.empty()) places = detect_corners(ground.mesh, around, rim);
+  } catch (const Refusal&) {  // faces without area tell nothing
+  }
+  std::vector<double> angles;
+  if (places.size() >= 2 && places.size() <= static_cast<std::size_t>(most_sides))
+    angles = sharp_sides(ground.mesh, around, rim, places);
+  if (!any_sharp(angles)) return fill_with_spline(ground.mesh, around, rim, {}, options);
+  const std::vector<Index> beyond = not_continued(ground.mesh, around, rim, places, angles);
+  const Connectivity continued(ground.mesh, beyond);
+  options.continued = &continued;
+  Fill fill = fill_with_spline(ground.mesh, around, rim, {}, options);
+  const auto sharp = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
+  fill.report.warnings.push_back("The mesh meets the hole at an angle along " + std::to_string(sharp) + " of its " +
+                                 std::to_string(angles.size()) + " sides: the fill is not continued there");
+  return fill;
+}
+
 /// The path of any rim.
 Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
                   const std::string& reason) {
@@ -357,7 +406,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   };
   std::vector<std::vector<Index>> islands;
   for (const std::vector<Index>& island : options.islands) islands.push_back(ordered(island));
-  const SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features};
+  const SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features, nullptr};
   // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
   const std::optional<Connectivity> all =
       ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
@@ -372,7 +421,11 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
         throw Refusal("Corner vertex " + std::to_string(v) + " is not on the rim", {v});
     if (at.size() != corners->size()) throw InvalidArgument("A corner is given twice");
   }
-  Fill fill = fill_with_spline(ground.mesh, all ? *all : ground.left, loop, islands, own);
+  const Connectivity& around = all ? *all : ground.left;
+  const bool looks_for_sharp =
+      islands.empty() && (!corners || !corners->empty()) && ignored.find("continuity") == std::string::npos;
+  Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)
+                              : fill_with_spline(ground.mesh, around, loop, islands, own);
   fill.report.method_reason = reason;
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);
@@ -417,7 +470,8 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options);
     made.fill.report.method_reason = "the rim has " + std::to_string(corners.size()) + " smooth sides";
     if (!made.crumpled) {
-      if (!not_taken(options).empty()) return std::move(made.fill);
+      const std::vector<std::string>& kept = made.fill.report.continuity;
+      if (!not_taken(options).empty() || std::find(kept.begin(), kept.end(), "Free") != kept.end()) return std::move(made.fill);
       Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
                             " sides alone");
       return excluded_by(made.fill, spline) ? spline : std::move(made.fill);
@@ -430,6 +484,18 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
   Fill other = any_rim(reason);
   const bool better = !patch || other.report.triangles_folded <= patch->report.triangles_folded;
   return better ? other : std::move(*patch);
+}
+
+/// The corners of a rim, as detected, where the mesh meets the hole at an angle between them: there the rim alone tells its sides.
+std::vector<Index> corners_between_sharp(const Ground& ground, const std::vector<Index>& rim) {
+  std::vector<Index> vertices;
+  try {
+    const std::vector<Index> places = detect_corners(ground.mesh, ground.left, rim);
+    if (places.size() <= static_cast<std::size_t>(most_sides) && any_sharp(sharp_sides(ground.mesh, ground.left, rim, places)))
+      for (Index k : places) vertices.push_back(rim[k]);
+  } catch (const Refusal&) {  // faces without area
+  }
+  return vertices;
 }
 
 /// The exact patch between three smooth sides, else the surface over a plane.
@@ -454,7 +520,10 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     hole = make_hole(ground.mesh, ground.left, rim, three(corners));
   } catch (const Refusal& refusal) {
     if (corners) throw;
-    return any_rim(std::string("three sides were not found: ") + refusal.what());
+    const std::string otherwise = std::string("three sides were not found: ") + refusal.what();
+    const std::vector<Index> sharp = corners_between_sharp(ground, checked);
+    return makes_polygon(sharp) && not_taken(options).empty() ? fill_between_many(ground, rim, sharp, options, otherwise)
+                                                              : any_rim(otherwise);
   }
   if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
   std::string reason;

@@ -114,16 +114,18 @@ void check_reach(const Sides& sides, const FillOptions& options) {
 
 }  // namespace
 
-MadePatch patch_from_sides(const Sides& sides, const FillOptions& options, const SurfacePoints* points) {
+MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const SurfacePoints* points) {
   check(options);
   const Method& method =
       find_method(options.method == automatic_method || options.method == polygon_method ? patch_method : options.method);
   if (!method.from_boundary)
     throw InvalidArgument(options.method + (method.any_rim ? " fills holes in meshes; a patch between sides is of another method"
                                                            : " joins three surfaces; use tripatch.blend"));
-  const Continuity continuity = resolve_continuity(options.continuity, method, sides);
+  const Continuity continuity = resolve_continuity(options.continuity, method, given);
+  const bool keeps_tangent = std::string(method.continuity) != "G0";
+  const Sides sides = keeps_tangent ? told_by_rim(given, continuity.tangent) : given;
   const std::array<bool, 3>& free = continuity.free;
-  const bool alone = std::string(method.continuity) == "G0" && !free[0] && !free[1] && !free[2] && options.tension == 0;
+  const bool alone = !keeps_tangent && !free[0] && !free[1] && !free[2] && options.tension == 0;
   const bool faired = options.fairing == Fairing::automatic ? !alone : options.fairing.has_value();
   if (options.tension > 0 && !faired) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
   if (options.center && options.center_offset != 0)

@@ -6,7 +6,9 @@
 
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/folded_triangles.h"
@@ -27,21 +29,6 @@ std::vector<T> one_for_all(const BySide<T>& values, const char* name) {
   if (!std::all_of(values.begin(), values.end(), [&](const T& v) { return v == values[0]; }))
     throw InvalidArgument(std::string(name) + " has one value for all sides where a hole has not three of them");
   return {values[0]};
-}
-
-std::vector<std::array<Index, 2>> joined_on_rim(const Connectivity& around, const std::vector<Index>& rim) {
-  std::vector<std::array<Index, 2>> row, joined;  // (vertex, row), sorted
-  for (std::size_t k = 0; k < rim.size(); ++k) row.push_back({rim[k], static_cast<Index>(k)});
-  std::sort(row.begin(), row.end());
-  for (Index k = 0; k < static_cast<Index>(rim.size()); ++k)
-    for (Connectivity::Corner c : around.at(rim[k]))
-      for (Index other : {around.next(c), around.previous(c)}) {
-        const auto found = std::lower_bound(row.begin(), row.end(), std::array<Index, 2>{other, -1});
-        if (found != row.end() && (*found)[0] == other && k < (*found)[1]) joined.push_back({k, (*found)[1]});
-      }
-  std::sort(joined.begin(), joined.end());
-  joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
-  return joined;
 }
 
 /// Places of a cover and its faces, the rim's rows first.
@@ -168,7 +155,7 @@ bool excluded_by(const Fill& patch, const Fill& spline) {
 }
 
 MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                         const std::vector<Index>& corners) {
+                         const std::vector<Index>& corners, const std::vector<bool>& alone) {
   const Index n = static_cast<Index>(corners.size()), edges = static_cast<Index>(rim.size());
   MeshPolygon out;
   for (Index k = 0; k < n; k += 2) {
@@ -179,6 +166,7 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
     if (n == 2) third = (second + edges) / 2;
     for (Index j = 0; j < edges; ++j) hole.rim.push_back(rim[(start + j) % edges]);
     hole.corners = {0, second, third};
+    if (!alone.empty()) hole.alone = {alone[(k + 1) % n], alone[(k + 2) % n] || alone[(k + n - 1) % n], alone[k]};
     MeshSides three = mesh_sides(mesh, around, hole);
     const bool both = k + 1 < n && n > 2;
     for (int i : both ? std::vector<int>{2, 0} : std::vector<int>{2}) {
@@ -205,8 +193,16 @@ PolygonPatchOptions polygon_options(const FillOptions& options) {
 
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options) {
-  MeshPolygon known = mesh_polygon(mesh, around, rim, corners);
-  PolygonPatch made = polygon_patch(known.sides, polygon_options(options));
+  PolygonPatchOptions own = polygon_options(options);
+  own.continuity.resize(corners.size(), own.continuity[0]);
+  const std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
+  std::vector<bool> alone;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (own.continuity[i] == SideContinuity::automatic && angles[i] > 0) own.continuity[i] = SideContinuity::free;
+    alone.push_back(own.continuity[i] == SideContinuity::free || own.continuity[i] == SideContinuity::g0);
+  }
+  MeshPolygon known = mesh_polygon(mesh, around, rim, corners, alone);
+  PolygonPatch made = polygon_patch(known.sides, own);
   PolygonFill result;
   Fill& fill = result.fill;
   const Index r = static_cast<Index>(rim.size()), n = mesh.vertices.rows();
@@ -217,7 +213,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   if (!cover) {
     Points points(r, 3);
     for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
-    cover = triangles_of(made, rim_uv, points, joined_on_rim(around, rim), options.resolution);
+    cover = triangles_of(made, rim_uv, points, joined_rows(around, rim), options.resolution);
     if (quads) {
       std::vector<std::array<Index, 3>> triangles;
       for (Index f = 0; f < cover->faces.size(); ++f)
@@ -253,6 +249,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   for (double a : made.seam_angle_rms) squares += a * a / static_cast<double>(made.seam_angle_rms.size());
   report.seam_angle_rms = std::sqrt(squares);
   report.warnings = made.warnings;
+  if (options.continuity[0] == SideContinuity::automatic) tell_sharp(angles, report.warnings);
   for (std::size_t k = 0; k < corners.size(); ++k) {
     report.corners.push_back(rim[corners[k]]);
     if (made.corner_mismatch_deg[k] > mismatch_warned)

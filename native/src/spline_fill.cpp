@@ -87,14 +87,19 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
                       const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options) {
   std::vector<std::vector<Index>> loops = {rim};
   loops.insert(loops.end(), islands.begin(), islands.end());
-  const PlaneFillOptions own = {options.resolution, {}};
+  Fill fill;
+  for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
+  PlaneFillOptions own = {options.resolution, {}, false};
   std::optional<PlaneFill> creased;
   if (options.features && islands.empty())
     creased = fill_across_creases(mesh, around, rim, find_features(mesh, around, rim), own);
-  PlaneFill made = creased ? std::move(*creased) : fill_over_plane(mesh, around, loops, own);
+  if (options.continued) {
+    own.joined = joined_rows(around, fill.rim);
+    own.may_stand_alone = true;
+  }
+  PlaneFill made =
+      creased ? std::move(*creased) : fill_over_plane(mesh, options.continued ? *options.continued : around, loops, own);
 
-  Fill fill;
-  for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
   if (!creased) halve_doubled(mesh, around, fill.rim, made);
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };

@@ -43,7 +43,9 @@ enum class SideContinuity { automatic, free, g0, g1, g2 };
 template <>
 inline constexpr std::array<Choice, 5> choices<SideContinuity> = {{
     {"auto", "",
-     "The best that the method keeps; where the curvature of the surroundings is clear, fairing follows it by least squares"},
+     "The best that the method keeps, but Free where the mesh meets the hole at an angle; where the curvature of the "
+     "surroundings is "
+     "clear, fairing follows it by least squares"},
     {"Free", "", "Meets the rim; the slope there is the fairing's choice (without fairing as G0)"},
     {"G0", "Position", "Meets the rim (G0), with the slopes that the corners give"},
     {"G1", "Tangent", "Continues the surrounding tangent planes (G1)"},

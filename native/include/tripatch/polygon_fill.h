@@ -17,10 +17,10 @@ struct MeshPolygon {
   double surroundings_error = 0;                ///< degrees
 };
 
-/// rim: from corner 0 on, in the direction of new faces; corners: places in it, increasing, the first 0, two or more. Takes time by
-/// the hole.
+/// rim: from corner 0 on, in the direction of new faces; corners: places in it, increasing, the first 0, two or more. alone: by side, or
+/// none: as of Hole. Takes time by the hole.
 MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                         const std::vector<Index>& corners);
+                         const std::vector<Index>& corners, const std::vector<bool>& alone = {});
 
 /// What of the options concerns a patch of n sides; InvalidArgument for values by side that are not n.
 PolygonPatchOptions polygon_options(const FillOptions& options);

@@ -13,6 +13,8 @@ struct SplineFillOptions {
   std::optional<int> resolution;  ///< a third of the rim has so many edges inside the fill; none: edges as long as the rim's
   bool quads = false;             ///< pairs of triangles that make good quads become such
   bool features = true;           ///< creases that end at the rim on both sides of the hole are continued across it
+  /// What of the mesh is continued, where that is not all around; none: `around`.
+  const Connectivity* continued = nullptr;
 };
 
 /// The hole of a rim that check_topology and check_positions let pass, with the islands in it (further border loops). `around` knows

@@ -423,10 +423,11 @@ SideFit choose(const std::vector<std::vector<VertexFit>>& fits, SideDraft& side)
 }
 
 /// Corners: one plane, the average weighted by information, unless the two are far apart, also by what they know of themselves (a
-/// cube).
-void settle_corners(const std::array<SideFit, 3>& fits, std::array<SideDraft, 3>& drafts) {
+/// cube), or one of the sides is not continued.
+void settle_corners(const std::array<SideFit, 3>& fits, const std::array<bool, 3>& alone, std::array<SideDraft, 3>& drafts) {
   for (int corner = 0; corner < 3; ++corner) {
     const int in = (corner + 1) % 3, out = (corner + 2) % 3;
+    if (alone[in] || alone[out]) continue;
     const VertexFit &a = fits[in].ends[1], &b = fits[out].ends[0];
     const double degrees = degrees_between(a.normal, b.normal);
     if (degrees > never_one_plane) continue;
@@ -467,10 +468,14 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
     }
   });
   MeshSides result;
-  const double variance =
-      (fits[0].slope_variances + fits[1].slope_variances + fits[2].slope_variances) / static_cast<double>(rim_size + 3);
-  result.surroundings_error = std::atan(std::sqrt(variance)) * 180 / M_PI;
-  settle_corners(fits, drafts);
+  double variances = 0, vertices = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (hole.alone[i]) continue;
+    variances += fits[i].slope_variances;
+    vertices += static_cast<double>(drafts[i].vertex.size());
+  }
+  result.surroundings_error = vertices > 0 ? std::atan(std::sqrt(variances / vertices)) * 180 / M_PI : 0;
+  settle_corners(fits, hole.alone, drafts);
   result.sides = side_curves(drafts, w.scale, components.noise);
   for (int i = 0; i < 3; ++i) {
     result.sides[i].curvature_error = std::sqrt(fits[i].bend_variance) / w.scale;

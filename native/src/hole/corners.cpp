@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/hole/sharp_sides.h"
 
 namespace tripatch {
 namespace {
@@ -48,11 +49,9 @@ std::vector<double> turns_over_window(const std::vector<double>& turn, const std
 }
 
 /// Where the rim turns: places in it, in rim order.
-std::vector<Index> turning_corners(const Mesh& mesh, const Connectivity& around, const Loop& rim) {
+std::vector<Index> turning_corners(RimShape shape, const Loop& rim) {
   const Index n = static_cast<Index>(rim.size());
-  if (n == 3) return {0, 1, 2};
-  auto [length, turn, without_area] = measure(mesh, around, rim);
-  if (without_area) throw Refusal("The faces around the rim have no area", {rim[0]});
+  auto& [length, turn, without_area] = shape;
   const double total = std::accumulate(length.begin(), length.end(), 0.0);
   const double window = window_share * total;
   const std::vector<double> at_vertex = turn;
@@ -108,7 +107,13 @@ std::vector<Index> grid_corners(const Connectivity& around, const Loop& rim) {
 }  // namespace
 
 std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
-  std::vector<Index> corners = turning_corners(mesh, around, rim);
+  if (rim.size() == 3) return {0, 1, 2};
+  const RimShape shape = measure(mesh, around, rim);
+  if (shape.without_area) throw Refusal("The faces around the rim have no area", {rim[0]});
+  // Faces that meet the hole at an angle tell of another plane than the one in which the rim turns.
+  const std::vector<Index> alone = turning_corners(measure_alone(mesh, rim), rim);
+  if (alone.size() >= 2 && alone.size() <= most_corners && any_sharp(sharp_sides(mesh, around, rim, alone))) return alone;
+  std::vector<Index> corners = turning_corners(shape, rim);
   if (corners.size() == 3) return corners;
   // on a round shape the lines themselves turn, as they do over the edges of a cube made a sphere
   std::vector<Index> of_grid = grid_corners(around, rim);

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
+
+#include "tripatch/math/angle.h"
 
 namespace tripatch {
 namespace {
@@ -60,19 +63,42 @@ std::vector<double> turns_at_vertices(const Points& edges, const Points& normals
   return turn;
 }
 
-}  // namespace
-
-RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+/// With their longest coordinate 1, and what they were multiplied by.
+std::pair<Points, double> scaled_edges(const Mesh& mesh, const Loop& rim) {
   const Index n = static_cast<Index>(rim.size());
   Points edges(n, 3);
   for (Index k = 0; k < n; ++k) edges.row(k) = mesh.vertices.row(rim[(k + 1) % n]) - mesh.vertices.row(rim[k]);
   const double scale = 1 / edges.cwiseAbs().maxCoeff();
   edges *= scale;
+  return {edges, scale};
+}
+
+}  // namespace
+
+RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const auto [edges, scale] = scaled_edges(mesh, rim);
   RimShape shape;
-  for (Index k = 0; k < n; ++k) shape.length.push_back(edges.row(k).norm());
+  for (Index k = 0; k < edges.rows(); ++k) shape.length.push_back(edges.row(k).norm());
   const Points normals = rim_normals(mesh, around, rim, shape.length, scale);
   shape.turn = turns_at_vertices(edges, normals);
   shape.without_area = normals.row(0).isZero(0);
+  return shape;
+}
+
+RimShape measure_alone(const Mesh& mesh, const std::vector<Index>& rim) {
+  const Points edges = scaled_edges(mesh, rim).first;
+  const Index n = edges.rows();
+  Vec3 area = Vec3::Zero(), at = Vec3::Zero();
+  for (Index k = 0; k < n; ++k) {
+    area += at.cross(Vec3(edges.row(k)));
+    at += Vec3(edges.row(k));
+  }
+  RimShape shape;
+  for (Index k = 0; k < n; ++k) {
+    const Vec3 before = edges.row((k + n - 1) % n), after = edges.row(k);
+    shape.length.push_back(after.norm());
+    shape.turn.push_back(angle_between(before, after) * (before.cross(after).dot(area) < 0 ? -1 : 1));
+  }
   return shape;
 }
 

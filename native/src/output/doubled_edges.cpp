@@ -51,4 +51,19 @@ std::vector<std::array<Index, 2>> halve_doubled_edges(const Connectivity& mesh, 
   return halved;
 }
 
+std::vector<std::array<Index, 2>> joined_rows(const Connectivity& around, const std::vector<Index>& rim) {
+  std::vector<std::array<Index, 2>> row, joined;  // (vertex, row), sorted
+  for (std::size_t k = 0; k < rim.size(); ++k) row.push_back({rim[k], static_cast<Index>(k)});
+  std::sort(row.begin(), row.end());
+  for (Index k = 0; k < static_cast<Index>(rim.size()); ++k)
+    for (Connectivity::Corner c : around.at(rim[k]))
+      for (Index other : {around.next(c), around.previous(c)}) {
+        const auto found = std::lower_bound(row.begin(), row.end(), std::array<Index, 2>{other, -1});
+        if (found != row.end() && (*found)[0] == other && k < (*found)[1]) joined.push_back({k, (*found)[1]});
+      }
+  std::sort(joined.begin(), joined.end());
+  joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
+  return joined;
+}
+
 }  // namespace tripatch

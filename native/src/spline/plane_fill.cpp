@@ -360,6 +360,9 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
   return result;
 }
 
+/// A rim that lies on a conic, as a circle does, leaves polynomials of degree 2 open: only linear ones are free.
+const std::vector<double> of_rim_alone = {2};
+
 /// A way to fill, the likeliest first.
 struct Way {
   double reach;
@@ -399,10 +402,10 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
       Way{0, 1, {2}, "Only the first ring of the surroundings is followed, as flat as possible: otherwise the fill would fold"}};
   for (const Way& way : ways) {
     const Disc disc = disc_around(mesh, around, loops, way.reach * rim.diameter, way.rings);
-    if (disc.triangles.empty()) continue;
+    if (disc.triangles.empty() && !options.may_stand_alone) continue;
     const std::vector<Index> samples = spread_samples(disc, rim.edge);
     FieldOptions fields;
-    fields.orders = way.orders;
+    fields.orders = disc.triangles.empty() ? of_rim_alone : way.orders;
     fields.unit = std::max(rim.edge, 1e-300);
     std::optional<Attempt> result = attempts(disc, rim, samples, fields, options);
     if (!result) continue;

@@ -14,7 +14,7 @@ struct MeshSides {
   /// Parameter of every rim vertex on its side, by chord length: parameters[i] has one more entry than side i has edges.
   std::array<std::vector<double>, 3> parameters;
   /// Degrees: rms over the rim of the standard deviation of the estimated tangent plane: how well the mesh determines its own
-  /// tangent planes, from its noise and from what the local polynomials leave out.
+  /// tangent planes, from its noise and from what the local polynomials leave out. Of the sides that are continued.
   double surroundings_error = 0;
 };
 

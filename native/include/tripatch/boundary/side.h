@@ -4,6 +4,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "tripatch/math/piecewise_polynomial.h"
 
@@ -29,6 +30,12 @@ using Sides = std::array<Side, 3>;
 Side piece_of(const Side& side, double from, double to);
 /// The side with its ends moved, and all between in proportion.
 Side moved_ends(Side side, const Vec3& start, const Vec3& end);
+
+/// Sides in rim order of which some are not continued: those take nothing from what lies beyond them. Their planes are spanned by what
+/// the rim itself says: at a corner the plane of a neighbor that is continued, else that of the two sides' tangents; in between they turn
+/// evenly from one to the other. No curvature across them is known. The others stay as they are, bit for bit.
+std::vector<Side> told_by_rim(std::vector<Side> sides, const std::vector<bool>& continued);
+Sides told_by_rim(const Sides& sides, const std::array<bool, 3>& continued);
 
 /// Sides must meet: the end of each is the start of the next, within 1e-6 of the size; throws a Refusal that names the corner
 /// and the gap otherwise. Returns the size: the largest distance between two corners or side points.

@@ -15,6 +15,8 @@ struct Hole {
   std::vector<Index> rim;
   /// Places of the corners in `rim`; corners[0] == 0. Corner 1 and 2 follow along the rim.
   std::array<Index, 3> corners = {0, 0, 0};
+  /// Sides that the fill does not continue: their planes say nothing of their neighbors'.
+  std::array<bool, 3> alone = {false, false, false};
 
   /// Vertices of side i (opposite corner i), from corner i + 1 to corner i + 2, both included.
   std::vector<Index> side(int i) const;

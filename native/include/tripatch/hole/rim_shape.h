@@ -20,6 +20,10 @@ struct RimShape {
 /// The turns are angles between rim edges in the tangent plane of the faces around.
 RimShape measure(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
+/// The same by the rim alone, whatever the faces around it do: the turns are angles in space, negative where the rim turns back as it is
+/// seen along its vector area.
+RimShape measure_alone(const Mesh& mesh, const std::vector<Index>& rim);
+
 /// How far the sides are from smooth curves, judged by the rim alone: the distance of a unit edge direction from the mean of the
 /// directions before and after it, exceeded at two thirds of the inner edges of the sides. Of smooth sides it falls with the square
 /// of the edge length, and kinks here and there do not count; where a rim zigzags between irregular triangles it is a third or more.

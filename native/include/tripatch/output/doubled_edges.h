@@ -15,4 +15,7 @@ namespace tripatch {
 std::vector<std::array<Index, 2>> halve_doubled_edges(const Connectivity& mesh, std::span<const Index> rim, Index count,
                                                       std::vector<std::array<Index, 3>>& triangles);
 
+/// Pairs of rows of a rim's vertices that the mesh joins by an edge, the lower first, sorted; rim edges are among them.
+std::vector<std::array<Index, 2>> joined_rows(const Connectivity& around, const std::vector<Index>& rim);
+
 }  // namespace tripatch

@@ -1,0 +1,30 @@
+// Sides of a hole whose surroundings meet it at an angle: whatever fills it smoothly cannot be tangent to them.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+/// For each side between two corners (places in the rim, in rim order; two or more) the angle, degrees, at which the faces beside it
+/// meet the hole, 0 where a smooth fill may continue them. At a corner a smooth fill's tangent plane is that of the rim's own tangents,
+/// and of every side that it continues: a side whose faces lie in another plane at both of its corners is sharp. What coarse sides leave
+/// open counts for smooth: rims whose sides have an edge each have none that is sharp.
+std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                std::span<const Index> places);
+
+/// Whether any is.
+bool any_sharp(const std::vector<double>& angles);
+
+/// What a user is told of them, a sentence a side, or one of all.
+void tell_sharp(const std::vector<double>& angles, std::vector<std::string>& sentences);
+
+/// The faces that a fill does not continue, sorted: all but those that smooth edges connect with the faces beside the sides that are
+/// not sharp, as far as those beyond the sharp ones.
+std::vector<Index> not_continued(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                 std::span<const Index> places, const std::vector<double>& angles);
+
+}  // namespace tripatch

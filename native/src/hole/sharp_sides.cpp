@@ -1,0 +1,165 @@
+#include "tripatch/hole/sharp_sides.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <queue>
+#include <string>
+
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/angle.h"
+
+namespace tripatch {
+namespace {
+
+/// Degrees between the plane beside a side and that of the rim at its corner up to which coarse and noisy meshes of smooth surfaces
+/// come; the least angle of the real CAD faces with sharp neighbors is 30.
+constexpr double surely_smooth = 20;
+/// Degrees that a side of a single edge may turn from its chord: a rounded corner of a box in one segment lies 35 off.
+constexpr double turn_of_one_edge = 35;
+/// Sine of the angle between two sides from which on their tangents tell a plane: below 12 degrees only the faces beside them do.
+constexpr double tells_plane = 0.2;
+/// Degrees between two faces from which on the surface is not the same one, as for features across holes.
+constexpr double crease = 25;
+
+/// A side as its ends show it.
+struct SideEnd {
+  Vec3 tangent, normal;  ///< unit; along the rim, of the faces beside it, on the mesh's outer side
+  double bend = 0;       ///< degrees: by how much direction and plane may change from there to the next edge
+  bool single = false;   ///< one edge is all there is
+};
+
+Vec3 face_normal(const Mesh& mesh, Index f) {
+  const auto face = mesh.faces[f];
+  const Vec3 p = mesh.vertices.row(face[0]);
+  Vec3 n = Vec3::Zero();
+  for (std::size_t k = 1; k + 1 < face.size(); ++k)
+    n += (Vec3(mesh.vertices.row(face[k])) - p).cross(Vec3(mesh.vertices.row(face[k + 1])) - p);
+  return n.stableNormalized();
+}
+
+/// The face beside rim edge k.
+std::optional<Index> beside(const Connectivity& around, const std::vector<Index>& rim, Index k) {
+  const Index n = static_cast<Index>(rim.size());
+  const auto corner = around.edge(rim[(k + 1) % n], rim[k]);
+  if (!corner) return {};
+  return around.face(*corner);
+}
+
+/// Direction and plane at the beginning of a rim edge, carried on from its middle and that of the next edge; the other way round for the
+/// end of a side.
+SideEnd end_of_side(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Index edge, Index next,
+                    bool single) {
+  const Index n = static_cast<Index>(rim.size());
+  const auto chord = [&](Index k) -> Vec3 { return mesh.vertices.row(rim[(k + 1) % n]) - mesh.vertices.row(rim[k]); };
+  const auto plane = [&](Index k) {
+    const std::optional<Index> f = beside(around, rim, k);
+    return f ? face_normal(mesh, *f) : Vec3(Vec3::Zero());
+  };
+  const Vec3 a = chord(edge), b = chord(next);
+  SideEnd end{a.stableNormalized(), plane(edge), turn_of_one_edge, single};
+  if (single || !(end.normal.norm() > 0)) return end;
+  const Vec3 direction = b.stableNormalized(), normal = plane(next);
+  end.bend = degrees_between(end.tangent, direction) + degrees_between(end.normal, normal);
+  const double share = a.norm() / (a.norm() + b.norm());
+  end.tangent = (end.tangent + share * (end.tangent - direction)).stableNormalized();
+  end.normal = (end.normal + share * (end.normal - normal)).stableNormalized();
+  return end;
+}
+
+/// Degrees by which the planes beside the sides that end and begin at a corner are off, 0 where that may be the mesh's coarseness.
+std::array<double, 2> off_at_corner(const SideEnd& in, const SideEnd& out) {
+  if (in.single && out.single) return {0, 0};
+  const Vec3 across = in.tangent.cross(out.tangent);
+  const double sine = across.norm(), tolerance = surely_smooth + in.bend + out.bend;
+  std::array<double, 2> off;
+  if (sine < tells_plane) {
+    off.fill(degrees_between(in.normal, out.normal));
+  } else {  // where the rim turns back, the other way up
+    const double a = degrees_between(in.normal, across), b = degrees_between(out.normal, across);
+    const bool up = std::max(a, b) <= 180 - std::min(a, b);
+    off = {up ? a : 180 - a, up ? b : 180 - b};
+  }
+  for (double& angle : off)
+    if (angle <= tolerance) angle = 0;
+  return off;
+}
+
+}  // namespace
+
+std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                std::span<const Index> places) {
+  const std::size_t sides = places.size();
+  const Index n = static_cast<Index>(rim.size());
+  std::vector<double> angles(sides, 0.0);
+  if (sides < 2 || zigzag(mesh, rim, places) > smooth_sides) return angles;
+  std::vector<SideEnd> first, last;
+  for (std::size_t i = 0; i < sides; ++i) {
+    const Index from = places[i], edges = (places[(i + 1) % sides] - from + n - 1) % n + 1;
+    const bool single = edges == 1;
+    first.push_back(end_of_side(mesh, around, rim, from, (from + 1) % n, single));
+    last.push_back(end_of_side(mesh, around, rim, (from + edges - 1) % n, (from + edges - 2 + n) % n, single));
+  }
+  std::vector<std::array<double, 2>> off(sides);  // of each side, at its two ends
+  for (std::size_t i = 0; i < sides; ++i) {
+    const std::size_t next = (i + 1) % sides;
+    const auto [in, out] = off_at_corner(last[i], first[next]);
+    off[i][1] = in;
+    off[next][0] = out;
+  }
+  for (std::size_t i = 0; i < sides; ++i)
+    if (off[i][0] > 0 && off[i][1] > 0) angles[i] = (off[i][0] + off[i][1]) / 2;
+  return angles;
+}
+
+bool any_sharp(const std::vector<double>& angles) {
+  return std::any_of(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
+}
+
+void tell_sharp(const std::vector<double>& angles, std::vector<std::string>& sentences) {
+  const auto tell = [&](const std::string& where, double angle) {
+    sentences.push_back("The mesh meets the hole at an angle of about " + std::to_string(std::lround(angle)) + " degrees along " +
+                        where + ": the fill is not continued there (Free); continuity G1 does it all the same");
+  };
+  const auto [least, most] = std::minmax_element(angles.begin(), angles.end());
+  if (least != angles.end() && *least > 0) {
+    tell("all sides", *most);
+    return;
+  }
+  for (std::size_t i = 0; i < angles.size(); ++i)
+    if (angles[i] > 0) tell("side " + std::to_string(i), angles[i]);
+}
+
+std::vector<Index> not_continued(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                 std::span<const Index> places, const std::vector<double>& angles) {
+  const Index n = static_cast<Index>(rim.size());
+  enum : char { unseen, continued, beyond };
+  std::vector<char> state(static_cast<std::size_t>(mesh.faces.size()), unseen);
+  std::queue<Index> front;
+  for (const char kind : {continued, beyond})
+    for (std::size_t i = 0; i < places.size(); ++i)
+      for (Index k = places[i]; (angles[i] > 0) == (kind == beyond) && k != places[(i + 1) % places.size()]; k = (k + 1) % n)
+        if (const std::optional<Index> f = beside(around, rim, k); f && state[*f] == unseen) {
+          state[*f] = kind;
+          front.push(*f);
+        }
+  for (; !front.empty(); front.pop()) {
+    const Index f = front.front();
+    const auto face = mesh.faces[f];
+    const Vec3 normal = face_normal(mesh, f);
+    for (std::size_t k = 0; k < face.size(); ++k)
+      for (Index g : around.faces_at_edge(face[k], face[(k + 1) % face.size()]))
+        if (state[g] == unseen && degrees_between(normal, face_normal(mesh, g)) < crease) {
+          state[g] = state[f];
+          front.push(g);
+        }
+  }
+  std::vector<Index> faces;
+  for (Index f = 0; f < mesh.faces.size(); ++f)
+    if (state[f] != continued) faces.push_back(f);
+  return faces;
+}
+
+}  // namespace tripatch

@@ -1,0 +1,112 @@
+"""Holes that the mesh meets at an angle: what lies beyond such a side tells nothing of the face that was there, the rim does."""
+
+import numpy as np
+import pytest
+import tripatch
+from shapes import corner_removed, cube_sphere, octant
+
+TRIANGLE = np.array([(-0.5, -0.4), (0.6, -0.3), (0.0, 0.7)])
+QUADRANGLE = np.array([(-0.5, -0.5), (0.5, -0.45), (0.55, 0.5), (-0.45, 0.6)])
+PENTAGON = 0.6 * np.array([(np.cos(a), np.sin(a)) for a in 2 * np.pi * np.arange(5) / 5])
+
+
+def slope(x, y):
+    return 0.3 * x - 0.2 * y
+
+
+def cylinder(x, _):
+    return np.sqrt(1.44 - x * x)
+
+
+def sphere(x, y):
+    return np.sqrt(2.25 - x * x - y * y)
+
+
+def saddle(x, y):
+    return 0.3 * (x * x - y * y)
+
+
+def column(top, corners, edges=12, rows=5):
+    """What is left of a column below z = top(x, y) over a polygon: its walls. The face on top is the hole."""
+    n, t = len(corners), np.arange(edges)[:, None] / edges
+    plan = np.concatenate([corners[k] + t * (corners[(k + 1) % n] - corners[k]) for k in range(n)])
+    z = top(*plan.T)
+    down = np.linspace(0, 1, rows + 1)[:, None]
+    heights = z + down * (z.min() - 0.5 - z)
+    vertices = np.column_stack([np.tile(plan, (rows + 1, 1)), heights.ravel()])
+    r = len(plan)
+    quads = [(j * r + (k + 1) % r, j * r + k, (j + 1) * r + k, (j + 1) * r + (k + 1) % r) for j in range(rows) for k in range(r)]
+    return vertices, np.array(quads), list(range(r)), list(range(0, r, edges))
+
+
+def distance(fill, top):
+    x, y, z = fill.vertices.T
+    return np.abs(z - top(x, y)).max()
+
+
+@pytest.mark.parametrize("corners", [TRIANGLE, QUADRANGLE, PENTAGON])
+@pytest.mark.parametrize(("top", "within"), [(slope, 1e-12), (cylinder, 1e-4), (sphere, 1e-4), (saddle, 1e-4)])
+def test_a_face_between_walls_is_what_its_rim_says(top, within, corners):
+    vertices, faces, rim, at = column(top, corners)
+    fill = tripatch.fill(vertices, faces, rim=rim)
+    assert fill.report.corners == at
+    assert fill.report.continuity == ["Free"] * len(corners)
+    assert distance(fill, top) < within
+    assert any("at an angle of about" in warning and "all sides" in warning for warning in fill.report.warnings)
+    assert fill.report.surroundings_error == 0  # none are continued
+
+
+@pytest.mark.parametrize("continuity", ["G0", "Free"])
+def test_sides_met_in_position_only_take_nothing_from_their_neighbors(continuity):
+    vertices, faces, rim, at = column(slope, TRIANGLE)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=at, continuity=continuity)
+    assert distance(fill, slope) < 1e-12
+    assert not fill.report.warnings
+
+
+def test_g1_is_what_it_is_called_at_sharp_sides_too():
+    vertices, faces, rim, at = column(slope, TRIANGLE)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=at, method="side_vertex", continuity="G1")
+    assert fill.report.continuity == ["G1"] * 3
+    assert distance(fill, slope) > 0.01
+
+
+@pytest.mark.parametrize("corners", [TRIANGLE, PENTAGON])
+def test_the_spline_does_not_run_on_beyond_walls(corners):
+    vertices, faces, rim, _ = column(slope, corners)
+    fill = tripatch.fill(vertices, faces, rim=rim, method="polyharmonic_spline")
+    assert distance(fill, slope) < 1e-12
+    assert any(f"{len(corners)} of its {len(corners)} sides" in warning for warning in fill.report.warnings)
+
+
+@pytest.mark.parametrize("method", ["auto", "polyharmonic_spline"])
+def test_the_sides_that_a_face_goes_on_beyond_are_continued(method):
+    """A cylinder's face that has a wall along one side, and goes on beyond the two others."""
+    vertices, faces, rim, at = column(cylinder, TRIANGLE)
+    wall = [f for f in faces.tolist() if {v % 36 for v in f} <= set(range(13))]
+    points, beyond = [*vertices], []
+    outer = {}
+    for k in [*range(12, 36), 0]:  # the two other sides go on outwards, row by row
+        for j in range(5):
+            x, y = vertices[k, :2] * (1 + 0.08 * j)
+            outer[k, j] = k if j == 0 else len(points)
+            if j:
+                points.append((x, y, cylinder(x, y)))
+    around = [*range(12, 36), 0]
+    for a, b in zip(around, around[1:], strict=False):
+        beyond += [(outer[b, j], outer[a, j], outer[a, j + 1], outer[b, j + 1]) for j in range(4)]
+    fill = tripatch.fill(np.array(points), [*wall, *beyond], rim=rim, corners=at, method=method)
+    assert distance(fill, cylinder) < (1e-4 if method == "auto" else 2e-2)
+    if method == "auto":
+        assert fill.report.continuity == ["G1", "G1", "Free"]  # side 2 runs from corner 0 to corner 1
+        assert any("along side 2" in warning for warning in fill.report.warnings)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4, 8])
+def test_no_side_of_a_coarse_sphere_is_sharp(n):
+    vertices, faces, rim = octant(n)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=[rim[0], rim[n], rim[2 * n]])
+    assert fill.report.continuity == ["G1"] * 3
+    vertices, faces = cube_sphere(n + 2)
+    left, _ = corner_removed(vertices, faces, 1)
+    assert "Free" not in tripatch.fill(vertices, left).report.continuity
