@@ -5,8 +5,10 @@
 #include "tripatch/boundary/local_mesh.h"
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/hole/choose_holes.h"
+#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/outer_borders.h"
+#include "tripatch/hole/rim_checks.h"
 
 using namespace tripatch;
 
@@ -44,12 +46,20 @@ void bind_holes(py::module_& m) {
           return listed(loops);
         });
   m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                            const std::vector<Index>& rim, const std::vector<Index>& replaced) {
+                            const std::vector<Index>& rim, const std::vector<Index>& replaced, bool any_number) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     py::gil_scoped_release release;
-    const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
-    return std::array<Index, 3>{hole.rim[hole.corners[0]], hole.rim[hole.corners[1]], hole.rim[hole.corners[2]]};
+    std::vector<Index> found;
+    if (any_number) {
+      const Connectivity around = Connectivity::around({points, faces}, rim, most_rings, replaced);
+      const std::vector<Index> loop = check_topology(around, rim);
+      for (Index place : corners_between_sides({points, faces}, around, loop)) found.push_back(loop[place]);
+    } else {
+      const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
+      for (Index place : hole.corners) found.push_back(hole.rim[place]);
+    }
+    return found;
   });
   m.def("_is_outer_border",
         [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const std::vector<Index>& rim) {

@@ -10,6 +10,7 @@
 #include "tripatch/cage/cage_fill.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/corners.h"
+#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
@@ -458,23 +459,29 @@ bool makes_polygon(const std::vector<Index>& corners) {
   return corners.size() > 3 && corners.size() <= static_cast<std::size_t>(most_sides);
 }
 
-/// The exact patch between four sides or more where they are smooth, else the surface over a plane.
-Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners,
-                       const FillOptions& options, const std::string& otherwise) {
+/// Degrees between the tangent planes of two sides at a corner that nobody has given, from which on the surroundings are no one surface
+/// there: as far as twelve edges a side are from telling those of a smooth one (2 degrees), several times over.
+constexpr double one_surface = 10;
+
+/// The exact patch between four sides or more where they are smooth, else the surface over a plane. given: the corners are a person's.
+Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, bool given,
+                       const FillOptions& options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
-  std::string reason = otherwise;
+  std::string reason;
   std::optional<Fill> patch;
   try {
     const CorneredRim found = cornered(ground, rim, corners);
     if (zigzag(ground.mesh, found.rim, found.places) > smooth_sides) return any_rim("the sides between the corners zigzag");
     PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options);
     made.fill.report.method_reason = "the rim has " + std::to_string(corners.size()) + " smooth sides";
+    if (!given && made.planes_apart_deg > one_surface)
+      return any_rim("the tangent planes of the " + std::to_string(corners.size()) + " sides differ at the corners");
     if (!made.crumpled) {
       const std::vector<std::string>& kept = made.fill.report.continuity;
       if (!not_taken(options).empty() || std::find(kept.begin(), kept.end(), "Free") != kept.end()) return std::move(made.fill);
       Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
                             " sides alone");
-      return excluded_by(made.fill, spline) ? spline : std::move(made.fill);
+      return excluded_by(made.fill, spline, diameter(ground.mesh, rim)) ? spline : std::move(made.fill);
     }
     reason = "a patch between " + std::to_string(corners.size()) + " corners would fold or crumple";
     patch = std::move(made.fill);
@@ -504,18 +511,21 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
   if (!options.islands.empty()) return any_rim("the hole has islands");
   if (corners && corners->empty()) return any_rim("a round rim was asked for");
-  if (corners && makes_polygon(*corners))
-    return fill_between_many(ground, rim, *corners, options, std::to_string(corners->size()) + " corners are given");
+  if (corners && makes_polygon(*corners)) return fill_between_many(ground, rim, *corners, true, options);
   if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
   Hole hole;
   const std::vector<Index> checked = check_topology(ground.left, rim);
   check_finite(ground.mesh, ground.left, checked);
+  std::vector<Index> found;
+  if (!corners)
+    for (Index place : corners_between_sides(ground.mesh, ground.left, checked)) found.push_back(checked[place]);
   const auto creases_in = [&](const Connectivity& around) {
     return !find_features(ground.mesh, around, checked).creases.empty();
   };
   if (options.features && creases_in(ground.left) &&
       (!ground.is_part() || creases_in(Connectivity(ground.mesh, options.replaced))))
     return any_rim("a crease of the surroundings goes on across the hole");
+  if (makes_polygon(found)) return fill_between_many(ground, rim, found, false, options);
   try {
     hole = make_hole(ground.mesh, ground.left, rim, three(corners));
   } catch (const Refusal& refusal) {

@@ -68,6 +68,70 @@ def test_auto_takes_one_of_the_two_kinds_and_says_why():
     assert bulged.report.method == "multi_sided"
 
 
+@pytest.mark.parametrize("n", [4, 5, 6, 8])
+def test_clear_corners_are_found(n):
+    vertices, faces, corners = around(n)
+    rim = np.roll(np.arange(8 * n), 5)
+    assert sorted(tripatch.find_corners(vertices, faces, rim, any_number=True)) == corners
+    given = tripatch.fill(vertices, faces, rim=rim, corners=corners)
+    found = tripatch.fill(vertices, faces, rim=rim)
+    assert sorted(found.report.corners) == corners and found.report.method == given.report.method
+    # about other first corners, which the patch does not know of
+    assert np.abs(np.linalg.norm(found.vertices, axis=1) - 1).max() < 3e-3
+
+
+def test_corners_are_not_clear_where_the_rim_is_round_or_zigzags_or_turns_back():
+    vertices, faces, _ = around(5)
+    rim = np.arange(40)
+    angle = 2 * np.pi * np.arange(40) / 40
+    round_rim = vertices.copy()
+    length = np.linalg.norm(vertices[:, :2], axis=1, keepdims=True)
+    for ring in range(6):
+        of = slice(40 * ring, 40 * ring + 40)
+        round_rim[of, :2] = np.column_stack([np.cos(angle), np.sin(angle)]) * length[of].mean()
+        round_rim[of, 2] = vertices[of, 2].mean()
+    jagged = vertices.copy()
+    jagged[rim, :2] *= 1 + 0.04 * (-1.0) ** rim[:, None]
+    notched = vertices.copy()
+    notched[4, :2] *= 0.8
+    for points in (round_rim, jagged, notched):
+        assert len(tripatch.find_corners(points, faces, rim, any_number=True)) in (0, 3)
+        assert tripatch.fill(points, faces, rim=rim).report.method == "polyharmonic_spline"
+
+
+def test_sides_with_planes_of_their_own_are_no_patch_unless_the_corners_are_given():
+    # the open end of a box: its four sides meet at right angles
+    m = 8
+    t = np.arange(m) / m
+    square = np.concatenate([np.column_stack(xy) for xy in ((t, 0 * t), (0 * t + 1, t), (1 - t, 0 * t + 1), (0 * t, 1 - t))])
+    vertices = np.concatenate([np.column_stack([square, np.full(4 * m, -z / m)]) for z in range(6)])
+    n = 4 * m
+    faces = [[j * n + (k + 1) % n, j * n + k, (j + 1) * n + k, (j + 1) * n + (k + 1) % n] for j in range(5) for k in range(n)]
+    fill = tripatch.fill(vertices, faces, rim=np.arange(n))
+    assert fill.report.method == "polyharmonic_spline"
+
+
+def test_a_corner_that_turns_little_is_no_kink_in_a_side():
+    # seven clear corners and one of 15 degrees: of three or four that a window sees nothing good was made
+    turns = np.array([60, 40, 15, 60, 45, 50, 45, 45])
+    vertices, faces, corners = around(8)
+    directions = np.radians(np.cumsum(turns))
+    lengths = np.ones(8)
+    edges = np.column_stack([np.cos(directions), np.sin(directions)])
+    # the lengths nearest to 1 that close it
+    lengths -= edges @ np.linalg.solve(edges.T @ edges, edges.sum(axis=0))
+    ends = np.cumsum(lengths[:, None] * edges, axis=0)
+    ends = (ends - ends.mean(axis=0)) / 3
+    t = np.arange(8)[:, None] / 8
+    rim = np.concatenate([(1 - t) * ends[i] + t * ends[(i + 1) % 8] for i in range(8)])
+    plane = ((1 + 0.1 * np.arange(6))[:, None, None] * rim[None]).reshape(-1, 2)
+    vertices = np.column_stack([plane, 0.3 * (plane[:, 0] ** 2 - 0.6 * plane[:, 1] ** 2)])
+    assert sorted(tripatch.find_corners(vertices, faces, np.arange(64), any_number=True)) == corners
+    fill = tripatch.fill(vertices, faces, rim=np.arange(64))
+    off = fill.vertices[:, 2] - 0.3 * (fill.vertices[:, 0] ** 2 - 0.6 * fill.vertices[:, 1] ** 2)
+    assert np.abs(off).max() < 1e-4
+
+
 def test_the_method_can_be_insisted_on():
     vertices, faces, corners = around(5)
     for method in ("multi_sided", "side_vertex"):

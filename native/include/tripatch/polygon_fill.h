@@ -27,11 +27,12 @@ PolygonPatchOptions polygon_options(const FillOptions& options);
 
 struct PolygonFill {
   Fill fill;
-  bool crumpled = false;  ///< folds, or no energy serves: another kind of fill may do better
+  bool crumpled = false;        ///< folds, or no energy serves: another kind of fill may do better
+  double planes_apart_deg = 0;  ///< the most by which the tangent planes of two sides differ at their corner
 };
 /// Whether a fill from the surroundings as a whole, which states how well it is known, tells of another surface than the patch between
-/// the sides.
-bool excluded_by(const Fill& patch, const Fill& spline);
+/// the sides; diameter: of the hole.
+bool excluded_by(const Fill& patch, const Fill& spline, double diameter);
 
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options);

@@ -43,23 +43,25 @@ def choose_holes(vertices, faces, **options) -> list[np.ndarray]:
     return _native._choose_holes(*_arrays.mesh(vertices, faces), given)
 
 
-def find_corners(vertices, faces, rim, *, replaced=()) -> np.ndarray:
-    """The three corners of a rim, detected as `fill` does: where the rim turns, read in the tangent plane of the faces around.
+def find_corners(vertices, faces, rim, *, replaced=(), any_number: bool = False) -> np.ndarray:
+    """The corners of a rim, detected as `fill` does: where the rim turns, read in the tangent plane of the faces around.
 
     Args:
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
         rim: vertex indices of the hole's border, any start, either direction.
         replaced: indices of faces that count as not there.
+        any_number: not only three, but those that method="auto" takes: four to twelve where they are clear, three, or none.
 
     Returns:
-        (3,) vertex indices, in the direction in which new faces traverse the rim.
+        (3,) vertex indices, in the direction in which new faces traverse the rim; of any number (n,).
 
     Raises:
-        Refusal: the rim has not three clear corners, or is none.
+        Refusal: the rim has not three clear corners (where they are asked for), or is none.
     """
     checked = _arrays.mesh(vertices, faces)
-    corners = _native._find_corners(*checked, _arrays.indices(rim, "rim"), _arrays.indices(replaced, "replaced"))
+    gone = _arrays.indices(replaced, "replaced")
+    corners = _native._find_corners(*checked, _arrays.indices(rim, "rim"), gone, bool(any_number))
     return np.array(corners, np.int64)
 
 

@@ -1,0 +1,18 @@
+// Corners that a rim has beyond doubt, for patches of any number of sides.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
+
+namespace tripatch {
+
+/// Places in the rim, in rim order, where it turns at single vertices by so much more than beside them that what lies between is a
+/// smooth side each: two to twelve of them, or none where it is not so. rim: in the direction of new faces.
+std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
+/// Places of the corners between which a patch is made where nobody gives any: four or more clear ones, else three as detect_corners
+/// finds them, else none.
+std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
+}  // namespace tripatch

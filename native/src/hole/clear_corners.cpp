@@ -1,0 +1,79 @@
+#include "tripatch/hole/clear_corners.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "tripatch/hole/corners.h"
+#include "tripatch/hole/rim_shape.h"
+
+namespace tripatch {
+namespace {
+
+/// A corner turns by at least this (radians, 12 degrees): as much as the domain of a patch of n sides does at each of its corners.
+constexpr double least_turn = 12 * M_PI / 180;
+/// And by this many times what the vertices beside it turn, two to either side. Smooth sides bend alike from vertex to vertex; where an
+/// arc begins at a straight line it is twice as much.
+constexpr double over_beside = 2.5;
+constexpr Index beside = 2;
+/// Corners are edges apart, three in the mean: of shorter sides nobody knows which way they run.
+constexpr Index least_edges = 2, mean_edges = 3;
+constexpr Index most_clear = 12;
+
+/// Whether no face around is a triangle: lines of quads tell of three corners more surely than turns do.
+bool between_lines(const Connectivity& around, const std::vector<Index>& rim) {
+  for (Index v : rim)
+    for (const Connectivity::Corner c : around.at(v))
+      if (around.faces()[around.face(c)].size() < 4) return false;
+  return true;
+}
+
+}  // namespace
+
+std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const Index n = static_cast<Index>(rim.size());
+  if (n < 2 * mean_edges) return {};
+  const RimShape shape = measure(mesh, around, rim);
+  if (shape.without_area) return {};
+  std::vector<Index> order(n);
+  std::iota(order.begin(), order.end(), Index{0});
+  const auto size = [&](Index k) { return std::abs(shape.turn[k]); };
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return size(a) > size(b); });
+  std::vector<Index> corners;
+  std::vector<char> is_corner(n, 0);
+  for (Index k : order) {
+    if (size(k) < least_turn) break;
+    double near = 0;
+    for (Index step = 1; step <= beside; ++step)
+      for (Index other : {(k + step) % n, (k + n - step) % n})
+        if (!is_corner[other]) near = std::max(near, size(other));
+    if (size(k) < over_beside * near) continue;
+    if (shape.turn[k] < 0) return {};  // such holes are not convex
+    corners.push_back(k);
+    is_corner[k] = 1;
+  }
+  const Index count = static_cast<Index>(corners.size());
+  if (count < 2 || count > most_clear || count * mean_edges > n) return {};
+  const double least = size(corners.back());
+  for (Index k = 0; k < n; ++k)
+    if (!is_corner[k] && size(k) >= least) return {};
+  std::sort(corners.begin(), corners.end());
+  for (Index k = 0; k < count; ++k)
+    if ((corners[(k + 1) % count] - corners[k] + n) % n < least_edges) return {};
+  if (zigzag(mesh, rim, corners) > smooth_sides) return {};
+  return corners;
+}
+
+std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  std::vector<Index> clear = clear_corners(mesh, around, rim), seen;
+  try {
+    seen = detect_corners(mesh, around, rim);
+  } catch (const Refusal&) {  // the faces around tell nothing
+    return {};
+  }
+  if (clear.size() > 3 && !(seen.size() == 3 && between_lines(around, rim))) return clear;
+  if (seen.size() != 3) seen.clear();
+  return seen;
+}
+
+}  // namespace tripatch
