@@ -9,7 +9,7 @@
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/output/doubled_edges.h"
-#include "tripatch/output/pair_quads.h"
+#include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/folded_triangles.h"
 
@@ -33,12 +33,6 @@ std::vector<T> one_for_all(const BySide<T>& values, const char* name) {
     throw InvalidArgument(std::string(name) + " has one value for all sides where a hole has not three of them");
   return {values[0]};
 }
-
-/// Places of a cover and its faces, the rim's rows first.
-struct PlaneCover {
-  PlanePoints uv;
-  Faces faces;
-};
 
 PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vector<double>>& parameters) {
   std::vector<Vec2> places;
@@ -66,39 +60,30 @@ PlaneCover triangles_of(const PolygonPatch& made, const PlanePoints& rim_uv, con
   PlaneTriangulation triangulated = remesh(polygon, resolution, *made.patch);
   PlaneCover cover;
   cover.uv = triangulated.uv;
+  cover.rim = r;
+  for (Index k = 0; k < r; ++k) cover.rim_rows.push_back(k);
   for (const std::array<Index, 3>& t : triangulated.triangles) cover.faces.add(t);
   return cover;
 }
 
-/// Four sides, opposite ones with as many edges: the grid without a pole. Rows of the domain by Coons's blend of its border.
-std::optional<PlaneCover> grid_of(const PolygonDomain& domain, const std::vector<std::vector<double>>& t,
-                                  const PlanePoints& rim_uv) {
-  if (domain.sides() != 4 || t[0].size() != t[2].size() || t[1].size() != t[3].size()) return {};
-  const Index a = static_cast<Index>(t[0].size()) - 1, b = static_cast<Index>(t[1].size()) - 1, r = rim_uv.rows();
-  PlaneCover cover;
-  cover.uv.resize(r + (a - 1) * (b - 1), 2);
-  cover.uv.topRows(r) = rim_uv;
-  // of column i and row j: the rim runs along row 0, column a, row b backwards, column 0 backwards
-  const auto at = [&](Index i, Index j) {
-    if (j == 0) return i;
-    if (i == a) return a + j;
-    if (j == b) return a + b + (a - i);
-    if (i == 0) return 2 * a + b + (b - j);
-    return r + (j - 1) * (a - 1) + i - 1;
-  };
-  for (Index j = 1; j < b; ++j)
-    for (Index i = 1; i < a; ++i) {
-      // where the line between the places on opposite sides crosses that between the other two
-      const Vec2 low = rim_uv.row(at(i, 0)), high = rim_uv.row(at(i, b)), left = rim_uv.row(at(0, j)),
-                 right = rim_uv.row(at(a, j));
-      const Vec2 d = high - low, e = right - left, f = left - low;
-      const double det = d[0] * -e[1] + e[0] * d[1];
-      const double s = (f[0] * -e[1] + e[0] * f[1]) / det;
-      cover.uv.row(at(i, j)) = low + s * d;
+/// How many quads the fill wants at the corners, where all faces around are quads.
+std::vector<RimCorner> rim_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                   const std::vector<Index>& corners) {
+  std::vector<RimCorner> wanted;
+  for (Index place : corners) {
+    int quads = 0;
+    bool all = true;
+    for (Connectivity::Corner c : around.at(rim[place])) {
+      ++quads;
+      all = all && mesh.faces[around.face(c)].size() == 4;
     }
-  for (Index j = 0; j < b; ++j)
-    for (Index i = 0; i < a; ++i) cover.faces.add(std::array<Index, 4>{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-  return cover;
+    wanted.push_back({place, all ? std::max(1, 4 - quads) : 0});
+  }
+  return wanted;
+}
+
+LayoutOptions polygon_layout_options(const FillOptions& options) {
+  return {options.resolution, options.tolerance, options.odd == Odd::split, options.pole_offset};
 }
 
 /// The derivative across turned at a right angle to the side at the rim's vertices, within the tangent planes. As read it leans towards
@@ -122,6 +107,24 @@ Points plane_rows(const PlanePoints& uv) {
   Points rows = Points::Zero(uv.rows(), 3);
   rows.leftCols(2) = uv;
   return rows;
+}
+
+/// Vertices, normals and faces of a fill that has its rim and its patch, in a mesh of so many vertices.
+void deliver(const PlaneCover& cover, Index vertices, Fill& fill) {
+  std::vector<Index> index(cover.uv.rows()), rows;  // of the mesh; rows that become new vertices, that of a split edge first
+  for (Index k = 0; k < cover.uv.rows(); ++k) {
+    const bool reused = k < cover.rim && cover.rim_rows[k] >= 0;
+    index[k] = reused ? fill.rim[cover.rim_rows[k]] : vertices + static_cast<Index>(rows.size());
+    if (!reused) rows.push_back(k);
+  }
+  fill.uv = cover.uv(rows, Eigen::all);
+  std::tie(fill.vertices, fill.normals) = fill.patch->positions_and_normals(plane_rows(fill.uv));
+  fill.faces = cover.faces;
+  for (Index& v : fill.faces.corners) v = index[v];
+  if (cover.split) {
+    fill.split_edges.push_back({fill.rim[(*cover.split)[0]], fill.rim[(*cover.split)[1]]});
+    fill.split_t.push_back(0.5);
+  }
 }
 
 /// Root mean square distance of some of the points from a surface over a plane, by Gauss-Newton from the places of other points of it.
@@ -211,30 +214,17 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   Fill& fill = result.fill;
   const Index r = static_cast<Index>(rim.size()), n = mesh.vertices.rows();
   const PlanePoints rim_uv = rim_places(made.domain, known.parameters);
-  const bool quads = options.output == Output::quads;
-  std::optional<PlaneCover> cover;
-  if (quads) cover = grid_of(made.domain, known.parameters, rim_uv);
-  if (!cover) {
-    Points points(r, 3);
-    for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
-    cover = triangles_of(made, rim_uv, points, joined_rows(around, rim), options.resolution);
-    if (quads) {
-      std::vector<std::array<Index, 3>> triangles;
-      for (Index f = 0; f < cover->faces.size(); ++f)
-        triangles.push_back({cover->faces[f][0], cover->faces[f][1], cover->faces[f][2]});
-      Points all(cover->uv.rows(), 3);
-      all << points, made.patch->positions(plane_rows(cover->uv.bottomRows(cover->uv.rows() - r)));
-      cover->faces = pair_quads(all, triangles);
-    }
-  }
+  Points points(r, 3);
+  for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
+  const PlaneCover cover = options.output == Output::quads
+                               ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
+                                                          polygon_layout_options(options))
+                               : triangles_of(made, rim_uv, points, joined_rows(around, rim), options.resolution);
   fill.rim = rim;
   fill.rim_uv = rim_uv;
   fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
-  fill.uv = cover->uv.bottomRows(cover->uv.rows() - r);
-  std::tie(fill.vertices, fill.normals) = made.patch->positions_and_normals(plane_rows(fill.uv));
-  fill.faces = std::move(cover->faces);
-  for (Index& v : fill.faces.corners) v = v < r ? rim[v] : n + v - r;
   fill.patch = made.patch;
+  deliver(cover, n, fill);
   fill.sides = std::move(made.sides);
 
   Report& report = fill.report;
@@ -252,9 +242,14 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   double squares = 0;
   for (double a : made.seam_angle_rms) squares += a * a / static_cast<double>(made.seam_angle_rms.size());
   report.seam_angle_rms = std::sqrt(squares);
+  report.rows = cover.rows;
+  for (Index pole : cover.poles)
+    report.poles.push_back(
+        {n + pole - cover.rim + (cover.split ? 1 : 0), std::count(cover.faces.corners.begin(), cover.faces.corners.end(), pole)});
   report.warnings = made.warnings;
   if (options.continuity[0] == SideContinuity::automatic) tell_sharp(angles, report.warnings);
   result.planes_apart_deg = *std::max_element(made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end());
+  report.warnings.insert(report.warnings.end(), cover.warnings.begin(), cover.warnings.end());
   for (std::size_t k = 0; k < corners.size(); ++k) {
     report.corners.push_back(rim[corners[k]]);
     if (made.corner_mismatch_deg[k] > mismatch_warned)

@@ -55,6 +55,49 @@ def test_four_sides_of_equal_counts_give_a_grid_of_quads():
             assert np.cross(p[k] - p[k - 1], p[(k + 1) % 4] - p[k]) @ normal > 0
 
 
+def sines(vertices, fill):
+    """Of all corners of the quads, negative where one is turned over."""
+    everything, found = np.concatenate([vertices, fill.vertices]), []
+    for face in fill.faces:
+        if len(face) != 4:
+            continue
+        p = everything[list(face)]
+        normal = np.cross(p[2] - p[0], p[3] - p[1])
+        for k in range(4):
+            a, b = p[(k + 1) % 4] - p[k], p[k - 1] - p[k]
+            found.append(np.cross(a, b) @ normal / np.linalg.norm(normal) / np.linalg.norm(a) / np.linalg.norm(b))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("n", [5, 6, 8, 11])
+def test_quads_between_many_sides(n):
+    vertices, faces, corners = around(n)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(8 * n), corners=corners, method="multi_sided", output="quads")
+    assert {len(f) for f in fill.faces} == {4}
+    assert sines(vertices, fill).min() > 0.7 and len(fill.report.poles) <= 4
+    assert fill.report.seam_angle_max < 1e-5 and not fill.report.warnings
+    edges = np.sort(np.concatenate([np.stack([f, np.roll(f, -1)], axis=1) for f in fill.faces]), axis=1)
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    assert (count == 1).sum() == 8 * n and count.max() == 2
+    valence = [np.sum(np.concatenate(fill.faces) == v) for v, _ in fill.report.poles]
+    assert valence == [k for _, k in fill.report.poles]
+
+
+def test_an_odd_rim_of_many_sides_has_an_edge_split_or_one_triangle():
+    vertices, faces, corners = around(5, per_side=5)
+    options = {"rim": np.arange(25), "corners": corners, "method": "multi_sided", "output": "quads"}
+    split = tripatch.fill(vertices, faces, **options)
+    assert {len(f) for f in split.faces} == {4} and len(split.split_edges[0]) == 1
+    ends = split.split_edges[0][0]
+    middle = vertices[ends].mean(axis=0)
+    assert np.linalg.norm(split.vertices[0] - middle) < 0.2 * np.linalg.norm(np.diff(vertices[ends], axis=0))
+    one = tripatch.fill(vertices, faces, **options, odd="triangle")
+    assert sum(len(f) == 3 for f in one.faces) == 1 and len(one.split_edges[0]) == 0
+    assert any("one triangle" in warning for warning in one.report.warnings)
+    for fill in (split, one):
+        assert sines(vertices, fill).min() > 0.4
+
+
 def test_auto_takes_one_of_the_two_kinds_and_says_why():
     vertices, faces, corners = around(4)
     egg = vertices * (1, 0.8, 1.3) + 0.05 * vertices[:, :1] * vertices[:, 1:2]

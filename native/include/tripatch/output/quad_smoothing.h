@@ -1,0 +1,36 @@
+// Where the vertices of a layout of quads go: first in a plane domain, then on the surface over it.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/math/plane.h"
+#include "tripatch/patch/surface.h"
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// A layout over a plane domain: rows of places, the first `rim` of them around, counterclockwise.
+struct PlaneLayout {
+  PlanePoints uv;
+  Index rim = 0;
+  Faces faces;               ///< traverse the rim forwards: quads, and one triangle where the rim is odd
+  std::vector<Index> poles;  ///< inside vertices whose valence is not 4
+};
+
+/// Scaled Jacobians of all corners of the quads: the sine of the corner's angle, negative where it is turned over as seen along the
+/// normal of its quad.
+struct QuadQuality {
+  double least = 1, mean = 1;
+};
+QuadQuality quad_quality(const PointsRef& points, const Faces& faces);
+
+/// Inside vertices at weighted means of their neighbors (Tutte 1963), so that in a convex domain no face is turned over. Edges across
+/// the same row of quads weigh the same, the less the longer the row's ends on the rim are.
+void embed(PlaneLayout& layout);
+
+/// Moves the inside vertices towards quads whose corners are right angles and whose sides are as the rows' ends on the rim, by Newton
+/// steps of one vertex after the other. surface: in the metric of that over the domain; none: in the plane. border: where the rim is
+/// in space (rim x 3), with a surface.
+void smooth_quads(PlaneLayout& layout, int sweeps, const Surface* surface = nullptr, const Points* border = nullptr);
+
+}  // namespace tripatch
