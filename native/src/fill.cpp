@@ -474,11 +474,12 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     if (zigzag(ground.mesh, found.rim, found.places) > smooth_sides) return any_rim("the sides between the corners zigzag");
     PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options);
     made.fill.report.method_reason = "the rim has " + std::to_string(corners.size()) + " smooth sides";
-    if (!given && made.planes_apart_deg > one_surface)
+    const std::vector<std::string>& kept = made.fill.report.continuity;
+    const bool beside_sharp = std::find(kept.begin(), kept.end(), "Free") != kept.end();
+    if (!given && !beside_sharp && made.planes_apart_deg > one_surface)
       return any_rim("the tangent planes of the " + std::to_string(corners.size()) + " sides differ at the corners");
     if (!made.crumpled) {
-      const std::vector<std::string>& kept = made.fill.report.continuity;
-      if (!not_taken(options).empty() || std::find(kept.begin(), kept.end(), "Free") != kept.end()) return std::move(made.fill);
+      if (!not_taken(options).empty() || beside_sharp) return std::move(made.fill);
       Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
                             " sides alone");
       return excluded_by(made.fill, spline, diameter(ground.mesh, rim)) ? spline : std::move(made.fill);
@@ -532,7 +533,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     if (corners) throw;
     const std::string otherwise = std::string("three sides were not found: ") + refusal.what();
     const std::vector<Index> sharp = corners_between_sharp(ground, checked);
-    return makes_polygon(sharp) && not_taken(options).empty() ? fill_between_many(ground, rim, sharp, options, otherwise)
+    return makes_polygon(sharp) && not_taken(options).empty() ? fill_between_many(ground, rim, sharp, false, options)
                                                               : any_rim(otherwise);
   }
   if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
