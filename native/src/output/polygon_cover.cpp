@@ -1,11 +1,12 @@
 #include "tripatch/output/polygon_cover.h"
 
 #include <algorithm>
+#include <array>
 
 namespace tripatch {
 namespace {
 
-constexpr int sweeps_on_surface = 15;
+constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
 constexpr double same_edge = 1e-9;  ///< as same_length of three sides: far above rounding
 
 Points surface_rows(const PlanePoints& uv) {
@@ -37,6 +38,29 @@ double middle_deviation(const PlaneLayout& layout, const Points& vertices, const
   return (patch.positions(surface_rows(uv)) - middle).rowwise().norm().maxCoeff();
 }
 
+Points on_surface(const PlaneLayout& layout, const Surface& patch, const Points& border) {
+  Points vertices = patch.positions(surface_rows(layout.uv));
+  vertices.topRows(layout.rim) = border;
+  return vertices;
+}
+
+/// Smooths on the surface, as far as that helps the least angle. Returns the vertices.
+Points smoothed(PlaneLayout& layout, const Surface& patch, const Points& border) {
+  Points best = on_surface(layout, patch, border);
+  double least = quad_quality(best, layout.faces).least;
+  for (const auto& [sweeps, sharpening] : {std::array<int, 2>{sweeps_on_surface, 0}, {0, sweeps_of_angles}}) {
+    PlaneLayout trial = layout;
+    smooth_quads(trial, sweeps, sharpening, &patch, &border);
+    Points there = on_surface(trial, patch, border);
+    const double now = quad_quality(there, layout.faces).least;
+    if (!(now >= least)) continue;
+    least = now;
+    best = std::move(there);
+    layout = std::move(trial);
+  }
+  return best;
+}
+
 }  // namespace
 
 PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& points, std::vector<RimCorner> corners,
@@ -63,9 +87,7 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
   bool near = false;
   for (int rows = first; rows <= last && !near; ++rows) {
     PlaneLayout layout = polygon_layout(rim, corners, rows);
-    smooth_quads(layout, sweeps_on_surface, &patch, &border);
-    Points vertices = patch.positions(surface_rows(layout.uv));
-    vertices.topRows(cover.rim) = border;
+    Points vertices = smoothed(layout, patch, border);
     near = first == last || middle_deviation(layout, vertices, patch) <= *options.tolerance;
     cover.uv = std::move(layout.uv);
     cover.faces = std::move(layout.faces);

@@ -19,7 +19,7 @@ constexpr std::size_t subsets_tried = 10;       ///< choices of corners for whic
 /// With each number of corners, embedded, smoothed and measured: of a rim of few edges more, as there it costs little.
 constexpr std::size_t layouts_tried = 2, layouts_of_many_tried = 1;
 constexpr Index many_edges = 100;
-constexpr int sweeps_of_trials = 6;
+constexpr int sweeps_of_trials = 4, angles_of_trials = 5;
 constexpr Index most_round_starts = 32;
 constexpr Index edges_a_ring = 20;  ///< of a round rim: rings that are as wide as these would leave the grid's corners regular
 /// Cuts are sought at about so many places of a side, then moved edge by edge.
@@ -405,7 +405,7 @@ PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>&
     if (tried[plan.rings > 0 ? 0 : plan.sides.size()]++ >= (rim.rows() > many_edges ? layouts_of_many_tried : layouts_tried))
       continue;
     PlaneLayout layout = laid_out(rim, plan, region, rows);
-    smooth_quads(layout, sweeps_of_trials);
+    smooth_quads(layout, sweeps_of_trials, angles_of_trials);
     const QuadQuality quality = quad_quality(rows_of(layout.uv), layout.faces);
     const double irregular = static_cast<double>(layout.poles.size()) + plan.irregular,
                  score = quality.least + mean_weight * quality.mean - pole_price * irregular;

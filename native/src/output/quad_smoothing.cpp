@@ -17,6 +17,11 @@ namespace {
 
 /// Distortions count with this power: high enough for the worst corner to lead, low enough for Newton's steps to converge.
 constexpr int distortion_power = 3;
+/// In the end the least angle leads: (1 / sin)^2 counts with this power (of two), and beside it how even the spacing is.
+constexpr int sharp_power = 8;
+constexpr double spacing = 0.25;
+/// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little.
+constexpr double longest_step = 0.4;
 constexpr int halvings = 6;         ///< of a Newton step that makes things worse, before it is left out
 constexpr int sweeps_a_metric = 5;  ///< between two evaluations of the surface, whose second order is good for small moves
 /// Of a mean corner's area: below it a corner counts as turned over and is pulled back by a smooth bound of that size.
@@ -111,12 +116,13 @@ public:
     }
   }
 
-  void run(int sweeps) {
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
+  void run(int sweeps, int sharpening) {
+    for (int sweep = 0; sweep < sweeps + sharpening; ++sweep) {
       if (surface_ && sweep > 0 && sweep % sweeps_a_metric == 0) read_surface();
       bound_ = 0;
       for (const Corner& corner : corners_)
         if (area(corner) < least_area) bound_ = least_area;
+      sharp_ = sweep >= sweeps && bound_ == 0;
       for (Index v = layout_.rim; v < layout_.uv.rows(); ++v) move(v);
     }
   }
@@ -176,7 +182,15 @@ private:
     }
     const Vec3& n = normal_[corner.v[0]];
     T area = n[0] * (a[1] * b[2] - a[2] * b[1]) + n[1] * (a[2] * b[0] - a[0] * b[2]) + n[2] * (a[0] * b[1] - a[1] * b[0]);
-    T size = dot(a, a) + dot(b, b);
+    const T aa = dot(a, a), bb = dot(b, b);
+    if (sharp_) {
+      if (corner.triangle) area = (2 / std::sqrt(3.0)) * area;  // of two equal edges: 1 for 60 degrees
+      T sine = aa * bb / (area * area), power = sine;
+      for (int k = 1; k < sharp_power; k *= 2) power *= power;
+      const T shape = aa / bb;
+      return power + spacing * (shape + 1.0 / shape);
+    }
+    T size = aa + bb;
     if (corner.triangle) size = (2 / std::sqrt(3.0)) * (size - dot(a, b));
     if (bound_ > 0) area = 0.5 * (area + root_of(area * area + 4 * bound_ * bound_));
     const T ratio = 0.5 * (size / area);
@@ -226,6 +240,12 @@ private:
       hessian.diagonal().array() += spread - mean + 0.1 * (std::abs(mean) + spread);
     Eigen::Vector2d step = -hessian.inverse() * gradient;
     if (!step.allFinite()) return;
+    double shortest = INFINITY;
+    for (Index c : at_[v])
+      for (Index w : corners_[c].v)
+        if (w != v) shortest = std::min(shortest, (x_[w] - x_[v]).norm());
+    const double length = (t.row(1) * step[0] + t.row(2) * step[1]).norm();
+    if (length > longest_step * shortest) step *= longest_step * shortest / length;
     for (int half = 0; half < halvings; ++half, step *= 0.5) {
       const Vec3 there = position(v, d + step);
       if (!(cost_at(v, there) < sum.value())) continue;
@@ -244,6 +264,7 @@ private:
   std::vector<Vec3> normal_, x_;
   PlanePoints base_;
   double bound_ = 0;
+  bool sharp_ = false;
 };
 
 }  // namespace
@@ -295,8 +316,8 @@ void embed(PlaneLayout& layout) {
   layout.uv.bottomRows(unknowns) = solver.solve(right);
 }
 
-void smooth_quads(PlaneLayout& layout, int sweeps, const Surface* surface, const Points* border) {
-  if (layout.uv.rows() > layout.rim) Smoother(layout, surface, border).run(sweeps);
+void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening, const Surface* surface, const Points* border) {
+  if (layout.uv.rows() > layout.rim) Smoother(layout, surface, border).run(sweeps, sharpening);
 }
 
 }  // namespace tripatch
