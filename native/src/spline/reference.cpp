@@ -1,5 +1,6 @@
 #include "tripatch/spline/reference.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -10,9 +11,6 @@
 namespace tripatch {
 namespace {
 
-/// Of known surfaces with no noise, holes to half a ball: degree 4 leaves foot points smooth enough that the field's distance from
-/// the truth falls to a hundredth of that over the layout; higher degrees follow the layout's noise.
-constexpr int highest_degree = 4;
 /// Gauss-Newton on a smooth polynomial; tried: the last of them moves nothing by more than rounding.
 constexpr int steps = 8;
 
@@ -20,7 +18,8 @@ int size_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
 }  // namespace
 
-Reference::Reference(const PlanePoints& points, const Points& samples) : degree_(highest_degree) {
+Reference::Reference(const PlanePoints& points, const Points& samples, int degree)
+    : degree_(std::clamp(degree, 1, highest_degree)) {
   while (degree_ > 1 && size_of(degree_) > points.rows() / 3) --degree_;
   middle_ = points.colwise().mean();
   size_ = std::max((points.rowwise() - middle_).cwiseAbs().maxCoeff(), 1e-300);
@@ -32,7 +31,14 @@ Reference::Reference(const PlanePoints& points, const Points& samples) : degree_
       for (int j = 0; i + j <= degree_; ++j) monomials(k, column++) = std::pow(x[0], i) * std::pow(x[1], j);
   }
   coefficients_ = least_squares(monomials, samples);
-  distance_ = (monomials * coefficients_ - samples).norm() / std::sqrt(static_cast<double>(points.rows()));
+  const Points left = monomials * coefficients_ - samples;
+  double across = 0;
+  for (Index k = 0; k < points.rows(); ++k) {
+    const Eigen::Matrix3d jet = at(points.row(k));
+    const Vec3 u = jet.row(1), v = jet.row(2);
+    across += std::pow(left.row(k).dot(u.cross(v).stableNormalized()), 2);
+  }
+  distance_across_ = std::sqrt(across / static_cast<double>(points.rows()));
 }
 
 Eigen::Matrix3d Reference::at(const Eigen::RowVector2d& point) const {

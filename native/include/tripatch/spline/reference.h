@@ -11,21 +11,22 @@ namespace tripatch {
 
 class Reference {
 public:
-  /// Least squares through samples (n x 3) at points of the plane (n x 2); the degree is 4, or less where there are few samples.
-  Reference(const PlanePoints& points, const Points& samples);
+  static constexpr int highest_degree = 6;
+  /// Least squares through samples (n x 3) at points of the plane (n x 2); the degree is less where there are few samples.
+  Reference(const PlanePoints& points, const Points& samples, int degree = 4);
 
   /// For samples near `points`: where the normals of the polynomial that go through them start. Each moves by no more than the
   /// plane's extent.
   PlanePoints foot_points(PlanePoints points, const Points& samples) const;
-  /// Root mean square of the samples' distance, scene units.
-  double distance() const { return distance_; }
+  /// Root mean square of the samples' distance along its normals, scene units.
+  double distance_across() const { return distance_across_; }
 
 private:
   /// Position and the two derivatives.
   Eigen::Matrix3d at(const Eigen::RowVector2d& point) const;
 
   Eigen::RowVector2d middle_;
-  double size_, distance_ = 0;
+  double size_, distance_across_ = 0;
   int degree_;
   Eigen::MatrixXd coefficients_;
 };
