@@ -14,7 +14,11 @@ void bind_fill(py::module_& m) {
       .def_property_readonly("barycentric", [](const Fill& f) { return array_from(f.barycentric); })
       .def_property_readonly("rim_normals", [](const Fill& f) { return array_from(f.rim_normals); })
       .def_property_readonly("rim_barycentric", [](const Fill& f) { return array_from(f.rim_barycentric); })
-      .def_property_readonly("uv", [](const Fill& f) { return array_from(f.uv); })
+      .def_property_readonly("uv",
+                             [](const Fill& f) -> py::object {  // a small hole has a plane domain, and may have no vertex inside
+                               if (f.rim_uv.rows() == 0) return py::none();
+                               return Array({f.uv.rows(), Index{2}}, f.uv.data());
+                             })
       .def_property_readonly("rim_uv", [](const Fill& f) { return array_from(f.rim_uv); })
       .def_property_readonly("deviation", [](const Fill& f) { return array_from(f.deviation); })
       .def_property_readonly("moved", [](const Fill& f) { return array_from(f.moved); })

@@ -167,6 +167,16 @@ def test_the_patch_is_evaluated_at_places_of_the_plane():
     assert np.isfinite(d2).all() and np.isfinite(d3).all()
 
 
+def test_a_hole_that_needs_no_vertex_inside_has_its_places_too():
+    angle = np.arange(6) * np.pi / 3 + 0.1
+    vertices = np.vstack([r * np.column_stack([np.cos(angle), np.sin(angle), 0.1 * angle]) for r in (1.0, 2.0, 3.0)])
+    faces = [[k + j, 6 + k + j, 6 + (k + 1) % 6 + j, (k + 1) % 6 + j] for j in (0, 6) for k in range(6)]
+    fill = tripatch.fill(vertices, faces, rim=range(6), corners=(), method="polyharmonic_spline", resolution=1)
+    assert fill.vertices.shape == (0, 3) and len(fill.faces) == 4
+    assert fill.uv.shape == (0, 2) and fill.rim_uv.shape == (6, 2)
+    assert tripatch.attribute_weights(fill)(np.zeros((12, 1))).shape == (0, 1)
+
+
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_size_and_place_do_not_matter(scale):
     vertices, faces = irregular(hill)
