@@ -45,6 +45,7 @@ class Refused:
     sentence: str
     vertices: list = field(default_factory=list)  # indices of those concerned: a BMVert ends with the Python object of its BMesh
     ob: object = None  # the object that they are of
+    rim: object = None  # of a hole: its Rim, of use while its BMesh is as it was
 
     @classmethod
     def because(cls, reason, ob):
@@ -360,7 +361,8 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
         plans = _plan_group(bm, usable, matrix, options, active_shape, cages, modifier if cages else None)
         for rim, (plan, notes) in zip(usable, plans, strict=True):
             if isinstance(plan, tripatch.Refusal):
-                outcome.refused.append(Refused(words.refused(plan), list(plan.where) or [v.index for v in rim.loop]))
+                where = list(plan.where) or [v.index for v in rim.loop]
+                outcome.refused.append(Refused(words.refused(plan), where, rim=rim))
                 continue
             planned.append(plan)
             loops.append(plan.loop)

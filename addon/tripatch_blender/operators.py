@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """mesh.fill_smooth, and mesh.fill_three_sided, which is its name of before."""
 
+from dataclasses import replace
+
 import bmesh
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
@@ -37,6 +39,12 @@ def _of(function, but):
 def _of_output():
     """The options that say what a hole is filled with and how finely."""
     return _of("fill", "patch")
+
+
+def _of_cages_only():
+    """Names of the options of the output that mean something for cages and for nothing else."""
+    applies = library.tripatch.options.applies
+    return {o.name for o in _of_output() if applies(o, {"output": "cage"}) and not applies(o, {"output": "quads"})}
 
 
 def _of_holes():
@@ -291,11 +299,33 @@ class FillSmooth(Construction):
 
     def _rims(self, bm, matrix, selected):
         """The rims that the selection means, and a Refused for each part that means none."""
-        any_rim = self.takes_any_rim() and self.output != "cage" and self.surroundings != "limit"
+        caged = self.output == "cage" and not self._is_computed("output", None)
+        any_rim = self.takes_any_rim() and not caged and self.surroundings != "limit"
         if selected.vertices and not (any_rim and selected.is_all(bm)):
             return selection.selected_rims(bm, selected)
         self.all_holes = True
         return filling.open_holes(bm, matrix, any_rim, filters=self._filters()), []
+
+    def _fill_with_quads(self, bm, mesh, matrix, outcome, options):
+        """Nobody asked for a cage by name: a hole that gets none, such as one of five corners, gets quads, which the modifier
+        smooths too. Returns the new faces; the outcome takes theirs."""
+        rims = [each.rim for each in outcome.refused if each.rim and all(v.is_valid for v in each.rim.loop)]
+        kept = [each for each in outcome.refused if each.rim not in rims]
+        if not rims:
+            return []
+        reason = next(each.sentence for each in outcome.refused if each.rim in rims)
+        applying = {o.name for o in _of_output() if library.tripatch.options.applies(o, {"output": "quads"})}
+        arguments = {name: value for name, value in options.arguments.items() if name in applying or name not in _of_cages_only()}
+        quads = replace(options, arguments=arguments | {"output": "quads"})
+        made, new_faces = filling.fill_rims(bm, mesh, matrix, rims, quads)
+        outcome.refused = kept
+        outcome.cage_rim = outcome.cage_rim if outcome.reports else ""
+        if made.reports:
+            count = len(made.reports)
+            which = f"{count} of them" if outcome.reports else "Filled"
+            made.notes.insert(0, f"{which} with quads instead of a cage: {reason}")
+        outcome.add(made)
+        return new_faces
 
     def _fill(self, ob):
         bm = bmesh.from_edit_mesh(ob.data)
@@ -327,6 +357,8 @@ class FillSmooth(Construction):
         modifier = subdivision.usable(ob) if cage else None
         active = ob.active_shape_key
         outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, active.name if active else None, modifier)
+        if cage and outcome.refused and self._is_computed("output", None):
+            new_faces += self._fill_with_quads(bm, mesh, matrix, outcome, options)
         for each in outcome.refused:
             each.ob = ob
         outcome.refused += refused

@@ -330,6 +330,23 @@ def test_cages_and_quads_show_their_rows(addon):
         bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def test_a_hole_that_gets_no_cage_is_filled_with_quads_and_says_so(addon):
+    """Where nobody asked for a cage by name; who did is told what hinders it."""
+    for output in ({}, {"output": "cage"}):
+        ob = scenes.add_hole()
+        ob.modifiers.new("Subdivision", "SUBSURF")
+        state = operator(addon, **output)
+        (bm,) = scenes.edit(ob)
+        loop = scenes.border_loops(bm)[0]
+        scenes.select(bm, [loop[0], loop[6]])  # two corners
+        assert state.execute(bpy.context) == ({"FINISHED"} if not output else {"CANCELLED"})
+        ((kind, sentence),) = state.said
+        assert kind == ({"WARNING"} if not output else {"ERROR"})
+        assert ("with quads instead of a cage" in sentence) == (not output)
+        assert len(border_lengths(ob)) == (1 if not output else 2)
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def test_sides_and_corners_count_from_one_in_sentences(addon):
     for_people = module(addon, "sentences").for_people
     assert for_people("Sides 0 and 1 do not meet at corner 2") == "Sides 1 and 2 do not meet at corner 3"

@@ -168,8 +168,10 @@ def test_tolerance_decides_on_the_rows():
     coarse = tripatch.fill(vertices, left, rim=rim, output="cage", tolerance=1.0)
     fine = tripatch.fill(vertices, left, rim=rim, output="cage", tolerance=1e-9)
     assert len(coarse.faces) == 12
-    assert len(fine.faces) == 12 + 4 * 12
     assert any("tolerance" in w for w in fine.report.warnings)
+    by_rows = [tripatch.fill(vertices, left, rim=rim, output="cage", resolution=n).report.cage_deviation_rms for n in range(5)]
+    assert fine.report.rows == np.argmin(by_rows), "none reaches it: the nearest is taken, not the one with the most rows"
+    assert np.isclose(fine.report.cage_deviation_rms, min(by_rows), rtol=1e-6)
 
 
 def test_scale_and_motion():

@@ -85,14 +85,27 @@ void CageFill::fit(std::vector<SurfacePtr> patches) {
   patches_ = std::move(patches);
   const bool exact = options_.rim == CageRim::exact;
   const std::vector<int> all_rows = rows_to_try(layout_options_, split_.settings.loop, exact);
+  std::vector<double> farthest;  // for each number of rows, of the holes that are open with it: over the tolerance
   for (std::size_t k = 0; k < all_rows.size(); ++k) {
     if (k > 0) fit_ = lay_out(all_rows[k]);
     rows_ = all_rows[k];
     fit_->fit(patches_, sides_, exact || k > 0);
-    for (std::size_t h = 0; h < size(); ++h)
-      open_[h] = layout_options_.rows || fit_->deviation_rms(h, *patches_[h]) > tolerance_[h];
-    if (std::find(open_.begin(), open_.end(), 1) == open_.end()) break;
+    farthest.push_back(0);
+    for (std::size_t h = 0; h < size(); ++h) {
+      const double off = fit_->deviation_rms(h, *patches_[h]) / tolerance_[h];
+      if (open_[h]) farthest.back() = std::max(farthest.back(), off);
+      open_[h] = layout_options_.rows || off > 1;
+    }
+    if (std::find(open_.begin(), open_.end(), 1) == open_.end()) return;
   }
+  // The limit surface beside the rim is bound to the surroundings and may follow the less, the more rows there are: crumpled rows
+  // that do not reach the tolerance either are worse than few.
+  const auto nearest = std::min_element(farthest.begin(), farthest.end()) - farthest.begin();
+  if (layout_options_.rows || all_rows[nearest] == rows_) return;
+  rows_ = all_rows[nearest];
+  fit_ = lay_out(rows_);
+  if (!exact && nearest == 0) fit_->make_fair();
+  fit_->fit(patches_, sides_, exact || nearest > 0);
 }
 
 void CageFill::complete(std::size_t h, Fill& fill) const {
