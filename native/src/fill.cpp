@@ -397,6 +397,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   std::vector<std::string> warnings;
   const auto ordered = [&](const std::vector<Index>& loop) {
     std::vector<Index> checked = check_topology(ground.left, loop);
+    std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
     check_finite(ground.mesh, ground.left, checked);
     try {
       check_positions(ground.mesh, ground.left, checked);

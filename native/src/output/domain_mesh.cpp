@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/ties.h"
 
 namespace tripatch {
 
@@ -158,12 +159,12 @@ void DomainMesh::collapse_short() {
       const Triangle& f = triangles_[t];
       const int k = corner_of(t, v), w = f.v[(k + 1) % 3];
       const double ratio = length(v, w) / (too_short * std::min(size_[v], size_[w]));
-      if (ratio < 1) edges.push_back({v, w, ratio});
+      if (coarse(ratio) < 1) edges.push_back({v, w, ratio});
     }
   }
   std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
     check_interruption();
-    return p.excess < q.excess;
+    return coarse(p.excess) < coarse(q.excess);
   });
   for (const Edge& e : edges) collapse(e.triangle, e.k);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/ties.h"
 
 namespace tripatch {
 namespace {
@@ -64,7 +65,7 @@ std::vector<TrianglePair> candidates(const PointsRef& points, const std::vector<
     }
     k = end;
   }
-  std::stable_sort(pairs.begin(), pairs.end(), [](const TrianglePair& p, const TrianglePair& q) { return p.error < q.error; });
+  std::stable_sort(pairs.begin(), pairs.end(), [](const TrianglePair& p, const TrianglePair& q) { return coarse(p.error) < coarse(q.error); });
   return pairs;
 }
 

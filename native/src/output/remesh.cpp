@@ -11,6 +11,7 @@
 #include <set>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/output/domain_mesh.h"
 
 namespace tripatch {
@@ -241,10 +242,11 @@ private:
     if (is_joined(a, b)) return true;
     const Vec3 ca = x_[a] - x_[c], cb = x_[b] - x_[c], da = x_[a] - x_[d], db = x_[b] - x_[d], cd = x_[d] - x_[c];
     const Vec3 n1 = ca.cross(cb), n2 = db.cross(da);
-    const bool folded = n1.dot(n2) < 0, would_fold = ca.cross(cd).dot(cd.cross(cb)) < 0;
+    const Vec3 m1 = ca.cross(cd), m2 = cd.cross(cb);
+    const bool folded = n1.dot(n2) < -tie * n1.norm() * n2.norm(), would_fold = m1.dot(m2) < -tie * m1.norm() * m2.norm();
     if (folded != would_fold) return folded;
     const double s1 = n1.norm(), s2 = n2.norm(), c1 = ca.dot(cb), c2 = da.dot(db);
-    return s1 * c2 + c1 * s2 < -1e-9 * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
+    return s1 * c2 + c1 * s2 < -tie * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
   }
 
   /// One round of splits, no triangle twice, the longest for its size first.
@@ -262,13 +264,13 @@ private:
         const double excess = inner ? length(a, b) / (too_long * size_of_edge(a, b)) : 0;
         if (is_joined(a, b))
           edges.push_back({t, k, std::numeric_limits<double>::infinity()});
-        else if (excess > 1)
+        else if (coarse(excess) > 1)
           edges.push_back({t, k, excess});
       }
     }
     std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
       check_interruption();
-      return p.excess > q.excess;
+      return coarse(p.excess) > coarse(q.excess);
     });
     if (inner) edges.resize(std::min(edges.size(), static_cast<std::size_t>((most_ - alive) / 2) + 1));
     return split(edges);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
 
 namespace tripatch {
@@ -47,7 +48,7 @@ public:
       }
     }
     const double border = border_length();
-    if (disc_.rings >= least_rings && border < least_border * rim_length_) return false;
+    if (disc_.rings >= least_rings && clearly_less(border, least_border * rim_length_)) return false;
     for (Index f : faces) cut(mesh_.faces[f]);
     front_.assign(disc_.vertices.begin() + static_cast<std::ptrdiff_t>(before), disc_.vertices.end());
     measure(before);
@@ -145,7 +146,7 @@ private:
     std::size_t first = 0;
     if (n == 4) {
       const auto d = [&](std::size_t a, std::size_t b) { return (point(face[a]) - point(face[b])).squaredNorm(); };
-      first = d(0, 2) <= d(1, 3) ? 0 : 1;
+      first = clearly_less(d(1, 3), d(0, 2)) ? 1 : 0;
     }
     for (std::size_t k = 1; k + 1 < n; ++k)
       disc_.triangles.push_back({rows[first], rows[(first + k) % n], rows[(first + k + 1) % n]});
@@ -180,7 +181,7 @@ Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector
                  int most_rings) {
   Growth growth(mesh, around, loops);
   while (growth.disc().rings < most_rings && growth.triangles() < most_triangles && growth.grow())
-    if (growth.disc().rings >= least_rings && growth.reached() >= reach) break;
+    if (growth.disc().rings >= least_rings && !clearly_less(growth.reached(), reach)) break;
   return growth.finish();
 }
 

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/disc.h"
@@ -147,7 +148,7 @@ std::vector<Index> spread_samples(const Disc& disc, double edge) {
     for (Index k = 0; k < n; ++k) {
       if (is_taken[k]) continue;
       const double far = disc.distance[k] + edge, value = gap[k] / (far * far);
-      if (value > most) {
+      if (clearly_more(value, most)) {
         most = value;
         best = k;
       }

@@ -1,6 +1,6 @@
 // Dynamic programming over the chords of the rim: the best fill of the polygon beyond chord (i, k) is the best apex m with the best
-// fills beyond (i, m) and (m, k). A chord's apexes are compared in one go, in single precision, four to an instruction; angles by
-// the signed square of their cosine, which needs no root.
+// fills beyond (i, m) and (m, k). A chord's apexes are compared in one go; angles by the signed square of their cosine, which needs no
+// root. Equally good ones, but for rounding, are told apart by their place in the rim: turned, moved or scaled it is the same fill.
 #include "tripatch/spline/rough_fill.h"
 
 #include <Eigen/Dense>
@@ -9,20 +9,21 @@
 #include <map>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/ties.h"
 
 namespace tripatch {
 namespace {
 
-using Row = Eigen::Array<float, 1, Eigen::Dynamic>;
-using Square = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Row = Eigen::Array<double, 1, Eigen::Dynamic>;
+using Square = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr Index largest_exact = 200;  // vertices: 1.3 million triangles are compared, in some 5 ms
 // Angles whose signed squared cosines round to the same are equally good, and the area decides: within 4 degrees at 0 and 90.
 // Numbers of this size are 1 / 256 apart.
-constexpr float rounder = 49152;
-constexpr float flat = 1e-8F;  // squared: twice the area over the squared longest edge of a triangle that has no normal
-constexpr float unknown = 2;   // in place of the cosine's square where no face lies beyond: more than any
-constexpr float joined_already = -2, impossible = -4;  // in place of the square: worse than any angle; an edge to itself
+constexpr double rounder = 1.5 * (1LL << 44);
+constexpr double flat = 1e-8;           // squared: twice the area over the squared longest edge of a triangle that has no normal
+constexpr double unknown = 2;           // in place of the cosine's square where no face lies beyond: more than any
+constexpr double joined_already = -2, impossible = -4;  // in place of the square: worse than any angle; an edge to itself
 
 /// A closed polygon of rim vertices, some of which may occur twice (bridges). normals[k]: beyond the edge from k to the next.
 struct Polygon {
@@ -111,7 +112,7 @@ private:
       next[k] = place_[polygon.vertices[k]];
       place_[polygon.vertices[k]] = k;
     }
-    const auto forbid = [&](Index a, Index b, float how) {
+    const auto forbid = [&](Index a, Index b, double how) {
       for (Index i = place_[a]; i >= 0; i = next[i])
         for (Index k = place_[b]; k >= 0; k = next[k]) {
           const Index apart = std::abs(i - k);
@@ -160,8 +161,8 @@ private:
     for (int c = 0; c < 3; ++c) {
       normal_[c].setZero(n, n);
       x_[c].resize(n);
-      for (Index k = 0; k < n; ++k) x_[c][k] = static_cast<float>((points_(polygon.vertices[k], c) - middle[c]) * scale);
-      for (Index k = 0; k + 1 < n; ++k) normal_[c](k, k + 1) = normal_[c](k + 1, k) = static_cast<float>(polygon.normals[k][c]);
+      for (Index k = 0; k < n; ++k) x_[c][k] = (points_(polygon.vertices[k], c) - middle[c]) * scale;
+      for (Index k = 0; k + 1 < n; ++k) normal_[c](k, k + 1) = normal_[c](k + 1, k) = polygon.normals[k][c];
     }
   }
 
@@ -169,25 +170,25 @@ private:
   void choose(Index i, Index k, Index n, const Polygon& polygon) {
     const Index first = i + 1, count = k - i - 1;
     compare(i, k, n);
-    float* const score = score_.data();
+    double* const score = score_.data();
     if (polygon.normals[i].isZero()) rescore(score[0], i, first, k, normal_at(k, first), worst_(k, first));
     if (polygon.normals[k - 1].isZero()) rescore(score[count - 1], i, k - 1, k, normal_at(i, k - 1), worst_(i, k - 1));
     if (k - i == n - 1 && !polygon.normals[n - 1].isZero()) {
-      const Eigen::Vector3f beyond = polygon.normals[n - 1].cast<float>();
+      const Eigen::Vector3d beyond = polygon.normals[n - 1];
       for (Index j = 0; j < count; ++j) score[j] = std::min(score[j], rounded(signed_square(triangle(i, first + j, k), beyond)));
     }
-    const float best = std::min(score_.head(count).maxCoeff(), worst_(i, k));
-    float least = std::numeric_limits<float>::infinity();
+    const double best = std::min(score_.head(count).maxCoeff(), worst_(i, k));
+    double least = std::numeric_limits<double>::infinity();
     Index apex = -1;
     for (Index j = 0; j < count; ++j) {
       if (score[j] < best) continue;
-      const float area = triangle(i, first + j, k).norm() + area_(i, first + j) + area_(k, first + j);
-      if (apex < 0 || area < least) least = area, apex = first + j;
+      const double area = triangle(i, first + j, k).norm() + area_(i, first + j) + area_(k, first + j);
+      if (apex < 0 || clearly_less(area, least)) least = area, apex = first + j;
     }
     apex_(i, k) = static_cast<int>(apex);
     worst_(i, k) = worst_(k, i) = best;
     area_(i, k) = area_(k, i) = least;
-    const Eigen::Vector3f normal = triangle(i, apex, k).stableNormalized();
+    const Eigen::Vector3d normal = triangle(i, apex, k).stableNormalized();
     for (int c = 0; c < 3; ++c) normal_[c](i, k) = normal_[c](k, i) = normal[c];
   }
 
@@ -198,35 +199,35 @@ private:
     const auto of = [&](const Square& square, Index row) { return Eigen::Map<const Row>(square.data() + row * n + from, count); };
     auto nx = work_[0].head(count), ny = work_[1].head(count), nz = work_[2].head(count), square = work_[3].head(count),
          least = work_[4].head(count), score = score_.head(count);
-    const float ex = x_[0][k] - x_[0][i], ey = x_[1][k] - x_[1][i], ez = x_[2][k] - x_[2][i], e2 = ex * ex + ey * ey + ez * ez;
+    const double ex = x_[0][k] - x_[0][i], ey = x_[1][k] - x_[1][i], ez = x_[2][k] - x_[2][i], e2 = ex * ex + ey * ey + ez * ez;
     const auto ux = x_[0].segment(from, count) - x_[0][i], uy = x_[1].segment(from, count) - x_[1][i],
                uz = x_[2].segment(from, count) - x_[2][i];
     nx = uy * ez - uz * ey;
     ny = uz * ex - ux * ez;
     nz = ux * ey - uy * ex;
     square = nx.square() + ny.square() + nz.square();
-    least = (e2 + ux.square() + uy.square() + uz.square()).square() * flat + std::numeric_limits<float>::min();
-    least = (square / least).min(1.0F);  // below 1: the triangle has no normal to speak of
+    least = (e2 + ux.square() + uy.square() + uz.square()).square() * flat + std::numeric_limits<double>::min();
+    least = (square / least).min(1.0);  // below 1: the triangle has no normal to speak of
     score = (nx * of(normal_[0], i) + ny * of(normal_[1], i) + nz * of(normal_[2], i))
                 .min(nx * of(normal_[0], k) + ny * of(normal_[1], k) + nz * of(normal_[2], k));
-    score = score * score.abs() / (square + std::numeric_limits<float>::min()) * least - (1 - least);
+    score = score * score.abs() / (square + std::numeric_limits<double>::min()) * least - (1 - least);
     score = ((score + rounder) - rounder).min(of(worst_, i)).min(of(worst_, k));
   }
-  void rescore(float& score, Index i, Index m, Index k, const Eigen::Vector3f& beyond, float worst) const {
+  void rescore(double& score, Index i, Index m, Index k, const Eigen::Vector3d& beyond, double worst) const {
     const bool alone = m - i == 1 && k - m == 1 && beyond.isZero();
-    score = std::min(alone ? 1.0F : rounded(signed_square(triangle(i, m, k), beyond)), worst);
+    score = std::min(alone ? 1.0 : rounded(signed_square(triangle(i, m, k), beyond)), worst);
   }
-  static float rounded(float s) { return (s + rounder) - rounder; }
+  static double rounded(double s) { return (s + rounder) - rounder; }
   /// Of the cosine of the angle between a normal of any length and a unit normal; -1 for a triangle without a normal.
-  static float signed_square(const Eigen::Vector3f& normal, const Eigen::Vector3f& beyond) {
-    const float c = normal.dot(beyond), square = normal.squaredNorm();
-    return square > 0 ? std::clamp(c * std::abs(c) / square, -1.0F, 1.0F) : -1;
+  static double signed_square(const Eigen::Vector3d& normal, const Eigen::Vector3d& beyond) {
+    const double c = normal.dot(beyond), square = normal.squaredNorm();
+    return square > 0 ? std::clamp(c * std::abs(c) / square, -1.0, 1.0) : -1;
   }
-  Eigen::Vector3f triangle(Index i, Index m, Index k) const {
-    const Eigen::Vector3f a(x_[0][i], x_[1][i], x_[2][i]), b(x_[0][m], x_[1][m], x_[2][m]), c(x_[0][k], x_[1][k], x_[2][k]);
+  Eigen::Vector3d triangle(Index i, Index m, Index k) const {
+    const Eigen::Vector3d a(x_[0][i], x_[1][i], x_[2][i]), b(x_[0][m], x_[1][m], x_[2][m]), c(x_[0][k], x_[1][k], x_[2][k]);
     return (b - a).cross(c - a);
   }
-  Eigen::Vector3f normal_at(Index i, Index k) const { return {normal_[0](i, k), normal_[1](i, k), normal_[2](i, k)}; }
+  Eigen::Vector3d normal_at(Index i, Index k) const { return {normal_[0](i, k), normal_[1](i, k), normal_[2](i, k)}; }
 
   const PointsRef& points_;
   std::vector<std::array<Index, 2>> joined_, bridges_;  // ordered pairs, sorted
@@ -253,7 +254,7 @@ Bridge shortest_bridge(const PointsRef& points, const Polygon& polygon, const st
       for (Index v = 0; v < points.rows(); ++v) {
         if (taken[v]) continue;
         const double squared = (points.row(polygon.vertices[k]) - points.row(v)).squaredNorm();
-        if (!(squared < least)) continue;
+        if (!clearly_less(squared, least)) continue;
         if (!all && std::binary_search(joined.begin(), joined.end(), ordered(polygon.vertices[k], v))) continue;
         least = squared;
         best = {k, v};

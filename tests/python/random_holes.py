@@ -1,0 +1,165 @@
+"""Closed meshes with random holes: what the property tests and scripts/nightly fill. Everything follows from a seed."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+from shapes import Vertices, cube_sphere
+
+GOLDEN = (1 + 5**0.5) / 2
+
+
+def icosahedron():
+    p = np.array([q for a in (-1, 1) for b in (-GOLDEN, GOLDEN) for q in ((0, a, b), (a, b, 0), (b, 0, a))])
+    near = np.isclose(np.linalg.norm(p[:, None] - p, axis=2), 2)
+    triples = [(a, b, c) for a in range(12) for b in range(a) for c in range(b) if near[a, b] and near[b, c] and near[a, c]]
+    return p, [list(t) if np.linalg.det(p[list(t)]) > 0 else list(t[::-1]) for t in triples]
+
+
+def halved(points, triangles):
+    """Every triangle in four."""
+    points, middle = [*points], {}
+
+    def between(a, b):
+        key = (min(a, b), max(a, b))
+        if key not in middle:
+            middle[key] = len(points)
+            points.append((points[a] + points[b]) / 2)
+        return middle[key]
+
+    faces = []
+    for a, b, c in triangles:
+        ab, bc, ca = between(a, b), between(b, c), between(c, a)
+        faces += [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+    return np.array(points), faces
+
+
+def icosphere(times):
+    points, faces = icosahedron()
+    for _ in range(times):
+        points, faces = halved(points, faces)
+        points /= np.linalg.norm(points, axis=1)[:, None]
+    return points, faces
+
+
+def honeycomb(times):
+    """The dual of a ball of triangles: hexagons, and twelve pentagons."""
+    points, triangles = icosphere(times)
+    left_of = {(t[k], t[k - 2]): f for f, t in enumerate(triangles) for k in range(3)}
+    faces = []
+    for v in range(len(points)):
+        away = start = next(b for a, b in left_of if a == v)
+        ring = []
+        while not ring or away != start:
+            f = left_of[v, away]
+            ring.append(f)
+            t = triangles[f]
+            away = t[t.index(v) - 1]
+        faces.append(ring)
+    return points[np.array(triangles)].mean(axis=1), faces
+
+
+def ring_mesh(n, m, thickness=0.4):
+    """A torus of n x m quads."""
+    u, v = np.meshgrid(np.arange(n) * 2 * np.pi / n, np.arange(m) * 2 * np.pi / m, indexing="ij")
+    away = 1 + thickness * np.cos(v)
+    points = np.stack([away * np.cos(u), away * np.sin(u), thickness * np.sin(v)], axis=-1).reshape(-1, 3)
+    at = np.arange(n * m).reshape(n, m)
+    quads = np.stack([at, np.roll(at, -1, 0), np.roll(at, (-1, -1), (0, 1)), np.roll(at, -1, 1)], axis=-1).reshape(-1, 4)
+    return points, quads.tolist()
+
+
+def box(n):
+    """A cube of n x n quads a side, with its edges."""
+    vertex, faces = Vertices(), []
+    grid = np.linspace(-1, 1, n + 1)
+    for axis in range(3):
+        for sign in (-1, 1):
+            for i in range(n):
+                for j in range(n):
+                    quad = []
+                    for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                        p = np.zeros(3)
+                        p[axis], p[axis - 2], p[axis - 1] = sign, grid[a], grid[b]
+                        quad.append(vertex(p))
+                    faces.append(quad if sign > 0 else quad[::-1])
+    return np.array(vertex.points), faces
+
+
+def cut_in_triangles(faces, rng):
+    """Faces of more than three edges are cut along random diagonals."""
+    out = []
+    for face in faces:
+        k = int(rng.integers(len(face)))
+        turned = face[k:] + face[:k]
+        out += [[turned[0], turned[j], turned[j + 1]] for j in range(1, len(face) - 1)]
+    return out
+
+
+SHAPES = {
+    "icosphere": lambda rng: icosphere(int(rng.integers(1, 4))),
+    "honeycomb": lambda rng: honeycomb(int(rng.integers(1, 4))),
+    "ring": lambda rng: ring_mesh(int(rng.integers(6, 24)), int(rng.integers(4, 14))),
+    "quads": lambda rng: cube_sphere(int(rng.integers(2, 9))),
+    "box": lambda rng: box(int(rng.integers(2, 8))),
+}
+
+
+def closed_mesh(rng, shape=None, spoil=None):
+    """Points and faces, and in words what they are. spoil: what is done to the shape."""
+    shape = shape or str(rng.choice(sorted(SHAPES)))
+    points, faces = SHAPES[shape](rng)
+    spoil = spoil or str(rng.choice(["none", "none", "triangles", "noise", "stretched", "bumps"]))
+    if spoil in ("triangles", "noise"):
+        faces = cut_in_triangles(faces, rng)
+    if spoil == "noise":
+        edge = np.linalg.norm(points[faces[0][0]] - points[faces[0][1]])
+        points = points + edge * rng.choice([0.02, 0.1, 0.3]) * rng.normal(size=points.shape)
+    if spoil == "stretched":
+        points = points * rng.choice([1, 30, 1000], 3)
+    if spoil == "bumps":
+        points = points * (1 + 0.3 * np.sin(points @ rng.normal(0, 3, 3)))[:, None]
+    return points, faces, f"{shape}, {spoil}"
+
+
+def directed(faces):
+    return Counter((int(a), int(b)) for face in faces for a, b in zip(face, [*face[1:], face[0]]))
+
+
+def with_hole(faces, rng, share=None):
+    """The faces without a random connected region of them; a vertex or more of every face left is one of the region's no more."""
+    at_edge = {(face[k], face[(k + 1) % len(face)]): f for f, face in enumerate(faces) for k in range(len(face))}
+    wanted = max(1, int(len(faces) * (share if share is not None else rng.uniform(0, 0.5) ** 2)))
+    first = int(rng.integers(len(faces)))
+    gone, front = {first}, [first]
+    ragged = rng.random() < 0.5
+    while front and len(gone) < wanted:
+        f = front.pop(int(rng.integers(len(front))) if ragged else 0)
+        for k in range(len(faces[f])):
+            other = at_edge.get((faces[f][(k + 1) % len(faces[f])], faces[f][k]))
+            if other is not None and other not in gone and len(gone) < wanted:
+                gone.add(other)
+                front.append(other)
+        if ragged and any(
+            at_edge.get((faces[f][(k + 1) % len(faces[f])], faces[f][k])) not in gone for k in range(len(faces[f]))
+        ):
+            front.append(f)
+    return [face for f, face in enumerate(faces) if f not in gone]
+
+
+def is_manifold(faces):
+    """Every edge has two faces at most, in opposite directions."""
+    return max(directed(faces).values(), default=0) <= 1
+
+
+def turned(rng):
+    """A random rotation."""
+    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
+    q = q * np.sign(np.diag(r))
+    return q if np.linalg.det(q) > 0 else q[:, [1, 0, 2]]
+
+
+def hole_size(points, rim):
+    p = points[rim]
+    return float(np.linalg.norm(p[:, None] - p, axis=2).max())
