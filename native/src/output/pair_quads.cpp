@@ -65,7 +65,8 @@ std::vector<TrianglePair> candidates(const PointsRef& points, const std::vector<
     }
     k = end;
   }
-  std::stable_sort(pairs.begin(), pairs.end(), [](const TrianglePair& p, const TrianglePair& q) { return coarse(p.error) < coarse(q.error); });
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const TrianglePair& p, const TrianglePair& q) { return coarse(p.error) < coarse(q.error); });
   return pairs;
 }
 

@@ -373,7 +373,7 @@ private:
       const int v = who[i];
       if (!star_is_valid(v, where[i])) continue;  // a neighbor has moved meanwhile
       const double after = star_quality(v, there[i]);
-      if ((careful || after < good_enough) && after < star_quality(v, x_[v])) continue;
+      if ((careful || after < good_enough) && !clearly_more(after, star_quality(v, x_[v]))) continue;
       b_[v] = where[i];
       x_[v] = there[i];
     }

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/regular_grid.h"
@@ -214,13 +215,13 @@ private:
           if (between) edges.push_back({t, k, static_cast<double>(between + 1)});
         } else if (inner && t < f.n[k]) {
           const double excess = length(a, b) / (too_long * size_of_edge(a, b));
-          if (excess > 1) edges.push_back({t, k, excess});
+          if (coarse(excess) > 1) edges.push_back({t, k, excess});
         }
       }
     }
     std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
       check_interruption();
-      return p.excess > q.excess;
+      return coarse(p.excess) > coarse(q.excess);
     });
     std::vector<char> taken(triangles_.size(), 0);
     std::vector<Edge> chosen;
@@ -267,9 +268,7 @@ private:
   }
 
   /// Flips make the worse of the two triangles better.
-  bool wants_flip(int a, int b, int c, int d) const override {
-    return pair_quality(c, a, d, b) > pair_quality(a, d, b, c) + 1e-9;
-  }
+  bool wants_flip(int a, int b, int c, int d) const override { return pair_quality(c, a, d, b) > pair_quality(a, d, b, c) + tie; }
 
   /// Moves inner vertices to the size-weighted center of the triangles around, the move taken back to the parameter triangle by
   /// the local Jacobian. careful: only where the worst triangle around gets better.
@@ -315,7 +314,7 @@ private:
       const int v = who[i];
       if (!star_is_valid(v, where[i])) continue;  // a neighbor has moved meanwhile
       const double before = star_quality(v, x_[v]), after = star_quality(v, x.row(i));
-      if (careful ? after < before : after < std::min(before, good_enough)) continue;
+      if ((careful || after < good_enough) && !clearly_more(after, before)) continue;
       b_[v] = where[i];
       x_[v] = x.row(i);
     }

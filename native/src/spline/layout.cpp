@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/ties.h"
 
 namespace tripatch {
 namespace {
@@ -154,7 +155,7 @@ std::optional<LayoutMesh> make_layout_mesh(const PointsRef& points, const std::v
     double length = 0;
     for (std::size_t k = 0; k < loops[l].size(); ++k)
       length += (points.row(disc.vertices[loops[l][k]]) - points.row(disc.vertices[loops[l][(k + 1) % loops[l].size()]])).norm();
-    if (length > longest) longest = length, outer = l;
+    if (clearly_more(length, longest)) longest = length, outer = l;
   }
   for (std::size_t l = 0; l < loops.size(); ++l) {
     if (l == outer) continue;
@@ -186,7 +187,7 @@ Shape shape_of(const Vec3& a, const Vec3& b, const Vec3& c, double shortest) {
   int base = 0;
   double length = -1;
   for (int k = 0; k < 3; ++k)
-    if (const double l = (x[(k + 1) % 3] - x[k]).norm(); l > length) length = l, base = k;
+    if (const double l = (x[(k + 1) % 3] - x[k]).norm(); clearly_more(l, length)) length = l, base = k;
   const Vec3 e = x[(base + 1) % 3] - x[base], u = x[(base + 2) % 3] - x[base];
   double foot = length > 0 ? std::clamp(e.dot(u) / length, 0.0, length) : 0, height = length > 0 ? e.cross(u).norm() / length : 0;
   if (length < shortest) {

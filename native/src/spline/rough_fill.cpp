@@ -21,8 +21,8 @@ constexpr Index largest_exact = 200;  // vertices: 1.3 million triangles are com
 // Angles whose signed squared cosines round to the same are equally good, and the area decides: within 4 degrees at 0 and 90.
 // Numbers of this size are 1 / 256 apart.
 constexpr double rounder = 1.5 * (1LL << 44);
-constexpr double flat = 1e-8;           // squared: twice the area over the squared longest edge of a triangle that has no normal
-constexpr double unknown = 2;           // in place of the cosine's square where no face lies beyond: more than any
+constexpr double flat = 1e-8;  // squared: twice the area over the squared longest edge of a triangle that has no normal
+constexpr double unknown = 2;  // in place of the cosine's square where no face lies beyond: more than any
 constexpr double joined_already = -2, impossible = -4;  // in place of the square: worse than any angle; an edge to itself
 
 /// A closed polygon of rim vertices, some of which may occur twice (bridges). normals[k]: beyond the edge from k to the next.

@@ -8,7 +8,7 @@ namespace tripatch {
 
 /// Relative: what differs by less is a tie. Rounding makes 1e-15 of a coordinate that is not far from the origin, 1e-10 at a million
 /// sizes from it, and some hundred times that of what is computed from it.
-constexpr double tie = 1e-6;
+constexpr double tie = 2e-8;
 
 inline bool clearly_less(double a, double b) { return a < b && (std::isinf(b) || b - a > tie * std::abs(b)); }
 inline bool clearly_more(double a, double b) { return a > b && (std::isinf(a) || a - b > tie * std::abs(b)); }

@@ -28,7 +28,8 @@ protected:
   static constexpr double good_enough = 0.3;      // shape of a triangle that a move in between may bring about
   static constexpr double flat_metric = 1e-12;    // of its square: a metric's determinant below it has no inverse but rounding
   static constexpr double collapsed_shape = 0.4;  // that a collapse may bring about; or no worse than what was there
-  static constexpr double rounding = 1e-9;        // of an area, per length: ten times that of coordinates from 0 to 1 read far from the origin
+  static constexpr double rounding =
+      1e-9;  // of an area, per length: ten times that of coordinates from 0 to 1 read far from the origin
 
   struct Triangle {
     std::array<int, 3> v;  // v[0] < 0: removed
