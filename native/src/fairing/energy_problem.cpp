@@ -18,31 +18,43 @@ std::vector<Derivatives> EnergyProblem::derivatives(Index from, Index to, const 
   return d;
 }
 
+namespace {
+
+/// What the Gram matrix of (A, r) says of |A x + r|^2, its lower triangle given.
+Quadratic of_gram(const RowMajor& gram) {
+  const Index n = gram.rows() - 1;
+  return {gram.topLeftCorner(n, n).selfadjointView<Eigen::Lower>(), gram.row(n).head(n), gram(n, n)};
+}
+
+}  // namespace
+
 Quadratic EnergyProblem::quadratic(int order) const {
   const int rows = order + 1, first = NodeBasis::first_of(order);
   const Index n = static_cast<Index>(base_.size());
-  const Eigen::MatrixXd &inner = nodes_.rows[order], &inner_normal = nodes_.normal[order];
   Quadratic q;
   q.normal.setZero(count(), count());
   q.gradient.setZero(count());
-  Eigen::MatrixXd slope(rows * n, fields_);
-  Eigen::VectorXd value(rows * n);
+  RowMajor all(rows * n, interior_ + fields_ + 1);  // of one component, at the end its value
+  all.leftCols(interior_) = nodes_.rows[order];
   for (int c = 0; c < 3; ++c) {
     for (Index k = 0; k < n; ++k) {
       const double w = std::sqrt(nodes_.weights[k]) / size_;
       for (int d = 0; d < rows; ++d) {
         const double f = w * NodeBasis::factor(order, d);
-        slope.row(rows * k + d) = f * basis_.row(27 * k + 3 * (first + d) + c);
-        value[rows * k + d] = f * base_[k](first + d, c);
+        all.row(rows * k + d).segment(interior_, fields_) = f * basis_.row(27 * k + 3 * (first + d) + c);
+        all(rows * k + d, interior_ + fields_) = f * base_[k](first + d, c);
       }
     }
+    RowMajor gram = RowMajor::Zero(all.cols(), all.cols());
+    add_gram(all, gram);
+    const Quadratic part = of_gram(gram);
     const Index at = c * interior_;
-    q.normal.block(at, at, interior_, interior_) = inner_normal;
-    q.normal.block(at, scalars(), interior_, fields_).noalias() = inner.transpose() * slope;
-    q.normal.bottomRightCorner(fields_, fields_).noalias() += slope.transpose() * slope;
-    q.gradient.segment(at, interior_).noalias() = inner.transpose() * value;
-    q.gradient.tail(fields_).noalias() += slope.transpose() * value;
-    q.constant += value.squaredNorm();
+    q.normal.block(at, at, interior_, interior_) = part.normal.topLeftCorner(interior_, interior_);
+    q.normal.block(at, scalars(), interior_, fields_) = part.normal.topRightCorner(interior_, fields_);
+    q.normal.bottomRightCorner(fields_, fields_) += part.normal.bottomRightCorner(fields_, fields_);
+    q.gradient.segment(at, interior_) = part.gradient.head(interior_);
+    q.gradient.tail(fields_) += part.gradient.tail(fields_);
+    q.constant += part.constant;
   }
   q.normal.bottomLeftCorner(fields_, scalars()) = q.normal.topRightCorner(scalars(), fields_).transpose();
   return q;
@@ -78,22 +90,15 @@ std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, con
 /// The same of some of the nodes.
 std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from,
                                                    Index to) const {
-  constexpr Index block = 12;  // nodes: their rows stay in the cache
-  std::array<Quadratic, 2> model;
-  std::array<RowMajor, 2> jacobian, normal;
-  std::array<Eigen::VectorXd, 2> value;
-  for (int which = 0; which < 2; ++which) {
-    if (!wanted[which]) continue;
-    normal[which].setZero(count(), count());
-    model[which].gradient.setZero(count());
-  }
+  constexpr Index block = 12;              // nodes: their rows stay in the cache
+  std::array<RowMajor, 2> jacobian, gram;  // with the values as last column
+  const Index columns = count() + 1;
+  for (int which = 0; which < 2; ++which)
+    if (wanted[which]) gram[which].setZero(columns, columns);
   for (Index start = from; start < to; start += block) {
     const Index n = std::min(block, to - start);
-    for (int which = 0; which < 2; ++which) {
-      if (!wanted[which]) continue;
-      jacobian[which].resize(4 * n, count());
-      value[which].resize(4 * n);
-    }
+    for (int which = 0; which < 2; ++which)
+      if (wanted[which]) jacobian[which].resize(4 * n, columns);
     const std::vector<Derivatives> d = derivatives(start, start + n, x);
     for (Index k = start; k < start + n; ++k) {
       const CurvatureVariationRows v = curvature_variation_rows(d[k - start], flat_curvature(size_));
@@ -101,26 +106,23 @@ std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, con
       const Index row = 4 * (k - start);
       for (int which = 0; which < 2; ++which) {
         if (!wanted[which]) continue;
-        value[which].segment<4>(row) = w * v.value.segment<4>(4 * which);
         const Eigen::Matrix<double, 4, 27, Eigen::RowMajor> rows = w * v.derivative.middleRows<4>(4 * which);
         double* const out = jacobian[which].row(row).data();
         for (int c = 0; c < 3; ++c) {
           Eigen::Matrix<double, 4, 9, Eigen::RowMajor> part;
           for (int d = 0; d < 9; ++d) part.col(d) = size_ * rows.col(3 * d + c);
-          multiply_four(part.data(), 9, nodes_.interior.row(9 * k).data(), interior_, out + c * interior_, count());
+          multiply_four(part.data(), 9, nodes_.interior.row(9 * k).data(), interior_, out + c * interior_, columns);
         }
-        multiply_four(rows.data(), 27, basis_.row(27 * k).data(), fields_, out + scalars(), count());
+        multiply_four(rows.data(), 27, basis_.row(27 * k).data(), fields_, out + scalars(), columns);
+        jacobian[which].col(count()).segment<4>(row) = w * v.value.segment<4>(4 * which);
       }
     }
-    for (int which = 0; which < 2; ++which) {
-      if (!wanted[which]) continue;
-      add_gram(jacobian[which], normal[which]);
-      model[which].gradient.noalias() += jacobian[which].transpose() * value[which];
-      model[which].constant += value[which].squaredNorm();
-    }
+    for (int which = 0; which < 2; ++which)
+      if (wanted[which]) add_gram(jacobian[which], gram[which]);
   }
+  std::array<Quadratic, 2> model;
   for (int which = 0; which < 2; ++which)
-    if (wanted[which]) model[which].normal = normal[which].selfadjointView<Eigen::Lower>();
+    if (wanted[which]) model[which] = of_gram(gram[which]);
   return model;
 }
 

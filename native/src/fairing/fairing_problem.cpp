@@ -123,16 +123,20 @@ SurfacePtr FairingProblem::correction(const Eigen::VectorXd& x, const Sides& sid
 
 /// The derivatives, at a node, of what the free slopes add.
 void FairingProblem::add_slopes(Index node) {
+  const int slopes = options_.slopes;
+  RowMajor made(4, 9 * slopes);  // a row a component, the last unused
   for (int i = 0; i < 3; ++i)
     for (std::size_t f = 0; f < directions_[i].size(); ++f) {
       const FairingSpace::Slope& slope = shared_.slope[node][i];
-      Eigen::Matrix<double, 4, 3, Eigen::RowMajor> series;  // of the direction
+      Eigen::Matrix<double, 3, 4> series;  // of the direction, an order a column
       directions_[i][f].taylor(slope.t, 3, series.data());
-      for (int m = 0; m < options_.slopes; ++m) {
-        const Derivatives d = slope.rows.middleRows<9>(9 * m).lazyProduct(series);
-        basis_.block<27, 1>(27 * node, unknowns_.first[i] + f * options_.slopes + m) =
-            Eigen::Map<const Eigen::Matrix<double, 27, 1>>(d.data());
-      }
+      Eigen::Matrix<double, 4, 4, Eigen::RowMajor> components = Eigen::Matrix4d::Zero();
+      components.topRows<3>() = series;
+      multiply_four(components.data(), 4, slope.rows.data(), made.cols(), made.data(), made.cols());
+      const Index at = unknowns_.first[i] + static_cast<Index>(f) * slopes;
+      for (int d = 0; d < 9; ++d)
+        for (int x = 0; x < 3; ++x)
+          basis_.row(27 * node + 3 * d + x).segment(at, slopes) = made.row(x).segment(d * slopes, slopes);
     }
 }
 

@@ -112,12 +112,13 @@ FairingSpace::FairingSpace(int degree, int second_cross, int slopes, int nodes)
     for (int i = 0; i < 3; ++i) {
       const Jet<3> t = ray_parameter(b, i), kernel = slope_kernel(b, of_sides, i);
       sides[i].t = t.value();
-      sides[i].rows.resize(9 * slopes, 4);
+      sides[i].rows.resize(4, 9 * slopes);
       for (int m = 0; m < slopes; ++m) {
         std::array<double, 4> series;
         functions[m].taylor(t.value(), 3, series.data());
         Jet<3> f = kernel * compose<3>(series.data(), 1, t);
-        for (int p = 0; p < 4; ++p, f *= t - t.value()) sides[i].rows.block<9, 1>(9 * m, p) = derivatives_of(f);
+        for (int p = 0; p < 4; ++p, f *= t - t.value())
+          for (int d = 0; d < 9; ++d) sides[i].rows(p, d * slopes + m) = derivatives_of(f)[d];
       }
     }
     slope.push_back(std::move(sides));

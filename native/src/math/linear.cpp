@@ -7,36 +7,122 @@
 #include <limits>
 #include <vector>
 
-// Eigen's products take what the compiler may assume of every machine. These are compiled for newer ones too, and chosen at run time.
+// Eigen's products take what the compiler may assume of every machine. These are compiled for newer ones too, and chosen at run time;
+// newer machines all make the same bits, for each sum is made in the same order.
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && __GNUC__ >= 12
 #define TRIPATCH_FOR_EACH_MACHINE __attribute__((target_clones("arch=x86-64-v3", "default")))
+#define TRIPATCH_INLINE inline __attribute__((always_inline))
 #else
 #define TRIPATCH_FOR_EACH_MACHINE
+#define TRIPATCH_INLINE inline
 #endif
 
 namespace tripatch {
 namespace {
 
-TRIPATCH_FOR_EACH_MACHINE void add_gram(const double* __restrict a, Index m, Index n, double* __restrict c) {
-  constexpr Index rows = 4, columns = 8;  // of c: what the registers hold
-  for (Index i = 0; i < n; i += rows)
-    for (Index j = 0; j < i + rows && j < n; j += columns) {
-      if (i + rows <= n && j + columns <= n) {
-        double sum[rows][columns] = {};
-        for (Index k = 0; k < m; ++k) {
-          const double* row = a + k * n;
-          for (Index p = 0; p < rows; ++p)
-            for (Index q = 0; q < columns; ++q) sum[p][q] += row[i + p] * row[j + q];
-        }
-        for (Index p = 0; p < rows; ++p)
-          for (Index q = 0; q < columns; ++q) c[(i + p) * n + j + q] += sum[p][q];
-      } else {
-        for (Index k = 0; k < m; ++k)
-          for (Index p = i; p < std::min(n, i + rows); ++p)
-            for (Index q = j; q < std::min(n, j + columns); ++q) c[p * n + q] += a[k * n + p] * a[k * n + q];
-      }
+/// Products as the compiler finds them.
+struct AnyRegisters {
+  static constexpr Index rows = 4, columns = 8, most_columns = 8;  // of a product: what the registers hold
+
+  /// sum = a b, where a is `rows` by k and b is k by `columns`.
+  template <Index rows, Index columns>
+  TRIPATCH_INLINE static void product(const double* a, Index a_row, Index a_column, Index k, const double* b, Index b_row,
+                                      double (&sum)[rows][columns]) {
+    for (Index p = 0; p < rows; ++p)
+      for (Index q = 0; q < columns; ++q) sum[p][q] = 0;
+    for (Index l = 0; l < k; ++l)
+      for (Index p = 0; p < rows; ++p)
+        for (Index q = 0; q < columns; ++q) sum[p][q] += a[p * a_row + l * a_column] * b[l * b_row + q];
+  }
+};
+
+/// Adds `sign` times a' a to c from row `begin` on: the upper triangle of it or the lower, and some elements beyond.
+template <class Registers, bool upper>
+TRIPATCH_INLINE void add_gram_with(const double* a, Index m, Index n, Index begin, double sign, double* __restrict c) {
+  constexpr Index rows = Registers::rows, columns = Registers::columns;
+  if (n < columns) {
+    for (Index k = 0; k < m; ++k)
+      for (Index p = begin; p < n; ++p)
+        for (Index q = 0; q < n; ++q) c[p * n + q] += sign * a[k * n + p] * a[k * n + q];
+    return;
+  }
+  for (Index below = begin; below < n; below += rows)
+    for (Index right = upper ? below : 0; right < (upper ? n : std::min(n, below + rows)); right += columns) {
+      const Index i = std::min(below, n - rows), j = std::min(right, n - columns);  // the last overlap those before
+      double sum[rows][columns];
+      Registers::product(a + i, 1, n, m, a + j, n, sum);
+      for (Index p = below - i; p < rows; ++p)
+        for (Index q = right - j; q < columns; ++q) c[(i + p) * n + j + q] += sign * sum[p][q];
     }
 }
+
+template <class Registers, Index columns>
+TRIPATCH_INLINE void multiply_four_with(const double* a, Index k, const double* b, Index n, double* __restrict out,
+                                        Index stride) {
+  for (Index next = 0; next < n; next += columns) {
+    const Index j = std::min(next, n - columns);  // the last makes some columns again
+    double sum[4][columns];
+    Registers::product(a, k, 1, k, b + j, n, sum);
+    for (Index p = 0; p < 4; ++p)
+      for (Index q = 0; q < columns; ++q) out[p * stride + j + q] = sum[p][q];
+  }
+}
+
+/// The products of one kind of machine.
+struct Products {
+  void (*add_gram)(const double* a, Index m, Index n, double* c);
+  void (*subtract_gram)(const double* u, Index count, Index n, Index begin, double* c);
+  void (*multiply_four)(const double* a, Index k, const double* b, Index n, double* out, Index stride);  ///< n: eight or more
+};
+
+#define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                           \
+  machine void add_gram_##name(const double* a, Index m, Index n, double* c) {                                                \
+    add_gram_with<Registers, false>(a, m, n, 0, 1, c);                                                                        \
+  }                                                                                                                           \
+  machine void subtract_gram_##name(const double* u, Index count, Index n, Index begin, double* c) {                          \
+    add_gram_with<Registers, true>(u, count, n, begin, -1, c);                                                                \
+  }                                                                                                                           \
+  machine void multiply_four_##name(const double* a, Index k, const double* b, Index n, double* out, Index stride) {          \
+    if (n >= Registers::most_columns) return multiply_four_with<Registers, Registers::most_columns>(a, k, b, n, out, stride); \
+    multiply_four_with<Registers, 8>(a, k, b, n, out, stride);                                                                \
+  }                                                                                                                           \
+  constexpr Products name = {add_gram_##name, subtract_gram_##name, multiply_four_##name};
+
+TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
+
+#ifdef __GNUC__
+/// Registers of `width` doubles, which the compiler does not find by itself everywhere.
+template <Index width, Index product_rows, Index product_columns>
+struct VectorRegisters {
+  static constexpr Index rows = product_rows, columns = 8, most_columns = product_columns;
+  typedef double Vector __attribute__((vector_size(8 * width), aligned(8), may_alias));
+
+  template <Index rows, Index columns>
+  TRIPATCH_INLINE static void product(const double* a, Index a_row, Index a_column, Index k, const double* b, Index b_row,
+                                      double (&sum)[rows][columns]) {
+    Vector part[rows][columns / width] = {};
+    for (Index l = 0; l < k; ++l, a += a_column, b += b_row)
+#pragma GCC unroll 8
+      for (Index p = 0; p < rows; ++p)
+#pragma GCC unroll 2
+        for (Index w = 0; w < columns / width; ++w) part[p][w] += a[p * a_row] * *reinterpret_cast<const Vector*>(b + width * w);
+    for (Index p = 0; p < rows; ++p)
+      for (Index w = 0; w < columns / width; ++w) *reinterpret_cast<Vector*>(&sum[p][width * w]) = part[p][w];
+  }
+};
+#endif
+
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && __GNUC__ >= 12
+using FourWide = VectorRegisters<4, 4, 8>;
+using EightWide = VectorRegisters<8, 8, 16>;
+TRIPATCH_PRODUCTS(with_avx2, FourWide, __attribute__((target("arch=x86-64-v3"))))
+TRIPATCH_PRODUCTS(with_avx512, EightWide, __attribute__((target("arch=x86-64-v4,prefer-vector-width=512"))))
+const Products products = __builtin_cpu_supports("x86-64-v4")   ? with_avx512
+                          : __builtin_cpu_supports("x86-64-v3") ? with_avx2
+                                                                : any_machine;
+#else
+constexpr Products products = any_machine;
+#endif
 
 constexpr Index panel = 16;  ///< rows of a Cholesky factor made at a time: they stay in the first cache
 
@@ -54,30 +140,6 @@ TRIPATCH_FOR_EACH_MACHINE bool factor_panel(double* __restrict a, Index n, Index
   return true;
 }
 
-/// What `count` rows of the factor take away from those below, from row `begin` on.
-TRIPATCH_FOR_EACH_MACHINE void subtract_gram(const double* __restrict u, Index count, Index n, Index begin,
-                                             double* __restrict c) {
-  constexpr Index rows = 4, columns = 8;  // of c: what the registers hold
-  for (Index i = begin; i < n; i += rows)
-    for (Index j = i; j < n; j += columns) {
-      const bool whole = i + rows <= n && j + columns <= n;
-      if (whole) {
-        double sum[rows][columns] = {};
-        for (Index k = 0; k < count; ++k) {
-          const double* row = u + k * n;
-          for (Index p = 0; p < rows; ++p)
-            for (Index q = 0; q < columns; ++q) sum[p][q] += row[i + p] * row[j + q];
-        }
-        for (Index p = 0; p < rows; ++p)
-          for (Index q = 0; q < columns; ++q) c[(i + p) * n + j + q] -= sum[p][q];
-      } else {
-        for (Index k = 0; k < count; ++k)
-          for (Index p = i; p < std::min(n, i + rows); ++p)
-            for (Index q = j; q < std::min(n, j + columns); ++q) c[p * n + q] -= u[k * n + p] * u[k * n + q];
-      }
-    }
-}
-
 /// The lower Cholesky factor of a symmetric matrix in its own lower triangle, by columns: Eigen's takes twice the time, for it is
 /// compiled for every machine. Above stays what was there. False where the matrix is not positive definite.
 bool factor_cholesky(Eigen::MatrixXd& a) {
@@ -85,7 +147,8 @@ bool factor_cholesky(Eigen::MatrixXd& a) {
   for (Index from = 0; from < n; from += panel) {
     const Index to = std::min(n, from + panel);
     if (!factor_panel(a.data(), n, from, to)) return false;
-    subtract_gram(a.data() + from * n, to - from, n, to, a.data());
+    // what these rows of the factor take away from those below
+    products.subtract_gram(a.data() + from * n, to - from, n, to, a.data());
   }
   return true;
 }
@@ -124,27 +187,17 @@ void add_product(const double* a, Index m, Index k, const double* b, double* out
   add_product_of_fours(a, m, k, fours.data(), out);
 }
 
-TRIPATCH_FOR_EACH_MACHINE void multiply_four(const double* __restrict a, Index k, const double* __restrict b, Index n,
-                                             double* __restrict out, Index stride) {
-  constexpr Index rows = 4, columns = 8;
-  Index j = 0;
-  for (; j + columns <= n; j += columns) {
-    double sum[rows][columns] = {};
-    for (Index l = 0; l < k; ++l)
-      for (Index p = 0; p < rows; ++p)
-        for (Index q = 0; q < columns; ++q) sum[p][q] += a[p * k + l] * b[l * n + j + q];
-    for (Index p = 0; p < rows; ++p)
-      for (Index q = 0; q < columns; ++q) out[p * stride + j + q] = sum[p][q];
-  }
-  for (; j < n; ++j)
-    for (Index p = 0; p < rows; ++p) {
+void multiply_four(const double* a, Index k, const double* b, Index n, double* out, Index stride) {
+  if (n >= 8) return products.multiply_four(a, k, b, n, out, stride);
+  for (Index p = 0; p < 4; ++p)
+    for (Index q = 0; q < n; ++q) {
       double sum = 0;
-      for (Index l = 0; l < k; ++l) sum += a[p * k + l] * b[l * n + j];
-      out[p * stride + j] = sum;
+      for (Index l = 0; l < k; ++l) sum += a[p * k + l] * b[l * n + q];
+      out[p * stride + q] = sum;
     }
 }
 
-void add_gram(const RowMajor& a, RowMajor& c) { add_gram(a.data(), a.rows(), a.cols(), c.data()); }
+void add_gram(const RowMajor& a, RowMajor& c) { products.add_gram(a.data(), a.rows(), a.cols(), c.data()); }
 
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b) { return a.completeOrthogonalDecomposition().solve(b); }
 

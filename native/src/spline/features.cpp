@@ -85,6 +85,9 @@ public:
     return found != edges_.end() && found->first == edge_pair(a, b) ? found->second : 0;
   }
   double ordinary() const { return ordinary_; }
+  bool any_is_crease() const {
+    return std::any_of(edges_.begin(), edges_.end(), [](const auto& edge) { return edge.second > least_crease_angle; });
+  }
   bool sharp(Index a, Index b) const { return at(a, b) > threshold_; }
   std::vector<EdgePair> all_sharp() const {
     std::vector<EdgePair> out;
@@ -328,6 +331,9 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   Features features;
   const double across = diameter(mesh, rim);
   if (!(across > 0) || !std::isfinite(across)) return features;
+  std::vector<Index> at_rim = rim;
+  std::sort(at_rim.begin(), at_rim.end());
+  if (!EdgeAngles(mesh, around, at_rim).any_is_crease()) return features;  // as at most holes: nothing ends there
   const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, most_crease_rings);
   features.vertices = disc.vertices;
   std::sort(features.vertices.begin(), features.vertices.end());

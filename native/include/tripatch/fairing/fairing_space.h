@@ -109,10 +109,11 @@ Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
 struct FairingSpace : NodeBasis {
   Quadrature quadrature;
   Eigen::MatrixXd combination;  // of the scalar functions, one basis function a column
-  /// Side i at a node: t_i there, and the derivatives of the kernel times function m times (t - t_i)^k: row 9 m + derivative, column k.
+  /// Side i at a node: t_i there, and the derivatives of the kernel times function m times (t - t_i)^k: row k, the functions of one
+  /// derivative after those of the last.
   struct Slope {
     double t;
-    Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> rows;
+    RowMajor rows;
   };
   std::vector<std::array<Slope, 3>> slope;  // at each node
   SideBasis along;

@@ -20,8 +20,18 @@ public:
   /// Everywhere the vertex; elsewhere the ends of the side.
   Vec3 corner(int k) const override { return corner_[k]; }
 
-  /// A polynomial in s and a field of t for each thing that is interpolated, so everything is done in (s, t) first.
   template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    switch (degree_) {
+      case RayDegree::quadratic: return at<N, RayDegree::quadratic>(b);
+      case RayDegree::cubic: return at<N, RayDegree::cubic>(b);
+      default: return at<N, RayDegree::quintic>(b);
+    }
+  }
+
+private:
+  /// A polynomial in s and a field of t for each thing that is interpolated, so everything is done in (s, t) first.
+  template <int N, RayDegree degree>
   JetPoint<N> at(const Barycentric<N>& b) const {
     const Jet<N> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3];  // fraction of the ray, 0 at the vertex
     const Jet<N> t = ray_parameter(b, i_);
@@ -29,33 +39,40 @@ public:
     std::array<Vec3, N + 2> c, d;
     ribbon_.c.taylor(t.value(), N + 1, c[0].data());
     ribbon_.d.taylor(t.value(), N, d[0].data());
-    std::array<Field, 6> fields;
-    for (Field& f : fields) f.fill(Vec3::Zero());
-    fields[0][0] = corner_[i_];
-    fields[1][0] = to_next_ + t.value() * (to_previous_ - to_next_);
-    if constexpr (N > 0) fields[1][1] = to_previous_ - to_next_;
-    for (int k = 0; k <= N; ++k) {
-      fields[3][k] = c[k];
-      // d/ds = -delta_i + (t - 1/2) (along the side)
-      fields[4][k] = d[k] + (t.value() - 0.5) * (k + 1.0) * c[k + 1] + static_cast<double>(k) * c[k];
-    }
-    if (degree_ == RayDegree::quintic) {
-      taylor<N>(vertex_second_, t.value(), Vec3(Vec3::Zero()), fields[2]);
-      taylor<N>(side_second_, t.value(), Vec3(Vec3::Zero()), fields[5]);
-    }
-    const Hermite& hermite = hermites[static_cast<int>(degree_)];
+    constexpr std::size_t coefficients = degree == RayDegree::quadratic ? 3 : degree == RayDegree::cubic ? 4 : 6;
     std::array<Vec3, Jet<N>::size> polar;
     polar.fill(Vec3::Zero());
-    for (int f = 0; f < 6; ++f) {
+    // `field` times the polynomial that carries it along the ray; `orders`: of its coefficients, how many are not zero
+    const auto add = [&](int f, const Field& field, int orders = N + 1) {
       std::array<double, N + 1> along;
-      taylor<N>(hermite[f], s.value(), 0.0, along);
+      taylor<N>(hermites[static_cast<int>(degree)][f], s.value(), 0.0, along, coefficients);
       for (int k = 0; k <= N; ++k)
-        for (int l = 0; k + l <= N; ++l) polar[jet_index(k, l)] += along[k] * fields[f][l];
+        for (int l = 0; k + l <= N && l < orders; ++l) polar[jet_index(k, l)] += along[k] * field[l];
+    };
+    Field field;
+    field[0] = corner_[i_];
+    add(0, field, 1);
+    if constexpr (degree != RayDegree::quadratic) {
+      field[0] = to_next_ + t.value() * (to_previous_ - to_next_);
+      if constexpr (N > 0) field[1] = to_previous_ - to_next_;
+      add(1, field, 2);
+    }
+    if constexpr (degree == RayDegree::quintic) {
+      taylor<N>(vertex_second_, t.value(), Vec3(Vec3::Zero()), field);
+      add(2, field);
+    }
+    for (int k = 0; k <= N; ++k) field[k] = c[k];
+    add(3, field);
+    for (int k = 0; k <= N; ++k)  // d/ds = -delta_i + (t - 1/2) (along the side)
+      field[k] = d[k] + (t.value() - 0.5) * (k + 1.0) * c[k + 1] + static_cast<double>(k) * c[k];
+    add(4, field);
+    if constexpr (degree == RayDegree::quintic) {
+      taylor<N>(side_second_, t.value(), Vec3(Vec3::Zero()), field);
+      add(5, field);
     }
     return compose(polar, s, t);
   }
 
-private:
   /// Coefficients of 1, t, t^2, t^3.
   using Cubic = std::array<Vec3, 4>;
   /// By powers of s: what multiplies position, slope and second derivative at the vertex, then the same at the side.
@@ -71,11 +88,12 @@ private:
         {0, 0, 0, 0.5, -1, 0.5}}},
   }};
 
-  /// Taylor coefficients, to order N, of a polynomial about a place.
+  /// Taylor coefficients, to order N, of a polynomial about a place; count: of its coefficients, the others are 0.
   template <int N, class T, std::size_t Count>
-  static void taylor(const std::array<T, Count>& a, double at, const T& zero, std::array<T, N + 1>& out) {
+  static void taylor(const std::array<T, Count>& a, double at, const T& zero, std::array<T, N + 1>& out,
+                     std::size_t count = Count) {
     out.fill(zero);
-    for (std::size_t k = Count; k-- > 0;) {
+    for (std::size_t k = count; k-- > 0;) {
       for (int j = N; j > 0; --j) out[j] = out[j] * at + out[j - 1];
       out[0] = out[0] * at + a[k];
     }
