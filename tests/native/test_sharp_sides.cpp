@@ -69,6 +69,16 @@ TEST_CASE("walls below a slope are sharp, whatever their number, and a wall that
   }
 }
 
+TEST_CASE("sides of one edge are not called sharp, of two where all are") {
+  const auto angles = [](const std::vector<double>& lean, int edges) {
+    const Column column(slope, triangle, lean, edges);
+    return sharp_sides(column.mesh(), Connectivity(column.mesh()), column.rim, column.places);
+  };
+  CHECK_FALSE(any_sharp(angles({0, 0, 0}, 1)));
+  CHECK_FALSE(any_sharp(angles({0, 0, 3}, 2)));
+  for (double angle : angles({0, 0, 0}, 2)) CHECK(angle > 60);
+}
+
 TEST_CASE("the corners of a hole between walls are found in the plane of its rim") {
   const std::vector<Eigen::Vector2d> square = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   for (const auto& corners : {triangle, square}) {

@@ -17,8 +17,13 @@ namespace {
 /// Degrees between the plane beside a side and that of the rim at its corner up to which coarse and noisy meshes of smooth surfaces
 /// come; the least angle of the real CAD faces with sharp neighbors is 30.
 constexpr double surely_smooth = 20;
-/// Degrees that a side of a single edge may turn from its chord: a rounded corner of a box in one segment lies 35 off.
-constexpr double turn_of_one_edge = 35;
+/// Of what direction and plane change from one edge to the next: carried on to the corner they are off by a quarter of that on circles.
+constexpr double of_bend = 0.5;
+/// Of the tolerance: a side is off at both of its corners by more than that, and by more than the tolerance on average.
+constexpr double least_share = 0.25;
+/// Degrees that direction and plane may change along a side of a single edge, at its half: a rounded corner of a box in one segment lies
+/// 35 off.
+constexpr double turn_of_one_edge = 70;
 /// Sine of the angle between two sides from which on their tangents tell a plane: below 12 degrees only the faces beside them do.
 constexpr double tells_plane = 0.2;
 /// Degrees between two faces from which on the surface is not the same one, as for features across holes.
@@ -69,11 +74,18 @@ SideEnd end_of_side(const Mesh& mesh, const Connectivity& around, const std::vec
   return end;
 }
 
-/// Degrees by which the planes beside the sides that end and begin at a corner are off, 0 where that may be the mesh's coarseness.
-std::array<double, 2> off_at_corner(const SideEnd& in, const SideEnd& out) {
-  if (in.single && out.single) return {0, 0};
+/// Degrees by which the planes beside the sides that end and begin at a corner are off, and how much of that may be the mesh's
+/// coarseness.
+struct CornerAngles {
+  std::array<double, 2> off;
+  double tolerance;
+};
+
+CornerAngles angles_at_corner(const SideEnd& in, const SideEnd& out) {
+  const double tolerance = surely_smooth + of_bend * (in.bend + out.bend);
+  if (in.single && out.single) return {{0, 0}, tolerance};
   const Vec3 across = in.tangent.cross(out.tangent);
-  const double sine = across.norm(), tolerance = surely_smooth + in.bend + out.bend;
+  const double sine = across.norm();
   std::array<double, 2> off;
   if (sine < tells_plane) {
     off.fill(degrees_between(in.normal, out.normal));
@@ -82,9 +94,7 @@ std::array<double, 2> off_at_corner(const SideEnd& in, const SideEnd& out) {
     const bool up = std::max(a, b) <= 180 - std::min(a, b);
     off = {up ? a : 180 - a, up ? b : 180 - b};
   }
-  for (double& angle : off)
-    if (angle <= tolerance) angle = 0;
-  return off;
+  return {off, tolerance};
 }
 
 }  // namespace
@@ -96,21 +106,25 @@ std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, co
   std::vector<double> angles(sides, 0.0);
   if (sides < 2 || zigzag(mesh, rim, places) > smooth_sides) return angles;
   std::vector<SideEnd> first, last;
+  bool any_short = false;
   for (std::size_t i = 0; i < sides; ++i) {
     const Index from = places[i], edges = (places[(i + 1) % sides] - from + n - 1) % n + 1;
     const bool single = edges == 1;
+    any_short = any_short || edges == 2;
     first.push_back(end_of_side(mesh, around, rim, from, (from + 1) % n, single));
     last.push_back(end_of_side(mesh, around, rim, (from + edges - 1) % n, (from + edges - 2 + n) % n, single));
   }
-  std::vector<std::array<double, 2>> off(sides);  // of each side, at its two ends
+  std::vector<CornerAngles> at;  // where side i ends and the next one begins
+  for (std::size_t i = 0; i < sides; ++i) at.push_back(angles_at_corner(last[i], first[(i + 1) % sides]));
   for (std::size_t i = 0; i < sides; ++i) {
-    const std::size_t next = (i + 1) % sides;
-    const auto [in, out] = off_at_corner(last[i], first[next]);
-    off[i][1] = in;
-    off[next][0] = out;
+    const CornerAngles &start = at[(i + sides - 1) % sides], &end = at[i];
+    const double sum = start.off[1] + end.off[0];
+    const bool both =
+        !first[i].single && start.off[1] > least_share * start.tolerance && end.off[0] > least_share * end.tolerance;
+    if (both && sum > start.tolerance + end.tolerance) angles[i] = sum / 2;
   }
-  for (std::size_t i = 0; i < sides; ++i)
-    if (off[i][0] > 0 && off[i][1] > 0) angles[i] = (off[i][0] + off[i][1]) / 2;
+  // two edges alone do not tell a coarse mesh from a sharp one, unless all around it is the same
+  if (any_short && std::find(angles.begin(), angles.end(), 0.0) != angles.end()) angles.assign(sides, 0.0);
   return angles;
 }
 
