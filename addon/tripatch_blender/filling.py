@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -114,14 +113,15 @@ def corners_of(rim, loop, mesh, replaced, offset, any_rim):
         return None
     else:
         try:
-            corners = tripatch.find_corners(*mesh, loop, replaced=replaced).tolist()
+            many = tripatch.find_corners(*mesh, loop, replaced=replaced, any_number=True).tolist() if any_rim else []
+            corners = many or tripatch.find_corners(*mesh, loop, replaced=replaced).tolist()
         except tripatch.Refusal:
             if offset or not any_rim:
                 raise
-            return None  # the active vertex is no corner of a rim that has not three
+            return None  # the active vertex is no corner of a rim that has none
     places = [loop.index(v) for v in corners]
     if first is not None:
-        # The active vertex is the first corner: one of the three, or it takes the place of the nearest.
+        # The active vertex is the first corner: one of them, or it takes the place of the nearest.
         count, active = len(loop), loop.index(first)
         steps = [min((p - active) % count, (active - p) % count) for p in places]
         nearest = steps.index(min(steps))
@@ -201,7 +201,8 @@ def fills(rims, arrays, options, progress=None, **arguments):
     positions, faces, replaced = arrays
     loops = [[v.index for v in rim.loop] for rim in rims]
     results, corners = [None] * len(rims), {}
-    any_rim = options.arguments.get("method", "auto") in ANY_RIM and options.arguments.get("output") != "cage"
+    given = options.arguments
+    any_rim = given.get("method", "auto") in ANY_RIM and given.get("output") != "cage" and given.get("surroundings") != "limit"
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
         try:
             corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset, any_rim)
@@ -243,10 +244,9 @@ def _sides(corners, loop, positions, faces, replaced):
     if corners is not None:
         return len(corners)
     try:
-        return len(tripatch.find_corners(positions, faces, loop, replaced=replaced))
-    except tripatch.Refusal as refusal:
-        found = re.match(r"Rim has (\d+)", refusal.reason)
-        return int(found[1]) if found else 1
+        return len(tripatch.find_corners(positions, faces, loop, replaced=replaced, any_number=True)) or 1
+    except tripatch.Refusal:
+        return 1
 
 
 def _plans(bm, rims, there, world, keys, options, around, cage, progress):

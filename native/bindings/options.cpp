@@ -19,8 +19,10 @@ void read(const py::handle& value, const char* name, T& to) {
 void read(const py::handle& value, const char*, Vec3& to) { to = Vec3::Map(value.cast<std::array<double, 3>>().data()); }
 template <class T>
 void read(const py::handle& value, const char* name, BySide<T>& to) {
-  int i = 0;
-  for (const py::handle one : value.cast<std::array<py::object, 3>>()) read(one, name, to[i++]);
+  std::vector<T> values;
+  for (const py::handle one : value.cast<std::vector<py::object>>()) read(one, name, values.emplace_back());
+  if (values.empty()) throw InvalidArgument(std::string(name) + " must hold a value");
+  to = BySide<T>(std::move(values));
 }
 template <class T>
 void read(const py::handle& value, const char* name, std::optional<T>& to) {

@@ -16,13 +16,9 @@ void bind_polygon(py::module_& m) {
             return array_from(corners);
           },
           "(n, 2) the corners of the polygon; side i runs from corner i to corner i + 1.");
-  m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given, const std::vector<std::string>& continuity,
-                             const std::vector<double>& bulge,
+  m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given,
                              const std::vector<std::pair<std::array<double, 3>, std::optional<std::array<double, 3>>>>& through) {
     PolygonPatchOptions options = polygon_options(fill_options(given));
-    options.continuity.clear();
-    for (const std::string& name : continuity) options.continuity.push_back(named<SideContinuity>(name, "continuity"));
-    options.bulge = bulge;
     for (const auto& [point, normal] : through) {
       options.through.push_back({Vec3::Map(point.data()), {}});
       if (normal) options.through.back().normal = Vec3::Map(normal->data());

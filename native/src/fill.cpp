@@ -234,7 +234,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
 
 /// Whether the patch's own shape is asked for.
 bool is_shaped(const FillOptions& options) {
-  return options.tension > 0 || options.center || options.center_offset != 0 || options.bulge != std::array<double, 3>{1, 1, 1} ||
+  return options.tension > 0 || options.center || options.center_offset != 0 || !options.bulge.are_all(1) ||
          std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
 }
 
@@ -355,7 +355,7 @@ std::string not_taken(const FillOptions& options) {
   const auto plain = [](SideContinuity c) { return c == SideContinuity::automatic || c == SideContinuity::g1; };
   add(!std::all_of(options.continuity.begin(), options.continuity.end(), plain), "continuity");
   add(options.fairing != Fairing::automatic, "fairing");
-  add(options.bulge != BySide<double>(each_side(1.0)), "bulge");
+  add(!options.bulge.are_all(1), "bulge");
   add(options.tension > 0, "tension");
   add(options.center.has_value(), "center");
   add(options.center_offset != 0, "center_offset");
@@ -460,6 +460,11 @@ bool makes_polygon(const std::vector<Index>& corners) {
   return corners.size() > 3 && corners.size() <= static_cast<std::size_t>(most_sides);
 }
 
+void check_counts(const FillOptions& options, std::size_t sides) {
+  check_count(options.continuity, sides, "continuity");
+  check_count(options.bulge, sides, "bulge");
+}
+
 /// Degrees between the tangent planes of two sides at a corner that nobody has given, from which on the surroundings are no one surface
 /// there: as far as twelve edges a side are from telling those of a smooth one (2 degrees), several times over.
 constexpr double one_surface = 10;
@@ -468,6 +473,7 @@ constexpr double one_surface = 10;
 Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, bool given,
                        const FillOptions& options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
+  check_counts(options, corners.size());
   std::string reason;
   std::optional<Fill> patch;
   try {
@@ -537,6 +543,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     return makes_polygon(sharp) && not_taken(options).empty() ? fill_between_many(ground, rim, sharp, false, options)
                                                               : any_rim(otherwise);
   }
+  check_counts(options, 3);
   if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
   std::string reason;
   std::optional<Fill> patch;

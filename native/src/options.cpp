@@ -92,6 +92,10 @@ void check_value(const Option& option, const std::array<T, N>& values) {
   for (std::size_t i = 0; i < N; ++i)
     check_number(option.name + std::string("[") + std::to_string(i) + "]", option.range, values[i]);
 }
+void check_value(const Option& option, const BySide<double>& values) {
+  for (std::size_t i = 0; i < values.values().size(); ++i)
+    check_number(option.name + std::string("[") + std::to_string(i) + "]", option.range, values[i]);
+}
 void check_value(const Option& option, const Vec3& values) { check_value(option, std::array{values[0], values[1], values[2]}); }
 void check_value(const Option&, const auto&) {}  // whatever the type holds is right
 template <class T>

@@ -32,7 +32,7 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
                              const SurfacePoints* points) {
   const Kinks kinks(given);
   const Sides& sides = kinks.rounded();
-  const RibbonOptions ribbons = {options.cross_boundary, options.bulge, continuity.tangent};
+  const RibbonOptions ribbons = {options.cross_boundary, of_three(options.bulge, "bulge"), continuity.tangent};
   const Boundary boundary = make_boundary(sides, ribbons);
   MadePatch made;
   made.corner_mismatch_deg = boundary.corner_mismatch_deg;

@@ -27,13 +27,6 @@ constexpr double clearly_off = 4;
 constexpr double unknown_by_energy = 2e-3;
 constexpr Index compared_points = 300;
 
-template <class T>
-std::vector<T> one_for_all(const BySide<T>& values, const char* name) {
-  if (!std::all_of(values.begin(), values.end(), [&](const T& v) { return v == values[0]; }))
-    throw InvalidArgument(std::string(name) + " has one value for all sides where a hole has not three of them");
-  return {values[0]};
-}
-
 PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vector<double>>& parameters) {
   std::vector<Vec2> places;
   for (int i = 0; i < domain.sides(); ++i)
@@ -189,8 +182,8 @@ PolygonPatchOptions polygon_options(const FillOptions& options) {
   PolygonPatchOptions own;
   if (options.cross_boundary != CrossBoundary::consistent)
     throw InvalidArgument("cross_boundary is consistent where a patch has not three sides");
-  own.continuity = one_for_all(options.continuity, "continuity");
-  own.bulge = one_for_all(options.bulge, "bulge");
+  own.continuity = options.continuity.values();
+  own.bulge = options.bulge.values();
   own.fairing = options.fairing;
   own.tension = options.tension;
   own.center = options.center;

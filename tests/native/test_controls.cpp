@@ -154,7 +154,9 @@ TEST_CASE("a free side takes the slope that the energy wants") {
     CHECK(side_error(*opened.patch, sides) < 1e-12);
     for (int i = 0; i < 3; ++i) CHECK(opened.report.continuity[i] == name_of(asked[i]));
     const MadePatch fixed = made(sides, "minimum_variation", [&](FillOptions& o) {
-      for (int i = 0; i < 3; ++i) o.continuity[i] = asked[i] == free ? g0 : asked[i];
+      std::vector<SideContinuity> other;
+      for (SideContinuity c : asked) other.push_back(c == free ? g0 : c);
+      o.continuity = BySide<SideContinuity>(other);
     });
     CHECK(off_sphere(*fixed.patch) > 10 * off_sphere(*opened.patch));
     for (const char* energy : {"thin_plate", "third_derivative"})
@@ -195,7 +197,7 @@ TEST_CASE("controls that mean nothing are refused") {
   CHECK_THROWS_AS(with("auto", [](FillOptions& o) { o.tension = -1; }), InvalidArgument);
   CHECK_THROWS_AS(with("none", [](FillOptions& o) { o.tension = 1; }), InvalidArgument);
   CHECK_THROWS_AS(with("auto", [](FillOptions& o) { o.center_offset = NAN; }), InvalidArgument);
-  CHECK_THROWS_AS(with("auto", [](FillOptions& o) { o.continuity[1] = named<SideContinuity>("free", "continuity"); }),
+  CHECK_THROWS_AS(with("auto", [](FillOptions& o) { o.continuity = named<SideContinuity>("free", "continuity"); }),
                   InvalidArgument);
   const auto both = [](FillOptions& o) {
     o.center = Vec3(0, 0, 1);

@@ -56,7 +56,7 @@ TEST_CASE("numbers out of their ranges are refused by the name of their option")
   given.tension = -1;
   CHECK(refused(given) == "tension must be 0 or greater, not -1");
   given = {};
-  given.bulge[1] = 0;
+  given.bulge = {1, 0, 1};
   CHECK(refused(given) == "bulge[1] must be greater than 0, not 0");
   given = {};
   given.own.shape = {0.5, 0.5, 1.0};

@@ -200,6 +200,27 @@ def flat_sides(corners):
     return sides
 
 
+def test_options_by_side_have_one_value_a_side():
+    vertices, faces, corners = around(5)
+    hole = {"rim": np.arange(40), "corners": corners}
+    mixed = tripatch.fill(vertices, faces, **hole, continuity=("G1", "G0", "G1", "Free", "auto"), bulge=(1, 1, 1, 1, 1.5))
+    assert mixed.report.continuity == ["G1", "G0", "G1", "Free", "G1"]
+    plain = tripatch.fill(vertices, faces, **hole, bulge=1.5)
+    assert np.array_equal(tripatch.fill(vertices, faces, **hole, bulge=(1.5,) * 5).vertices, plain.vertices)
+    # of side 2 alone: more beside it than beside the others
+    fuller = tripatch.fill(vertices, faces, **hole, bulge=(1, 1, 1.5, 1, 1))
+    even = tripatch.fill(vertices, faces, **hole, method="multi_sided")
+    ends = even.patch.domain
+    beside = 0.85 * 0.5 * (ends + np.roll(ends, -1, axis=0))
+    moved = np.linalg.norm(fuller.patch.evaluate(beside) - even.patch.evaluate(beside), axis=1)
+    assert np.argmax(moved) == 2 and moved[2] > 1.5 * np.sort(moved)[-2]
+    for wrong in ({"bulge": (1, 2, 3)}, {"continuity": ("G1",) * 4}):
+        with pytest.raises(tripatch.Refusal, match="of 5 sides; give one, or one a side"):
+            tripatch.fill(vertices, faces, **hole, **wrong)
+    with pytest.raises(ValueError, match="from 2 to 12, not 13"):
+        tripatch.fill(vertices, faces, bulge=(1,) * 13)
+
+
 def test_a_patch_of_five_sides():
     angles = 2 * np.pi * np.arange(5) / 5
     corners = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
@@ -212,7 +233,7 @@ def test_a_patch_of_five_sides():
     assert np.linalg.norm(lifted.evaluate(lifted.domain * 0.3), axis=1).max() < 1
     assert lifted.evaluate(lifted.domain * 0.05)[:, 2].mean() > 0.1
     assert patch.energy("third_derivative") >= 0
-    with pytest.raises(ValueError, match="one a side, 5"):
+    with pytest.raises(ValueError, match="3 values, for 5 sides"):
         tripatch.patch(flat_sides(corners), bulge=(1, 2, 3))
     with pytest.raises(ValueError, match="multi_sided"):
         tripatch.patch(flat_sides(corners), method="quintic")

@@ -1,21 +1,59 @@
 // The choices that options of a fill offer, each with its name (in Python, on the command line) and what it means.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "tripatch/types.h"
 
 namespace tripatch {
 
-/// A value for each side of the hole.
+/// A value for each side of the hole: one for all of them, or as many as there are.
 template <class T>
-using BySide = std::array<T, 3>;
+class BySide {
+public:
+  BySide() : values_(1) {}
+  BySide(const T& all) : values_{all} {}
+  BySide(std::initializer_list<T> values) : values_(values) {}
+  explicit BySide(std::vector<T> values) : values_(std::move(values)) {}
+
+  /// Of side i; they fit the number of sides.
+  const T& operator[](std::size_t i) const { return values_[values_.size() == 1 ? 0 : i]; }
+  const std::vector<T>& values() const { return values_; }
+  auto begin() const { return values_.begin(); }
+  auto end() const { return values_.end(); }
+  bool fit(std::size_t sides) const { return values_.size() == 1 || values_.size() == sides; }
+  bool are_all(const T& value) const {
+    return std::all_of(begin(), end(), [&](const T& own) { return own == value; });
+  }
+  bool operator==(const BySide&) const = default;
+
+private:
+  std::vector<T> values_;
+};
 template <class T>
 BySide<T> each_side(const T& value) {
-  return {value, value, value};
+  return {value};
+}
+
+/// Throws a Refusal where the values are neither one nor one a side.
+template <class T>
+void check_count(const BySide<T>& values, std::size_t sides, const char* name) {
+  if (!values.fit(sides))
+    throw Refusal(std::string(name) + " has " + std::to_string(values.values().size()) + " values, for a hole of " +
+                  std::to_string(sides) + " sides; give one, or one a side");
+}
+/// The same as an array of three.
+template <class T>
+std::array<T, 3> of_three(const BySide<T>& values, const char* name) {
+  check_count(values, 3, name);
+  return {values[0], values[1], values[2]};
 }
 
 /// One value of a choice.

@@ -22,7 +22,7 @@ struct MeshPolygon {
 MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                          const std::vector<Index>& corners, const std::vector<bool>& alone = {});
 
-/// What of the options concerns a patch of n sides; InvalidArgument for values by side that are not n.
+/// What of the options concerns a patch of n sides.
 PolygonPatchOptions polygon_options(const FillOptions& options);
 
 struct PolygonFill {

@@ -89,16 +89,20 @@ def barycentric(value) -> np.ndarray:
     return b
 
 
-def three(value, name: str, kind: type) -> tuple:
-    """One value for all sides, or three."""
+#: Sides that a patch has at most.
+MOST_SIDES = 12
+
+
+def by_side(value, name: str, kind: type) -> tuple:
+    """One value for all sides, or one a side: how many there are shows later."""
     if isinstance(value, kind) and not isinstance(value, bool):
-        return (value,) * 3
+        return (value,)
     try:
         items = tuple(value)
     except TypeError:
-        raise TypeError(f"{name} must be one value or three, not {type(value).__name__}") from None
-    if len(items) != 3:
-        raise ValueError(f"{name} must be one value or three, not {len(items)}")
+        raise TypeError(f"{name} must be one value or one a side, not {type(value).__name__}") from None
+    if not 1 <= len(items) <= MOST_SIDES:
+        raise ValueError(f"{name} must be one value or one a side, from 2 to {MOST_SIDES}, not {len(items)}")
     for item in items:
         if not isinstance(item, kind) or isinstance(item, bool):
             raise TypeError(f"{name} cannot hold {item!r}")

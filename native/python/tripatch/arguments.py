@@ -6,6 +6,7 @@ import argparse
 import json
 from collections.abc import Callable
 
+from ._arrays import MOST_SIDES
 from .options import Option, described
 
 _COUNTS = {2: "two", 3: "three"}
@@ -32,7 +33,7 @@ def _so_many_indices(option: Option) -> Callable:
 
 
 def _by_side(kind: Callable, word: str) -> Callable:
-    """One value or three, or the word."""
+    """One value or one a side, or the word."""
 
     def read(text: str):
         if text == word:
@@ -40,10 +41,10 @@ def _by_side(kind: Callable, word: str) -> Callable:
         try:
             values = tuple(kind(part) for part in text.split(","))
         except ValueError:
-            other = f"neither one value nor three, separated by commas{', nor ' * bool(word)}{word}"
+            other = f"neither one value nor one a side, separated by commas{', nor ' * bool(word)}{word}"
             raise argparse.ArgumentTypeError(f"{text!r} is {other}") from None
-        if len(values) not in (1, 3):
-            raise argparse.ArgumentTypeError(f"one value or three are needed, not {len(values)}")
+        if len(values) > MOST_SIDES:
+            raise argparse.ArgumentTypeError(f"one value or one a side are needed, {MOST_SIDES} at most, not {len(values)}")
         return values[0] if len(values) == 1 else values
 
     return read
@@ -108,7 +109,7 @@ def _metavar(option: Option) -> str:
         return "V,V,..."
     one = {"whole": "N", "number": "X", "choice": "NAME", "position": "X", "subdivision": "JSON"}[option.kind]
     if option.by_side:
-        return f"{one}[,{one},{one}]"
+        return f"{one}[,{one},...]"
     several = "MN" if one == "N" else "XYZ"
     return ",".join(several[: option.count]) if option.count > 1 else one
 

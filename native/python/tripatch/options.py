@@ -66,7 +66,7 @@ def _whole(value, option: Option):
 
 def _number(value, option: Option):
     if option.by_side:
-        return [float(x) for x in _arrays.three(value, option.name, numbers.Real)]
+        return [float(x) for x in _arrays.by_side(value, option.name, numbers.Real)]
     if option.count > 1:
         numbers_given = np.asarray(value, dtype=float)
         if numbers_given.shape != (option.count,) or not np.isfinite(numbers_given).all():
@@ -90,7 +90,7 @@ def _names(option: str) -> tuple[str, ...]:
 def _choice(value, option: Option):
     allowed = (None,) * option.optional + names(option)
     if option.by_side:
-        return [choice(each, option.name, allowed) for each in _arrays.three(value, option.name, str)]
+        return [choice(each, option.name, allowed) for each in _arrays.by_side(value, option.name, str)]
     return choice(value, option.name, allowed)
 
 

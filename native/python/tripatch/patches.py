@@ -85,13 +85,6 @@ def patch(
 
 def _between_many(sides, through, options: dict) -> tuple[Patch, list[str]]:
     """A patch of four sides or more: options by side have one value or one a side."""
-    by_side = []
-    for name in ("continuity", "bulge"):
-        value = options.pop(name, OPTIONS[name].default)
-        values = [value] if isinstance(value, (str, numbers.Real)) else list(value)
-        if len(values) not in (1, len(sides)):
-            raise ValueError(f"{name} must be one value or one a side, {len(sides)}, not {len(values)}")
-        by_side.append([checked("patch", {name: each})[name][0] for each in values * (len(sides) // len(values))])
     if options["method"] not in ("auto", "multi_sided", "side_vertex"):
         raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
     points = []
@@ -100,7 +93,7 @@ def _between_many(sides, through, options: dict) -> tuple[Patch, list[str]]:
         if one.shape not in ((3,), (2, 3)) or not np.isfinite(one).all():
             raise ValueError("through must hold points (3,) or pairs of a point and a normal")
         points.append((one.tolist(), None) if one.ndim == 1 else (one[0].tolist(), one[1].tolist()))
-    return _native._polygon_patch(sides, checked("patch", options), *by_side, points)[:2]
+    return _native._polygon_patch(sides, checked("patch", options), points)[:2]
 
 
 def blend(

@@ -27,7 +27,7 @@ SurfacePtr szilvasi_nagy(const Surfaces& surfaces, int continuity, const MethodO
   SzilvasiNagyOptions own;
   own.continuity = continuity;
   own.optimal = !options.shape;
-  if (options.shape) own.shape = *options.shape;
+  if (options.shape) own.shape = of_three(*options.shape, "shape");
   own.as_printed = options.reading == Reading::as_printed;
   return std::make_shared<SzilvasiNagy>(surfaces, own);
 }
@@ -162,6 +162,7 @@ std::span<const Method> methods() { return all; }
 
 Continuity resolve_continuity(const BySide<SideContinuity>& asked, const Method& method, const Sides& sides) {
   const bool keeps_tangent = std::string(method.continuity) != "G0";
+  check_count(asked, 3, "continuity");
   Continuity result;
   for (int i = 0; i < 3; ++i) {
     const bool exact = asked[i] == SideContinuity::g2;
