@@ -131,6 +131,8 @@ void check(const FillOptions& given) {
 }
 
 void check(const MethodOptions& given) {
+  if (given.shape && !given.shape->fit(3))
+    throw InvalidArgument("shape must be one value or three, not " + std::to_string(given.shape->values().size()));
 #define METHOD_OPTION(type, name, value, ...) check_value(option_named(#name), given.name);
 #include "tripatch/options.def"
 }
