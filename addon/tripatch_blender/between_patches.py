@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""object.fill_between_patches: the three-sided hole between surface objects, whose edges are known exactly, and mesh objects."""
+"""object.fill_between_patches: the hole between surface objects, whose edges are known exactly, and mesh objects."""
 
 from __future__ import annotations
 
@@ -142,8 +142,12 @@ def _seam(patch, sides, kept):
     for i, (side, _) in enumerate(sides):
         if any(kept) and not kept[i]:
             continue
-        b = np.zeros((len(t), 3))
-        b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+        n = len(sides)
+        if n == 3:
+            b = np.zeros((len(t), 3))
+            b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+        else:
+            b = np.outer(1 - t, patch.domain[i]) + np.outer(t, patch.domain[(i + 1) % n])
         largest = max(largest, tripatch.angles(patch.normal(b), side.evaluate(t)[3]).max())
     return largest
 
@@ -178,7 +182,7 @@ def mesh_between(objects, tolerance, resolution, construction):
 
 
 class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
-    """Fill the three-sided hole between selected surface and mesh objects by a new mesh that continues them"""
+    """Fill the hole between selected surface and mesh objects, a side each, by a new mesh that continues them"""
 
     bl_idname = "object.fill_between_patches"
     bl_label = "Fill Between Patches"
@@ -211,8 +215,8 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         if not library.poll(cls, context, "OBJECT", "Works in object mode"):
             return False
         objects = _selected(context)
-        if len(objects) != 3 and not (len(objects) == 2 and any(ob.type == "MESH" for ob in objects)):
-            cls.poll_message_set("Select three surface or mesh objects, or two where a mesh gives two sides")
+        if not 3 <= len(objects) <= filling.MOST_SIDES and not (len(objects) == 2 and any(ob.type == "MESH" for ob in objects)):
+            cls.poll_message_set("Select three to twelve surface or mesh objects, or two where a mesh gives two sides")
             return False
         return True
 
@@ -248,6 +252,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
             live.keep_patches(new, objects, **between)
             following.begin(new)
         names = list(dict.fromkeys(curve.name for curve in made.loop.curves))
+        self.sides = len(made.sides)
         kept = [continuity not in ("Free", "G0") for continuity in self.each_continuity(len(made.sides))]
         seam = max(_seam(made.patch, made.sides, kept), 0.001)
         self.report(

@@ -16,6 +16,17 @@ void bind_polygon(py::module_& m) {
             return array_from(corners);
           },
           "(n, 2) the corners of the polygon; side i runs from corner i to corner i + 1.");
+  m.def("_polygon_triangles", [](const std::shared_ptr<OverPolygon>& patch, const std::vector<std::vector<double>>& parameters,
+                                 const std::optional<int>& resolution) {
+    PolygonTriangles made;
+    {
+      py::gil_scoped_release release;
+      made = triangulate_polygon(*patch, parameters, resolution);
+    }
+    std::vector<std::array<Index, 3>> triangles;
+    for (Index f = 0; f < made.faces.size(); ++f) triangles.push_back({made.faces[f][0], made.faces[f][1], made.faces[f][2]});
+    return py::make_tuple(array_from(made.uv), triangles);
+  });
   m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given,
                              const std::vector<std::pair<std::array<double, 3>, std::optional<std::array<double, 3>>>>& through) {
     PolygonPatchOptions options = polygon_options(fill_options(given));

@@ -184,25 +184,22 @@ std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole) {
   return {from_first[1], from_first[2], from_first[0]};  // side 2 begins at corner 0
 }
 
-/// The continuity that each side is given: where the method keeps tangent planes and auto is asked for, sharp sides are free.
-BySide<SideContinuity> continuity_of(const FillOptions& options, const std::vector<double>& angles) {
-  BySide<SideContinuity> given = options.continuity;
-  for (int i = 0; i < 3; ++i)
-    if (given[i] == SideContinuity::automatic && angles[i] > 0) given[i] = SideContinuity::free;
-  return given;
-}
-
 /// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
 Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options) {
   const Mesh& mesh = ground.mesh;
   const std::string method = options.method == automatic_method ? patch_method : options.method;
   const bool looks_for_sharp =
       options.surroundings == SurroundingsFrom::mesh && std::string(find_method(method).continuity) != "G0";
-  const std::vector<double> angles = looks_for_sharp ? sharp_sides_of(ground, hole) : std::vector<double>(3, 0.0);
+  std::vector<double> angles = looks_for_sharp ? sharp_sides_of(ground, hole) : std::vector<double>(3, 0.0);
+  std::vector<SideContinuity> continuity;
+  for (int i = 0; i < 3; ++i) {
+    const SideContinuity given = options.continuity[i];
+    if (given != SideContinuity::automatic) angles[i] = 0;
+    continuity.push_back(angles[i] > 0 ? SideContinuity::free : given);
+    hole.alone[i] = continuity[i] == SideContinuity::free || continuity[i] == SideContinuity::g0;
+  }
   FillOptions own = options;
-  own.continuity = continuity_of(options, angles);
-  for (int i = 0; i < 3; ++i)
-    hole.alone[i] = own.continuity[i] == SideContinuity::free || own.continuity[i] == SideContinuity::g0;
+  own.continuity = BySide<SideContinuity>(std::move(continuity));
   const Surroundings surroundings = surroundings_of(
       mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
 
@@ -228,7 +225,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
   complete_report(hole, options, made.corner_mismatch_deg, report);
-  if (own.continuity != options.continuity) tell_sharp(angles, report.warnings);
+  tell_sharp(angles, report.warnings);
   return fill;
 }
 

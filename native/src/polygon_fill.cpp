@@ -37,20 +37,20 @@ PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vecto
 }
 
 /// The polygon in triangles about its center.
-PlaneCover triangles_of(const PolygonPatch& made, const PlanePoints& rim_uv, const Points& rim,
+PlaneCover triangles_of(const PolygonDomain& domain, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
                         std::vector<std::array<Index, 2>> joined, std::optional<int> resolution) {
   const Index r = rim_uv.rows();
   PlanePolygon polygon;
   polygon.uv.resize(r + 1, 2);
-  polygon.uv << rim_uv, made.domain.center().transpose();
+  polygon.uv << rim_uv, domain.center().transpose();
   Points middle = Points::Zero(1, 3);
-  middle.row(0).head<2>() = made.domain.center();
+  middle.row(0).head<2>() = domain.center();
   polygon.points.resize(r + 1, 3);
-  polygon.points << rim, made.patch->positions(middle);
+  polygon.points << rim, patch.positions(middle);
   polygon.rim = r;
   for (Index k = 0; k < r; ++k) polygon.triangles.push_back({k, (k + 1) % r, r});
   polygon.joined = std::move(joined);
-  PlaneTriangulation triangulated = remesh(polygon, resolution, *made.patch);
+  PlaneTriangulation triangulated = remesh(polygon, resolution, patch);
   PlaneCover cover;
   cover.uv = triangulated.uv;
   cover.rim = r;
@@ -191,14 +191,22 @@ PolygonPatchOptions polygon_options(const FillOptions& options) {
   return own;
 }
 
+PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vector<std::vector<double>>& parameters,
+                                     std::optional<int> resolution) {
+  const PlanePoints rim = rim_places(patch.domain(), parameters);
+  PlaneCover cover = triangles_of(patch.domain(), patch, rim, patch.positions(plane_rows(rim)), {}, resolution);
+  return {std::move(cover.uv), std::move(cover.faces)};
+}
+
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options) {
   PolygonPatchOptions own = polygon_options(options);
-  own.continuity.resize(corners.size(), own.continuity[0]);
-  const std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
+  if (own.continuity.size() == 1) own.continuity.resize(corners.size(), own.continuity[0]);
+  std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
   std::vector<bool> alone;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (own.continuity[i] == SideContinuity::automatic && angles[i] > 0) own.continuity[i] = SideContinuity::free;
+    if (own.continuity[i] != SideContinuity::automatic) angles[i] = 0;
+    if (angles[i] > 0) own.continuity[i] = SideContinuity::free;
     alone.push_back(own.continuity[i] == SideContinuity::free || own.continuity[i] == SideContinuity::g0);
   }
   MeshPolygon known = mesh_polygon(mesh, around, rim, corners, alone);
@@ -212,7 +220,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   const PlaneCover cover = options.output == Output::quads
                                ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
                                                           polygon_layout_options(options))
-                               : triangles_of(made, rim_uv, points, joined_rows(around, rim), options.resolution);
+                               : triangles_of(made.domain, *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
   fill.rim = rim;
   fill.rim_uv = rim_uv;
   fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
@@ -240,7 +248,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
     report.poles.push_back(
         {n + pole - cover.rim + (cover.split ? 1 : 0), std::count(cover.faces.corners.begin(), cover.faces.corners.end(), pole)});
   report.warnings = made.warnings;
-  if (options.continuity[0] == SideContinuity::automatic) tell_sharp(angles, report.warnings);
+  tell_sharp(angles, report.warnings);
   result.planes_apart_deg = *std::max_element(made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end());
   report.warnings.insert(report.warnings.end(), cover.warnings.begin(), cover.warnings.end());
   for (std::size_t k = 0; k < corners.size(); ++k) {

@@ -418,3 +418,25 @@ def test_a_piece_of_a_cyclic_surface(turn):
     every = np.vstack([drawn(ob)[0] for ob in [tube, *others]])
     assert np.linalg.norm(mine[:, None] - every, axis=2).min(axis=1).max() < 1e-6 * np.ptp(every, axis=0).max()
     assert np.count_nonzero(np.linalg.norm(mine[:, None] - rim, axis=2).min(axis=1) < 1e-5) > 8
+
+
+@pytest.mark.parametrize("n", [4, 6])
+def test_four_surfaces_and_more(n):
+    angle = 2 * np.pi * np.arange(n) / n
+    corners = np.column_stack([np.cos(angle), np.sin(angle), 0.1 * np.cos(2 * angle)])
+    u, v = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4), indexing="ij")
+    objects = []
+    for i in range(n):
+        a, b = corners[i], corners[(i + 1) % n]
+        out = (a + b) / 2 + (0, 0, 0.2)
+        rows = a + u[..., None] * (b - a) + v[..., None] * out
+        objects.append(add_surface(rows, name=f"Side {i}"))
+    for ob in objects:
+        ob.select_set(True)
+    assert fill() == {"FINISHED"}
+    made = bpy.context.active_object.data
+    points = np.array([vertex.co for vertex in made.vertices])
+    border = [e for e in made.edges if sum(set(e.vertices) <= set(p.vertices) for p in made.polygons) == 1]
+    assert len(border) % n == 0 and len(made.vertices) - len(made.edges) + len(made.polygons) == 1
+    for corner in corners:
+        assert np.linalg.norm(points - corner, axis=1).min() < 1e-6

@@ -67,6 +67,43 @@ def test_pieces_of_edges(before, after):
         assert np.abs(c - own[0]).max() < 1e-9 and np.abs(r - own[2]).max() < 1e-9
 
 
+def many(n, beyond=0.0):
+    """n sheets round a hole in a saddle."""
+    angle = 2 * np.pi * np.arange(n) / n
+    corners = np.column_stack([np.cos(angle), np.sin(angle), 0.2 * np.cos(2 * angle)])
+    found = []
+    for i in range(n):
+        a, b = corners[i], corners[(i + 1) % n]
+        found.append(edges("ABCDEFGHIJKL"[i], sheet(a, b, (a + b) / 2 + (0, 0, 0.1), beyond, beyond)))
+    return found, corners
+
+
+@pytest.mark.parametrize(("n", "beyond"), [(4, 0), (5, 0.3), (7, 0), (12, 0)])
+def test_a_side_of_each_of_many_in_any_order(n, beyond):
+    objects, corners = many(n, beyond)
+    order = np.random.default_rng(n).permutation(n)
+    loop = between.find_loop([objects[k] for k in order], 1e-3)
+    assert len(loop.curves) == n and {curve.name for curve in loop.curves} == {own[0].name for own in objects}
+    patch, sides = checked(loop, corners)
+    b, faces = patch.triangles(6)
+    count = np.unique(
+        np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0, return_counts=True
+    )[1]
+    assert (count == 1).sum() == 6 * n and count.max() == 2  # a disc
+    t = np.linspace(0.05, 0.95, 7)
+    for i, (side, _) in enumerate(sides):
+        at = np.outer(1 - t, patch.domain[i]) + np.outer(t, patch.domain[(i + 1) % n])
+        assert np.abs(patch.evaluate(at) - side.evaluate(t)[0]).max() < 1e-9
+        assert tripatch.angles(patch.normal(at), side.evaluate(t)[3]).max() < 1e-4
+
+
+def test_a_gap_between_many_is_named():
+    objects, _ = many(5)
+    far = edges("far", sheet(np.array([5.0, 0, 0]), np.array([6.0, 0, 0]), np.array([0, 1.0, 0])))
+    with pytest.raises(tripatch.Refusal, match="far and . do not meet"):
+        between.find_loop([*objects[:4], far], 1e-3)
+
+
 def test_the_fill_faces_as_most_objects_do():
     for own in ((False, False, False), (True, False, True), (False, True, False)):
         objects = three()

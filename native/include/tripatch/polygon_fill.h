@@ -25,6 +25,15 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
 /// What of the options concerns a patch of n sides.
 PolygonPatchOptions polygon_options(const FillOptions& options);
 
+/// Places in the domain, those on the sides first, in rim order; and faces between them.
+struct PolygonTriangles {
+  PlanePoints uv;
+  Faces faces;
+};
+/// parameters: of the points on each side, from 0 to 1. resolution: edges a side inside; none: as the sides.
+PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vector<std::vector<double>>& parameters,
+                                     std::optional<int> resolution);
+
 struct PolygonFill {
   Fill fill;
   bool crumpled = false;        ///< folds, or no energy serves: another kind of fill may do better

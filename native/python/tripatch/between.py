@@ -1,6 +1,6 @@
-"""Three-sided holes between surfaces and meshes: which of their edges, or pieces of edges, run round the hole.
+"""Holes between surfaces and meshes: which of their edges, or pieces of edges, run round the hole.
 
-Each object gives its edges as curves (`SurfaceEdge`, `MeshBorder`); `find_loop` finds the three pieces whose ends meet.
+Each object gives its edges as curves (`SurfaceEdge`, `MeshBorder`); `find_loop` finds the pieces, one of each, whose ends meet.
 """
 
 from __future__ import annotations
@@ -186,7 +186,7 @@ class Joint:
 
 @dataclass
 class Loop:
-    """Three pieces of curves round a hole: curves[k] from ends[k][0] to ends[k][1], which is near to the start of the next."""
+    """Pieces of curves round a hole: curves[k] from ends[k][0] to ends[k][1], which is near to the start of the next."""
 
     curves: list[Curve]
     ends: list[tuple[float, float]]
@@ -195,16 +195,17 @@ class Loop:
     def sides(self) -> list[tuple[Side, np.ndarray]]:
         """The sides, with ends that meet exactly (each moves to the middle of its gap), and the parameters where they are
         drawn."""
-        made: list = [None] * 3
-        for k in range(3):
-            if made[k] is None and self.curves[k] is self.curves[(k + 1) % 3]:
-                made[k], made[(k + 1) % 3] = self.curves[k].pieces([self.ends[k], self.ends[(k + 1) % 3]])
-        for k in range(3):
+        n = len(self.curves)
+        made: list = [None] * n
+        for k in range(n):
+            if made[k] is None and self.curves[k] is self.curves[(k + 1) % n]:
+                made[k], made[(k + 1) % n] = self.curves[k].pieces([self.ends[k], self.ends[(k + 1) % n]])
+        for k in range(n):
             if made[k] is None:
                 (made[k],) = self.curves[k].pieces([self.ends[k]])
         ends = [side.evaluate([0.0, 1.0])[0] for side, _ in made]
         for k, (side, t) in enumerate(made):
-            start, end = 0.5 * (ends[k - 1][1] - ends[k][0]), 0.5 * (ends[(k + 1) % 3][0] - ends[k][1])
+            start, end = 0.5 * (ends[k - 1][1] - ends[k][0]), 0.5 * (ends[(k + 1) % n][0] - ends[k][1])
             if max(np.linalg.norm(start), np.linalg.norm(end)) > 2e-7 * np.ptp(ends[k], axis=0).max():
                 made[k] = (side._moved(start.tolist(), end.tolist()), t)
         return made
@@ -344,24 +345,88 @@ def _follow(v, w) -> bool:
 def _facing(loop: Loop) -> Loop:
     """The loop in the direction in which most of its curves have the normals of their objects."""
     own = sum(curve.own == (way[1] > way[0]) for curve, way in zip(loop.curves, loop.ends, strict=True))
-    if own > 1:
+    if 2 * own >= len(loop.curves):
         return loop
-    gaps = loop.gaps[:2][::-1] + loop.gaps[2:]
+    gaps = loop.gaps[:-1][::-1] + loop.gaps[-1:]
     return Loop(loop.curves[::-1], [way[::-1] for way in loop.ends[::-1]], gaps)
 
 
+def _around(objects, joints, limit: float, least: float) -> Loop | None:
+    """The shortest loop of one piece of each of many objects, in any order, whose joints are within the limit."""
+    best: list = [np.inf, None]
+
+    def extend(curves, path, left, taken, length):
+        """path: joints so far, each from one of the curves to the next; taken: the pieces between them."""
+        here = curves[-1]
+        goals = [(k, c) for k in left for c in objects[k]] if left else [(None, curves[0])]
+        for k, there in goals:
+            for joint in joints[id(here), id(there)]:
+                if joint.gap > limit:
+                    continue
+                ways = _arcs(here, path[-1].b, joint.a) if path else [None]
+                for way in ways:
+                    long = 0.0 if way is None else _length(here, way)
+                    if (way is not None and long <= least) or length + long >= best[0]:
+                        continue
+                    pieces = taken if way is None else [*taken, way]
+                    if k is not None:
+                        extend([*curves, there], [*path, joint], left - {k}, pieces, length + long)
+                        continue
+                    for first in _arcs(there, joint.b, path[0].a):
+                        whole = length + long + (own := _length(there, first))
+                        if own > least and whole < best[0] * (1 - 1e-9):
+                            gaps = [j.gap for j in [*path, joint]]
+                            best[:] = whole, Loop(list(curves), [first, *pieces], gaps)
+
+    for start in objects[0]:
+        extend([start], [], frozenset(range(1, len(objects))), [], 0.0)
+    return best[1]
+
+
+def _loop_of_many(objects, tolerance: float, size: float) -> Loop:
+    """`find_loop` for four objects or more, each of which gives a side."""
+    joints = {}
+    for own, other in itertools.combinations(objects, 2):
+        for x, y in itertools.product(own, other):
+            found = joints[id(x), id(y)] = _joints(x, y, tolerance)
+            joints[id(y), id(x)] = [Joint(j.b, j.a, j.gap, j.whole) for j in found]
+    loop = _around(objects, joints, tolerance, max(2 * tolerance, 1e-6 * size))
+    if loop:
+        return _facing(loop)
+    # who is met by fewer than two others stands apart; of those the farthest
+    apart = (-1.0, "", "")
+    for own in objects:
+        nearest = []
+        for other in objects:
+            if other is not own:
+                gaps = [j.gap if j.whole else 10 * j.gap for x in own for y in other for j in joints[id(x), id(y)]]
+                nearest.append((min(gaps, default=np.inf), other[0].name))
+        gap, name = sorted(nearest)[1]
+        apart = max(apart, (gap, own[0].name, name))
+    if apart[0] > tolerance:
+        raise Refusal(
+            f"The edges of {apart[1]} and {apart[2]} do not meet: they are {apart[0]:.3g} apart or more, the tolerance is "
+            f"{tolerance:.3g} (scene units)"
+        )
+    names = [own[0].name for own in objects]
+    raise Refusal(f"The edges of {', '.join(names[:-1])} and {names[-1]} enclose no hole with a side of each")
+
+
 def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float) -> Loop:
-    """The smallest three-sided loop of pieces of curves whose ends meet.
+    """The smallest loop of pieces of curves whose ends meet.
 
     Args:
-        objects: the curves of each of three objects, which give a side each; or of two, of which a mesh gives two sides.
+        objects: the curves of each of three to twelve objects, which give a side each; or of two, of which a mesh gives two
+            sides.
         tolerance: largest gap between ends that still meet.
 
     Raises:
-        Refusal: no three pieces meet; names the two objects of the widest gap, and the gap.
+        Refusal: no such pieces meet; names the two objects of the widest gap, and the gap.
     """
     curves = [curve for own in objects for curve in own]
     size = float(np.ptp(np.concatenate([curve.points for curve in curves]), axis=0).max())
+    if len(objects) > 3:
+        return _loop_of_many(objects, tolerance, size)
     if len(objects) == 3:
         ways = [list(objects)]
     else:

@@ -167,21 +167,24 @@ def _places_on_side(edges, i: int) -> list[float]:
 
 
 def _triangles(self: Patch, edges, resolution: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """The parameter triangle as triangles, well shaped on the patch.
+    """The domain as triangles, well shaped on the patch.
 
     Args:
-        edges: how many along each side, one or three; or for a side the parameters of its points, increasing from 0 to 1.
+        edges: how many along each side, one or one a side; or for a side the parameters of its points, increasing from 0 to 1.
         resolution: edges per side inside, 1 or more; None follows the sides.
 
     Returns:
-        Barycentric coordinates (k, 3), those on the sides first, in order from corner 0 along side 2, 0 and 1; faces (m, 3).
+        Barycentric coordinates (k, 3), those on the sides first, in order from corner 0 along side 2, 0 and 1; of a patch over a
+        polygon places (k, 2) in it, from corner 0 along side 0; faces (m, 3).
     """
-    given = (edges,) * 3 if isinstance(edges, numbers.Number) else tuple(edges)
-    if len(given) != 3:
-        raise ValueError(f"edges must be one value or three, not {len(given)}")
+    polygon = isinstance(self, _native.PolygonPatch)
+    count = len(self.domain) if polygon else 3
+    given = (edges,) * count if isinstance(edges, numbers.Number) else tuple(edges)
+    if len(given) != count:
+        raise ValueError(f"edges must be one value or one a side, {count}, not {len(given)}")
     sides = [_places_on_side(side, i) for i, side in enumerate(given)]
     inside = None if resolution is None else whole(resolution, "resolution", 1, 10000)
-    b, faces = _native._triangles(self, sides, inside)
+    b, faces = (_native._polygon_triangles if polygon else _native._triangles)(self, sides, inside)
     return b, np.array(faces, np.int64).reshape(-1, 3)
 
 
