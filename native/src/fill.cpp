@@ -161,15 +161,17 @@ std::string degrees(double angle) {
 }
 
 /// What is said of every fill, whatever it is made of.
-void complete_report(const Hole& hole, const FillOptions& options, const std::array<double, 3>& corner_mismatch_deg,
+void complete_report(const SidedRim& hole, const FillOptions& options, const std::vector<double>& corner_mismatch_deg,
                      Report& report) {
-  const bool automatic = options.method == automatic_method;
-  report.method = find_method(automatic ? patch_method : options.method).name;
-  report.method_reason = automatic ? "the rim has three smooth sides" : "it was asked for";
-  report.corners.resize(3);
-  for (int k = 0; k < 3; ++k) {
+  const bool automatic = options.method == automatic_method, three = hole.is_triangle();
+  report.method = three ? find_method(automatic ? patch_method : options.method).name : polygon_method;
+  report.method_reason = !automatic ? "it was asked for"
+                         : three    ? "the rim has three smooth sides"
+                                    : "the rim has " + std::to_string(hole.sides()) + " sides";
+  report.corners.resize(hole.corners.size());
+  for (int k = 0; k < hole.sides(); ++k) {
     report.corners[k] = hole.rim[hole.corners[k]];
-    if (corner_mismatch_deg[k] > corner_mismatch_warned)
+    if (!corner_mismatch_deg.empty() && corner_mismatch_deg[k] > corner_mismatch_warned)
       report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(corner_mismatch_deg[k]) +
                                 " at corner " + std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
   }
@@ -184,8 +186,14 @@ std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole) {
   return {from_first[1], from_first[2], from_first[0]};  // side 2 begins at corner 0
 }
 
+void check_counts(const FillOptions& options, std::size_t sides) {
+  check_count(options.continuity, sides, "continuity");
+  check_count(options.bulge, sides, "bulge");
+}
+
 /// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
 Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options) {
+  check_counts(options, 3);
   const Mesh& mesh = ground.mesh;
   const std::string method = options.method == automatic_method ? patch_method : options.method;
   const bool looks_for_sharp =
@@ -224,7 +232,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
-  complete_report(hole, options, made.corner_mismatch_deg, report);
+  complete_report(hole, options, {made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end()}, report);
   tell_sharp(angles, report.warnings);
   return fill;
 }
@@ -235,11 +243,11 @@ bool is_shaped(const FillOptions& options) {
          std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
 }
 
-std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<Hole>& holes, const FillOptions& options);
+std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options);
 
 /// Whether faces beside the hole are many times as long as its rim's edges, or its sides have an edge each, of which one split leaves
 /// no even way from side to side.
-bool may_fold_by_splitting(const Ground& ground, const Hole& hole) {
+bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
   const Points vertices = ground.mesh.vertices(hole.rim, Eigen::all);
   const Index n = vertices.rows();
   if (n == 3) return true;
@@ -254,7 +262,7 @@ bool may_fold_by_splitting(const Ground& ground, const Hole& hole) {
 
 /// A vertex on an edge of an odd rim leaves the face beside it an n-gon, whose limit goes no way along a strip as that of its neighbors
 /// does: beside long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
-std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const std::vector<Hole>& holes,
+std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
                                                    const FillOptions& options, std::vector<Fill> fills) {
   const auto folds = [](const Fill& fill) { return fill.report.folds + fill.report.triangles_folded; };
   if (holes.size() != 1 || options.odd != Odd::split || holes[0].rim.size() % 2 == 0 || folds(fills[0]) == 0 ||
@@ -269,8 +277,22 @@ std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const s
   return others;
 }
 
+/// Rows that a tolerance has asked for may turn quads over where there is no room for them.
+std::vector<Fill> without_rows_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
+                                                  const FillOptions& options, std::vector<Fill> fills) {
+  const Report& report = fills[0].report;
+  if (holes.size() != 1 || holes[0].is_triangle() || options.resolution || report.rows == 0 || report.triangles_folded == 0)
+    return fills;
+  FillOptions plain = options;
+  plain.resolution = 0;
+  std::vector<Fill> others = fill_with_cages(ground, holes, plain);
+  if (others[0].report.triangles_folded >= report.triangles_folded) return fills;
+  others[0].report.warnings.emplace_back("With the rows that the tolerance asks for the cage would fold: it has none");
+  return others;
+}
+
 /// The path of cages, fitted together: layouts, the fairest cages on them, patches between their sides, the cages fitted to these.
-std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<Hole>& holes, const FillOptions& options) {
+std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
   CageOptions cage_options;
   cage_options.rim = options.cage_rim;
   CageFill cages(ground.mesh, ground.left, holes, options.subdivision, options.replaced, layout_options(options), cage_options);
@@ -279,25 +301,30 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<Hole>&
   // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
   // the patch's own shape is asked for, in the patch.
   const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == Fairing::automatic;
-  const bool follows = automatic && !exact && !is_shaped(options);
+  const bool fair = automatic && !is_shaped(options), follows = fair && !exact;
   FillOptions wanted = options;
   if (automatic && exact && options.tension == 0) wanted.fairing.reset();
   std::vector<Fill> fills(holes.size());
   std::vector<SurfacePtr> patches;
   for (std::size_t h = 0; h < holes.size(); ++h) {
-    MadePatch made = patch_from_sides(cages.sides(h), wanted, follows ? &cages.points(h) : nullptr);
+    // between other than three sides the patch is that of a smooth rim in any case
+    MadePatch made = holes[h].is_triangle()
+                         ? patch_from_sides(three_sides(cages.sides(h)), wanted, follows ? &cages.points(h) : nullptr)
+                         : patch_over_polygon(cages.sides(h), cages.domain(h), options, fair ? &cages.points(h) : nullptr);
     fills[h].patch = made.patch;
     fills[h].report = std::move(made.report);
     patches.push_back(std::move(made.patch));
   }
 
-  cages.fit(std::move(patches));
+  cages.fit(std::move(patches), fair);
   for (std::size_t h = 0; h < holes.size(); ++h) {
     cages.complete(h, fills[h]);
     if (follows) cages.report_energies(h, fills[h].report);
-    complete_report(holes[h], options, {0, 0, 0}, fills[h].report);
+    if (fair && !holes[h].is_triangle()) fills[h].report.folds = 0;  // of a patch that the cage is not fitted to
+    complete_report(holes[h], options, {}, fills[h].report);
   }
-  return with_triangle_if_that_folds_less(ground, holes, options, std::move(fills));
+  fills = with_triangle_if_that_folds_less(ground, holes, options, std::move(fills));
+  return without_rows_if_that_folds_less(ground, holes, options, std::move(fills));
 }
 
 Refused refused(const Refusal& refusal) { return {refusal.what(), refusal.where()}; }
@@ -305,9 +332,9 @@ Refused refused(const Refusal& refusal) { return {refusal.what(), refusal.where(
 using Results = std::vector<std::variant<Fill, Refused>>;
 
 /// Cages for several holes: those whose surroundings overlap are fitted together. given: those of the rims that are no refusals.
-void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<Hole>>& given, const FillOptions& options,
+void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<SidedRim>>& given, const FillOptions& options,
                          Results& results) {
-  std::vector<Hole> holes;
+  std::vector<SidedRim> holes;
   std::vector<std::size_t> place;  // of each hole in the results
   for (std::size_t k = 0; k < given.size(); ++k) {
     if (!given[k]) continue;
@@ -315,7 +342,7 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<H
     place.push_back(k);
   }
   for (const std::vector<std::size_t>& group : cage_groups(ground.left, holes)) {
-    std::vector<Hole> together;
+    std::vector<SidedRim> together;
     for (std::size_t h : group) together.push_back(holes[h]);
     const Stopwatch watch;
     try {
@@ -457,9 +484,14 @@ bool makes_polygon(const std::vector<Index>& corners) {
   return corners.size() > 3 && corners.size() <= static_cast<std::size_t>(most_sides);
 }
 
-void check_counts(const FillOptions& options, std::size_t sides) {
-  check_count(options.continuity, sides, "continuity");
-  check_count(options.bulge, sides, "bulge");
+/// The rim of a cage's hole: of three corners, or of those that are given.
+SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+  if (!corners || !makes_polygon(*corners)) return hole_of(ground, rim, corners);
+  CorneredRim found = cornered(ground, rim ? *rim : loop_through(ground, *corners), *corners);
+  SidedRim result;
+  result.rim = std::move(found.rim);
+  result.corners = std::move(found.places);
+  return result;
 }
 
 /// Degrees between the tangent planes of two sides at a corner that nobody has given, from which on the surroundings are no one surface
@@ -565,6 +597,7 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
     const bool polygon = options.method == polygon_method || options.method == patch_method;
     if (!polygon || !of_mesh || !corners || !makes_polygon(*corners))
       return fill_with_patch(ground, hole_of(ground, rim, corners), options);
+    check_counts(options, corners->size());
     const CorneredRim found = cornered(ground, rim ? *rim : loop_through(ground, *corners), *corners);
     Fill fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
     fill.report.method_reason = "it was asked for";
@@ -600,7 +633,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   }
   const Ground ground(mesh, options.rim, options);
   Fill result = options.output == Output::cage
-                    ? std::move(fill_with_cages(ground, {hole_of(ground, options.rim, options.corners)}, options)[0])
+                    ? std::move(fill_with_cages(ground, {cage_rim_of(ground, options.rim, options.corners)}, options)[0])
                     : fill_by_method(ground, options.rim, options.corners, options);
   result.report.seconds = watch.seconds();
   return result;
@@ -630,10 +663,10 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   };
   const auto corners_at = [&](std::size_t k) { return k < corners.size() ? corners[k] : Corners(); };
   if (options.output == Output::cage) {
-    std::vector<std::optional<Hole>> holes(rims.size());
+    std::vector<std::optional<SidedRim>> holes(rims.size());
     for (std::size_t k = 0; k < rims.size(); ++k) {
       try {
-        holes[k] = hole_of(ground, rims[k], corners_at(k));
+        holes[k] = cage_rim_of(ground, rims[k], corners_at(k));
       } catch (const Refusal& refusal) {
         results[k] = refused(refusal);
       }

@@ -11,6 +11,7 @@
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/remesh.h"
+#include "tripatch/polygon/follow.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -196,6 +197,29 @@ PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vec
   const PlanePoints rim = rim_places(patch.domain(), parameters);
   PlaneCover cover = triangles_of(patch.domain(), patch, rim, patch.positions(plane_rows(rim)), {}, resolution);
   return {std::move(cover.uv), std::move(cover.faces)};
+}
+
+MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain, const FillOptions& options,
+                             const SurfacePoints* points) {
+  PolygonPatchOptions own = polygon_options(options);
+  own.domain = domain;
+  if (points) own.fairing.reset();
+  PolygonPatch made = polygon_patch(sides, own);
+  MadePatch result;
+  result.patch = made.patch;
+  if (points) {
+    const double size = polygon_boundary(made.sides, {}, &domain).size;
+    result.patch = std::make_shared<OverPolygon>(domain, follow_over_polygon(made.patch, domain, *points, size));
+    made.folds = count_polygon_folds(*result.patch, domain, made.sides);
+  }
+  result.report.continuity = made.continuity;
+  result.report.fairing = made.fairing;
+  result.report.energy_before = made.energy_before;
+  result.report.energy_after = made.energy_after;
+  result.report.folds = made.folds;
+  result.report.warnings = std::move(made.warnings);
+  result.gave_up = made.gave_up;
+  return result;
 }
 
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,

@@ -26,7 +26,7 @@ Fill filled(const CubeCorner& corner, CageRim rim, const LayoutOptions& layout =
   const Connectivity left(corner.mesh());
   CageFill cages(corner.mesh(), left, {corner.hole}, {}, {}, layout, with_rim(rim));
   Fill fill;
-  fill.patch = side_vertex(make_boundary(cages.sides(0)));
+  fill.patch = side_vertex(make_boundary(three_sides(cages.sides(0))));
   cages.fit({fill.patch});
   cages.complete(0, fill);
   return fill;
@@ -75,8 +75,8 @@ TEST_CASE("the fit is the least of what it weighs: no vertex can move without lo
     options.rounds = rounds;
     CageFit fit(corner.mesh(), holes, {}, {}, options);
     fit.make_fair();
-    const Sides sides = fit.sides(0);
-    const SurfacePtr patch = side_vertex(make_boundary(sides));
+    const CageSides sides = fit.sides(0);
+    const SurfacePtr patch = side_vertex(make_boundary(three_sides(sides)));
     fit.fit({patch}, {sides}, false);
     return fit.deviation_rms(0, *patch);
   };
@@ -104,12 +104,12 @@ TEST_CASE("holes belong together where their first two rings share faces", "[cag
     Faces faces;
     for (Index j = 0; j < 5; ++j)
       for (Index i = 0; i < 30; ++i) vertices.row(30 * j + i) << static_cast<double>(i), static_cast<double>(j), 0;
-    std::vector<Hole> holes;
+    std::vector<SidedRim> holes;
     for (Index j = 0; j < 4; ++j)
       for (Index i = 0; i < 29; ++i) {
         const std::array<Index, 4> quad = {30 * j + i, 30 * j + i + 1, 30 * j + i + 31, 30 * j + i + 30};
         if (j == 2 && (i == 5 || i == 5 + apart)) {
-          holes.push_back({{quad.begin(), quad.end()}, {0, 1, 2}});
+          holes.push_back(Hole{{quad.begin(), quad.end()}, {0, 1, 2}});
         } else {
           faces.add(quad);
         }

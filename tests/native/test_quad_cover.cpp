@@ -114,7 +114,7 @@ TEST_CASE("an odd rim has its longest edge split, or a triangle, or neither wher
   CHECK(triangles(split) == 0);
   CHECK(split.rim == 14);
   REQUIRE(split.split_edges.size() == 1);
-  const std::size_t place = longest_edge({rim.vertices, rim.faces}, rim.hole);
+  const std::size_t place = longest_edge({rim.vertices, rim.faces}, rim.hole.rim);
   CHECK(place >= 5);
   CHECK(place < 9);
   CHECK(split.split_edges[0] == std::array<Index, 2>{rim.hole.rim[place], rim.hole.rim[place + 1]});
@@ -137,7 +137,7 @@ TEST_CASE("of edges that are equal to rounding the first is the longest", "[quad
   square << 0, 0, 0, 1, 0, 0, 1, 1 + 1e-12, 0, 0, 1, 0;
   const Hole hole = {{0, 1, 2, 3}, {0, 1, 2}};
   const Faces none;
-  CHECK(longest_edge({square, none}, hole) == 0);
+  CHECK(longest_edge({square, none}, hole.rim) == 0);
   square(2, 1) = 1 + 1e-6;
-  CHECK(longest_edge({square, none}, hole) == 1);
+  CHECK(longest_edge({square, none}, hole.rim) == 1);
 }

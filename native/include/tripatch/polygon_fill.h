@@ -6,6 +6,7 @@
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/options.h"
 #include "tripatch/output/fill_result.h"
+#include "tripatch/patch_from_sides.h"
 #include "tripatch/polygon/patch.h"
 
 namespace tripatch {
@@ -33,6 +34,10 @@ struct PolygonTriangles {
 /// parameters: of the points on each side, from 0 to 1. resolution: edges a side inside; none: as the sides.
 PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vector<std::vector<double>>& parameters,
                                      std::optional<int> resolution);
+
+/// As patch_from_sides, over a polygon: on sides of a cage. points: places (u, v, 0) where it is about to pass them.
+MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain, const FillOptions& options,
+                             const SurfacePoints* points);
 
 struct PolygonFill {
   Fill fill;

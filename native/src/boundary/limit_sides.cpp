@@ -70,57 +70,52 @@ void refined_sides(const Mesh& cage, const Connectivity& whole, const Hole& hole
 }
 
 /// Where an interior vertex has only two edges, both derivatives of the limit vanish: no side can start or end there.
-void check_corners(const Hole& hole, const Sides& sides) {
-  for (int k = 0; k < 3; ++k) {
-    const Side &out = sides[(k + 2) % 3], &in = sides[(k + 1) % 3];
-    const auto vanishes = [](const Side& side, double t) {
-      return side.c.derivative_at(t).norm() < flat * ((side.c(0.5) - side.c(0)).norm() + (side.c(1) - side.c(0.5)).norm());
-    };
-    const Index v = hole.rim[hole.corners[k]];
-    if (vanishes(out, 0) || vanishes(in, 1))
+void check_ends(const Side& side, const std::vector<Index>& along) {
+  const double length = (side.c(0.5) - side.c(0)).norm() + (side.c(1) - side.c(0.5)).norm();
+  for (const auto& [t, v] : {std::pair(0.0, along.front()), std::pair(1.0, along.back())})
+    if (side.c.derivative_at(t).norm() < flat * length)
       throw Refusal("The limit surface has no tangent plane at corner vertex " + std::to_string(v) +
                         ", where the closed cage has only two edges; choose other corners",
                     {v});
-  }
 }
 
 }  // namespace
 
+Side side_on(const LimitSurface& surface, const Connectivity& around, const std::vector<Index>& rim, double tolerance) {
+  const int edges = static_cast<int>(rim.size()) - 1;
+  std::vector<PiecewisePolynomial> c, r, q;
+  for (int e = 0; e < edges; ++e) {
+    const FaceEdge place = face_beside(around, rim[e], rim[e + 1]);
+    // the face runs against the side: t of the side is 1 - t of the face's edge, and d/dt is -edges d/du
+    const auto field = [&](const auto& value) {
+      return PiecewisePolynomial::fit(
+          [&](std::span<const double> t, std::span<double> out) {
+            std::vector<double> face_t(t.size());
+            std::vector<LimitJet> jets(t.size());
+            for (std::size_t k = 0; k < t.size(); ++k) face_t[k] = 1 - t[k];
+            surface.evaluate_edge(place.face, place.edge, face_t, jets);
+            for (std::size_t k = 0; k < t.size(); ++k) {
+              const Vec3 v = value(face_t[k], jets[k]);
+              std::copy_n(v.data(), 3, &out[3 * k]);
+            }
+          },
+          3, tolerance);
+    };
+    const auto across = [&](double t, const LimitJet& j) { return Vec3(-edges * j.pu.cross(unit_normal(surface, place, t, j))); };
+    c.push_back(field([](double, const LimitJet& j) { return j.p; }));
+    r.push_back(field(across));
+    q.push_back(
+        field([&](double t, const LimitJet& j) { return second_across(j, unit_normal(surface, place, t, j), across(t, j)); }));
+  }
+  Side side = {PiecewisePolynomial::joined(c), PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
+  for (int e = 0; e <= edges; ++e) side.rim.push_back(static_cast<double>(e) / edges);
+  check_ends(side, rim);
+  return side;
+}
+
 Sides sides_on(const LimitSurface& surface, const Connectivity& around, const Hole& hole, double tolerance) {
   Sides sides;
-  for (int i = 0; i < 3; ++i) {
-    const std::vector<Index> rim = hole.side(i);
-    const int edges = static_cast<int>(rim.size()) - 1;
-    std::vector<PiecewisePolynomial> c, r, q;
-    for (int e = 0; e < edges; ++e) {
-      const FaceEdge place = face_beside(around, rim[e], rim[e + 1]);
-      // the face runs against the side: t of the side is 1 - t of the face's edge, and d/dt is -edges d/du
-      const auto field = [&](const auto& value) {
-        return PiecewisePolynomial::fit(
-            [&](std::span<const double> t, std::span<double> out) {
-              std::vector<double> face_t(t.size());
-              std::vector<LimitJet> jets(t.size());
-              for (std::size_t k = 0; k < t.size(); ++k) face_t[k] = 1 - t[k];
-              surface.evaluate_edge(place.face, place.edge, face_t, jets);
-              for (std::size_t k = 0; k < t.size(); ++k) {
-                const Vec3 v = value(face_t[k], jets[k]);
-                std::copy_n(v.data(), 3, &out[3 * k]);
-              }
-            },
-            3, tolerance);
-      };
-      const auto across = [&](double t, const LimitJet& j) {
-        return Vec3(-edges * j.pu.cross(unit_normal(surface, place, t, j)));
-      };
-      c.push_back(field([](double, const LimitJet& j) { return j.p; }));
-      r.push_back(field(across));
-      q.push_back(
-          field([&](double t, const LimitJet& j) { return second_across(j, unit_normal(surface, place, t, j), across(t, j)); }));
-    }
-    sides[i] = {PiecewisePolynomial::joined(c), PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
-    for (int e = 0; e <= edges; ++e) sides[i].rim.push_back(static_cast<double>(e) / edges);
-  }
-  check_corners(hole, sides);
+  for (int i = 0; i < 3; ++i) sides[i] = side_on(surface, around, hole.side(i), tolerance);
   return sides;
 }
 

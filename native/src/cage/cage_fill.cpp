@@ -21,10 +21,12 @@ Index border_edges_at(const Connectivity& left, Index v) {
   return std::count_if(beside.begin(), beside.end(), [&](Index w) { return left.faces_at_edge(v, w).size() == 1; });
 }
 
-void report_seam(const CageMeasures& measures, const Hole& hole, Report& report) {
+void report_seam(const CageMeasures& measures, const SidedRim& hole, Report& report) {
+  report.seam_angle_max_by_side.assign(hole.sides(), 0);
+  report.seam_angle_rms_by_side.assign(hole.sides(), 0);
   std::vector<double> all;
   double squares = 0;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < hole.sides(); ++i) {
     double sum = 0;
     const std::vector<double>& angles = measures.seam_angles[i];
     const std::size_t edges = hole.side(i).size() - 1, per = angles.size() / edges, before = all.size();
@@ -47,7 +49,7 @@ void report_seam(const CageMeasures& measures, const Hole& hole, Report& report)
 
 }  // namespace
 
-CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Hole> holes, const Subdivision& settings,
+CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<SidedRim> holes, const Subdivision& settings,
                    std::vector<Index> replaced, const LayoutOptions& layout_options, const CageOptions& options)
     : mesh_(mesh),
       left_(left),
@@ -61,27 +63,61 @@ CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Hole>
       energies_(holes_.size()) {
   if (settings.loop && layout_options_.rows.value_or(0) > 0)
     throw InvalidArgument("a cage of triangles follows the rim: resolution must be 0 or none");
-  for (const Hole& hole : split_.holes)
+  if (settings.loop)
+    for (const SidedRim& hole : holes_)
+      if (!hole.is_triangle()) throw Refusal("Cages of triangles (Loop's scheme) are made between three corners");
+  for (const SidedRim& hole : holes_)
+    domains_.push_back(hole.is_triangle() ? PolygonDomain() : cage_domain(hole, mesh_.vertices, left_));
+  for (const SidedRim& hole : split_.holes)
     tolerance_.push_back(layout_options_.tolerance.value_or(default_tolerance * diameter(split_.mesh(), hole.rim)));
   const bool exact = options_.rim == CageRim::exact;
   fit_ = lay_out(rows_to_try(layout_options_, settings.loop, exact)[0]);
   if (!exact) energies_ = fit_->make_fair();
   for (std::size_t h = 0; h < size(); ++h) {
-    sides_.push_back(fit_->sides(h));
+    seams_.push_back(fit_->sides(h));
     points_.push_back(exact ? SurfacePoints() : fit_->points(h));
   }
+  sides_ = seams_;
+  if (exact) take_smooth_rims();
+}
+
+/// The border of an open cage rounds its corners off: its sides run into each other in one line there, and no patch over a polygon lies
+/// between them. An exact rim's fill is fitted to the patch of a smooth one, and keeps to its own seam.
+void CageFill::take_smooth_rims() {
+  if (std::all_of(holes_.begin(), holes_.end(), [](const SidedRim& hole) { return hole.is_triangle(); })) return;
+  CageOptions options = options_;
+  options.rim = CageRim::smooth;
+  CageFit smooth(split_.mesh(), laid_out_, split_.settings, replaced_, options);
+  smooth.make_fair();
+  for (std::size_t h = 0; h < size(); ++h) {
+    if (holes_[h].is_triangle()) continue;
+    sides_[h] = smooth.sides(h);
+    points_[h] = smooth.points(h);
+  }
+}
+
+QuadLayout CageFill::layout_of(std::size_t h, int rows) const {
+  const SidedRim& rim = split_.holes[h];
+  if (!rim.is_triangle()) return polygon_cage_layout(rim, domains_[h], left_, rows);
+  return cage_layout(rim.hole(), split_.vertices, split_.settings.loop, rows, layout_options_.pole_offset);
 }
 
 /// The holes that are still open get other layouts.
 std::unique_ptr<CageFit> CageFill::lay_out(int rows) {
   for (std::size_t h = 0; h < size(); ++h)
-    if (open_[h])
-      laid_out_[h] = {split_.holes[h],
-                      cage_layout(split_.holes[h], split_.vertices, split_.settings.loop, rows, layout_options_.pole_offset)};
+    if (open_[h]) laid_out_[h] = {split_.holes[h], layout_of(h, rows)};
   return std::make_unique<CageFit>(split_.mesh(), laid_out_, split_.settings, replaced_, options_);
 }
 
-void CageFill::fit(std::vector<SurfacePtr> patches) {
+/// Of the holes of other than three sides, where the fairest cage is kept.
+std::vector<std::optional<SurfacePoints>> CageFill::points_to_follow(bool fair) const {
+  std::vector<std::optional<SurfacePoints>> points(size());
+  for (std::size_t h = 0; h < size(); ++h)
+    if (fair && !holes_[h].is_triangle()) points[h] = points_[h];
+  return points;
+}
+
+void CageFill::fit(std::vector<SurfacePtr> patches, bool fair) {
   patches_ = std::move(patches);
   const bool exact = options_.rim == CageRim::exact;
   const std::vector<int> all_rows = rows_to_try(layout_options_, split_.settings.loop, exact);
@@ -89,10 +125,11 @@ void CageFill::fit(std::vector<SurfacePtr> patches) {
   for (std::size_t k = 0; k < all_rows.size(); ++k) {
     if (k > 0) fit_ = lay_out(all_rows[k]);
     rows_ = all_rows[k];
-    fit_->fit(patches_, sides_, exact || k > 0);
+    const std::vector<std::optional<SurfacePoints>> points = points_to_follow(fair && k == 0);
+    fit_->fit(patches_, seams_, exact || k > 0, points);
     farthest.push_back(0);
     for (std::size_t h = 0; h < size(); ++h) {
-      const double off = fit_->deviation_rms(h, *patches_[h]) / tolerance_[h];
+      const double off = points[h] ? 0 : fit_->deviation_rms(h, *patches_[h]) / tolerance_[h];
       if (open_[h]) farthest.back() = std::max(farthest.back(), off);
       open_[h] = layout_options_.rows || off > 1;
     }
@@ -105,7 +142,7 @@ void CageFill::fit(std::vector<SurfacePtr> patches) {
   rows_ = all_rows[nearest];
   fit_ = lay_out(rows_);
   if (!exact && nearest == 0) fit_->make_fair();
-  fit_->fit(patches_, sides_, exact || nearest > 0);
+  fit_->fit(patches_, seams_, exact || nearest > 0, points_to_follow(fair && nearest == 0));
 }
 
 void CageFill::complete(std::size_t h, Fill& fill) const {
@@ -113,7 +150,13 @@ void CageFill::complete(std::size_t h, Fill& fill) const {
   deliver(h, fill);
   fill.normals = fill.patch->normals(fill.barycentric);
   fill.rim_normals = fill.patch->normals(fill.rim_barycentric);
-  fill.sides.assign(sides_[h].begin(), sides_[h].end());
+  if (laid_out_[h].layout.in_plane) {
+    fill.uv = fill.barycentric.leftCols(2);
+    fill.rim_uv = fill.rim_barycentric.leftCols(2);
+    fill.barycentric.resize(0, 3);
+    fill.rim_barycentric.resize(0, 3);
+  }
+  fill.sides = seams_[h];
   report(h, fill.report);
 }
 

@@ -39,6 +39,14 @@ std::vector<Index> with_inside(std::vector<Index> around, const ClosedCage& clos
   return around;
 }
 
+/// The sides of a rim on a limit surface of the cage without the `missing` faces.
+CageSides limit_sides_of(const LimitSurface& surface, const Mesh& cage, const SidedRim& rim, const std::vector<Index>& missing) {
+  const Connectivity around = Connectivity::around(cage, rim.rim, 0, missing);
+  CageSides sides;
+  for (int i = 0; i < rim.sides(); ++i) sides.push_back(side_on(surface, around, rim.side(i), sides_tolerance));
+  return sides;
+}
+
 /// Of all faces sampled.
 std::vector<const Sums*> sums_of(const std::vector<HoleSamples>& holes) {
   std::vector<const Sums*> together;
@@ -105,7 +113,7 @@ std::vector<Index> CageFit::free_vertices() const {
 }
 
 /// Whether one of the replaced faces lies at the rim's first edge, on its inner side.
-bool CageFit::replaces(const Hole& hole) const {
+bool CageFit::replaces(const SidedRim& hole) const {
   return std::any_of(replaced_.begin(), replaced_.end(), [&](Index f) {
     const auto face = mesh_.faces[f];
     for (std::size_t k = 0; k < face.size(); ++k)
@@ -138,18 +146,18 @@ std::vector<CageEnergies> CageFit::make_fair() {
   return energies;
 }
 
-Sides CageFit::sides(std::size_t h) const {
-  const Hole& hole = holes_[h].hole;
+CageSides CageFit::sides(std::size_t h) const {
+  const SidedRim& hole = holes_[h].hole;
   if (exact() && !replaced_.empty()) {  // what an exact rim leaves them: the creased border of an open hole
     Faces left;
     for (Index f : closed_.kept) left.add(mesh_.faces[f]);
     const Mesh open = {mesh_.vertices, left};
-    return sides_on(LimitSurface(open, settings_, around_), open, hole, {}, sides_tolerance);
+    return limit_sides_of(LimitSurface(open, settings_, around_), open, hole, {});
   }
-  if (exact() || samples_[h].region) return sides_on(was_, mesh_, hole, replaced_, sides_tolerance);
+  if (exact() || samples_[h].region) return limit_sides_of(was_, mesh_, hole, replaced_);
   std::vector<Index> fill;
   for (Index f = closed_.first_face[h]; f < closed_.first_face[h + 1]; ++f) fill.push_back(f);
-  return sides_on(limit_, closed_.mesh(), hole, fill, sides_tolerance);
+  return limit_sides_of(limit_, closed_.mesh(), hole, fill);
 }
 
 void CageFit::move_to_patch(std::size_t h, const Surface& patch) {
@@ -160,11 +168,13 @@ void CageFit::move_to_patch(std::size_t h, const Surface& patch) {
     if (free[k] >= first && free[k] < end) free_.row(static_cast<Index>(k)) = on_patch.row(free[k] - first);
 }
 
-void CageFit::fit(const std::vector<SurfacePtr>& patches, const std::vector<Sides>& sides, bool from_patches) {
+void CageFit::fit(const std::vector<SurfacePtr>& patches, const std::vector<CageSides>& sides, bool from_patches,
+                  const std::vector<std::optional<SurfacePoints>>& points) {
+  const auto given = [&](std::size_t h) { return h < points.size() && points[h] ? &*points[h] : nullptr; };
   std::vector<Seam> seams;
   std::vector<const Sums*> together = sums_of(samples_);
   for (std::size_t h = 0; h < holes_.size(); ++h) {
-    if (from_patches) move_to_patch(h, *patches[h]);
+    if (from_patches && !given(h)) move_to_patch(h, *patches[h]);
     if (exact()) seams.push_back(seam_of(surfaces(), holes_[h].hole, sides[h], edges_));
   }
   for (const Seam& seam : seams)
@@ -177,10 +187,22 @@ void CageFit::fit(const std::vector<SurfacePtr>& patches, const std::vector<Side
     for (std::size_t h = 0; h < holes_.size(); ++h) {
       HoleSamples& hole = samples_[h];
       // the targets go to the points of the patch that are nearest to where the samples are: along it nothing holds them
-      if (round > 0 || !exact()) nearest(*patches[h], hole.positions(free_), hole.coordinates);
-      add_patch(system_, free_, *patches[h], hole, options_, term);
+      if (const SurfacePoints* there = given(h)) {
+        add_points(system_, free_, there->points, there->normals, hole, options_, term);
+      } else {
+        if (round > 0 || !exact()) nearest_on(*patches[h], hole.positions(free_), hole.coordinates);
+        const auto [target, normal] = patches[h]->positions_and_normals(hole.coordinates);
+        add_points(system_, free_, target, normal, hole, options_, term);
+      }
       add_surroundings(system_, free_, hole, options_, term);
-      if (exact()) add_seam(system_, free_, seams[h], options_, term);
+      if (exact()) {
+        CageOptions seam = options_;
+        if (given(h)) {
+          seam.seam = options_.seam_of_points;
+          seam.seam_width = options_.seam_width_of_points;
+        }
+        add_seam(system_, free_, seams[h], seam, term);
+      }
       add_third_derivatives(system_, hole.shape, free_, options_.lines * options_.lines, term);
     }
     const Eigen::VectorXd y = system_.step(term, Eigen::VectorXd::Zero(free_.size()), anchor);

@@ -6,7 +6,7 @@
 
 namespace tripatch {
 
-std::vector<std::vector<std::size_t>> cage_groups(const Connectivity& mesh, const std::vector<Hole>& holes) {
+std::vector<std::vector<std::size_t>> cage_groups(const Connectivity& mesh, const std::vector<SidedRim>& holes) {
   std::vector<std::size_t> group(holes.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
   const auto root = [&](std::size_t h) {

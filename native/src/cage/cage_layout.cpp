@@ -64,14 +64,14 @@ QuadLayout triangle_layout(const Hole& hole, const Points& vertices) {
 
 }  // namespace
 
-SplitMesh split_odd_rims(const Mesh& mesh, const std::vector<Hole>& holes, const Subdivision& settings, bool wanted) {
+SplitMesh split_odd_rims(const Mesh& mesh, const std::vector<SidedRim>& holes, const Subdivision& settings, bool wanted) {
   SplitMesh split{mesh.vertices, Faces(mesh.faces), holes, {}, settings};
   split.split.resize(holes.size());
   std::vector<Vec3> added;
   for (std::size_t h = 0; h < holes.size(); ++h) {
-    Hole& hole = split.holes[h];
+    SidedRim& hole = split.holes[h];
     if (!wanted || hole.rim.size() % 2 == 0) continue;
-    const std::size_t place = longest_edge(mesh, hole);
+    const std::size_t place = longest_edge(mesh, hole.rim);
     const Index a = hole.rim[place], b = hole.rim[(place + 1) % hole.rim.size()];
     const Index middle = mesh.vertices.rows() + static_cast<Index>(added.size());
     split.split[h] = {middle, {a, b}};

@@ -25,7 +25,7 @@ bool has_plane(const LimitJet& jet) { return jet.pu.cross(jet.pv).norm() > no_pl
 
 Eigen::VectorXd CageFit::deviation(std::size_t h, const Surface& patch) const {
   Points coordinates = samples_[h].coordinates;
-  return nearest(patch, samples_[h].positions(free_), coordinates);
+  return nearest_on(patch, samples_[h].positions(free_), coordinates);
 }
 
 double CageFit::deviation_rms(std::size_t h, const Surface& patch) const { return root_mean_square(deviation(h, patch)); }
@@ -46,11 +46,12 @@ void CageFit::measure_surroundings(std::size_t h, CageMeasures& measures) const 
 }
 
 void CageFit::measure_rim(std::size_t h, CageMeasures& measures) const {
-  const Hole& hole = holes_[h].hole;
+  const SidedRim& hole = holes_[h].hole;
+  measures.seam_angles.resize(hole.sides());
   const std::vector<double> t = {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
   const std::vector<double> reversed(t.rbegin(), t.rend());
   std::vector<LimitJet> in(t.size()), out(t.size());
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < hole.sides(); ++i) {
     const std::vector<Index> side = hole.side(i);
     for (std::size_t e = 0; e + 1 < side.size(); ++e) {
       const FaceEdge mine = edges_.at({side[e], side[e + 1]}), theirs = edges_.at({side[e + 1], side[e]});

@@ -29,7 +29,8 @@ void sample_inside(const CageSurfaces& surfaces, const QuadLayout& layout, Index
     const LimitStencils& stencils = hole.stencils.emplace_back(surfaces.limit.stencils(first_face + f, places));
     hole.inside.push_back({first_face + f, surfaces.system.sums(stencils.vertices, stencils.p), {}, {}});
     for (const FacePlace& place : places)
-      coordinates.push_back(barycentric_at(place, layout.faces[f], layout.barycentric, surfaces.loop));
+      coordinates.push_back(layout.in_plane ? mean_at(place, layout.faces[f], layout.barycentric, surfaces.loop)
+                                            : barycentric_at(place, layout.faces[f], layout.barycentric, surfaces.loop));
   }
   hole.coordinates.resize(static_cast<Index>(coordinates.size()), 3);
   for (std::size_t k = 0; k < coordinates.size(); ++k) hole.coordinates.row(static_cast<Index>(k)) = coordinates[k];
@@ -39,7 +40,7 @@ void sample_inside(const CageSurfaces& surfaces, const QuadLayout& layout, Index
 /// other spacing, and its least third derivatives would carry strips of the length of a bevel on into the hole.
 class EvenSurroundings {
 public:
-  EvenSurroundings(const CageSurfaces& surfaces, const Hole& hole, const std::vector<Index>& ring)
+  EvenSurroundings(const CageSurfaces& surfaces, const SidedRim& hole, const std::vector<Index>& ring)
       : vertices_(surfaces.closed.vertices) {
     const Points& given = surfaces.closed.vertices;
     const std::size_t n = hole.rim.size();
@@ -82,7 +83,7 @@ private:
   std::map<Index, double> longest_;
 };
 
-void sample_outside(const CageSurfaces& surfaces, const Hole& hole, const std::array<std::vector<Index>, 2>& rings,
+void sample_outside(const CageSurfaces& surfaces, const SidedRim& hole, const std::array<std::vector<Index>, 2>& rings,
                     const EvenSurroundings& even, double corner_trust, HoleSamples& samples) {
   std::set<Index> corners;
   for (Index c : hole.corners) corners.insert(hole.rim[c]);
@@ -102,7 +103,7 @@ void sample_outside(const CageSurfaces& surfaces, const Hole& hole, const std::a
 }
 
 /// The shape of the faces that the scheme knows as its own: quads, with Loop's triangles.
-FairHole shape_of(const CageSurfaces& surfaces, const Hole& hole, const EvenSurroundings& even, const HoleSamples& samples) {
+FairHole shape_of(const CageSurfaces& surfaces, const SidedRim& hole, const EvenSurroundings& even, const HoleSamples& samples) {
   FairHole shape;
   shape.size = diameter(surfaces.given, hole.rim);
   const std::size_t corners = surfaces.loop ? 3 : 4;
@@ -135,7 +136,7 @@ std::vector<FacePlace> spread_places(std::size_t corners, bool loop) {
   return places;
 }
 
-Vec3 barycentric_at(const FacePlace& s, std::span<const Index> face, const Points& rows, bool loop) {
+Vec3 mean_at(const FacePlace& s, std::span<const Index> face, const Points& rows, bool loop) {
   const auto row = [&](std::size_t k) { return Vec3(rows.row(face[k % face.size()])); };
   if (loop) return (1 - s.u - s.v) * row(0) + s.u * row(1) + s.v * row(2);
   std::array<Vec3, 4> q;
@@ -147,8 +148,12 @@ Vec3 barycentric_at(const FacePlace& s, std::span<const Index> face, const Point
     const std::size_t k = static_cast<std::size_t>(s.quarter);
     q = {row(k), 0.5 * (row(k) + row(k + 1)), center, 0.5 * (row(k) + row(k + face.size() - 1))};
   }
-  const Vec3 b = (1 - s.u) * (1 - s.v) * q[0] + s.u * (1 - s.v) * q[1] + s.u * s.v * q[2] + (1 - s.u) * s.v * q[3];
-  return b.cwiseMax(0) / b.cwiseMax(0).sum();
+  return (1 - s.u) * (1 - s.v) * q[0] + s.u * (1 - s.v) * q[1] + s.u * s.v * q[2] + (1 - s.u) * s.v * q[3];
+}
+
+Vec3 barycentric_at(const FacePlace& place, std::span<const Index> face, const Points& rows, bool loop) {
+  const Vec3 b = mean_at(place, face, rows, loop).cwiseMax(0);
+  return b / b.sum();
 }
 
 Points HoleSamples::positions(const Points& free) const {

@@ -34,9 +34,8 @@ EdgeFrame edge_frame(std::size_t edge, std::size_t corners, double s) {
 
 }  // namespace
 
-void add_patch(const CageSystem& system, const Points& free, const Surface& patch, const HoleSamples& hole,
-               const CageOptions& options, CageSystem::Term& term) {
-  const auto [target, normal] = patch.positions_and_normals(hole.coordinates);
+void add_points(const CageSystem& system, const Points& free, const Points& target, const Points& normal, const HoleSamples& hole,
+                const CageOptions& options, CageSystem::Term& term) {
   Index row = 0;
   for (const SampledFace& face : hole.inside) {
     const Points now = face.limit.at(free);
@@ -72,10 +71,10 @@ void hold_surroundings(const CageSystem& system, const Points& free, const HoleS
   }
 }
 
-Seam seam_of(const CageSurfaces& surfaces, const Hole& hole, const Sides& sides, const DirectedEdges& edges) {
+Seam seam_of(const CageSurfaces& surfaces, const SidedRim& hole, const CageSides& sides, const DirectedEdges& edges) {
   Seam seam;
   seam.size = diameter(surfaces.given, hole.rim);
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < hole.sides(); ++i) {
     const std::vector<Index> side = hole.side(i);
     const double count = static_cast<double>(side.size() - 1);
     for (std::size_t e = 0; e + 1 < side.size(); ++e) {

@@ -33,15 +33,22 @@ ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, con
   cage.vertices.topRows(mesh.vertices.rows()) = mesh.vertices;
   for (std::size_t k = 0; k < holes.size(); ++k) {
     const auto& [hole, layout] = holes[k];
+    const Index inside = cage.first_vertex[k + 1] - cage.first_vertex[k];
+    if (layout.in_plane) {
+      Points rows = Points::Zero(layout.rim + inside, 3);
+      rows.topRows(layout.rim) = mesh.vertices(hole.rim, Eigen::all);
+      spread_inside(layout.faces, layout.rim, rows);
+      cage.vertices.middleRows(cage.first_vertex[k], inside) = rows.bottomRows(inside);
+      continue;
+    }
     Eigen::Matrix3d corners;
     for (int c = 0; c < 3; ++c) corners.row(c) = mesh.vertices.row(hole.rim[hole.corners[c]]);
-    const Index inside = cage.first_vertex[k + 1] - cage.first_vertex[k];
     cage.vertices.middleRows(cage.first_vertex[k], inside) = layout.barycentric.bottomRows(inside) * corners;
   }
   return cage;
 }
 
-std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Connectivity& whole, const Hole& hole) {
+std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Connectivity& whole, const SidedRim& hole) {
   std::vector<Index> front = hole.rim;
   Numbering near, taken;
   for (Index v : front) near.add(v);

@@ -14,8 +14,8 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr std::size_t most_layout_corners = 6;  ///< beyond them the poles would be many: the bluntest corners count as straight
-constexpr std::size_t subsets_tried = 10;       ///< choices of corners for which the integers are sought
+constexpr std::size_t most_layout_corners = 12;
+constexpr std::size_t subsets_tried = 10;  ///< choices of corners for which the integers are sought
 /// With each number of corners, embedded, smoothed and measured: of a rim of few edges more, as there it costs little.
 constexpr std::size_t layouts_tried = 2, layouts_of_many_tried = 1;
 constexpr Index many_edges = 100;
@@ -379,13 +379,15 @@ PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>&
   const Region region(rim);
   std::vector<Choice> choices = choices_of(region, corners);
   std::vector<Plan> plans;
-  bool sure = false;  // three sides take any counts
-  for (std::size_t c = 0; c < choices.size() && (c < subsets_tried || !sure); ++c) {
-    if (c >= subsets_tried && choices[c].corners.size() != 3) continue;
+  std::array<bool, most_layout_corners + 1> seen =
+      {};  // the best of each number of corners is tried in any case; three take any counts
+  for (std::size_t c = 0; c < choices.size(); ++c) {
+    const bool first = !seen[choices[c].corners.size()];
+    seen[choices[c].corners.size()] = true;
+    if (c >= subsets_tried && !first) continue;
     for (Plan& plan : plans_of(region, sides_between(choices[c].corners, region.edges()))) {
       plan.cost += choices[c].cost;
       plan.irregular = choices[c].irregular;
-      sure = true;
       plans.push_back(std::move(plan));
     }
   }

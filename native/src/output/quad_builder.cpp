@@ -12,16 +12,28 @@ Path backwards(Path path) {
 }
 
 std::vector<Index> spokes_of(const std::vector<Index>& counts) {
-  const std::size_t k = counts.size(), length = k % 2 == 1 ? k : k / 2;  // of a round in steps of two
-  if (length % 2 == 0) return {};
-  std::vector<Index> spokes;
-  for (std::size_t j = 0; j < k; ++j) {
-    Index twice = 0;
-    for (std::size_t m = 0; m < length; ++m) twice += (m % 2 == 0 ? 1 : -1) * counts[(j + 2 * m + 1) % k];
-    if (twice < 0 || twice % 2 != 0) return {};
-    spokes.push_back(twice / 2);
+  // rounds in steps of two: two spokes a step apart sum to the count between them, so all are sums of counts plus or minus the first
+  const Index k = static_cast<Index>(counts.size()), length = k % 2 == 1 ? k : k / 2;
+  std::vector<Index> spokes(k, -1);
+  for (Index start = 0; start < k / length; ++start) {
+    std::vector<Index> rest = {0};
+    for (Index m = 0; m < length; ++m) rest.push_back(counts[(start + 2 * m + 1) % k] - rest.back());
+    Index first = 0;
+    if (length % 2 == 1) {
+      if (rest.back() % 2 != 0) return {};
+      first = rest.back() / 2;
+    } else {  // of a round of even length the first is free, if the counts fit at all: all as long as can be
+      if (rest.back() != 0) return {};
+      Index low = 0, high = rest[1];
+      for (Index m = 0; m < length; ++m) {
+        if (m % 2 == 0) low = std::max(low, -rest[m]);
+        if (m % 2 == 1) high = std::min(high, rest[m]);
+      }
+      first = (low + high) / 2;
+    }
+    for (Index m = 0; m < length; ++m) spokes[(start + 2 * m) % k] = m % 2 == 0 ? rest[m] + first : rest[m] - first;
   }
-  if (std::count(spokes.begin(), spokes.end(), 0) > 1) return {};
+  if (*std::min_element(spokes.begin(), spokes.end()) < 0 || std::count(spokes.begin(), spokes.end(), 0) > 1) return {};
   return spokes;
 }
 

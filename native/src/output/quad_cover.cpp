@@ -31,11 +31,9 @@ double deviation(const Cover& cover, const Surface& patch) {
 
 const char* const too_few_rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand";
 
-std::size_t longest_edge(const Mesh& mesh, const Hole& hole) {
-  const std::size_t n = hole.rim.size();
-  const auto length = [&](std::size_t k) {
-    return (mesh.vertices.row(hole.rim[k]) - mesh.vertices.row(hole.rim[(k + 1) % n])).norm();
-  };
+std::size_t longest_edge(const Mesh& mesh, const std::vector<Index>& rim) {
+  const std::size_t n = rim.size();
+  const auto length = [&](std::size_t k) { return (mesh.vertices.row(rim[k]) - mesh.vertices.row(rim[(k + 1) % n])).norm(); };
   std::size_t place = 0;
   for (std::size_t k = 1; k < n; ++k)
     if (length(k) > (1 + same_length) * length(place)) place = k;
@@ -49,7 +47,7 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
   std::size_t around = 0;
   for (const std::vector<double>& t : parameters) around += t.size() - 1;
   if (around % 2 == 1 && options.split_odd && !own_rim) {
-    const std::size_t place = longest_edge(mesh, hole);
+    const std::size_t place = longest_edge(mesh, hole.rim);
     std::size_t edge = place;
     for (int i : {2, 0, 1}) {
       std::vector<double>& t = parameters[i];

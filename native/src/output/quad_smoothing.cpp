@@ -36,8 +36,7 @@ Edge edge_of(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 class RowWidths {
 public:
   /// round: of rows that go round and have no ends; none: the mean length of their edges.
-  RowWidths(const PlaneLayout& layout, const Points& positions, std::optional<double> round = {}) {
-    const Faces& faces = layout.faces;
+  RowWidths(const Faces& faces, Index rim_count, const Points& positions, std::optional<double> round = {}) {
     for (Index f = 0; f < faces.size(); ++f)
       for (std::size_t k = 0, m = faces[f].size(); k < m; ++k) number(edge_of(faces[f][k], faces[f][(k + 1) % m]));
     std::vector<Index> root(number_.size());
@@ -55,7 +54,7 @@ public:
     std::vector<Index> ends(root.size(), 0), edges(root.size(), 0);
     for (const auto& [edge, e] : number_) {
       const double length = (positions.row(edge[0]) - positions.row(edge[1])).norm();
-      const bool rim = edge[1] < layout.rim && (edge[1] - edge[0] == 1 || edge[1] - edge[0] == layout.rim - 1);
+      const bool rim = edge[1] < rim_count && (edge[1] - edge[0] == 1 || edge[1] - edge[0] == rim_count - 1);
       const Index row = find(e);
       all[row] += length;
       ++edges[row];
@@ -102,7 +101,7 @@ public:
   Smoother(PlaneLayout& layout, const Surface* surface, const Points* border)
       : layout_(layout), surface_(surface), border_(border), at_(layout.uv.rows()) {
     read_surface();
-    const RowWidths widths(layout, positions());
+    const RowWidths widths(layout.faces, layout.rim, positions());
     for (Index f = 0; f < layout.faces.size(); ++f) {
       const auto face = layout.faces[f];
       const std::size_t m = face.size();
@@ -290,21 +289,21 @@ QuadQuality quad_quality(const PointsRef& points, const Faces& faces) {
   return quality;
 }
 
-void embed(PlaneLayout& layout) {
-  const Index rim = layout.rim, unknowns = layout.uv.rows() - rim;
+void spread_inside(const Faces& faces, Index rim, Points& rows) {
+  const Index unknowns = rows.rows() - rim;
   if (unknowns == 0) return;
   double mean = 0;
-  for (Index k = 0; k < rim; ++k) mean += (layout.uv.row(k) - layout.uv.row((k + 1) % rim)).norm() / static_cast<double>(rim);
-  const RowWidths widths(layout, in_plane(layout.uv), mean);
+  for (Index k = 0; k < rim; ++k) mean += (rows.row(k) - rows.row((k + 1) % rim)).norm() / static_cast<double>(rim);
+  const RowWidths widths(faces, rim, rows, mean);
   std::vector<Eigen::Triplet<double>> entries;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(unknowns, 2);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(unknowns, 3);
   for (const auto& [edge, e] : widths.edges()) {
     const double weight = square(mean / widths.width(e));
     for (const auto& [a, b] : {std::pair(edge[0], edge[1]), std::pair(edge[1], edge[0])}) {
       if (a < rim) continue;
       entries.emplace_back(a - rim, a - rim, weight);
       if (b < rim) {
-        right.row(a - rim) += weight * layout.uv.row(b);
+        right.row(a - rim) += weight * rows.row(b);
       } else {
         entries.emplace_back(a - rim, b - rim, -weight);
       }
@@ -313,7 +312,13 @@ void embed(PlaneLayout& layout) {
   Eigen::SparseMatrix<double> laplacian(unknowns, unknowns);
   laplacian.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(laplacian);
-  layout.uv.bottomRows(unknowns) = solver.solve(right);
+  rows.bottomRows(unknowns) = solver.solve(right);
+}
+
+void embed(PlaneLayout& layout) {
+  Points rows = in_plane(layout.uv);
+  spread_inside(layout.faces, layout.rim, rows);
+  layout.uv = rows.leftCols(2);
 }
 
 void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening, const Surface* surface, const Points* border) {

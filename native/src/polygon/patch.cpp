@@ -128,7 +128,7 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
                        const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
   PolygonPatch made;
   made.sides = sides;
-  const PolygonBase base = base_of(sides, asked, bulge, nullptr, through);
+  const PolygonBase base = base_of(sides, asked, bulge, options.domain ? &*options.domain : nullptr, through);
   made.domain = base.boundary.domain;
   made.corner_mismatch_deg = base.boundary.corner_mismatch_deg;
   made.patch = base.patch;
@@ -174,7 +174,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
   const Asked wanted = asked(each(options.continuity, n, SideContinuity::automatic, "continuity"), sides);
   sides = told_by_rim(std::move(sides), wanted.tangent);
   const std::vector<double> bulge = each(options.bulge, n, 1.0, "bulge");
-  const Vec2 center = polygon_boundary(sides).domain.center();
+  const Vec2 center = (options.domain ? *options.domain : polygon_boundary(sides).domain).center();
   std::vector<InnerPoint> through;
   if (options.center) through.push_back({center, *options.center, {}});
   PolygonPatch made = made_with(sides, options, wanted, bulge, through);

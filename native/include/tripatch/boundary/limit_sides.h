@@ -22,6 +22,8 @@ struct LimitSides {
 LimitSides limit_sides(const Mesh& cage, const Connectivity& whole, const Connectivity& around, const Hole& hole,
                        const Subdivision& settings);
 
+/// The side along these vertices of the rim, from a corner to the next one.
+Side side_on(const LimitSurface& surface, const Connectivity& around, const std::vector<Index>& along, double tolerance);
 /// The sides alone, on a limit surface of the cage that is at hand. tolerance: of their polynomials, of their largest value.
 Sides sides_on(const LimitSurface& surface, const Connectivity& around, const Hole& hole, double tolerance);
 Sides sides_on(const LimitSurface& surface, const Mesh& cage, const Hole& hole, const std::vector<Index>& replaced,

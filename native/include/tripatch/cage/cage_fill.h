@@ -16,17 +16,20 @@ namespace tripatch {
 class CageFill {
 public:
   /// mesh, left: outlive this. left: of the mesh without the faces in the holes, which are `replaced`.
-  CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Hole> holes, const Subdivision& settings,
+  CageFill(const Mesh& mesh, const Connectivity& left, std::vector<SidedRim> holes, const Subdivision& settings,
            std::vector<Index> replaced, const LayoutOptions& layout_options, const CageOptions& options);
 
   std::size_t size() const { return holes_.size(); }
   /// Of a hole: what its patch is to be made on.
-  const Sides& sides(std::size_t hole) const { return sides_[hole]; }
-  /// Points of the fair cage; none for an exact rim.
+  const CageSides& sides(std::size_t hole) const { return sides_[hole]; }
+  /// Of a hole of other than three sides: what its patch is to be over.
+  const PolygonDomain& domain(std::size_t hole) const { return domains_[hole]; }
+  /// Points of the fair cage; none for an exact rim of three sides.
   const SurfacePoints& points(std::size_t hole) const { return points_[hole]; }
 
-  /// To a patch for each hole, with more rows where the tolerance asks for them.
-  void fit(std::vector<SurfacePtr> patches);
+  /// To a patch for each hole, with more rows where the tolerance asks for them. fair: holes of other than three sides keep to the fairest
+  /// cage itself, as far as their rows are its.
+  void fit(std::vector<SurfacePtr> patches, bool fair = false);
 
   /// The rest of a fill that has its patch: vertices, faces, what changes around them, and the numbers of the report, whose seam is
   /// the one between the limit surfaces.
@@ -36,14 +39,18 @@ public:
 
 private:
   std::unique_ptr<CageFit> lay_out(int rows);
+  QuadLayout layout_of(std::size_t hole, int rows) const;
+  std::vector<std::optional<SurfacePoints>> points_to_follow(bool fair) const;
   std::vector<Index> numbering(std::size_t hole) const;
+  void take_smooth_rims();
   void deliver(std::size_t hole, Fill& fill) const;
   void report(std::size_t hole, Report& report) const;
   void report_poles(std::size_t hole, Report& report) const;
 
   const Mesh mesh_;
   const Connectivity& left_;
-  const std::vector<Hole> holes_;  ///< as they were given
+  const std::vector<SidedRim> holes_;  ///< as they were given
+  std::vector<PolygonDomain> domains_;
   const std::vector<Index> replaced_;
   const LayoutOptions layout_options_;
   const CageOptions options_;
@@ -53,13 +60,13 @@ private:
   int rows_ = 0;            ///< extra rows of quads of the present layout
   std::vector<char> open_;  ///< asks for another layout
   std::unique_ptr<CageFit> fit_;
-  std::vector<Sides> sides_;
+  std::vector<CageSides> sides_, seams_;  ///< what the patch is made on, and what the fill is to be tangent to
   std::vector<SurfacePoints> points_;
   std::vector<CageEnergies> energies_;
   std::vector<SurfacePtr> patches_;
 };
 
 /// Holes in groups: those that share faces of their first two rings belong together. mesh: without the faces in them.
-std::vector<std::vector<std::size_t>> cage_groups(const Connectivity& mesh, const std::vector<Hole>& holes);
+std::vector<std::vector<std::size_t>> cage_groups(const Connectivity& mesh, const std::vector<SidedRim>& holes);
 
 }  // namespace tripatch

@@ -26,10 +26,10 @@ struct CageMeasures {
   double deviation_max = 0, deviation_rms = 0;        ///< fill's limit surface to the patch
   double surroundings_max = 0, surroundings_rms = 0;  ///< movement of the old limit surface, first two rings
   Index surroundings_where = -1;                      ///< a vertex of the face that moved most
-  double corners_moved = 0;                           ///< largest movement of the limit at the three corners
+  double corners_moved = 0;                           ///< largest movement of the limit at the corners
   Index triangles_folded = 0;                         ///< edges of the fill's limit surface, see count_folded_edges
-  std::array<std::vector<double>, 3>
-      seam_angles;  ///< degrees, between the limit normals of the two faces along each rim edge; -1: none there
+  std::vector<std::vector<double>>
+      seam_angles;  ///< by side, degrees, between the limit normals of the two faces along each rim edge; -1: none there
 };
 
 /// Phases: made; on a first layout `make_fair` (but for an exact rim), then patches on `sides`; `fit`; what it became.
@@ -44,12 +44,14 @@ public:
   /// Moves the free vertices to the fairest cage.
   std::vector<CageEnergies> make_fair();
   /// What the patch in a hole is to meet: the limit surface that the fill continues.
-  Sides sides(std::size_t hole) const;
+  CageSides sides(std::size_t hole) const;
   /// Points of the limit surface inside, which a patch may follow.
   SurfacePoints points(std::size_t hole) const { return samples_[hole].points(closed_.vertices); }
 
-  /// To the patches made on `sides`. from_patches: starts with the vertices on them, else where they are.
-  void fit(const std::vector<SurfacePtr>& patches, const std::vector<Sides>& sides, bool from_patches);
+  /// To the patches made on `sides`, or where there are `points` (of the samples inside) to those. from_patches: starts with the vertices
+  /// on the patches, else where they are.
+  void fit(const std::vector<SurfacePtr>& patches, const std::vector<CageSides>& sides, bool from_patches,
+           const std::vector<std::optional<SurfacePoints>>& points = {});
 
   const CageHole& hole(std::size_t hole) const { return holes_[hole]; }
   /// Inside the fill, in the order of its layout.
@@ -66,7 +68,7 @@ private:
   Subdivision creased() const;
   std::vector<Index> around_holes() const;
   std::vector<Index> free_vertices() const;
-  bool replaces(const Hole& hole) const;
+  bool replaces(const SidedRim& hole) const;
   Eigen::VectorXd deviation(std::size_t hole, const Surface& patch) const;
   void measure_surroundings(std::size_t hole, CageMeasures& measures) const;
   void measure_rim(std::size_t hole, CageMeasures& measures) const;

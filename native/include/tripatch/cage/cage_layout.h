@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tripatch/boundary/limit_surface.h"
-#include "tripatch/hole/hole.h"
+#include "tripatch/cage/sided_rim.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/output/quad_layout.h"
 
@@ -20,15 +20,15 @@ struct SplitMesh {
   };
   Points vertices;  ///< the mesh's own first
   Faces faces;
-  std::vector<Hole> holes;
+  std::vector<SidedRim> holes;
   std::vector<std::optional<SplitEdge>> split;  ///< of each hole
   Subdivision settings;
   Mesh mesh() const { return {vertices, faces}; }
 };
 /// wanted: else everything stays.
-SplitMesh split_odd_rims(const Mesh& mesh, const std::vector<Hole>& holes, const Subdivision& settings, bool wanted);
+SplitMesh split_odd_rims(const Mesh& mesh, const std::vector<SidedRim>& holes, const Subdivision& settings, bool wanted);
 
-/// rows: see quad_layout; triangles follow the rim.
+/// Of three sides. rows: see quad_layout; triangles follow the rim.
 QuadLayout cage_layout(const Hole& hole, const Points& vertices, bool loop, int rows, const std::array<double, 2>& pole_offset);
 
 /// Extra rows that are tried one after the other, until the cage is near enough to its patch. But for an exact rim quads as large as

@@ -15,7 +15,9 @@ namespace tripatch {
 
 /// A cell's centres of a grid of 4 x 4 on a quad, 2 x 2 on each quarter of an n-gon, the ten of a triangle (Loop's scheme).
 std::vector<FacePlace> spread_places(std::size_t corners, bool loop);
-/// Barycentric coordinates there, bilinear between `rows` of the face's corners.
+/// Bilinear between `rows` of the face's corners.
+Vec3 mean_at(const FacePlace& place, std::span<const Index> face, const Points& rows, bool loop);
+/// The same of barycentric coordinates.
 Vec3 barycentric_at(const FacePlace& place, std::span<const Index> face, const Points& rows, bool loop);
 
 /// The limit surface at the places of a face: sums of the cage's vertices.
@@ -31,10 +33,10 @@ struct SampledFace {
 struct HoleSamples {
   std::vector<SampledFace> inside, outside;  ///< of the fill, and of the first two rings around
   std::vector<LimitStencils> stencils;       ///< of the faces inside
-  Points coordinates;                        ///< barycentric, of the samples inside: where on the patch they shall be
-  std::size_t first_ring = 0;                ///< faces of `outside` that touch the rim
-  FairHole shape;                            ///< of the faces inside and of the first ring
-  bool region = false;                       ///< the hole replaces faces
+  Points coordinates;          ///< of the samples inside, barycentric or (u, v, 0): where on the patch they shall be
+  std::size_t first_ring = 0;  ///< faces of `outside` that touch the rim
+  FairHole shape;              ///< of the faces inside and of the first ring
+  bool region = false;         ///< the hole replaces faces
 
   /// Of the samples inside.
   Points positions(const Points& free) const;

@@ -9,9 +9,9 @@
 
 namespace tripatch {
 
-/// Adds distances of the samples inside from the points of the patch at their coordinates.
-void add_patch(const CageSystem& system, const Points& free, const Surface& patch, const HoleSamples& hole,
-               const CageOptions& options, CageSystem::Term& term);
+/// Adds distances of the samples inside from points of a surface, one each, with its normals.
+void add_points(const CageSystem& system, const Points& free, const Points& target, const Points& normal, const HoleSamples& hole,
+                const CageOptions& options, CageSystem::Term& term);
 /// Adds movements of the old limit surface.
 void add_surroundings(const CageSystem& system, const Points& free, const HoleSamples& hole, const CageOptions& options,
                       CageSystem::Term& term);
@@ -30,7 +30,7 @@ struct Seam {
   double size = 0;  ///< of the hole
 };
 /// sides: what the fill is to be tangent to.
-Seam seam_of(const CageSurfaces& surfaces, const Hole& hole, const Sides& sides, const DirectedEdges& edges);
+Seam seam_of(const CageSurfaces& surfaces, const SidedRim& hole, const CageSides& sides, const DirectedEdges& edges);
 /// The derivative across shall lie in the tangent plane of the surroundings.
 void add_seam(const CageSystem& system, const Points& free, const Seam& seam, const CageOptions& options, CageSystem::Term& term);
 

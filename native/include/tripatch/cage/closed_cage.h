@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tripatch/hole/hole.h"
+#include "tripatch/cage/sided_rim.h"
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/output/quad_layout.h"
 
@@ -14,16 +14,17 @@ namespace tripatch {
 
 /// A hole and the layout in it, whose first rows are the rim's.
 struct CageHole {
-  Hole hole;
+  SidedRim hole;
   QuadLayout layout;
 };
 
 struct ClosedCage {
   Points vertices;  ///< the mesh's own, then the insides of the fills
   Faces faces;
-  std::vector<Index> kept;          ///< given face of each of the first faces
-  std::vector<Index> first_face;    ///< of each fill, and the end
-  std::vector<Index> first_vertex;  ///< of each fill's inside, and the end; they start in the plane of the corners
+  std::vector<Index> kept;        ///< given face of each of the first faces
+  std::vector<Index> first_face;  ///< of each fill, and the end
+  std::vector<Index>
+      first_vertex;  ///< of each fill's inside, and the end; they start in the plane of three corners, of others between the rim's
   Mesh mesh() const { return {vertices, faces}; }
 };
 
@@ -31,7 +32,7 @@ struct ClosedCage {
 ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, const std::vector<Index>& replaced);
 
 /// Kept faces around a hole by ring, in their order: those that touch the rim, and those that touch them. whole: of the cage.
-std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Connectivity& whole, const Hole& hole);
+std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Connectivity& whole, const SidedRim& hole);
 
 struct FaceEdge {
   Index face = -1;

@@ -30,7 +30,7 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
                        const LayoutOptions& options, bool own_rim);
 
 /// The place in the rim where its longest edge starts: the first of those that are equal to rounding.
-std::size_t longest_edge(const Mesh& mesh, const Hole& hole);
+std::size_t longest_edge(const Mesh& mesh, const std::vector<Index>& rim);
 
 extern const char* const too_few_rows;  ///< the warning where the tolerance is out of reach
 

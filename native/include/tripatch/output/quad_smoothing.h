@@ -27,10 +27,13 @@ QuadQuality quad_quality(const PointsRef& points, const Faces& faces);
 /// Inside vertices at weighted means of their neighbors (Tutte 1963), so that in a convex domain no face is turned over. Edges across
 /// the same row of quads weigh the same, the less the longer the row's ends on the rim are.
 void embed(PlaneLayout& layout);
+/// The same in space: the first `rim` rows stay.
+void spread_inside(const Faces& faces, Index rim, Points& rows);
 
 /// Moves the inside vertices towards quads whose corners are right angles and whose sides are as the rows' ends on the rim, by Newton
 /// steps of one vertex after the other; then sweeps in which the least angle leads. surface: in the metric of that over the domain; none: in the plane. border: where the rim is
 /// in space (rim x 3), with a surface.
-void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening = 0, const Surface* surface = nullptr, const Points* border = nullptr);
+void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening = 0, const Surface* surface = nullptr,
+                  const Points* border = nullptr);
 
 }  // namespace tripatch

@@ -21,9 +21,10 @@ struct PolygonPatchOptions {
   std::vector<double> bulge = {};               ///< likewise; empty: 1
   std::optional<Fairing> fairing = Fairing::automatic;
   double tension = 0;
-  std::optional<Vec3> center = {};    ///< where the center of the domain is to be
-  double center_offset = 0;           ///< instead: how far it moves along its normal
-  std::vector<Through> through = {};  ///< met exactly
+  std::optional<Vec3> center = {};           ///< where the center of the domain is to be
+  double center_offset = 0;                  ///< instead: how far it moves along its normal
+  std::vector<Through> through = {};         ///< met exactly
+  std::optional<PolygonDomain> domain = {};  ///< none: made for the sides
 };
 
 struct PolygonPatch {

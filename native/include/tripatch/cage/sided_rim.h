@@ -1,0 +1,46 @@
+// The rim of a cage's hole, of three sides or of any other number, and the patch over its sides.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/boundary/side.h"
+#include "tripatch/hole/hole.h"
+#include "tripatch/output/polygon_layout.h"
+#include "tripatch/output/quad_layout.h"
+#include "tripatch/patch/surface.h"
+#include "tripatch/polygon/domain.h"
+
+namespace tripatch {
+
+/// As Hole, with any number of corners. Of three sides, side i is opposite corner i; of others it runs from corner i to corner i + 1.
+struct SidedRim {
+  std::vector<Index> rim;
+  std::vector<Index> corners;  ///< places in `rim`, increasing, the first 0
+
+  SidedRim() = default;
+  SidedRim(const Hole& hole)  // NOLINT(google-explicit-constructor): a hole has a rim
+      : rim(hole.rim), corners(hole.corners.begin(), hole.corners.end()) {}
+
+  int sides() const { return static_cast<int>(corners.size()); }
+  bool is_triangle() const { return sides() == 3; }
+  /// Of three corners.
+  Hole hole() const;
+  /// Vertices of side i, both corners included.
+  std::vector<Index> side(int i) const;
+};
+
+using CageSides = std::vector<Side>;
+/// Of three.
+Sides three_sides(const CageSides& sides);
+
+/// The domain of a patch in a hole of other than three sides: a polygon with the angles and lengths of the rim.
+PolygonDomain cage_domain(const SidedRim& rim, const Points& vertices, const Connectivity& left);
+
+/// The layout of a hole of other than three sides, its coordinates (u, v, 0) in the domain, where each edge of a side takes an equal
+/// share of it, as of the limit rim. Corners get as many quads as they lack to four.
+QuadLayout polygon_cage_layout(const SidedRim& rim, const PolygonDomain& domain, const Connectivity& left, int rows);
+
+/// Coordinates where a patch is nearest to points: over a triangle or a polygon, from where they are. Returns the distances.
+Eigen::VectorXd nearest_on(const Surface& patch, const Points& points, Points& coordinates);
+
+}  // namespace tripatch

@@ -1,0 +1,62 @@
+#include "tripatch/cage/sided_rim.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/polygon/follow.h"
+
+namespace tripatch {
+
+Hole SidedRim::hole() const { return {rim, {corners[0], corners[1], corners[2]}}; }
+
+std::vector<Index> SidedRim::side(int i) const {
+  const int n = sides(), first = n == 3 ? (i + 1) % n : i % n;
+  const Index size = static_cast<Index>(rim.size()), from = corners[first], to = first + 1 < n ? corners[first + 1] : size;
+  std::vector<Index> along;
+  for (Index k = from; k <= to; ++k) along.push_back(rim[k % size]);
+  return along;
+}
+
+Sides three_sides(const CageSides& sides) { return {sides[0], sides[1], sides[2]}; }
+
+PolygonDomain cage_domain(const SidedRim& rim, const Points& vertices, const Connectivity& left) {
+  const RimShape shape = measure({vertices, left.faces()}, left, rim.rim);
+  std::vector<double> turns, lengths;
+  for (int i = 0; i < rim.sides(); ++i) {
+    turns.push_back(shape.turn[rim.corners[i]]);
+    const std::vector<Index> side = rim.side(i);
+    double length = 0;
+    for (std::size_t k = 0; k + 1 < side.size(); ++k) length += (vertices.row(side[k]) - vertices.row(side[k + 1])).norm();
+    lengths.push_back(length);
+  }
+  return polygon_like(turns, lengths);
+}
+
+QuadLayout polygon_cage_layout(const SidedRim& rim, const PolygonDomain& domain, const Connectivity& left, int rows) {
+  PlanePoints places(static_cast<Index>(rim.rim.size()), 2);
+  Index row = 0;
+  std::vector<RimCorner> corners;
+  for (int i = 0; i < rim.sides(); ++i) {
+    const Index edges = static_cast<Index>(rim.side(i).size()) - 1;
+    const std::ptrdiff_t faces = static_cast<std::ptrdiff_t>(left.at(rim.rim[rim.corners[i]]).size());
+    corners.push_back({row, static_cast<int>(std::max<std::ptrdiff_t>(1, 4 - faces))});
+    for (Index k = 0; k < edges; ++k) places.row(row++) = domain.on_side(i, static_cast<double>(k) / static_cast<double>(edges));
+  }
+  PlaneLayout plane = polygon_layout(places, corners, rows);
+  QuadLayout layout;
+  layout.barycentric = Points::Zero(plane.uv.rows(), 3);
+  layout.barycentric.leftCols(2) = plane.uv;
+  layout.rim = plane.rim;
+  layout.faces = std::move(plane.faces);
+  layout.poles = std::move(plane.poles);
+  layout.in_plane = true;
+  return layout;
+}
+
+Eigen::VectorXd nearest_on(const Surface& patch, const Points& points, Points& coordinates) {
+  const auto* over = dynamic_cast<const PolygonSurface*>(&patch);
+  return over ? nearest_in_polygon(patch, over->domain(), points, coordinates) : nearest(patch, points, coordinates);
+}
+
+}  // namespace tripatch

@@ -1,0 +1,74 @@
+#include "tripatch/polygon/follow.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+
+#include "tripatch/math/linear.h"
+#include "tripatch/polygon/space.h"
+
+namespace tripatch {
+namespace {
+
+constexpr double along_weight = 0.1;        ///< as of three sides: what a distance along the surface counts beside one across it
+constexpr double least_of_diagonal = 1e-6;  ///< of its mean: points may be fewer than unknowns
+constexpr int newton_steps = 4;
+constexpr int follow_degree = 6, follow_second_cross = 4;  ///< more than the points of the coarsest layouts can tell apart
+
+}  // namespace
+
+Eigen::VectorXd nearest_in_polygon(const Surface& surface, const PolygonDomain& domain, const Points& points, Points& uv) {
+  Eigen::VectorXd distance = Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
+  Points at = uv;
+  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(points.rows(), 9);
+  for (int step = 0; step <= newton_steps; ++step) {
+    surface.evaluate(at.data(), at.rows(), 1, jets.data());
+    for (Index k = 0; k < points.rows(); ++k) {
+      const Vec3 off = points.row(k) - jets.row(k).head<3>();
+      if (off.norm() < distance[k]) {
+        distance[k] = off.norm();
+        uv.row(k) = at.row(k);
+      }
+      const Vec2 move = in_frame(jets.row(k).segment<3>(3), jets.row(k).tail<3>(), off);
+      if (!move.allFinite()) continue;
+      Vec2 there = Vec2(at.row(k).head<2>()) + move;
+      for (int pass = 0; pass < 2; ++pass)
+        for (int i = 0; i < domain.sides(); ++i)
+          there -= std::min(0.0, domain.inward(i).dot(there - domain.corner(i))) * domain.inward(i);
+      at.row(k).head<2>() = there;
+    }
+  }
+  return distance;
+}
+
+SurfacePtr follow_over_polygon(const SurfacePtr& plain, const PolygonDomain& domain, SurfacePoints points, double size) {
+  const Index n = points.points.rows(),
+              unknowns = static_cast<Index>(domain.sides()) * follow_second_cross + polynomials_to(follow_degree);
+  SurfacePtr patch = plain;
+  for (int round = 0; round < 2; ++round) {
+    const Points missing = points.points - plain->positions(points.barycentric);
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(3 * unknowns, 3 * unknowns), rows(3, 3 * unknowns);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(3 * unknowns);
+    for (Index k = 0; k < n; ++k) {
+      const Jet<0> u(points.barycentric(k, 0)), v(points.barycentric(k, 1));
+      const Vec2 place(u.value(), v.value());
+      if (domain.corner_at(place, 1e-6) >= 0) continue;  // side weights are 0/0 there, and nothing is added
+      const std::vector<Jet<0>> basis = polygon_basis<0>(domain, domain.place(u, v), u, v, follow_degree, follow_second_cross);
+      const Vec3 up = points.normals.row(k);
+      const Eigen::Matrix3d across = along_weight * Eigen::Matrix3d::Identity() + (1 - along_weight) * up * up.transpose();
+      for (Index s = 0; s < unknowns; ++s) rows.block<3, 3>(0, 3 * s) = size * basis[s].value() * across;
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+      right += rows.transpose() * (across * missing.row(k).transpose());
+    }
+    normal.diagonal().array() += least_of_diagonal * normal.trace() / static_cast<double>(3 * unknowns);
+    const Eigen::VectorXd x = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+    if (!x.allFinite()) return patch;
+    const Points coefficients = size * Eigen::Map<const Points>(x.data(), unknowns, 3);
+    patch = sum(plain, polygon_correction(domain, std::vector<PiecewisePolynomial>(domain.sides()), follow_degree,
+                                          follow_second_cross, coefficients));
+    if (round == 0) nearest_in_polygon(*patch, domain, points.points, points.barycentric);
+  }
+  return patch;
+}
+
+}  // namespace tripatch

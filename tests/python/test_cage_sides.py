@@ -1,0 +1,136 @@
+"""Cages in holes of other than three sides."""
+
+import numpy as np
+import pytest
+import tripatch
+
+
+def sectors(n, size=5, inner=2, bend=1.0):
+    """n sectors of size x size quads about a pole on a paraboloid of revolution, without those within `inner` of it.
+
+    Vertices, faces, the rim and its n corners, each with three faces.
+    """
+    number, places, faces = {}, [], []
+
+    def vertex(s, i, j):
+        key = (s, i, j) if i and j else (s, i) if i else ((s + 1) % n, j) if j else ()
+        if key not in number:
+            number[key] = len(places)
+            a, b = 2 * np.pi * s / n, 2 * np.pi * (s + 1) / n
+            places.append((i * np.array([np.cos(a), np.sin(a)]) + j * np.array([np.cos(b), np.sin(b)])) / size)
+        return number[key]
+
+    for s in range(n):
+        for i in range(size):
+            for j in range(size):
+                quad = [vertex(s, i, j), vertex(s, i + 1, j), vertex(s, i + 1, j + 1), vertex(s, i, j + 1)]
+                if max(i, j) >= inner:
+                    faces.append(quad)
+    rim, corners = [], []
+    for s in range(n):
+        rim += [vertex(s, inner, j) for j in range(inner)]
+        corners.append(vertex(s, inner, inner))
+        rim += [vertex(s, i, inner) for i in range(inner, 0, -1)]
+    plane = np.array(places)
+    vertices = np.column_stack([plane, 0.2 * bend * (plane**2).sum(axis=1)])
+    used = sorted({v for face in faces for v in face})
+    new = {v: k for k, v in enumerate(used)}
+    return vertices[used], [[new[v] for v in f] for f in faces], [new[v] for v in rim], [new[v] for v in corners]
+
+
+@pytest.mark.parametrize("n", [4, 5, 6, 8])
+def test_a_cage_of_many_sides_goes_on_as_its_surroundings(n):
+    vertices, faces, rim, corners = sectors(n)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage")
+    assert len(fill.faces) == 4 * n and {len(f) for f in fill.faces} == {4}  # the quads that were there
+    assert [valence for _, valence in fill.report.poles] == ([] if n == 4 else [n])
+    assert fill.report.seam_angle_max < 1e-5 and fill.report.triangles_folded == fill.report.folds == 0
+    assert fill.report.corners == corners and len(fill.report.seam_angle_max_by_side) == n
+    at = np.bincount(np.concatenate(fill.faces), minlength=len(vertices))
+    assert all(at[v] == 1 for v in corners)
+    surface, _ = fill.limit(3)
+    off = surface[:, 2] - 0.2 * (surface[:, :2] ** 2).sum(axis=1)
+    if n == 4:  # a cubic B-spline of edges h lies h^2 / 3 of the second differences off, everywhere
+        np.testing.assert_allclose(off, 0.2 * 2 * 0.2**2 / 3, atol=3e-5)
+    else:
+        assert np.abs(off).max() < 0.2 * 0.2**2
+    # and it turns with its rim
+    middle = fill.vertices[np.argmin(np.linalg.norm(fill.vertices[:, :2], axis=1))]
+    assert np.linalg.norm(middle[:2]) < 1e-6
+    assert fill.uv.shape == (len(fill.vertices), 2) and len(fill.rim_uv) == len(rim)
+
+
+@pytest.mark.parametrize("cage_rim", ["exact", "move"])
+def test_exact_leaves_the_surroundings_alone_and_a_plane_is_a_plane(cage_rim):
+    for bend in (0, 1):
+        vertices, faces, rim, corners = sectors(5, bend=bend)
+        fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage", cage_rim=cage_rim)
+        assert fill.report.triangles_folded == 0
+        assert (len(fill.creases[0]) > 0) == (cage_rim == "exact") and (len(fill.moved[0]) > 0) == (cage_rim == "move")
+        if cage_rim == "exact":
+            assert fill.report.surroundings_moved_max < 1e-12 and fill.report.seam_angle_max < 8
+        if bend == 0:
+            assert np.abs(fill.vertices[:, 2]).max() < 1e-12
+
+
+def grid(gone, columns=8, rows=8):
+    x, y = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1))
+    vertices = np.column_stack([x.ravel(), y.ravel(), (0.05 * (x - 4.0) ** 2 - 0.05 * (y - 4.0) ** 2).ravel()]).astype(float)
+    quads = [
+        [j * (columns + 1) + i, j * (columns + 1) + i + 1, (j + 1) * (columns + 1) + i + 1, (j + 1) * (columns + 1) + i]
+        for j in range(rows)
+        for i in range(columns)
+    ]
+    return vertices, [q for k, q in enumerate(quads) if not gone(k % columns, k // columns)], quads
+
+
+def test_a_rectangle_in_a_grid_is_the_grid():
+    vertices, faces, quads = grid(lambda i, j: 2 <= i < 6 and 3 <= j < 5)
+    corners = [9 * 3 + 2, 9 * 3 + 6, 9 * 5 + 6, 9 * 5 + 2]
+    open_hole = tripatch.fill(vertices, faces, corners=corners, output="cage")
+    assert len(open_hole.faces) == 8 and open_hole.report.poles == []
+    assert open_hole.report.cage_deviation_max < 1e-3
+    rim = [9 * 3 + i for i in range(2, 6)] + [9 * 3 + 6, 9 * 4 + 6]
+    rim += [9 * 5 + i for i in range(6, 2, -1)] + [9 * 5 + 2, 9 * 4 + 2]
+    region = [k for k, q in enumerate(quads) if q not in faces]
+    put_back = tripatch.fill(vertices, quads, rim=rim, corners=corners, replaced=region, output="cage")
+    truth = 0.05 * (put_back.vertices[:, 0] - 4) ** 2 - 0.05 * (put_back.vertices[:, 1] - 4) ** 2
+    assert np.abs(put_back.vertices[:, 2] - truth).max() < 1e-4
+    assert put_back.report.surroundings_moved_max < 1e-5
+
+
+@pytest.mark.parametrize("odd", ["split", "triangle"])
+def test_an_odd_rim_of_many_sides(odd):
+    vertices, faces, rim, corners = sectors(5)
+    a, b = rim[1], rim[2]
+    middle = len(vertices)
+    vertices = np.vstack([vertices, vertices[[a, b]].mean(axis=0)])
+    for face in faces:
+        k = next((k for k in range(4) if {face[k], face[(k + 1) % len(face)]} == {a, b}), None)
+        if k is not None:
+            face.insert(k + 1, middle)
+            break
+    fill = tripatch.fill(vertices, faces, rim=[*rim[:2], middle, *rim[2:]], corners=corners, output="cage", odd=odd)
+    assert sum(len(f) == 3 for f in fill.faces) == (odd == "triangle")
+    assert len(fill.split_edges[0]) == (odd == "split")
+    assert fill.report.triangles_folded == 0 and fill.report.seam_angle_max < 1e-3
+
+
+def test_rows_shape_and_several_holes():
+    vertices, faces, rim, corners = sectors(5)
+    rows = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage", resolution=1)
+    assert rows.report.rows == 1 and len(rows.faces) == 20 + len(rim) and rows.report.triangles_folded == 0
+    plain = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage", resolution=0)
+    bulged = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage", resolution=0, bulge=1.5)
+    assert bulged.vertices[:, 2].min() < plain.vertices[:, 2].min() - 1e-3
+    two = np.vstack([vertices, vertices + [9, 0, 0]])
+    n = len(vertices)
+    both = tripatch.fill_all(
+        two,
+        faces + [[v + n for v in f] for f in faces],
+        [rim, [v + n for v in rim]],
+        corners=[corners, [v + n for v in corners]],
+        output="cage",
+    )
+    for fill, by in zip(both, (0, 9), strict=True):
+        np.testing.assert_allclose(fill.vertices, plain.vertices + [by, 0, 0], atol=1e-9)
