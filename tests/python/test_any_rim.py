@@ -69,9 +69,9 @@ def test_a_jagged_hole_in_a_smooth_surface_is_filled_with_it(surface, bound, sha
 def test_the_deviation_is_honest_under_noise(seed):
     vertices, faces = irregular(wave, noise=0.03, seed=seed)
     fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
-    assert (off(fill, wave) < 2 * fill.deviation).mean() > 0.85
+    assert (off(fill, wave) < 2 * fill.deviation).mean() > 0.9
     assert np.median(fill.deviation) < 0.03 * 0.1
-    assert np.sqrt((off(fill, wave) ** 2).mean()) < 0.03 * 0.1  # nearer than the samples are
+    assert off(fill, wave).max() < 0.03 * 0.1  # nearer than the samples are
 
 
 def test_the_filled_mesh_is_closed_at_the_rim_and_no_edge_has_three_faces():

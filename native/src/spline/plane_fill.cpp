@@ -27,6 +27,9 @@ using Triangles = std::vector<std::array<Index, 3>>;
 /// more.
 constexpr double reach_share = 0.25;
 constexpr int most_rings = 40;
+/// Where there is noise of this share of an edge or more on a surface without details, twice as far is nearer by a tenth: without noise
+/// there is nothing to average, and beyond details the surface is another.
+constexpr double least_noise = 0.003, noisy_reach_share = 0.5;
 /// Samples of the field: so many and the rim's. The time grows with their cube; with 240 at least the distances of 220 holes from
 /// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a rival's.
 constexpr Index least_samples = 160, most_samples = 600;
@@ -247,6 +250,7 @@ struct Attempt {
   PlanePoints rim_uv;
   PlaneTriangulation made;
   bool from_above = false;
+  double left_by_reference = 0;  // scene units
 };
 
 /// The disc's points in the plane, laid out with the hole as it is filled so far.
@@ -290,6 +294,7 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
     if (from_above && on_reference) continue;  // as smooth as the surface already
     Attempt result;
     result.from_above = from_above;
+    result.left_by_reference = reference.distance_across();
     const Points rim_points = disc.points.topRows(disc.rim);
     result.rim_uv = uv->topRows(disc.rim);
     if (on_reference) result.rim_uv = reference.foot_points(result.rim_uv, rim_points);
@@ -377,6 +382,19 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
 /// A rim that lies on a conic, as a circle does, leaves polynomials of degree 2 open: only linear ones are free.
 const std::vector<double> of_rim_alone = {2};
 
+/// A noisy surface without details, from more of it: the layout is that of the try before, with its fill.
+void look_farther(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, const Rim& rim,
+                  const FieldOptions& fields, const PlaneFillOptions& options, Disc& disc, Attempt& result) {
+  const auto between = [&](double low, double x, double high) { return low * rim.edge < x && x < high * rim.edge; };
+  if (!between(least_noise, result.field->noise(), too_rough) || !between(-1, result.left_by_reference, detail)) return;
+  Disc wide = disc_around(mesh, around, loops, noisy_reach_share * rim.diameter, most_rings);
+  if (wide.rings <= disc.rings) return;
+  std::optional<Attempt> next = attempt(wide, rim, spread_samples(wide, rim.edge), fields, options, &result);
+  if (!next || !between(-1, next->left_by_reference, detail) || !stay(next->made.points, rim)) return;
+  result = std::move(*next);
+  disc = std::move(wide);
+}
+
 /// A way to fill, the likeliest first.
 struct Way {
   double reach;
@@ -415,7 +433,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
       Way{0, 2, {2, 3}, "Two rings of the surroundings are followed: with more the fill would fold or run away"},
       Way{0, 1, {2}, "Only the first ring of the surroundings is followed, as flat as possible: otherwise the fill would fold"}};
   for (const Way& way : ways) {
-    const Disc disc = disc_around(mesh, around, loops, way.reach * rim.diameter, way.rings);
+    Disc disc = disc_around(mesh, around, loops, way.reach * rim.diameter, way.rings);
     if (disc.triangles.empty() && !options.may_stand_alone) continue;
     const std::vector<Index> samples = spread_samples(disc, rim.edge);
     FieldOptions fields;
@@ -423,6 +441,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     fields.unit = std::max(rim.edge, 1e-300);
     std::optional<Attempt> result = attempts(disc, rim, samples, fields, options);
     if (!result) continue;
+    if (way.reach > 0) look_farther(mesh, around, loops, rim, fields, options, disc, *result);
     const bool doubles = result->made.doubles_edges && !rough.doubles_edges;
     if (doubles) continue;
     const bool folds = folded_edges(result->made.points, result->made.triangles) > rim.folds;
