@@ -178,8 +178,8 @@ def draw_colored(drawn, place, view):
     _draw_one(drawn, place, view, _PLAIN)
 
 
-class _PLAIN:  # settings of an overlay without stripes
-    surface, direction, density, opacity = "CURVATURE", (0, 0, 1), 1, 1.0
+class _PLAIN:  # settings of an overlay whose colors are lit, as those on stripes are
+    surface, direction, density, opacity = "ZEBRA", (0, 0, 1), 1, 1.0
 
 
 def _draw_one(drawn, place, view, settings):

@@ -7,6 +7,7 @@ Nothing here needs a window: the gizmos and the operators of the tool call what 
 from __future__ import annotations
 
 import copy
+import re
 from dataclasses import dataclass, field
 
 from . import filling, selection, writeback
@@ -15,8 +16,8 @@ from .selection import Rim, UnusableError
 
 #: Pixels within which a click still means a rim.
 REACH = 60
-#: Of the size of the hole: an arrow at bulge 1.
-ARROW = 0.25
+#: Of the size of the hole: an arrow at bulge 1. The arrows of three sides do not meet in the middle.
+ARROW = 0.14
 LEAST_BULGE = 0.05
 #: Vertices of a rim from which on the preview while dragging is coarser inside, so that a step stays fluent.
 _MANY = 72
@@ -75,8 +76,11 @@ class Shaping:
             try:
                 found = tripatch.find_corners(self._positions, self._faces, self._loop)
                 corners = sorted(self._loop.index(v) for v in found.tolist())
-            except tripatch.Refusal:
-                corners = []
+            except tripatch.Refusal as refusal:
+                at = {v: k for k, v in enumerate(self._loop)}
+                named = refusal.where if re.match(r"Rim has \d+ corners", refusal.reason) else ()
+                corners = sorted(at[v] for v in named if v in at)
+            corners = corners if len(corners) > 1 else []
         self.shape = Shape(corners, [1.0] * max(1, len(corners)), 0.0, not corners)
 
     # Corners.

@@ -360,7 +360,7 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         gizmo.draw_style, gizmo.use_draw_value = "BOX", True
         gizmo.color, gizmo.alpha = color, 0.8
         gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
-        gizmo.scale_basis = 0.5
+        gizmo.scale_basis, gizmo.line_width = 0.9, 3.0
         return gizmo
 
     def _make(self, made):

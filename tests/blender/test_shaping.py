@@ -53,6 +53,19 @@ def test_isolated_selected_vertices_are_the_corners_two_or_more(shaping):
         bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def test_a_rim_of_four_corners_has_four(shaping):
+    ob = scenes.add_mesh(*scenes.square_hole())
+    (bm,) = scenes.edit(ob)
+    loop = scenes.border_loops(bm)[0]
+    scenes.select_rim(bm, loop)
+    made = shaping.from_selection(ob, bm)
+    assert len(made.corners()) == len(made.side_handles()) == 4 and not made.shape.round
+    at = {tuple(np.round(made.points[k], 6)) for k in made.corners()}
+    square = [v for v in loop if len(v.link_faces) == 3]
+    assert at == {tuple(np.round(v.co, 6)) for v in square}
+    assert made.preview() is not None and made.fill.report.triangles_folded == 0
+
+
 def test_a_rim_without_corners_is_round_and_can_be_given_some(shaping):
     ob = scenes.add_mesh(*scenes.ring())
     (bm,) = scenes.edit(ob)

@@ -1,0 +1,213 @@
+"""What a person does in a Blender window with mouse and keys, by simulated events; the meshes it is done to; what is seen."""
+
+import ctypes
+import sys
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+from mathutils import Vector
+
+FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
+
+
+_KEYS = {" ": "SPACE", "0": "ZERO", "5": "FIVE", ".": "PERIOD"}
+
+
+class Window:
+    """Positions from the lower left corner."""
+
+    at = None  # the mouse
+
+    @property
+    def window(self):
+        return bpy.context.window_manager.windows[0]
+
+    def area(self):
+        return next(a for a in self.window.screen.areas if a.type == "VIEW_3D")
+
+    def region(self, kind):
+        return next(r for r in self.area().regions if r.type == kind)
+
+    def override(self):
+        return bpy.context.temp_override(window=self.window, area=self.area(), region=self.region("WINDOW"))
+
+    def event(self, kind, value, **given):
+        x, y = self.at or self.middle()
+        self.window.event_simulate(type=kind, value=value, x=int(x), y=int(y), **given)
+
+    def press(self, key, **modifiers):
+        self.event(key, "PRESS", **modifiers)
+        self.event(key, "RELEASE", **modifiers)
+
+    def move(self, x, y):
+        self.at = x, y
+        self.event("MOUSEMOVE", "NOTHING")
+
+    def click(self, x=None, y=None, **modifiers):
+        if x is not None:
+            self.at = x, y
+        self.press("LEFTMOUSE", **modifiers)
+
+    def text(self, letters):
+        for letter in letters:
+            key = _KEYS.get(letter, letter.upper())
+            self.event(key, "PRESS", unicode=letter)
+            self.event(key, "RELEASE")
+
+    def middle(self):
+        r = self.region("WINDOW")
+        return r.x + r.width // 2, r.y + r.height // 2
+
+    def home(self):
+        self.move(*self.middle())
+
+    def on_screen(self, point):
+        """Where in the window a point of the world is seen."""
+        from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+        region = self.region("WINDOW")
+        at = location_3d_to_region_2d(region, self.area().spaces.active.region_3d, Vector(point))
+        return region.x + at.x, region.y + at.y
+
+    def picture(self, name):
+        """Of the window, into the folder; returns what it shows (height, width, 3), the lowest row first."""
+        path = str(FOLDER / f"{name}.png")
+        with bpy.context.temp_override(window=self.window, screen=self.window.screen):
+            bpy.ops.screen.screenshot(filepath=path)
+        image = bpy.data.images.load(path)
+        width, height = image.size
+        shown = np.array(image.pixels[:], np.float32).reshape(height, width, -1)[..., :3]
+        bpy.data.images.remove(image)
+        return shown
+
+    def view_of(self, shown):
+        """The part of a picture that is the 3D view, without its headers and its panel."""
+        r = self.region("WINDOW")
+        return shown[r.y + 260 : r.y + r.height - 90, r.x + 60 : r.x + r.width - 80]
+
+
+def give_focus():
+    """What a window manager does: without it Blender counts no window as the active one, and its status bar tells nothing."""
+    x11 = ctypes.CDLL("libX11.so.6")
+    x11.XOpenDisplay.restype = x11.XDefaultRootWindow.restype = ctypes.c_void_p
+    display = ctypes.c_void_p(x11.XOpenDisplay(None))
+    root, parent, children = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.POINTER(ctypes.c_ulong)()
+    count = ctypes.c_uint()
+    top = ctypes.c_ulong(x11.XDefaultRootWindow(display))
+    x11.XQueryTree(display, top, *map(ctypes.byref, (root, parent, children, count)))
+    for k in range(count.value):
+        x11.XSetInputFocus(display, ctypes.c_ulong(children[k]), 1, 0)
+        x11.XSync(display, 0)
+    x11.XCloseDisplay(display)
+
+
+# What is there.
+
+
+def mesh():
+    return bmesh.from_edit_mesh(bpy.context.view_layer.objects.active.data)
+
+
+def counts():
+    """Vertices and border edges."""
+    bm = mesh()
+    return len(bm.verts), sum(e.is_boundary for e in bm.edges)
+
+
+def positions():
+    return [tuple(v.co) for v in mesh().verts]
+
+
+def last_operator():
+    operators = bpy.context.window_manager.operators
+    return operators[-1] if operators else None
+
+
+def clear(w):
+    """An empty scene in object mode."""
+    with w.override():
+        if bpy.context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        for ob in list(bpy.data.objects):
+            bpy.data.objects.remove(ob)
+        space = w.area().spaces.active
+        space.region_3d.view_rotation = Vector((0.9, -1, 0.75)).to_track_quat("Z", "Y")
+        space.region_3d.view_location = (0, 0, 0)
+        space.region_3d.view_distance = 5
+        space.shading.type, space.shading.light = "SOLID", "MATCAP"
+        space.overlay.show_cursor = space.overlay.show_edge_sharp = False
+
+
+def _edit(w, ob, chosen):
+    """Into edit mode, the border edges of which `chosen` says so selected, as an undo step."""
+    with w.override():
+        bpy.ops.object.select_all(action="DESELECT")
+        ob.select_set(True)
+        bpy.context.view_layer.objects.active = ob
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
+        bpy.ops.mesh.select_mode(type="EDGE")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bm = bmesh.from_edit_mesh(ob.data)
+        for e in bm.edges:
+            e.select = e.is_boundary and chosen(e)
+        bm.select_flush_mode()
+        bmesh.update_edit_mesh(ob.data)
+        bpy.ops.ed.undo_push(message=ob.name)
+    return ob
+
+
+def _add(name, bm):
+    data = bpy.data.meshes.new(name)
+    bm.to_mesh(data)
+    bm.free()
+    data.polygons.foreach_set("use_smooth", [True] * len(data.polygons))
+    ob = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(ob)
+    return ob
+
+
+def rounded_corner(w, segments=10):
+    """A cube with three rounded edges, and a hole where they meet; its normals are those that a CAD program would export."""
+    bm = bmesh.new()
+    bmesh.ops.create_cube(bm, size=2)
+    corner = max(bm.verts, key=lambda v: v.co.x - v.co.y + v.co.z)
+    signs, middle = (1, -1, 1), [s * 0.2 for s in (1, -1, 1)]
+    edges = list(corner.link_edges)
+    bmesh.ops.bevel(bm, geom=edges, offset=0.8, offset_type="OFFSET", segments=segments, profile=0.5, affect="EDGES")
+    inside = [
+        f for f in bm.faces if all(s * (c - m) > 1e-4 for s, c, m in zip(signs, f.calc_center_median(), middle, strict=True))
+    ]
+    bmesh.ops.delete(bm, geom=inside, context="FACES")
+    for f in bm.faces:
+        f.smooth = True
+    ob = _add("Cube", bm)
+    normals = []
+    for face in ob.data.polygons:
+        flat = max(abs(c) for c in face.normal) > 1 - 1e-6
+        for v in face.vertices:
+            co = ob.data.vertices[v].co
+            away = Vector(s * max(s * c - abs(m), 0) for s, c, m in zip(signs, co, middle, strict=True))
+            normals.append(face.normal.copy() if flat else away.normalized())
+    if hasattr(ob.data, "use_auto_smooth"):
+        ob.data.use_auto_smooth = True
+    ob.data.normals_split_custom_set(normals)
+    return _edit(w, ob, lambda e: True)
+
+
+def sheet(w, name, finer=False, whole=False):
+    """A bent sheet with a hole of four sides (unless it is whole), in edit mode with its rim selected."""
+    if bpy.context.mode != "OBJECT":
+        with w.override():
+            bpy.ops.object.mode_set(mode="OBJECT")
+    bm = bmesh.new()
+    bmesh.ops.create_grid(bm, x_segments=14, y_segments=14, size=2)
+    for v in bm.verts:
+        v.co.z = 0.2 * v.co.x**2 - 0.1 * v.co.y**2 + 0.5
+    if not whole:
+        bmesh.ops.delete(bm, geom=[f for f in bm.faces if max(map(abs, f.calc_center_median().xy)) < 0.6], context="FACES")
+    if finer:
+        bmesh.ops.subdivide_edges(bm, edges=bm.edges, cuts=1, use_grid_fill=True)
+    return _edit(w, _add(name, bm), lambda e: max(map(abs, e.verts[0].co.xy)) < 1)

@@ -1,0 +1,482 @@
+"""Scenarios in a Blender window: generators that yield wherever Blender is to handle the events. Each begins with an empty scene
+and ends with assertions on the mesh and a picture."""
+
+import importlib
+
+import bmesh
+import bpy
+import numpy as np
+from hands import clear, counts, last_operator, mesh, positions, rounded_corner, sheet
+
+ADDON = "tripatch_blender"
+#: Over the 3D view, in every header of it.
+FACE_MENU = (523, 14)
+
+
+def _is_filled(before):
+    now = counts()
+    return now[1] < before[1] and now[0] > before[0]
+
+
+def face_menu(w):
+    """The entry beside Grid Fill fills."""
+    rounded_corner(w)
+    before = counts()
+    assert before[1] == 30, f"a rim of 30 edges, not {before[1]}"
+    yield
+    header = w.region("HEADER")
+    place = FACE_MENU[0], header.y + header.height - FACE_MENU[1]
+    w.move(*place)
+    yield
+    w.click(*place)
+    yield
+    yield
+    w.picture("blender-face-menu")
+    w.move(590, 487)  # Smooth Fill
+    yield
+    w.click(590, 487)
+    yield
+    yield
+    assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_smooth", "the entry of the Face menu fills"
+    assert counts()[1] == 0 and _is_filled(before)
+    w.picture("filled-from-the-menu")
+
+
+def panel_rows(w):
+    """The panel opens; an arrow of Density fills anew; Sides unfolds."""
+    rounded_corner(w)
+    yield
+    w.home()
+    w.press("F", ctrl=True, alt=True)
+    yield
+    yield
+    filled = counts()
+    assert filled[1] == 0
+    hud = w.region("HUD")
+    if hud.height < 100:
+        w.click(hud.x + 20, hud.y + hud.height - 10)  # its header
+        yield
+        yield
+    w.picture("blender-redo-panel")
+    hud = w.region("HUD")
+    place = hud.x + hud.width - 14, hud.y + hud.height - 62  # the arrow of the second row
+    w.move(*place)
+    yield
+    w.click(*place)
+    yield
+    yield
+    assert last_operator().resolution == 11, f"resolution is {last_operator().resolution} after a click on its arrow"
+    assert counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
+    hud = w.region("HUD")
+    place = hud.x + 20, hud.y + 18 + 2 * 23  # the third row from below
+    w.move(*place)
+    yield
+    w.click(*place)
+    yield
+    yield
+    assert last_operator().show_sides
+    w.picture("sides-unfolded")
+
+
+def undo_and_redo(w):
+    """One step, to the bit."""
+    rounded_corner(w)
+    before, hole = counts(), positions()
+    yield
+    w.home()
+    w.press("F", ctrl=True, alt=True)
+    yield
+    yield
+    filled, surface = counts(), positions()
+    assert _is_filled(before)
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before and positions() == hole, "undone to the bit"
+    w.press("Z", ctrl=True, shift=True)
+    yield
+    yield
+    assert counts() == filled and positions() == surface, "redone"
+    w.picture("redone")
+
+
+def search(w):
+    """F3 finds it by its name."""
+    rounded_corner(w)
+    before = counts()
+    yield
+    w.home()
+    w.press("F3")
+    yield
+    w.text("smooth fill")
+    yield
+    yield
+    w.picture("blender-search")
+    w.press("RET")
+    yield
+    yield
+    assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
+
+
+def context_menu(w):
+    """The right button's menu has it near Fill."""
+    sheet(w, "Sheet")
+    before = counts()
+    yield
+    w.home()
+    w.press("RIGHTMOUSE")
+    yield
+    yield
+    w.picture("blender-context-menu")
+    w.move(440, 539)  # Smooth Fill, below Fill
+    yield
+    w.click()
+    yield
+    yield
+    assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
+
+
+def refusal_and_correction(w):
+    """A method of three sides on a hole of four: the panel says so, and another method fills it, as one undo step."""
+    sheet(w, "Sheet")
+    before = counts()
+    with w.override():
+        assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, method="side_vertex", show_advanced=True) == {"FINISHED"}
+    yield
+    yield
+    w.picture("blender-refusal")
+    assert counts() == before, "nothing but the selection has changed"
+    assert "Rim has 4 corners" in last_operator().reasons
+    assert sum(v.select for v in mesh().verts) == 4, "the corners are selected"
+    hud = w.region("HUD")
+    place = hud.x + 200, hud.y + 18 + 23 * 5  # Method, the sixth row from below
+    w.move(*place)
+    yield
+    w.click(*place)
+    yield
+    w.press("A")  # Auto
+    yield
+    yield
+    w.picture("blender-corrected")
+    assert last_operator().method == "auto" and last_operator().reasons == ""
+    assert _is_filled(before)
+    w.home()
+    yield
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before, "one undo step"
+
+
+def repeated_elsewhere(w):
+    """Shift R on another mesh chooses anew what was automatic."""
+    sheet(w, "Other")
+    before = counts()
+    with w.override():
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0)
+    yield
+    assert last_operator().resolution == 5 and _is_filled(before)
+    sheet(w, "Finer", finer=True)
+    before = counts()
+    yield
+    w.home()
+    w.press("R", shift=True)
+    yield
+    yield
+    assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
+    assert last_operator().resolution == 11, "a third of the edges around, 16 and then 32"
+    w.picture("repeated")
+
+
+def replaced_region(w):
+    """Selected faces are replaced by a smooth surface."""
+    sheet(w, "Sheet", whole=True)
+    with w.override():
+        bpy.ops.mesh.select_mode(type="FACE")
+        bm = mesh()
+        rough = [f for f in bm.faces if max(map(abs, f.calc_center_median().xy)) < 0.6]
+        for f in rough:
+            f.select = True
+        for v in {v for f in rough for v in f.verts if all(g in rough for g in v.link_faces)}:
+            v.co.z -= 0.4
+        bmesh.update_edit_mesh(bpy.context.object.data)
+        bpy.ops.ed.undo_push(message="Select")
+    before = counts()
+    yield
+    w.picture("region-before")
+    w.home()
+    w.press("F", ctrl=True, alt=True)
+    yield
+    yield
+    w.picture("region-replaced")
+    off = [v.co.z - (0.2 * v.co.x**2 - 0.1 * v.co.y**2 + 0.5) for v in mesh().verts]
+    assert counts()[1] == before[1] and max(map(abs, off)) < 5e-3, "on the surface that was there before the dent"
+
+
+def cage(w):
+    """Under a Subdivision modifier a cage is made, and the panel says so."""
+    rounded_corner(w, segments=2)
+    bpy.context.object.modifiers.new("Subdivision", "SUBSURF").levels = 3
+    before = counts()
+    yield
+    w.home()
+    w.press("F", ctrl=True, alt=True)
+    yield
+    yield
+    w.picture("cage")
+    assert last_operator().output == "cage" and last_operator().rows >= 0
+    assert counts()[1] == 0 and _is_filled(before)
+    assert all(len(f.verts) == 4 for f in mesh().faces if f.select)
+
+
+def _tool(w):
+    """Chooses the workspace tool; returns its module."""
+    with w.override():
+        bpy.ops.wm.tool_set_by_id(name="tripatch.shape_fill")
+    return importlib.import_module(f"{ADDON}.tool")
+
+
+def _drag(w, start, end, steps=6):
+    """By the left button, in steps."""
+    w.move(*start)
+    yield
+    yield
+    w.event("LEFTMOUSE", "PRESS")
+    yield
+    for k in range(1, steps + 1):
+        w.move(*(a + (b - a) * k / steps for a, b in zip(start, end, strict=True)))
+        yield
+    w.event("LEFTMOUSE", "RELEASE")
+    yield
+
+
+def gizmos(w):
+    """Click a hole, drag a corner, drag an arrow, Enter: one undo step."""
+    rounded_corner(w)
+    before = counts()
+    tool, shaping = _tool(w), importlib.import_module(f"{ADDON}.shaping")
+    yield
+    bm = mesh()
+    rim = next(v for v in bm.verts if v.is_boundary)
+    w.move(*w.on_screen(rim.co))
+    yield
+    w.click()
+    yield
+    yield
+    made = tool.current()
+    assert made is not None, "a click beside a rim chooses its hole"
+    assert counts() == before
+    w.picture("gizmos")
+    corner = made.shape.corners[0]
+    yield from _drag(w, w.on_screen(made.points[corner]), w.on_screen(made.points[(corner + 3) % len(made.points)]))
+    assert made.shape.corners[0] == corner + 3, f"the corner is at {made.shape.corners[0]}, not {corner + 3}"
+    w.picture("corner-dragged")
+    yield from _drag(w, w.on_screen(made.points[corner + 3]), w.on_screen(made.points[corner]))
+    _, point, direction = made.side_handles()[0]
+    tip = point + direction * made.shape.bulges[0] * shaping.ARROW * made.size  # the box at the end of the arrow
+    yield from _drag(w, w.on_screen(tip), w.on_screen(tip + direction * shaping.ARROW * made.size))
+    bulges = made.shape.bulges
+    w.picture("arrow-dragged")
+    assert bulges[0] > 1.5, f"the arrow changes its side's bulge: {bulges}"
+    w.home()
+    w.press("RET")
+    yield
+    yield
+    assert tool.current() is None and counts()[1] == 0 and _is_filled(before)
+    w.picture("filled-as-shaped")
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before, "one undo step"
+
+
+def tool_left(w):
+    """Esc leaves the hole as it was."""
+    sheet(w, "Sheet")
+    before, hole = counts(), positions()
+    tool = _tool(w)
+    with w.override():
+        bpy.ops.mesh.shape_fill()
+    yield
+    yield
+    shown = w.view_of(w.picture("preview"))
+    assert tool.current() is not None and counts() == before
+    w.home()
+    w.press("ESC")
+    yield
+    yield
+    left = w.view_of(w.picture("tool-left"))
+    assert tool.current() is None and positions() == hole
+    assert np.abs(shown - left).max() > 0.1, "the preview has gone"
+
+
+def _filled_sheet(w):
+    sheet(w, "Sheet")
+    with w.override():
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True)
+
+
+def overlay_on_and_off(w):
+    """Stripes on the surface, and nothing of them afterwards."""
+    _filled_sheet(w)
+    yield
+    yield
+    plain, before = w.view_of(w.picture("overlay-before")), positions()
+    settings = bpy.context.window_manager.tripatch_overlay
+    settings.surface, settings.show = "ZEBRA", True
+    yield
+    yield
+    striped = w.view_of(w.picture("overlay-zebra"))
+    light, dark = striped.min(axis=-1) > plain.max(axis=-1) + 0.2, striped.max(axis=-1) < plain.min(axis=-1) - 0.2
+    assert min(light.mean(), dark.mean()) > 0.02, "stripes"
+    settings.surface = "CURVATURE"
+    yield
+    yield
+    colored = w.view_of(w.picture("overlay-curvature"))
+    assert (np.ptp(colored, axis=-1) > 0.25).mean() > 0.02, "colors"
+    settings.show = False
+    yield
+    yield
+    after = w.view_of(w.picture("overlay-after"))
+    assert np.abs(after - plain).max() < 0.02, "nothing is left"
+    assert positions() == before
+
+
+def overlay_in_the_sidebar(w):
+    """Its panel is in the sidebar."""
+    _filled_sheet(w)
+    yield
+    w.home()
+    w.press("N")
+    yield
+    yield
+    region = w.region("UI")
+    assert region.width > 100
+    w.picture("sidebar")
+    panel = importlib.import_module(f"{ADDON}.overlay").VIEW3D_PT_tripatch_quality
+    assert panel.is_registered and panel.bl_category == "TriPatch"
+    w.press("N")
+    yield
+    assert counts()[1] == 56, "the outer border of the sheet"
+
+
+def _live(w):
+    """A sheet with a live fill; returns the fill's name."""
+    sheet(w, "Sheet")
+    with w.override():
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, keep_live=True)
+    return next(ob.name for ob in bpy.data.objects if ob.name != "Sheet")
+
+
+def _heights(name):
+    return np.array([v.co.z for v in bpy.data.objects[name].data.vertices])
+
+
+def live_fill(w):
+    """Vertices are moved by hand, and the fill follows."""
+    fill = _live(w)
+    yield
+    yield
+    w.picture("live-fill")
+    before = _heights(fill)
+    w.home()
+    with w.override():
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bm = mesh()
+        for v in bm.verts:
+            v.select = v.is_boundary and v.co.x > 0.5 and max(map(abs, v.co.xy)) < 1
+        bm.select_flush(True)
+        bmesh.update_edit_mesh(bpy.context.object.data)
+        bpy.ops.ed.undo_push(message="Select")
+    yield
+    w.press("G")
+    yield
+    w.press("Z")
+    yield
+    w.text("0.5")
+    yield
+    w.press("RET")
+    yield
+    yield
+    yield
+    w.picture("live-fill-followed")
+    after = _heights(fill)
+    assert after.max() > before.max() + 0.2, f"it follows: {before.max():.2f}, {after.max():.2f}"
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    yield
+    assert abs(_heights(fill).max() - before.max()) < 1e-3, "undone"
+
+
+def save_and_reopen(w):
+    """A live fill goes on to follow in a file that is opened again."""
+    from hands import FOLDER
+
+    fill = _live(w)
+    yield
+    before, path = _heights(fill), str(FOLDER / "saved.blend")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    # A file is opened by a key: from a timer Blender waits for ever.
+    keymap = bpy.context.window_manager.keyconfigs.addon.keymaps.new(name="Window")
+    item = keymap.keymap_items.new("wm.open_mainfile", "F19", "PRESS")
+    item.properties.filepath, item.properties.display_file_selector, item.properties.load_ui = path, False, False
+    clear(w)
+    yield
+    w.home()
+    w.press("F19")
+    yield
+    yield
+    yield
+    assert np.allclose(_heights(fill), before)
+    w.picture("reopened")
+    for v in bpy.data.objects["Sheet"].data.vertices:
+        v.co.z += 0.25
+    bpy.data.objects["Sheet"].data.update()
+    yield
+    yield
+    yield
+    w.picture("reopened-and-followed")
+    assert np.abs(_heights(fill) - before - 0.25).max() < 1e-3, "it follows"
+
+
+def status_bar(w):
+    """What a fill reports stands in the status bar, for whoever has a window that is active."""
+    from hands import give_focus
+
+    rounded_corner(w)
+    give_focus()
+    yield
+    yield
+    before = w.picture("status-bar-before")[:20, 600:-100]
+    w.home()
+    w.press("F", ctrl=True, alt=True)
+    for _ in range(8):  # it is blended in
+        yield
+        after = w.picture("status-bar")[:20, 600:-100]
+        if (np.abs(after - before).max(axis=-1) > 0.2).mean() > 0.01:
+            break
+    else:
+        raise AssertionError("no text in the status bar")
+    assert counts()[1] == 0
+
+
+ALL = [
+    face_menu,
+    panel_rows,
+    undo_and_redo,
+    search,
+    context_menu,
+    refusal_and_correction,
+    repeated_elsewhere,
+    replaced_region,
+    cage,
+    gizmos,
+    tool_left,
+    overlay_on_and_off,
+    overlay_in_the_sidebar,
+    live_fill,
+    save_and_reopen,
+    status_bar,
+]
