@@ -23,13 +23,13 @@ _SAME_UV = 1e-4
 _ZERO = ("crease_vert", "bevel_weight_vert")
 
 
-def _read(value, kind):
+def read(value, kind):
     if kind == "uv":
         return tuple(value.uv)
     return tuple(value) if hasattr(value, "__len__") else (value,)
 
 
-def _write(element, layer, kind, value):
+def write(element, layer, kind, value):
     if kind == "uv":
         element[layer].uv = value
     else:
@@ -43,14 +43,26 @@ def _layers(access, kinds):
                 yield kind, name, layer
 
 
+def edge_layers(bm):
+    """(kind, layer, whether its values are blended) of all data of edges."""
+    layers = bm.edges.layers
+    for kind in ("crease", "bevel_weight", "freestyle"):  # Blender 3
+        for layer in getattr(layers, kind).values() if hasattr(layers, kind) else ():
+            yield kind, layer, kind != "freestyle"
+    for kinds, blended in ((_VERTEX_LAYERS, True), (_PICKED, False)):
+        for kind, _, layer in _layers(layers, kinds):
+            if kind != "string" or bpy.app.version >= (4, 0):
+                yield kind, layer, blended
+
+
 def blend_vertices(bm, rim, inside, blend):
     """Gives the new vertices `inside` the vertex data of the rim (vertices from corner 0 on)."""
     ends = [v for pair in pairs(rim) for v in pair]
     layers = bm.verts.layers
     for kind, name, layer in _layers(layers, _VERTEX_LAYERS):
-        values = blend(np.array([_read(v[layer], kind) for v in ends], dtype=np.float64))
+        values = blend(np.array([read(v[layer], kind) for v in ends], dtype=np.float64))
         for vertex, value in zip(inside, values.tolist(), strict=True):
-            _write(vertex, layer, kind, value if name not in _ZERO else [0.0])
+            write(vertex, layer, kind, value if name not in _ZERO else [0.0])
     for kind in ("crease", "bevel_weight"):  # Blender 3
         for layer in getattr(layers, kind).values() if hasattr(layers, kind) else ():
             for vertex in inside:
@@ -118,11 +130,11 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
             for (corner, _, _), uv in zip(corners, charts[name], strict=True):
                 corner[layer].uv = uv
             continue
-        at_rim = np.array([_read(loop[layer], kind) for loop in ends], dtype=np.float64)
+        at_rim = np.array([read(loop[layer], kind) for loop in ends], dtype=np.float64)
         inside = blend(at_rim).tolist()
         at_rim = at_rim.tolist()
         for corner, vertex, continued in corners:
-            _write(corner, layer, kind, at_rim[continued[-1]] if continued else inside[vertex])
+            write(corner, layer, kind, at_rim[continued[-1]] if continued else inside[vertex])
     for kind, _name, layer in _layers(bm.loops.layers, _PICKED):
         for corner, vertex, continued in corners if kind != "string" or bpy.app.version >= (4, 0) else ():
             corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
@@ -166,7 +178,7 @@ def uv_charts(bm, ends, blend, positions, faces):
     flat = _Plane(positions[:count])
     places = flat(positions)
     for kind, name, layer in _layers(bm.loops.layers, ("uv",)):
-        at_ends = np.array([_read(loop[layer], kind) for loop in ends], dtype=np.float64)
+        at_ends = np.array([read(loop[layer], kind) for loop in ends], dtype=np.float64)
         jumps = np.abs(np.roll(at_ends[1::2], 1, axis=0) - at_ends[::2]).max(axis=1)
         parted = jumps > _SAME_UV * max(np.ptp(at_ends, axis=0).max(), 1e-12)
         if parted.sum() < 2:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import bmesh
 
-from . import attributes, normals, subdivision
+from . import attributes, features, normals, subdivision
 from .library import np, tripatch
 from .selection import Rim, edges_of, pairs
 
@@ -39,6 +39,8 @@ def obstacle(bm, planned):
     rim = {v.index: v for v in planned.loop}
     edges, count = {frozenset((a.index, b.index)) for a, b in pairs(planned.loop)}, planned.count
     for face in planned.fill.faces:
+        if sum(v < count for v in face) < 2:  # most
+            continue
         if all(v < count for v in face) and (old := bm.faces.get([rim[v] for v in face])) and old not in planned.rim.replaced:
             return f"There is a face between vertices {', '.join(map(str, face))} of the rim already"
         for a, b in pairs(face):
@@ -164,6 +166,9 @@ def _write_one(bm, planned, shading, custom):
         new_faces.append(made)
         if not with_corners:
             continue
+        if min(at) >= len(loop):  # most
+            corners += [(corner, k - len(loop), ()) for corner, k in zip(made.loops, at, strict=True)]
+            continue
         own = {place_of_edge.get(frozenset(pair)) for pair in pairs(at)}
         for corner, k in zip(made.loops, at, strict=True):
             continued = attributes.ends_of_corner(k, len(loop), own) if k < len(loop) else ()
@@ -175,6 +180,13 @@ def _write_one(bm, planned, shading, custom):
         tangent = [planned.tangent[on_side[k]] if planned.tangent else True for k in range(len(loop))]
         _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)
     _change_rim(bm, planned, {v: loop[k] for v, k in place.items()})
+    if len(fill.feature_edges):
+        everyone = [*loop, *inside]
+        at = [
+            [place[v] if v in place else len(loop) + v - planned.count - rows.split for v in e]
+            for e in fill.feature_edges.tolist()
+        ]
+        features.mark(bm, [[everyone[k] for k in pair] for pair in at], loop, new_faces)
     return new_faces
 
 

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+import tasks
 
 fill = bpy.ops.mesh.fill_three_sided
 
@@ -124,6 +125,42 @@ def test_creases_seams_and_sharp_edges_stay_and_do_not_spread():
     assert sum(not e.smooth for e in everything) == 1
     assert sum(e[crease] == 0.75 for e in everything) == len(edges)
     assert all(e[crease] == 0 and e.smooth and not e.seam for e in everything[old:])
+
+
+def _edge_layer(bm, kind):
+    """Creases and bevel weights as Blender 3 and as newer ones keep them."""
+    layers = bm.edges.layers
+    if hasattr(layers, kind):
+        return getattr(layers, kind).verify()
+    return layers.float.get(f"{kind}_edge") or layers.float.new(f"{kind}_edge")
+
+
+def test_a_ridge_that_goes_on_across_the_hole_is_marked_as_its_ends_are():
+    """Sharp and creased on both sides; the bevel weight goes from one value to the other; a number is the nearer end's."""
+    task = tasks.crease()
+    bm = bmesh.from_edit_mesh(task.ob.data)
+    bm.edges.layers.int.new("N")
+    _edge_layer(bm, "crease"), _edge_layer(bm, "bevel_weight")
+    crease, weight, number = _edge_layer(bm, "crease"), _edge_layer(bm, "bevel_weight"), bm.edges.layers.int["N"]
+    for e in bm.edges:
+        if all(abs(v.co.y) < 1e-6 for v in e.verts):
+            right = e.verts[0].co.x > 0
+            e.smooth, e[crease], e[weight], e[number] = False, 0.75, 0.8 if right else 0.2, 3 if right else 2
+    old = len(bm.edges)
+    assert fill() == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(task.ob.data)
+    crease, weight, number = _edge_layer(bm, "crease"), _edge_layer(bm, "bevel_weight"), bm.edges.layers.int["N"]
+    new = list(bm.edges)[old:]
+    ridge = [e for e in new if all(abs(v.co.y) < 1e-5 for v in e.verts)]
+    assert len(ridge) > 3
+    for e in ridge:
+        x = (e.verts[0].co.x + e.verts[1].co.x) / 2
+        assert not e.smooth and e[crease] == pytest.approx(0.75)
+        assert e[number] == (3 if x > 0 else 2) or abs(x) < 0.05
+    reach = max(abs(v.co.x) for e in ridge for v in e.verts)
+    along = [(e.verts[0].co.x + e.verts[1].co.x) / 2 / reach for e in ridge]
+    np.testing.assert_allclose([e[weight] for e in ridge], [0.5 + 0.3 * t for t in along], atol=0.01)
+    assert all(e.smooth and e[crease] == e[weight] == e[number] == 0 for e in new if e not in ridge)
 
 
 @pytest.mark.parametrize("active", [0, 1])
@@ -308,7 +345,7 @@ class InPlane:
 
     def __init__(self, fill):
         self.__dict__ |= {name: getattr(fill, name) for name in ("vertices", "faces", "normals", "rim", "rim_normals", "moved")}
-        self.split_edges, self.creases, self.patch = fill.split_edges, fill.creases, fill.patch
+        self.split_edges, self.creases, self.feature_edges, self.patch = fill.split_edges, fill.creases, [], fill.patch
         self.barycentric = self.rim_barycentric = None
         self.uv, self.rim_uv = fill.vertices[:, :2], None
         self.report = types.SimpleNamespace(corners=[], continuity=(), warnings=[])
