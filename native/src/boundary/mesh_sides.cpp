@@ -360,7 +360,8 @@ std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& co
     at.second = frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * frame.transpose();
     Eigen::Matrix<double, fit_terms, 3> columns;  // of the covariance: the two slopes, the second derivative across
     columns << PlaneFit::Column::Unit(1), PlaneFit::Column::Unit(2), PlaneFit::Column::Unit(5);
-    fit.factor.solveInPlace(columns);
+    fit.lower.triangularView<Eigen::Lower>().solveInPlace(columns);
+    fit.lower.triangularView<Eigen::Lower>().transpose().solveInPlace(columns);
     const Eigen::Matrix2d covariance = over.asDiagonal() * columns.block<2, 2>(1, 0) * over.asDiagonal();
     at.slope_variances = covariance.trace();
     at.bend_variance = columns(5, 2) * std::pow(over[1], 4);

@@ -51,32 +51,54 @@ Eigen::VectorXd heights(const Stencil& s, const Column& coefficients) {
   return z;
 }
 
-/// The normal matrix of monomials has 66 different entries, sums of w x^i y^j, for its 231.
+/// Orthogonal triangularization of the weighted rows above those of the prior, heaviest first (Powell and Reid 1969), one column at
+/// a time by Householder's reflections. The normal equations would square what the weights differ by, 1e7 and more where there is no
+/// noise, and leave to rounding what few points do not tell.
 PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w) {
-  const auto m = moments<2 * fit_degree>(s, w);
-  const auto right = moments<fit_degree>(s, w.cwiseProduct(s.z));
   PlaneFit r;
-  Square p;
-  Column b;
-  for (int k = 0; k < fit_terms; ++k) {
-    for (int l = k; l < fit_terms; ++l) p(l, k) = term[k].over * term[l].over * m(term[k].i + term[l].i, term[k].j + term[l].j);
-    b[k] = term[k].over * right(term[k].i, term[k].j);
-    r.prior[k] = 1 / components.term[term[k].i + term[k].j];
-  }
+  for (int k = 0; k < fit_terms; ++k) r.prior[k] = 1 / components.term[term[k].i + term[k].j];
   r.prior[2] = 1 / (components.tilt + components.noise * s.faces_noise);
-  b[2] += r.prior[2] * s.faces;
   r.prior[1] += 1 / (components.noise * s.slope_noise + components.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
-  p.diagonal() += r.prior;
-  r.factor.compute(p);
-  r.mean = r.factor.solve(b);
+  const Index points = w.size(), rows = points + fit_terms;
+  std::vector<std::pair<double, Index>> order;
+  for (Index k = 0; k < points; ++k) order.push_back({-w[k], k});
+  for (int k = 0; k < fit_terms; ++k) order.push_back({-r.prior[k], points + k});
+  std::sort(order.begin(), order.end());
+  Eigen::Matrix<double, Eigen::Dynamic, fit_terms + 1> a = Eigen::MatrixXd::Zero(rows, fit_terms + 1);  // and the right-hand side
+  for (Index row = 0; row < rows; ++row) {
+    const Index k = order[row].second;
+    const double root = std::sqrt(-order[row].first);
+    if (k >= points) {
+      a(row, k - points) = root;
+      if (k == points + 2) a(row, fit_terms) = root * s.faces;
+      continue;
+    }
+    for (int c = 0; c < fit_terms; ++c) a(row, c) = root * term[c].over * s.x(k, term[c].i) * s.y(k, term[c].j);
+    a(row, fit_terms) = root * s.z[k];
+  }
+  Square upper = Square::Zero();
+  for (int k = 0; k < fit_terms; ++k) {
+    auto mirror = a.col(k).tail(rows - k);
+    const double length = mirror.norm(), end = mirror[0] > 0 ? -length : length;
+    mirror[0] -= end;
+    const double twice = 2 / mirror.squaredNorm();
+    for (int c = k + 1; c <= fit_terms; ++c) {
+      auto column = a.col(c).tail(rows - k);
+      column -= twice * mirror.dot(column) * mirror;
+    }
+    upper(k, k) = end;
+    upper.row(k).tail(fit_terms - k - 1) = a.row(k).segment(k + 1, fit_terms - k - 1);
+  }
+  r.lower = upper.transpose();
+  r.mean = a.col(fit_terms).head<fit_terms>();
+  upper.triangularView<Eigen::Upper>().solveInPlace(r.mean);
   return r;
 }
 
 using SquareRows = Eigen::Matrix<double, fit_terms, fit_terms, Eigen::RowMajor>;
 
 /// The lower triangle of the inverse. By rows and without its zeros: at this size several times faster than the general solver.
-SquareRows inverse(const Eigen::LLT<Square, Eigen::Lower>& factor) {
-  const Square& l = factor.matrixLLT();
+SquareRows inverse(const Square& l) {
   SquareRows half = SquareRows::Zero(), all = SquareRows::Zero();  // half: the inverse of l
   for (int i = 0; i < fit_terms; ++i) {
     for (int k = 0; k < i; ++k) half.row(i).head(k + 1) -= l(i, k) * half.row(k).head(k + 1);
@@ -111,7 +133,7 @@ Explained explain(const Stencil& s, const VarianceComponents& components) {
   const Eigen::ArrayXd v = components.noise + components.truncation * s.g.array(), part = components.noise / v,
                        w = s.share.array() / v;
   const PlaneFit fit = fit_weighted(s, components, w);
-  const SquareRows covariance = inverse(fit.factor);
+  const SquareRows covariance = inverse(fit.lower);
   for (int j = 0; j < fit_terms; ++j) {
     const int d = term[j].i + term[j].j;
     if (d == 1) continue;
@@ -178,7 +200,7 @@ double predicted_density(const PlaneFit& fit, const VarianceComponents& componen
   Column row;
   for (int k = 0; k < fit_terms; ++k) row[k] = term[k].over * std::pow(at[0], term[k].i) * std::pow(at[1], term[k].j);
   const double own = components.noise + components.truncation * std::pow(at.squaredNorm(), fit_degree + 1);
-  const double known = fit.factor.matrixL().solve(row).squaredNorm();
+  const double known = fit.lower.triangularView<Eigen::Lower>().solve(row).squaredNorm();
   // of the sum of the weights at the point, what is left without it
   const double left = std::max(1 - share * known / own, 1e-9);
   const double off = (at[2] - row.dot(fit.mean)) / left, variance = own + known / left;

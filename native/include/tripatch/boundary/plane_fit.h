@@ -42,8 +42,8 @@ struct PlaneFit {
   using Square = Eigen::Matrix<double, fit_terms, fit_terms>;
   using Column = Eigen::Matrix<double, fit_terms, 1>;
 
-  Column mean, prior;                       ///< coefficients, inverse variances
-  Eigen::LLT<Square, Eigen::Lower> factor;  ///< of the inverse covariance
+  Column mean, prior;  ///< coefficients, inverse variances
+  Square lower;        ///< a Cholesky factor of the inverse covariance, its diagonal of any sign
 };
 
 PlaneFit fit_plane(const Stencil& stencil, const VarianceComponents& components);
