@@ -31,6 +31,10 @@ constexpr double tempering = 0.1;
 constexpr double rough_noise = 0.03;
 /// Standard deviations are those of so many samples at most: the time grows with their square.
 constexpr Index deviation_samples = 120;
+/// Where one order is left its own deviation knows nothing of the others: this share of the distance to the surface of the next lower
+/// order is an error too. On 35 known surfaces without noise 94% of the vertices were within two deviations without it, where a hill
+/// lies in the hole 18%; with it 99.6%, and 100%.
+constexpr double order_error = 0.5;
 /// Orders with less than this share are left out of the average.
 constexpr double least_share = 0.02;
 /// Distance from a sample, in normalised coordinates, at which derivatives are taken that have no limit there.
@@ -364,7 +368,26 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
   for (std::size_t p = 0; p < parts_.size(); ++p) mean += parts_[p].share * each.col(static_cast<Index>(p));
   for (std::size_t p = 0; p < parts_.size(); ++p)
     variance += parts_[p].share * (each.col(static_cast<Index>(p)) - mean).cwiseAbs2();
+  if (parts_.size() == 1) {
+    const Points other = by_another_order(some, at);
+    if (other.rows() > 0) variance += (order_error * (other.cwiseProduct(directions).rowwise().sum() - mean)).cwiseAbs2();
+  }
   return variance.cwiseSqrt();
+}
+
+Points Field::by_another_order(const PlanePoints& some, const PlanePoints& at) const {
+  const Part& part = parts_.front();
+  const double order = part.order > 2.5 ? std::max(2.5, part.order - 2) : 3.5;
+  if (polynomials(order) >= some.rows()) return Points(0, 3);
+  const Points samples =
+      kernel_of(part.order, squared_distances(some, points_)) * part.weights + monomials(some, part.order) * part.polynomial;
+  const Contrasts contrasts(some, squared_distances(some, some), order);
+  const Eigen::LLT<MatrixXd> factor = contrasts.factor(std::pow(10.0, lowest_nugget + 1) * contrasts.unit);
+  if (factor.info() != Eigen::Success) return Points(0, 3);
+  const MatrixXd weights = contrasts.of(factor.solve(contrasts.of(samples)));
+  const MatrixXd polynomial = contrasts.triangle.triangularView<Eigen::Upper>().solve(contrasts.basis.transpose() *
+                                                                                      (samples - contrasts.kernel * weights));
+  return kernel_of(order, squared_distances(at, some)) * weights + monomials(at, order) * polynomial;
 }
 
 }  // namespace tripatch

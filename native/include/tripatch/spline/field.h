@@ -30,7 +30,7 @@ public:
   void evaluate(const double* b, Index n, int order, double* out) const override;
 
   /// Standard deviation at points, scene units, of the surface along the directions (n x 3, of unit length): that of the field
-  /// given the samples, and the spread of the averaged orders.
+  /// given the samples, and the spread of the averaged orders, or half the distance to another order where only one is likely.
   Eigen::VectorXd deviation(const PlanePoints& points, const Points& directions) const;
 
   /// Standard deviation of the samples' noise, scene units; 0: the samples are met.
@@ -56,6 +56,9 @@ private:
   void choose(const PlanePoints& few, const Points& samples, const FieldOptions& options);
   void hedge(double unit);
   void fit(Part& part, const Eigen::MatrixXd& squared, const Points& samples) const;
+  /// Where there is one part: the surface of the order next to it through `some` of its points, at others; no rows where there is none.
+  /// All normalised.
+  Points by_another_order(const PlanePoints& some, const PlanePoints& at) const;
   void evaluate_block(const PlanePoints& at, int order, double* out) const;
   template <int N>
   void jets(const Part& part, const double* rows, Index n, double* out) const;
