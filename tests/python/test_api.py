@@ -98,7 +98,7 @@ def test_fill_all_keeps_the_order_and_goes_on_after_a_refusal():
         ({"method": "coons"}, ValueError),
         ({"method": 3}, TypeError),
         ({"continuity": "G3"}, ValueError),
-        ({"continuity": ("G1", "G0")}, ValueError),
+        ({"continuity": ("G1",) * 13}, ValueError),
         ({"continuity": 1}, TypeError),
         ({"bulge": 0}, ValueError),
         ({"bulge": (1, -1, 1)}, ValueError),
