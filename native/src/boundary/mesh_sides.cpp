@@ -214,24 +214,16 @@ std::vector<Share> grow(const LocalMesh& w, const SideDraft& side, int k, const 
 /// Places, heights and weights of the stencil's vertices about p.
 void set_rows(const LocalMesh& w, const std::vector<Share>& used, const Vec3& p, Stencil& s) {
   const Index size = static_cast<Index>(used.size());
-  s.x.resize(size, Eigen::NoChange);
-  s.y.resize(size, Eigen::NoChange);
-  s.z.resize(size);
+  s.rows.setZero(size, 24);
   s.share.resize(size);
   s.g.resize(size);
   for (Index j = 0; j < size; ++j) {
     const Vec3 d = w.position[used[j].first] - p;
-    s.x(j, 1) = d.dot(s.e1);
     const double y = d.dot(s.e2);
-    s.y(j, 1) = y / s.depth;
-    s.z[j] = d.dot(s.e3);
+    s.set({d.dot(s.e1), y / s.depth, d.dot(s.e3)}, j);
     s.share[j] = used[j].second;
     const double square = s.depth == 1 ? d.squaredNorm() : d.squaredNorm() + y * y * (1 / (s.depth * s.depth) - 1);
     s.g[j] = square * square * square * square * square * square;
-  }
-  for (Stencil::Columns* m : {&s.x, &s.y}) {
-    m->col(0).setOnes();
-    for (int k = 2; k <= 2 * fit_degree; ++k) m->col(k) = m->col(k - 1).cwiseProduct(m->col(1));
   }
 }
 

@@ -11,7 +11,8 @@ using Square = PlaneFit::Square;
 using Column = PlaneFit::Column;
 
 constexpr int most_iterations = 14;   ///< of the variance components; the second half of them with all stencils
-constexpr double settled = 0.03;      ///< relative change of a variance: no more iterations
+constexpr double settled = 0.03;      ///< relative change of a variance: no more iterations;
+constexpr double nearly = 0.1;        ///< with half of the stencils, which only begin
 constexpr double least_noise = 1e-7;  ///< of the stencil radius, as a deviation: keeps the normal equations solvable
 /// Of the points or parameters: the least number that a component is an average over, for a number near 0 may come out below it.
 constexpr double least_count = 1e-3;
@@ -31,30 +32,10 @@ constexpr std::array<Term, fit_terms> term = [] {
   return all;
 }();
 
-/// (i, j): sum of w x^i y^j for i + j <= degree.
-template <int Degree>
-Eigen::Matrix<double, Degree + 1, Degree + 1> moments(const Stencil& s, const Eigen::VectorXd& w) {
-  Eigen::Matrix<double, Degree + 1, Degree + 1> m;
-  Eigen::VectorXd wx(w.size());
-  for (int i = 0; i <= Degree; ++i) {
-    wx = w.cwiseProduct(s.x.col(i));
-    m.row(i).head(Degree + 1 - i).noalias() = wx.transpose() * s.y.leftCols(Degree + 1 - i);
-  }
-  return m;
-}
-
-/// The heights of a polynomial.
-Eigen::VectorXd heights(const Stencil& s, const Column& coefficients) {
-  Eigen::VectorXd z = Eigen::VectorXd::Zero(s.z.size());
-  for (int k = 0; k < fit_terms; ++k)
-    z.array() += coefficients[k] * term[k].over * s.x.col(term[k].i).array() * s.y.col(term[k].j).array();
-  return z;
-}
-
 /// Orthogonal triangularization of the weighted rows above those of the prior, heaviest first (Powell and Reid 1969), one column at
-/// a time by Householder's reflections. The normal equations would square what the weights differ by, 1e7 and more where there is no
-/// noise, and leave to rounding what few points do not tell.
-PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w) {
+/// a time by Householder's reflections: `a`. The normal equations would square what the weights differ by, 1e7 and more where there is
+/// no noise, and leave to rounding what few points do not tell.
+PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w, RowsOf24& a) {
   PlaneFit r;
   for (int k = 0; k < fit_terms; ++k) r.prior[k] = 1 / components.term[term[k].i + term[k].j];
   r.prior[2] = 1 / (components.tilt + components.noise * s.faces_noise);
@@ -64,49 +45,23 @@ PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, co
   for (Index k = 0; k < points; ++k) order.push_back({-w[k], k});
   for (int k = 0; k < fit_terms; ++k) order.push_back({-r.prior[k], points + k});
   std::sort(order.begin(), order.end());
-  Eigen::Matrix<double, Eigen::Dynamic, fit_terms + 1> a = Eigen::MatrixXd::Zero(rows, fit_terms + 1);  // and the right-hand side
+  a.resize(rows, Eigen::NoChange);
   for (Index row = 0; row < rows; ++row) {
     const Index k = order[row].second;
     const double root = std::sqrt(-order[row].first);
-    if (k >= points) {
-      a(row, k - points) = root;
-      if (k == points + 2) a(row, fit_terms) = root * s.faces;
+    if (k < points) {
+      a.row(row) = root * s.rows.row(k);
       continue;
     }
-    for (int c = 0; c < fit_terms; ++c) a(row, c) = root * term[c].over * s.x(k, term[c].i) * s.y(k, term[c].j);
-    a(row, fit_terms) = root * s.z[k];
+    a.row(row).setZero();
+    a(row, k - points) = root;
+    if (k == points + 2) a(row, fit_terms) = root * s.faces;
   }
-  Square upper = Square::Zero();
-  for (int k = 0; k < fit_terms; ++k) {
-    auto mirror = a.col(k).tail(rows - k);
-    const double length = mirror.norm(), end = mirror[0] > 0 ? -length : length;
-    mirror[0] -= end;
-    const double twice = 2 / mirror.squaredNorm();
-    for (int c = k + 1; c <= fit_terms; ++c) {
-      auto column = a.col(c).tail(rows - k);
-      column -= twice * mirror.dot(column) * mirror;
-    }
-    upper(k, k) = end;
-    upper.row(k).tail(fit_terms - k - 1) = a.row(k).segment(k + 1, fit_terms - k - 1);
-  }
-  r.lower = upper.transpose();
+  triangularize(a, fit_terms);
+  r.lower = a.topLeftCorner<fit_terms, fit_terms>().transpose();
   r.mean = a.col(fit_terms).head<fit_terms>();
-  upper.triangularView<Eigen::Upper>().solveInPlace(r.mean);
+  r.lower.triangularView<Eigen::Lower>().transpose().solveInPlace(r.mean);
   return r;
-}
-
-using SquareRows = Eigen::Matrix<double, fit_terms, fit_terms, Eigen::RowMajor>;
-
-/// The lower triangle of the inverse. By rows and without its zeros: at this size several times faster than the general solver.
-SquareRows inverse(const Square& l) {
-  SquareRows half = SquareRows::Zero(), all = SquareRows::Zero();  // half: the inverse of l
-  for (int i = 0; i < fit_terms; ++i) {
-    for (int k = 0; k < i; ++k) half.row(i).head(k + 1) -= l(i, k) * half.row(k).head(k + 1);
-    half(i, i) = 1;
-    half.row(i).head(i + 1) /= l(i, i);
-    for (int k = 0; k <= i; ++k) all.row(k).head(k + 1) += half(i, k) * half.row(i).head(k + 1);
-  }
-  return all;
 }
 
 /// What one stencil says of each component: a sum of squares, and the number of well-determined parameters that it is over.
@@ -132,8 +87,9 @@ Explained explain(const Stencil& s, const VarianceComponents& components) {
   Explained e;
   const Eigen::ArrayXd v = components.noise + components.truncation * s.g.array(), part = components.noise / v,
                        w = s.share.array() / v;
-  const PlaneFit fit = fit_weighted(s, components, w);
-  const SquareRows covariance = inverse(fit.lower);
+  RowsOf24 triangular;
+  const PlaneFit fit = fit_weighted(s, components, w, triangular);
+  const RowsOf24 covariance = inverse_of_gram(triangular, fit_terms);
   for (int j = 0; j < fit_terms; ++j) {
     const int d = term[j].i + term[j].j;
     if (d == 1) continue;
@@ -143,17 +99,20 @@ Explained explain(const Stencil& s, const VarianceComponents& components) {
   e.tilt = std::pow(fit.mean[2] - s.faces, 2);
   e.tilt_count = std::max(1 - covariance(2, 2) * fit.prior[2], least_count);
   // The points less the parameters that they determine: all, and those whose error is noise.
-  const auto m = moments<2 * fit_degree>(s, w * part);
+  const RowsOf24 noisy_rows = (w * part).sqrt().matrix().asDiagonal() * s.rows;
+  RowsOf24 gram = RowsOf24::Zero(24, 24);
+  add_gram(noisy_rows, gram);
   double noisy = 0;
-  for (int k = 0; k < fit_terms; ++k)
-    for (int l = k; l < fit_terms; ++l)
-      noisy +=
-          (k == l ? 1 : 2) * covariance(l, k) * term[k].over * term[l].over * m(term[k].i + term[l].i, term[k].j + term[l].j);
+  for (int k = 0; k < fit_terms; ++k) {
+    noisy += 2 * covariance.row(k).head(k).dot(gram.row(k).head(k));
+    noisy += covariance(k, k) * gram(k, k);
+  }
   const double points = s.share.sum(), noise_points = (s.share.array() * part).sum();
-  const double all = fit_terms - covariance.diagonal().dot(fit.prior);
+  const double all = fit_terms - covariance.diagonal().head<fit_terms>().dot(fit.prior);
   e.noise_count = std::max(noise_points - noisy, least_count * noise_points);
   e.truncation_count = std::max(points - noise_points - (all - noisy), least_count * (points - noise_points));
-  const Eigen::ArrayXd square = s.share.array() * (s.z - heights(s, fit.mean)).array().square();
+  const Eigen::ArrayXd square =
+      s.share.array() * (s.rows.col(fit_terms) - s.rows.leftCols<fit_terms>() * fit.mean).array().square();
   e.noise = (part.square() * square).sum();
   e.truncation = (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
   return e;
@@ -180,8 +139,8 @@ VarianceComponents components_of(const Explained& all, const Floors& floors) {
   return c;
 }
 
-bool have_settled(const VarianceComponents& now, const VarianceComponents& before, double radius) {
-  const auto same = [](double a, double b) { return std::abs(a - b) <= settled * b; };
+bool have_settled(const VarianceComponents& now, const VarianceComponents& before, double radius, double enough) {
+  const auto same = [=](double a, double b) { return std::abs(a - b) <= enough * b; };
   bool done = same(now.noise, before.noise) && same(now.truncation, before.truncation);
   for (int d = 2; d <= fit_degree; ++d) {
     const double unseen = 0.1 * now.noise / std::pow(radius, 2 * d);  // makes heights less than the noise
@@ -192,8 +151,20 @@ bool have_settled(const VarianceComponents& now, const VarianceComponents& befor
 
 }  // namespace
 
+void Stencil::set(const Vec3& place, Index k) {
+  std::array<double, fit_degree + 1> x, y;
+  x[0] = y[0] = 1;
+  for (int d = 1; d <= fit_degree; ++d) {
+    x[d] = x[d - 1] * place[0];
+    y[d] = y[d - 1] * place[1];
+  }
+  for (int c = 0; c < fit_terms; ++c) rows(k, c) = term[c].over * (x[term[c].i] * y[term[c].j]);
+  rows(k, fit_terms) = place[2];
+}
+
 PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components) {
-  return fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()));
+  RowsOf24 triangular;
+  return fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()), triangular);
 }
 
 double predicted_density(const PlaneFit& fit, const VarianceComponents& components, const Vec3& at, double share) {
@@ -225,7 +196,7 @@ VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>
     for (const std::vector<Stencil>& side : stencils)
       for (std::size_t k = all ? 0 : 1; k < side.size(); k += all ? 1 : 2) sum += explain(side[k], components);
     const VarianceComponents before = std::exchange(components, components_of(sum, floors));
-    const bool done = have_settled(components, before, radius);
+    const bool done = have_settled(components, before, radius, all ? settled : nearly);
     if (done && all) break;
     all = all || done || iteration >= most_iterations / 2;
   }

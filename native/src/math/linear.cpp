@@ -68,8 +68,33 @@ TRIPATCH_INLINE void multiply_four_with(const double* a, Index k, const double* 
   }
 }
 
+/// m rows of 24: for each of the first n columns Householder's reflection that leaves of it what is above and its diagonal element.
+template <class Registers>
+TRIPATCH_INLINE void reflect_columns_with(double* a, Index m, Index n) {
+  constexpr Index width = 24, block = 8;
+  for (Index k = 0; k < n; ++k) {
+    const Index begin = k / block * block;
+    double* const first = a + k * width;
+    double across[1][width];  // the column's products with all from `begin` on
+    for (Index c = begin; c < width; c += block)
+      Registers::product(first + k, 0, width, m - k, first + c, width, reinterpret_cast<double (&)[1][block]>(across[0][c]));
+    const double length = std::sqrt(across[0][k]), end = first[k] > 0 ? -length : length;
+    const double head = first[k] - end, over = 1 / (length * std::abs(head));
+    for (Index c = begin; c < width; ++c) across[0][c] = (across[0][c] - end * first[c]) * over;
+    for (Index r = k + 1; r < m; ++r) {
+      double* const row = a + r * width;
+      const double entry = row[k];
+      for (Index c = begin; c < width; c += block)
+        for (Index q = c; q < c + block; ++q) row[q] -= entry * across[0][q];
+    }
+    for (Index c = begin; c < width; ++c) first[c] -= head * across[0][c];
+    for (Index r = k + 1; r < m; ++r) a[r * width + k] = 0;
+  }
+}
+
 /// The products of one kind of machine.
 struct Products {
+  void (*reflect_columns)(double* a, Index m, Index n);
   void (*add_gram)(const double* a, Index m, Index n, double* c);
   void (*subtract_gram)(const double* u, Index count, Index n, Index begin, double* c);
   void (*multiply_four)(const double* a, Index k, const double* b, Index n, double* out, Index stride);  ///< n: eight or more
@@ -79,6 +104,7 @@ struct Products {
   machine void add_gram_##name(const double* a, Index m, Index n, double* c) {                                                \
     add_gram_with<Registers, false>(a, m, n, 0, 1, c);                                                                        \
   }                                                                                                                           \
+  machine void reflect_columns_##name(double* a, Index m, Index n) { reflect_columns_with<Registers>(a, m, n); }              \
   machine void subtract_gram_##name(const double* u, Index count, Index n, Index begin, double* c) {                          \
     add_gram_with<Registers, true>(u, count, n, begin, -1, c);                                                                \
   }                                                                                                                           \
@@ -86,7 +112,7 @@ struct Products {
     if (n >= Registers::most_columns) return multiply_four_with<Registers, Registers::most_columns>(a, k, b, n, out, stride); \
     multiply_four_with<Registers, 8>(a, k, b, n, out, stride);                                                                \
   }                                                                                                                           \
-  constexpr Products name = {add_gram_##name, subtract_gram_##name, multiply_four_##name};
+  constexpr Products name = {reflect_columns_##name, add_gram_##name, subtract_gram_##name, multiply_four_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
@@ -153,9 +179,17 @@ bool factor_cholesky(Eigen::MatrixXd& a) {
   return true;
 }
 
-}  // namespace
-
-namespace {
+/// half: the inverse of the transpose of r, both with rows of 24.
+TRIPATCH_FOR_EACH_MACHINE void invert_transposed(const double* __restrict r, Index n, double* __restrict half) {
+  constexpr Index width = 24;
+  for (Index i = 0; i < n; ++i) {
+    double row[width] = {};
+    for (Index k = 0; k < i; ++k)
+      for (Index c = 0; c < width; ++c) row[c] -= r[k * width + i] * half[k * width + c];
+    row[i] += 1;
+    for (Index c = 0; c < width; ++c) half[i * width + c] = row[c] / r[i * width + i];
+  }
+}
 
 /// b: k rows of four, the last of each nothing.
 TRIPATCH_FOR_EACH_MACHINE void add_product_of_fours(const double* __restrict a, Index m, Index k, const double* __restrict b,
@@ -198,6 +232,17 @@ void multiply_four(const double* a, Index k, const double* b, Index n, double* o
 }
 
 void add_gram(const RowMajor& a, RowMajor& c) { products.add_gram(a.data(), a.rows(), a.cols(), c.data()); }
+
+void triangularize(RowsOf24& a, Index n) { products.reflect_columns(a.data(), a.rows(), n); }
+
+RowsOf24 inverse_of_gram(const RowsOf24& r, Index n) {
+  RowsOf24 half = RowsOf24::Zero(n, 24), all = RowsOf24::Zero(24, 24);
+  invert_transposed(r.data(), n, half.data());
+  products.add_gram(half.data(), n, 24, all.data());
+  return all;
+}
+
+void add_gram(const RowsOf24& a, RowsOf24& c) { products.add_gram(a.data(), a.rows(), 24, c.data()); }
 
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b) { return a.completeOrthogonalDecomposition().solve(b); }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <vector>
 
+#include "tripatch/math/linear.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -16,17 +17,18 @@ constexpr int fit_terms = 21;
 
 /// The heights around one rim vertex over its first guess of a tangent plane. Lengths are in the units of the local mesh.
 struct Stencil {
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2 * fit_degree + 1>;
-
-  Vec3 e1, e2, e3;              ///< along the rim, outward, normal
-  double depth = 1;             ///< of a row of faces, in edges: y is over it
-  Columns x, y;                 ///< powers 0 .. 2 degree of the places
-  Eigen::VectorXd z, share, g;  ///< height, weight by place, radius^(2 degree + 2)
-  double faces = 0;             ///< slope across the rim of the faces beside it
-  double faces_noise = 0;       ///< its variance over that of the noise
-  double slope_noise = 1;       ///< of the rim's own direction: variance over that of the noise,
-  int slope_order = 4;          ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
+  Vec3 e1, e2, e3;           ///< along the rim, outward, normal
+  double depth = 1;          ///< of a row of faces, in edges: y is over it
+  RowsOf24 rows;             ///< the terms at the places, and in column fit_terms the height
+  Eigen::VectorXd share, g;  ///< weight by place, radius^(2 degree + 2)
+  double faces = 0;          ///< slope across the rim of the faces beside it
+  double faces_noise = 0;    ///< its variance over that of the noise
+  double slope_noise = 1;    ///< of the rim's own direction: variance over that of the noise,
+  int slope_order = 4;       ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
   double slope_truncation = 0;
+
+  /// Row k: of a place (x, y, height). The rest of rows is 0.
+  void set(const Vec3& place, Index k);
 };
 
 /// Variances of what the heights consist of: everything that decides between smoothing and precision.
