@@ -101,3 +101,34 @@ def test_planes_beside_fillets_are_those_of_the_fillets(segments, size):
     assert angles[inner].max() < 0.05 and angles.max() < 0.2
     assert fill.report.surroundings_error < 0.1
     assert np.abs(np.linalg.norm(fill.vertices - center, axis=1) - 0.8).max() < 5e-4
+
+
+def plate(n, m, radius, shift, center):
+    """A round hole of radius 1 in a plate of triangles from the hole to the plate's edge, which is rounded down."""
+    inner, outer = 2 * np.pi * np.arange(n) / n, 2 * np.pi * np.arange(m) / m
+    bend = np.linspace(0, np.pi / 2, 9)
+    profile = [*zip(radius + 0.4 * np.sin(bend), 0.4 * np.cos(bend) - 0.4, strict=True), (radius + 0.4, -0.7), (radius + 0.4, -1)]
+    loops = [np.column_stack([np.cos(inner), np.sin(inner), 0 * inner])]
+    loops += [np.column_stack([r * np.cos(outer) + center[0], r * np.sin(outer) + center[1], 0 * outer + z]) for r, z in profile]
+    faces, i, j = [], 0, 0
+    while i < n or j < m:
+        if j == m or (i < n and (i + 1) * m <= (j + 1) * n):
+            faces.append([(i + 1) % n, i % n, n + (j + shift) % m])
+            i += 1
+        else:
+            faces.append([i % n, n + (j + shift) % m, n + (j + 1 + shift) % m])
+            j += 1
+    for row in range(len(profile) - 1):
+        for k in range(m):
+            a, b = n + row * m + k, n + row * m + (k + 1) % m
+            faces += [[b, a, a + m], [b, a + m, b + m]]
+    return np.concatenate(loops), faces, list(range(n))
+
+
+@pytest.mark.parametrize(("n", "m", "radius", "shift", "center"), [(16, 83, 2.1, 5, (-0.4, -0.1)), (9, 66, 2.0, -7, (0.4, 0.1))])
+def test_a_plane_in_long_triangles_is_a_plane(n, m, radius, shift, center):
+    """As CAD programs mesh planes: beyond the first faces the surface bends."""
+    vertices, faces, rim = plate(n, m, radius, shift, center)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=[0, n // 3, 2 * n // 3], method="side_vertex")
+    assert np.abs(fill.vertices[:, 2]).max() < 1e-12
+    assert fill.report.surroundings_error < 0.01

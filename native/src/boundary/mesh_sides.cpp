@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "tripatch/boundary/plane_fit.h"
@@ -35,6 +36,12 @@ constexpr int pooled = 2;               ///< vertices to each side that are judg
 /// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
 /// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
 constexpr double by_far = 2;
+constexpr double coplanar =
+    1e-3;                   ///< degrees: what coordinates in single precision leave of faces in a plane, as files have them
+constexpr double bent = 5;  ///< degrees that a side turns by at least, for its faces to tell their plane
+/// Degrees that a plane may be off the faces beside it, besides twice what they differ by: of the meshes of known surfaces that were
+/// tried, with and without noise, none comes near.
+constexpr double always_plausible = 20;
 constexpr double well_known =
     0.05 * M_PI / 180;          ///< deviation of a plane, less than which nobody sees: nothing else is looked at
 constexpr Index long_rim = 60;  ///< edges, from which on threads are worth their start
@@ -394,18 +401,58 @@ bool are_known(const std::vector<VertexFit>& fits) {
   return std::all_of(fits.begin(), fits.end(), [](const VertexFit& f) { return f.slope_variances < well_known * well_known; });
 }
 
+/// Whether the faces beside a side lie in one plane, in which the side bends: then they are that plane, whatever lies behind them. Beside
+/// a straight side they may be a strip of any surface.
+bool lies_in_plane(const LocalMesh& w, const SideDraft& side) {
+  const Vec3 n = w.area[side.face[0]];
+  for (int f : side.face)
+    if (degrees_between(w.area[f], n) > coplanar) return false;
+  double turned = 0;
+  for (const Vec3& t : side.tangent) turned = std::max(turned, degrees_between(t, side.tangent[0]));
+  return turned > bent;
+}
+
+/// The plane of such faces.
+VertexFit plane_of(const LocalMesh& w, const SideDraft& side) {
+  VertexFit fit;
+  fit.normal = w.area[side.face[0]].normalized();
+  fit.second.setZero();
+  fit.slope_variances = std::pow(coplanar * M_PI / 180, 2);
+  fit.bend_variance = 0;
+  fit.information = Eigen::Matrix3d::Identity() / fit.slope_variances;
+  return fit;
+}
+
+/// Degrees by which a plane at vertex k of a side may be off the mean of the faces beside it: with rings of faces that see nothing but
+/// what lies far off, as in a plane that is meshed with long triangles, fits may be off by anything.
+double plausible(const LocalMesh& w, const SideDraft& side, int k) {
+  double spread = 0;
+  for (int e = std::max(k - pooled, 0); e < std::min(k + pooled, side.edges()); ++e)
+    spread = std::max(spread, degrees_between(w.area[side.face[e]], side.faces[k]));
+  return always_plausible + 2 * spread;
+}
+
 /// The fits at each vertex of a side that are taken, of those by neighborhood, largest first: a smaller one where it predicts what is near
-/// by far better, the more so the less certain it is of its plane.
-SideFit choose(const std::vector<std::vector<VertexFit>>& fits, SideDraft& side) {
+/// by far better, the more so the less certain it is of its plane, or where the larger one is not plausible.
+SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fits, SideDraft& side) {
   SideFit result;
   const int edges = side.edges();
+  const bool is_plane = fits.size() > 1 && lies_in_plane(w, side);  // a single fit knows it by itself
+  const std::optional<VertexFit> plane = is_plane ? std::optional(plane_of(w, side)) : std::nullopt;
   for (int k = 0; k <= edges; ++k) {
     std::size_t best = 0;
+    const double most = plausible(w, side, k);
+    const auto beyond = [&](std::size_t f) { return degrees_between(fits[f][k].normal, side.faces[k]) > most; };
     for (std::size_t f = 1; f < fits.size(); ++f) {
+      if (beyond(f)) continue;
+      if (beyond(best)) {
+        best = f;
+        continue;
+      }
       const double less_certain = 0.5 * std::log(fits[f][k].slope_variances / fits[best][k].slope_variances);
       if (lead_of(fits[f], fits[best], k) > by_far + std::max(less_certain, 0.0)) best = f;
     }
-    const VertexFit& fit = fits[best][k];
+    const VertexFit& fit = plane ? *plane : fits[best][k];
     side.normal.push_back(fit.normal);
     side.second.push_back(fit.second);
     result.slope_variances += fit.slope_variances;
@@ -457,7 +504,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
         by_neighborhood.push_back(fit_side(w, near.all_sides ? components : components_of(w, guessed, near, static_cast<int>(i)),
                                            guessed, static_cast<int>(i), near, nearest));
       }
-      fits[i] = choose(by_neighborhood, drafts[i]);
+      fits[i] = choose(w, by_neighborhood, drafts[i]);
     }
   });
   MeshSides result;
