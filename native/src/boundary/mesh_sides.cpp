@@ -39,9 +39,8 @@ constexpr double by_far = 2;
 constexpr double coplanar =
     1e-3;                   ///< degrees: what coordinates in single precision leave of faces in a plane, as files have them
 constexpr double bent = 5;  ///< degrees that a side turns by at least, for its faces to tell their plane
-/// Degrees that a plane may be off the faces beside it, besides twice what they differ by: of the meshes of known surfaces that were
-/// tried, with and without noise, none comes near.
-constexpr double always_plausible = 20;
+constexpr double always_plausible =
+    0.02;  ///< sine of the angle by which a plane may always lean against the faces beside it, 1 degree
 constexpr double well_known =
     0.05 * M_PI / 180;          ///< deviation of a plane, less than which nobody sees: nothing else is looked at
 constexpr Index long_rim = 60;  ///< edges, from which on threads are worth their start
@@ -423,13 +422,25 @@ VertexFit plane_of(const LocalMesh& w, const SideDraft& side) {
   return fit;
 }
 
-/// Degrees by which a plane at vertex k of a side may be off the mean of the faces beside it: with rings of faces that see nothing but
-/// what lies far off, as in a plane that is meshed with long triangles, fits may be off by anything.
-double plausible(const LocalMesh& w, const SideDraft& side, int k) {
-  double spread = 0;
-  for (int e = std::max(k - pooled, 0); e < std::min(k + pooled, side.edges()); ++e)
-    spread = std::max(spread, degrees_between(w.area[side.face[e]], side.faces[k]));
-  return always_plausible + 2 * spread;
+/// Sine of the angle by which a normal leans over a side's vertex, outwards or inwards, against the faces beside it.
+double lean(const SideDraft& side, int k, const Vec3& normal) {
+  return std::abs(normal.dot(side.tangent[k].cross(side.faces[k]))) / normal.norm();
+}
+
+/// By how much a plane at vertex k of a side may lean: twice as much as the faces beside the rim there and those within two steps from
+/// them do. Where rings of faces see nothing but what lies far off, as in a plane that is meshed with long triangles, fits may lean
+/// by anything.
+double most_lean(const LocalMesh& w, const SideDraft& side, int k) {
+  std::vector<int> near;
+  for (int e = std::max(k - pooled, 0); e < std::min(k + pooled, side.edges()); ++e) near.push_back(side.face[e]);
+  for (std::size_t at = 0, step = 0, end = near.size(); step < 2; ++step, end = near.size())
+    for (; at < end; ++at)
+      for (int c = w.part.offsets[near[at]]; c < w.part.offsets[near[at] + 1]; ++c)
+        if (w.across[c] >= 0 && std::find(near.begin(), near.end(), w.across[c]) == near.end()) near.push_back(w.across[c]);
+  double most = 0;
+  for (int f : near)
+    if (w.area[f].dot(side.faces[k]) > same_sheet * w.area[f].norm()) most = std::max(most, lean(side, k, w.area[f]));
+  return always_plausible + 2 * most;
 }
 
 /// The fits at each vertex of a side that are taken, of those by neighborhood, largest first: a smaller one where it predicts what is near
@@ -441,14 +452,14 @@ SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fi
   const std::optional<VertexFit> plane = is_plane ? std::optional(plane_of(w, side)) : std::nullopt;
   for (int k = 0; k <= edges; ++k) {
     std::size_t best = 0;
-    const double most = plausible(w, side, k);
-    const auto beyond = [&](std::size_t f) { return degrees_between(fits[f][k].normal, side.faces[k]) > most; };
+    const double most = most_lean(w, side, k);
+    const auto leans = [&](std::size_t f) { return lean(side, k, fits[f][k].normal); };
     for (std::size_t f = 1; f < fits.size(); ++f) {
-      if (beyond(f)) continue;
-      if (beyond(best)) {
+      if (leans(best) > most && leans(f) < leans(best)) {
         best = f;
         continue;
       }
+      if (leans(f) > most) continue;
       const double less_certain = 0.5 * std::log(fits[f][k].slope_variances / fits[best][k].slope_variances);
       if (lead_of(fits[f], fits[best], k) > by_far + std::max(less_certain, 0.0)) best = f;
     }
