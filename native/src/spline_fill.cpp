@@ -89,16 +89,12 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   loops.insert(loops.end(), islands.begin(), islands.end());
   Fill fill;
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
-  PlaneFillOptions own = {options.resolution, {}, false};
+  PlaneFillOptions own = {options.resolution, {}, nullptr};
   std::optional<PlaneFill> creased;
   if (options.features && islands.empty())
     creased = fill_across_creases(mesh, around, rim, find_features(mesh, around, rim), own);
-  if (options.continued) {
-    own.joined = joined_rows(around, fill.rim);
-    own.may_stand_alone = true;
-  }
-  PlaneFill made =
-      creased ? std::move(*creased) : fill_over_plane(mesh, options.continued ? *options.continued : around, loops, own);
+  own.continued = options.continued;
+  PlaneFill made = creased ? std::move(*creased) : fill_over_plane(mesh, around, loops, own);
 
   if (!creased) halve_doubled(mesh, around, fill.rim, made);
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();

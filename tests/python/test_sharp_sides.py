@@ -110,3 +110,16 @@ def test_no_side_of_a_coarse_sphere_is_sharp(n):
     vertices, faces = cube_sphere(n + 2)
     left, _ = corner_removed(vertices, faces, 1)
     assert "Free" not in tripatch.fill(vertices, left).report.continuity
+
+
+@pytest.mark.parametrize(("top", "within"), [(slope, 1e-12), (cylinder, 0.025), (sphere, 0.025), (saddle, 0.04)])
+def test_a_face_between_two_walls_comes_back_about_as_it_was(top, within):
+    """No patch has two sides here: the spline has the rim alone to go by."""
+    t = np.linspace(0, 1, 20, endpoint=False)
+    arc = 0.4 * np.sin(np.pi * t)
+    lens = np.concatenate([np.column_stack([1 - 2 * t, arc]), np.column_stack([2 * t - 1, -arc])])
+    vertices, faces, rim, _ = column(top, lens, edges=1)
+    fill = tripatch.fill(vertices, faces, rim=rim)
+    assert fill.report.triangles_folded == 0
+    assert any("2 of its 2 sides" in warning for warning in fill.report.warnings)
+    assert distance(fill, top) < within

@@ -19,8 +19,8 @@ struct PlaneFillOptions {
   std::optional<int> resolution;  ///< a third of the rim has so many edges inside the fill; none: edges as long as the rim's
   /// Rows of the loops' vertices, loop by loop, that no inner edge may join, besides those that the mesh joins already.
   std::vector<std::array<Index, 2>> joined;
-  /// Where nothing surrounds the loops the fill is the surface of least bending through them; else they are closed with plain triangles.
-  bool may_stand_alone = false;
+  /// What of the mesh is continued, where that is not all around; where nothing is, the loops alone are the samples.
+  const Connectivity* continued = nullptr;
 };
 
 struct PlaneFill {
