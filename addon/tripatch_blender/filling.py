@@ -242,7 +242,7 @@ def _shared_or_each(mesh, loops, corners, arguments, counts=None):
 def _sides(corners, loop, positions, faces, replaced):
     """How many sides a rim has."""
     if corners is not None:
-        return len(corners)
+        return len(corners) or 1
     try:
         return len(tripatch.find_corners(positions, faces, loop, replaced=replaced, any_number=True)) or 1
     except tripatch.Refusal:

@@ -9,6 +9,7 @@
 #include "tripatch/fill.h"
 #include "tripatch/output/triangulate.h"
 #include "tripatch/polygon/fair.h"
+#include "tripatch/polygon/round.h"
 
 using namespace tripatch;
 
@@ -81,6 +82,7 @@ void bind_patches(py::module_& m) {
             const Fairing of = named<Fairing>(name, "energy");
             if (const auto* polygon = dynamic_cast<const PolygonSurface*>(&surface))
               return polygon_energy(surface, polygon->domain(), of, polygon_size(surface, polygon->domain()));
+            if (dynamic_cast<const RoundSurface*>(&surface)) return round_energy(surface, of);
             return energy(surface, of, size_of(surface));
           },
           py::call_guard<py::gil_scoped_release>())

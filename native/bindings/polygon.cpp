@@ -2,6 +2,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "options.h"
+#include "tripatch/polygon/round.h"
 #include "tripatch/polygon_fill.h"
 
 using namespace tripatch;
@@ -16,6 +17,24 @@ void bind_polygon(py::module_& m) {
             return array_from(corners);
           },
           "(n, 2) the corners of the polygon; side i runs from corner i to corner i + 1.");
+  py::class_<RoundSurface, Surface, std::shared_ptr<RoundSurface>>(m, "RoundPatch", "A patch over the unit disc.")
+      .def_property_readonly(
+          "domain",
+          [](const RoundSurface&) {
+            PlanePoints places(64, 2);
+            for (int k = 0; k < 64; ++k) places.row(k) = on_circle(k / 64.0);
+            return array_from(places);
+          },
+          "(64, 2) places on the unit circle, the first where the side begins.");
+  m.def("_round_patch", [](const Side& side, const py::dict& given) {
+    const PolygonPatchOptions options = polygon_options(fill_options(given));
+    RoundPatch made;
+    {
+      py::gil_scoped_release release;
+      made = round_patch(side, options);
+    }
+    return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), made.warnings, made.seam_angle_max);
+  });
   m.def("_polygon_triangles", [](const std::shared_ptr<OverPolygon>& patch, const std::vector<std::vector<double>>& parameters,
                                  const std::optional<int>& resolution) {
     PolygonTriangles made;

@@ -542,12 +542,36 @@ std::vector<Index> corners_between_sharp(const Ground& ground, const std::vector
   return vertices;
 }
 
+/// The patch over a disc where the rim is smooth all around, else the surface over a plane. rim: as new faces take it.
+Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options,
+                    const std::string& otherwise) {
+  const auto any_rim = [&](const std::string& reason) {
+    return fill_any_rim(ground, rim, std::vector<Index>(), options, reason);
+  };
+  if (!is_round(ground.mesh, ground.left, rim)) return any_rim(otherwise);
+  check_counts(options, 1);
+  try {
+    check_positions(ground.mesh, ground.left, rim);
+    PolygonFill made = fill_round(ground.mesh, ground.left, rim, options);
+    made.fill.report.method_reason =
+        made.of_revolution ? "the rim is round, and what surrounds it of revolution" : "the rim is round";
+    if (made.crumpled) return any_rim("a patch over the round rim would fold or crumple");
+    if (made.of_revolution || !not_taken(options).empty()) return std::move(made.fill);
+    Fill spline = any_rim("the surroundings as a whole tell of another surface than the round rim alone");
+    return excluded_by(made.fill, spline, diameter(ground.mesh, rim)) ? spline : std::move(made.fill);
+  } catch (const Refusal& refusal) {
+    return any_rim(std::string("no patch fits the round rim: ") + refusal.what());
+  }
+}
+
 /// The exact patch between three smooth sides, else the surface over a plane.
 Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
   if (!options.islands.empty()) return any_rim("the hole has islands");
-  if (corners && corners->empty()) return any_rim("a round rim was asked for");
+  if (corners && corners->empty())
+    return fill_round_rim(ground, check_topology(ground.left, rim), options,
+                          "a round rim was asked for, and this one is not smooth");
   if (corners && makes_polygon(*corners)) return fill_between_many(ground, rim, *corners, true, options);
   if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
   Hole hole;
@@ -570,7 +594,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     const std::string otherwise = std::string("three sides were not found: ") + refusal.what();
     const std::vector<Index> sharp = corners_between_sharp(ground, checked);
     return makes_polygon(sharp) && not_taken(options).empty() ? fill_between_many(ground, rim, sharp, false, options)
-                                                              : any_rim(otherwise);
+                                                              : fill_round_rim(ground, checked, options, otherwise);
   }
   check_counts(options, 3);
   if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
@@ -589,19 +613,41 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   return better ? other : std::move(*patch);
 }
 
+/// The patch over a polygon or a disc, insisted on; nothing where the rim has three sides. Corners that are not given are detected.
+std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::optional<std::vector<Index>>& rim,
+                                         const Corners& corners, const FillOptions& options) {
+  if (corners && !corners->empty() && !makes_polygon(*corners)) return {};
+  if (!corners && options.method != polygon_method) return {};
+  std::vector<Index> given = corners.value_or(std::vector<Index>());
+  std::vector<Index> loop = rim ? *rim : given.empty() ? only_hole(ground) : loop_through(ground, given);
+  loop = check_topology(ground.left, loop);
+  check_finite(ground.mesh, ground.left, loop);
+  if (!corners) {
+    for (Index place : corners_between_sides(ground.mesh, ground.left, loop)) given.push_back(loop[place]);
+    if (given.size() == 3 || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
+  }
+  check_counts(options, std::max<std::size_t>(given.size(), 1));
+  Fill fill;
+  if (given.empty()) {
+    check_positions(ground.mesh, ground.left, loop);
+    fill = std::move(fill_round(ground.mesh, ground.left, loop, options).fill);
+  } else {
+    const CorneredRim found = cornered(ground, loop, given);
+    fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
+  }
+  fill.report.method_reason = "it was asked for";
+  return fill;
+}
+
 Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
   const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
   const bool automatic = options.method == automatic_method && of_mesh;
   if (!automatic && options.method != spline_method) {
     const bool polygon = options.method == polygon_method || options.method == patch_method;
-    if (!polygon || !of_mesh || !corners || !makes_polygon(*corners))
-      return fill_with_patch(ground, hole_of(ground, rim, corners), options);
-    check_counts(options, corners->size());
-    const CorneredRim found = cornered(ground, rim ? *rim : loop_through(ground, *corners), *corners);
-    Fill fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
-    fill.report.method_reason = "it was asked for";
-    return fill;
+    if (polygon && of_mesh)
+      if (std::optional<Fill> fill = fill_with_many_sides(ground, rim, corners, options)) return std::move(*fill);
+    return fill_with_patch(ground, hole_of(ground, rim, corners), options);
   }
   const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
   if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");

@@ -9,9 +9,11 @@
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/output/doubled_edges.h"
+#include "tripatch/output/pair_quads.h"
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/polygon/follow.h"
+#include "tripatch/polygon/round.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -38,14 +40,14 @@ PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vecto
 }
 
 /// The polygon in triangles about its center.
-PlaneCover triangles_of(const PolygonDomain& domain, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
+PlaneCover triangles_of(const Vec2& center, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
                         std::vector<std::array<Index, 2>> joined, std::optional<int> resolution) {
   const Index r = rim_uv.rows();
   PlanePolygon polygon;
   polygon.uv.resize(r + 1, 2);
-  polygon.uv << rim_uv, domain.center().transpose();
+  polygon.uv << rim_uv, center.transpose();
   Points middle = Points::Zero(1, 3);
-  middle.row(0).head<2>() = domain.center();
+  middle.row(0).head<2>() = center;
   polygon.points.resize(r + 1, 3);
   polygon.points << rim, patch.positions(middle);
   polygon.rim = r;
@@ -195,7 +197,7 @@ PolygonPatchOptions polygon_options(const FillOptions& options) {
 PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vector<std::vector<double>>& parameters,
                                      std::optional<int> resolution) {
   const PlanePoints rim = rim_places(patch.domain(), parameters);
-  PlaneCover cover = triangles_of(patch.domain(), patch, rim, patch.positions(plane_rows(rim)), {}, resolution);
+  PlaneCover cover = triangles_of(patch.domain().center(), patch, rim, patch.positions(plane_rows(rim)), {}, resolution);
   return {std::move(cover.uv), std::move(cover.faces)};
 }
 
@@ -244,7 +246,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   const PlaneCover cover = options.output == Output::quads
                                ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
                                                           polygon_layout_options(options))
-                               : triangles_of(made.domain, *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
+                               : triangles_of(made.domain.center(), *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
   fill.rim = rim;
   fill.rim_uv = rim_uv;
   fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
@@ -282,6 +284,141 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
                                 std::to_string(std::lround(made.corner_mismatch_deg[k])) + " degrees at corner " +
                                 std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
   }
+  if (report.folds > 0) report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) + " places");
+  result.crumpled = made.gave_up || report.folds > 0 || report.triangles_folded > 0;
+  return result;
+}
+
+namespace {
+
+/// Vertices beyond the first that a spline round a rim goes on to: what its ends do has died away by 1e-6 then.
+constexpr Index wrapped = 12;
+/// Three corners are put in so many ways that every vertex is far from them in one, and in the same way each.
+constexpr Index most_placements = 24;
+
+/// Waves round the rim that are taken for what they are, the rest is a spline: a share of the number of vertices, and so many at most.
+/// A spline alone is no circle through twelve vertices, by 4e-4 of the diameter.
+constexpr Index vertices_a_wave = 4;
+constexpr Index most_fitted_waves = 8;
+
+/// A field round the rim through values at its vertices; t: of these.
+PiecewisePolynomial closed_spline(const std::vector<double>& t, std::vector<Vec3> values) {
+  const Index n = static_cast<Index>(values.size());
+  const int order = static_cast<int>(std::min(n / vertices_a_wave, most_fitted_waves));
+  Eigen::MatrixXd waves(n, 2 * order + 1), given(n, 3);
+  for (Index k = 0; k < n; ++k) {
+    given.row(k) = values[k];
+    waves(k, 0) = 1;
+    for (int m = 1; m <= order; ++m) waves.row(k).segment<2>(2 * m - 1) = on_circle(m * t[k]).transpose();
+  }
+  const Harmonic fitted = least_squares(waves, given);
+  const Eigen::MatrixXd rest = given - waves * fitted;
+  for (Index k = 0; k < n; ++k) values[k] = rest.row(k);
+  const Index more = std::min(wrapped, n - 1);
+  std::vector<double> at, flat;
+  for (Index k = -more; k <= n + more; ++k) {
+    const Index turns = k < 0 ? -1 : k / n, own = k - turns * n;
+    at.push_back(t[own] + static_cast<double>(turns));
+    flat.insert(flat.end(), values[own].data(), values[own].data() + 3);
+  }
+  const double first = at.front(), length = at.back() - first;
+  for (double& x : at) x = (x - first) / length;
+  at.back() = 1;
+  return around_circle(fitted) + PiecewisePolynomial::spline(at, flat, 3).part(-first / length, (1 - first) / length);
+}
+
+struct RoundRim {
+  Side side;
+  std::vector<double> t;  // of the vertices, and 1
+  double surroundings_error = 0;
+};
+
+RoundRim round_rim(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const Index n = static_cast<Index>(rim.size());
+  std::vector<SideForm> seen(n);
+  RoundRim out;
+  const Index ways = std::min(n, most_placements), third = n / 3;
+  for (Index p = 0; p < ways; ++p) {
+    // the vertices from `first` on in the middle of the side from corner 0 to 1
+    const Index first = p * n / ways, last = (p + 1) * n / ways, before = (third - (last - first)) / 2;
+    Hole hole;
+    for (Index j = 0; j < n; ++j) hole.rim.push_back(rim[(first - before + j + n) % n]);
+    hole.corners = {0, third, 2 * n / 3};
+    const MeshSides three = mesh_sides(mesh, around, hole);
+    out.surroundings_error = std::max(out.surroundings_error, three.surroundings_error);
+    out.side.curvature_error = std::max(out.side.curvature_error, three.sides[2].curvature_error);
+    for (Index k = first; k < last; ++k) seen[k] = side_form(three.sides[2], three.parameters[2][before + k - first]);
+  }
+  std::vector<Vec3> position, across, bend;
+  double length = 0;
+  for (Index k = 0; k < n; ++k) {
+    position.emplace_back(mesh.vertices.row(rim[k]));
+    out.t.push_back(length);
+    length += (mesh.vertices.row(rim[(k + 1) % n]) - mesh.vertices.row(rim[k])).norm();
+  }
+  for (double& t : out.t) t /= length;
+  out.side.c = closed_spline(out.t, position);
+  for (Index k = 0; k < n; ++k) {
+    const SideForm& form = seen[k];
+    across.push_back(out.side.c.derivative_at(out.t[k]).cross(form.n).normalized());
+    bend.emplace_back(form(across.back()) * form.n);
+  }
+  out.side.r = closed_spline(out.t, across);
+  out.side.q = closed_spline(out.t, bend);
+  out.t.push_back(1);
+  return out;
+}
+
+/// Of waves round a rim: so many as it has edges, but no more than these.
+constexpr int most_waves = 48;
+
+}  // namespace
+
+PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options) {
+  const Index r = static_cast<Index>(rim.size()), n = mesh.vertices.rows();
+  if (r < least_round) throw Refusal("A round rim has six edges or more", rim);
+  const RoundRim known = round_rim(mesh, around, rim);
+  const RoundPatch made = round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, most_waves)));
+  PolygonFill result;
+  Fill& fill = result.fill;
+  PlanePoints rim_uv(r, 2);
+  Points points(r, 3);
+  for (Index k = 0; k < r; ++k) {
+    rim_uv.row(k) = on_circle(known.t[k]);
+    points.row(k) = mesh.vertices.row(rim[k]);
+  }
+  PlaneCover cover = triangles_of(Vec2::Zero(), *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
+  fill.uv = cover.uv.bottomRows(cover.uv.rows() - r);
+  std::tie(fill.vertices, fill.normals) = made.patch->positions_and_normals(plane_rows(fill.uv));
+  if (options.output == Output::quads) {
+    std::vector<std::array<Index, 3>> triangles;
+    for (Index f = 0; f < cover.faces.size(); ++f) triangles.push_back({cover.faces[f][0], cover.faces[f][1], cover.faces[f][2]});
+    Points all(cover.uv.rows(), 3);
+    all << points, fill.vertices;
+    cover.faces = pair_quads(all, triangles);
+  }
+  fill.rim = rim;
+  fill.rim_uv = rim_uv;
+  fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
+  fill.faces = std::move(cover.faces);
+  for (Index& v : fill.faces.corners) v = v < r ? rim[v] : n + v - r;
+  fill.patch = made.patch;
+  fill.sides = {made.side};
+  Report& report = fill.report;
+  result.of_revolution = made.of_revolution;
+  report.method = polygon_method;
+  report.surroundings_error = known.surroundings_error;
+  report.fairing = made.fairing;
+  report.energy_before = made.energy_before;
+  report.energy_after = made.energy_after;
+  report.folds = made.folds;
+  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
+  report.continuity = {made.continuity};
+  report.seam_angle_max_by_side = {made.seam_angle_max};
+  report.seam_angle_rms_by_side = {made.seam_angle_rms};
+  report.seam_angle_max = made.seam_angle_max;
+  report.seam_angle_rms = made.seam_angle_rms;
+  report.warnings = made.warnings;
   if (report.folds > 0) report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) + " places");
   result.crumpled = made.gave_up || report.folds > 0 || report.triangles_folded > 0;
   return result;

@@ -42,12 +42,12 @@ BySide<T> each_side(const T& value) {
   return {value};
 }
 
-/// Throws a Refusal where the values are neither one nor one a side.
+/// Throws InvalidArgument where the values are neither one nor one a side.
 template <class T>
 void check_count(const BySide<T>& values, std::size_t sides, const char* name) {
   if (!values.fit(sides))
-    throw Refusal(std::string(name) + " has " + std::to_string(values.values().size()) + " values, for a hole of " +
-                  std::to_string(sides) + " sides; give one, or one a side");
+    throw InvalidArgument(std::string(name) + " has " + std::to_string(values.values().size()) + " values, for a hole of " +
+                          std::to_string(sides) + " sides; give one, or one a side");
 }
 /// The same as an array of three.
 template <class T>

@@ -42,6 +42,7 @@ MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain,
 struct PolygonFill {
   Fill fill;
   bool crumpled = false;        ///< folds, or no energy serves: another kind of fill may do better
+  bool of_revolution = false;   ///< as its surroundings are
   double planes_apart_deg = 0;  ///< the most by which the tangent planes of two sides differ at their corner
 };
 /// Whether a fill from the surroundings as a whole, which states how well it is known, tells of another surface than the patch between
@@ -50,5 +51,10 @@ bool excluded_by(const Fill& patch, const Fill& spline, double diameter);
 
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options);
+
+/// A round rim has at least so many edges.
+constexpr Index least_round = 6;
+/// The patch over a disc whose rim has no corners. rim: in the direction of new faces, least_round edges or more.
+PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options);
 
 }  // namespace tripatch

@@ -38,7 +38,7 @@ def patch(
     tolerance: float | None = None,
     **options,
 ) -> Patch:
-    """A patch from three to twelve sides that meet at the corners.
+    """A patch from three to twelve sides that meet at the corners, or in a round rim that is one closed side.
 
     Options are those of `fill`, but nothing is made fair unless `fairing` says how ("auto" and so on). What a person should know
     of the patch is given as a warning.
@@ -53,21 +53,21 @@ def patch(
 
     Returns:
         A `Patch`, for `evaluate` and `normal` at barycentric coordinates (k, 3); of four sides or more at places (k, 2) of its
-        `domain`, a polygon with these corners (n, 2).
+        `domain`, a polygon with these corners (n, 2); of a round rim in the unit disc.
 
     Raises:
         Refusal: the sides do not meet.
     """
     sides = tuple(sides)
-    if not 3 <= len(sides) <= 12 or not all(isinstance(side, Side) for side in sides):
-        raise TypeError("sides must be three to twelve Side objects")
+    if not (len(sides) == 1 or 3 <= len(sides) <= 12) or not all(isinstance(side, Side) for side in sides):
+        raise TypeError("sides must be three to twelve Side objects, or one that is closed")
     if tolerance is not None:
         if not isinstance(tolerance, numbers.Real) or isinstance(tolerance, bool):
             raise TypeError("tolerance must be a number or None")
         if not 0 <= tolerance < np.inf:
             raise ValueError("tolerance must be a length")
         sides = _closed(sides, float(tolerance))
-    if len(sides) > 3:
+    if len(sides) != 3:
         made, notes = _between_many(
             sides, through, {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, **options}
         )
@@ -84,7 +84,7 @@ def patch(
 
 
 def _between_many(sides, through, options: dict) -> tuple[Patch, list[str]]:
-    """A patch of four sides or more: options by side have one value or one a side."""
+    """A patch of another number of sides than three: options by side have one value or one a side."""
     if options["method"] not in ("auto", "multi_sided", "side_vertex"):
         raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
     points = []
@@ -93,7 +93,12 @@ def _between_many(sides, through, options: dict) -> tuple[Patch, list[str]]:
         if one.shape not in ((3,), (2, 3)) or not np.isfinite(one).all():
             raise ValueError("through must hold points (3,) or pairs of a point and a normal")
         points.append((one.tolist(), None) if one.ndim == 1 else (one[0].tolist(), one[1].tolist()))
-    return _native._polygon_patch(sides, checked("patch", options), points)[:2]
+    given = checked("patch", options)
+    if len(sides) == 1:
+        if points:
+            raise ValueError("through is for holes with corners; the middle of a round one is center")
+        return _native._round_patch(sides[0], given)[:2]
+    return _native._polygon_patch(sides, given, points)[:2]
 
 
 def blend(

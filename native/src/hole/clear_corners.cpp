@@ -1,6 +1,7 @@
 #include "tripatch/hole/clear_corners.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -19,6 +20,7 @@ constexpr Index beside = 2;
 /// Corners are edges apart, three in the mean: of shorter sides nobody knows which way they run.
 constexpr Index least_edges = 2, mean_edges = 3;
 constexpr Index most_clear = 12;
+constexpr Index least_round_edges = 8;
 
 /// Whether no face around is a triangle: lines of quads tell of three corners more surely than turns do.
 bool between_lines(const Connectivity& around, const std::vector<Index>& rim) {
@@ -62,6 +64,18 @@ std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, c
     if ((corners[(k + 1) % count] - corners[k] + n) % n < least_edges) return {};
   if (zigzag(mesh, rim, corners) > smooth_sides) return {};
   return corners;
+}
+
+bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const Index n = static_cast<Index>(rim.size());
+  if (n < least_round_edges) return false;
+  const RimShape shape = measure(mesh, around, rim);
+  if (shape.without_area) return false;
+  double most = 0;
+  for (double turn : shape.turn) most = std::max(most, std::abs(turn));
+  if (most > std::max(over_beside * 2 * M_PI / static_cast<double>(n), least_turn)) return false;
+  const std::array<Index, 2> halves = {0, n / 2};
+  return zigzag(mesh, rim, halves) <= smooth_sides;
 }
 
 std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {

@@ -77,19 +77,22 @@ Vec3 shown(const PolygonDomain& domain, const SideList& sides, const Vec2& p) {
 
 double polygon_energy(const Surface& surface, const PolygonDomain& domain, Fairing of, double size) {
   const PolygonQuadrature quadrature = polygon_quadrature(domain, energy_nodes);
-  const std::vector<Derivatives> all = plane_derivatives(surface, quadrature.uv);
+  return weighed_energy(plane_derivatives(surface, quadrature.uv), quadrature.weights, of, size);
+}
+
+double weighed_energy(const std::vector<Derivatives>& all, const std::vector<double>& weights, Fairing of, double size) {
   double variation = 0, quadric = 0, flat = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Derivatives& d = all[k];
     if (is_quadratic(of)) {
-      flat += quadrature.weights[k] *
+      flat += weights[k] *
               (of == Fairing::thin_plate
                    ? d.row(2).squaredNorm() + 2 * d.row(3).squaredNorm() + d.row(4).squaredNorm()
                    : d.row(5).squaredNorm() + 3 * d.row(6).squaredNorm() + 3 * d.row(7).squaredNorm() + d.row(8).squaredNorm());
       continue;
     }
     const CurvatureVariation v = curvature_variation(d, flat_curvature(size));
-    const double w = quadrature.weights[k] * size * size * v.area;
+    const double w = weights[k] * size * size * v.area;
     variation += w * v.variation.squaredNorm();
     quadric += w * v.quadric.squaredNorm();
   }

@@ -20,8 +20,8 @@ std::vector<T> each(const std::vector<T>& given, int n, const T& otherwise, cons
   if (given.empty()) return std::vector<T>(n, otherwise);
   if (given.size() == 1) return std::vector<T>(n, given[0]);
   if (static_cast<int>(given.size()) != n)
-    throw Refusal(std::string(name) + " has " + std::to_string(given.size()) + " values, for " + std::to_string(n) +
-                  " sides; give one, or one a side");
+    throw InvalidArgument(std::string(name) + " has " + std::to_string(given.size()) + " values, for " + std::to_string(n) +
+                          " sides; give one, or one a side");
   return given;
 }
 

@@ -11,6 +11,9 @@ namespace tripatch {
 /// smooth side each: two to twelve of them, or none where it is not so. rim: in the direction of new faces.
 std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
+/// Whether the rim is smooth all around: at no vertex it turns by much more than beside it, or back.
+bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
 /// Places of the corners between which a patch is made where nobody gives any: four or more clear ones, else three as detect_corners
 /// finds them, else none.
 std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);

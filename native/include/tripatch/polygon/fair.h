@@ -37,6 +37,9 @@ struct PolygonBase {
 /// An energy of a surface over a polygon, as energy() for a triangle.
 double polygon_energy(const Surface& surface, const PolygonDomain& domain, Fairing of, double size);
 
+/// The same from derivatives at the nodes of a quadrature.
+double weighed_energy(const std::vector<Derivatives>& all, const std::vector<double>& weights, Fairing of, double size);
+
 /// The largest distance between points of the border.
 double polygon_size(const Surface& surface, const PolygonDomain& domain);
 

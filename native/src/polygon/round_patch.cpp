@@ -1,0 +1,280 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tripatch/fairing/candidates.h"
+#include "tripatch/math/angle.h"
+#include "tripatch/polygon/round_problem.h"
+
+namespace tripatch {
+namespace {
+
+constexpr double closed_within = 1e-6;  ///< of the size: a gap that is rounding
+constexpr double smooth_within = 10;    ///< degrees between end and beginning: more is a corner
+/// Energies are measured on a rim without shorter waves: third derivatives of what a mesh says of them are noise.
+constexpr int measured_waves = 12;
+constexpr int round_seam_samples = 200, round_fold_rings = 16, round_fold_angles = 64;
+constexpr double neighbors_apart = 0.5;  ///< cosine, as for polygons
+constexpr int energy_nodes_round = 8;
+/// Surroundings that are of revolution to this share of the size get a fill that is: a descent along a flat valley would enlarge what
+/// rounding and the mesh have left of unevenness a thousand times.
+constexpr double revolved_within = 1e-6;
+
+double rim_diameter(const PiecewisePolynomial& c) {
+  std::vector<Vec3> points;
+  for (int k = 0; k < 48; ++k) points.push_back(c(k / 48.0));
+  double size = 0;
+  for (const Vec3& p : points)
+    for (const Vec3& q : points) size = std::max(size, (p - q).norm());
+  return size;
+}
+
+void check_round(const Side& side, double size) {
+  if (!(size > 0)) throw Refusal("The side has no length");
+  if ((side.c(1) - side.c(0)).norm() > closed_within * size)
+    throw Refusal("A single side is the rim of a round hole: its end must be its beginning");
+  if (degrees_between(side.c.derivative_at(1), side.c.derivative_at(0)) > smooth_within ||
+      degrees_between(side.normal(1), side.normal(0)) > smooth_within)
+    throw Refusal("A round rim has no corner; this one has one where it begins");
+}
+
+}  // namespace
+
+PiecewisePolynomial around_circle(const Harmonic& waves) {
+  return PiecewisePolynomial::fit(
+      [&](std::span<const double> t, std::span<double> out) {
+        for (std::size_t s = 0; s < t.size(); ++s) {
+          Vec3 sum = waves.row(0);
+          for (Index k = 1; 2 * k < waves.rows(); ++k) {
+            const Vec2 wave = on_circle(static_cast<double>(k) * t[s]);
+            sum += wave[0] * waves.row(2 * k - 1).transpose() + wave[1] * waves.row(2 * k).transpose();
+          }
+          Vec3::Map(&out[3 * s]) = sum;
+        }
+      },
+      3);
+}
+
+namespace {
+
+/// The side by waves up to an order: r a unit vector across, q the normal curvature along it.
+Side in_waves(const Side& side, int order) {
+  const auto across = [&](double t) -> Vec3 {
+    const Vec3 along = side.c.derivative_at(t), r = side.r(t);
+    return (r - r.dot(along) / along.squaredNorm() * along).normalized();
+  };
+  Side out;
+  out.c = around_circle(fourier([&](double t) { return side.c(t); }, order));
+  out.r = around_circle(fourier(across, order));
+  if (!side.q.empty()) {
+    const auto bend = [&](double t) -> Vec3 {
+      const SideForm form = side_form(side, t);
+      return form(across(t)) * form.n;
+    };
+    out.q = around_circle(fourier(bend, order));
+  }
+  out.curvature_error = side.curvature_error;
+  return out;
+}
+
+/// The frame about which rim and slopes are of revolution, if they are.
+std::optional<Eigen::Matrix3d> axis_of(const RoundBase& base) {
+  const Harmonic& curve = base.terms[0];
+  if (base.center || curve.rows() < 3) return {};
+  Eigen::Matrix3d frame;
+  frame.col(0) = curve.row(1).normalized();
+  frame.col(2) = frame.col(0).cross(Vec3(curve.row(2))).normalized();
+  frame.col(1) = frame.col(2).cross(frame.col(0));
+  if (!frame.allFinite()) return {};
+  std::vector<Harmonic> other = base.terms;
+  of_revolution(other, frame);
+  other[0].row(0) = curve.row(0);
+  for (std::size_t j = 0; j < other.size(); ++j)
+    if ((other[j] - base.terms[j]).norm() > revolved_within * base.size) return {};
+  return frame;
+}
+
+struct RoundAsked {
+  SideContinuity continuity;
+  double bulge;
+  std::optional<Vec3> center;
+  int order;
+  bool tangent() const { return continuity != SideContinuity::free && continuity != SideContinuity::g0; }
+};
+
+Vec3 middle_of(const std::vector<Harmonic>& terms) {
+  Vec3 p = Vec3::Zero();
+  for (const Harmonic& term : terms) p += term.row(0).transpose();
+  return p;
+}
+
+void hold_center(std::vector<Harmonic>& terms, const std::optional<Vec3>& center) {
+  if (!center) return;
+  const Vec3 lacking = *center - middle_of(terms);
+  terms = sum_of(std::move(terms), {Harmonic::Zero(1, 3), Harmonic::Zero(1, 3), lacking.transpose()});
+}
+
+RoundBase round_base(const Side& side, const RoundAsked& asked, double size, int order) {
+  RoundBase base;
+  base.side = in_waves(side, order);
+  base.size = size;
+  base.alpha = asked.bulge * arc_length(base.side.c) / (2 * std::numbers::pi);
+  base.position_only = asked.continuity == SideContinuity::free;
+  base.slopes_free = asked.tangent() && asked.bulge == 1;
+  base.curvature = asked.continuity == SideContinuity::g2 || asked.continuity == SideContinuity::automatic;
+  base.center = asked.center;
+  const Harmonic curve = fourier([&](double t) { return base.side.c(t); }, order);
+  Harmonic slope = Harmonic::Zero(2 * order + 5, 3);  // two waves more: alpha and beta times r and c'
+  if (asked.tangent()) {
+    slope.topRows(curve.rows()) = -0.5 * base.alpha * fourier([&](double t) { return base.side.r(t); }, order);
+    for (Index k = 1; k <= order; ++k)
+      slope.middleRows(2 * k - 1, 2) += 0.5 * static_cast<double>(k) * curve.middleRows(2 * k - 1, 2);
+  }
+  base.terms = {curve, slope};
+  hold_center(base.terms, base.center);
+  return base;
+}
+
+/// First and second derivative along the radius at the rim.
+Across along_radius(const Surface& patch, double t) {
+  const Vec2 p = on_circle(t);
+  const std::array<double, 3> at = {p[0], p[1], 0};
+  std::array<double, 18> jets;
+  patch.evaluate(at.data(), 1, 2, jets.data());
+  const auto d = [&](int which) { return Vec3(Vec3::Map(&jets[3 * which])); };
+  return {p[0] * d(1) + p[1] * d(2), 2 * (p[0] * p[0] * d(3) + p[0] * p[1] * d(4) + p[1] * p[1] * d(5))};
+}
+
+Index count_round_folds(const Surface& patch) {
+  Points uv = Points::Zero(round_fold_rings * round_fold_angles, 3);
+  for (Index ring = 0; ring < round_fold_rings; ++ring)
+    for (Index k = 0; k < round_fold_angles; ++k)
+      uv.row(ring * round_fold_angles + k).head<2>() =
+          on_circle(static_cast<double>(k) / round_fold_angles) * static_cast<double>(ring + 1) / round_fold_rings;
+  const Points normals = patch.normals(uv);
+  Index folds = 0;
+  for (Index ring = 0; ring < round_fold_rings; ++ring)
+    for (Index k = 0; k < round_fold_angles; ++k) {
+      const Vec3 own = normals.row(ring * round_fold_angles + k);
+      const Vec3 next = normals.row(ring * round_fold_angles + (k + 1) % round_fold_angles);
+      folds += own.dot(next) <= neighbors_apart;
+      if (ring > 0) folds += own.dot(normals.row((ring - 1) * round_fold_angles + k)) <= neighbors_apart;
+    }
+  return folds;
+}
+
+void measure_round_seam(RoundPatch& made) {
+  double squares = 0;
+  for (int k = 0; k < round_seam_samples; ++k) {
+    const double t = static_cast<double>(k) / round_seam_samples;
+    Points at = Points::Zero(1, 3);
+    at.row(0).head<2>() = on_circle(t);
+    const double angle = degrees_between(made.patch->normals(at).row(0), made.side.normal(t));
+    made.seam_angle_max = std::max(made.seam_angle_max, angle);
+    squares += angle * angle / round_seam_samples;
+  }
+  made.seam_angle_rms = std::sqrt(squares);
+}
+
+/// Plus what the second derivative along the radius lacks, along the normal.
+std::vector<Harmonic> with_curvature(const std::vector<Harmonic>& terms, const Side& side, int order) {
+  const RoundSurface patch(terms);
+  const auto lacking = [&](double t) -> Vec3 {
+    const SideForm form = side_form(side, t);
+    const Across across = along_radius(patch, t);
+    return (form(across.first) - form.n.dot(across.second)) * form.n / 8;
+  };
+  return sum_of(terms, {Harmonic::Zero(1, 3), Harmonic::Zero(1, 3), fourier(lacking, 2 * order + 4)});
+}
+
+RoundPatch round_made(const Side& side, const PolygonPatchOptions& options, const RoundAsked& asked, double size) {
+  RoundPatch made;
+  const RoundBase base = round_base(side, asked, size, asked.order);
+  made.side = base.side;
+  std::vector<Harmonic> terms = base.terms;
+  const auto fold_count = [](const std::vector<Harmonic>& of) { return count_round_folds(RoundSurface(of)); };
+  made.folds = fold_count(terms);
+  if (options.fairing) {
+    FairingOptions fairing;
+    fairing.energy = *options.fairing;
+    fairing.tension = options.tension;
+    fairing.degree = 6;
+    fairing.slopes = 5;  // constant, and two waves
+    fairing.center = asked.center;
+    const RoundBase measured = round_base(side, asked, size, std::min(asked.order, measured_waves));
+    const Candidates<RoundProblem> found = is_quadratic(fairing.energy)
+                                               ? quadratic_candidates<RoundProblem>(measured, fairing, size)
+                                               : geometric_candidates<RoundProblem>(measured, fairing);
+    const std::optional<Eigen::Matrix3d> axis = axis_of(base);
+    made.fairing = name_of(fairing.energy);
+    made.energy_before = made.energy_after = std::isnan(found.before) ? 0 : found.before;
+    made.gave_up = found.beyond && made.folds == 0;
+    made.of_revolution = axis.has_value();
+    if (made.gave_up)
+      made.warnings = {
+          "The surroundings vary too rapidly over the length of the hole to be continued fairly; the plain patch is used"};
+    for (const Candidate& candidate : found.best_first) {
+      if (made.gave_up || !(candidate.energy <= made.energy_before)) continue;
+      std::vector<Harmonic> now = sum_of(base.terms, found.problem->correction(candidate.x, base, axis));
+      hold_center(now, asked.center);
+      const Index folds = fold_count(now);
+      if (folds > made.folds) {
+        made.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
+        continue;
+      }
+      terms = std::move(now);
+      made.folds = folds;
+      made.energy_after = candidate.energy;
+      break;
+    }
+  }
+  if (asked.continuity == SideContinuity::g2) {
+    terms = with_curvature(terms, base.side, asked.order);
+    made.folds = fold_count(terms);
+  }
+  made.patch = std::make_shared<const RoundSurface>(std::move(terms));
+  return made;
+}
+
+template <class T>
+T single(const std::vector<T>& values, const T& otherwise, const char* name) {
+  if (values.size() > 1)
+    throw InvalidArgument(std::string(name) + " has one value for a round rim, not " + std::to_string(values.size()));
+  return values.empty() ? otherwise : values[0];
+}
+
+}  // namespace
+
+RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options, int order) {
+  const double size = rim_diameter(side.c);
+  check_round(side, size);
+  if (!options.through.empty()) throw InvalidArgument("through is for holes with corners; the middle of a round one is center");
+  if (options.tension > 0 && !options.fairing) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
+  if (options.center && options.center_offset != 0)
+    throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+  RoundAsked asked = {single(options.continuity, SideContinuity::automatic, "continuity"), single(options.bulge, 1.0, "bulge"),
+                      options.center, order};
+  if (asked.continuity == SideContinuity::g2 && side.q.empty())
+    throw Refusal("The curvature of the side's surroundings is not known: G2 cannot be met there");
+  RoundPatch made = round_made(side, options, asked, size);
+  if (options.center_offset != 0) {
+    const auto [position, normal] = made.patch->positions_and_normals(Points::Zero(1, 3));
+    asked.center = Vec3(position.row(0) + options.center_offset * normal.row(0));
+    made = round_made(side, options, asked, size);
+  }
+  made.continuity = asked.continuity == SideContinuity::automatic ? "G1" : name_of(asked.continuity);
+  measure_round_seam(made);
+  return made;
+}
+
+double round_energy(const Surface& surface, Fairing of) {
+  Points rim = Points::Zero(48, 3);
+  for (Index k = 0; k < rim.rows(); ++k) rim.row(k).head<2>() = on_circle(static_cast<double>(k) / 48);
+  const Points p = surface.positions(rim);
+  double size = 0;
+  for (Index k = 0; k < p.rows(); ++k) size = std::max(size, (p.rowwise() - p.row(k)).rowwise().norm().maxCoeff());
+  const RoundSpace space(0, 1, energy_nodes_round);
+  return weighed_energy(plane_derivatives(surface, space.uv), space.weights, of, size);
+}
+
+}  // namespace tripatch

@@ -1,0 +1,240 @@
+#include "tripatch/polygon/round_problem.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/fairing_problem.h"
+#include "tripatch/math/quadrature.h"
+
+namespace tripatch {
+namespace {
+
+/// As for triangles: fairing_problem.cpp says why.
+constexpr double least_slope_kept = 0.1;
+constexpr int round_orthonormal_nodes = 8;
+
+/// (1 - r^2)^2 times (1 - r^2)^j Re z^k and Im z^k, by rising degree 2 j + k.
+template <int N>
+std::vector<Jet<N>> round_basis(const Jet<N>& u, const Jet<N>& v, int degree) {
+  std::vector<Jet<N>> re = {Jet<N>(1.0)}, im = {Jet<N>(0.0)};
+  for (int k = 1; k <= degree; ++k) {
+    re.push_back(re[k - 1] * u - im[k - 1] * v);
+    im.push_back(re[k - 1] * v + im[k - 1] * u);
+  }
+  const Jet<N> w = 1.0 - (u * u + v * v);
+  std::vector<Jet<N>> power = {w * w};
+  for (int j = 1; 2 * j <= degree; ++j) power.push_back(power.back() * w);
+  std::vector<Jet<N>> basis;
+  for (int d = 0; d <= degree; ++d)
+    for (int k = d; k >= 0; k -= 2) {
+      basis.push_back(power[(d - k) / 2] * re[k]);
+      if (k > 0) basis.push_back(power[(d - k) / 2] * im[k]);
+    }
+  return basis;
+}
+
+struct DiscNodes {
+  Points uv;
+  std::vector<double> weights;
+};
+
+DiscNodes disc_nodes(int nodes) {
+  const auto [x, w] = gauss(nodes);
+  const int angles = 4 * nodes;
+  DiscNodes out;
+  out.uv = Points::Zero(static_cast<Index>(nodes) * angles, 3);
+  Index row = 0;
+  for (int a = 0; a < nodes; ++a)
+    for (int k = 0; k < angles; ++k) {
+      out.uv.row(row++).head<2>() = x[a] * on_circle((k + 0.5) / angles);
+      out.weights.push_back(w[a] * x[a] * 2 * std::numbers::pi / angles);
+    }
+  return out;
+}
+
+using DiscBasis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
+
+DiscBasis disc_derivatives(const double* uv, int degree) {
+  const std::vector<Jet<3>> basis = round_basis(Jet<3>::linear(uv[0], 1, 0), Jet<3>::linear(uv[1], 0, 1), degree);
+  DiscBasis all(9, static_cast<Index>(basis.size()));
+  for (std::size_t c = 0; c < basis.size(); ++c) all.col(static_cast<Index>(c)) = derivatives_of(basis[c]);
+  return all;
+}
+
+Eigen::MatrixXd disc_orthonormal(int degree) {
+  const DiscNodes nodes = disc_nodes(round_orthonormal_nodes);
+  Eigen::MatrixXd rows(4 * nodes.uv.rows(), polynomials_to(degree));
+  for (Index k = 0; k < nodes.uv.rows(); ++k) {
+    const DiscBasis all = disc_derivatives(nodes.uv.row(k).data(), degree);
+    for (int d = 0; d <= 3; ++d)
+      rows.row(4 * k + d) = std::sqrt(nodes.weights[k]) * NodeBasis::factor(3, d) * all.row(NodeBasis::first_of(3) + d);
+  }
+  return orthonormalization(rows);
+}
+
+/// 1, cos, sin, ... of 2 pi t.
+std::vector<PiecewisePolynomial> waves_of(int count) {
+  std::vector<PiecewisePolynomial> out;
+  for (int m = 0; m < count; ++m) {
+    const int k = (m + 1) / 2;
+    const auto wave = [&](std::span<const double> t, std::span<double> values) {
+      for (std::size_t i = 0; i < t.size(); ++i) values[i] = on_circle(k * t[i])[m % 2 == 1 ? 0 : k == 0 ? 0 : 1];
+    };
+    out.push_back(PiecewisePolynomial::fit(wave, 1));
+  }
+  return out;
+}
+
+double value_of(const PiecewisePolynomial& scalar, double t) {
+  double value = 0;
+  scalar.taylor(t, 0, &value);
+  return value;
+}
+
+/// The terms H_1 and H_2 of what adds `direction` times `wave` to the derivative along the radius at the rim, and nothing to the
+/// second one: that of -1/2 (1 - r^2) H is H + 2 H', that of (1 - r^2)^2 H is 8 H.
+std::array<Harmonic, 2> slope_terms(const PiecewisePolynomial& wave, const PiecewisePolynomial& direction, Index rows) {
+  const Harmonic field =
+      fourier([&](double t) { return Vec3(value_of(wave, t) * direction(t)); }, static_cast<int>(rows - 1) / 2);
+  std::array<Harmonic, 2> terms = {-0.5 * field, -0.125 * field};
+  for (Index k = 1; 2 * k < rows; ++k) terms[1].middleRows(2 * k - 1, 2) *= 1.0 + 2.0 * static_cast<double>(k);
+  return terms;
+}
+
+}  // namespace
+
+RoundSpace::RoundSpace(int degree, int slopes, int nodes)
+    : combination(disc_orthonormal(degree)), waves(waves_of(slopes)), along(waves) {
+  DiscNodes disc = disc_nodes(nodes);
+  uv = std::move(disc.uv);
+  weights = std::move(disc.weights);
+  const Index n = uv.rows(), count = combination.cols();
+  interior.resize(9 * n, count);
+  for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
+  for (Index k = 0; k < n; ++k) {
+    interior.middleRows(9 * k, 9) = disc_derivatives(uv.row(k).data(), degree) * combination;
+    for (int m = 1; m <= 3; ++m)
+      for (int d = 0; d <= m; ++d)
+        rows[m].row((m + 1) * k + d) = std::sqrt(weights[k]) * factor(m, d) * interior.row(9 * k + first_of(m) + d);
+  }
+  for (int m = 1; m <= 3; ++m) normal[m] = rows[m].transpose() * rows[m];
+  // all places alike: as points in the middle of a side, for how much each counts
+  Eigen::MatrixXd second(SideBasis::points, count);
+  for (int k = 0; k < SideBasis::points; ++k) {
+    t.push_back((k + 0.5) / SideBasis::points);
+    along.t[k] = 0.5;
+    for (std::size_t m = 0; m < waves.size(); ++m) along.slope(k, static_cast<Index>(m)) = value_of(waves[m], t[k]);
+    const Vec2 p = on_circle(t[k]);
+    const std::vector<Jet<2>> basis = round_basis(Jet<2>::linear(p[0], p[0], 0), Jet<2>::linear(p[1], p[1], 0), degree);
+    for (Index c = 0; c < count; ++c) second(k, c) = 2 * basis[c].c[jet_index(2, 0)];
+  }
+  along.second.push_back(second * combination);
+}
+
+RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options, int nodes)
+    : RoundProblem(base, options, std::make_shared<const RoundSpace>(options.degree, options.slopes, nodes)) {}
+
+RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options, std::shared_ptr<const RoundSpace> space)
+    : EnergyProblem(*space, plane_derivatives(RoundSurface(base.terms), space->uv), options, base.size,
+                    space->combination.cols()),
+      space_(std::move(space)),
+      of_(base) {
+  if (base.slopes_free && !base.position_only) scale_ = {base.size, scale_to(base.size, base.side.c.derivative())};
+  const std::vector<PiecewisePolynomial> directions = directions_of(base.side);
+  fields_ = options.slopes * static_cast<Index>(directions.size());
+  basis_.setZero(27 * space_->uv.rows(), fields_);
+  held_.setZero(base.center ? 3 : 0, count());
+  Index field = 0;
+  for (const PiecewisePolynomial& direction : directions)
+    for (const PiecewisePolynomial& wave : space_->waves) {
+      const std::array<Harmonic, 2> term = slope_terms(wave, direction, base.terms[1].rows());
+      const std::vector<Derivatives> all = plane_derivatives(RoundSurface({Harmonic::Zero(1, 3), term[0], term[1]}), space_->uv);
+      for (std::size_t k = 0; k < all.size(); ++k)
+        basis_.block<27, 1>(27 * static_cast<Index>(k), field) = Eigen::Map<const Eigen::Matrix<double, 27, 1>>(all[k].data());
+      if (base.center) held_.col(scalars() + field) = (term[0].row(0) + term[1].row(0)).transpose();
+      ++field;
+    }
+  following_.emplace(followed());
+  if (!base.center) return;
+  const std::vector<Jet<0>> middle = round_basis(Jet<0>(0.0), Jet<0>(0.0), options.degree);
+  Eigen::RowVectorXd scalar(static_cast<Index>(middle.size()));
+  for (std::size_t c = 0; c < middle.size(); ++c) scalar[static_cast<Index>(c)] = middle[c].value();
+  for (int x = 0; x < 3; ++x) held_.row(x).segment(x * interior_, interior_) = size_ * scalar * space_->combination;
+}
+
+std::vector<PiecewisePolynomial> RoundProblem::directions_of(const Side& side) const {
+  std::vector<PiecewisePolynomial> directions;
+  if (of_.position_only) {
+    for (int x = 0; x < 3; ++x) {
+      const Vec3 unit = size_ * Vec3::Unit(x);
+      directions.push_back(PiecewisePolynomial::constant({unit.data(), 3}));
+    }
+  } else if (scale_[0] > 0) {
+    directions = {scale_[0] * side.r, scale_[1] * side.c.derivative()};
+  }
+  return directions;
+}
+
+CurvatureFollowing RoundProblem::followed() const {
+  std::vector<FollowedSide> all;
+  if (of_.curvature && !of_.side.q.empty() && scale_[0] > 0) {
+    const RoundSurface patch(of_.terms);
+    std::vector<Across> across;
+    for (double t : space_->t) {
+      const Vec2 p = on_circle(t);
+      const std::array<double, 3> at = {p[0], p[1], 0};
+      std::array<double, 18> jets;
+      patch.evaluate(at.data(), 1, 2, jets.data());
+      const auto d = [&](int which) { return Vec3(Vec3::Map(&jets[3 * which])); };
+      across.push_back({p[0] * d(1) + p[1] * d(2), 2 * (p[0] * p[0] * d(3) + p[0] * p[1] * d(4) + p[1] * p[1] * d(5))});
+    }
+    const PiecewisePolynomial alpha = PiecewisePolynomial::linear(of_.alpha, of_.alpha), beta = PiecewisePolynomial::linear(0, 0);
+    FollowedSide side = followed_side(of_.side, 0, alpha, beta, space_->t, across);
+    side.skew.fill(0);
+    side.first = scalars();
+    side.scale = scale_;
+    all.push_back(side);
+  }
+  return {space_->along, std::move(all), 1, size_, options_.curvature_jump};
+}
+
+Eigen::VectorXd RoundProblem::raised(const RoundProblem& lower, const Eigen::VectorXd& x) const {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(count());
+  for (int c = 0; c < 3; ++c) out.segment(c * interior_, lower.interior_) = x.segment(c * lower.interior_, lower.interior_);
+  out.tail(fields_) = x.tail(fields_);
+  return out;
+}
+
+double RoundProblem::reach(const Eigen::VectorXd& x) const {
+  double most = std::numeric_limits<double>::infinity();
+  if (scale_[0] == 0) return most;
+  for (int k = 0; k < 64; ++k) {
+    double change = 0;
+    for (int m = 0; m < options_.slopes; ++m) change += scale_[0] * x[scalars() + m] * value_of(space_->waves[m], k / 64.0);
+    if (!(change >= 0)) most = std::min(most, -(1 - least_slope_kept) * of_.alpha / change);
+  }
+  return most;
+}
+
+std::vector<Harmonic> RoundProblem::correction(const Eigen::VectorXd& x, const RoundBase& base,
+                                               const std::optional<Eigen::Matrix3d>& axis) const {
+  Points a(interior_, 3);
+  for (int c = 0; c < 3; ++c) a.col(c) = size_ * (space_->combination * x.segment(c * interior_, interior_));
+  std::vector<Harmonic> terms = round_terms(a, options_.degree);
+  if (axis) of_revolution(terms, *axis);
+  Index field = scalars();
+  const Index rows = base.terms[1].rows();
+  std::vector<Harmonic> slopes = {Harmonic::Zero(1, 3), Harmonic::Zero(rows, 3), Harmonic::Zero(rows, 3)};
+  for (const PiecewisePolynomial& direction : directions_of(base.side))
+    for (const PiecewisePolynomial& wave : space_->waves) {
+      const std::array<Harmonic, 2> own = slope_terms(wave, direction, slopes[1].rows());
+      const bool counts = !axis || &wave == space_->waves.data();
+      for (int j = 0; counts && j < 2; ++j) slopes[1 + j] += x[field] * own[j];
+      ++field;
+    }
+  return sum_of(std::move(terms), slopes);
+}
+
+}  // namespace tripatch

@@ -1,0 +1,147 @@
+"""Round rims: patches over a disc, which show no place where they begin."""
+
+import numpy as np
+import pytest
+import tripatch
+
+PROFILES = {
+    "sphere": lambda r: np.sqrt(2 - r * r),
+    "paraboloid": lambda r: -0.7 * r * r,
+    "cone": lambda r: -0.6 * r,
+    "vase": lambda r: np.cos(2 * r) + 0.2 * r**3,
+}
+
+
+def revolved(profile, edges, rings=4, radius=0.5, turn=0.0):
+    """A surface of revolution without its middle, as quads: vertices, faces. The rim comes first, from angle `turn` on."""
+    angle = turn + 2 * np.pi * np.arange(edges) / edges
+    step = 2 * np.pi * radius / edges
+    rows = []
+    for j in range(rings + 1):
+        if profile == "tube":
+            r, z = radius, -step * j
+        else:
+            r = radius + step * j
+            z = PROFILES[profile](r)
+        rows.append(np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(edges, z)]))
+    n = edges
+    faces = [[j * n + (k + 1) % n, j * n + k, (j + 1) * n + k, (j + 1) * n + (k + 1) % n] for j in range(rings) for k in range(n)]
+    return np.concatenate(rows), faces
+
+
+def unevenness(patch, base):
+    """How far the patch is from a surface of revolution about z: distances from a point of the axis by the angle to it, against a
+    fine spline through them."""
+    from scipy.interpolate import LSQUnivariateSpline
+
+    rho, angle = np.sqrt(np.linspace(0, 1, 60))[:, None], 2 * np.pi * np.arange(97)[None] / 97
+    points = patch.evaluate(np.column_stack([(rho * np.cos(angle)).ravel(), (rho * np.sin(angle)).ravel()]))
+    r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2] - base
+    order = np.argsort(np.arctan2(r, z))
+    direction, distance = np.arctan2(r, z)[order], np.hypot(r, z)[order]
+    x = np.concatenate([-direction[::-1], direction])
+    x = np.sort(x + 1e-13 * np.arange(len(x)))
+    y = np.concatenate([distance[::-1], distance])
+    return np.abs(LSQUnivariateSpline(x, y, np.linspace(x[0], x[-1], 62)[1:-1], k=5)(x) - y).max()
+
+
+@pytest.mark.parametrize("edges", [17, 24])
+@pytest.mark.parametrize("profile", [*PROFILES, "tube"])
+def test_the_end_of_a_surface_of_revolution_is_one_too(profile, edges):
+    pytest.importorskip("scipy")
+    vertices, faces = revolved(profile, edges)
+    fill = tripatch.fill(vertices, faces, rim=np.roll(np.arange(edges), 5), corners=())
+    assert fill.report.method == "multi_sided" and "of revolution" in fill.report.method_reason
+    assert unevenness(fill.patch, vertices[0, 2] - 0.3) < 1e-6
+    assert fill.report.seam_angle_max < 1e-5
+    assert fill.report.folds == fill.report.triangles_folded == 0
+    np.testing.assert_allclose(fill.patch.evaluate(fill.uv), fill.vertices, atol=1e-12)
+    # found without being told
+    found = tripatch.fill(vertices, faces, rim=np.arange(edges))
+    assert found.report.method == "multi_sided" and len(found.report.corners) == 0
+
+
+def test_a_cap_is_the_spheres():
+    for edges, near in ((17, 2e-4), (36, 2e-5), (64, 4e-6)):
+        vertices, faces = revolved("sphere", edges)
+        fill = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=())
+        assert np.abs(np.linalg.norm(fill.vertices, axis=1) - np.sqrt(2)).max() < near
+
+
+def test_where_the_rim_begins_and_which_way_the_mesh_lies_does_not_matter():
+    vertices, faces = revolved("paraboloid", 20)
+    vertices = vertices + 0.05 * vertices[:, :1] * vertices[:, 1:2] * (0, 0, 1)  # no longer of revolution
+    at = np.random.default_rng(1).uniform(-0.6, 0.6, (20, 2))
+    one = tripatch.fill(vertices, faces, rim=np.arange(20), corners=(), method="multi_sided").patch
+    turn = 2 * np.pi * 7 / 20
+    turned = at @ np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    rolled = np.roll(vertices.reshape(5, 20, 3), -7, axis=1).reshape(-1, 3)
+    other = tripatch.fill(rolled, faces, rim=np.arange(20), corners=(), method="multi_sided").patch
+    apart = ((other.evaluate(turned) - one.evaluate(at)) * one.normal(at)).sum(axis=1)
+    assert np.abs(apart).max() < 1e-6
+
+
+def test_no_round_patch_where_the_rim_has_corners_or_zigzags():
+    vertices, faces = revolved("sphere", 24)
+    jagged = vertices.copy()
+    jagged[:24] += 0.03 * (-1.0) ** np.arange(24)[:, None] * vertices[:24]
+    fill = tripatch.fill(jagged, faces, rim=np.arange(24), corners=())
+    assert fill.report.method == "polyharmonic_spline" and "not smooth" in fill.report.method_reason
+
+
+def closed_side():
+    """The rim of a cylinder's end that is cut by a saddle."""
+
+    def c(t):
+        a = 2 * np.pi * t
+        return np.column_stack([np.cos(a), np.sin(a), 0.2 * np.cos(2 * a)])
+
+    def dc(t):
+        a = 2 * np.pi * t
+        return 2 * np.pi * np.column_stack([-np.sin(a), np.cos(a), -0.4 * np.sin(2 * a)])
+
+    return tripatch.Side.from_functions(
+        c, dc, lambda t: np.column_stack([0 * t, 0 * t, -1 + 0 * t]), q=lambda t: np.zeros((len(t), 3))
+    )
+
+
+@pytest.mark.parametrize("continuity", ["G1", "G2"])
+def test_a_patch_in_one_closed_side(continuity):
+    side = closed_side()
+    patch = tripatch.patch([side], fairing="auto", continuity=continuity)
+    t = np.linspace(0, 1, 50)
+    rim = np.column_stack([np.cos(2 * np.pi * t), np.sin(2 * np.pi * t)])
+    assert np.abs(patch.evaluate(rim) - side.evaluate(t)[0]).max() < 1e-11
+    assert tripatch.angles(patch.normal(rim), side.evaluate(t)[3]).max() < 1e-5
+    if continuity == "G2":  # the normal curvature along the radius is that of the cylinder's lines where it runs along them
+        _, first, second = patch.evaluate(rim, 2)
+        along = rim[:, :1] * first[:, 0] + rim[:, 1:] * first[:, 1]
+        bend = rim[:, :1] ** 2 * second[:, 0] + 2 * rim[:, :1] * rim[:, 1:] * second[:, 1] + rim[:, 1:] ** 2 * second[:, 2]
+        normal = np.column_stack([rim, 0 * t])
+        across = (along * np.column_stack([-rim[:, 1], rim[:, 0], 0 * t])).sum(axis=1)
+        assert np.abs((bend * normal).sum(axis=1) + across**2).max() < 1e-5
+    assert patch.energy("auto") >= 0
+    middle = tripatch.patch([side], fairing="auto", center=(0.1, 0, 0.7))
+    np.testing.assert_allclose(middle.evaluate([[0.0, 0.0]]), [[0.1, 0, 0.7]], atol=1e-12)
+
+
+def test_derivatives_are_those_of_differences():
+    patch = tripatch.patch([closed_side()], fairing="auto")
+    at, h = np.array([[0.3, -0.5]]), 1e-5
+    _, first, second, third = patch.evaluate(at, 3)
+    for axis, step in enumerate(np.eye(2) * h):
+        (_, a1, a2), (_, b1, b2) = patch.evaluate(at + step, 2), patch.evaluate(at - step, 2)
+        np.testing.assert_allclose((patch.evaluate(at + step) - patch.evaluate(at - step)) / (2 * h), first[:, axis], atol=1e-7)
+        np.testing.assert_allclose((a1 - b1) / (2 * h), second[:, axis : axis + 2], atol=1e-6)
+        np.testing.assert_allclose((a2 - b2) / (2 * h), third[:, axis : axis + 3], atol=1e-5)
+
+
+def test_what_is_not_closed_is_refused():
+    side = closed_side()
+    with pytest.raises(tripatch.Refusal, match="its end must be its beginning"):
+        tripatch.patch([side.part(0.0, 0.9)])
+    with pytest.raises(ValueError, match="one value for a round rim"):
+        tripatch.patch([side], bulge=(1, 2))
+    vertices, faces = revolved("sphere", 24)
+    with pytest.raises(ValueError, match="of 1 sides"):
+        tripatch.fill(vertices, faces, rim=np.arange(24), corners=(), bulge=(1, 2, 3))
