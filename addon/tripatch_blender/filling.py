@@ -202,12 +202,16 @@ def fills(rims, arrays, options, progress=None, **arguments):
     loops = [[v.index for v in rim.loop] for rim in rims]
     results, corners = [None] * len(rims), {}
     given = options.arguments
-    any_rim = given.get("method", "auto") in ANY_RIM and given.get("output") != "cage" and given.get("surroundings") != "limit"
+    caged, any_rim = given.get("output") == "cage", given.get("method", "auto") in ANY_RIM
+    whatever = any_rim and not caged and given.get("surroundings") != "limit"
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
         try:
-            corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset, any_rim)
+            corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset, whatever)
         except tripatch.Refusal as refusal:
-            results[k] = refusal
+            if caged and any_rim and not options.corner_offset:
+                corners[k] = None  # the active vertex is no corner of three; those of a cage are seen by its quads
+            else:
+                results[k] = refusal
     found = list(corners)
     counts = None
     if _is_by_side(options.arguments):

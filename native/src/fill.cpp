@@ -484,9 +484,29 @@ bool makes_polygon(const std::vector<Index>& corners) {
   return corners.size() > 3 && corners.size() <= static_cast<std::size_t>(most_sides);
 }
 
-/// The rim of a cage's hole: of three corners, or of those that are given.
+std::vector<Index> at_places(const std::vector<Index>& loop, const std::vector<Index>& places) {
+  std::vector<Index> vertices;
+  for (Index place : places) vertices.push_back(loop[place]);
+  return vertices;
+}
+
+/// The rim of a cage's hole: of the corners that are given, else of three where they are found, else of those that its quads make or that
+/// are clear.
 SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
-  if (!corners || !makes_polygon(*corners)) return hole_of(ground, rim, corners);
+  if (!corners) {
+    try {
+      return hole_of(ground, rim, corners);
+    } catch (const Refusal&) {
+      const std::vector<Index> loop = check_topology(ground.left, rim ? *rim : only_hole(ground));
+      check_finite(ground.mesh, ground.left, loop);
+      std::vector<Index> places = corners_by_valence(ground.mesh, ground.left, loop);
+      if (places.empty()) places = corners_between_sides(ground.mesh, ground.left, loop);
+      const std::vector<Index> found = at_places(loop, places);
+      if (!makes_polygon(found)) throw;
+      return cage_rim_of(ground, loop, found);
+    }
+  }
+  if (!makes_polygon(*corners)) return hole_of(ground, rim, corners);
   CorneredRim found = cornered(ground, rim ? *rim : loop_through(ground, *corners), *corners);
   SidedRim result;
   result.rim = std::move(found.rim);

@@ -1,4 +1,4 @@
-"""Holes of four to eight sides in an egg and a saddle, filled: the domain with its lines, and these lines on the patch."""
+"""Holes of four to eight sides, filled: the domain with its lines, and these lines on the patch; quads in them; cages."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import tripatch
 from matplotlib.colors import LightSource
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 
 def egg(x, y):
@@ -35,9 +36,140 @@ def holed(surface, n, per_side=10, rings=5):
     return surface(*plane.T), faces, list(range(m)), [per_side * i for i in range(n)]
 
 
+def zebra(vertices, faces, stripes=16):
+    """Gray of each quad: stripes of light around, reflected by the surface seen from above."""
+    p = vertices[np.array(faces)]
+    normal = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    view = np.array([0.35, -0.55, 0.75]) / np.linalg.norm([0.35, -0.55, 0.75])
+    mirrored = 2 * (normal @ view)[:, None] * normal - view
+    light = 0.5 + 0.5 * np.sin(stripes * np.arctan2(mirrored[:, 0], mirrored[:, 2] + 2))
+    return np.clip(4 * (light - 0.5) + 0.5, 0.1, 0.95)
+
+
+def sectors(n, size=6, inner=3):
+    """A cage of n sectors of quads about a pole, without those within `inner` of it: vertices, faces, rim and corners."""
+    number, places, faces = {}, [], []
+
+    def vertex(s, i, j):
+        key = (s, i, j) if i and j else (s, i) if i else ((s + 1) % n, j)
+        if key not in number:
+            number[key] = len(places)
+            a, b = 2 * np.pi * s / n, 2 * np.pi * (s + 1) / n
+            place = (i * np.array([np.cos(a), np.sin(a)]) + j * np.array([np.cos(b), np.sin(b)])) / size
+            places.append(place * max(i, j) / size / max(np.linalg.norm(place), 1e-9))  # squares made round
+        return number[key]
+
+    for s in range(n):
+        for i in range(size):
+            for j in range(size):
+                if max(i, j) >= inner:
+                    faces.append([vertex(s, i, j), vertex(s, i + 1, j), vertex(s, i + 1, j + 1), vertex(s, i, j + 1)])
+    rim, corners = [], []
+    for s in range(n):
+        rim += [vertex(s, inner, j) for j in range(inner)]
+        corners.append(vertex(s, inner, inner))
+        rim += [vertex(s, i, inner) for i in range(inner, 0, -1)]
+    return np.array(places), faces, rim, corners
+
+
+def show(axes, vertices, faces, colors, edges="0.3"):
+    shown = Poly3DCollection(vertices[np.array(faces)], facecolors=colors, edgecolors=edges, linewidths=0.3)
+    axes.add_collection3d(shown)
+    axes.auto_scale_xyz(*vertices.T)
+    axes.set_box_aspect(np.ptp(vertices, axis=0) + 1e-9, zoom=1.5)
+    axes.view_init(50, -60)
+    axes.set_axis_off()
+
+
+def draw_quads(folder):
+    """Writes quads.png: flat holes, an egg and a saddle with stripes, and cages with their surface."""
+    figure = plt.figure(figsize=(14, 13))
+    for column, (surface, n, counts) in enumerate(
+        ((egg, 4, (10, 8, 6, 10)), (saddle, 5, 10), (egg, 6, 10), (saddle, 8, 10)),
+    ):
+        angles = 2 * np.pi * (np.arange(n) + 0.5) / n
+        regular = np.stack([np.cos(angles), np.sin(angles)], -1)
+        per_side = np.broadcast_to(counts, n)
+        rim = [(1 - k / c) * regular[i] + k / c * regular[(i + 1) % n] for i, c in enumerate(per_side) for k in range(c)]
+        plane = (np.array([1, 1.1])[:, None, None] * np.array(rim)).reshape(-1, 2)
+        m, starts = len(rim), [int(sum(per_side[:i])) for i in range(n)]
+        ring = [[(k + 1) % m, k, m + k, m + (k + 1) % m] for k in range(m)]
+        options = {"rim": list(range(m)), "corners": starts, "method": "multi_sided", "output": "quads"}
+        fill = tripatch.fill(np.column_stack([plane, 0 * plane[:, 0]]), ring, **options)
+        flat = figure.add_subplot(4, 4, column + 1)
+        whole = np.vstack([plane, fill.vertices[:, :2]])
+        for face in fill.faces:
+            flat.fill(*whole[list(face)].T, facecolor="#f3e3cd", edgecolor="0.3", linewidth=0.5)
+        flat.set_title(f"{n} sides: poles of {', '.join(str(v) for _, v in fill.report.poles) or 'none'}")
+        flat.set_aspect("equal")
+        flat.set_axis_off()
+        vertices, faces, rim, corners = holed(surface, n)
+        fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, method="multi_sided", output="quads")
+        everything, quads = np.vstack([vertices, fill.vertices]), [list(f) for f in fill.faces]
+        colors = ["0.8"] * len(faces) + ["#d9a066"] * len(quads)
+        show(figure.add_subplot(4, 4, 5 + column, projection="3d"), everything, [*faces.tolist(), *quads], colors)
+        plane, faces, rim, corners = sectors(n)
+        x, y = plane.T
+        vertices = surface(0.6 * x, 0.6 * y)
+        fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage")
+        everything, quads = np.vstack([vertices, fill.vertices]), [list(f) for f in fill.faces]
+        colors = ["0.8"] * len(faces) + ["#d9a066"] * len(quads)
+        show(figure.add_subplot(4, 4, 9 + column, projection="3d"), everything, [*faces, *quads], colors)
+        fine, fine_faces = subdivided(vertices, faces, fill)
+        gray = [str(g) for g in zebra(fine, fine_faces)]
+        show(figure.add_subplot(4, 4, 13 + column, projection="3d"), fine, fine_faces, gray, "none")
+    figure.tight_layout()
+    figure.savefig(folder / "quads.png", dpi=65)
+
+
+def subdivided(vertices, faces, fill, times=3):
+    """The whole cage, refined by Catmull and Clark's rules."""
+    points, cells = np.vstack([vertices, fill.vertices]), [*faces, *[list(f) for f in fill.faces]]
+    for _ in range(times):
+        points, cells = refined(points, cells)
+    return points, cells
+
+
+def refined(points, cells):
+    """One step of Catmull and Clark's; the border by the cubic B-spline's rule."""
+    middle, edges = np.array([points[c].mean(axis=0) for c in cells]), {}
+    for f, cell in enumerate(cells):
+        for a, b in zip(cell, cell[1:] + cell[:1], strict=True):
+            edges.setdefault((min(a, b), max(a, b)), []).append(f)
+    n, number = len(points), {edge: len(points) + k for k, edge in enumerate(edges)}
+    on_edges = np.array(
+        [
+            (points[a] + points[b] + (middle[beside].sum(axis=0) if len(beside) == 2 else 0)) / (4 if len(beside) == 2 else 2)
+            for (a, b), beside in edges.items()
+        ]
+    )
+    sums, count, mids, border = np.zeros_like(points), np.zeros(n), np.zeros_like(points), np.zeros(n, bool)
+    for f, cell in enumerate(cells):
+        sums[cell] += middle[f]
+        count[cell] += 1
+    rim_sum = np.zeros_like(points)
+    for (a, b), beside in edges.items():
+        mids[[a, b]] += (points[a] + points[b]) / 2
+        if len(beside) == 1:
+            border[[a, b]] = True
+            rim_sum[[a, b]] += (points[a] + points[b]) / 2
+    k = count[:, None]
+    moved = np.where(border[:, None], (2 * points + rim_sum) / 4, (sums / k + 2 * mids / k + (k - 3) * points) / k)
+    base = n + len(edges)
+    cells_now = []
+    for f, cell in enumerate(cells):
+        for i, v in enumerate(cell):
+            after, before = cell[(i + 1) % len(cell)], cell[i - 1]
+            ends = [number[min(v, w), max(v, w)] for w in (after, before)]
+            cells_now.append([v, ends[0], base + f, ends[1]])
+    return np.vstack([moved, on_edges, middle]), cells_now
+
+
 def draw(folder):
-    """Writes holes.png into a folder."""
+    """Writes holes.png and quads.png into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
+    draw_quads(folder)
     figure = plt.figure(figsize=(14, 6.6))
     for column, (surface, n) in enumerate(((egg, 4), (saddle, 5), (egg, 6), (saddle, 8))):
         vertices, faces, rim, corners = holed(surface, n)

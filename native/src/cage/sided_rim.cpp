@@ -18,6 +18,19 @@ std::vector<Index> SidedRim::side(int i) const {
   return along;
 }
 
+std::vector<Index> corners_by_valence(const Mesh& mesh, const Connectivity& left, const std::vector<Index>& rim) {
+  std::vector<Index> places;
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    const auto faces = left.at(rim[k]);
+    if (faces.size() < 2) return {};
+    for (Connectivity::Corner c : faces)
+      if (mesh.faces[left.face(c)].size() != 4) return {};
+    if (faces.size() > 2) places.push_back(static_cast<Index>(k));
+  }
+  const bool few = places.size() < 3 || places.size() > static_cast<std::size_t>(most_sides);
+  return few ? std::vector<Index>() : places;
+}
+
 Sides three_sides(const CageSides& sides) { return {sides[0], sides[1], sides[2]}; }
 
 PolygonDomain cage_domain(const SidedRim& rim, const Points& vertices, const Connectivity& left) {

@@ -29,6 +29,10 @@ struct SidedRim {
   std::vector<Index> side(int i) const;
 };
 
+/// Places in a rim at which the faces of a cage make a corner: three or more quads about it, where others have two. None where a face is
+/// no quad, a vertex has but one (the rim bends inwards there), or the corners are not three to twelve.
+std::vector<Index> corners_by_valence(const Mesh& mesh, const Connectivity& left, const std::vector<Index>& rim);
+
 using CageSides = std::vector<Side>;
 /// Of three.
 Sides three_sides(const CageSides& sides);

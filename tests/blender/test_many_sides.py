@@ -1,0 +1,82 @@
+"""Quads and cages in holes of four sides and more."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+smooth = bpy.ops.mesh.fill_smooth
+
+
+def add_sectors(n, size=5, inner=2):
+    """n sectors of quads about a pole on a paraboloid, without those within `inner` of the pole; and the hole's corners."""
+    bm, at = bmesh.new(), {}
+
+    def vertex(s, i, j):
+        key = (s, i, j) if i and j else (s, i) if i else ((s + 1) % n, j) if j else ()
+        if key not in at:
+            a, b = 2 * np.pi * s / n, 2 * np.pi * (s + 1) / n
+            x, y = (i * np.array([np.cos(a), np.sin(a)]) + j * np.array([np.cos(b), np.sin(b)])) / size
+            at[key] = bm.verts.new((x, y, 0.2 * (x * x + y * y)))
+        return at[key]
+
+    for s in range(n):
+        for i in range(size):
+            for j in range(size):
+                if max(i, j) >= inner:
+                    bm.faces.new(
+                        [vertex(s, i, j), vertex(s, i + 1, j), vertex(s, i + 1, j + 1), vertex(s, i, j + 1)]
+                    ).smooth = True
+    keep = [vertex(s, inner, inner) for s in range(n)]
+    bm.verts.index_update()
+    corners = [v.index for v in keep]
+    mesh = bpy.data.meshes.new("Sectors")
+    bm.to_mesh(mesh)
+    bm.free()
+    ob = bpy.data.objects.new("Sectors", mesh)
+    bpy.context.collection.objects.link(ob)
+    return ob, corners
+
+
+def filled(ob, corners, **options):
+    """The new faces, as positions of their corners; corners: selected, else the rim is."""
+    (bm,) = scenes.edit(ob)
+    bm.verts.ensure_lookup_table()
+    loop = min(scenes.border_loops(bm), key=len)
+    if corners:
+        scenes.select(bm, [bm.verts[v] for v in corners])
+    else:
+        scenes.select_rim(bm, loop)
+    count = len(ob.data.polygons)
+    assert smooth(**options) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not ob.data.validate(verbose=True)
+    return [[np.array(ob.data.vertices[v].co) for v in p.vertices] for p in list(ob.data.polygons)[count:]]
+
+
+@pytest.mark.parametrize("n", [4, 5, 6])
+def test_corners_that_are_selected_give_quads(n):
+    ob, corners = add_sectors(n)
+    faces = filled(ob, corners, output="quads", method="multi_sided")
+    assert {len(f) for f in faces} == {4}
+    for p in faces:
+        normal = np.cross(p[2] - p[0], p[3] - p[1])
+        assert all(np.cross(p[(k + 1) % 4] - p[k], p[k - 1] - p[k]) @ normal > 0 for k in range(4))
+    off = [abs(c[2] - 0.2 * (c[0] ** 2 + c[1] ** 2)) for p in faces for c in p]
+    assert max(off) < (1e-3 if n == 4 else 0.03)  # sides of other sectors have a bend in their middle
+
+
+@pytest.mark.parametrize("selected", [True, False])
+@pytest.mark.parametrize("n", [4, 5, 8])
+def test_under_a_subdivision_modifier_they_give_a_cage(n, selected):
+    ob, corners = add_sectors(n)
+    modifier = ob.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels = 2
+    faces = filled(ob, corners if selected else [])
+    assert len(faces) == 4 * n and {len(f) for f in faces} == {4}  # the quads that were there
+    evaluated = ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    places = np.array([v.co for v in evaluated.vertices])
+    inside = places[np.linalg.norm(places[:, :2], axis=1) < 0.4]
+    off = inside[:, 2] - 0.2 * (inside[:, :2] ** 2).sum(axis=1)
+    assert len(inside) > 50 and np.abs(off).max() < 0.01  # a cage of edges of 0.2 has its surface 0.005 off
