@@ -220,8 +220,8 @@ std::vector<Plan> round_plans(const Region& region) {
   if (best) plans.push_back(*best);
   const int wider = static_cast<int>(edges / edges_a_ring);
   if (best && wider > 1) {
-    plans.push_back(*best);
-    plans.back().rings = wider;
+    best->rings = wider;
+    plans.insert(edges > many_edges ? plans.begin() : plans.end(), *best);
   }
   return plans;
 }
