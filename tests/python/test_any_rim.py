@@ -222,3 +222,26 @@ def test_a_rim_without_usable_surroundings_gets_plain_triangles_and_says_so():
     assert max(edge_counts(faces + fill.faces).values()) == 2
     assert len(fill.rim_uv) == 8
     assert fill.report.triangles_folded == 0
+
+
+def test_a_strip_between_two_rims_is_the_tube_that_was_there():
+    """Two pieces of a tube, as far apart as the tube is wide: in the plane one rim lies inside the other."""
+    around, apart = 24, 2.0
+    heights = [-2.0, -1.75, -1.5, -1.25, -apart / 2, apart / 2, 1.25, 1.5, 1.75, 2.0]
+    turn = 2 * np.pi * np.arange(around) / around
+    vertices = np.array([(np.cos(a), np.sin(a), z) for z in heights for a in turn])
+    rows = [k for k in range(len(heights) - 1) if heights[k] != -apart / 2]
+    faces = [
+        [r * around + k, r * around + (k + 1) % around, (r + 1) * around + (k + 1) % around, (r + 1) * around + k]
+        for r in rows
+        for k in range(around)
+    ]
+    one, other = (list(rim) for rim in tripatch.find_holes(faces) if np.allclose(np.abs(vertices[rim, 2]), apart / 2))
+    fill = tripatch.fill(vertices, faces, rim=one, islands=[other])
+    assert fill.report.method == "polyharmonic_spline"
+    assert fill.report.triangles_folded == 0
+    assert np.abs(np.hypot(fill.vertices[:, 0], fill.vertices[:, 1]) - 1).max() < 0.02
+    count = edge_counts(faces + [list(f) for f in fill.faces])
+    assert max(count.values()) == 2
+    for rim in (one, other):
+        assert all(count[min(a, b), max(a, b)] == 2 for a, b in itertools.pairwise([*rim, rim[0]]))
