@@ -4,12 +4,25 @@ import importlib
 import pathlib
 import sys
 
-PARTS = ("szilvasi_nagy", "liu_ma_cheng", "franke", "arnal_lluch", "smits", "methods", "cages", "glossary", "any_rim", "n_sides")
+PARTS = (
+    "szilvasi_nagy",
+    "liu_ma_cheng",
+    "franke",
+    "arnal_lluch",
+    "smits",
+    "methods",
+    "cages",
+    "glossary",
+    "any_rim",
+    "beside_cgal",
+    "n_sides",
+)
 FOLDERS = {
     "methods": "images/methods",
     "cages": "images/cages",
     "glossary": "images",
     "any_rim": "images/any_rim",
+    "beside_cgal": "images/any_rim",
     "n_sides": "images/n_sides",
 }  # of the others: gallery
 
