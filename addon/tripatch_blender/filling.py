@@ -23,6 +23,8 @@ class Options:
     deviation: bool = False  # how well the new vertices are known, as attributes
 
 
+#: Of a hole's diameter: the tolerance of quads and cages where none is given, as the library's option says.
+TOLERANCE = 1e-3
 #: A panel has rows for so many sides.
 MOST_SIDES = 12
 
@@ -65,6 +67,7 @@ class Outcome:
     notes: list = field(default_factory=list)  # sentences on holes that were filled
     faces: int = 0
     rim_edges: list = field(default_factory=list)  # of each filled hole
+    diameters: list = field(default_factory=list)  # likewise, in the world
     cage_rim: str = ""  # of fills that are cages
     beside: list = field(default_factory=list)  # names of objects made
     live: list = field(default_factory=list)  # names of live fills made
@@ -76,6 +79,7 @@ class Outcome:
         self.notes += [prefix + sentence for sentence in other.notes]
         self.faces += other.faces
         self.rim_edges += other.rim_edges
+        self.diameters += other.diameters
         self.cage_rim = other.cage_rim or self.cage_rim
         self.beside += other.beside
         self.live += other.live
@@ -371,6 +375,8 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             planned.append(plan)
             loops.append(plan.loop)
             outcome.rim_edges.append(len(rim.loop))
+            if options.arguments.get("output", "triangles") != "triangles":
+                outcome.diameters.append(_diameter(rim.loop, matrix))
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
         if planned and cages:
@@ -383,6 +389,12 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     if loops:
         seam.remember(bm, mesh.name, loops)
     return outcome, new_faces
+
+
+def _diameter(loop, matrix):
+    """Of a hole, in the world: the largest distance of two vertices of its rim."""
+    points = np.array([v.co for v in loop], dtype=np.float64) @ matrix[:3, :3].T
+    return float(max(np.linalg.norm(points - p, axis=1).max() for p in points))
 
 
 def holes(bm, matrix, outer=False):

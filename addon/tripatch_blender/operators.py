@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import bmesh
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import (
     beside,
@@ -129,6 +129,7 @@ class FillSmooth(Construction):
     computed_output: StringProperty(options=_HIDDEN)
     computed_resolution: IntProperty(default=0, options={"HIDDEN"})
     computed_rows: IntProperty(default=-1, options={"HIDDEN"})
+    computed_tolerance: FloatProperty(options={"HIDDEN"})
     # Of the last run.
     by_hand: BoolProperty(options=_HIDDEN, description="Called from a menu or by a key: a refusal can be corrected in the panel")
     reasons: StringProperty(options=_HIDDEN)
@@ -225,7 +226,7 @@ class FillSmooth(Construction):
         self._computes = self._is_computed(*(("resolution", 0) if self.output == "triangles" else ("rows", -1)))
         arguments["resolution"] = None if self._computes else getattr(self, self.density())
         if self.output != "triangles":
-            arguments["tolerance"] = self.tolerance or None
+            arguments["tolerance"] = None if self._is_computed("tolerance", 0) else self.tolerance
         return filling.Options(arguments, self.corner_offset, self.shading, self.deviation)
 
     def _filters(self):
@@ -250,6 +251,8 @@ class FillSmooth(Construction):
             if self._computes and (computed := outcome.density(self.output)) is not None:
                 setattr(self, density, computed)
                 setattr(self, "computed_" + density, computed)
+            if self.output != "triangles" and outcome.diameters and self._is_computed("tolerance", 0):
+                self.tolerance = self.computed_tolerance = filling.TOLERANCE * max(outcome.diameters)
 
     def execute(self, context):
         with layers.standing_aside(context, context.objects_in_mode_unique_data):

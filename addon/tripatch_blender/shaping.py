@@ -7,7 +7,6 @@ Nothing here needs a window: the gizmos and the operators of the tool call what 
 from __future__ import annotations
 
 import copy
-import re
 from dataclasses import dataclass, field
 
 from . import filling, selection, writeback
@@ -74,12 +73,10 @@ class Shaping:
             corners = sorted(at[v.index] for v in rim.corners)
         else:
             try:
-                found = tripatch.find_corners(self._positions, self._faces, self._loop)
+                found = tripatch.find_corners(self._positions, self._faces, self._loop, any_number=True)
                 corners = sorted(self._loop.index(v) for v in found.tolist())
-            except tripatch.Refusal as refusal:
-                at = {v: k for k, v in enumerate(self._loop)}
-                named = refusal.where if re.match(r"Rim has \d+ corners", refusal.reason) else ()
-                corners = sorted(at[v] for v in named if v in at)
+            except tripatch.Refusal:
+                corners = []
             corners = corners if len(corners) > 1 else []
         self.shape = Shape(corners, [1.0] * max(1, len(corners)), 0.0, not corners)
 

@@ -330,6 +330,25 @@ def test_cages_and_quads_show_their_rows(addon):
         bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def test_the_tolerance_that_is_used_is_shown(addon):
+    """A thousandth of the hole's diameter, of each hole anew; what was chosen stays."""
+    state = operator(addon, output="quads")
+    for scale in (1.0, 3.0):
+        ob = scenes.add_hole()
+        ob.scale = (scale,) * 3
+        bpy.context.view_layer.update()
+        (bm,) = scenes.edit(ob)
+        loop = [np.array(v.co) for v in scenes.border_loops(bm)[0]]
+        widest = max(np.linalg.norm(a - b) for a in loop for b in loop)
+        assert state.execute(bpy.context) == {"FINISHED"}
+        assert state.tolerance == pytest.approx(1e-3 * scale * widest, rel=1e-5)
+        bpy.ops.object.mode_set(mode="OBJECT")
+    state.tolerance = 0.5
+    scenes.edit(scenes.add_hole())
+    assert state.execute(bpy.context) == {"FINISHED"}
+    assert state.tolerance == 0.5
+
+
 def test_a_hole_that_gets_no_cage_is_filled_with_quads_and_says_so(addon):
     """Where nobody asked for a cage by name; who did is told what hinders it."""
     for output in ({}, {"output": "cage"}):
