@@ -452,7 +452,7 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None
     how to choose is the advice. filters: arguments of `tripatch.choose_holes`."""
     filters = filters or {}
     rims = holes(bm, matrix, filters.get("outer", False))
-    hidden = any(e.is_boundary and e.hide for e in bm.edges)
+    hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
     if not rims:
         raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else "The mesh has no hole")
     count, rims = len(rims), filtered(bm, matrix, rims, filters)

@@ -158,7 +158,7 @@ def _take_edited(ob, settings, take):
     bm.verts.index_update()
     bm.faces.index_update()
     loop = _same_loop(bm, settings.get("rim", []))
-    seeds = loop or [v for e in bm.edges if e.is_boundary for v in e.verts]
+    seeds = loop or selection.border_vertices(bm)
     positions, faces, _ = selection.Surroundings(bm, np.eye(4)).around(Rim(seeds))
     take(np.array([v for face in faces for v in (*face, -1)], np.int64))
     take(positions[sorted({v for face in faces for v in face})])
@@ -185,7 +185,7 @@ def find_rim(bm, settings):
     was = np.array(settings["positions"], np.float64)
     extent = np.linalg.norm(np.ptp(was, axis=0))
     best = (np.inf, None)
-    for border in selection.border_loops({v for e in bm.edges if e.is_boundary for v in e.verts}):
+    for border in selection.border_loops(selection.border_vertices(bm)):
         here = np.array([v.co for v in border], np.float64)
         apart = np.linalg.norm(was[:, None] - here, axis=2)
         best = min(best, ((apart.min(axis=1).mean() + apart.min(axis=0).mean()) / 2, border), key=lambda pair: pair[0])

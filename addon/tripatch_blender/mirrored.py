@@ -67,14 +67,29 @@ def _chain(start, plane, on_plane):
         edge = further[0]
 
 
+def _border(bm, selected):
+    """The vertices of the borders that the selected ones are on, or of all where none is selected."""
+    if not selected:
+        return selection.border_vertices(bm)
+    stack = [v for v in selected if v.is_boundary]
+    border = set(stack)
+    while stack:
+        for edge in stack.pop().link_edges:
+            for other in edge.verts if edge.is_boundary else ():
+                if other not in border:
+                    border.add(other)
+                    stack.append(other)
+    return border
+
+
 def half_rims(ob, bm, selected):
-    """[(plane, chain of vertices)] of the holes that a Mirror cuts in half, and that are selected, or all if nothing is.
+    """[(plane, chain of vertices)] of the holes that a Mirror cuts in half: those with a selected vertex, or else all.
 
     Between two of them on one plane the mesh lies on it; a mesh that only touches the plane has none.
     """
-    found = []
+    found, border = [], None
     for plane in _planes(ob):
-        border = {v for e in bm.edges if e.is_boundary for v in e.verts}
+        border = _border(bm, selected) if border is None else border
         on_plane = {v for v in border if abs(plane.height(v.co)) <= plane.within}
         joined = {v for v in on_plane for e in v.link_edges if e.is_boundary and e.other_vert(v) in on_plane}
         done = set()

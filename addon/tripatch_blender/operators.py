@@ -341,7 +341,7 @@ class FillSmooth(Construction):
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         selected = selection.Selected(bm)
         options = self._options()
-        halves = mirrored.half_rims(ob, bm, bool(selected.vertices)) if any(m.type == "MIRROR" for m in ob.modifiers) else []
+        halves = mirrored.half_rims(ob, bm, selected.vertices) if any(m.type == "MIRROR" for m in ob.modifiers) else []
         if halves and self.surroundings != "limit" and not self.keep_live:
             return self._fill_halves(ob, bm, matrix, options, halves, selected)
         rims, refused = self._rims(bm, matrix, selected)

@@ -80,10 +80,14 @@ def is_hidden(bm, loop):
     return any(v.hide for v in loop) or any(e is not None and e.hide for e in edges_of(bm, loop))
 
 
+def border_vertices(bm):
+    """Those on a border of the mesh: of all loops over a mesh in Python the fastest, since it makes no lists of edges."""
+    return list(compress(bm.verts, map(attrgetter("is_boundary"), bm.verts)))
+
+
 def all_rims(bm):
     """Every visible border loop of the mesh, the shortest first."""
-    border = {v for e in bm.edges if e.is_boundary for v in e.verts}
-    loops = [loop for loop in border_loops(border) if not is_hidden(bm, loop)]
+    loops = [loop for loop in border_loops(border_vertices(bm)) if not is_hidden(bm, loop)]
     return [Rim(loop) for loop in sorted(loops, key=lambda loop: (len(loop), min(v.index for v in loop)))]
 
 
