@@ -25,6 +25,7 @@ def _one_more(match):
 def for_people(sentence):
     """The sentence with sides and corners from 1, and with its remedy."""
     told = _NUMBERED.sub(_one_more, sentence).replace("; merge them first", "")
+    told = told.replace("set the resolution by hand", "choose the Density")
     for cause, remedy in _REMEDIES:
         if cause.search(told):
             return f"{told}; {remedy}"

@@ -163,7 +163,7 @@ class Shaping:
         """The arguments of tripatch.fill that the shape makes."""
         bulges = self._by_side()
         given = dict(self.arguments, center_offset=self.shape.middle)
-        given["bulge"] = tuple(bulges) if len(bulges) == 3 else sum(bulges) / len(bulges)
+        given["bulge"] = tuple(bulges) if len(bulges) > 2 and len(set(bulges)) > 1 else sum(bulges) / len(bulges)
         return given
 
     def corners(self):

@@ -64,6 +64,8 @@ def test_a_rim_of_four_corners_has_four(shaping):
     square = [v for v in loop if len(v.link_faces) == 3]
     assert at == {tuple(np.round(v.co, 6)) for v in square}
     assert made.preview() is not None and made.fill.report.triangles_folded == 0
+    made.set_bulge(2, 1.5)
+    assert made.options()["bulge"] == (1, 1, 1.5, 1) and made.preview() is not None and made.refusal is None
 
 
 def test_a_rim_without_corners_is_round_and_can_be_given_some(shaping):

@@ -371,6 +371,8 @@ def test_sides_and_corners_count_from_one_in_sentences(addon):
     assert for_people("Sides 0 and 1 do not meet at corner 2") == "Sides 1 and 2 do not meet at corner 3"
     assert for_people("Rim has 4 corners; select three") == "Rim has 4 corners; select three"
     assert for_people("Corner vertex 7 is not on the rim") == "Corner vertex 7 is not on the rim"
+    rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand"
+    assert for_people(rows) == "Four extra rows of quads do not reach the tolerance; choose the Density"
     assert "Recalculate Outside" in for_people("The face at vertex 3 is turned against its neighbors")
 
 
