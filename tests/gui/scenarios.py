@@ -175,7 +175,8 @@ def repeated_elsewhere(w):
     with w.override():
         bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0)
     yield
-    assert last_operator().resolution == 5 and _is_filled(before)
+    first = last_operator().resolution
+    assert first > 1 and _is_filled(before)
     sheet(w, "Finer", finer=True)
     before = counts()
     yield
@@ -184,7 +185,7 @@ def repeated_elsewhere(w):
     yield
     yield
     assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
-    assert last_operator().resolution == 11, "a third of the edges around, 16 and then 32"
+    assert last_operator().resolution >= 1.9 * first, "16 edges around, and then 32"
     w.picture("repeated")
 
 
@@ -452,7 +453,7 @@ def status_bar(w):
     before = w.picture("status-bar-before")[:20, 600:-100]
     w.home()
     w.press("F", ctrl=True, alt=True)
-    for _ in range(8):  # it is blended in
+    for _ in range(16):  # it is blended in
         yield
         after = w.picture("status-bar")[:20, 600:-100]
         if (np.abs(after - before).max(axis=-1) > 0.2).mean() > 0.01:
@@ -477,6 +478,6 @@ ALL = [
     overlay_on_and_off,
     overlay_in_the_sidebar,
     live_fill,
-    save_and_reopen,
     status_bar,
+    save_and_reopen,  # the last: the window has another file then
 ]
