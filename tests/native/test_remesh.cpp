@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/spline/rough_fill.h"
 

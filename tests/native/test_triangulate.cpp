@@ -279,6 +279,19 @@ TEST_CASE("where the surface is torn or folds the number of triangles stays boun
   }
 }
 
+TEST_CASE("no surface, however crumpled, gets more triangles than its rim or the resolution ask for") {
+  const Position crumpled([](const Vec3& b) {
+    const double bubble = 27 * b[0] * b[1] * b[2];
+    return Vec3(b[1] + 0.5 * b[2], std::sqrt(0.75) * b[2], 30 * bubble * std::sin(60 * b[1]) * std::cos(60 * b[2]));
+  });
+  const Parameters p = {graded(5, 6), graded(5), graded(6)};  // one side's edges differ 8,000 times in length
+  const TriangleMesh by_rim = triangulate(p, {}, crumpled), by_resolution = triangulate(p, 5, crumpled);
+  CHECK(flaw(p, by_rim) == "");
+  CHECK(by_rim.triangles.size() <= 5 * 16 * 16);
+  CHECK(flaw(p, by_resolution) == "");
+  CHECK(by_resolution.triangles.size() <= 20 * (2 * 5 * 5 + 16));
+}
+
 TEST_CASE("triangulation is deterministic and needs increasing parameters") {
   const Parameters p = {graded(10), graded(5), graded(40)};
   const TriangleMesh a = triangulate(p, {}, helicoid), b = triangulate(p, {}, helicoid);

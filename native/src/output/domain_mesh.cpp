@@ -20,6 +20,22 @@ std::size_t DomainMesh::alive_triangles() const {
       std::count_if(triangles_.begin(), triangles_.end(), [](const Triangle& f) { return f.v[0] >= 0; }));
 }
 
+void DomainMesh::bound_triangles(double count, double edges, std::optional<int> resolution) {
+  constexpr double per_squared_resolution = 2;  // a flat round hole with that many edges to a third of its rim: 9 / (4 pi 0.43)
+  constexpr double far_too_many = 20;           // times what is asked for: a surface that needs them is crumpled
+  double most = 0, bound = 0;
+  if (resolution) {
+    const double asked = per_squared_resolution * *resolution * *resolution + edges;
+    bound = far_too_many * asked;
+    most = most_over * asked;
+  } else {
+    bound = triangles_per_squared_edge * edges * edges;
+    most = std::min(std::max(most_triangles, 4 * edges), bound / 2);
+  }
+  if (count > most) coarser_ = std::sqrt(count / most);
+  most_ = std::min(most_over * (std::min(count, most) + edges), bound);
+}
+
 int DomainMesh::add_vertex(const Vec3& b, const Vec3& x) {
   b_.push_back(b);
   x_.push_back(x);

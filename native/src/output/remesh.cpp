@@ -219,13 +219,8 @@ private:
       const double room = sizes_.around() / (6 * std::sqrt(3.0));  // radius of an equal triangle's incircle
       const double longest = *std::max_element(sizes_.edges().begin(), sizes_.edges().end());
       decline_ = std::max(decline_, 2 * longest / std::max(room, 1e-300));
-      most_ = most_over * (count + edges);
-      return;
     }
-    const double bound = triangles_per_squared_edge * edges * edges;
-    const double most = std::min(std::max(most_triangles, 4 * edges), bound / 2);
-    if (count > most) coarser_ = std::sqrt(count / most);  // the inside is coarser than the rim
-    most_ = std::min(most_over * (std::min(count, most) + edges), bound);
+    bound_triangles(count, edges, resolution);
   }
 
   double wanted(const Vec3& b) const override { return coarser_ * sizes_.at(sizes_.middle() + sizes_.scale() * b.tail<2>()); }
@@ -424,8 +419,6 @@ private:
   Sizes sizes_;
   bool inner_;  // vertices inside are wanted
   int given_;   // vertices 0 .. given_ - 1 are the polygon's
-  double coarser_ = 1;
-  double most_ = 0;  // triangles beyond which no edge is split
   std::vector<Pair> joined_;
   std::set<Pair> creases_;
   std::vector<char> on_crease_;

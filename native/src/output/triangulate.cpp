@@ -148,12 +148,8 @@ private:
       const double room =
           std::accumulate(edge.begin(), edge.end(), 0.0) / (6 * std::sqrt(3.0));  // radius of an equal hole's incircle
       decline_ = std::max(decline_, 2 * *std::max_element(edge.begin(), edge.end()) / std::max(room, 1e-300));
-      most_ = most_over * (triangles_wanted() + rim_);
-      return;
     }
-    const double count = triangles_wanted();
-    if (count > most_triangles) coarser_ = std::sqrt(count / most_triangles);  // the inside is coarser than the rim
-    most_ = most_over * (std::min(count, most_triangles) + rim_);
+    bound_triangles(triangles_wanted(), rim_, resolution);
   }
 
   /// How many triangles of the wanted sizes cover the surface.
@@ -204,7 +200,8 @@ private:
   std::size_t split() {
     std::vector<Edge> edges;
     // Where the surface is torn or folds, edges stay too long however often they are split.
-    const bool inner = inner_ && static_cast<double>(alive_triangles()) < most_;
+    double room = most_ - static_cast<double>(alive_triangles());
+    const bool inner = inner_ && room > 0;
     for (int t = 0; t < static_cast<int>(triangles_.size()); ++t) {
       const Triangle& f = triangles_[t];
       if (f.v[0] < 0) continue;
@@ -233,7 +230,8 @@ private:
       const int a = f.v[(e.k + 1) % 3], b = f.v[(e.k + 2) % 3];
       if (other >= 0) {
         const Vec3 m = 0.5 * (b_[a] + b_[b]);
-        if (!can_split(e.triangle, e.k, m)) continue;
+        if (room < 2 || !can_split(e.triangle, e.k, m)) continue;
+        room -= 2;
         middles.push_back(m);
         taken[other] = 1;
       }
@@ -350,9 +348,7 @@ private:
   bool inner_;  // vertices inside are wanted
   std::array<int, 3> corner_{};
   std::array<std::vector<double>, 3> log_size_;  // wanted at the rim, by side
-  double coarser_ = 1;
-  double most_ = 0;                 // triangles beyond which no inner edge is split
-  std::vector<std::uint8_t> side_;  // bit i: on side i
+  std::vector<std::uint8_t> side_;               // bit i: on side i
 };
 
 }  // namespace

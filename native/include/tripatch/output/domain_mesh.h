@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "tripatch/types.h"
@@ -12,6 +13,9 @@ namespace tripatch {
 
 /// 1 for an equilateral triangle, 0 for one without area.
 double shape(const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// As many triangles as this per squared edge of the rim at most, where no resolution is given.
+constexpr double triangles_per_squared_edge = 5;
 
 constexpr double area_of_triangle = 0.43;  ///< of squared edge length: that of an equilateral one
 
@@ -54,6 +58,10 @@ protected:
   virtual bool is_fixed(int v) const { return on_rim(v); }
   /// May an edge join them?
   virtual bool may_join(int, int) const { return true; }
+
+  /// Of `count` triangles that the wanted sizes ask for, before any is made: not more than the rim or the resolution do, which says the
+  /// sizes inside.
+  void bound_triangles(double count, double edges, std::optional<int> resolution);
 
   int add_vertex(const Vec3& b, const Vec3& x);
   bool on_rim(int v) const { return v < rim_; }
@@ -99,6 +107,8 @@ protected:
 
   int rim_;               // vertices 0 .. rim_ - 1 are the rim
   double decline_ = 0.8;  // of the size per distance, where the rim is coarser
+  double coarser_ = 1;    // the inside than the wanted sizes
+  double most_ = 0;       // triangles beyond which no inner edge is split
   std::vector<Vec3> b_;   // in the domain: the last two coordinates count
   std::vector<Vec3> x_;   // in space
   std::vector<double> size_;

@@ -29,9 +29,6 @@ struct PlaneTriangulation {
   bool doubles_edges = false;  ///< an inner edge that the mesh has already is left: it could not be halved
 };
 
-/// As many triangles as this per squared edge of the rim at most, where no resolution is given.
-constexpr double triangles_per_squared_edge = 5;
-
 /// How many triangles remesh() aims at: 2.3 to a squared edge length. Costs no more than the size of the polygon times some 200.
 double triangles_wanted(const PlanePolygon& polygon, std::optional<int> resolution);
 
