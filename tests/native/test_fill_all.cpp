@@ -1,0 +1,91 @@
+// Many holes on all cores. scripts/sanitize runs what is tagged [parallel] under the thread sanitizer too.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tripatch/fill.h"
+#include "tripatch/mesh/border_loops.h"
+#include "tripatch/mesh/connectivity.h"
+
+using namespace tripatch;
+
+namespace {
+
+/// A wave over n x n quads in two triangles each, with holes of so many quads a side at every eighth quad.
+struct Sieve {
+  Points points;
+  Faces faces;
+  std::vector<std::vector<Index>> rims;
+
+  explicit Sieve(Index n, Index hole) : points((n + 1) * (n + 1), 3) {
+    for (Index i = 0; i <= n; ++i)
+      for (Index j = 0; j <= n; ++j) {
+        const double u = 0.1 * static_cast<double>(i), v = 0.1 * static_cast<double>(j);
+        points.row(i * (n + 1) + j) << u, v, 0.3 * std::sin(u) * std::cos(1.3 * v);
+      }
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j) {
+        if (i % 8 >= 3 && i % 8 < 3 + hole && j % 8 >= 3 && j % 8 < 3 + hole) continue;
+        const Index a = i * (n + 1) + j, b = a + n + 1;
+        faces.add(std::array<Index, 3>{a, b, b + 1});
+        faces.add(std::array<Index, 3>{a, b + 1, a + 1});
+      }
+    for (std::vector<Index>& loop : border_loops(Connectivity(Mesh{points, faces})))
+      if (loop.size() < static_cast<std::size_t>(2 * n)) rims.push_back(std::move(loop));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("holes filled together on all cores are those filled one by one", "[parallel]") {
+  const Sieve sieve(24, 2);
+  const Mesh mesh{sieve.points, sieve.faces};
+  REQUIRE(sieve.rims.size() == 9);
+  for (const std::optional<std::vector<Index>>& corners :
+       {std::optional<std::vector<Index>>(), std::optional<std::vector<Index>>(std::vector<Index>{0, 1, 2})}) {
+    // as they come, and between three corners: the exact patch, whose sides are estimated at the same time
+    std::vector<std::optional<std::vector<Index>>> of_each(sieve.rims.size());
+    for (std::size_t k = 0; corners && k < of_each.size(); ++k) {
+      of_each[k].emplace();
+      for (Index c : *corners) of_each[k]->push_back(sieve.rims[k][3 * static_cast<std::size_t>(c)]);
+    }
+    std::size_t told = 0;
+    const auto together = fill_all(mesh, sieve.rims, {}, of_each, [&](std::size_t done) { told = std::max(told, done); });
+    CHECK(told == sieve.rims.size());
+    for (std::size_t k = 0; k < sieve.rims.size(); ++k) {
+      FillOptions one;
+      one.rim = sieve.rims[k];
+      one.corners = of_each[k];
+      const Fill alone = fill(mesh, one);
+      const Fill* const same = std::get_if<Fill>(&together[k]);
+      REQUIRE(same);
+      CHECK(same->vertices == alone.vertices);
+      CHECK(same->faces.corners == alone.faces.corners);
+    }
+  }
+}
+
+TEST_CASE("the sides of a long rim, estimated at the same time, are the same every time", "[parallel]") {
+  // 60 edges and more are worth threads
+  const Index n = 40, low = 12, high = 28;
+  Sieve whole(n, 0);
+  Faces left;
+  for (Index f = 0; f < whole.faces.size(); ++f) {
+    const Index quad = f / 2, i = quad / n, j = quad % n;
+    if (i >= low && i < high && j >= low && j < high) continue;
+    left.add(std::array<Index, 3>{whole.faces[f][0], whole.faces[f][1], whole.faces[f][2]});
+  }
+  FillOptions options;
+  options.method = "side_vertex";
+  options.corners = std::vector<Index>{low * (n + 1) + low, high * (n + 1) + low, low * (n + 1) + high};
+  const Mesh mesh{whole.points, left};
+  const Fill first = fill(mesh, options), second = fill(mesh, options);
+  CHECK(first.rim.size() == 64);
+  CHECK(first.vertices == second.vertices);
+}
+
+TEST_CASE("a hole that cannot be filled does not stop the others", "[parallel]") {
+  Sieve sieve(24, 2);
+  sieve.points(sieve.rims[4][0], 1) = NAN;
+  const auto results = fill_all(Mesh{sieve.points, sieve.faces}, sieve.rims, {}, {}, {});
+  for (std::size_t k = 0; k < results.size(); ++k) CHECK(std::holds_alternative<Refused>(results[k]) == (k == 4));
+}
