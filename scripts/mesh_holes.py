@@ -1,7 +1,7 @@
 """Fills holes in all meshes of a folder and says how that went: the meshes' own, and patches of faces taken out at random.
 
-A table: filled, refused and why, the worst time and the worst seam. Ends with 1 where a fill came out wrong: an edge of three faces,
-or numbers that are not finite.
+A table: filled, refused and why, the worst time and the worst seam. Ends with 1 where a fill came out wrong: an edge of three
+faces, or numbers that are not finite.
 """
 
 from __future__ import annotations
