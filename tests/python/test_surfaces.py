@@ -210,7 +210,7 @@ def test_smooth_triangles(curve):
     assert np.array_equal(smooth.vertices[:4], v)
     assert np.allclose(np.linalg.norm(smooth.normals, axis=1), 1, atol=1e-14)
     radius = np.linalg.norm(smooth.vertices, axis=1)
-    assert abs(radius - 1).max() < (0.1 if curve == "hermite" else 0.35)
+    assert abs(radius - 1).max() < (0.09 if curve == "hermite" else 0.24)  # flat triangles: 0.67
     sides = tripatch.sides_from_normals(v[f[0]], v[f[0]], curve)
     t = np.arange(1, 6) / 6
     c, _, _, n = sides[2].evaluate(t)  # from vertex 0 to vertex 1
@@ -268,13 +268,13 @@ def sphere_with_a_hole(n):
     return np.concatenate([rim, outer]), faces, k, [0, n, 2 * n]
 
 
-@pytest.mark.parametrize("method", ["coons_bezier", "coons_extremal", "coons_mask"])
-def test_bezier_methods_fill_a_hole(method):
+@pytest.mark.parametrize(("method", "off"), [("coons_bezier", 2e-5), ("coons_extremal", 0.12), ("coons_mask", 0.22)])
+def test_bezier_methods_fill_a_hole(method, off):
     v, f, rim, corners = sphere_with_a_hole(4)
     fill = tripatch.fill(v, f, rim=rim, corners=corners, method=method)
     assert np.abs(fill.patch.evaluate(fill.rim_barycentric) - v[fill.rim]).max() < 1e-12
     assert isinstance(fill.patch, tripatch.BezierTriangle)
-    assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < 0.35
+    assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < off
     with pytest.raises(tripatch.Refusal, match="keeps G0"):
         tripatch.fill(v, f, rim=rim, corners=corners, method=method, continuity="G1")
     v, f, rim, corners = sphere_with_a_hole(13)
