@@ -613,8 +613,9 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     if (corners) throw;
     const std::string otherwise = std::string("three sides were not found: ") + refusal.what();
     const std::vector<Index> sharp = corners_between_sharp(ground, checked);
-    return makes_polygon(sharp) && not_taken(options).empty() ? fill_between_many(ground, rim, sharp, false, options)
-                                                              : fill_round_rim(ground, checked, options, otherwise);
+    if (sharp.empty()) return fill_round_rim(ground, checked, options, otherwise);
+    const bool sided = makes_polygon(sharp) && not_taken(options).empty();
+    return sided ? fill_between_many(ground, rim, sharp, false, options) : any_rim(otherwise);
   }
   check_counts(options, 3);
   if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
