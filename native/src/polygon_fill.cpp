@@ -243,10 +243,11 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   const PlanePoints rim_uv = rim_places(made.domain, known.parameters);
   Points points(r, 3);
   for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
-  const PlaneCover cover = options.output == Output::quads
-                               ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
-                                                          polygon_layout_options(options))
-                               : triangles_of(made.domain.center(), *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
+  const PlaneCover cover =
+      options.output == Output::quads
+          ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
+                                     polygon_layout_options(options))
+          : triangles_of(made.domain.center(), *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
   fill.rim = rim;
   fill.rim_uv = rim_uv;
   fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
