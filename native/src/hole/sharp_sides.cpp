@@ -46,7 +46,7 @@ Vec3 face_normal(const Mesh& mesh, Index f) {
 }
 
 /// The face beside rim edge k.
-std::optional<Index> beside(const Connectivity& around, const std::vector<Index>& rim, Index k) {
+std::optional<Index> face_beside(const Connectivity& around, const std::vector<Index>& rim, Index k) {
   const Index n = static_cast<Index>(rim.size());
   const auto corner = around.edge(rim[(k + 1) % n], rim[k]);
   if (!corner) return {};
@@ -60,7 +60,7 @@ SideEnd end_of_side(const Mesh& mesh, const Connectivity& around, const std::vec
   const Index n = static_cast<Index>(rim.size());
   const auto chord = [&](Index k) -> Vec3 { return mesh.vertices.row(rim[(k + 1) % n]) - mesh.vertices.row(rim[k]); };
   const auto plane = [&](Index k) {
-    const std::optional<Index> f = beside(around, rim, k);
+    const std::optional<Index> f = face_beside(around, rim, k);
     return f ? face_normal(mesh, *f) : Vec3(Vec3::Zero());
   };
   const Vec3 a = chord(edge), b = chord(next);
@@ -155,7 +155,7 @@ std::vector<Index> not_continued(const Mesh& mesh, const Connectivity& around, c
   for (const char kind : {continued, beyond})
     for (std::size_t i = 0; i < places.size(); ++i)
       for (Index k = places[i]; (angles[i] > 0) == (kind == beyond) && k != places[(i + 1) % places.size()]; k = (k + 1) % n)
-        if (const std::optional<Index> f = beside(around, rim, k); f && state[*f] == unseen) {
+        if (const std::optional<Index> f = face_beside(around, rim, k); f && state[*f] == unseen) {
           state[*f] = kind;
           front.push(*f);
         }
