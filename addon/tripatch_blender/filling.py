@@ -89,7 +89,7 @@ class Outcome:
         if output != "triangles":
             return max((report.rows for report in self.reports), default=None)
         # As many edges around as the rim has: the library counts them as three sides where the patch has no sides of its own.
-        sides = [len(r.corners) if r.method == "multi_sided" else 3 for r in self.reports]
+        sides = [(r.method == "multi_sided" and len(r.corners)) or 3 for r in self.reports]
         return max((max(1, round(n / k)) for n, k in zip(self.rim_edges, sides, strict=True)), default=None)
 
     def sentence(self):

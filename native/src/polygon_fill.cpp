@@ -40,7 +40,7 @@ PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vecto
 }
 
 /// The polygon in triangles about its center.
-PlaneCover triangles_of(const Vec2& center, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
+PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
                         std::vector<std::array<Index, 2>> joined, std::optional<int> resolution) {
   const Index r = rim_uv.rows();
   PlanePolygon polygon;
@@ -51,6 +51,7 @@ PlaneCover triangles_of(const Vec2& center, const Surface& patch, const PlanePoi
   polygon.points.resize(r + 1, 3);
   polygon.points << rim, patch.positions(middle);
   polygon.rim = r;
+  polygon.sides = sides;
   for (Index k = 0; k < r; ++k) polygon.triangles.push_back({k, (k + 1) % r, r});
   polygon.joined = std::move(joined);
   PlaneTriangulation triangulated = remesh(polygon, resolution, patch);
@@ -197,7 +198,8 @@ PolygonPatchOptions polygon_options(const FillOptions& options) {
 PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vector<std::vector<double>>& parameters,
                                      std::optional<int> resolution) {
   const PlanePoints rim = rim_places(patch.domain(), parameters);
-  PlaneCover cover = triangles_of(patch.domain().center(), patch, rim, patch.positions(plane_rows(rim)), {}, resolution);
+  PlaneCover cover =
+      triangles_of(patch.domain().center(), patch.domain().sides(), patch, rim, patch.positions(plane_rows(rim)), {}, resolution);
   return {std::move(cover.uv), std::move(cover.faces)};
 }
 
@@ -243,11 +245,11 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   const PlanePoints rim_uv = rim_places(made.domain, known.parameters);
   Points points(r, 3);
   for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
-  const PlaneCover cover =
-      options.output == Output::quads
-          ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
-                                     polygon_layout_options(options))
-          : triangles_of(made.domain.center(), *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
+  const PlaneCover cover = options.output == Output::quads
+                               ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
+                                                          polygon_layout_options(options))
+                               : triangles_of(made.domain.center(), made.domain.sides(), *made.patch, rim_uv, points,
+                                              joined_rows(around, rim), options.resolution);
   fill.rim = rim;
   fill.rim_uv = rim_uv;
   fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
@@ -388,7 +390,7 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
     rim_uv.row(k) = on_circle(known.t[k]);
     points.row(k) = mesh.vertices.row(rim[k]);
   }
-  PlaneCover cover = triangles_of(Vec2::Zero(), *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
+  PlaneCover cover = triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
   fill.uv = cover.uv.bottomRows(cover.uv.rows() - r);
   std::tie(fill.vertices, fill.normals) = made.patch->positions_and_normals(plane_rows(fill.uv));
   if (options.output == Output::quads) {

@@ -60,9 +60,9 @@ def test_a_rim_of_four_corners_has_four(shaping):
     scenes.select_rim(bm, loop)
     made = shaping.from_selection(ob, bm)
     assert len(made.corners()) == len(made.side_handles()) == 4 and not made.shape.round
-    at = {tuple(np.round(made.points[k], 6)) for k in made.corners()}
+    at = {tuple(np.round(np.array(made.points[k], float), 5).tolist()) for k in made.corners()}
     square = [v for v in loop if len(v.link_faces) == 3]
-    assert at == {tuple(np.round(v.co, 6)) for v in square}
+    assert at == {tuple(np.round(np.array(v.co, float), 5).tolist()) for v in square}
     assert made.preview() is not None and made.fill.report.triangles_folded == 0
     made.set_bulge(2, 1.5)
     assert made.options()["bulge"] == (1, 1, 1.5, 1) and made.preview() is not None and made.refusal is None

@@ -477,7 +477,7 @@ ALL = [
     tool_left,
     overlay_on_and_off,
     overlay_in_the_sidebar,
-    live_fill,
     status_bar,
+    live_fill,  # the operator keeps Keep Live for what follows
     save_and_reopen,  # the last: the window has another file then
 ]

@@ -86,7 +86,8 @@ public:
     log_size_ /= weight_;
     soft_ = 0.25F * weight_.square();
     around_ = std::accumulate(edge_.begin(), edge_.end(), 0.0);
-    if (resolution) log_size_.setConstant(static_cast<float>(std::log(std::max(around_ / (3 * *resolution) / scale_, 1e-20))));
+    if (resolution)
+      log_size_.setConstant(static_cast<float>(std::log(std::max(around_ / (p.sides * *resolution) / scale_, 1e-20))));
   }
 
   /// uv in the polygon's own units.
