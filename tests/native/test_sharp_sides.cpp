@@ -37,9 +37,9 @@ struct Column {
               top(p[0], p[1]) - deep;
         }
     }
-    const auto vertex = [&](int i, int k, int j) {
-      if (j == 0 && k == edges) return static_cast<Index>((i + 1) % n * (edges + 1));
-      return static_cast<Index>(j * (around + n) + i * (edges + 1) + k);
+    const auto vertex = [&](Index i, Index k, Index j) -> Index {
+      if (j == 0 && k == edges) return (i + 1) % n * (edges + 1);
+      return j * (around + n) + i * (edges + 1) + k;
     };
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < edges; ++k) {

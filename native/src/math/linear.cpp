@@ -27,19 +27,19 @@ struct AnyRegisters {
   static constexpr Index rows = 4, columns = 8, most_columns = 8;  // of a product: what the registers hold
 
   /// sum = a b, where a is `rows` by k and b is k by `columns`.
-  template <Index rows, Index columns>
+  template <Index Rows, Index Columns>
   TRIPATCH_INLINE static void product(const double* a, Index a_row, Index a_column, Index k, const double* b, Index b_row,
-                                      double (&sum)[rows][columns]) {
-    for (Index p = 0; p < rows; ++p)
-      for (Index q = 0; q < columns; ++q) sum[p][q] = 0;
+                                      double (&sum)[Rows][Columns]) {
+    for (Index p = 0; p < Rows; ++p)
+      for (Index q = 0; q < Columns; ++q) sum[p][q] = 0;
     for (Index l = 0; l < k; ++l)
-      for (Index p = 0; p < rows; ++p)
-        for (Index q = 0; q < columns; ++q) sum[p][q] += a[p * a_row + l * a_column] * b[l * b_row + q];
+      for (Index p = 0; p < Rows; ++p)
+        for (Index q = 0; q < Columns; ++q) sum[p][q] += a[p * a_row + l * a_column] * b[l * b_row + q];
   }
 };
 
 /// Adds `sign` times a' a to c from row `begin` on: the upper triangle of it or the lower, and some elements beyond.
-template <class Registers, bool upper>
+template <class Registers, bool Upper>
 TRIPATCH_INLINE void add_gram_with(const double* a, Index m, Index n, Index begin, double sign, double* __restrict c) {
   constexpr Index rows = Registers::rows, columns = Registers::columns;
   if (n < columns) {
@@ -49,7 +49,7 @@ TRIPATCH_INLINE void add_gram_with(const double* a, Index m, Index n, Index begi
     return;
   }
   for (Index below = begin; below < n; below += rows)
-    for (Index right = upper ? below : 0; right < (upper ? n : std::min(n, below + rows)); right += columns) {
+    for (Index right = Upper ? below : 0; right < (Upper ? n : std::min(n, below + rows)); right += columns) {
       const Index i = std::min(below, n - rows), j = std::min(right, n - columns);  // the last overlap those before
       double sum[rows][columns];
       Registers::product(a + i, 1, n, m, a + j, n, sum);
@@ -58,15 +58,15 @@ TRIPATCH_INLINE void add_gram_with(const double* a, Index m, Index n, Index begi
     }
 }
 
-template <class Registers, Index columns>
+template <class Registers, Index Columns>
 TRIPATCH_INLINE void multiply_four_with(const double* a, Index k, const double* b, Index n, double* __restrict out,
                                         Index stride) {
-  for (Index next = 0; next < n; next += columns) {
-    const Index j = std::min(next, n - columns);  // the last makes some columns again
-    double sum[4][columns];
+  for (Index next = 0; next < n; next += Columns) {
+    const Index j = std::min(next, n - Columns);  // the last makes some columns again
+    double sum[4][Columns];
     Registers::product(a, k, 1, k, b + j, n, sum);
     for (Index p = 0; p < 4; ++p)
-      for (Index q = 0; q < columns; ++q) out[p * stride + j + q] = sum[p][q];
+      for (Index q = 0; q < Columns; ++q) out[p * stride + j + q] = sum[p][q];
   }
 }
 
@@ -120,22 +120,22 @@ TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
 #ifdef __GNUC__
 /// Registers of `width` doubles, which the compiler does not find by itself everywhere.
-template <Index width, Index product_rows, Index product_columns>
+template <Index Width, Index ProductRows, Index ProductColumns>
 struct VectorRegisters {
-  static constexpr Index rows = product_rows, columns = 8, most_columns = product_columns;
-  typedef double Vector __attribute__((vector_size(8 * width), aligned(8), may_alias));
+  static constexpr Index rows = ProductRows, columns = 8, most_columns = ProductColumns;
+  typedef double Vector __attribute__((vector_size(8 * Width), aligned(8), may_alias));
 
-  template <Index rows, Index columns>
+  template <Index Rows, Index Columns>
   TRIPATCH_INLINE static void product(const double* a, Index a_row, Index a_column, Index k, const double* b, Index b_row,
-                                      double (&sum)[rows][columns]) {
-    Vector part[rows][columns / width] = {};
+                                      double (&sum)[Rows][Columns]) {
+    Vector part[Rows][Columns / Width] = {};
     for (Index l = 0; l < k; ++l, a += a_column, b += b_row)
 #pragma GCC unroll 8
-      for (Index p = 0; p < rows; ++p)
+      for (Index p = 0; p < Rows; ++p)
 #pragma GCC unroll 2
-        for (Index w = 0; w < columns / width; ++w) part[p][w] += a[p * a_row] * *reinterpret_cast<const Vector*>(b + width * w);
-    for (Index p = 0; p < rows; ++p)
-      for (Index w = 0; w < columns / width; ++w) *reinterpret_cast<Vector*>(&sum[p][width * w]) = part[p][w];
+        for (Index w = 0; w < Columns / Width; ++w) part[p][w] += a[p * a_row] * *reinterpret_cast<const Vector*>(b + Width * w);
+    for (Index p = 0; p < Rows; ++p)
+      for (Index w = 0; w < Columns / Width; ++w) *reinterpret_cast<Vector*>(&sum[p][Width * w]) = part[p][w];
   }
 };
 #endif
