@@ -31,7 +31,7 @@ public:
 
 private:
   /// A polynomial in s and a field of t for each thing that is interpolated, so everything is done in (s, t) first.
-  template <int N, RayDegree degree>
+  template <int N, RayDegree Degree>
   JetPoint<N> at(const Barycentric<N>& b) const {
     const Jet<N> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3];  // fraction of the ray, 0 at the vertex
     const Jet<N> t = ray_parameter(b, i_);
@@ -39,25 +39,25 @@ private:
     std::array<Vec3, N + 2> c, d;
     ribbon_.c.taylor(t.value(), N + 1, c[0].data());
     ribbon_.d.taylor(t.value(), N, d[0].data());
-    constexpr std::size_t coefficients = degree == RayDegree::quadratic ? 3 : degree == RayDegree::cubic ? 4 : 6;
+    constexpr std::size_t coefficients = Degree == RayDegree::quadratic ? 3 : Degree == RayDegree::cubic ? 4 : 6;
     std::array<Vec3, Jet<N>::size> polar;
     polar.fill(Vec3::Zero());
     // `field` times the polynomial that carries it along the ray; `orders`: of its coefficients, how many are not zero
     const auto add = [&](int f, const Field& field, int orders = N + 1) {
       std::array<double, N + 1> along;
-      taylor<N>(hermites[static_cast<int>(degree)][f], s.value(), 0.0, along, coefficients);
+      taylor<N>(hermites[static_cast<int>(Degree)][f], s.value(), 0.0, along, coefficients);
       for (int k = 0; k <= N; ++k)
         for (int l = 0; k + l <= N && l < orders; ++l) polar[jet_index(k, l)] += along[k] * field[l];
     };
     Field field;
     field[0] = corner_[i_];
     add(0, field, 1);
-    if constexpr (degree != RayDegree::quadratic) {
+    if constexpr (Degree != RayDegree::quadratic) {
       field[0] = to_next_ + t.value() * (to_previous_ - to_next_);
       if constexpr (N > 0) field[1] = to_previous_ - to_next_;
       add(1, field, 2);
     }
-    if constexpr (degree == RayDegree::quintic) {
+    if constexpr (Degree == RayDegree::quintic) {
       taylor<N>(vertex_second_, t.value(), Vec3(Vec3::Zero()), field);
       add(2, field);
     }
@@ -66,7 +66,7 @@ private:
     for (int k = 0; k <= N; ++k)  // d/ds = -delta_i + (t - 1/2) (along the side)
       field[k] = d[k] + (t.value() - 0.5) * (k + 1.0) * c[k + 1] + static_cast<double>(k) * c[k];
     add(4, field);
-    if constexpr (degree == RayDegree::quintic) {
+    if constexpr (Degree == RayDegree::quintic) {
       taylor<N>(side_second_, t.value(), Vec3(Vec3::Zero()), field);
       add(5, field);
     }
