@@ -29,9 +29,6 @@
 namespace tripatch {
 namespace {
 
-/// Degrees between the tangent planes of two sides at their corner from which on a person is told.
-constexpr double corner_mismatch_warned = 1;
-
 /// Edges of a rim that a face beside it is as long as, from which on it is a strip: twice the diagonal of two squares.
 constexpr double strip = 4;
 
@@ -149,15 +146,10 @@ Hole hole_of(const Ground& ground, const std::optional<std::vector<Index>>& rim,
   return make_hole(ground.mesh, ground.left, loop_through(ground, *corners), three(corners));
 }
 
-LayoutOptions layout_options(const FillOptions& options) {
-  return {options.resolution, options.tolerance, options.odd == Odd::split, options.pole_offset};
-}
-
-std::string degrees(double angle) {
-  std::ostringstream text;
-  text.precision(angle < 99.5 ? 2 : 3);
-  text << angle << " degrees";
-  return text.str();
+std::vector<Index> at_places(const std::vector<Index>& loop, const std::vector<Index>& places) {
+  std::vector<Index> vertices;
+  for (Index place : places) vertices.push_back(loop[place]);
+  return vertices;
 }
 
 /// What is said of every fill, whatever it is made of.
@@ -168,16 +160,8 @@ void complete_report(const SidedRim& hole, const FillOptions& options, const std
   report.method_reason = !automatic ? "it was asked for"
                          : three    ? "the rim has three smooth sides"
                                     : "the rim has " + std::to_string(hole.sides()) + " sides";
-  report.corners.resize(hole.corners.size());
-  for (int k = 0; k < hole.sides(); ++k) {
-    report.corners[k] = hole.rim[hole.corners[k]];
-    if (!corner_mismatch_deg.empty() && corner_mismatch_deg[k] > corner_mismatch_warned)
-      report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(corner_mismatch_deg[k]) +
-                                " at corner " + std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
-  }
-  if (report.folds > 0)
-    report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) +
-                              (report.folds == 1 ? " place" : " places"));
+  report_corners(hole.rim, hole.corners, corner_mismatch_deg, report);
+  tell_folds(report);
 }
 
 /// Angles by side of a hole with three corners, as of sharp_sides.
@@ -199,15 +183,10 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   const bool looks_for_sharp =
       options.surroundings == SurroundingsFrom::mesh && std::string(find_method(method).continuity) != "G0";
   std::vector<double> angles = looks_for_sharp ? sharp_sides_of(ground, hole) : std::vector<double>(3, 0.0);
-  std::vector<SideContinuity> continuity;
-  for (int i = 0; i < 3; ++i) {
-    const SideContinuity given = options.continuity[i];
-    if (given != SideContinuity::automatic) angles[i] = 0;
-    continuity.push_back(angles[i] > 0 ? SideContinuity::free : given);
-    hole.alone[i] = continuity[i] == SideContinuity::free || continuity[i] == SideContinuity::g0;
-  }
+  SideTerms terms = terms_of_sides(options.continuity, angles);
+  std::copy(terms.alone.begin(), terms.alone.end(), hole.alone.begin());
   FillOptions own = options;
-  own.continuity = BySide<SideContinuity>(std::move(continuity));
+  own.continuity = BySide<SideContinuity>(std::move(terms.continuity));
   const Surroundings surroundings = surroundings_of(
       mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
 
@@ -484,12 +463,6 @@ bool makes_polygon(const std::vector<Index>& corners) {
   return corners.size() > 3 && corners.size() <= static_cast<std::size_t>(most_sides);
 }
 
-std::vector<Index> at_places(const std::vector<Index>& loop, const std::vector<Index>& places) {
-  std::vector<Index> vertices;
-  for (Index place : places) vertices.push_back(loop[place]);
-  return vertices;
-}
-
 /// The rim of a cage's hole: of the corners that are given, else of three where they are found, else of those that its quads make or that
 /// are clear.
 SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
@@ -552,14 +525,13 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
 
 /// The corners of a rim, as detected, where the mesh meets the hole at an angle between them: there the rim alone tells its sides.
 std::vector<Index> corners_between_sharp(const Ground& ground, const std::vector<Index>& rim) {
-  std::vector<Index> vertices;
   try {
     const std::vector<Index> places = detect_corners(ground.mesh, ground.left, rim);
     if (places.size() <= static_cast<std::size_t>(most_sides) && any_sharp(sharp_sides(ground.mesh, ground.left, rim, places)))
-      for (Index k : places) vertices.push_back(rim[k]);
+      return at_places(rim, places);
   } catch (const Refusal&) {  // faces without area
   }
-  return vertices;
+  return {};
 }
 
 /// The patch over a disc where the rim is smooth all around, else the surface over a plane. rim: as new faces take it.
@@ -598,8 +570,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   const std::vector<Index> checked = check_topology(ground.left, rim);
   check_finite(ground.mesh, ground.left, checked);
   std::vector<Index> found;
-  if (!corners)
-    for (Index place : corners_between_sides(ground.mesh, ground.left, checked)) found.push_back(checked[place]);
+  if (!corners) found = at_places(checked, corners_between_sides(ground.mesh, ground.left, checked));
   const auto creases_in = [&](const Connectivity& around) {
     return !find_features(ground.mesh, around, checked).creases.empty();
   };
@@ -644,7 +615,7 @@ std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::option
   loop = check_topology(ground.left, loop);
   check_finite(ground.mesh, ground.left, loop);
   if (!corners) {
-    for (Index place : corners_between_sides(ground.mesh, ground.left, loop)) given.push_back(loop[place]);
+    given = at_places(loop, corners_between_sides(ground.mesh, ground.left, loop));
     if (given.size() == 3 || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
   }
   check_counts(options, std::max<std::size_t>(given.size(), 1));

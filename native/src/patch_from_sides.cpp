@@ -127,9 +127,7 @@ MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const
   const std::array<bool, 3>& free = continuity.free;
   const bool alone = !keeps_tangent && !free[0] && !free[1] && !free[2] && options.tension == 0;
   const bool faired = options.fairing == Fairing::automatic ? !alone : options.fairing.has_value();
-  if (options.tension > 0 && !faired) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
-  if (options.center && options.center_offset != 0)
-    throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+  check_shape_options(faired, options.tension, options.center.has_value(), options.center_offset);
   check_reach(sides, options);
 
   MadePatch made = patch_with_fewest_folds(sides, method, continuity, options, options.center, faired, points);

@@ -19,8 +19,6 @@
 namespace tripatch {
 namespace {
 
-/// Degrees between the tangent planes of two sides at their corner from which on a person is told, as for three sides.
-constexpr double mismatch_warned = 1;
 /// Where the patch lies farther from the spline than this many of the standard deviations that the spline states of itself, the spline
 /// is the nearer one;
 constexpr double clearly_off = 4;
@@ -39,9 +37,9 @@ PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vecto
   return uv;
 }
 
-/// The polygon in triangles about its center.
+/// The polygon in triangles about its center, or these in pairs as quads where they are good ones.
 PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
-                        std::vector<std::array<Index, 2>> joined, std::optional<int> resolution) {
+                        std::vector<std::array<Index, 2>> joined, std::optional<int> resolution, bool paired = false) {
   const Index r = rim_uv.rows();
   PlanePolygon polygon;
   polygon.uv.resize(r + 1, 2);
@@ -59,6 +57,10 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
   cover.uv = triangulated.uv;
   cover.rim = r;
   for (Index k = 0; k < r; ++k) cover.rim_rows.push_back(k);
+  if (paired) {
+    cover.faces = pair_quads(triangulated.points, triangulated.triangles);
+    return cover;
+  }
   for (const std::array<Index, 3>& t : triangulated.triangles) cover.faces.add(t);
   return cover;
 }
@@ -77,10 +79,6 @@ std::vector<RimCorner> rim_corners(const Mesh& mesh, const Connectivity& around,
     wanted.push_back({place, all ? std::max(1, 4 - quads) : 0});
   }
   return wanted;
-}
-
-LayoutOptions polygon_layout_options(const FillOptions& options) {
-  return {options.resolution, options.tolerance, options.odd == Odd::split, options.pole_offset};
 }
 
 /// The derivative across turned at a right angle to the side at the rim's vertices, within the tangent planes. As read it leans towards
@@ -122,6 +120,24 @@ void deliver(const PlaneCover& cover, Index vertices, Fill& fill) {
     fill.split_edges.push_back({fill.rim[(*cover.split)[0]], fill.rim[(*cover.split)[1]]});
     fill.split_t.push_back(0.5);
   }
+}
+
+void report_fairing(const Faired& faired, Report& report) {
+  report.fairing = faired.fairing;
+  report.energy_before = faired.energy_before;
+  report.energy_after = faired.energy_after;
+  report.folds = faired.folds;
+  report.warnings = faired.warnings;
+}
+
+/// The rest of a report, once the fill is there.
+bool complete(const Mesh& mesh, double surroundings_error, const Faired& faired, PolygonFill& result) {
+  Report& report = result.fill.report;
+  report.method = polygon_method;
+  report.surroundings_error = surroundings_error;
+  report.triangles_folded = count_folded_edges(mesh.vertices, result.fill.vertices, result.fill.faces);
+  tell_folds(report);
+  return faired.gave_up || report.folds > 0 || report.triangles_folded > 0;
 }
 
 /// Root mean square distance of some of the points from a surface over a plane, by Gauss-Newton from the places of other points of it.
@@ -182,6 +198,10 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
   return out;
 }
 
+LayoutOptions layout_options(const FillOptions& options) {
+  return {options.resolution, options.tolerance, options.odd == Odd::split, options.pole_offset};
+}
+
 PolygonPatchOptions polygon_options(const FillOptions& options) {
   PolygonPatchOptions own;
   if (options.cross_boundary != CrossBoundary::consistent)
@@ -216,12 +236,8 @@ MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain,
     result.patch = std::make_shared<OverPolygon>(domain, follow_over_polygon(made.patch, domain, *points, size));
     made.folds = count_polygon_folds(*result.patch, domain, made.sides);
   }
+  report_fairing(made, result.report);
   result.report.continuity = made.continuity;
-  result.report.fairing = made.fairing;
-  result.report.energy_before = made.energy_before;
-  result.report.energy_after = made.energy_after;
-  result.report.folds = made.folds;
-  result.report.warnings = std::move(made.warnings);
   result.gave_up = made.gave_up;
   return result;
 }
@@ -229,15 +245,10 @@ MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain,
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options) {
   PolygonPatchOptions own = polygon_options(options);
-  if (own.continuity.size() == 1) own.continuity.resize(corners.size(), own.continuity[0]);
   std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
-  std::vector<bool> alone;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (own.continuity[i] != SideContinuity::automatic) angles[i] = 0;
-    if (angles[i] > 0) own.continuity[i] = SideContinuity::free;
-    alone.push_back(own.continuity[i] == SideContinuity::free || own.continuity[i] == SideContinuity::g0);
-  }
-  MeshPolygon known = mesh_polygon(mesh, around, rim, corners, alone);
+  SideTerms terms = terms_of_sides(options.continuity, angles);
+  own.continuity = std::move(terms.continuity);
+  MeshPolygon known = mesh_polygon(mesh, around, rim, corners, terms.alone);
   PolygonPatch made = polygon_patch(known.sides, own);
   PolygonFill result;
   Fill& fill = result.fill;
@@ -247,7 +258,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
   const PlaneCover cover = options.output == Output::quads
                                ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
-                                                          polygon_layout_options(options))
+                                                          layout_options(options))
                                : triangles_of(made.domain.center(), made.domain.sides(), *made.patch, rim_uv, points,
                                               joined_rows(around, rim), options.resolution);
   fill.rim = rim;
@@ -258,13 +269,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   fill.sides = std::move(made.sides);
 
   Report& report = fill.report;
-  report.method = polygon_method;
-  report.surroundings_error = known.surroundings_error;
-  report.fairing = made.fairing;
-  report.energy_before = made.energy_before;
-  report.energy_after = made.energy_after;
-  report.folds = made.folds;
-  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
+  report_fairing(made, report);
   report.continuity = made.continuity;
   report.seam_angle_max_by_side = made.seam_angle_max;
   report.seam_angle_rms_by_side = made.seam_angle_rms;
@@ -276,19 +281,11 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   for (Index pole : cover.poles)
     report.poles.push_back(
         {n + pole - cover.rim + (cover.split ? 1 : 0), std::count(cover.faces.corners.begin(), cover.faces.corners.end(), pole)});
-  report.warnings = made.warnings;
   tell_sharp(angles, report.warnings);
   result.planes_apart_deg = *std::max_element(made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end());
   report.warnings.insert(report.warnings.end(), cover.warnings.begin(), cover.warnings.end());
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    report.corners.push_back(rim[corners[k]]);
-    if (made.corner_mismatch_deg[k] > mismatch_warned)
-      report.warnings.push_back("The tangent planes of the two sides differ by " +
-                                std::to_string(std::lround(made.corner_mismatch_deg[k])) + " degrees at corner " +
-                                std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
-  }
-  if (report.folds > 0) report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) + " places");
-  result.crumpled = made.gave_up || report.folds > 0 || report.triangles_folded > 0;
+  report_corners(rim, corners, made.corner_mismatch_deg, report);
+  result.crumpled = complete(mesh, known.surroundings_error, made, result);
   return result;
 }
 
@@ -378,7 +375,7 @@ constexpr int most_waves = 48;
 }  // namespace
 
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options) {
-  const Index r = static_cast<Index>(rim.size()), n = mesh.vertices.rows();
+  const Index r = static_cast<Index>(rim.size());
   if (r < least_round) throw Refusal("A round rim has six edges or more", rim);
   const RoundRim known = round_rim(mesh, around, rim);
   const RoundPatch made = round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, most_waves)));
@@ -390,40 +387,23 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
     rim_uv.row(k) = on_circle(known.t[k]);
     points.row(k) = mesh.vertices.row(rim[k]);
   }
-  PlaneCover cover = triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution);
-  fill.uv = cover.uv.bottomRows(cover.uv.rows() - r);
-  std::tie(fill.vertices, fill.normals) = made.patch->positions_and_normals(plane_rows(fill.uv));
-  if (options.output == Output::quads) {
-    std::vector<std::array<Index, 3>> triangles;
-    for (Index f = 0; f < cover.faces.size(); ++f) triangles.push_back({cover.faces[f][0], cover.faces[f][1], cover.faces[f][2]});
-    Points all(cover.uv.rows(), 3);
-    all << points, fill.vertices;
-    cover.faces = pair_quads(all, triangles);
-  }
   fill.rim = rim;
   fill.rim_uv = rim_uv;
   fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
-  fill.faces = std::move(cover.faces);
-  for (Index& v : fill.faces.corners) v = v < r ? rim[v] : n + v - r;
   fill.patch = made.patch;
   fill.sides = {made.side};
+  deliver(triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution,
+                       options.output == Output::quads),
+          mesh.vertices.rows(), fill);
   Report& report = fill.report;
   result.of_revolution = made.of_revolution;
-  report.method = polygon_method;
-  report.surroundings_error = known.surroundings_error;
-  report.fairing = made.fairing;
-  report.energy_before = made.energy_before;
-  report.energy_after = made.energy_after;
-  report.folds = made.folds;
-  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
+  report_fairing(made, report);
   report.continuity = {made.continuity};
   report.seam_angle_max_by_side = {made.seam_angle_max};
   report.seam_angle_rms_by_side = {made.seam_angle_rms};
   report.seam_angle_max = made.seam_angle_max;
   report.seam_angle_rms = made.seam_angle_rms;
-  report.warnings = made.warnings;
-  if (report.folds > 0) report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) + " places");
-  result.crumpled = made.gave_up || report.folds > 0 || report.triangles_folded > 0;
+  result.crumpled = complete(mesh, known.surroundings_error, made, result);
   return result;
 }
 

@@ -74,18 +74,23 @@ def flat(points):
     return np.column_stack([points, 0 * points[:, 0]])
 
 
-def add_mesh(vertices, faces, name="Hole", smooth=True):
-    """A new active object in object mode."""
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(np.asarray(vertices).tolist(), [], [list(f) for f in faces])
+def object_of(mesh, smooth=True):
+    """The active object, alone selected, in object mode."""
     mesh.polygons.foreach_set("use_smooth", [smooth] * len(mesh.polygons))
     mesh.update()
-    ob = bpy.data.objects.new(name, mesh)
+    ob = bpy.data.objects.new(mesh.name, mesh)
     bpy.context.collection.objects.link(ob)
     bpy.ops.object.select_all(action="DESELECT")
     ob.select_set(True)
     bpy.context.view_layer.objects.active = ob
     return ob
+
+
+def add_mesh(vertices, faces, name="Hole", smooth=True):
+    """A new active object in object mode."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(np.asarray(vertices).tolist(), [], [list(f) for f in faces])
+    return object_of(mesh, smooth)
 
 
 def add_hole(shape=bowl, **size):

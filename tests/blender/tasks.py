@@ -29,13 +29,7 @@ def _mesh_of(bm, name="Task", smooth=True):
     mesh = bpy.data.meshes.new(name)
     bm.to_mesh(mesh)
     bm.free()
-    mesh.polygons.foreach_set("use_smooth", [smooth] * len(mesh.polygons))
-    ob = bpy.data.objects.new(name, mesh)
-    bpy.context.collection.objects.link(ob)
-    bpy.ops.object.select_all(action="DESELECT")
-    ob.select_set(True)
-    bpy.context.view_layer.objects.active = ob
-    return ob
+    return scenes.object_of(mesh, smooth)
 
 
 def distance_to(bm):

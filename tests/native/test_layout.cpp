@@ -92,7 +92,7 @@ double stretch(const Surface& s, const PlanePoints& uv) {
   return worst;
 }
 
-const LayoutOptions to_the_end = {200, 0};
+const PlaneLayoutOptions to_the_end = {200, 0};
 
 Surface bumpy(int n) {
   std::mt19937 random(5);

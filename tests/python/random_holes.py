@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 import numpy as np
-from shapes import Vertices, cube_sphere
+from shapes import cube, cube_sphere
 
 GOLDEN = (1 + 5**0.5) / 2
 
@@ -70,23 +70,6 @@ def ring_mesh(n, m, thickness=0.4):
     return points, quads.tolist()
 
 
-def box(n):
-    """A cube of n x n quads a side, with its edges."""
-    vertex, faces = Vertices(), []
-    grid = np.linspace(-1, 1, n + 1)
-    for axis in range(3):
-        for sign in (-1, 1):
-            for i in range(n):
-                for j in range(n):
-                    quad = []
-                    for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
-                        p = np.zeros(3)
-                        p[axis], p[axis - 2], p[axis - 1] = sign, grid[a], grid[b]
-                        quad.append(vertex(p))
-                    faces.append(quad if sign > 0 else quad[::-1])
-    return np.array(vertex.points), faces
-
-
 def cut_in_triangles(faces, rng):
     """Faces of more than three edges are cut along random diagonals."""
     out = []
@@ -102,7 +85,7 @@ SHAPES = {
     "honeycomb": lambda rng: honeycomb(int(rng.integers(1, 4))),
     "ring": lambda rng: ring_mesh(int(rng.integers(6, 24)), int(rng.integers(4, 14))),
     "quads": lambda rng: cube_sphere(int(rng.integers(2, 9))),
-    "box": lambda rng: box(int(rng.integers(2, 8))),
+    "box": lambda rng: cube(int(rng.integers(2, 8))),
 }
 
 

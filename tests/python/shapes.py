@@ -5,30 +5,41 @@ from itertools import pairwise
 import numpy as np
 
 
-def cube_sphere(n):
-    """A cube of n x n quads a side, blown up to the unit sphere."""
-    vertices, index, faces = [], {}, []
+class Vertices:
+    """Numbers points; those that are the same to 1e-9 are one."""
 
-    def vertex(p):
+    def __init__(self):
+        self.points, self._index = [], {}
+
+    def __call__(self, p):
         key = tuple(np.round(p, 9))
-        if key not in index:
-            index[key] = len(vertices)
-            vertices.append(np.asarray(p) / np.linalg.norm(p))
-        return index[key]
+        if key not in self._index:
+            self._index[key] = len(self.points)
+            self.points.append(np.asarray(p, float))
+        return self._index[key]
 
+
+def cube(n):
+    """A cube of n x n quads a side, from -1 to 1."""
+    vertex, faces = Vertices(), []
     grid = np.linspace(-1, 1, n + 1)
     for axis in range(3):
         for sign in (-1, 1):
-            u, v = (axis + 1) % 3, (axis + 2) % 3
             for i in range(n):
                 for j in range(n):
                     quad = []
                     for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
                         p = np.zeros(3)
-                        p[axis], p[u], p[v] = sign, grid[a], grid[b]
+                        p[axis], p[axis - 2], p[axis - 1] = sign, grid[a], grid[b]
                         quad.append(vertex(p))
                     faces.append(quad if sign > 0 else quad[::-1])
-    return np.array(vertices), faces
+    return np.array(vertex.points), faces
+
+
+def cube_sphere(n):
+    """The same blown up to the unit sphere."""
+    points, faces = cube(n)
+    return np.array([p / np.linalg.norm(p) for p in points]), faces
 
 
 def corner_removed(vertices, faces, rings):
@@ -68,20 +79,6 @@ def octant(n=8, rings=3):
         + [vertex(m, 0, n - m) for m in range(n)]
     )
     return np.array(vertices), faces, rim
-
-
-class Vertices:
-    """Numbers points; those that are the same to 1e-9 are one."""
-
-    def __init__(self):
-        self.points, self._index = [], {}
-
-    def __call__(self, p):
-        key = tuple(np.round(p, 9))
-        if key not in self._index:
-            self._index[key] = len(self.points)
-            self.points.append(np.asarray(p, float))
-        return self._index[key]
 
 
 def bevelled_corner(segments, width=0.2):

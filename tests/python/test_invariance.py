@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tripatch
-from random_holes import box, closed_mesh, hole_size, ring_mesh, turned, with_hole
-from shapes import cube_sphere
+from random_holes import closed_mesh, hole_size, ring_mesh, turned, with_hole
+from shapes import cube, cube_sphere
 
 
 def moves(points, size, seed):
@@ -44,7 +44,7 @@ def changes(points, faces, rim, seed, **options):
     [
         (lambda: cube_sphere(4), 4),
         (lambda: cube_sphere(6), 20),
-        (lambda: box(4), 5),
+        (lambda: cube(4), 5),
         (lambda: ring_mesh(12, 6), 1),
         (lambda: ring_mesh(16, 8), 9),
     ],

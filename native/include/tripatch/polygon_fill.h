@@ -11,6 +11,8 @@
 
 namespace tripatch {
 
+struct LayoutOptions;
+
 /// The sides of a hole in a mesh as estimated from the faces around it, three corners at a time.
 struct MeshPolygon {
   SideList sides;
@@ -23,6 +25,8 @@ struct MeshPolygon {
 MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                          const std::vector<Index>& corners, const std::vector<bool>& alone = {});
 
+/// What of the options concerns layouts of quads.
+LayoutOptions layout_options(const FillOptions& options);
 /// What of the options concerns a patch of n sides.
 PolygonPatchOptions polygon_options(const FillOptions& options);
 

@@ -10,6 +10,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
 namespace {
@@ -36,14 +37,7 @@ struct SideEnd {
   bool single = false;   ///< one edge is all there is
 };
 
-Vec3 face_normal(const Mesh& mesh, Index f) {
-  const auto face = mesh.faces[f];
-  const Vec3 p = mesh.vertices.row(face[0]);
-  Vec3 n = Vec3::Zero();
-  for (std::size_t k = 1; k + 1 < face.size(); ++k)
-    n += (Vec3(mesh.vertices.row(face[k])) - p).cross(Vec3(mesh.vertices.row(face[k + 1])) - p);
-  return n.stableNormalized();
-}
+Vec3 face_normal(const Mesh& mesh, Index f) { return area_vector(mesh, f).stableNormalized(); }
 
 /// The face beside rim edge k.
 std::optional<Index> face_beside(const Connectivity& around, const std::vector<Index>& rim, Index k) {
@@ -130,6 +124,17 @@ std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, co
 
 bool any_sharp(const std::vector<double>& angles) {
   return std::any_of(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
+}
+
+SideTerms terms_of_sides(const BySide<SideContinuity>& given, std::vector<double>& angles) {
+  SideTerms terms;
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    if (given[i] != SideContinuity::automatic) angles[i] = 0;
+    const SideContinuity own = angles[i] > 0 ? SideContinuity::free : given[i];
+    terms.continuity.push_back(own);
+    terms.alone.push_back(own == SideContinuity::free || own == SideContinuity::g0);
+  }
+  return terms;
 }
 
 void tell_sharp(const std::vector<double>& angles, std::vector<std::string>& sentences) {

@@ -16,6 +16,15 @@ Vec3 unit(const Vec3& v) {
 
 }  // namespace
 
+Vec3 area_vector(const Mesh& mesh, Index f) {
+  const std::span<const Index> face = mesh.faces[f];
+  const Vec3 p = mesh.vertices.row(face[0]);
+  Vec3 area = Vec3::Zero();
+  for (std::size_t k = 1; k + 1 < face.size(); ++k)
+    area += (Vec3(mesh.vertices.row(face[k])) - p).cross(Vec3(mesh.vertices.row(face[k + 1])) - p);
+  return area;
+}
+
 Points vertex_normals(const Mesh& mesh, const PointsRef& corner_normals) {
   if (corner_normals.rows() != 0 && corner_normals.rows() != static_cast<Index>(mesh.faces.corners.size()))
     throw InvalidArgument("there must be a normal for each of the " + std::to_string(mesh.faces.corners.size()) +
@@ -25,10 +34,7 @@ Points vertex_normals(const Mesh& mesh, const PointsRef& corner_normals) {
   for (Index f = 0; f < mesh.faces.size(); ++f) {
     const std::span<const Index> face = mesh.faces[f];
     const std::size_t n = face.size();
-    const Vec3 start = at(face[0]);
-    Vec3 area = Vec3::Zero();
-    for (std::size_t k = 1; k + 1 < n; ++k) area += (at(face[k]) - start).cross(at(face[k + 1]) - start);
-    const Vec3 own = unit(area);
+    const Vec3 own = unit(area_vector(mesh, f));
     for (std::size_t k = 0; k < n; ++k) {
       const Vec3 here = at(face[k]);
       const double angle = angle_between(at(face[(k + 1) % n]) - here, at(face[(k + n - 1) % n]) - here);

@@ -168,9 +168,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
   SideList sides = closed(given);
   const int n = static_cast<int>(sides.size());
   if (n < 3) throw InvalidArgument("a patch over a polygon has three sides or more");
-  if (options.tension > 0 && !options.fairing) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
-  if (options.center && options.center_offset != 0)
-    throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+  check_shape_options(options.fairing.has_value(), options.tension, options.center.has_value(), options.center_offset);
   const Asked wanted = asked(each(options.continuity, n, SideContinuity::automatic, "continuity"), sides);
   sides = told_by_rim(std::move(sides), wanted.tangent);
   const std::vector<double> bulge = each(options.bulge, n, 1.0, "bulge");

@@ -249,9 +249,7 @@ RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options, int
   const double size = rim_diameter(side.c);
   check_round(side, size);
   if (!options.through.empty()) throw InvalidArgument("through is for holes with corners; the middle of a round one is center");
-  if (options.tension > 0 && !options.fairing) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
-  if (options.center && options.center_offset != 0)
-    throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+  check_shape_options(options.fairing.has_value(), options.tension, options.center.has_value(), options.center_offset);
   RoundAsked asked = {single(options.continuity, SideContinuity::automatic, "continuity"), single(options.bulge, 1.0, "bulge"),
                       options.center, order};
   if (asked.continuity == SideContinuity::g2 && side.q.empty())

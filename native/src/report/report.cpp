@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "tripatch/math/angle.h"
 
@@ -10,8 +11,33 @@ namespace {
 
 constexpr double same_plane = 1e-6;     ///< degrees between the planes of two sides up to which a corner has one
 constexpr double beside_corner = 0.01;  ///< of a side: what is left out beside a corner that has two
+/// Degrees between the tangent planes of two sides at their corner from which on a person is told.
+constexpr double corner_mismatch_warned = 1;
+
+std::string degrees(double angle) {
+  std::ostringstream text;
+  text.precision(angle < 99.5 ? 2 : 3);
+  text << angle << " degrees";
+  return text.str();
+}
 
 }  // namespace
+
+void report_corners(const std::vector<Index>& rim, std::span<const Index> corners, const std::vector<double>& mismatch_deg,
+                    Report& report) {
+  report.corners.clear();
+  for (Index place : corners) report.corners.push_back(rim[place]);
+  for (std::size_t k = 0; k < mismatch_deg.size(); ++k)
+    if (mismatch_deg[k] > corner_mismatch_warned)
+      report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(mismatch_deg[k]) + " at corner " +
+                                std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
+}
+
+void tell_folds(Report& report) {
+  if (report.folds > 0)
+    report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) +
+                              (report.folds == 1 ? " place" : " places"));
+}
 
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples) {
   std::array<bool, 3> clear;  // corner: one tangent plane for both sides

@@ -9,6 +9,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/mesh/submesh.h"
+#include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/spline/disc.h"
 
 namespace tripatch {
@@ -71,14 +72,7 @@ public:
     threshold_ = std::max(least_crease_angle, above_noise * ordinary_);
   }
 
-  Vec3 normal(Index f) const {
-    const auto face = mesh_.faces[f];
-    const Vec3 p = mesh_.vertices.row(face[0]);
-    Vec3 n = Vec3::Zero();
-    for (std::size_t k = 1; k + 1 < face.size(); ++k)
-      n += (mesh_.vertices.row(face[k]).transpose() - p).cross(mesh_.vertices.row(face[k + 1]).transpose() - p);
-    return n.stableNormalized();
-  }
+  Vec3 normal(Index f) const { return area_vector(mesh_, f).stableNormalized(); }
   /// 0 where the edge has not two faces, or lies farther off.
   double at(Index a, Index b) const {
     const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(edge_pair(a, b), -1.0));

@@ -541,7 +541,7 @@ double plane_area(const LayoutMesh& disc, const PlanePoints& uv, bool& flipped) 
 }  // namespace
 
 std::optional<Layout> lay_out(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
-                              const LayoutOptions& options, const PlanePoints* start) {
+                              const PlaneLayoutOptions& options, const PlanePoints* start) {
   const std::optional<LayoutMesh> disc = make_layout_mesh(points, triangles);
   if (!disc) return std::nullopt;
   if (start && start->rows() != points.rows()) throw InvalidArgument("start: a row of the plane for each point");

@@ -269,7 +269,7 @@ std::optional<PlanePoints> laid_out(const Disc& disc, const Rim& rim, const Atte
     }
   }
   triangles.insert(triangles.end(), disc.triangles.begin(), disc.triangles.end());
-  LayoutOptions options;
+  PlaneLayoutOptions options;
   options.tolerance = layout_tolerance;
   const std::optional<Layout> layout = lay_out(points, triangles, options);
   if (!layout) return {};

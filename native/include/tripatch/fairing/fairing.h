@@ -44,6 +44,9 @@ struct FairingOptions {
   double curvature_jump = 0.025;
 };
 
+/// Throws InvalidArgument where there is tension without a fairing, or the center is given in two ways.
+void check_shape_options(bool faired, double tension, bool center, double center_offset);
+
 /// A patch of `boundary` that keeps G1 to `sides`.
 struct FairingBase {
   Sides sides;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tripatch/choices.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -18,6 +19,14 @@ std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, co
 
 /// Whether any is.
 bool any_sharp(const std::vector<double>& angles);
+
+/// By side, what of its surroundings a fill continues: Free where that is left open and the side is sharp; and whether nothing is taken
+/// from beyond it. The angles of sides that nobody has left open become 0.
+struct SideTerms {
+  std::vector<SideContinuity> continuity;
+  std::vector<bool> alone;
+};
+SideTerms terms_of_sides(const BySide<SideContinuity>& given, std::vector<double>& angles);
 
 /// What a user is told of them, a sentence a side, or one of all.
 void tell_sharp(const std::vector<double>& angles, std::vector<std::string>& sentences);

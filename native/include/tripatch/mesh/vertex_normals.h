@@ -1,9 +1,12 @@
-// Normals at the vertices of a mesh.
+// Normals of the faces and at the vertices of a mesh.
 #pragma once
 
 #include "tripatch/types.h"
 
 namespace tripatch {
+
+/// Twice the vector area of a face, of any number of corners.
+Vec3 area_vector(const Mesh& mesh, Index face);
 
 /// Unit normals at all vertices: the mean of the normals of the faces around, weighted by their angles there (Thurmer and Wuthrich,
 /// Computing vertex normals from polygonal facets, 1998). Zero where there is no face or the normals cancel.

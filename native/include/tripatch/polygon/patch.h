@@ -27,7 +27,16 @@ struct PolygonPatchOptions {
   std::optional<PolygonDomain> domain = {};  ///< none: made for the sides
 };
 
-struct PolygonPatch {
+/// What became of the fairing of a patch.
+struct Faired {
+  std::string fairing;
+  double energy_before = 0, energy_after = 0;
+  Index folds = 0;
+  bool gave_up = false;  ///< no energy serves here: the patch is the plain one
+  std::vector<std::string> warnings;
+};
+
+struct PolygonPatch : Faired {
   SurfacePtr patch;
   PolygonDomain domain;
   SideList sides;  ///< closed
@@ -35,11 +44,6 @@ struct PolygonPatch {
   std::vector<double> seam_angle_max,
       seam_angle_rms;                   ///< by side, degrees: against the sides, outside of 1% at corners of two planes
   std::vector<std::string> continuity;  ///< by side: Free, G0, G1 or G2
-  std::string fairing;
-  double energy_before = 0, energy_after = 0;
-  Index folds = 0;
-  bool gave_up = false;  ///< no energy serves here: `patch` is the plain one
-  std::vector<std::string> warnings;
 };
 
 PolygonPatch polygon_patch(const SideList& sides, const PolygonPatchOptions& options = {});

@@ -34,16 +34,12 @@ Vec2 on_circle(double t);
 /// Its values round the circle, t from 0 to 1.
 PiecewisePolynomial around_circle(const Harmonic& waves);
 
-struct RoundPatch {
+struct RoundPatch : Faired {
   std::shared_ptr<const RoundSurface> patch;
   Side side;  ///< what is met: the side that was given, without waves that are shorter than the rim's edges
-  std::string continuity, fairing;
+  std::string continuity;
   double seam_angle_max = 0, seam_angle_rms = 0;  ///< degrees
-  double energy_before = 0, energy_after = 0;
-  Index folds = 0;
-  bool of_revolution = false;  ///< the surroundings are, and so is the patch
-  bool gave_up = false;        ///< no energy serves here: `patch` is the plain one
-  std::vector<std::string> warnings;
+  bool of_revolution = false;                     ///< the surroundings are, and so is the patch
 };
 
 /// side: closed, its end being its beginning, and smooth there: else a Refusal. order: of the waves round the rim that are kept. Of the

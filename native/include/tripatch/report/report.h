@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,13 @@ struct Report {
   std::vector<std::string> warnings;
   double seconds = 0;
 };
+
+/// Takes the corners, places in the rim, and tells where the tangent planes of the two sides that meet there differ by a degree or more;
+/// mismatch_deg: by corner, or none.
+void report_corners(const std::vector<Index>& rim, std::span<const Index> corners, const std::vector<double>& mismatch_deg,
+                    Report& report);
+/// Tells of a patch that folds.
+void tell_folds(Report& report);
 
 /// Seam angles of a patch against its sides, `samples` points a side, ends included where the two planes of the corner agree to
 /// 1e-6 degrees, else outside 1% of the side.

@@ -9,7 +9,7 @@
 
 namespace tripatch {
 
-struct LayoutOptions {
+struct PlaneLayoutOptions {
   int iterations = 40;      ///< at most
   double tolerance = 1e-4;  ///< stop where a step takes less than this share off the energy
 };
@@ -30,6 +30,6 @@ struct Layout {
 /// doubles do not suffice for Tutte's embedding. The same input gives the same bits; turned and scaled it is the same but for
 /// rounding.
 std::optional<Layout> lay_out(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
-                              const LayoutOptions& options = {}, const PlanePoints* start = nullptr);
+                              const PlaneLayoutOptions& options = {}, const PlanePoints* start = nullptr);
 
 }  // namespace tripatch
