@@ -118,12 +118,12 @@ def draw_quads(folder):
         show(figure.add_subplot(4, 4, 9 + column, projection="3d"), everything, [*faces, *quads], colors)
         fine, fine_faces = subdivided(vertices, faces, fill)
         gray = [str(g) for g in zebra(fine, fine_faces)]
-        show(figure.add_subplot(4, 4, 13 + column, projection="3d"), fine, fine_faces, gray, "none")
+        show(figure.add_subplot(4, 4, 13 + column, projection="3d"), fine, fine_faces, gray, gray)
     figure.tight_layout()
     figure.savefig(folder / "quads.png", dpi=65)
 
 
-def subdivided(vertices, faces, fill, times=3):
+def subdivided(vertices, faces, fill, times=4):
     """The whole cage, refined by Catmull and Clark's rules."""
     points, cells = np.vstack([vertices, fill.vertices]), [*faces, *[list(f) for f in fill.faces]]
     for _ in range(times):
@@ -173,7 +173,7 @@ def draw(folder):
     figure = plt.figure(figsize=(14, 6.6))
     for column, (surface, n) in enumerate(((egg, 4), (saddle, 5), (egg, 6), (saddle, 8))):
         vertices, faces, rim, corners = holed(surface, n)
-        fill = tripatch.fill(vertices, faces, rim=rim, corners=corners)
+        fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, method="multi_sided")
         whole = np.vstack([vertices, fill.vertices])
         flat = figure.add_subplot(2, 4, column + 1)
         uv = np.vstack([fill.rim_uv, fill.uv])
