@@ -166,6 +166,20 @@ def state(name):
     return result
 
 
+def undone_and_redone(name, step):
+    """What `step` does in edit mode is undone to the last bit, and redone."""
+    bpy.ops.ed.undo_push(message="before")
+    before = state(name)
+    bpy.ops.ed.undo_push(message="before")
+    assert step() == {"FINISHED"}
+    after = state(name)
+    assert after != before
+    bpy.ops.ed.undo()
+    assert state(name) == before
+    bpy.ops.ed.redo()
+    assert state(name) == after
+
+
 def _field(value):
     return next(name for name in ("vector", "color", "value") if hasattr(value, name))
 

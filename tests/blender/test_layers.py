@@ -146,14 +146,4 @@ def test_undo_brings_matrices_back():
     ob = hole(False)
     give(ob.data, "FLOAT4X4", "CORNER")
     scenes.edit(ob)
-    name = ob.name
-    bpy.ops.ed.undo_push(message="before")
-    before = scenes.state(name)
-    bpy.ops.ed.undo_push(message="before")
-    assert fill("EXEC_DEFAULT", True) == {"FINISHED"}
-    after = scenes.state(name)
-    assert after != before
-    bpy.ops.ed.undo()
-    assert scenes.state(name) == before
-    bpy.ops.ed.redo()
-    assert scenes.state(name) == after
+    scenes.undone_and_redone(ob.name, lambda: fill("EXEC_DEFAULT", True))

@@ -292,18 +292,7 @@ def test_undo_brings_back_every_bit_and_redo_the_fill():
     ob = scenes.add_hole()
     (bm,) = scenes.edit(ob, mode="EDGE")
     scenes.select_rim(bm, scenes.border_loops(bm)[0])
-    name = ob.name
-    bpy.ops.ed.undo_push(message="before")
-
-    before = scenes.state(name)
-    bpy.ops.ed.undo_push(message="before")
-    assert fill("EXEC_DEFAULT", True) == {"FINISHED"}
-    after = scenes.state(name)
-    assert after != before
-    bpy.ops.ed.undo()
-    assert scenes.state(name) == before
-    bpy.ops.ed.redo()
-    assert scenes.state(name) == after
+    scenes.undone_and_redone(ob.name, lambda: fill("EXEC_DEFAULT", True))
 
 
 def test_hidden_faces_are_surroundings_and_hidden_rims_are_left():

@@ -359,18 +359,7 @@ def test_undo_brings_back_every_bit_and_redo_the_surface():
     ob = add_blob()
     ob.data.uv_layers.new(name="UV")
     select_top(ob)
-    name = ob.name
-    bpy.ops.ed.undo_push(message="before")
-
-    before = scenes.state(name)
-    bpy.ops.ed.undo_push(message="before")
-    assert smooth("EXEC_DEFAULT", True, resolution=3) == {"FINISHED"}
-    after = scenes.state(name)
-    assert after != before
-    bpy.ops.ed.undo()
-    assert scenes.state(name) == before
-    bpy.ops.ed.redo()
-    assert scenes.state(name) == after
+    scenes.undone_and_redone(ob.name, lambda: smooth("EXEC_DEFAULT", True, resolution=3))
 
 
 def test_both_operators_are_in_the_menus():

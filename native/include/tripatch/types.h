@@ -12,6 +12,7 @@
 
 namespace tripatch {
 
+using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Index = std::int64_t;
 /// n points, one a row, in the units of the input.

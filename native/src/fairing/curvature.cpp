@@ -82,6 +82,11 @@ SideForm side_form(const Side& side, double t) {
   return form;
 }
 
+Vec3 lacking_curvature(const Side& side, double t, const Across& across) {
+  const SideForm form = side_form(side, t);
+  return (form(across.first) - form.n.dot(across.second)) * form.n;
+}
+
 std::array<double, 3> curvature_mismatch(const Sides& sides) {
   std::array<double, 3> out;
   for (int k = 0; k < 3; ++k) {
@@ -121,10 +126,7 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
     if (!wanted[i]) continue;
     const auto lacking = [&](std::span<const double> t, std::span<double> out) {
       const std::vector<Across> across = derivatives_across(*patch, i, t);
-      for (std::size_t k = 0; k < t.size(); ++k) {
-        const SideForm form = side_form(sides[i], t[k]);
-        Vec3::Map(&out[3 * k]) = (form(across[k].first) - form.n.dot(across[k].second)) * form.n;
-      }
+      for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = lacking_curvature(sides[i], t[k], across[k]);
     };
     double scale = 0, largest = 0;
     const std::array<double, 7> probe = {0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95};
@@ -137,21 +139,7 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
       largest = std::max(largest, Vec3::Map(&lacks[3 * k]).norm());
     }
     const double tolerance = largest > 0 ? std::clamp(precision * scale / largest, 1e-9, 1e-2) : 1e-2;
-    // between the rim's vertices, where the curvature of splines and of limit surfaces has kinks
-    const std::vector<double> whole = {0, 1}, &knots = sides[i].rim.empty() ? whole : sides[i].rim;
-    std::vector<PiecewisePolynomial> parts;
-    std::vector<double> shares;
-    for (std::size_t p = 0; p + 1 < knots.size(); ++p) {
-      const double from = knots[p], length = knots[p + 1] - from;
-      const auto part = [&](std::span<const double> t, std::span<double> out) {
-        std::vector<double> at;
-        for (double u : t) at.push_back(from + u * length);
-        lacking(at, out);
-      };
-      parts.push_back(PiecewisePolynomial::fit(part, 3, tolerance, 9, 7));
-      shares.push_back(length);
-    }
-    fields[i] = PiecewisePolynomial::joined(parts, shares);
+    fields[i] = fit_between_vertices(sides[i], tolerance, lacking);
   }
   return sum(patch, std::make_shared<Bends>(std::move(fields)));
 }

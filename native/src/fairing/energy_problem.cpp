@@ -7,6 +7,42 @@
 
 namespace tripatch {
 
+void NodeDerivatives::add(const std::vector<Jet<3>>& functions) {
+  if (filled_ == 0) all_.resize(9 * nodes_, static_cast<Index>(functions.size()));
+  for (std::size_t c = 0; c < functions.size(); ++c)
+    all_.block<9, 1>(9 * filled_, static_cast<Index>(c)) = derivatives_of(functions[c]);
+  ++filled_;
+}
+
+Eigen::MatrixXd orthonormal_functions(const std::vector<double>& weights, const NodeDerivatives& functions) {
+  Eigen::MatrixXd rows(4 * functions.nodes(), functions.functions());
+  for (Index k = 0; k < functions.nodes(); ++k)
+    for (int d = 0; d <= 3; ++d)
+      rows.row(4 * k + d) = std::sqrt(weights[k]) * NodeBasis::factor(3, d) * functions.at(k).row(NodeBasis::first_of(3) + d);
+  return orthonormalization(rows);
+}
+
+NodeBasis::NodeBasis(std::vector<double> weights_of_nodes, const NodeDerivatives& plain, Eigen::MatrixXd combined)
+    : weights(std::move(weights_of_nodes)), combination(std::move(combined)) {
+  const Index n = plain.nodes(), count = combination.cols();
+  interior.resize(9 * n, count);
+  for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
+  for (Index k = 0; k < n; ++k) {
+    interior.middleRows(9 * k, 9) = plain.at(k) * combination;
+    for (int m = 1; m <= 3; ++m)
+      for (int d = 0; d <= m; ++d)
+        rows[m].row((m + 1) * k + d) = std::sqrt(weights[k]) * factor(m, d) * interior.row(9 * k + first_of(m) + d);
+  }
+  for (int m = 1; m <= 3; ++m) normal[m] = rows[m].transpose() * rows[m];
+}
+
+Eigen::VectorXd EnergyProblem::raised(const EnergyProblem& lower, const Eigen::VectorXd& x) const {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(count());
+  for (int c = 0; c < 3; ++c) out.segment(c * interior_, lower.interior_) = x.segment(c * lower.interior_, lower.interior_);
+  out.tail(fields_) = x.tail(fields_);
+  return out;
+}
+
 /// Of the patch, at the nodes [from, to).
 std::vector<Derivatives> EnergyProblem::derivatives(Index from, Index to, const Eigen::VectorXd& x) const {
   std::vector<Derivatives> d(base_.begin() + from, base_.begin() + to);

@@ -10,12 +10,6 @@
 #include "tripatch/math/parallel.h"
 
 namespace tripatch {
-namespace {
-
-/// Where alpha falls below this part of what it was, the patch is about to turn back over its side.
-constexpr double least_alpha = 0.1;
-
-}  // namespace
 
 double scale_to(double size, const PiecewisePolynomial& field) {
   double length = 0;
@@ -23,13 +17,27 @@ double scale_to(double size, const PiecewisePolynomial& field) {
   return length > 0 ? size / length : 0;
 }
 
-double alpha_reach(const Boundary& boundary, int i, const PiecewisePolynomial& added) {
+std::vector<PiecewisePolynomial> slope_directions(const Side& side, const std::array<double, 2>& scale, bool position_only,
+                                                  double size) {
+  std::vector<PiecewisePolynomial> directions;
+  if (position_only) {
+    for (int x = 0; x < 3; ++x) {
+      const Vec3 unit = size * Vec3::Unit(x);
+      directions.push_back(PiecewisePolynomial::constant({unit.data(), 3}));
+    }
+  } else if (scale[0] != 0) {
+    directions = {scale[0] * side.r, scale[1] * side.c.derivative()};
+  }
+  return directions;
+}
+
+double alpha_reach(const PiecewisePolynomial& alpha, const PiecewisePolynomial& added) {
   double most = std::numeric_limits<double>::infinity();
   for (int k = 1; k < 32; ++k) {
     double before, change;
-    boundary.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
+    alpha.taylor(k / 32.0, 0, &before);
     added.taylor(k / 32.0, 0, &change);
-    if (!(change >= 0)) most = std::min(most, -(1 - least_alpha) * before / change);
+    if (!(change >= 0)) most = std::min(most, -(1 - least_alpha_kept) * before / change);
   }
   return most;
 }
@@ -102,7 +110,7 @@ double FairingProblem::reach(const Eigen::VectorXd& x) const {
   double most = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     if (unknowns_.scale[i][0] == 0) continue;
-    most = std::min(most, alpha_reach(boundary_, i, unknowns_.scale[i][0] * combination(x, i, 0)));
+    most = std::min(most, alpha_reach(boundary_.ribbons[i].alpha, unknowns_.scale[i][0] * combination(x, i, 0)));
   }
   return most;
 }
@@ -140,19 +148,8 @@ void FairingProblem::add_slopes(Index node) {
     }
 }
 
-/// What the derivative across side i may gain, each times the functions of t: r and c', or, where the side asks for its position
-/// only, any direction; nothing where it is held.
 std::vector<PiecewisePolynomial> FairingProblem::directions_of(const Side& side, int i) const {
-  std::vector<PiecewisePolynomial> directions;
-  if (options_.position_only[i]) {
-    for (int x = 0; x < 3; ++x) {
-      const Vec3 unit = unknowns_.size * Vec3::Unit(x);
-      directions.push_back(PiecewisePolynomial::constant({unit.data(), 3}));
-    }
-  } else if (unknowns_.scale[i][0] > 0) {
-    directions = {unknowns_.scale[i][0] * side.r, unknowns_.scale[i][1] * side.c.derivative()};
-  }
-  return directions;
+  return slope_directions(side, unknowns_.scale[i], options_.position_only[i], unknowns_.size);
 }
 
 std::size_t FairingProblem::take_directions(int i) {

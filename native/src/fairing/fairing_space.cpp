@@ -53,12 +53,10 @@ SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int
 
 namespace {
 
-using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
-
-Basis derivatives_at(const Barycentric<3>& b, int degree, int second_cross) {
-  const std::vector<Jet<3>> basis = scalar_basis(b, degree, second_cross);
-  Basis all(9, basis.size());
-  for (std::size_t c = 0; c < basis.size(); ++c) all.col(c) = derivatives_of(basis[c]);
+NodeDerivatives scalar_derivatives(const Quadrature& quadrature, int degree, int second_cross) {
+  NodeDerivatives all(quadrature.b.rows());
+  for (Index k = 0; k < quadrature.b.rows(); ++k)
+    all.add(scalar_basis(cartesian_barycentric<3>(quadrature.b.row(k).data()), degree, second_cross));
   return all;
 }
 
@@ -66,15 +64,7 @@ Basis derivatives_at(const Barycentric<3>& b, int degree, int second_cross) {
 /// nearly dependent. The same whatever the nodes.
 Eigen::MatrixXd orthonormal(int degree, int second_cross) {
   const Quadrature quadrature = corner_quadrature(8);
-  const Index count = scalars(degree, second_cross);
-  Eigen::MatrixXd rows(4 * quadrature.b.rows(), count);
-  for (Index k = 0; k < quadrature.b.rows(); ++k) {
-    const Basis all = derivatives_at(cartesian_barycentric<3>(quadrature.b.row(k).data()), degree, second_cross);
-    for (int d = 0; d <= 3; ++d)
-      rows.row(4 * k + d) =
-          std::sqrt(quadrature.weights[k]) * FairingSpace::factor(3, d) * all.row(FairingSpace::first_of(3) + d);
-  }
-  return orthonormalization(rows);
+  return orthonormal_functions(quadrature.weights, scalar_derivatives(quadrature, degree, second_cross));
 }
 
 }  // namespace
@@ -95,18 +85,16 @@ PiecewisePolynomial slope_function(std::span<const double> coefficients) {
 }
 
 FairingSpace::FairingSpace(int degree, int second_cross, int slopes, int nodes)
-    : quadrature(corner_quadrature(nodes)), combination(orthonormal(degree, second_cross)), along(slope_functions(slopes)) {
-  weights = quadrature.weights;
+    : FairingSpace(corner_quadrature(nodes), degree, second_cross, slopes) {}
+
+FairingSpace::FairingSpace(Quadrature nodes, int degree, int second_cross, int slopes)
+    : NodeBasis(nodes.weights, scalar_derivatives(nodes, degree, second_cross), orthonormal(degree, second_cross)),
+      quadrature(std::move(nodes)),
+      along(slope_functions(slopes)) {
   const Index n = quadrature.b.rows(), count = scalars(degree, second_cross);
   const std::vector<PiecewisePolynomial> functions = slope_functions(slopes);
-  interior.resize(9 * n, count);
-  for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
   for (Index k = 0; k < n; ++k) {
     const Barycentric<3> b = cartesian_barycentric<3>(quadrature.b.row(k).data());
-    interior.middleRows(9 * k, 9) = derivatives_at(b, degree, second_cross) * combination;
-    const double w = std::sqrt(quadrature.weights[k]);
-    for (int m = 1; m <= 3; ++m)
-      for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * interior.row(9 * k + first_of(m) + d);
     const std::array<Jet<3>, 3> of_sides = side_weights(b);
     std::array<Slope, 3> sides;
     for (int i = 0; i < 3; ++i) {
@@ -123,8 +111,6 @@ FairingSpace::FairingSpace(int degree, int second_cross, int slopes, int nodes)
     }
     slope.push_back(std::move(sides));
   }
-  for (int m = 1; m <= 3; ++m) normal[m] = rows[m].transpose() * rows[m];
-
   const std::array<double, 3> thirds = {1.0 / 3, 1.0 / 3, 1.0 / 3};
   const Barycentric<0> b(thirds.data());
   const std::vector<Jet<0>> basis = scalar_basis(b, degree, second_cross);

@@ -31,7 +31,7 @@ SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOp
   };
   const auto keeps_alpha = [&](const Eigen::VectorXd& x) {
     for (int i = 0; i < 3; ++i)
-      if (scale[i][0] > 0 && !(alpha_reach(boundary, i, added(x, i, 0)) >= 1)) return false;
+      if (scale[i][0] > 0 && !(alpha_reach(boundary.ribbons[i].alpha, added(x, i, 0)) >= 1)) return false;
     return x.allFinite();
   };
 

@@ -230,6 +230,33 @@ bool DomainMesh::collapse(int v, int w) {
   return true;
 }
 
+std::optional<DomainMesh::Way> DomainMesh::way_of(int v) {
+  constexpr double flat_metric = 1e-12;  // of its square: a metric's determinant below it has no inverse but rounding
+  Vec3 center = Vec3::Zero();
+  double weights = 0;
+  Eigen::Matrix2d uu = Eigen::Matrix2d::Zero();
+  Eigen::Matrix<double, 3, 2> xu = Eigen::Matrix<double, 3, 2>::Zero();
+  for (int t : around(v)) {
+    const Triangle& f = triangles_[t];
+    const int k = corner_of(t, v), p = f.v[(k + 1) % 3], q = f.v[(k + 2) % 3];
+    const double size = (size_[v] + size_[p] + size_[q]) / 3;
+    const Vec3 u = x_[p] - x_[v];
+    const double w = u.cross(x_[q] - x_[v]).norm() / (size * size);
+    center += w * (x_[p] + x_[q] - 2 * x_[v]) / 3;
+    weights += w;
+    const Vec2 du = (b_[p] - b_[v]).tail<2>();
+    const double near = 1 / std::max(u.squaredNorm(), 1e-300);
+    uu += near * du * du.transpose();
+    xu += near * u * du.transpose();
+  }
+  if (!(weights > 0) || !(uu.determinant() > 0)) return {};
+  const Eigen::Matrix<double, 3, 2> jacobian = xu * uu.inverse();
+  const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
+  if (!(metric.determinant() > flat_metric * metric.squaredNorm())) return {};
+  const Vec2 step = metric.inverse() * (jacobian.transpose() * (center / weights));
+  return Way{step, jacobian * step};
+}
+
 bool DomainMesh::star_is_valid(int v, const Vec3& b) {
   for (int t : around(v)) {
     const Triangle& f = triangles_[t];

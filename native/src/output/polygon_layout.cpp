@@ -12,7 +12,6 @@
 namespace tripatch {
 namespace {
 
-using Vec2 = Eigen::Vector2d;
 
 constexpr std::size_t most_layout_corners = 12;
 constexpr std::size_t subsets_tried = 10;  ///< choices of corners for which the integers are sought

@@ -17,7 +17,6 @@
 namespace tripatch {
 namespace {
 
-using Vec2 = Eigen::Vector2d;
 using Pair = std::array<int, 2>;
 
 constexpr int most_sources = 200;  // of rim sizes: longer rims count by runs of edges
@@ -314,44 +313,15 @@ private:
     return chosen.size();
   }
 
-  /// How far inner vertex v should go in the domain and in space: to the size-weighted center of the triangles around, in its
-  /// tangent plane. False where that is not known.
-  bool way_of(int v, Vec2& step, Vec3& in_space) {
-    Vec3 center = Vec3::Zero();
-    double weights = 0;
-    Eigen::Matrix2d uu = Eigen::Matrix2d::Zero();
-    Eigen::Matrix<double, 3, 2> xu = Eigen::Matrix<double, 3, 2>::Zero();
-    for (int t : around(v)) {
-      const Triangle& f = triangles_[t];
-      const int k = corner_of(t, v), p = f.v[(k + 1) % 3], q = f.v[(k + 2) % 3];
-      const double size = (size_[v] + size_[p] + size_[q]) / 3;
-      const Vec3 u = x_[p] - x_[v];
-      const double w = u.cross(x_[q] - x_[v]).norm() / (size * size);
-      center += w * (x_[p] + x_[q] - 2 * x_[v]) / 3;
-      weights += w;
-      const Vec2 du = (b_[p] - b_[v]).tail<2>();
-      const double near = 1 / std::max(u.squaredNorm(), 1e-300);
-      uu += near * du * du.transpose();
-      xu += near * u * du.transpose();
-    }
-    if (!(weights > 0) || !(uu.determinant() > 0)) return false;
-    const Eigen::Matrix<double, 3, 2> jacobian = xu * uu.inverse();
-    const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
-    if (!(metric.determinant() > flat_metric * metric.squaredNorm())) return false;
-    step = metric.inverse() * (jacobian.transpose() * (center / weights));
-    in_space = jacobian * step;
-    return true;
-  }
-
   /// careful: evaluated on the surface, and only where the worst triangle around gets better.
   void smooth(bool careful) {
     std::vector<int> who;
     std::vector<Vec3> where, there;
     for (int v = given_; v < static_cast<int>(b_.size()); ++v) {
       if (triangle_of_[v] < 0 || is_fixed(v)) continue;
-      Vec2 step;
-      Vec3 in_space;
-      if (!way_of(v, step, in_space) || in_space.norm() < least_move * size_[v]) continue;
+      const std::optional<Way> way = way_of(v);
+      if (!way || way->in_space.norm() < least_move * size_[v]) continue;
+      auto [step, in_space] = *way;
       for (int attempt = 0; attempt < 4; ++attempt, step *= 0.5, in_space *= 0.5) {
         const Vec3 b = b_[v] + Vec3(0, step[0], step[1]);
         if (!star_is_valid(v, b)) continue;

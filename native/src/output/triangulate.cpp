@@ -20,7 +20,6 @@ namespace tripatch {
 namespace {
 
 using Parameters = std::array<std::vector<double>, 3>;
-using Vec2 = Eigen::Vector2d;
 
 constexpr Index largest_regular = 1000;  // edges per side
 
@@ -275,30 +274,9 @@ private:
     std::vector<Vec3> where;
     for (int v = rim_; v < static_cast<int>(b_.size()); ++v) {
       if (triangle_of_[v] < 0) continue;
-      Vec3 center = Vec3::Zero();
-      double weights = 0;
-      Eigen::Matrix2d uu = Eigen::Matrix2d::Zero();
-      Eigen::Matrix<double, 3, 2> xu = Eigen::Matrix<double, 3, 2>::Zero();
-      for (int t : around(v)) {
-        const Triangle& f = triangles_[t];
-        const int k = corner_of(t, v), p = f.v[(k + 1) % 3], q = f.v[(k + 2) % 3];
-        const double size = (size_[v] + size_[p] + size_[q]) / 3;
-        const Vec3 u = x_[p] - x_[v];
-        const double w = u.cross(x_[q] - x_[v]).norm() / (size * size);
-        center += w * (x_[p] + x_[q] - 2 * x_[v]) / 3;
-        weights += w;
-        const Vec2 du = (b_[p] - b_[v]).tail<2>();
-        const double near = 1 / std::max(u.squaredNorm(), 1e-300);
-        uu += near * du * du.transpose();
-        xu += near * u * du.transpose();
-      }
-      if (!(weights > 0)) continue;
-      const double det = uu.determinant();
-      if (!(det > 0)) continue;
-      const Eigen::Matrix<double, 3, 2> jacobian = xu * uu.inverse();
-      const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
-      if (!(metric.determinant() > flat_metric * metric.squaredNorm())) continue;
-      Vec2 step = metric.inverse() * (jacobian.transpose() * (center / weights));
+      const std::optional<Way> way = way_of(v);
+      if (!way) continue;
+      Vec2 step = way->step;
       for (int attempt = 0; attempt < 4; ++attempt, step *= 0.5) {
         const Vec3 b = moved(b_[v], step);
         if (b.minCoeff() <= 0 || !star_is_valid(v, b)) continue;

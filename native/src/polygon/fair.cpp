@@ -228,25 +228,10 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const PolygonDomain& domain, 
   std::vector<PiecewisePolynomial> fields(domain.sides());
   for (int i = 0; i < domain.sides(); ++i) {
     if (!wanted[i]) continue;
-    // between the rim's vertices, where the curvature of splines has kinks
-    const std::vector<double> whole = {0, 1}, &knots = sides[i].rim.empty() ? whole : sides[i].rim;
-    std::vector<PiecewisePolynomial> parts;
-    std::vector<double> shares;
-    for (std::size_t p = 0; p + 1 < knots.size(); ++p) {
-      const double from = knots[p], length = knots[p + 1] - from;
-      const auto lacking = [&](std::span<const double> t, std::span<double> out) {
-        std::vector<double> at;
-        for (double u : t) at.push_back(from + u * length);
-        const std::vector<Across> across = derivatives_across(*patch, domain, i, at);
-        for (std::size_t k = 0; k < at.size(); ++k) {
-          const SideForm form = side_form(sides[i], at[k]);
-          Vec3::Map(&out[3 * k]) = (form(across[k].first) - form.n.dot(across[k].second)) * form.n;
-        }
-      };
-      parts.push_back(PiecewisePolynomial::fit(lacking, 3, 1e-6, 9, 7));
-      shares.push_back(length);
-    }
-    fields[i] = PiecewisePolynomial::joined(parts, shares);
+    fields[i] = fit_between_vertices(sides[i], 1e-6, [&](std::span<const double> t, std::span<double> out) {
+      const std::vector<Across> across = derivatives_across(*patch, domain, i, t);
+      for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = lacking_curvature(sides[i], t[k], across[k]);
+    });
   }
   return sum(patch, std::make_shared<Bends>(domain, std::move(fields)));
 }

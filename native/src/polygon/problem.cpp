@@ -14,9 +14,6 @@
 namespace tripatch {
 namespace {
 
-/// As for triangles: fairing_problem.cpp says why.
-constexpr double least_alpha_kept = 0.1;
-
 bool is(const std::vector<bool>& flags, int i, bool otherwise) { return flags.empty() ? otherwise : static_cast<bool>(flags[i]); }
 
 }  // namespace
@@ -69,16 +66,8 @@ PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& op
 }
 
 std::vector<PiecewisePolynomial> PolygonProblem::directions_of(const SideList& sides, int i) const {
-  std::vector<PiecewisePolynomial> directions;
-  if (is(of_.position_only, i, false)) {
-    for (int x = 0; x < 3; ++x) {
-      const Vec3 unit = size_ * Vec3::Unit(x);
-      directions.push_back(PiecewisePolynomial::constant({unit.data(), 3}));
-    }
-  } else if (slopes_.scale[i][0] > 0) {
-    directions = {-slopes_.scale[i][0] * sides[i].r, -slopes_.scale[i][1] * sides[i].c.derivative()};
-  }
-  return directions;
+  const auto& [r, c] = slopes_.scale[i];
+  return slope_directions(sides[i], {-r, -c}, is(of_.position_only, i, false), size_);
 }
 
 /// The derivatives, at all nodes, of what the free slopes of side i add.
@@ -148,13 +137,6 @@ void PolygonProblem::hold_points() {
   }
 }
 
-Eigen::VectorXd PolygonProblem::raised(const PolygonProblem& lower, const Eigen::VectorXd& x) const {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(count());
-  for (int c = 0; c < 3; ++c) out.segment(c * interior_, lower.interior_) = x.segment(c * lower.interior_, lower.interior_);
-  out.tail(fields_) = x.tail(fields_);
-  return out;
-}
-
 PiecewisePolynomial PolygonProblem::combination(const Eigen::VectorXd& x, int i, std::size_t direction) const {
   const std::size_t m = options_.slopes;
   return slope_function({&x[scalars() + slopes_.first[i] + static_cast<Index>(direction * m)], m});
@@ -164,13 +146,7 @@ double PolygonProblem::reach(const Eigen::VectorXd& x) const {
   double most = std::numeric_limits<double>::infinity();
   for (int i = 0; i < of_.boundary.domain.sides(); ++i) {
     if (slopes_.scale[i][0] == 0) continue;
-    const PiecewisePolynomial added = slopes_.scale[i][0] * combination(x, i, 0);
-    for (int k = 1; k < 32; ++k) {
-      double before, change;
-      of_.boundary.ribbons[i].alpha.taylor(k / 32.0, 0, &before);
-      added.taylor(k / 32.0, 0, &change);
-      if (!(change >= 0)) most = std::min(most, -(1 - least_alpha_kept) * before / change);
-    }
+    most = std::min(most, alpha_reach(of_.boundary.ribbons[i].alpha, slopes_.scale[i][0] * combination(x, i, 0)));
   }
   return most;
 }

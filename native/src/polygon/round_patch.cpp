@@ -135,16 +135,6 @@ RoundBase round_base(const Side& side, const RoundAsked& asked, double size, int
   return base;
 }
 
-/// First and second derivative along the radius at the rim.
-Across along_radius(const Surface& patch, double t) {
-  const Vec2 p = on_circle(t);
-  const std::array<double, 3> at = {p[0], p[1], 0};
-  std::array<double, 18> jets;
-  patch.evaluate(at.data(), 1, 2, jets.data());
-  const auto d = [&](int which) { return Vec3(Vec3::Map(&jets[3 * which])); };
-  return {p[0] * d(1) + p[1] * d(2), 2 * (p[0] * p[0] * d(3) + p[0] * p[1] * d(4) + p[1] * p[1] * d(5))};
-}
-
 Index count_round_folds(const Surface& patch) {
   Points uv = Points::Zero(round_fold_rings * round_fold_angles, 3);
   for (Index ring = 0; ring < round_fold_rings; ++ring)
@@ -164,12 +154,12 @@ Index count_round_folds(const Surface& patch) {
 }
 
 void measure_round_seam(RoundPatch& made) {
+  Points at = Points::Zero(round_seam_samples, 3);
+  for (int k = 0; k < round_seam_samples; ++k) at.row(k).head<2>() = on_circle(static_cast<double>(k) / round_seam_samples);
+  const Points normals = made.patch->normals(at);
   double squares = 0;
   for (int k = 0; k < round_seam_samples; ++k) {
-    const double t = static_cast<double>(k) / round_seam_samples;
-    Points at = Points::Zero(1, 3);
-    at.row(0).head<2>() = on_circle(t);
-    const double angle = degrees_between(made.patch->normals(at).row(0), made.side.normal(t));
+    const double angle = degrees_between(normals.row(k), made.side.normal(static_cast<double>(k) / round_seam_samples));
     made.seam_angle_max = std::max(made.seam_angle_max, angle);
     squares += angle * angle / round_seam_samples;
   }
@@ -179,11 +169,7 @@ void measure_round_seam(RoundPatch& made) {
 /// Plus what the second derivative along the radius lacks, along the normal.
 std::vector<Harmonic> with_curvature(const std::vector<Harmonic>& terms, const Side& side, int order) {
   const RoundSurface patch(terms);
-  const auto lacking = [&](double t) -> Vec3 {
-    const SideForm form = side_form(side, t);
-    const Across across = along_radius(patch, t);
-    return (form(across.first) - form.n.dot(across.second)) * form.n / 8;
-  };
+  const auto lacking = [&](double t) -> Vec3 { return lacking_curvature(side, t, along_radius(patch, t)) / 8; };
   return sum_of(terms, {Harmonic::Zero(1, 3), Harmonic::Zero(1, 3), fourier(lacking, 2 * order + 4)});
 }
 
@@ -271,7 +257,7 @@ double round_energy(const Surface& surface, Fairing of) {
   const Points p = surface.positions(rim);
   double size = 0;
   for (Index k = 0; k < p.rows(); ++k) size = std::max(size, (p.rowwise() - p.row(k)).rowwise().norm().maxCoeff());
-  const RoundSpace space(0, 1, energy_nodes_round);
+  const RoundSpace& space = round_space(0, 1, energy_nodes_round);
   return weighed_energy(plane_derivatives(surface, space.uv), space.weights, of, size);
 }
 

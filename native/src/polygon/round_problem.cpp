@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <numbers>
 
 #include "tripatch/fairing/energy.h"
@@ -11,8 +14,6 @@
 namespace tripatch {
 namespace {
 
-/// As for triangles: fairing_problem.cpp says why.
-constexpr double least_slope_kept = 0.1;
 constexpr int round_orthonormal_nodes = 8;
 
 /// (1 - r^2)^2 times (1 - r^2)^j Re z^k and Im z^k, by rising degree 2 j + k.
@@ -35,15 +36,10 @@ std::vector<Jet<N>> round_basis(const Jet<N>& u, const Jet<N>& v, int degree) {
   return basis;
 }
 
-struct DiscNodes {
-  Points uv;
-  std::vector<double> weights;
-};
-
-DiscNodes disc_nodes(int nodes) {
+PolygonQuadrature disc_quadrature(int nodes) {
   const auto [x, w] = gauss(nodes);
   const int angles = 4 * nodes;
-  DiscNodes out;
+  PolygonQuadrature out;
   out.uv = Points::Zero(static_cast<Index>(nodes) * angles, 3);
   Index row = 0;
   for (int a = 0; a < nodes; ++a)
@@ -54,24 +50,16 @@ DiscNodes disc_nodes(int nodes) {
   return out;
 }
 
-using DiscBasis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
-
-DiscBasis disc_derivatives(const double* uv, int degree) {
-  const std::vector<Jet<3>> basis = round_basis(Jet<3>::linear(uv[0], 1, 0), Jet<3>::linear(uv[1], 0, 1), degree);
-  DiscBasis all(9, static_cast<Index>(basis.size()));
-  for (std::size_t c = 0; c < basis.size(); ++c) all.col(static_cast<Index>(c)) = derivatives_of(basis[c]);
+NodeDerivatives disc_derivatives(const Points& uv, int degree) {
+  NodeDerivatives all(uv.rows());
+  for (Index k = 0; k < uv.rows(); ++k)
+    all.add(round_basis(Jet<3>::linear(uv(k, 0), 1, 0), Jet<3>::linear(uv(k, 1), 0, 1), degree));
   return all;
 }
 
 Eigen::MatrixXd disc_orthonormal(int degree) {
-  const DiscNodes nodes = disc_nodes(round_orthonormal_nodes);
-  Eigen::MatrixXd rows(4 * nodes.uv.rows(), polynomials_to(degree));
-  for (Index k = 0; k < nodes.uv.rows(); ++k) {
-    const DiscBasis all = disc_derivatives(nodes.uv.row(k).data(), degree);
-    for (int d = 0; d <= 3; ++d)
-      rows.row(4 * k + d) = std::sqrt(nodes.weights[k]) * NodeBasis::factor(3, d) * all.row(NodeBasis::first_of(3) + d);
-  }
-  return orthonormalization(rows);
+  const PolygonQuadrature quadrature = disc_quadrature(round_orthonormal_nodes);
+  return orthonormal_functions(quadrature.weights, disc_derivatives(quadrature.uv, degree));
 }
 
 /// 1, cos, sin, ... of 2 pi t.
@@ -105,21 +93,23 @@ std::array<Harmonic, 2> slope_terms(const PiecewisePolynomial& wave, const Piece
 
 }  // namespace
 
-RoundSpace::RoundSpace(int degree, int slopes, int nodes)
-    : combination(disc_orthonormal(degree)), waves(waves_of(slopes)), along(waves) {
-  DiscNodes disc = disc_nodes(nodes);
-  uv = std::move(disc.uv);
-  weights = std::move(disc.weights);
-  const Index n = uv.rows(), count = combination.cols();
-  interior.resize(9 * n, count);
-  for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
-  for (Index k = 0; k < n; ++k) {
-    interior.middleRows(9 * k, 9) = disc_derivatives(uv.row(k).data(), degree) * combination;
-    for (int m = 1; m <= 3; ++m)
-      for (int d = 0; d <= m; ++d)
-        rows[m].row((m + 1) * k + d) = std::sqrt(weights[k]) * factor(m, d) * interior.row(9 * k + first_of(m) + d);
-  }
-  for (int m = 1; m <= 3; ++m) normal[m] = rows[m].transpose() * rows[m];
+Across along_radius(const Surface& patch, double t) {
+  const Vec2 p = on_circle(t);
+  const std::array<double, 3> at = {p[0], p[1], 0};
+  std::array<double, 18> jets;
+  patch.evaluate(at.data(), 1, 2, jets.data());
+  const auto d = [&](int which) { return Vec3(Vec3::Map(&jets[3 * which])); };
+  return {p[0] * d(1) + p[1] * d(2), 2 * (p[0] * p[0] * d(3) + p[0] * p[1] * d(4) + p[1] * p[1] * d(5))};
+}
+
+RoundSpace::RoundSpace(int degree, int slopes, int nodes) : RoundSpace(disc_quadrature(nodes), degree, slopes) {}
+
+RoundSpace::RoundSpace(PolygonQuadrature quadrature, int degree, int slopes)
+    : NodeBasis(std::move(quadrature.weights), disc_derivatives(quadrature.uv, degree), disc_orthonormal(degree)),
+      uv(std::move(quadrature.uv)),
+      waves(waves_of(slopes)),
+      along(waves) {
+  const Index count = combination.cols();
   // all places alike: as points in the middle of a side, for how much each counts
   Eigen::MatrixXd second(SideBasis::points, count);
   for (int k = 0; k < SideBasis::points; ++k) {
@@ -133,24 +123,32 @@ RoundSpace::RoundSpace(int degree, int slopes, int nodes)
   along.second.push_back(second * combination);
 }
 
-RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options, int nodes)
-    : RoundProblem(base, options, std::make_shared<const RoundSpace>(options.degree, options.slopes, nodes)) {}
+const RoundSpace& round_space(int degree, int slopes, int nodes) {
+  static std::mutex mutex;
+  static std::map<std::array<int, 3>, std::unique_ptr<RoundSpace>> all;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::unique_ptr<RoundSpace>& one = all[{degree, slopes, nodes}];
+  if (!one) one = std::make_unique<RoundSpace>(degree, slopes, nodes);
+  return *one;
+}
 
-RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options, std::shared_ptr<const RoundSpace> space)
-    : EnergyProblem(*space, plane_derivatives(RoundSurface(base.terms), space->uv), options, base.size,
-                    space->combination.cols()),
-      space_(std::move(space)),
+RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options, int nodes)
+    : RoundProblem(base, options, round_space(options.degree, options.slopes, nodes)) {}
+
+RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options, const RoundSpace& space)
+    : EnergyProblem(space, plane_derivatives(RoundSurface(base.terms), space.uv), options, base.size, space.combination.cols()),
+      space_(space),
       of_(base) {
   if (base.slopes_free && !base.position_only) scale_ = {base.size, scale_to(base.size, base.side.c.derivative())};
   const std::vector<PiecewisePolynomial> directions = directions_of(base.side);
   fields_ = options.slopes * static_cast<Index>(directions.size());
-  basis_.setZero(27 * space_->uv.rows(), fields_);
+  basis_.setZero(27 * space_.uv.rows(), fields_);
   held_.setZero(base.center ? 3 : 0, count());
   Index field = 0;
   for (const PiecewisePolynomial& direction : directions)
-    for (const PiecewisePolynomial& wave : space_->waves) {
+    for (const PiecewisePolynomial& wave : space_.waves) {
       const std::array<Harmonic, 2> term = slope_terms(wave, direction, base.terms[1].rows());
-      const std::vector<Derivatives> all = plane_derivatives(RoundSurface({Harmonic::Zero(1, 3), term[0], term[1]}), space_->uv);
+      const std::vector<Derivatives> all = plane_derivatives(RoundSurface({Harmonic::Zero(1, 3), term[0], term[1]}), space_.uv);
       for (std::size_t k = 0; k < all.size(); ++k)
         basis_.block<27, 1>(27 * static_cast<Index>(k), field) = Eigen::Map<const Eigen::Matrix<double, 27, 1>>(all[k].data());
       if (base.center) held_.col(scalars() + field) = (term[0].row(0) + term[1].row(0)).transpose();
@@ -161,20 +159,11 @@ RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options,
   const std::vector<Jet<0>> middle = round_basis(Jet<0>(0.0), Jet<0>(0.0), options.degree);
   Eigen::RowVectorXd scalar(static_cast<Index>(middle.size()));
   for (std::size_t c = 0; c < middle.size(); ++c) scalar[static_cast<Index>(c)] = middle[c].value();
-  for (int x = 0; x < 3; ++x) held_.row(x).segment(x * interior_, interior_) = size_ * scalar * space_->combination;
+  for (int x = 0; x < 3; ++x) held_.row(x).segment(x * interior_, interior_) = size_ * scalar * space_.combination;
 }
 
 std::vector<PiecewisePolynomial> RoundProblem::directions_of(const Side& side) const {
-  std::vector<PiecewisePolynomial> directions;
-  if (of_.position_only) {
-    for (int x = 0; x < 3; ++x) {
-      const Vec3 unit = size_ * Vec3::Unit(x);
-      directions.push_back(PiecewisePolynomial::constant({unit.data(), 3}));
-    }
-  } else if (scale_[0] > 0) {
-    directions = {scale_[0] * side.r, scale_[1] * side.c.derivative()};
-  }
-  return directions;
+  return slope_directions(side, scale_, of_.position_only, size_);
 }
 
 CurvatureFollowing RoundProblem::followed() const {
@@ -182,29 +171,15 @@ CurvatureFollowing RoundProblem::followed() const {
   if (of_.curvature && !of_.side.q.empty() && scale_[0] > 0) {
     const RoundSurface patch(of_.terms);
     std::vector<Across> across;
-    for (double t : space_->t) {
-      const Vec2 p = on_circle(t);
-      const std::array<double, 3> at = {p[0], p[1], 0};
-      std::array<double, 18> jets;
-      patch.evaluate(at.data(), 1, 2, jets.data());
-      const auto d = [&](int which) { return Vec3(Vec3::Map(&jets[3 * which])); };
-      across.push_back({p[0] * d(1) + p[1] * d(2), 2 * (p[0] * p[0] * d(3) + p[0] * p[1] * d(4) + p[1] * p[1] * d(5))});
-    }
+    for (double t : space_.t) across.push_back(along_radius(patch, t));
     const PiecewisePolynomial alpha = PiecewisePolynomial::linear(of_.alpha, of_.alpha), beta = PiecewisePolynomial::linear(0, 0);
-    FollowedSide side = followed_side(of_.side, 0, alpha, beta, space_->t, across);
+    FollowedSide side = followed_side(of_.side, 0, alpha, beta, space_.t, across);
     side.skew.fill(0);
     side.first = scalars();
     side.scale = scale_;
     all.push_back(side);
   }
-  return {space_->along, std::move(all), 1, size_, options_.curvature_jump};
-}
-
-Eigen::VectorXd RoundProblem::raised(const RoundProblem& lower, const Eigen::VectorXd& x) const {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(count());
-  for (int c = 0; c < 3; ++c) out.segment(c * interior_, lower.interior_) = x.segment(c * lower.interior_, lower.interior_);
-  out.tail(fields_) = x.tail(fields_);
-  return out;
+  return {space_.along, std::move(all), 1, size_, options_.curvature_jump};
 }
 
 double RoundProblem::reach(const Eigen::VectorXd& x) const {
@@ -212,8 +187,8 @@ double RoundProblem::reach(const Eigen::VectorXd& x) const {
   if (scale_[0] == 0) return most;
   for (int k = 0; k < 64; ++k) {
     double change = 0;
-    for (int m = 0; m < options_.slopes; ++m) change += scale_[0] * x[scalars() + m] * value_of(space_->waves[m], k / 64.0);
-    if (!(change >= 0)) most = std::min(most, -(1 - least_slope_kept) * of_.alpha / change);
+    for (int m = 0; m < options_.slopes; ++m) change += scale_[0] * x[scalars() + m] * value_of(space_.waves[m], k / 64.0);
+    if (!(change >= 0)) most = std::min(most, -(1 - least_alpha_kept) * of_.alpha / change);
   }
   return most;
 }
@@ -221,16 +196,16 @@ double RoundProblem::reach(const Eigen::VectorXd& x) const {
 std::vector<Harmonic> RoundProblem::correction(const Eigen::VectorXd& x, const RoundBase& base,
                                                const std::optional<Eigen::Matrix3d>& axis) const {
   Points a(interior_, 3);
-  for (int c = 0; c < 3; ++c) a.col(c) = size_ * (space_->combination * x.segment(c * interior_, interior_));
+  for (int c = 0; c < 3; ++c) a.col(c) = size_ * (space_.combination * x.segment(c * interior_, interior_));
   std::vector<Harmonic> terms = round_terms(a, options_.degree);
   if (axis) of_revolution(terms, *axis);
   Index field = scalars();
   const Index rows = base.terms[1].rows();
   std::vector<Harmonic> slopes = {Harmonic::Zero(1, 3), Harmonic::Zero(rows, 3), Harmonic::Zero(rows, 3)};
   for (const PiecewisePolynomial& direction : directions_of(base.side))
-    for (const PiecewisePolynomial& wave : space_->waves) {
+    for (const PiecewisePolynomial& wave : space_.waves) {
       const std::array<Harmonic, 2> own = slope_terms(wave, direction, slopes[1].rows());
-      const bool counts = !axis || &wave == space_->waves.data();
+      const bool counts = !axis || &wave == space_.waves.data();
       for (int j = 0; counts && j < 2; ++j) slopes[1 + j] += x[field] * own[j];
       ++field;
     }

@@ -48,26 +48,18 @@ private:
   Points inside_;
 };
 
-using Basis = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
-
-Basis derivatives_at(const PolygonDomain& domain, const double* uv, int degree, int second_cross) {
-  const Jet<3> u = Jet<3>::linear(uv[0], 1, 0), v = Jet<3>::linear(uv[1], 0, 1);
-  const std::vector<Jet<3>> basis = polygon_basis<3>(domain, domain.place(u, v), u, v, degree, second_cross);
-  Basis all(9, static_cast<Index>(basis.size()));
-  for (std::size_t c = 0; c < basis.size(); ++c) all.col(static_cast<Index>(c)) = derivatives_of(basis[c]);
+NodeDerivatives polygon_derivatives(const PolygonDomain& domain, const Points& uv, int degree, int second_cross) {
+  NodeDerivatives all(uv.rows());
+  for (Index k = 0; k < uv.rows(); ++k) {
+    const Jet<3> u = Jet<3>::linear(uv(k, 0), 1, 0), v = Jet<3>::linear(uv(k, 1), 0, 1);
+    all.add(polygon_basis<3>(domain, domain.place(u, v), u, v, degree, second_cross));
+  }
   return all;
 }
 
 Eigen::MatrixXd orthonormal(const PolygonDomain& domain, int degree, int second_cross) {
   const PolygonQuadrature quadrature = polygon_quadrature(domain, orthonormal_nodes);
-  const Index count = polynomials_to(degree) + static_cast<Index>(domain.sides()) * second_cross;
-  Eigen::MatrixXd rows(4 * quadrature.uv.rows(), count);
-  for (Index k = 0; k < quadrature.uv.rows(); ++k) {
-    const Basis all = derivatives_at(domain, quadrature.uv.row(k).data(), degree, second_cross);
-    for (int d = 0; d <= 3; ++d)
-      rows.row(4 * k + d) = std::sqrt(quadrature.weights[k]) * NodeBasis::factor(3, d) * all.row(NodeBasis::first_of(3) + d);
-  }
-  return orthonormalization(rows);
+  return orthonormal_functions(quadrature.weights, polygon_derivatives(domain, quadrature.uv, degree, second_cross));
 }
 
 }  // namespace
@@ -109,22 +101,15 @@ std::vector<Derivatives> plane_derivatives(const Surface& surface, const Points&
 }
 
 PolygonSpace::PolygonSpace(const PolygonDomain& domain, int degree, int second_cross, int slopes, int nodes)
-    : combination(orthonormal(domain, degree, second_cross)),
+    : PolygonSpace(domain, polygon_quadrature(domain, nodes), degree, second_cross, slopes) {}
+
+PolygonSpace::PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadrature, int degree, int second_cross, int slopes)
+    : NodeBasis(std::move(quadrature.weights), polygon_derivatives(domain, quadrature.uv, degree, second_cross),
+                orthonormal(domain, degree, second_cross)),
+      uv(std::move(quadrature.uv)),
       slope_functions(tripatch::slope_functions(slopes)),
       along(slope_functions) {
-  PolygonQuadrature quadrature = polygon_quadrature(domain, nodes);
-  uv = std::move(quadrature.uv);
-  weights = std::move(quadrature.weights);
-  const Index n = uv.rows(), count = combination.cols();
-  interior.resize(9 * n, count);
-  for (int m = 1; m <= 3; ++m) rows[m].resize((m + 1) * n, count);
-  for (Index k = 0; k < n; ++k) {
-    interior.middleRows(9 * k, 9) = derivatives_at(domain, uv.row(k).data(), degree, second_cross) * combination;
-    const double w = std::sqrt(weights[k]);
-    for (int m = 1; m <= 3; ++m)
-      for (int d = 0; d <= m; ++d) rows[m].row((m + 1) * k + d) = w * factor(m, d) * interior.row(9 * k + first_of(m) + d);
-  }
-  for (int m = 1; m <= 3; ++m) normal[m] = rows[m].transpose() * rows[m];
+  const Index count = combination.cols();
   for (int i = 0; i < domain.sides(); ++i) {
     Eigen::MatrixXd second(SideBasis::points, count);
     for (int k = 0; k < SideBasis::points; ++k) {

@@ -15,7 +15,6 @@ namespace tripatch {
 namespace {
 
 using Triangle = std::array<int, 3>;
-using Vec2 = Eigen::Vector2d;
 using Matrix2 = Eigen::Matrix2d;
 using Sparse = Eigen::SparseMatrix<double>;
 

@@ -54,6 +54,29 @@ struct SideForm {
 };
 SideForm side_form(const Side& side, double t);
 
+/// What the second derivative across a side lacks, along the normal, for the curvature to be continuous there.
+Vec3 lacking_curvature(const Side& side, double t, const Across& across);
+
+/// A vector function of a side's t (of parameters and three values each) in pieces between the rim's vertices, where the curvature of
+/// splines and of limit surfaces has kinks.
+template <class F>
+PiecewisePolynomial fit_between_vertices(const Side& side, double tolerance, const F& values) {
+  const std::vector<double> whole = {0, 1}, &knots = side.rim.empty() ? whole : side.rim;
+  std::vector<PiecewisePolynomial> parts;
+  std::vector<double> shares;
+  for (std::size_t p = 0; p + 1 < knots.size(); ++p) {
+    const double from = knots[p], length = knots[p + 1] - from;
+    const auto part = [&](std::span<const double> t, std::span<double> out) {
+      std::vector<double> at;
+      for (double u : t) at.push_back(from + u * length);
+      values(std::span<const double>(at), out);
+    };
+    parts.push_back(PiecewisePolynomial::fit(part, 3, tolerance, 9, 7));
+    shares.push_back(length);
+  }
+  return PiecewisePolynomial::joined(parts, shares);
+}
+
 /// At each corner the distance between the forms of its two sides over the larger of their norms; infinite where a side has no q.
 /// 0 where the sides continue one surface, about 1 where fillets meet.
 std::array<double, 3> curvature_mismatch(const Sides& sides);

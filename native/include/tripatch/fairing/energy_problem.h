@@ -21,11 +21,42 @@ inline double choose(int n, int k) {
   return r;
 }
 
+/// The nine derivatives of orders 1 to 3, as Derivatives has them.
+template <int N>
+Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
+  Eigen::Matrix<double, 9, 1> d;
+  for (int k = 0; k < 9; ++k) d[k] = f.c[k + 1];
+  for (int k : {2, 4}) d[k] *= 2;
+  for (int k : {5, 8}) d[k] *= 6;
+  for (int k : {6, 7}) d[k] *= 2;
+  return d;
+}
+
+/// Those of scalar functions at the nodes of a quadrature, nine rows a node, one function a column.
+class NodeDerivatives {
+public:
+  explicit NodeDerivatives(Index nodes) : nodes_(nodes) {}
+  void add(const std::vector<Jet<3>>& functions);  ///< at the next node
+  auto at(Index node) const { return all_.middleRows(9 * node, 9); }
+  Index nodes() const { return nodes_; }
+  Index functions() const { return all_.cols(); }
+
+private:
+  Index nodes_, filled_ = 0;
+  RowMajor all_;
+};
+
+/// What combines functions to ones that are orthonormal in the third-derivative energy, one a column.
+Eigen::MatrixXd orthonormal_functions(const std::vector<double>& weights, const NodeDerivatives& functions);
+
 /// Scalar functions at the nodes of a quadrature over the domain.
 struct NodeBasis {
   std::vector<double> weights;                  ///< of the nodes, corner weight included
+  Eigen::MatrixXd combination;                  ///< of the domain's plain functions, one basis function a column
   RowMajor interior;                            ///< derivatives of the functions, nine rows a node, one function a column
   std::array<Eigen::MatrixXd, 4> rows, normal;  ///< by order m of derivatives: rows sqrt(w) D^m of the functions
+
+  NodeBasis(std::vector<double> weights_of_nodes, const NodeDerivatives& plain, Eigen::MatrixXd combined);
 
   /// Derivative d of order m counts as often as it occurs in D^m; where order m begins in Derivatives.
   static double factor(int m, int d) { return std::sqrt(choose(m, d)); }
@@ -43,6 +74,8 @@ public:
   /// A person's hand is on it.
   bool controlled() const { return options_.tension > 0 || options_.center; }
 
+  /// The unknowns of a problem of lower degree as those of this one, where its functions come first among those of this.
+  Eigen::VectorXd raised(const EnergyProblem& lower, const Eigen::VectorXd& x) const;
   /// What the unknowns change of that which is held, a row each; none where nothing is.
   virtual Eigen::MatrixXd held() const = 0;
   virtual const CurvatureFollowing& following() const = 0;

@@ -16,8 +16,16 @@ namespace tripatch {
 /// What makes a field of any length as long as the hole; 0 where it vanishes.
 double scale_to(double size, const PiecewisePolynomial& field);
 
-/// How much of `added` side i's alpha can gain until it falls below a tenth of what it was.
-double alpha_reach(const Boundary& boundary, int i, const PiecewisePolynomial& added);
+/// What the derivative across a side may gain, each times the functions of t: r and c' times `scale`, or, where the side asks for its
+/// position only, any direction as long as the hole; nothing where alpha and beta are held (scale 0).
+std::vector<PiecewisePolynomial> slope_directions(const Side& side, const std::array<double, 2>& scale, bool position_only,
+                                                  double size);
+
+/// Where alpha falls below this part of what it was, the patch is about to turn back over its side.
+constexpr double least_alpha_kept = 0.1;
+
+/// How much of `added` a side's alpha can gain until it falls below that part.
+double alpha_reach(const PiecewisePolynomial& alpha, const PiecewisePolynomial& added);
 
 /// Where the unknowns of a hole stand: `interior` coefficients of scalar functions for each component, then on each side `slopes`
 /// coefficients for each direction that its derivative across may gain.
@@ -41,7 +49,6 @@ public:
   /// The unknowns of a problem whose interior term is of the same degree or lower as those of this one.
   Eigen::VectorXd raised(const FairingProblem& lower, const Eigen::VectorXd& x) const;
   const CurvatureFollowing& following() const override { return *following_; }
-  /// Until alpha falls below a tenth of what it was.
   double reach(const Eigen::VectorXd& x) const override;
   /// What x adds to a patch of these sides.
   SurfacePtr correction(const Eigen::VectorXd& x, const Sides& sides) const;

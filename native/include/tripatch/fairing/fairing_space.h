@@ -94,21 +94,9 @@ std::vector<PiecewisePolynomial> slope_functions(int count);
 /// Their sum with the given coefficients.
 PiecewisePolynomial slope_function(std::span<const double> coefficients);
 
-/// The nine derivatives of orders 1 to 3, as Derivatives has them.
-template <int N>
-Eigen::Matrix<double, 9, 1> derivatives_of(const Jet<N>& f) {
-  Eigen::Matrix<double, 9, 1> d;
-  for (int k = 0; k < 9; ++k) d[k] = f.c[k + 1];
-  for (int k : {2, 4}) d[k] *= 2;
-  for (int k : {5, 8}) d[k] *= 6;
-  for (int k : {6, 7}) d[k] *= 2;
-  return d;
-}
-
 /// What is the same for all holes: nodes, the interior basis and the kernels of the slopes at them.
 struct FairingSpace : NodeBasis {
   Quadrature quadrature;
-  Eigen::MatrixXd combination;  // of the scalar functions, one basis function a column
   /// Side i at a node: t_i there, and the derivatives of the kernel times function m times (t - t_i)^k: row k, the functions of one
   /// derivative after those of the last.
   struct Slope {
@@ -120,6 +108,9 @@ struct FairingSpace : NodeBasis {
   Eigen::RowVectorXd center, center_slope;  // at b = (1/3, 1/3, 1/3): scalar functions, and kernel times functions of a side
 
   FairingSpace(int degree, int second_cross, int slopes, int nodes);
+
+private:
+  FairingSpace(Quadrature nodes, int degree, int second_cross, int slopes);
 };
 
 /// Made once for each set of numbers and kept.

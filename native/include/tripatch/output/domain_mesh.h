@@ -30,7 +30,6 @@ protected:
   static constexpr double too_long = 4.0 / 3, too_short = 0.75;  // times the size: where edges are split and collapsed
 
   static constexpr double good_enough = 0.3;      // shape of a triangle that a move in between may bring about
-  static constexpr double flat_metric = 1e-12;    // of its square: a metric's determinant below it has no inverse but rounding
   static constexpr double collapsed_shape = 0.4;  // that a collapse may bring about; or no worse than what was there
   static constexpr double rounding =
       1e-9;  // of an area, per length: ten times that of coordinates from 0 to 1 read far from the origin
@@ -100,6 +99,14 @@ protected:
   const std::vector<int>& around(int v);
   /// Takes inner vertices away where edges are too short, by pulling them onto a neighbor.
   void collapse_short();
+
+  struct Way {
+    Vec2 step;      // in the domain
+    Vec3 in_space;  // the same, by the local Jacobian
+  };
+  /// Where inner vertex v should go: to the size-weighted center of the triangles around, in its tangent plane. None where that is
+  /// not known.
+  std::optional<Way> way_of(int v);
 
   bool star_is_valid(int v, const Vec3& b);
   /// The worst shape around v when it stands at x; negative where a triangle faces away from the others.

@@ -14,7 +14,6 @@
 
 namespace tripatch {
 
-using Vec2 = Eigen::Vector2d;
 
 constexpr int most_sides = 12;
 

@@ -21,7 +21,6 @@ public:
   PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes);
 
   Eigen::MatrixXd held() const override { return held_; }
-  Eigen::VectorXd raised(const PolygonProblem& lower, const Eigen::VectorXd& x) const;
   const CurvatureFollowing& following() const override { return *following_; }
   double reach(const Eigen::VectorXd& x) const override;
   bool meets_planes() const;

@@ -1,7 +1,6 @@
 // The unknowns of a round hole, and its energies as functions of them.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -47,11 +46,19 @@ struct RoundSpace : NodeBasis {
   RoundSpace(int degree, int slopes, int nodes);
 
   Points uv;
-  Eigen::MatrixXd combination;             ///< of the functions, one orthonormal one a column
   std::vector<PiecewisePolynomial> waves;  ///< 1, cos, sin, ... of 2 pi t: what alpha and beta may gain
   std::vector<double> t;                   ///< where curvature is compared
   SideBasis along;
+
+private:
+  RoundSpace(PolygonQuadrature quadrature, int degree, int slopes);
 };
+
+/// Made once for each set of numbers and kept.
+const RoundSpace& round_space(int degree, int slopes, int nodes);
+
+/// First and second derivative along the radius at the rim.
+Across along_radius(const Surface& patch, double t);
 
 /// Coefficients of those functions, one a row, as terms of a surface.
 std::vector<Harmonic> round_terms(const Points& coefficients, int degree);
@@ -61,7 +68,6 @@ public:
   RoundProblem(const RoundBase& base, const FairingOptions& options, int nodes);
 
   Eigen::MatrixXd held() const override { return held_; }
-  Eigen::VectorXd raised(const RoundProblem& lower, const Eigen::VectorXd& x) const;
   const CurvatureFollowing& following() const override { return *following_; }
   double reach(const Eigen::VectorXd& x) const override;
   bool meets_planes() const { return !of_.position_only; }
@@ -71,11 +77,11 @@ public:
                                    const std::optional<Eigen::Matrix3d>& axis) const;
 
 private:
-  RoundProblem(const RoundBase& base, const FairingOptions& options, std::shared_ptr<const RoundSpace> space);
+  RoundProblem(const RoundBase& base, const FairingOptions& options, const RoundSpace& space);
   std::vector<PiecewisePolynomial> directions_of(const Side& side) const;
   CurvatureFollowing followed() const;
 
-  std::shared_ptr<const RoundSpace> space_;
+  const RoundSpace& space_;
   const RoundBase& of_;
   std::array<double, 2> scale_ = {0, 0};  // of r and c'; 0: alpha and beta are held
   std::optional<CurvatureFollowing> following_;

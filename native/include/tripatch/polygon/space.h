@@ -56,9 +56,11 @@ struct PolygonSpace : NodeBasis {
   PolygonSpace(const PolygonDomain& domain, int degree, int second_cross, int slopes, int nodes);
 
   Points uv;
-  Eigen::MatrixXd combination;  // of the basis, one orthonormal function a column
   std::vector<PiecewisePolynomial> slope_functions;
   SideBasis along;
+
+private:
+  PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadrature, int degree, int second_cross, int slopes);
 };
 
 /// slopes: on each side what is added to the derivative along the inward normal; coefficients: of polygon_basis, one a row.
