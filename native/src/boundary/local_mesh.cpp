@@ -209,6 +209,10 @@ LocalMesh local_mesh(const Mesh& mesh, const Connectivity& around, const Hole& h
   measure_rim(mesh, hole.rim, w);
   take_out(mesh, around, hole.rim, w);
   for (int f = 0; f < static_cast<int>(w.part.face.size()); ++f) w.area.push_back(area_of(w, w.part[f]));
+  for (const Vec3& area : w.area) w.twice_area.push_back(area.norm());
+  w.area_at.assign(w.position.size(), Vec3::Zero());
+  for (int v = 0; v < static_cast<int>(w.position.size()); ++v)
+    for (int f : w.part.faces_at(v)) w.area_at[v] += w.area[f];
   const int n = static_cast<int>(hole.rim.size());
   for (int k = 0; k < n; ++k) w.rim.push_back(k);
   for (int k = 0; k < n; ++k) w.beside.push_back(face_beside(w, k, (k + 1) % n));

@@ -4,8 +4,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "tripatch/boundary/plane_fit.h"
 #include "tripatch/boundary/side_curves.h"
@@ -102,36 +104,77 @@ std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const H
   return drafts;
 }
 
+/// How far vertices are from the vertices at the ends of a side and from those of its neighbors there, squared.
+class SideDistances {
+public:
+  static constexpr int most = 2 * most_rings;  ///< edges of a side's end that are looked at together
+  struct Of {
+    std::array<double, most + 1> from_start, from_end;  ///< from the nearest of the first vertices, up to the one of each place
+    double before, after;                               ///< from the ends of the neighbors
+  };
+
+  SideDistances(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i)
+      : w_(w),
+        own_(drafts[i].vertex),
+        before_(drafts[(i + 2) % 3].vertex),
+        after_(drafts[(i + 1) % 3].vertex),
+        known_(w.position.size(), 0),
+        all_(std::make_unique_for_overwrite<Of[]>(w.position.size())) {}
+
+  const Of& of(int v) {
+    Of& d = all_[v];
+    if (std::exchange(known_[v], 1)) return d;
+    const auto from = [&](int to) { return (w_.position[to] - w_.position[v]).squaredNorm(); };
+    const std::size_t places = std::min<std::size_t>(own_.size(), most + 1);
+    double start = INFINITY, end = INFINITY;
+    for (std::size_t k = 0; k < places; ++k) {
+      d.from_start[k] = start = std::min(start, from(own_[k]));
+      d.from_end[k] = end = std::min(end, from(own_[own_.size() - 1 - k]));
+    }
+    d.before = d.after = INFINITY;
+    for (std::size_t k = 1; k < before_.size() && k <= most_rings; ++k)
+      d.before = std::min(d.before, from(before_[before_.size() - 1 - k]));
+    for (std::size_t k = 1; k < after_.size() && k <= most_rings; ++k) d.after = std::min(d.after, from(after_[k]));
+    return d;
+  }
+
+private:
+  const LocalMesh& w_;
+  std::span<const int> own_, before_, after_;
+  std::vector<char> known_;
+  std::unique_ptr<Of[]> all_;
+};
+
 /// What lies in front of a side, at one of its vertices: as far as the rings reach only the side's own vertices and at its ends those
 /// of its neighbors are looked at. What lies elsewhere does not count, because curvature may jump at the corners (where a fillet ends).
 class InFront {
 public:
-  InFront(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k) : w_(w), side_(drafts[i]) {
-    const SideDraft &before = drafts[(i + 2) % 3], &after = drafts[(i + 1) % 3];
-    const int edges = side_.edges(), nearest = std::max(k - most_rings, 0), farthest = std::min(k + most_rings, edges);
-    at_start_ = nearest == 0;
-    at_end_ = farthest == edges;
-    own_ = {&side_.vertex[nearest], static_cast<std::size_t>(farthest - nearest + 1)};
-    if (at_start_) {
-      const int count = std::min(before.edges(), most_rings);
-      before_ = {before.vertex.data() + before.vertex.size() - 1 - count, static_cast<std::size_t>(count)};
-    }
-    if (at_end_) after_ = {after.vertex.data() + 1, static_cast<std::size_t>(std::min(after.edges(), most_rings))};
+  /// Distances of vertices from the ends of a side and of its neighbors are asked for again and again, and kept in `distances`.
+  InFront(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, SideDistances& distances)
+      : w_(w), side_(drafts[i]), distances_(distances), edges_(side_.edges()) {
+    nearest_ = std::max(k - most_rings, 0);
+    farthest_ = std::min(k + most_rings, edges_);
     h_first_ = (w.position[side_.vertex[1]] - first()).norm();
-    h_last_ = (w.position[side_.vertex[edges - 1]] - last()).norm();
+    h_last_ = (w.position[side_.vertex[edges_ - 1]] - last()).norm();
   }
 
-  bool is_own(int v) const { return std::find(own_.begin(), own_.end(), v) != own_.end(); }
+  bool is_own(int v) const {
+    const int n = static_cast<int>(w_.rim.size());  // the vertices of the rim are the first, in its order
+    return v < n && (v - side_.vertex[nearest_] + n) % n <= farthest_ - nearest_;
+  }
 
   /// From 0, not in front, to 1. between: also between the planes across the side's ends.
   double share(int v, bool between) const {
+    const bool at_start = nearest_ == 0, at_end = farthest_ == edges_;
+    if ((!at_start && !at_end) || is_own(v)) return 1.0;
     const Vec3 q = w_.position[v];
-    if ((!at_start_ && !at_end_) || is_own(v)) return 1.0;
     double share = 1;
-    if (between && at_start_) share *= fade((q - first()).dot(side_.tangent.front()) / h_first_ + beyond_end);
-    if (between && at_end_) share *= fade((last() - q).dot(side_.tangent.back()) / h_last_ + beyond_end);
+    if (between && at_start) share *= fade((q - first()).dot(side_.tangent.front()) / h_first_ + beyond_end);
+    if (between && at_end) share *= fade((last() - q).dot(side_.tangent.back()) / h_last_ + beyond_end);
     if (share <= 0) return share;
-    const double mine = distance(q, own_), other = std::min(distance(q, before_), distance(q, after_));
+    const SideDistances::Of& d = distances_.of(v);
+    const double mine = std::sqrt(at_start ? d.from_start[farthest_] : d.from_end[edges_ - nearest_]);
+    const double other = std::sqrt(std::min(at_start ? d.before : INFINITY, at_end ? d.after : INFINITY));
     return share * fade(nearer_other - mine / std::max(other, 1e-12 * mine));
   }
 
@@ -139,31 +182,29 @@ private:
   static double fade(double x) { return smoothstep(x / fade_width); }
   const Vec3& first() const { return w_.position[side_.vertex.front()]; }
   const Vec3& last() const { return w_.position[side_.vertex.back()]; }
-  double distance(const Vec3& q, std::span<const int> vertices) const {
-    double d = INFINITY;
-    for (int v : vertices) d = std::min(d, (w_.position[v] - q).squaredNorm());
-    return std::sqrt(d);
-  }
 
   const LocalMesh& w_;
   const SideDraft& side_;
-  std::span<const int> own_, before_, after_;
-  bool at_start_ = false, at_end_ = false;
+  SideDistances& distances_;
+  int edges_, nearest_, farthest_;
   double h_first_ = 0, h_last_ = 0;
 };
 
 using Share = std::pair<int, double>;  ///< a vertex, and how much it counts
 
-/// What a stencil has reached: the number of the stencil.
-struct Marks {
-  std::vector<int> vertex, face;
-  int now = 0;
-  explicit Marks(const LocalMesh& w) : vertex(w.position.size(), 0), face(w.area.size(), 0) {}
+/// What the search for the stencils of a side keeps from one to the next.
+struct SideSearch {
+  SideDistances distances;
+  std::vector<int> vertex, face;  ///< number of the last stencil that has reached it; minus it: the face is of another sheet
+  int now = 0;                    ///< number of the stencil
+
+  SideSearch(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i)
+      : distances(w, drafts, i), vertex(w.position.size(), 0), face(w.area.size(), 0) {}
 };
 
 /// The vertices of a stencil: rings around vertex k of a side, across smooth edges, on the sheet with normal e3.
 std::vector<Share> grow(const LocalMesh& w, const SideDraft& side, int k, const Vec3& e3, const InFront& in_front,
-                        const Neighborhood& near, Marks& marks) {
+                        const Neighborhood& near, SideSearch& marks) {
   std::vector<Share> used;
   std::vector<int> front, next, all;
   const auto reach = [&](int v) {
@@ -196,7 +237,12 @@ std::vector<Share> grow(const LocalMesh& w, const SideDraft& side, int k, const 
       for (bool more = true; more;) {
         more = false;
         for (int f : w.part.faces_at(v)) {
-          if (marks.face[f] == marks.now || !(w.area[f].dot(e3) > same_sheet * w.area[f].norm()) || !connected(f)) continue;
+          if (std::abs(marks.face[f]) == marks.now) continue;
+          if (!(w.area[f].dot(e3) > same_sheet * w.twice_area[f])) {
+            marks.face[f] = -marks.now;
+            continue;
+          }
+          if (!connected(f)) continue;
           take(f);
           more = true;
         }
@@ -256,8 +302,9 @@ struct Seen {
   std::vector<Share> used;
 };
 
-/// At vertex k of side i, over the plane guessed there.
-Seen look(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near, Marks& marks) {
+/// The frame at vertex k of side i, over the plane guessed there, and the vertices seen from it.
+Seen look(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near,
+          SideSearch& search) {
   Seen seen;
   Stencil& s = seen.stencil;
   const SideDraft& side = drafts[i];
@@ -265,25 +312,35 @@ Seen look(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int
   s.e3 = (side.guess[k] - s.e1 * s.e1.dot(side.guess[k])).normalized();
   s.e2 = s.e1.cross(s.e3);
   if (near.scaled) s.depth = side.depth;
-  seen.used = grow(w, side, k, s.e3, InFront(w, drafts, i, k), near, marks);
+  seen.used = grow(w, side, k, s.e3, InFront(w, drafts, i, k, search.distances), near, search);
   // Where the surface has turned far away, its height over this plane is no polynomial any more.
   for (auto& [v, share] : seen.used) {
-    Vec3 n = Vec3::Zero();
-    for (int f : w.part.faces_at(v)) n += w.area[f];
-    if (n.norm() > 0) share *= std::max(smoothstep((n.dot(s.e3) / n.norm() - steep) / fully_from), never_nothing);
+    const Vec3& n = w.area_at[v];
+    const double length = n.norm();
+    if (length > 0) share *= std::max(smoothstep((n.dot(s.e3) / length - steep) / fully_from), never_nothing);
   }
-  set_rows(w, seen.used, side.position[k], s);
-  set_slopes(w, side, k, s);
   return seen;
 }
 
-VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, const Neighborhood& near, int only) {
-  Marks marks(w);
+/// The same with the heights.
+Seen measure(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near,
+             SideSearch& search) {
+  Seen seen = look(w, drafts, i, k, near, search);
+  set_rows(w, seen.used, drafts[i].position[k], seen.stencil);
+  set_slopes(w, drafts[i], k, seen.stencil);
+  return seen;
+}
+
+/// One search a side.
+using Searches = std::array<SideSearch, 3>;
+
+VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, const Neighborhood& near, int only,
+                                 Searches& searches) {
   std::array<std::vector<Stencil>, 3> samples;
   for (int i = 0; i < 3; ++i) {
     if (only >= 0 && i != only) continue;
     const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / ((only < 0 ? 1 : 3) * samples_a_side));
-    for (int k = 0; k < n; k += step) samples[i].push_back(look(w, drafts, i, k, near, marks).stencil);
+    for (int k = 0; k < n; k += step) samples[i].push_back(measure(w, drafts, i, k, near, searches[i]).stencil);
   }
   double radius = 0, points = 0;
   for (const std::vector<Stencil>& side : samples)
@@ -328,20 +385,19 @@ std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, 
 
 /// The planes and second fundamental forms of side i, as one neighborhood has them.
 std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
-                                const Neighborhood& near, const std::vector<std::vector<Share>>& nearest) {
+                                const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search) {
   SideDraft& side = drafts[i];
-  Marks marks(w);
   std::vector<VertexFit> result;
   const int edges = side.edges();
   double tilt = 0;  // of the plane found last against the faces beside the rim: most likely that of the next one too
   for (int k = 0; k <= edges; ++k) {
     const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
     side.guess[k] -= tilt * outward;
-    Seen seen = look(w, drafts, i, k, near, marks);
+    Seen seen = measure(w, drafts, i, k, near, search);
     PlaneFit fit = fit_plane(seen.stencil, components);
     if (std::abs(fit.mean[2]) > flat_enough * seen.stencil.depth) {  // once more over the plane just found
       side.guess[k] = seen.stencil.e3 - fit.mean[2] / seen.stencil.depth * seen.stencil.e2;
-      seen = look(w, drafts, i, k, near, marks);
+      seen = measure(w, drafts, i, k, near, search);
       fit = fit_plane(seen.stencil, components);
     }
     const Stencil& s = seen.stencil;
@@ -371,10 +427,10 @@ std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& co
 }
 
 /// The vertices of side i that are nearest to each: in the faces at it, in front of the side.
-std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i) {
-  Marks marks(w);
+std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i,
+                                           SideSearch& search) {
   std::vector<std::vector<Share>> nearest;
-  for (int k = 0; k <= drafts[i].edges(); ++k) nearest.push_back(look(w, drafts, i, k, {1, false, false, false}, marks).used);
+  for (int k = 0; k <= drafts[i].edges(); ++k) nearest.push_back(look(w, drafts, i, k, {1, false, false, false}, search).used);
   return nearest;
 }
 
@@ -503,17 +559,19 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
   const LocalMesh w = local_mesh(mesh, around, hole);
   const Index rim_size = static_cast<Index>(w.rim.size());
   std::array<SideDraft, 3> drafts = drafts_of(w, mesh, hole);
-  const VarianceComponents components = components_of(w, drafts, neighborhoods[0], -1);
+  Searches searches = {SideSearch(w, drafts, 0), SideSearch(w, drafts, 1), SideSearch(w, drafts, 2)};
+  const VarianceComponents components = components_of(w, drafts, neighborhoods[0], -1, searches);
   const std::array<SideDraft, 3> guessed = drafts;  // what all threads read, while each completes its own side of the drafts
   std::array<SideFit, 3> fits;
   parallel_for(0, 3, rim_size < long_rim ? 3 : 1, [&](Index from, Index to) {
     for (Index i = from; i < to; ++i) {
-      const std::vector<std::vector<Share>> nearest = nearest_of(w, guessed, static_cast<int>(i));
+      const std::vector<std::vector<Share>> nearest = nearest_of(w, guessed, static_cast<int>(i), searches[i]);
       std::vector<std::vector<VertexFit>> by_neighborhood;
       for (const Neighborhood& near : neighborhoods) {
         if (!by_neighborhood.empty() && are_known(by_neighborhood[0])) break;
-        by_neighborhood.push_back(fit_side(w, near.all_sides ? components : components_of(w, guessed, near, static_cast<int>(i)),
-                                           guessed, static_cast<int>(i), near, nearest));
+        const VarianceComponents own =
+            near.all_sides ? components : components_of(w, guessed, near, static_cast<int>(i), searches);
+        by_neighborhood.push_back(fit_side(w, own, guessed, static_cast<int>(i), near, nearest, searches[i]));
       }
       fits[i] = choose(w, by_neighborhood, drafts[i]);
     }

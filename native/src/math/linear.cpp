@@ -36,6 +36,20 @@ struct AnyRegisters {
       for (Index p = 0; p < Rows; ++p)
         for (Index q = 0; q < Columns; ++q) sum[p][q] += a[p * a_row + l * a_column] * b[l * b_row + q];
   }
+
+  /// Takes from each of `count` rows of 24 `across` times its entry at `column`, which becomes 0. products: of the next column as it
+  /// then is with all columns. Only the last `Columns` columns are looked at; a and across begin with them.
+  template <Index Columns>
+  TRIPATCH_INLINE static void reflect_rows(double* a, Index count, Index column, const double* across, double* products) {
+    double sum[Columns] = {};
+    for (Index r = 0; r < count; ++r, a += 24) {
+      const double entry = a[column];
+      for (Index q = 0; q < Columns; ++q) a[q] -= entry * across[q];
+      a[column] = 0;
+      for (Index q = 0; q < Columns; ++q) sum[q] += a[column + 1] * a[q];
+    }
+    for (Index q = 0; q < Columns; ++q) products[q] = sum[q];
+  }
 };
 
 /// Adds `sign` times a' a to c from row `begin` on: the upper triangle of it or the lower, and some elements beyond.
@@ -70,27 +84,27 @@ TRIPATCH_INLINE void multiply_four_with(const double* a, Index k, const double* 
   }
 }
 
-/// m rows of 24: for each of the first n columns Householder's reflection that leaves of it what is above and its diagonal element.
+/// m rows of 24: for each of the first n columns, fewer than 24, Householder's reflection that leaves of it what is above and its
+/// diagonal element. The rows are passed once a column: what reflects one makes the products that the next one asks for.
 template <class Registers>
 TRIPATCH_INLINE void reflect_columns_with(double* a, Index m, Index n) {
   constexpr Index width = 24, block = 8;
+  double products[width], across[width];  // of the column with all from `begin` on
+  for (Index c = 0; c < width; c += block)
+    Registers::product(a, 0, width, m, a + c, width, reinterpret_cast<double (&)[1][block]>(products[c]));
   for (Index k = 0; k < n; ++k) {
-    const Index begin = k / block * block;
+    const Index begin = k / block * block, left = m - k - 1;
     double* const first = a + k * width;
-    double across[1][width];  // the column's products with all from `begin` on
-    for (Index c = begin; c < width; c += block)
-      Registers::product(first + k, 0, width, m - k, first + c, width, reinterpret_cast<double (&)[1][block]>(across[0][c]));
-    const double length = std::sqrt(across[0][k]), end = first[k] > 0 ? -length : length;
+    const double length = std::sqrt(products[k]), end = first[k] > 0 ? -length : length;
     const double head = first[k] - end, over = 1 / (length * std::abs(head));
-    for (Index c = begin; c < width; ++c) across[0][c] = (across[0][c] - end * first[c]) * over;
-    for (Index r = k + 1; r < m; ++r) {
-      double* const row = a + r * width;
-      const double entry = row[k];
-      for (Index c = begin; c < width; c += block)
-        for (Index q = c; q < c + block; ++q) row[q] -= entry * across[0][q];
+    for (Index c = begin; c < width; ++c) across[c] = (products[c] - end * first[c]) * over;
+    double *const below = first + width + begin, *const from = across + begin, *const to = products + begin;
+    switch (width - begin) {
+      case 24: Registers::template reflect_rows<24>(below, left, k - begin, from, to); break;
+      case 16: Registers::template reflect_rows<16>(below, left, k - begin, from, to); break;
+      default: Registers::template reflect_rows<8>(below, left, k - begin, from, to); break;
     }
-    for (Index c = begin; c < width; ++c) first[c] -= head * across[0][c];
-    for (Index r = k + 1; r < m; ++r) a[r * width + k] = 0;
+    for (Index c = begin; c < width; ++c) first[c] -= head * across[c];
   }
 }
 
@@ -137,6 +151,25 @@ struct VectorRegisters {
     for (Index p = 0; p < Rows; ++p)
       for (Index w = 0; w < Columns / Width; ++w) *reinterpret_cast<Vector*>(&sum[p][Width * w]) = part[p][w];
   }
+
+  template <Index Columns>
+  TRIPATCH_INLINE static void reflect_rows(double* a, Index count, Index column, const double* across, double* products) {
+    constexpr Index vectors = Columns / Width;
+    Vector sum[vectors] = {}, taken[vectors];
+    for (Index w = 0; w < vectors; ++w) taken[w] = *reinterpret_cast<const Vector*>(across + Width * w);
+    const double taken_next = across[column + 1];
+    for (Index r = 0; r < count; ++r, a += 24) {
+      const double entry = a[column], next = a[column + 1] - entry * taken_next;
+#pragma GCC unroll 6
+      for (Index w = 0; w < vectors; ++w) {
+        Vector& row = *reinterpret_cast<Vector*>(a + Width * w);
+        row -= entry * taken[w];
+        sum[w] += next * row;
+      }
+      a[column] = 0;
+    }
+    for (Index w = 0; w < vectors; ++w) *reinterpret_cast<Vector*>(products + Width * w) = sum[w];
+  }
 };
 #endif
 
@@ -181,16 +214,17 @@ bool factor_cholesky(Eigen::MatrixXd& a) {
   return true;
 }
 
-/// half: the inverse of the transpose of r, both with rows of 24.
+/// half: the inverse of the transpose of r, both with rows of 24, half given as 0: it is a lower triangle.
 TRIPATCH_FOR_EACH_MACHINE void invert_transposed(const double* __restrict r, Index n, double* __restrict half) {
-  constexpr Index width = 24;
-  for (Index i = 0; i < n; ++i) {
-    double row[width] = {};
-    for (Index k = 0; k < i; ++k)
-      for (Index c = 0; c < width; ++c) row[c] -= r[k * width + i] * half[k * width + c];
-    row[i] += 1;
-    for (Index c = 0; c < width; ++c) half[i * width + c] = row[c] / r[i * width + i];
-  }
+  constexpr Index width = 24, block = 8;
+  for (Index i = 0; i < n; ++i)
+    for (Index begin = 0; begin <= i; begin += block) {
+      double row[block] = {};
+      for (Index k = begin; k < i; ++k)
+        for (Index c = 0; c < block; ++c) row[c] -= r[k * width + i] * half[k * width + begin + c];
+      if (i < begin + block) row[i - begin] += 1;
+      for (Index c = 0; c < block; ++c) half[i * width + begin + c] = row[c] / r[i * width + i];
+    }
 }
 
 /// b: k rows of four, the last of each nothing.

@@ -15,11 +15,13 @@ constexpr int most_rings = 6;
 struct LocalMesh {
   Submesh part;
   std::vector<Vec3> position;
-  std::vector<Vec3> area;      ///< of faces: normal times twice the area; zero where that is rounding
-  std::vector<int> rim;        ///< vertices
-  std::vector<int> beside;     ///< face that holds rim edge k reversed
-  std::vector<int> across;     ///< face beyond the edge that starts at a corner; -1: none, or the edge is sharp
-  std::vector<char> on_chord;  ///< vertices that were put on an edge and left there: they say nothing of the surface
+  std::vector<Vec3> area;          ///< of faces: normal times twice the area; zero where that is rounding
+  std::vector<double> twice_area;  ///< its length
+  std::vector<Vec3> area_at;       ///< of vertices: the sum over their faces
+  std::vector<int> rim;            ///< vertices
+  std::vector<int> beside;         ///< face that holds rim edge k reversed
+  std::vector<int> across;         ///< face beyond the edge that starts at a corner; -1: none, or the edge is sharp
+  std::vector<char> on_chord;      ///< vertices that were put on an edge and left there: they say nothing of the surface
   Vec3 origin = Vec3::Zero();
   double scale = 1;  ///< mean rim edge
 
