@@ -1,7 +1,9 @@
 """What a person does in a Blender window with mouse and keys, by simulated events; the meshes it is done to; what is seen."""
 
 import ctypes
+import os
 import sys
+import time
 from pathlib import Path
 
 import bmesh
@@ -12,7 +14,21 @@ from mathutils import Vector
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
 
 
+#: Seconds in which the window must come to rest, on a machine that does much else.
+AT_REST = 60
+#: Seconds from one look to the next: a turn of Blender's main loop or more, each of which draws what is to be drawn.
+BETWEEN_LOOKS = 0.15
+#: Rows of the status bar, in which the text of a report is blended in and out for ten seconds.
+STATUS_BAR = 24
+
 _KEYS = {" ": "SPACE", "0": "ZERO", "5": "FIVE", ".": "PERIOD"}
+
+
+def _screen():
+    """The bytes of the virtual screen without the status bar; a shot by Blender takes half a second of the processor."""
+    width, height = 1280, 800
+    pixels = np.fromfile(os.environ["TRIPATCH_SCREEN"], np.uint8)[-4 * width * height :]
+    return pixels.reshape(height, -1)[:-STATUS_BAR]
 
 
 class Window:
@@ -71,16 +87,32 @@ class Window:
         at = location_3d_to_region_2d(region, self.area().spaces.active.region_3d, Vector(point))
         return region.x + at.x, region.y + at.y
 
-    def picture(self, name):
-        """Of the window, into the folder; returns what it shows (height, width, 3), the lowest row first."""
+    def shot(self, name):
+        """What the window shows at this moment (height, width, 3), the lowest row first; into the folder."""
         path = str(FOLDER / f"{name}.png")
         with bpy.context.temp_override(window=self.window, screen=self.window.screen):
             bpy.ops.screen.screenshot(filepath=path)
         image = bpy.data.images.load(path)
         width, height = image.size
-        shown = np.array(image.pixels[:], np.float32).reshape(height, width, -1)[..., :3]
+        shown = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(shown)
         bpy.data.images.remove(image)
-        return shown
+        return shown.reshape(height, width, -1)[..., :3]
+
+    def picture(self, name):
+        """A shot of the window at rest: `shown = yield from w.picture(name)`. Blender draws anew between two looks at the screen,
+        each time with one sample more of its anti-aliasing, with panels and hints blended in or out: only what is equal three
+        times is the state that the scenario has brought about, however slow the machine."""
+        equal, last, until = 0, None, time.monotonic() + AT_REST
+        while True:
+            assert time.monotonic() < until, f"the window does not come to rest in {AT_REST} s ({name})"
+            yield BETWEEN_LOOKS
+            now = _screen()
+            equal, last = equal + 1 if np.array_equal(now, last) else 0, now
+            if equal >= 2:
+                shown = self.shot(name)  # Blender asks the screen for it: what has been sent to the screen has arrived then
+                if np.array_equal(_screen(), last):
+                    return shown
 
     def view_of(self, shown):
         """The part of a picture that is the 3D view, without its headers and its panel."""

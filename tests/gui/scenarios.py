@@ -1,5 +1,5 @@
 """Scenarios in a Blender window: generators that yield wherever Blender is to handle the events. Each begins with an empty scene
-and ends with assertions on the mesh and a picture."""
+and ends with assertions on the mesh and a picture; pictures are of the window at rest (Window.picture)."""
 
 import importlib
 
@@ -31,7 +31,7 @@ def face_menu(w):
     w.click(*place)
     yield
     yield
-    w.picture("blender-face-menu")
+    yield from w.picture("blender-face-menu")
     w.move(590, 487)  # Smooth Fill
     yield
     w.click(590, 487)
@@ -39,7 +39,7 @@ def face_menu(w):
     yield
     assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_smooth", "the entry of the Face menu fills"
     assert counts()[1] == 0 and _is_filled(before)
-    w.picture("filled-from-the-menu")
+    yield from w.picture("filled-from-the-menu")
 
 
 def panel_rows(w):
@@ -57,7 +57,7 @@ def panel_rows(w):
         w.click(hud.x + 20, hud.y + hud.height - 10)  # its header
         yield
         yield
-    w.picture("blender-redo-panel")
+    yield from w.picture("blender-redo-panel")
     hud = w.region("HUD")
     place = hud.x + hud.width - 14, hud.y + hud.height - 62  # the arrow of the second row
     w.move(*place)
@@ -75,7 +75,7 @@ def panel_rows(w):
     yield
     yield
     assert last_operator().show_sides
-    w.picture("sides-unfolded")
+    yield from w.picture("sides-unfolded")
 
 
 def undo_and_redo(w):
@@ -97,7 +97,7 @@ def undo_and_redo(w):
     yield
     yield
     assert counts() == filled and positions() == surface, "redone"
-    w.picture("redone")
+    yield from w.picture("redone")
 
 
 def search(w):
@@ -111,7 +111,7 @@ def search(w):
     w.text("smooth fill")
     yield
     yield
-    w.picture("blender-search")
+    yield from w.picture("blender-search")
     w.press("RET")
     yield
     yield
@@ -127,7 +127,7 @@ def context_menu(w):
     w.press("RIGHTMOUSE")
     yield
     yield
-    w.picture("blender-context-menu")
+    yield from w.picture("blender-context-menu")
     w.move(440, 539)  # Smooth Fill, below Fill
     yield
     w.click()
@@ -144,7 +144,7 @@ def refusal_and_correction(w):
         assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, method="side_vertex", show_advanced=True) == {"FINISHED"}
     yield
     yield
-    w.picture("blender-refusal")
+    yield from w.picture("blender-refusal")
     assert counts() == before, "nothing but the selection has changed"
     assert "Rim has 4 corners" in last_operator().reasons
     assert sum(v.select for v in mesh().verts) == 4, "the corners are selected"
@@ -157,7 +157,7 @@ def refusal_and_correction(w):
     w.press("A")  # Auto
     yield
     yield
-    w.picture("blender-corrected")
+    yield from w.picture("blender-corrected")
     assert last_operator().method == "auto" and last_operator().reasons == ""
     assert _is_filled(before)
     w.home()
@@ -186,7 +186,7 @@ def repeated_elsewhere(w):
     yield
     assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
     assert last_operator().resolution >= 1.9 * first, "16 edges around, and then 32"
-    w.picture("repeated")
+    yield from w.picture("repeated")
 
 
 def replaced_region(w):
@@ -204,12 +204,12 @@ def replaced_region(w):
         bpy.ops.ed.undo_push(message="Select")
     before = counts()
     yield
-    w.picture("region-before")
+    yield from w.picture("region-before")
     w.home()
     w.press("F", ctrl=True, alt=True)
     yield
     yield
-    w.picture("region-replaced")
+    yield from w.picture("region-replaced")
     off = [v.co.z - (0.2 * v.co.x**2 - 0.1 * v.co.y**2 + 0.5) for v in mesh().verts]
     assert counts()[1] == before[1] and max(map(abs, off)) < 5e-3, "on the surface that was there before the dent"
 
@@ -224,7 +224,7 @@ def cage(w):
     w.press("F", ctrl=True, alt=True)
     yield
     yield
-    w.picture("cage")
+    yield from w.picture("cage")
     assert last_operator().output == "cage" and last_operator().rows >= 0
     assert counts()[1] == 0 and _is_filled(before)
     assert all(len(f.verts) == 4 for f in mesh().faces if f.select)
@@ -267,24 +267,24 @@ def gizmos(w):
     made = tool.current()
     assert made is not None, "a click beside a rim chooses its hole"
     assert counts() == before
-    w.picture("gizmos")
+    yield from w.picture("gizmos")
     corner = made.shape.corners[0]
     yield from _drag(w, w.on_screen(made.points[corner]), w.on_screen(made.points[(corner + 3) % len(made.points)]))
     assert made.shape.corners[0] == corner + 3, f"the corner is at {made.shape.corners[0]}, not {corner + 3}"
-    w.picture("corner-dragged")
+    yield from w.picture("corner-dragged")
     yield from _drag(w, w.on_screen(made.points[corner + 3]), w.on_screen(made.points[corner]))
     _, point, direction = made.side_handles()[0]
     tip = point + direction * made.shape.bulges[0] * shaping.ARROW * made.size  # the box at the end of the arrow
     yield from _drag(w, w.on_screen(tip), w.on_screen(tip + direction * shaping.ARROW * made.size))
     bulges = made.shape.bulges
-    w.picture("arrow-dragged")
+    yield from w.picture("arrow-dragged")
     assert bulges[0] > 1.5, f"the arrow changes its side's bulge: {bulges}"
     w.home()
     w.press("RET")
     yield
     yield
     assert tool.current() is None and counts()[1] == 0 and _is_filled(before)
-    w.picture("filled-as-shaped")
+    yield from w.picture("filled-as-shaped")
     w.press("Z", ctrl=True)
     yield
     yield
@@ -300,13 +300,13 @@ def tool_left(w):
         bpy.ops.mesh.shape_fill()
     yield
     yield
-    shown = w.view_of(w.picture("preview"))
+    shown = w.view_of((yield from w.picture("preview")))
     assert tool.current() is not None and counts() == before
     w.home()
     w.press("ESC")
     yield
     yield
-    left = w.view_of(w.picture("tool-left"))
+    left = w.view_of((yield from w.picture("tool-left")))
     assert tool.current() is None and positions() == hole
     assert np.abs(shown - left).max() > 0.1, "the preview has gone"
 
@@ -322,23 +322,23 @@ def overlay_on_and_off(w):
     _filled_sheet(w)
     yield
     yield
-    plain, before = w.view_of(w.picture("overlay-before")), positions()
+    plain, before = w.view_of((yield from w.picture("overlay-before"))), positions()
     settings = bpy.context.window_manager.tripatch_overlay
     settings.surface, settings.show = "ZEBRA", True
     yield
     yield
-    striped = w.view_of(w.picture("overlay-zebra"))
+    striped = w.view_of((yield from w.picture("overlay-zebra")))
     light, dark = striped.min(axis=-1) > plain.max(axis=-1) + 0.2, striped.max(axis=-1) < plain.min(axis=-1) - 0.2
     assert min(light.mean(), dark.mean()) > 0.02, "stripes"
     settings.surface = "CURVATURE"
     yield
     yield
-    colored = w.view_of(w.picture("overlay-curvature"))
+    colored = w.view_of((yield from w.picture("overlay-curvature")))
     assert (np.ptp(colored, axis=-1) > 0.25).mean() > 0.02, "colors"
     settings.show = False
     yield
     yield
-    after = w.view_of(w.picture("overlay-after"))
+    after = w.view_of((yield from w.picture("overlay-after")))
     assert np.abs(after - plain).max() < 0.02, "nothing is left"
     assert positions() == before
 
@@ -353,7 +353,7 @@ def overlay_in_the_sidebar(w):
     yield
     region = w.region("UI")
     assert region.width > 100
-    w.picture("sidebar")
+    yield from w.picture("sidebar")
     panel = importlib.import_module(f"{ADDON}.overlay").VIEW3D_PT_tripatch_quality
     assert panel.is_registered and panel.bl_category == "TriPatch"
     w.press("N")
@@ -378,7 +378,7 @@ def live_fill(w):
     fill = _live(w)
     yield
     yield
-    w.picture("live-fill")
+    yield from w.picture("live-fill")
     before = _heights(fill)
     w.home()
     with w.override():
@@ -400,7 +400,7 @@ def live_fill(w):
     yield
     yield
     yield
-    w.picture("live-fill-followed")
+    yield from w.picture("live-fill-followed")
     after = _heights(fill)
     assert after.max() > before.max() + 0.2, f"it follows: {before.max():.2f}, {after.max():.2f}"
     w.press("Z", ctrl=True)
@@ -431,14 +431,14 @@ def save_and_reopen(w):
     yield
     yield
     assert np.allclose(_heights(fill), before)
-    w.picture("reopened")
+    yield from w.picture("reopened")
     for v in bpy.data.objects["Sheet"].data.vertices:
         v.co.z += 0.25
     bpy.data.objects["Sheet"].data.update()
     yield
     yield
     yield
-    w.picture("reopened-and-followed")
+    yield from w.picture("reopened-and-followed")
     assert np.abs(_heights(fill) - before - 0.25).max() < 1e-3, "it follows"
 
 
@@ -450,12 +450,12 @@ def status_bar(w):
     give_focus()
     yield
     yield
-    before = w.picture("status-bar-before")[:20, 600:-100]
+    before = (yield from w.picture("status-bar-before"))[:20, 600:-100]
     w.home()
     w.press("F", ctrl=True, alt=True)
     for _ in range(16):  # it is blended in
         yield
-        after = w.picture("status-bar")[:20, 600:-100]
+        after = w.shot("status-bar")[:20, 600:-100]
         if (np.abs(after - before).max(axis=-1) > 0.2).mean() > 0.01:
             break
     else:

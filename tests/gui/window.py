@@ -42,28 +42,29 @@ class Run:
         self.name, self.steps = "", iter(())
 
     def step(self):
+        """Seconds until the next one; None after the last."""
         try:
-            next(self.steps)
+            wait = next(self.steps)
         except StopIteration:
             return self._begin()
         except Exception:
             traceback.print_exc()
             self.failed.append(self.name)
-            self.window.picture(f"failed-{self.name}")
+            self.window.shot(f"failed-{self.name}")
             return self._begin()
-        return True
+        return wait or STEP
 
     def _begin(self):
         if self.name:
             print(f"window: {'FAILED' if self.name in self.failed else 'passed'}: {self.name}", flush=True)
         if not self.left:
-            return False
+            return None
         scenario = self.left.pop(0)
         self.name = scenario.__name__
         self.window.press("ESC")
         clear(self.window)
         self.steps = scenario(self.window)
-        return True
+        return STEP
 
 
 run = None
@@ -73,8 +74,9 @@ def tick():
     global run
     try:
         run = run or Run()
-        if run.step():
-            return STEP
+        wait = run.step()
+        if wait:
+            return wait
         code = int(bool(run.failed))
     except Exception:
         traceback.print_exc()
