@@ -7,7 +7,9 @@ import contextlib
 import json
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import tripatch
 from tripatch import arguments, files, view, words
@@ -76,12 +78,12 @@ def _progress(done: int, total: int) -> None:
         print(f"\rtripatch: {done} of {total} holes", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
-def _refused(refusal: tripatch.Refusal, rim=None) -> None:
+def _refused(refusal: tripatch.Refusal, rim: Sequence[int] | None = None) -> None:
     hole = "" if rim is None else f"Hole through vertex {min(rim)}: "
     _say(hole + words.refused(refusal))
 
 
-def _write_report(path: Path, holes: list) -> None:
+def _write_report(path: Path, holes: list[Any]) -> None:
     entries = []
     for rim, result in holes:
         if isinstance(result, tripatch.Refusal):
@@ -92,10 +94,14 @@ def _write_report(path: Path, holes: list) -> None:
                 added["creases"] = result.creases[0]
             entries.append({**added, **result.report.as_dict()})
     text = json.dumps({"holes": plain(entries)}, indent=2) + "\n"
-    files.write_over(path, lambda part: part.write_text(text))
+
+    def save(part: Path) -> None:
+        part.write_text(text)
+
+    files.write_over(path, save)
 
 
-def _options(args: argparse.Namespace) -> dict:
+def _options(args: argparse.Namespace) -> dict[str, Any]:
     """Those that were given, if they go with each other."""
     options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
     for name in options:
@@ -115,11 +121,11 @@ def _fill(args: argparse.Namespace) -> int:
     mesh = files.read(args.input)
     out = mesh if args.out.suffix.lower() == args.input.suffix.lower() else files.converted(mesh, args.out.suffix)
 
-    holes: list[tuple] = []
+    holes: list[tuple[Any, ...]] = []
     if args.all:
         rims = tripatch.choose_holes(mesh.vertices, mesh.faces, **choosing)
-        fills = tripatch.fill_all(mesh.vertices, mesh.faces, rims, progress=_progress, **options)
-        holes = list(zip(rims, fills, strict=True))
+        results = tripatch.fill_all(mesh.vertices, mesh.faces, rims, progress=_progress, **options)
+        holes = list(zip(rims, results, strict=True))
         if not holes:
             borders = tripatch.find_holes(mesh.faces)
             _say(f"Nothing to fill: {'no hole is as it was asked for' if borders else 'the mesh has no border'}")
@@ -134,7 +140,7 @@ def _fill(args: argparse.Namespace) -> int:
     if args.report:
         _write_report(args.report, holes)
 
-    fills = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
+    fills: list[tripatch.Fill] = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
     if not fills:
         return NOTHING
     if any(len(fill.creases[0]) for fill in fills):

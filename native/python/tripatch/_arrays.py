@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
+from ._types import Array, ArrayLike, Faces
 
-def points(value, name: str = "vertices", finite: bool = False) -> np.ndarray:
+
+def points(value: Any, name: str = "vertices", finite: bool = False) -> Array:
     """An (n, 3) float64 array; TypeError for what is no array of numbers, ValueError for another shape."""
     try:
         a = np.asarray(value)
@@ -27,7 +30,7 @@ def points(value, name: str = "vertices", finite: bool = False) -> np.ndarray:
     return a
 
 
-def faces(value) -> tuple[np.ndarray, np.ndarray]:
+def faces(value: Any) -> tuple[Array, Array]:
     """Offsets (m + 1,) and corners of an (m, 3), (m, 4), ... index array or of lists of index lists."""
     if isinstance(value, np.ndarray) and value.dtype != object:
         if value.size == 0:
@@ -57,7 +60,7 @@ def faces(value) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), corners.astype(np.int64)
 
 
-def mesh(vertices, face_list) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def mesh(vertices: ArrayLike, face_list: Faces) -> tuple[Array, Array, Array]:
     """Vertices, offsets and corners; ValueError when a face names a vertex that does not exist."""
     v = points(vertices)
     offsets, corners = faces(face_list)
@@ -68,17 +71,18 @@ def mesh(vertices, face_list) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return v, offsets, corners
 
 
-def indices(value, name: str) -> list[int]:
+def indices(value: Any, name: str) -> list[int]:
     """A list of whole numbers."""
     a = np.asarray(value)
     if a.ndim != 1:
         raise ValueError(f"{name} must be a list of indices, not of shape {a.shape}")
     if a.size and a.dtype.kind not in "iu":
         raise TypeError(f"{name} must hold indices (integers), not {a.dtype}")
-    return a.tolist()
+    found: list[int] = a.tolist()
+    return found
 
 
-def barycentric(value) -> np.ndarray:
+def barycentric(value: Any) -> Array:
     """(k, 3) rows inside the triangle that sum to 1; one row may be given flat."""
     a = np.asarray(value)
     b = points(a[None] if a.shape == (3,) else a, "b", finite=True)
@@ -93,7 +97,7 @@ def barycentric(value) -> np.ndarray:
 MOST_SIDES = 12
 
 
-def by_side(value, name: str, kind: type) -> tuple:
+def by_side(value: Any, name: str, kind: type) -> tuple[Any, ...]:
     """One value for all sides, or one a side: how many there are shows later."""
     if isinstance(value, kind) and not isinstance(value, bool):
         return (value,)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable
+from typing import Any
 
 from ._arrays import MOST_SIDES
-from .options import Option, described
+from ._native import Option
+from .options import described
 
 _COUNTS = {2: "two", 3: "three"}
 
@@ -20,7 +22,7 @@ def indices(text: str) -> list[int]:
         raise argparse.ArgumentTypeError(f"{text!r} is no list of vertex indices such as 3,17,42") from None
 
 
-def _so_many_indices(option: Option) -> Callable:
+def _so_many_indices(option: Option) -> Callable[..., Any]:
     def read(text: str) -> list[int]:
         if text.lower() == "none":
             return []
@@ -32,10 +34,10 @@ def _so_many_indices(option: Option) -> Callable:
     return read
 
 
-def _by_side(kind: Callable, word: str) -> Callable:
+def _by_side(kind: Callable[..., Any], word: str) -> Callable[..., Any]:
     """One value or one a side, or the word."""
 
-    def read(text: str):
+    def read(text: str) -> Any:
         if text == word:
             return text
         try:
@@ -50,7 +52,7 @@ def _by_side(kind: Callable, word: str) -> Callable:
     return read
 
 
-def _numbers(kind: Callable, count: int) -> Callable:
+def _numbers(kind: Callable[..., Any], count: int) -> Callable[..., Any]:
     example = "2,6" if kind is int else "0,0.5,1" if count == 3 else "0.1,0"
 
     def read(text: str) -> tuple[float, ...]:
@@ -65,9 +67,10 @@ def _numbers(kind: Callable, count: int) -> Callable:
     return read
 
 
-def _json(text: str) -> dict:
+def _json(text: str) -> dict[str, Any]:
     try:
-        return json.loads(text)
+        found: dict[str, Any] = json.loads(text)
+        return found
     except (ValueError, RecursionError) as error:
         given = text if len(text) <= 60 else text[:57] + "..."
         raise argparse.ArgumentTypeError(f"{given!r} is no JSON: {error}") from None
@@ -77,17 +80,24 @@ def _loops(text: str) -> list[list[int]]:
     return [indices(part) for part in text.split(";") if part]
 
 
-def _or_none(read: Callable, word: str) -> Callable:
-    def read_or_none(text: str):
+def _or_none(read: Callable[..., Any], word: str) -> Callable[..., Any]:
+    def read_or_none(text: str) -> Any:
         return None if text.lower() == word else read(text)
 
     read_or_none.__name__ = read.__name__
     return read_or_none
 
 
-def reader(option: Option) -> Callable:
+def reader(option: Option) -> Callable[..., Any]:
     """From a text to a value that `tripatch.fill` takes."""
-    of_kind = {"whole": int, "number": float, "position": float, "choice": str, "subdivision": _json}
+    of_kind: dict[str, Callable[..., Any]] = {
+        "whole": int,
+        "number": float,
+        "position": float,
+        "choice": str,
+        "subdivision": _json,
+    }
+    read: Callable[..., Any]
     if option.kind == "loops":
         read = _loops
     elif option.kind == "indices":
@@ -120,7 +130,7 @@ def add(parser: argparse.ArgumentParser, option: Option) -> None:
     if option.kind not in ("flag", "indices", "loops", "subdivision"):
         text += f" ({'none' if option.default is None else option.default})".replace("(0.0, 0.0)", "0,0")
     if option.kind == "flag":
-        value = {"action": argparse.BooleanOptionalAction if option.default else "store_true"}
+        value: dict[str, Any] = {"action": argparse.BooleanOptionalAction if option.default else "store_true"}
     else:
         value = {"type": reader(option), "metavar": _metavar(option)}
     parser.add_argument(f"--{option.name.replace('_', '-')}", default=argparse.SUPPRESS, help=text.replace("%", "%%"), **value)

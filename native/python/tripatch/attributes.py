@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from . import _arrays, _native
 from ._native import AttributeWeights
+from ._types import Array, ArrayLike, Faces
 
 
-def _parameters(value, name: str) -> np.ndarray:
+def _parameters(value: Any, name: str) -> Array:
     a = np.asarray(value)
     if a.dtype.kind not in "fiu":
         raise TypeError(f"{name} must be an array of numbers, not of {a.dtype}")
@@ -22,7 +24,7 @@ def _parameters(value, name: str) -> np.ndarray:
     return a
 
 
-def attribute_weights(rim, inside=None) -> AttributeWeights:
+def attribute_weights(rim: Any, inside: ArrayLike | None = None) -> AttributeWeights:
     """How values that are given along the rim are continued to the points inside: the weights of UVs, colors, vertex groups.
 
     Values are given at both ends of every rim edge, since two edges may disagree at their common vertex, as at a UV seam: end
@@ -45,7 +47,7 @@ def attribute_weights(rim, inside=None) -> AttributeWeights:
     return AttributeWeights(_parameters(rim, "rim"), _parameters(inside, "inside"))
 
 
-def _call(self: AttributeWeights, values) -> np.ndarray:
+def _call(self: AttributeWeights, values: ArrayLike) -> Array:
     """Values (k, d) at the points from values (2 r, d) at the ends of the rim edges."""
     a = np.asarray(values)
     if a.dtype.kind not in "fiu":
@@ -55,7 +57,7 @@ def _call(self: AttributeWeights, values) -> np.ndarray:
     return self._blend(np.ascontiguousarray(a, dtype=np.float64))
 
 
-AttributeWeights.__call__ = _call
+AttributeWeights.__call__ = _call  # type: ignore[method-assign]
 
 
 class CutWeights:
@@ -67,12 +69,12 @@ class CutWeights:
     of the old triangles, 3 a triangle, has most of it.
     """
 
-    edge: np.ndarray
-    inside: np.ndarray
-    corners: np.ndarray
-    nearest: np.ndarray
+    edge: Array
+    inside: Array
+    corners: Array
+    nearest: Array
 
-    def __init__(self, smooth: _native.SmoothMesh, triangles, count: int):
+    def __init__(self, smooth: _native.SmoothMesh, triangles: ArrayLike, count: int) -> None:
         """smooth: of these triangles (m, 3) among `count` vertices."""
         own = np.asarray(triangles).reshape(-1, 3)
         resolution = math.isqrt(len(smooth.faces) // len(own))
@@ -94,17 +96,18 @@ class CutWeights:
             self.corners[held] = self.inside[(points[held] - first_inside) % len(inside)]
         self.nearest = (self.corners.argmax(axis=2) + 3 * np.arange(len(own))[:, None]).ravel()
 
-    def __call__(self, values) -> np.ndarray:
+    def __call__(self, values: ArrayLike) -> Array:
         """Values (3 m r^2, d) at the corners of the new triangles from values (3 m, d) at those of the old ones."""
-        return (self.corners @ np.asarray(values).reshape(len(self.corners), 3, -1)).reshape(self.nearest.size, -1)
+        made: Array = self.corners @ np.asarray(values).reshape(len(self.corners), 3, -1)
+        return made.reshape(self.nearest.size, -1)
 
-    def at_new_vertices(self, values, edges, triangles) -> np.ndarray:
+    def at_new_vertices(self, values: ArrayLike, edges: Any, triangles: ArrayLike) -> Array:
         """Values (k, d) at all new vertices from values (n, d) at the mesh's."""
-        parts = ((self.edge, edges), (self.inside, triangles))
+        parts = ((self.edge, np.asarray(edges)), (self.inside, np.asarray(triangles)))
         return np.vstack([(share @ np.asarray(values)[rows]).reshape(-1, np.shape(values)[1]) for share, rows in parts])
 
 
-def vertex_normals(vertices, faces, corner_normals=None) -> np.ndarray:
+def vertex_normals(vertices: ArrayLike, faces: Faces, corner_normals: ArrayLike | None = None) -> Array:
     """Unit normals (n, 3) of a mesh's vertices: those of the faces around, weighted by their angles (Thurmer and Wuthrich 1998).
 
     Args:
@@ -120,7 +123,7 @@ def vertex_normals(vertices, faces, corner_normals=None) -> np.ndarray:
     return _native._vertex_normals(*_arrays.mesh(vertices, faces), given)
 
 
-def angles(a, b) -> np.ndarray:
+def angles(a: ArrayLike, b: ArrayLike) -> Array:
     """Angles between vectors, row by row, by atan2: exact where they are small. 0 where one of two vectors is zero.
 
     Args:

@@ -8,17 +8,20 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from . import _arrays, _native
 from ._native import Side
+from ._types import Array, ArrayLike, Faces
 from .errors import Refusal
 
+Way = tuple[float, float]  # along a curve, by its parameter
 _SHARP = np.cos(np.radians(25))  # a mesh's border turns by more than this at a corner
 
 
-def _nearest(among: np.ndarray, points) -> np.ndarray:
+def _nearest(among: Array, points: ArrayLike) -> Array:
     """Which of (n, 3) is nearest to each of (k, 3); in blocks, so that the table of distances stays small."""
     points = np.atleast_2d(points)
     block = max(1, 1_000_000 // len(among))
@@ -40,18 +43,18 @@ class Curve:
     name: str
     closed: bool
     own: bool
-    t: np.ndarray
-    points: np.ndarray
+    t: Array
+    points: Array
 
-    def at(self, t) -> np.ndarray:
+    def at(self, t: ArrayLike) -> Array:
         """(k, 3) points at t (k,); beyond 1 on a closed curve."""
         raise NotImplementedError
 
-    def nearest(self, points) -> tuple[np.ndarray, np.ndarray]:
+    def nearest(self, points: ArrayLike) -> tuple[Array, Array]:
         """Parameter and distance of the nearest place for each of (k, 3) points."""
         raise NotImplementedError
 
-    def pieces(self, ends: Sequence[tuple[float, float]]) -> list[tuple[Side, np.ndarray]]:
+    def pieces(self, ends: Sequence[tuple[float, float]]) -> list[tuple[Side, Array]]:
         """For one piece, or two that follow each other, the Side and its parameters (0 .. 1) where the curve is drawn."""
         raise NotImplementedError
 
@@ -64,7 +67,7 @@ class SurfaceEdge(Curve):
         own: see `Curve`.
     """
 
-    def __init__(self, name: str, side: Side, edges: int | np.ndarray, own: bool) -> None:
+    def __init__(self, name: str, side: Side, edges: int | Array, own: bool) -> None:
         self.name, self.side, self.own = name, side, own
         drawn = np.linspace(0, 1, edges + 1) if np.ndim(edges) == 0 else np.asarray(edges, float)
         edges = len(drawn) - 1
@@ -80,11 +83,11 @@ class SurfaceEdge(Curve):
         self.t = drawn[: edges + (not self.closed)]
         self.points = self.at(self.t)
 
-    def at(self, t):
+    def at(self, t: ArrayLike) -> Array:
         t = np.atleast_1d(np.asarray(t, float))
         return self.side.evaluate(np.mod(t, 1.0) if self.closed else np.clip(t, 0, 1))[0]
 
-    def nearest(self, points):
+    def nearest(self, points: ArrayLike) -> tuple[Array, Array]:
         points = np.atleast_2d(points)
         k = _nearest(self._positions, points)
         step = self._dense[1]
@@ -103,7 +106,7 @@ class SurfaceEdge(Curve):
         distance = np.linalg.norm(self.at(t) - points, axis=1)
         return np.mod(t, 1.0) if self.closed else t, distance
 
-    def pieces(self, ends):
+    def pieces(self, ends: Sequence[tuple[float, float]]) -> list[tuple[Side, Array]]:
         found = []
         for start, end in ends:
             low, high = min(start, end), max(start, end)
@@ -127,7 +130,7 @@ class MeshBorder(Curve):
 
     own = True
 
-    def __init__(self, name: str, vertices, faces, loop, chain: int | None = None) -> None:
+    def __init__(self, name: str, vertices: ArrayLike, faces: Faces, loop: ArrayLike, chain: int | None = None) -> None:
         self.name, self._mesh = name, _arrays.mesh(vertices, faces)
         self._loop = np.asarray(loop, np.int64)
         self.closed = chain is None
@@ -136,26 +139,28 @@ class MeshBorder(Curve):
         self.points = self._mesh[0][used]
         self.t = np.arange(len(used)) / self._steps
 
-    def _vertex(self, t) -> np.ndarray:
-        return self._loop[np.round(np.asarray(t, float) * self._steps).astype(int) % len(self._loop)]
+    def _vertex(self, t: ArrayLike) -> Array:
+        at: Array = self._loop[np.round(np.asarray(t, float) * self._steps).astype(int) % len(self._loop)]
+        return at
 
-    def at(self, t):
+    def at(self, t: ArrayLike) -> Array:
         return self._mesh[0][self._vertex(np.atleast_1d(t))]
 
-    def nearest(self, points):
+    def nearest(self, points: ArrayLike) -> tuple[Array, Array]:
         k = _nearest(self.points, points)
         return self.t[k], np.linalg.norm(self.points[k] - points, axis=1)
 
-    def corners(self) -> np.ndarray:
+    def corners(self) -> Array:
         """Parameters where the border turns sharply, the sharpest first."""
         along = np.roll(self.points, -1, axis=0) - self.points
         along /= np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
         straight = (along * np.roll(along, 1, axis=0)).sum(axis=1)
         if not self.closed:
             straight[[0, -1]] = 1
-        return self.t[np.argsort(straight, kind="stable")[: np.count_nonzero(straight < _SHARP)]]
+        sharp: Array = self.t[np.argsort(straight, kind="stable")[: np.count_nonzero(straight < _SHARP)]]
+        return sharp
 
-    def pieces(self, ends):
+    def pieces(self, ends: Sequence[tuple[float, float]]) -> list[tuple[Side, Array]]:
         backwards = ends[0][1] < ends[0][0]
         steps = [int(round(t * self._steps)) for pair in (ends[::-1] if backwards else ends) for t in sorted(pair)]
         first, last, n = steps[0], steps[-1], len(self._loop)
@@ -192,11 +197,11 @@ class Loop:
     ends: list[tuple[float, float]]
     gaps: list[float] = field(default_factory=list)  # behind each piece
 
-    def sides(self) -> list[tuple[Side, np.ndarray]]:
+    def sides(self) -> list[tuple[Side, Array]]:
         """The sides, with ends that meet exactly (each moves to the middle of its gap), and the parameters where they are
         drawn."""
         n = len(self.curves)
-        made: list = [None] * n
+        made: list[Any] = [None] * n
         for k in range(n):
             if made[k] is None and self.curves[k] is self.curves[(k + 1) % n]:
                 made[k], made[(k + 1) % n] = self.curves[k].pieces([self.ends[k], self.ends[(k + 1) % n]])
@@ -274,13 +279,14 @@ def _mesh_joints(a: MeshBorder, b: Curve, tolerance: float) -> list[Joint]:
 
 
 def _joints(a: Curve, b: Curve, tolerance: float) -> list[Joint]:
-    if a is b:  # two sides of one mesh
+    if isinstance(a, MeshBorder) and a is b:  # two sides of one mesh
         return [Joint(float(t), float(t), 0.0, True) for t in a.corners()]
     if isinstance(a, MeshBorder):
         found = _mesh_joints(a, b, tolerance)
     elif isinstance(b, MeshBorder):
         found = [Joint(j.b, j.a, j.gap, j.whole) for j in _mesh_joints(b, a, tolerance)]
     else:
+        assert isinstance(a, SurfaceEdge) and isinstance(b, SurfaceEdge)
         found = _surface_joints(a, b)
     # Beside ends that meet, a place between is no joint of its own.
     kept = [j for j in found if j.whole]
@@ -308,16 +314,16 @@ def _length(curve: Curve, way: tuple[float, float]) -> float:
     return float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum())
 
 
-def _steps_between(curve: MeshBorder, way) -> np.ndarray:
+def _steps_between(curve: MeshBorder, way: tuple[float, float]) -> Array:
     low, high = sorted(way)
     return np.arange(round(low * curve._steps), round(high * curve._steps) + 1) / curve._steps
 
 
-def _search(objects, joints, limit: float, cost, least: float) -> tuple[float, Loop] | None:
+def _search(objects: Any, joints: Any, limit: float, cost: Any, least: float) -> tuple[float, Loop] | None:
     """The loop of least cost(gaps, whole, length) whose joints are within the limit; pieces are longer than `least`."""
     best, lengths = None, {}
 
-    def ways(curve, start, end):
+    def ways(curve: Any, start: float, end: float) -> Any:
         key = (id(curve), start, end)
         if key not in lengths:
             lengths[key] = [(way, n) for way in _arcs(curve, start, end) if (n := _length(curve, way)) > least]
@@ -337,7 +343,7 @@ def _search(objects, joints, limit: float, cost, least: float) -> tuple[float, L
     return best
 
 
-def _follow(v, w) -> bool:
+def _follow(v: tuple[float, float], w: tuple[float, float]) -> bool:
     """Two pieces of one curve run in the same direction and do not overlap."""
     return (v[1] > v[0]) == (w[1] > w[0]) and abs(v[1] - v[0]) + abs(w[1] - w[0]) <= 1 + 1e-9
 
@@ -351,19 +357,19 @@ def _facing(loop: Loop) -> Loop:
     return Loop(loop.curves[::-1], [way[::-1] for way in loop.ends[::-1]], gaps)
 
 
-def _around(objects, joints, limit: float, least: float) -> Loop | None:
+def _around(objects: Any, joints: Any, limit: float, least: float) -> Loop | None:
     """The shortest loop of one piece of each of many objects, in any order, whose joints are within the limit."""
-    best: list = [np.inf, None]
+    best: list[Any] = [np.inf, None]
 
-    def extend(curves, path, left, taken, length):
+    def extend(curves: list[Curve], path: list[Joint], left: frozenset[int], taken: list[Way], length: float) -> None:
         """path: joints so far, each from one of the curves to the next; taken: the pieces between them."""
         here = curves[-1]
-        goals = [(k, c) for k in left for c in objects[k]] if left else [(None, curves[0])]
+        goals: list[tuple[int | None, Curve]] = [(k, c) for k in left for c in objects[k]] if left else [(None, curves[0])]
         for k, there in goals:
             for joint in joints[id(here), id(there)]:
                 if joint.gap > limit:
                     continue
-                ways = _arcs(here, path[-1].b, joint.a) if path else [None]
+                ways: list[Way | None] = [*_arcs(here, path[-1].b, joint.a)] if path else [None]
                 for way in ways:
                     long = 0.0 if way is None else _length(here, way)
                     if (way is not None and long <= least) or length + long >= best[0]:
@@ -380,10 +386,11 @@ def _around(objects, joints, limit: float, least: float) -> Loop | None:
 
     for start in objects[0]:
         extend([start], [], frozenset(range(1, len(objects))), [], 0.0)
-    return best[1]
+    found: Loop | None = best[1]
+    return found
 
 
-def _loop_of_many(objects, tolerance: float, size: float) -> Loop:
+def _loop_of_many(objects: Any, tolerance: float, size: float) -> Loop:
     """`find_loop` for four objects or more, each of which gives a side."""
     joints = {}
     for own, other in itertools.combinations(objects, 2):
@@ -440,7 +447,7 @@ def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float) -> Loop:
                     found = joints[id(x), id(y)] = _joints(x, y, tolerance)
                     joints[id(y), id(x)] = [Joint(j.b, j.a, j.gap, j.whole) for j in found]
 
-    def least(limit, cost, shortest):
+    def least(limit: Any, cost: Any, shortest: Any) -> Any:
         found = [best for order in ways if (best := _search(order, joints, limit, cost, shortest))]
         return min(found, key=lambda best: best[0], default=None)
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import functools
 import itertools
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from . import _arrays, _native
+from ._types import Array, ArrayLike, Faces
 from .errors import Refusal
 from .options import OPTIONS, checked, takes_options, value, whole
 
@@ -34,7 +37,7 @@ class Fill:
         report: the `Report`.
     """
 
-    def __init__(self, native, mesh=None) -> None:
+    def __init__(self, native: _native.Filled, mesh: Any = None) -> None:
         self._mesh, self._native = mesh, native
         self.vertices = native.vertices
         self.normals = native.normals
@@ -59,7 +62,7 @@ class Fill:
         offsets, corners = self._native.face_offsets.tolist(), self._native.face_corners.tolist()
         return [corners[a:b] for a, b in itertools.pairwise(offsets)]
 
-    def limit(self, level: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    def limit(self, level: int = 3) -> tuple[Array, Array]:
         """The limit surface of a fill that is a cage.
 
         Args:
@@ -71,7 +74,8 @@ class Fill:
         if self._mesh is None:
             raise ValueError("only a fill with output='cage' has a limit surface")
         whole(level, "level", 1, 8)
-        return _limit_of_cage(self, *self._mesh, level)
+        vertices, offsets, corners, replaced, settings, others = self._mesh
+        return _limit_of_cage(self, vertices, offsets, corners, replaced, settings, others, level)
 
     def __repr__(self) -> str:
         return (
@@ -80,7 +84,9 @@ class Fill:
         )
 
 
-def _limit_of_cage(fill: Fill, vertices, offsets, corners, replaced, settings, others, level) -> tuple[np.ndarray, np.ndarray]:
+def _limit_of_cage(
+    fill: Fill, vertices: Array, offsets: Array, corners: Array, replaced: Any, settings: Any, others: Any, level: int
+) -> tuple[Array, Array]:
     """The cage with the fill, and others that were fitted together with it, in place; and its limit surface in the fill."""
     gone = set(replaced)
     points = vertices.copy()
@@ -89,7 +95,7 @@ def _limit_of_cage(fill: Fill, vertices, offsets, corners, replaced, settings, o
     for each in [*(other for other in others if other is not fill), fill]:
         n, by = len(vertices), len(points) - len(vertices)
 
-        def own(v, n=n, by=by):
+        def own(v: int, n: int = n, by: int = by) -> int:
             return v + by if v >= n else v
 
         points = np.concatenate([points, each.vertices])
@@ -110,7 +116,7 @@ def _limit_of_cage(fill: Fill, vertices, offsets, corners, replaced, settings, o
 
 
 @takes_options
-def fill(vertices, faces, **options) -> Fill:
+def fill(vertices: ArrayLike, faces: Faces, **options: Any) -> Fill:
     """Fills one hole.
 
     Args:
@@ -132,7 +138,15 @@ def fill(vertices, faces, **options) -> Fill:
 
 
 @takes_options
-def fill_all(vertices, faces, rims=None, *, corners=None, progress=None, **options) -> list[Fill | Refusal]:
+def fill_all(
+    vertices: ArrayLike,
+    faces: Faces,
+    rims: Any = None,
+    *,
+    corners: Any = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> list[Fill | Refusal]:
     """Fills several holes of one mesh. The options are those of `fill`. Cages whose surroundings overlap are fitted together.
 
     Args:
@@ -153,8 +167,8 @@ def fill_all(vertices, faces, rims=None, *, corners=None, progress=None, **optio
     choosing = [name for name in options if "choose_holes" in OPTIONS[name].functions]
     if rims is not None and choosing:
         raise ValueError(f"{choosing[0]} chooses among the holes of a mesh; with rims that are named it means nothing")
-    loops = _native._choose_holes(v, offsets, face_corners, given) if rims is None else rims
-    loops = [_arrays.indices(loop, "rim") for loop in loops]
+    chosen = _native._choose_holes(v, offsets, face_corners, given) if rims is None else rims
+    loops = [_arrays.indices(loop, "rim") for loop in chosen]
     by_rim = [value(OPTIONS["corners"], each) for each in corners or ()]
     if by_rim and len(by_rim) != len(loops):
         raise ValueError(f"corners must be given for each of the {len(loops)} rims, not for {len(by_rim)}")

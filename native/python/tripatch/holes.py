@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from . import _arrays, _native
+from ._types import Array, ArrayLike, Faces
 from .options import checked, takes_options
 
 
-def find_holes(faces) -> list[np.ndarray]:
+def find_holes(faces: Faces) -> list[Array]:
     """Every border loop of a mesh.
 
     Args:
@@ -28,7 +31,7 @@ SURROUNDING_RINGS: int = _native.surrounding_rings
 
 
 @takes_options
-def choose_holes(vertices, faces, **options) -> list[np.ndarray]:
+def choose_holes(vertices: ArrayLike, faces: Faces, **options: Any) -> list[Array]:
     """The border loops of a mesh that `fill_all` fills where none are named.
 
     Args:
@@ -43,7 +46,7 @@ def choose_holes(vertices, faces, **options) -> list[np.ndarray]:
     return _native._choose_holes(*_arrays.mesh(vertices, faces), given)
 
 
-def find_corners(vertices, faces, rim, *, replaced=(), any_number: bool = False) -> np.ndarray:
+def find_corners(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, replaced: Any = (), any_number: bool = False) -> Array:
     """The corners of a rim, detected as `fill` does: where the rim turns, read in the tangent plane of the faces around.
 
     Args:
@@ -65,7 +68,7 @@ def find_corners(vertices, faces, rim, *, replaced=(), any_number: bool = False)
     return np.array(corners, np.int64)
 
 
-def is_outer_border(vertices, faces, rim) -> bool:
+def is_outer_border(vertices: ArrayLike, faces: Faces, rim: ArrayLike) -> bool:
     """Whether a border loop is the outer border of an open mesh and no hole: as a whole it turns the other way.
 
     Without a rim `fill` leaves such borders out, unless the mesh has no other.

@@ -8,6 +8,7 @@ import numbers
 import textwrap
 import types
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -28,9 +29,10 @@ _FIELDS = ("name", "kind", "default", "optional", "by_side", "count", "none", "r
 _ROWS = [types.SimpleNamespace(**{field: getattr(option, field) for field in _FIELDS}) for option in OPTIONS.values()]
 
 _LARGEST = 2**31 - 1
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def choice(value, name: str, allowed: Sequence):
+def choice(value: Any, name: str, allowed: Sequence[Any]) -> Any:
     """The value, if it is one of the names allowed."""
     if value is not None and not isinstance(value, str):
         raise TypeError(f"{name} must be a name, not {type(value).__name__}")
@@ -39,23 +41,23 @@ def choice(value, name: str, allowed: Sequence):
     return value
 
 
-def whole(value, name: str, least: float, most: float) -> int:
+def whole(value: Any, name: str, least: float, most: float) -> int:
     """A whole number within a range; inf: no end, but for what the core can hold."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
         raise TypeError(f"{name} must be a whole number, not {value!r}")
-    if not least <= value <= min(most, _LARGEST):
+    if not least <= int(value) <= min(most, _LARGEST):
         allowed = f"from {least:.0f} to {most:.0f}" if np.isfinite(most) else f"{least:.0f} or greater"
         raise ValueError(f"{name} must be {allowed}, not {value}")
     return int(value)
 
 
-def _flag(value, option: Option) -> bool:
+def _flag(value: Any, option: Option) -> bool:
     if not isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{option.name} must be True or False")
     return bool(value)
 
 
-def _whole(value, option: Option):
+def _whole(value: Any, option: Option) -> Any:
     if option.count == 1:
         return whole(value, option.name, option.range.least, option.range.most)
     numbers_given = tuple(value) if isinstance(value, Iterable) else (value,)
@@ -64,7 +66,7 @@ def _whole(value, option: Option):
     return [whole(each, option.name, option.range.least, option.range.most) for each in numbers_given]
 
 
-def _number(value, option: Option):
+def _number(value: Any, option: Option) -> Any:
     if option.by_side:
         return [float(x) for x in _arrays.by_side(value, option.name, numbers.Real)]
     if option.count > 1:
@@ -87,34 +89,35 @@ def _names(option: str) -> tuple[str, ...]:
     return ("auto", *METHODS) if option == "method" else tuple(each.name for each in OPTIONS[option].choices)
 
 
-def _choice(value, option: Option):
+def _choice(value: Any, option: Option) -> Any:
     allowed = (None,) * option.optional + names(option)
     if option.by_side:
         return [choice(each, option.name, allowed) for each in _arrays.by_side(value, option.name, str)]
     return choice(value, option.name, allowed)
 
 
-def _indices(value, option: Option) -> list[int]:
+def _indices(value: Any, option: Option) -> list[int]:
     found = _arrays.indices(value, option.name)
     if option.count and len(found) != option.count:
         raise ValueError(f"{option.name} must be {option.count} vertex indices, not {len(found)}")
     return found
 
 
-def _loops(value, option: Option) -> list[list[int]]:
+def _loops(value: Any, option: Option) -> list[list[int]]:
     return [_arrays.indices(loop, option.name) for loop in value]
 
 
-def _position(value, option: Option) -> list[float]:
+def _position(value: Any, option: Option) -> list[float]:
     position = np.asarray(value)
     if position.dtype.kind not in "fiu":
         raise TypeError(f"{option.name} must be a position (3,), or None, not {value!r}")
     if position.shape != (3,):
         raise ValueError(f"{option.name} must be three finite numbers")
-    return position.astype(float).tolist()
+    found: list[float] = position.astype(float).tolist()
+    return found
 
 
-def _creases(value, name: str, width: int) -> tuple[list, list[float]]:
+def _creases(value: Any, name: str, width: int) -> tuple[list[Any], list[float]]:
     """(indices, values) of creases as lists, checked."""
     if value is None:
         return [], []
@@ -130,7 +133,7 @@ def _creases(value, name: str, width: int) -> tuple[list, list[float]]:
     return places.tolist(), values.astype(float).tolist()
 
 
-def subdivision(settings: dict | None, level: int = 2) -> _native.Subdivision:
+def subdivision(settings: dict[str, Any] | None, level: int = 2) -> _native.Subdivision:
     """The settings of a Subdivision modifier of that level, as the core reads them."""
     given = {} if settings is None else dict(settings)
     s = _native.Subdivision()
@@ -149,7 +152,7 @@ def subdivision(settings: dict | None, level: int = 2) -> _native.Subdivision:
     return s
 
 
-_CHECKS: dict[str, Callable] = {
+_CHECKS: dict[str, Callable[..., Any]] = {
     "flag": _flag,
     "whole": _whole,
     "number": _number,
@@ -160,7 +163,7 @@ _CHECKS: dict[str, Callable] = {
 }
 
 
-def applies(option: Option, values: dict) -> bool:
+def applies(option: Option, values: dict[str, Any]) -> bool:
     """Whether an option is read where the others have these values."""
 
     def holds(name: str, value: str) -> bool:
@@ -169,7 +172,7 @@ def applies(option: Option, values: dict) -> bool:
     return not option.applies or any(holds(name, value) for name, value in option.applies)
 
 
-def value(option: Option, value):
+def value(option: Option, value: Any) -> Any:
     """What the core reads for a value that was given: names, numbers and lists."""
     if option.none is not None and isinstance(value, str) and value == option.none.name:
         return None
@@ -186,11 +189,11 @@ def of(function: str) -> list[Option]:
 
 
 @functools.cache
-def _rows(function: str) -> list:
+def _rows(function: str) -> list[Any]:
     return [row for row in _ROWS if function in row.functions]
 
 
-def checked(function: str, given: dict) -> dict:
+def checked(function: str, given: dict[str, Any]) -> dict[str, Any]:
     """The options of a function, by their types and with defaults, as the core reads them; it checks their ranges itself.
 
     Raises:
@@ -225,17 +228,17 @@ def described(option: Option) -> str:
     return text + "".join(f"; {each.name}: {each.description}" for each in listed)
 
 
-def takes_options(function):
+def takes_options(function: Function) -> Function:
     """`help` and editors see by name the options that the code passes on, and what the table says of them."""
     name, own = function.__name__, inspect.signature(function)
     keyword = inspect.Parameter.KEYWORD_ONLY
     kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
     rows = [option for option in of(name) if option.name not in own.parameters]
     parameters = [inspect.Parameter(option.name, keyword, default=option.default) for option in rows]
-    function.__signature__ = own.replace(parameters=[*kept, *parameters])
+    vars(function)["__signature__"] = own.replace(parameters=[*kept, *parameters])
     lines = [
         textwrap.fill(f"{option.name}: {described(option)}.", 130, initial_indent=" " * 8, subsequent_indent=" " * 12)
         for option in rows
     ]
-    function.__doc__ = function.__doc__.replace("        **options: see OPTIONS.", "\n".join(lines))
+    function.__doc__ = (function.__doc__ or "").replace("        **options: see OPTIONS.", "\n".join(lines))
     return function

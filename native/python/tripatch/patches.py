@@ -5,11 +5,13 @@ from __future__ import annotations
 import numbers
 import warnings
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from . import _arrays, _native
 from ._native import Patch, Report, Side, SzilvasiNagyPatch
+from ._types import Array, ArrayLike
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 
 
@@ -33,10 +35,10 @@ def patch(
     method: str = OPTIONS["method"].default,
     cross_boundary: str = "consistent",
     *,
-    fairing=None,
-    through=(),
+    fairing: Any = None,
+    through: Any = (),
     tolerance: float | None = None,
-    **options,
+    **options: Any,
 ) -> Patch:
     """A patch from three to twelve sides that meet at the corners, or in a round rim that is one closed side.
 
@@ -83,7 +85,7 @@ def patch(
     return made
 
 
-def _between_many(sides, through, options: dict) -> tuple[Patch, list[str]]:
+def _between_many(sides: Sequence[Side], through: Any, options: dict[str, Any]) -> tuple[Patch, list[str]]:
     """A patch of another number of sides than three: options by side have one value or one a side."""
     if options["method"] not in ("auto", "multi_sided", "side_vertex"):
         raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
@@ -102,7 +104,7 @@ def _between_many(sides, through, options: dict) -> tuple[Patch, list[str]]:
 
 
 def blend(
-    r0: Patch, r1: Patch, r2: Patch, method: str = "szilvasi_nagy_c1", shape=(0.5, 0.5, 0.5), reading: str = "corrected"
+    r0: Patch, r1: Patch, r2: Patch, method: str = "szilvasi_nagy_c1", shape: Any = (0.5, 0.5, 0.5), reading: str = "corrected"
 ) -> Patch:
     """A patch from three surfaces over one triangle.
 
@@ -121,7 +123,7 @@ def blend(
     return _native._blend((r0, r1, r2), method, given)
 
 
-def _places(b) -> np.ndarray:
+def _places(b: ArrayLike) -> Array:
     """Barycentric coordinates as given, or the first two of them: over a plane domain (u, v)."""
     at = np.asarray(b)
     if at.ndim == 2 and at.shape[1] == 2 and at.dtype.kind in "fiu":
@@ -129,7 +131,7 @@ def _places(b) -> np.ndarray:
     return _arrays.barycentric(b)
 
 
-def _evaluate(self: Patch, b, derivatives: int = 0):
+def _evaluate(self: Patch, b: ArrayLike, derivatives: int = 0) -> Any:
     """Position and derivatives with respect to (b0, b1), b2 = 1 - b0 - b1, or by (u, v) over a plane domain.
 
     Args:
@@ -146,7 +148,7 @@ def _evaluate(self: Patch, b, derivatives: int = 0):
     return self._evaluate(_places(b), int(derivatives))
 
 
-def _normal(self: Patch, b) -> np.ndarray:
+def _normal(self: Patch, b: ArrayLike) -> Array:
     """(k, 3) unit normals at barycentric coordinates b (k, 3), or places (k, 2) of a plane domain, on the outer side."""
     return self._normal(_places(b))
 
@@ -161,17 +163,17 @@ def _patch_energy(self: Patch, name: str) -> float:
     return self._energy(choice(name, "energy", names(OPTIONS["fairing"])))
 
 
-def _places_on_side(edges, i: int) -> list[float]:
+def _places_on_side(edges: Any, i: int) -> list[float]:
     """Parameters from a number of edges, or as they are given."""
     if isinstance(edges, numbers.Integral) or np.ndim(edges) == 0:
-        return np.linspace(0, 1, whole(edges, "edges", 1, 10000) + 1).tolist()
+        return [float(t) for t in np.linspace(0, 1, whole(edges, "edges", 1, 10000) + 1)]
     t = np.asarray(edges, dtype=np.float64)
     if t.ndim != 1 or len(t) < 2 or t[0] != 0 or t[-1] != 1 or not (np.diff(t) > 0).all():
         raise ValueError(f"edges[{i}] must increase from 0 to 1")
-    return t.tolist()
+    return [float(place) for place in t]
 
 
-def _triangles(self: Patch, edges, resolution: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[Array, Array]:
     """The domain as triangles, well shaped on the patch.
 
     Args:
@@ -183,7 +185,7 @@ def _triangles(self: Patch, edges, resolution: int | None = None) -> tuple[np.nd
         polygon places (k, 2) in it, from corner 0 along side 0; faces (m, 3).
     """
     polygon = isinstance(self, _native.PolygonPatch)
-    count = len(self.domain) if polygon else 3
+    count = len(self.domain) if isinstance(self, _native.PolygonPatch) else 3
     given = (edges,) * count if isinstance(edges, numbers.Number) else tuple(edges)
     if len(given) != count:
         raise ValueError(f"edges must be one value or one a side, {count}, not {len(given)}")
@@ -193,12 +195,12 @@ def _triangles(self: Patch, edges, resolution: int | None = None) -> tuple[np.nd
     return b, np.array(faces, np.int64).reshape(-1, 3)
 
 
-def _mu(self: SzilvasiNagyPatch, b) -> np.ndarray:
+def _mu(self: SzilvasiNagyPatch, b: ArrayLike) -> Array:
     """(k, 3) the blending functions mu_0, mu_1, mu_2 at barycentric coordinates b (k, 3)."""
     return self._mu(_arrays.barycentric(b))
 
 
-def _auxiliary_curve(self: SzilvasiNagyPatch, i: int, t) -> np.ndarray:
+def _auxiliary_curve(self: SzilvasiNagyPatch, i: int, t: ArrayLike) -> Array:
     """(k, 3) points of the auxiliary curve g_i over side i at t (k,) in [0, 1]."""
     at = np.atleast_1d(np.asarray(t, dtype=np.float64))
     if at.ndim != 1 or not ((at >= 0) & (at <= 1)).all():
@@ -206,17 +208,17 @@ def _auxiliary_curve(self: SzilvasiNagyPatch, i: int, t) -> np.ndarray:
     return self._auxiliary_curve(whole(i, "i", 0, 2), at.tolist())
 
 
-def _correction(self: SzilvasiNagyPatch, b) -> np.ndarray:
+def _correction(self: SzilvasiNagyPatch, b: ArrayLike) -> Array:
     """(k, 3) the correction term q at barycentric coordinates b (k, 3)."""
     return self._correction(_arrays.barycentric(b))
 
 
-def _slope_correction(self: SzilvasiNagyPatch, b) -> np.ndarray:
+def _slope_correction(self: SzilvasiNagyPatch, b: ArrayLike) -> Array:
     """(k, 3) the correction term s at barycentric coordinates b (k, 3); zero in Definition 1."""
     return self._slope_correction(_arrays.barycentric(b))
 
 
-def _parameters(t) -> np.ndarray:
+def _parameters(t: ArrayLike) -> Array:
     t = np.atleast_1d(np.asarray(t, dtype=np.float64))
     if t.ndim != 1:
         raise ValueError(f"t must have shape (k,), not {t.shape}")
@@ -225,18 +227,24 @@ def _parameters(t) -> np.ndarray:
     return np.ascontiguousarray(t)
 
 
-def _side_evaluate(self: Side, t) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _side_evaluate(self: Side, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
     """Position c, derivative c', derivative across r and unit normal n, (k, 3) each, at t (k,) in [0, 1]."""
     return self._evaluate(_parameters(t))
 
 
-def _second_derivative(self: Side, t) -> np.ndarray | None:
+def _second_derivative(self: Side, t: ArrayLike) -> Array | None:
     """(k, 3) the surroundings' second derivative in the direction of r at t (k,) in [0, 1]; None where it is not known. Its part
     along the normal is r's length squared times the normal curvature across the side; the other parts mean nothing."""
     return self._second_derivative(_parameters(t))
 
 
-def _from_functions(c: Callable, dc: Callable, r: Callable, rim=None, q: Callable | None = None) -> Side:
+def _from_functions(
+    c: Callable[..., Any],
+    dc: Callable[..., Any],
+    r: Callable[..., Any],
+    rim: ArrayLike | None = None,
+    q: Callable[..., Any] | None = None,
+) -> Side:
     """A side from functions of t (k,) -> (k, 3): position, its derivative, the derivative across, away from the hole.
 
     Args:
@@ -266,21 +274,27 @@ def _part(self: Side, start: float, end: float) -> Side:
     return self._part(float(start), float(end))
 
 
-def _as_dict(self: Report) -> dict:
+def _as_dict(self: Report) -> dict[str, Any]:
     """The report as plain values, ready for JSON."""
     return {name: getattr(self, name) for name, member in vars(Report).items() if isinstance(member, property)}
 
 
-Patch.evaluate = _evaluate
-Patch.normal = _normal
-Patch.energy = _patch_energy
-Patch.triangles = _triangles
-SzilvasiNagyPatch.mu = _mu
-SzilvasiNagyPatch.auxiliary_curve = _auxiliary_curve
-SzilvasiNagyPatch.correction = _correction
-SzilvasiNagyPatch.slope_correction = _slope_correction
-Side.evaluate = _side_evaluate
-Side.part = _part
-Side.second_derivative = _second_derivative
-Side.from_functions = staticmethod(_from_functions)
-Report.as_dict = _as_dict
+_METHODS: dict[type, dict[str, Any]] = {
+    Patch: {"evaluate": _evaluate, "normal": _normal, "energy": _patch_energy, "triangles": _triangles},
+    SzilvasiNagyPatch: {
+        "mu": _mu,
+        "auxiliary_curve": _auxiliary_curve,
+        "correction": _correction,
+        "slope_correction": _slope_correction,
+    },
+    Side: {
+        "evaluate": _side_evaluate,
+        "part": _part,
+        "second_derivative": _second_derivative,
+        "from_functions": staticmethod(_from_functions),
+    },
+    Report: {"as_dict": _as_dict},
+}
+for _class, _methods in _METHODS.items():
+    for _name, _function in _methods.items():
+        setattr(_class, _name, _function)

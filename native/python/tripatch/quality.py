@@ -5,7 +5,11 @@ Arrays in, arrays out. Only `seam_angles` loops in Python, over the edges of the
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+
+from ._types import Array, ArrayLike
 
 #: Degrees between the triangles of an edge from which on the surface counts as folded there, as in `Report.triangles_folded`.
 FOLDED = 120.0
@@ -22,7 +26,7 @@ _SIGNED = np.array([(0.10, 0.25, 0.80), (0.45, 0.65, 0.95), (0.88, 0.88, 0.86), 
 FOLD_COLOR = (1.0, 0.0, 0.05)
 
 
-def triangulated(faces) -> tuple[np.ndarray, np.ndarray]:
+def triangulated(faces: Any) -> tuple[Array, Array]:
     """Triangles (t, 3), a fan in every face, and for each triangle the number of its face (t,)."""
     if isinstance(faces, np.ndarray):
         faces = np.asarray(faces, dtype=np.int64)
@@ -31,30 +35,32 @@ def triangulated(faces) -> tuple[np.ndarray, np.ndarray]:
         return np.stack(fans, axis=1).reshape(-1, 3), np.repeat(np.arange(len(faces)), corners)
     sizes = np.array([len(f) for f in faces], dtype=np.int64)
     flat = np.fromiter((v for f in faces for v in f), dtype=np.int64, count=int(sizes.sum()))
-    starts, fans = np.concatenate([[0], np.cumsum(sizes)[:-1]]), np.maximum(sizes - 2, 0)
-    of_face = np.repeat(np.arange(len(sizes)), fans)
-    step = np.arange(len(of_face)) - np.repeat(np.cumsum(fans) - fans, fans)
+    starts, count = np.concatenate([[0], np.cumsum(sizes)[:-1]]), np.maximum(sizes - 2, 0)
+    of_face = np.repeat(np.arange(len(sizes)), count)
+    step = np.arange(len(of_face)) - np.repeat(np.cumsum(count) - count, count)
     first = starts[of_face]
     return np.column_stack([flat[first], flat[first + step + 1], flat[first + step + 2]]), of_face
 
 
-def unit(vectors: np.ndarray) -> np.ndarray:
+def unit(vectors: Array) -> Array:
     """Rows (k, 3) of length one; what is shorter than any length stays zero."""
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
+    made: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
+    return made
 
 
-def triangle_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+def triangle_normals(vertices: Array, triangles: Array) -> Array:
     """(t, 3), twice as long as the triangles are large."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
+    doubled: Array = np.cross(b - a, c - a)
+    return doubled
 
 
-def _sum_at(count: int, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+def _sum_at(count: int, at: Array, values: Array) -> Array:
     """(count, d): rows of `values` added up by the number in `at`."""
     return np.column_stack([np.bincount(at, column, count) for column in values.T])
 
 
-def vertex_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+def vertex_normals(vertices: Array, triangles: Array) -> Array:
     """Unit normals (n, 3), those of the triangles around, weighted by their angles."""
     normals, total = unit(triangle_normals(vertices, triangles)), np.zeros((len(vertices), 3))
     for k in range(3):
@@ -65,14 +71,14 @@ def vertex_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return unit(total)
 
 
-def corner_normals(vertices: np.ndarray, triangles: np.ndarray, sharp: float = _SHARP) -> np.ndarray:
+def corner_normals(vertices: Array, triangles: Array, sharp: float = _SHARP) -> Array:
     """(t, 3, 3): at every corner the normal of its vertex, or of its triangle where they part by more than `sharp` degrees."""
     own, of_vertex = unit(triangle_normals(vertices, triangles)), vertex_normals(vertices, triangles)[triangles]
     smooth = (of_vertex * own[:, None]).sum(axis=2) > np.cos(np.radians(sharp))
     return np.where(smooth[:, :, None], of_vertex, own[:, None])
 
 
-def curvatures(vertices: np.ndarray, triangles: np.ndarray, normals: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+def curvatures(vertices: Array, triangles: Array, normals: Array | None = None) -> tuple[Array, Array]:
     """Mean and Gaussian curvature (n,) at the vertices, in 1 / units of the vertices; where the surface is convex, seen from the
     side that its normals point to, the mean is positive.
 
@@ -103,7 +109,7 @@ def curvatures(vertices: np.ndarray, triangles: np.ndarray, normals: np.ndarray 
     return tuple(np.bincount(at, np.repeat(value * area, 3), count) / around for value in (mean, gauss))
 
 
-def _edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _edges(triangles: Array) -> tuple[Array, Array, Array]:
     """Edges of exactly two triangles: their vertices (e, 2) and the two triangles."""
     ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     key = ends[:, 0] * (int(triangles.max(initial=0)) + 1) + ends[:, 1]
@@ -115,7 +121,7 @@ def _edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return ends[a], a % len(triangles), b % len(triangles)
 
 
-def edge_angles(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def edge_angles(vertices: Array, triangles: Array) -> tuple[Array, Array]:
     """Edges between two triangles (e, 2) and the angles (e,) in degrees by which these are turned against each other."""
     if not len(triangles):
         return np.zeros((0, 2), np.int64), np.zeros(0)
@@ -123,12 +129,13 @@ def edge_angles(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray
     return edges, _between(*(triangle_normals(vertices, triangles[side]) for side in (f, g)))
 
 
-def _between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _between(a: Array, b: Array) -> Array:
     """Degrees between rows, exact where they are small."""
-    return np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(axis=-1)))
+    angle: Array = np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(axis=-1)))
+    return angle
 
 
-def folded(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+def folded(vertices: Array, triangles: Array) -> Array:
     """Whether a triangle (t,) and one beside it face more than 120 degrees apart."""
     at_fold = np.zeros(len(triangles), bool)
     if len(triangles):
@@ -141,7 +148,7 @@ def folded(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 class _Around:
     """The triangles near some edges, and how they hang together."""
 
-    def __init__(self, vertices, triangles, edges):
+    def __init__(self, vertices: Array, triangles: Array, edges: Array) -> None:
         near = np.zeros(len(vertices), bool)
         near[edges] = True
         for _ in range(_FAR):
@@ -149,14 +156,14 @@ class _Around:
             near[triangles[chosen]] = True
         self.triangles = triangles[near[triangles].any(axis=1)]
         self.normals = unit(triangle_normals(vertices, self.triangles))
-        self.of_edge: dict = {}
+        self.of_edge: dict[frozenset[int], list[int]] = {}
         for k, (a, b, c) in enumerate(self.triangles.tolist()):
             for pair in ((a, b), (b, c), (c, a)):
                 self.of_edge.setdefault(frozenset(pair), []).append(k)
         self._seam = {frozenset(e) for e in edges.tolist()}
         self._corners = self.triangles.tolist()
 
-    def side(self, start: int) -> list:
+    def side(self, start: int) -> list[Any]:
         """The vertices of one side of the seam around a triangle of it, without what lies behind sharp edges."""
         seen, front, found = {start}, [start], set(self._corners[start])
         for _ in range(_FAR):
@@ -175,7 +182,7 @@ class _Around:
         return sorted(found)
 
 
-def _normal_at(points: np.ndarray, middle: np.ndarray, along: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def _normal_at(points: Array, middle: Array, along: Array, normal: Array) -> Array:
     """The normal at `middle` of the paraboloid over the plane of a triangle that fits points best, the near ones most; its own
     normal where they are too few."""
     if len(points) < 6:
@@ -188,11 +195,12 @@ def _normal_at(points: np.ndarray, middle: np.ndarray, along: np.ndarray, normal
     weight = 1 / (1 + (size / scale) ** 2)
     terms = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y]) * weight[:, None]
     c = np.linalg.lstsq(terms, z * weight, rcond=1e-6)[0]
-    fitted = normal - c[1] * along - c[2] * across
-    return fitted / np.linalg.norm(fitted)
+    fitted: Array = normal - c[1] * along - c[2] * across
+    fitted /= np.linalg.norm(fitted)
+    return fitted
 
 
-def seam_angles(vertices: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> np.ndarray:
+def seam_angles(vertices: Array, triangles: Array, edges: Array) -> Array:
     """Degrees (k,) between the surfaces on both sides of each edge (k, 2) of a seam, at its middle; nan where an edge has not two
     triangles.
 
@@ -206,7 +214,7 @@ def seam_angles(vertices: np.ndarray, triangles: np.ndarray, edges: np.ndarray) 
         return found
     around = _Around(vertices, triangles, edges)
     for k, (a, b) in enumerate(edges.tolist()):
-        beside = around.of_edge.get(frozenset((a, b)), ())
+        beside = around.of_edge.get(frozenset((a, b)), [])
         if len(beside) != 2:
             continue
         middle, along = (vertices[a] + vertices[b]) / 2, unit(vertices[b] - vertices[a])
@@ -215,28 +223,28 @@ def seam_angles(vertices: np.ndarray, triangles: np.ndarray, edges: np.ndarray) 
     return found
 
 
-def _blend(table: np.ndarray, t: np.ndarray) -> np.ndarray:
+def _blend(table: Array, t: Array) -> Array:
     place = np.clip(np.nan_to_num(t), 0, 1) * (len(table) - 1)
     return np.column_stack([np.interp(place, np.arange(len(table)), column) for column in table.T])
 
 
-def scale_colors(values: np.ndarray, most: float) -> np.ndarray:
+def scale_colors(values: Array, most: float) -> Array:
     """Colors (k, 3) from blue at 0 to red at `most`."""
     return _blend(_SCALE, np.asarray(values) / max(most, 1e-30))
 
 
-def signed_colors(values: np.ndarray, most: float) -> np.ndarray:
+def signed_colors(values: Array, most: float) -> Array:
     """Colors (k, 3) from blue at -`most` over grey at 0 to red at `most`."""
     return _blend(_SIGNED, np.asarray(values) / max(most, 1e-30) / 2 + 0.5)
 
 
-def usual(values: np.ndarray) -> float:
+def usual(values: Array) -> float:
     """What 95 of a hundred sizes do not exceed: where a scale may end, so that a few spikes do not wash out all else."""
     sizes = np.abs(values[np.isfinite(values)])
     return float(np.quantile(sizes, 0.95)) if len(sizes) else 0.0
 
 
-def stripes(normals: np.ndarray, direction, density: float, toward=None) -> np.ndarray:
+def stripes(normals: Array, direction: ArrayLike, density: float, toward: ArrayLike | None = None) -> Array:
     """Brightness (k,) from 0 to 1: `density` pairs of stripes from where a surface faces a direction to where it faces away.
 
     toward: unit vectors (k, 3) or (3,) to the eye, for the stripes of a room that the surface mirrors (zebra); None: lines of
@@ -247,4 +255,5 @@ def stripes(normals: np.ndarray, direction, density: float, toward=None) -> np.n
         toward = np.broadcast_to(toward, normals.shape)
         seen = 2 * (normals * toward).sum(axis=-1, keepdims=True) * normals - toward
     cosine = np.clip(seen @ (np.asarray(direction, float) / max(np.linalg.norm(direction), 1e-30)), -1, 1)
-    return 0.5 + 0.5 * np.sin(2 * np.pi * density * np.arccos(cosine) / np.pi)
+    made: Array = 0.5 + 0.5 * np.sin(2 * np.pi * density * np.arccos(cosine) / np.pi)
+    return made

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import numbers
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from . import _arrays, _native
 from ._native import BezierRectangle, BezierTriangle, NurbsSurface, Side
+from ._types import Array, ArrayLike, Faces
 
 _KINDS = {name: getattr(_native.CoonsKind, name) for name in ("discrete", "extremal", "extremal_symmetric", "mask", "permanence")}
 _CURVES = {name: getattr(_native.NormalCurve, name) for name in ("hermite", "smits")}
 
 
-def _named(value, name: str, allowed: dict):
+def _named(value: Any, name: str, allowed: dict[str, Any]) -> Any:
     if not isinstance(value, str):
         raise TypeError(f"{name} must be a name, not {type(value).__name__}")
     if value not in allowed:
@@ -23,19 +25,19 @@ def _named(value, name: str, allowed: dict):
     return allowed[value]
 
 
-def _whole(value, name: str) -> int:
+def _whole(value: Any, name: str) -> int:
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
         raise TypeError(f"{name} must be a whole number, not {value!r}")
     return int(value)
 
 
-def _number(value, name: str) -> float:
+def _number(value: Any, name: str) -> float:
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise TypeError(f"{name} must be a number, not {value!r}")
     return float(value)
 
 
-def _numbers(value, name: str, dimensions: int, last: int | None = None) -> np.ndarray:
+def _numbers(value: Any, name: str, dimensions: int, last: int | None = None) -> Array:
     """A float64 array of so many dimensions, the last of this length."""
     shape = "(" + ", ".join(["m", "n"][: dimensions - (last is not None)] + ([str(last)] if last else [])) + ")"
     try:
@@ -49,27 +51,27 @@ def _numbers(value, name: str, dimensions: int, last: int | None = None) -> np.n
     return np.ascontiguousarray(a, dtype=np.float64)
 
 
-def _init_with(native_class, convert):
+def _init_with(native_class: Any, convert: Callable[..., Any]) -> None:
     native_init = native_class.__init__
 
-    def init(self, *args, **kwargs):
+    def init(self: Any, *args: Any, **kwargs: Any) -> None:
         native_init(self, *convert(*args, **kwargs))
 
     init.__doc__ = convert.__doc__
     native_class.__init__ = init
 
 
-def _triangle(net):
+def _triangle(net: ArrayLike) -> Any:
     """net: (n + 1)(n + 2) / 2 by 3 control points in the order (n,0,0), (n-1,1,0), (n-1,0,1), ..., (0,0,n)."""
     return (_arrays.points(net, "net"),)
 
 
-def _rectangle(net):
+def _rectangle(net: ArrayLike) -> Any:
     """net: (m + 1, n + 1, 3) control points, the first index along u."""
     return (_numbers(net, "net", 3, 3),)
 
 
-def _nurbs(points, weights, knots_u, knots_v):
+def _nurbs(points: ArrayLike, weights: ArrayLike | None, knots_u: ArrayLike, knots_v: ArrayLike) -> Any:
     """A NURBS surface; its degrees are the numbers of knots less those of points less 1.
 
     Args:
@@ -78,13 +80,13 @@ def _nurbs(points, weights, knots_u, knots_v):
         knots_u, knots_v: knots that do not decrease. The domain is from knot number `degree` to knot number m (n).
     """
     p = _numbers(points, "points", 3, 3)
-    w = [] if weights is None else _numbers(weights, "weights", 2)
+    w: Any = [] if weights is None else _numbers(weights, "weights", 2)
     if weights is not None and w.shape != p.shape[:2]:
         raise ValueError(f"weights must have shape {p.shape[:2]}, not {w.shape}")
     return p, np.ravel(w).tolist(), _numbers(knots_u, "knots_u", 1).tolist(), _numbers(knots_v, "knots_v", 1).tolist()
 
 
-def _side(surface, edge, reversed=False):
+def _side(surface: Any, edge: int, reversed: bool = False) -> Any:
     """An edge of a surface as a side of the hole, exact.
 
     Args:
@@ -106,7 +108,7 @@ _init_with(NurbsSurface, _nurbs)
 _init_with(Side, _side)
 
 
-def _derivative(self: BezierTriangle, direction) -> BezierTriangle:
+def _derivative(self: BezierTriangle, direction: ArrayLike) -> BezierTriangle:
     """The derivative in a direction (d0, d1, d2) of the domain, summing to 0: a Bezier triangle of one degree less."""
     d = _numbers(direction, "direction", 1)
     if d.shape != (3,) or abs(d.sum()) > 1e-12 * np.abs(d).max(initial=0):
@@ -114,14 +116,14 @@ def _derivative(self: BezierTriangle, direction) -> BezierTriangle:
     return self._derivative(d.tolist())
 
 
-def _triangle_side(self: BezierTriangle, i: int) -> np.ndarray:
+def _triangle_side(self: BezierTriangle, i: int) -> Array:
     """(n + 1, 3) control points of side i, from corner i + 1 to corner i + 2."""
     if not 0 <= _whole(i, "i") <= 2:
         raise ValueError(f"a triangle has sides 0 to 2, not {i}")
     return self._side(i)
 
 
-def _evaluate(self: _native.RectangleSurface, uv, derivatives: int = 0):
+def _evaluate(self: _native.RectangleSurface, uv: ArrayLike, derivatives: int = 0) -> Any:
     """Position and derivatives with respect to (u, v).
 
     Args:
@@ -141,12 +143,12 @@ def _evaluate(self: _native.RectangleSurface, uv, derivatives: int = 0):
     return self._evaluate(at, int(derivatives))
 
 
-BezierTriangle.derivative = _derivative
-BezierTriangle.side = _triangle_side
+BezierTriangle.derivative = _derivative  # type: ignore[method-assign]
+BezierTriangle.side = _triangle_side  # type: ignore[method-assign]
 _native.RectangleSurface.evaluate = _evaluate
 
 
-def _corners_and_normals(points, normals) -> tuple[np.ndarray, np.ndarray]:
+def _corners_and_normals(points: ArrayLike, normals: ArrayLike) -> tuple[Array, Array]:
     p, n = _numbers(points, "points", 2, 3), _numbers(normals, "normals", 2, 3)
     for name, a in (("points", p), ("normals", n)):
         if len(a) != 3:
@@ -154,7 +156,7 @@ def _corners_and_normals(points, normals) -> tuple[np.ndarray, np.ndarray]:
     return p, n
 
 
-def sides_from_normals(points, normals, curve: str = "hermite") -> tuple[Side, Side, Side]:
+def sides_from_normals(points: ArrayLike, normals: ArrayLike, curve: str = "hermite") -> tuple[Side, Side, Side]:
     """The three sides of a triangle with vertex normals: curves orthogonal to the normals at their ends (Smits 2000).
 
     Args:
@@ -166,10 +168,10 @@ def sides_from_normals(points, normals, curve: str = "hermite") -> tuple[Side, S
         Refusal: a normal that is zero, along an edge, or opposite to its neighbor's.
     """
     p, n = _corners_and_normals(points, normals)
-    return tuple(_native._sides_from_normals(p, n, _named(curve, "curve", _CURVES)))
+    return _native._sides_from_normals(p, n, _named(curve, "curve", _CURVES))
 
 
-def smits_patch(points, normals) -> _native.Patch:
+def smits_patch(points: ArrayLike, normals: ArrayLike) -> _native.Patch:
     """The fill of Smits's page: heights blended from those of his three curves, position only.
 
     Args:
@@ -179,7 +181,7 @@ def smits_patch(points, normals) -> _native.Patch:
     return _native._smits_patch(*_corners_and_normals(points, normals))
 
 
-def coons_bezier(boundary: Sequence, kind: str = "discrete", alpha: float | None = None) -> BezierTriangle:
+def coons_bezier(boundary: Sequence[Any], kind: str = "discrete", alpha: float | None = None) -> BezierTriangle:
     """A Bezier triangle from three Bezier curves (Arnal and Lluch, Coons triangular Bezier surfaces).
 
     Args:
@@ -194,10 +196,10 @@ def coons_bezier(boundary: Sequence, kind: str = "discrete", alpha: float | None
         Refusal: the mask's or permanence patch's system is singular and this boundary has no solution.
         ValueError: curves of different degrees, that do not meet, or that are not finite.
     """
-    curves = tuple(boundary)
-    if len(curves) != 3:
-        raise ValueError(f"boundary must be three curves, not {len(curves)}")
-    curves = [_numbers(c, f"boundary[{i}]", 2, 3) for i, c in enumerate(curves)]
+    given = tuple(boundary)
+    if len(given) != 3:
+        raise ValueError(f"boundary must be three curves, not {len(given)}")
+    curves = [_numbers(c, f"boundary[{i}]", 2, 3) for i, c in enumerate(given)]
     value = None if alpha is None else _number(alpha, "alpha")
     triangle, notes = _native._coons_bezier(curves, _named(kind, "kind", _KINDS), value)
     for note in notes:
@@ -232,7 +234,9 @@ def coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool = Fa
     return _native._coons_energy(surface, bool(symmetric))
 
 
-def smooth_triangles(vertices, faces, normals=None, resolution: int = 8, curve: str = "hermite") -> _native.SmoothMesh:
+def smooth_triangles(
+    vertices: ArrayLike, faces: Faces, normals: ArrayLike | None = None, resolution: int = 8, curve: str = "hermite"
+) -> _native.SmoothMesh:
     """A triangle mesh with vertex normals becomes one surface that is smooth (G1) across every edge.
 
     Args:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import struct
 import zlib
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from . import files, quality
+from ._types import Array, ArrayLike
 
 _BACKGROUND = (0.22, 0.22, 0.23)
 _AT_ONCE = 300_000  # pairs of a triangle and a pixel that are looked at together: some 50 MB
@@ -25,7 +28,7 @@ KINDS = {
 }
 
 
-def png(image: np.ndarray) -> bytes:
+def png(image: Array) -> bytes:
     """The PNG file of an image (h, w, 3) of bytes."""
     height, width, _ = image.shape
 
@@ -37,9 +40,10 @@ def png(image: np.ndarray) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)) + chunk(b"IEND", b"")
 
 
-def axes_of(toward) -> np.ndarray:
+def axes_of(direction: ArrayLike) -> Array:
     """Rows to the right, upwards and to the eye for a view from a direction; z is upwards."""
-    toward = np.asarray(toward, float) / np.linalg.norm(toward)
+    toward = np.asarray(direction, float)
+    toward = toward / np.linalg.norm(toward)
     up = np.array([0.0, 0.0, 1.0]) if abs(toward[2]) < 0.999 else np.array([0.0, 1.0, 0.0])
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)
@@ -49,7 +53,7 @@ def axes_of(toward) -> np.ndarray:
 class Canvas:
     """A parallel projection onto pixels with depth."""
 
-    def __init__(self, vertices: np.ndarray, toward, width: int, height: int):
+    def __init__(self, vertices: Array, toward: ArrayLike, width: int, height: int) -> None:
         self.axes, self._size = axes_of(toward), (height, width)
         turned = vertices @ self.axes.T
         low, high = turned.min(axis=0), turned.max(axis=0)
@@ -63,7 +67,7 @@ class Canvas:
         self.triangle = np.full(height * width, -1)
         self.weights = np.zeros((height * width, 3))
 
-    def _candidates(self, corners: np.ndarray):
+    def _candidates(self, corners: Array) -> Any:
         """For some triangles, every pixel of their bounding rectangles: numbers of triangle, x, y."""
         height, width = self._size
         low = np.maximum(np.floor(corners[:, :, :2].min(axis=1)).astype(np.int64), 0)
@@ -74,7 +78,7 @@ class Canvas:
         step = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
         return which, low[which, 0] + step % wide[which, 0], low[which, 1] + step // wide[which, 0]
 
-    def draw(self, triangles: np.ndarray) -> None:
+    def draw(self, triangles: Array) -> None:
         """Finds for every pixel the foremost triangle and the weights of its corners there."""
         corners = self.points[triangles]
         span = np.maximum(np.ceil(np.ptp(corners[:, :, :2], axis=1)) + 2, 1).prod(axis=1)
@@ -83,7 +87,7 @@ class Canvas:
             chosen = np.flatnonzero(part == k)
             self._draw(corners[chosen], chosen)
 
-    def _draw(self, corners: np.ndarray, numbers: np.ndarray) -> None:
+    def _draw(self, corners: Array, numbers: Array) -> None:
         which, x, y = self._candidates(corners)
         p = corners[which]
         ab, ac = p[:, 1, :2] - p[:, 0, :2], p[:, 2, :2] - p[:, 0, :2]
@@ -103,20 +107,21 @@ class Canvas:
         self.triangle[pixel], self.weights[pixel] = numbers[which[order]], weights[order]
 
 
-def _lit(normals: np.ndarray, axes: np.ndarray) -> np.ndarray:
+def _lit(normals: Array, axes: Array) -> Array:
     """Brightness of normals in a light from the upper left; both sides of a surface alike."""
     light = np.array([-0.4, 0.5, 0.77]) @ axes
     return 0.35 + 0.65 * np.abs(normals @ light)
 
 
-def _colors(kind, vertices, triangles, edges, settings):
+def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings: dict[str, Any]) -> Any:
     """Colors (n, 3) of vertices for those kinds that color them, and a sentence on the scale."""
     if kind == "curvature":
         mean, _ = quality.curvatures(vertices, triangles)
         most = settings.get("most") or quality.usual(mean)
         return quality.signed_colors(mean, most), f"mean curvature from {-most:.3g} (blue) to {most:.3g} (red)"
-    found, angles = (edges, quality.seam_angles(vertices, triangles, edges)) if len(edges) else (None, None)
-    if found is None:
+    if len(edges):
+        found, angles = edges, quality.seam_angles(vertices, triangles, edges)
+    else:
         found, angles = quality.edge_angles(vertices, triangles)
     at, known = np.zeros(len(vertices)), np.isfinite(angles)
     np.maximum.at(at, found[known].ravel(), np.repeat(angles[known], 2))
@@ -129,7 +134,18 @@ def _colors(kind, vertices, triangles, edges, settings):
     return colors, told
 
 
-def picture(vertices, faces, kind="zebra", *, rims=(), size=SIZE, toward=EYE, direction=(0, 0, 1), lines=LINES, most=None):
+def picture(
+    vertices: Array,
+    faces: Any,
+    kind: str = "zebra",
+    *,
+    rims: Any = (),
+    size: Sequence[int] = SIZE,
+    toward: ArrayLike = EYE,
+    direction: ArrayLike = (0, 0, 1),
+    lines: float = LINES,
+    most: float | None = None,
+) -> Any:
     """A picture (h, w, 3) of bytes, and a sentence on what it shows.
 
     Args:
@@ -172,8 +188,8 @@ def picture(vertices, faces, kind="zebra", *, rims=(), size=SIZE, toward=EYE, di
     return np.clip(np.rint(image * 255), 0, 255).astype(np.uint8), told
 
 
-def _numbers(count=None, kind=float):
-    def parse(text: str) -> list:
+def _numbers(count: int | None = None, kind: Callable[[str], Any] = float) -> Callable[[str], list[Any]]:
+    def parse(text: str) -> list[Any]:
         try:
             values = [kind(part) for part in text.split(",")]
         except ValueError:
@@ -185,7 +201,7 @@ def _numbers(count=None, kind=float):
     return parse
 
 
-def add(commands) -> None:
+def add(commands: Any) -> None:
     """The command `view` of a command line."""
     view = commands.add_parser(
         "view",

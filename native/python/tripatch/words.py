@@ -37,7 +37,8 @@ def filled(
     if not count:
         return "No hole filled"
     holes = "Filled 1 hole" if count == 1 else f"Filled {count} holes"
-    kept, others = [], []
+    kept: list[float] = []
+    others: list[float] = []
     for report in reports:
         for angle, continuity in zip(report.seam_angle_max_by_side, report.continuity, strict=True):
             (kept if continuity in ("G1", "G2") else others).append(angle)
@@ -45,9 +46,9 @@ def filled(
         seam = max(report.seam_angle_max for report in reports)
         within = max(report.cage_deviation_max for report in reports)
         moved = max(report.surroundings_moved_max for report in reports)
-        angle = f", seam within {degrees(seam)}" if cage_rim == "exact" else ""
+        seam_said = f", seam within {degrees(seam)}" if cage_rim == "exact" else ""
         return (
-            f"{holes} with a cage of {quads} quads{angle}; within {length(within)} of the patch, "
+            f"{holes} with a cage of {quads} quads{seam_said}; within {length(within)} of the patch, "
             f"surroundings moved {length(moved)} (scene units)"
         )
     said = [f"{holes}{' in ' * bool(into)}{', '.join(into)}"]

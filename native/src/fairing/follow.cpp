@@ -14,7 +14,9 @@ constexpr double least_diagonal = 1e-6;  // of the mean diagonal element: points
 }  // namespace
 
 SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOptions& options) {
-  const auto& [sides, boundary, plain] = base;
+  const Sides& sides = base.sides;
+  const Boundary& boundary = base.boundary;
+  const SurfacePtr& plain = base.patch;
   const int slopes = options.slopes;
   const Index inner = scalars(options.degree, options.second_cross), n = points.points.rows();
   const std::vector<PiecewisePolynomial> functions = slope_functions(slopes);

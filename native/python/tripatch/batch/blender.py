@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ _SCRIPT = Path(__file__).with_name("in_blender.py")
 MISSING = "No Blender found as {!r}; --blender names the program that opens .blend files"
 
 
-def _asked(file: Path, part: Path, settings: Settings, holes: tuple, filled: Path) -> dict:
+def _asked(file: Path, part: Path, settings: Settings, holes: tuple[Any, ...], filled: Path) -> dict[str, Any]:
     root = Path(__file__).resolve().parents[2]
     tree = root.parents[1] / "addon"  # where TriPatch lies as its source tree
     addon = settings.addon or (os.fspath(tree) if (tree / "tripatch_blender").is_dir() else None)
@@ -35,7 +36,7 @@ def _asked(file: Path, part: Path, settings: Settings, holes: tuple, filled: Pat
     }
 
 
-def _run(asked: dict, program: str) -> dict:
+def _run(asked: dict[str, Any], program: str) -> dict[str, Any]:
     """What the script in Blender answers; else a status and a reason."""
     with tempfile.TemporaryDirectory(prefix="tripatch-") as folder:
         question, answer = Path(folder, "question.json"), Path(folder, "answer.json")
@@ -48,20 +49,21 @@ def _run(asked: dict, program: str) -> dict:
             return {"status": record.CRASHED, "reason": MISSING.format(program)}
         # a Blender that crashes after its answer has done what it was asked for
         if answer.exists():
-            return json.loads(answer.read_text())
+            told: dict[str, Any] = json.loads(answer.read_text())
+            return told
         said = ended.stdout.decode(errors="replace").strip().splitlines()
     last = next((line for line in reversed(said) if "Error" in line or "error" in line), "")[:200]
     how = f"was ended by signal {-ended.returncode}" if ended.returncode < 0 else f"ended with code {ended.returncode}"
     return {"status": record.CRASHED, "reason": f"Blender {how}{': ' * bool(last)}{last}"}
 
 
-def work(file: Path, name: str, sha256: str, settings: Settings, begun: float, holes: tuple) -> dict:
+def work(file: Path, name: str, sha256: str, settings: Settings, begun: float, holes: tuple[Any, ...]) -> dict[str, Any]:
     """As `job.work`."""
     out = Path(settings.out, name)
     part = out.with_name(f".{out.stem}.part.blend")
     program = shutil.which(settings.blender)
 
-    def told(status: str, reason: str) -> dict:
+    def told(status: str, reason: str) -> dict[str, Any]:
         line = record.of_file(settings, name, sha256=sha256, status=status, reason=reason)
         return job.entry(settings, name, sha256, [line], begun)
 

@@ -13,18 +13,19 @@ import signal
 import struct
 import sys
 import threading
+from typing import Any
 
 SIZE = struct.Struct("<Q")
 
 
-def send(stream, what) -> None:
+def send(stream: Any, what: Any) -> None:
     """A pickle after its length."""
     data = pickle.dumps(what, protocol=pickle.HIGHEST_PROTOCOL)
     stream.write(SIZE.pack(len(data)) + data)
     stream.flush()
 
 
-def receive(stream):
+def receive(stream: Any) -> Any:
     """What `send` sent; EOFError at the end."""
     head = stream.read(SIZE.size)
     if len(head) < SIZE.size:
@@ -50,7 +51,7 @@ def limit_memory(megabytes: int | None) -> None:
         resource.setrlimit(kind, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))
 
 
-def _read(requests, waiting: queue.SimpleQueue) -> None:
+def _read(requests: Any, waiting: queue.SimpleQueue[Any]) -> None:
     """Ends the process, and the Blender that it may have started, at once when the one that asks is gone."""
     while True:
         try:
@@ -69,7 +70,7 @@ def main() -> None:
     os.dup2(nothing, 0)
     os.dup2(2, 1)  # what a library prints is no answer
     limit_memory(int(sys.argv[1]))
-    waiting: queue.SimpleQueue = queue.SimpleQueue()
+    waiting: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(requests, waiting), daemon=True).start()
     importlib.import_module("tripatch.batch.job")  # before the time of the first file counts
     send(answers, "ready")
@@ -82,7 +83,7 @@ def main() -> None:
         except Exception as error:
             answer = False, f"{type(error).__name__}: {error}"
         send(answers, answer)
-        answer = None
+        del answer  # which may be large
 
 
 if __name__ == "__main__":

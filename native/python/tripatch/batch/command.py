@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,7 @@ def _range(text: str) -> tuple[int, int]:
     return of, to
 
 
-def _whole(least: int):
+def _whole(least: int) -> Any:
     def read(text: str) -> int:
         value = int(text)
         if value < least:
@@ -61,7 +62,7 @@ def _seconds(text: str) -> float:
     return value
 
 
-def add(commands) -> None:
+def add(commands: Any) -> None:
     """The parser of `tripatch batch`."""
     batch = commands.add_parser(
         "batch",
@@ -132,17 +133,18 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
     return found, Settings(args.root, str(out), args.options, __version__, mode, **common)
 
 
-def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) -> tuple[list[dict | None], bool]:
+def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) -> tuple[list[dict[str, Any] | None], bool]:
     """An entry for each file, None for those that Ctrl-C left undone, and whether it came."""
-    entries: list[dict | None] = [None] * len(found)
+    entries: list[dict[str, Any] | None] = [None] * len(found)
     progress = Progress(len(found))
     kept = journal.Journal(Path(settings.out)).before() if settings.mode == FILL else {}
     known = [kept.get(file.relative_to(settings.root).as_posix(), {}) for file in found]
 
-    def take(done: list[tuple[int, dict]]) -> None:
-        for k, entry in done:
-            entries[k] = {**known[k][entry["again"]], "again": True} if "again" in entry else entry
-        progress.add([entries[k] for k, _ in done])
+    def take(done: list[tuple[int, dict[str, Any]]]) -> None:
+        found = {k: {**known[k][entry["again"]], "again": True} if "again" in entry else entry for k, entry in done}
+        for k, entry in found.items():
+            entries[k] = entry
+        progress.add(list(found.values()))
 
     before = [{key: entry["output_sha256"] for key, entry in each.items()} for each in known]
     stopped = False
@@ -158,7 +160,7 @@ def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) ->
     return entries, stopped
 
 
-def _listing(entries: Sequence[dict]) -> int:
+def _listing(entries: Sequence[dict[str, Any]]) -> int:
     """What a dry run says."""
     meant = 0
     for entry in entries:
@@ -179,7 +181,7 @@ def _counted(number: int, word: str) -> str:
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 
-def _summary(entries: Sequence[dict]) -> str:
+def _summary(entries: Sequence[dict[str, Any]]) -> str:
     """'Filled 950 holes in 900 of 1000 files; 50 holes refused; 2 files failed: 1 unreadable, 1 crashed'"""
     heads = [entry["lines"][0] for entry in entries]
     holes = sum(head["filled"] for head in heads)
@@ -198,7 +200,7 @@ def _summary(entries: Sequence[dict]) -> str:
     return "; ".join(said)
 
 
-def _end(args: argparse.Namespace, entries: Sequence[dict], settings: Settings) -> int:
+def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: Settings) -> int:
     """The lines, the picture, and the last words; the exit status."""
     out = Path(settings.out)
     lines = journal.write_lines(out, entries)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from .._types import Array
 
-def _flat(faces) -> tuple[np.ndarray, np.ndarray]:
+
+def _flat(faces: Any) -> tuple[Array, Array]:
     """Offsets and corners of faces."""
     if isinstance(faces, np.ndarray):
         return np.arange(0, faces.size + 1, faces.shape[1]), faces.ravel()
@@ -16,14 +19,14 @@ def _flat(faces) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([[0], np.cumsum(sizes)]), np.fromiter(itertools.chain.from_iterable(faces), np.int64, int(sizes.sum()))
 
 
-def _next(offsets: np.ndarray, corners: np.ndarray) -> np.ndarray:
+def _next(offsets: Array, corners: Array) -> Array:
     """The corner after each in its face."""
     following = np.roll(corners, -1)
     following[offsets[1:] - 1] = corners[offsets[:-1]]
     return following
 
 
-def _normals(vertices: np.ndarray, offsets: np.ndarray, corners: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+def _normals(vertices: Array, offsets: Array, corners: Array, wanted: Array) -> Array:
     """Unit normals of some faces, by the area vector."""
     sizes = offsets[wanted + 1] - offsets[wanted]
     starts = np.cumsum(sizes) - sizes
@@ -32,11 +35,12 @@ def _normals(vertices: np.ndarray, offsets: np.ndarray, corners: np.ndarray, wan
     p = p - np.repeat(p[starts], sizes, axis=0)  # the origin is not far from a face
     after = np.roll(p, -1, axis=0)
     after[starts + sizes - 1] = 0
-    normals = np.add.reduceat(np.cross(p, after), starts, axis=0)
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    normals: Array = np.add.reduceat(np.cross(p, after), starts, axis=0)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return normals
 
 
-def _at(vertices, faces, keys: np.ndarray, n: int) -> dict[int, np.ndarray]:
+def _at(vertices: Array, faces: Any, keys: Array, n: int) -> dict[int, Array]:
     """The normal of a face at each of some edges."""
     offsets, corners = _flat(faces)
     if not len(corners):
@@ -52,7 +56,7 @@ def _at(vertices, faces, keys: np.ndarray, n: int) -> dict[int, np.ndarray]:
     return dict(zip(key[places].tolist(), normals[back.reshape(-1)], strict=True))
 
 
-def largest(vertices: np.ndarray, faces, fills: Sequence[tuple[np.ndarray, list, np.ndarray]]) -> list[float | None]:
+def largest(vertices: Array, faces: Any, fills: Sequence[tuple[Array, list[Any], Array]]) -> list[float | None]:
     """For each fill the largest angle, in degrees, between a new face and the face across the rim; None where none is shared.
 
     Args:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from .._types import Array, ArrayLike
 from ..errors import Refusal
 
 #: Rings of faces around the rim that a picture shows.
 _RINGS = 3
 
 
-def around(faces, rim, count: int) -> list:
+def around(faces: Any, rim: ArrayLike, count: int) -> list[Any]:
     """The faces within some rings of the rim, of a mesh with `count` vertices."""
     near = np.zeros(count, bool)
     near[np.asarray(rim)] = True
@@ -18,7 +21,8 @@ def around(faces, rim, count: int) -> list:
         for _ in range(_RINGS):
             chosen = near[faces].any(axis=1)
             near[faces[chosen]] = True
-        return faces[chosen].tolist()
+        found: list[Any] = faces[chosen].tolist()
+        return found
     chosen = []
     for _ in range(_RINGS):
         chosen = [face for face in faces if near[face].any()]
@@ -27,18 +31,18 @@ def around(faces, rim, count: int) -> list:
     return chosen
 
 
-def of_parts(vertices: np.ndarray, shown: list, filled: list) -> dict:
+def of_parts(vertices: Array, shown: list[Any], filled: list[Any]) -> dict[str, Any]:
     """A picture's data: faces around, faces of the fill, over vertices that they share."""
     used = np.unique(np.array([v for face in (*shown, *filled) for v in face], np.int64))
     place = {int(v): k for k, v in enumerate(used)}
 
-    def renumbered(faces):
+    def renumbered(faces: Any) -> Any:
         return [[place[int(v)] for v in face] for face in faces]
 
     return {"vertices": vertices[used], "around": renumbered(shown), "fill": renumbered(filled)}
 
 
-def of_fill(vertices: np.ndarray, faces, fill) -> dict | None:
+def of_fill(vertices: Array, faces: Any, fill: Any) -> dict[str, Any] | None:
     """Of a Fill; None of a Refusal."""
     if isinstance(fill, Refusal):
         return None

@@ -7,6 +7,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from . import journal
 
@@ -60,7 +61,7 @@ exec {portion}
 
 
 def _openjd(count: int, chunk: int, words: list[str], listed: Path, out: Path) -> str:
-    def step(name: str, part: list[str]) -> dict:
+    def step(name: str, part: list[str]) -> dict[str, Any]:
         arguments = ["batch", "--files", "{{Param.Files}}", *part, "--out", "{{Param.Out}}", *words]
         return {"name": name, "script": {"actions": {"onRun": {"command": "tripatch", "args": arguments}}}}
 

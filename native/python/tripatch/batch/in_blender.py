@@ -8,6 +8,7 @@ import io
 import json
 import os
 import sys
+from typing import Any
 
 import addon_utils
 import bpy
@@ -24,7 +25,7 @@ class Stop(Exception):
         self.status, self.reason = status, reason
 
 
-def command_line(asked: dict):
+def command_line(asked: dict[str, Any]) -> Any:
     """The add-on's command line: of the installed add-on, else of the folder that was named."""
     installed = [module.__name__ for module in addon_utils.modules() if module.__name__.split(".")[-1] == NAME]
     if installed and not asked["addon"]:
@@ -57,16 +58,16 @@ def opened(path: str) -> None:
         raise Stop(UNREADABLE, f"It was saved by Blender {of}, and this one, {this}, would lose what it does not know")
 
 
-def objects() -> list:
+def objects() -> list[Any]:
     """The mesh objects of the scene, one for each mesh."""
-    first: dict = {}
+    first: dict[str, Any] = {}
     for ob in bpy.context.scene.objects:
         if ob.type == "MESH":
             first.setdefault(ob.data, ob)
     return list(first.values())
 
 
-def arrays(ob, np) -> tuple:
+def arrays(ob: Any, np: Any) -> tuple[Any, ...]:
     """Positions in world space and faces of an object's mesh."""
     mesh = ob.data
     points = np.empty(3 * len(mesh.vertices), np.float32)
@@ -75,10 +76,10 @@ def arrays(ob, np) -> tuple:
     return points.reshape(-1, 3).astype(float) @ matrix[:3, :3].T + matrix[:3, 3], [list(p.vertices) for p in mesh.polygons]
 
 
-def listed(module, options: dict) -> list[dict]:
+def listed(module: Any, options: dict[str, Any]) -> list[dict[str, Any]]:
     """The holes that would be filled."""
     choosing = {k: v for k, v in options.items() if "choose_holes" in module.tripatch.OPTIONS[k].functions}
-    holes = []
+    holes: list[dict[str, Any]] = []
     for ob in objects():
         points, faces = arrays(ob, module.np)
         try:
@@ -94,7 +95,7 @@ def listed(module, options: dict) -> list[dict]:
     return holes
 
 
-def filled(module, asked: dict) -> list[dict]:
+def filled(module: Any, asked: dict[str, Any]) -> list[dict[str, Any]]:
     """Fills every hole and saves the file; what became of the holes."""
     from tripatch.batch import record
     from tripatch.batch.in_words import given
@@ -109,7 +110,7 @@ def filled(module, asked: dict) -> list[dict]:
         raise Stop(
             CRASHED, said.getvalue().strip().splitlines()[-1] if said.getvalue().strip() else "Blender refused the options"
         )
-    holes: list[dict] = []
+    holes: list[dict[str, Any]] = []
     with open(report, encoding="utf-8") as file:
         for ob in json.load(file):
             measured = measures(module, ob["object"], before.get(ob["object"]), len(ob["filled"]))
@@ -123,7 +124,7 @@ def filled(module, asked: dict) -> list[dict]:
     return holes
 
 
-def measures(module, name: str, before: int | None, count: int) -> list[dict]:
+def measures(module: Any, name: str, before: int | None, count: int) -> list[dict[str, Any]]:
     """What lines say of an object's fills beyond their reports; nothing where its new faces are not as many parts as fills."""
     ob, np = bpy.context.scene.objects.get(name), module.np
     if ob is None or before is None:
@@ -146,9 +147,9 @@ def measures(module, name: str, before: int | None, count: int) -> list[dict]:
     return found
 
 
-def border(faces: list) -> list[int]:
+def border(faces: list[Any]) -> list[int]:
     """The vertices around faces that hang together, in order."""
-    after = {}
+    after: dict[int, int] = {}
     edges = {(a, b) for face in faces for a, b in zip(face, [*face[1:], face[0]])}
     for a, b in edges:
         if (b, a) not in edges:
@@ -159,14 +160,14 @@ def border(faces: list) -> list[int]:
     return loop
 
 
-def shown(module, asked: dict) -> list:
+def shown(module: Any, asked: dict[str, Any]) -> list[Any]:
     """Pictures' data of fills in the file that was made: an object's new faces come after its old, those of a fill together."""
     np = module.np
     from tripatch.batch import crops
 
     before = {ob.name: len(ob.data.polygons) for ob in objects()}
     opened(asked["filled"])
-    pictures = []
+    pictures: list[dict[str, Any] | None] = []
     for name, _, nth in asked["holes"]:
         ob = bpy.context.scene.objects.get(name)
         if ob is None or ob.name not in before:
@@ -184,11 +185,11 @@ def shown(module, asked: dict) -> list:
     return pictures
 
 
-def together(faces: list) -> list[list]:
+def together(faces: list[Any]) -> list[list[Any]]:
     """Faces by what hangs together, in the order of the first of each."""
     group: dict[int, int] = {}
 
-    def top(v):
+    def top(v: int) -> Any:
         while group.setdefault(v, v) != v:
             v = group[v]
         return v
@@ -196,7 +197,7 @@ def together(faces: list) -> list[list]:
     for face in faces:
         for v in face[1:]:
             group[top(v)] = top(face[0])
-    parts: dict[int, list] = {}
+    parts: dict[int, list[Any]] = {}
     for face in faces:
         parts.setdefault(top(face[0]), []).append(face)
     return list(parts.values())
@@ -209,7 +210,10 @@ def main(path: str) -> None:
         opened(asked["input"])
         module = command_line(asked)
         meshes = [ob.data for ob in objects()]
-        answer = {"vertices": sum(len(mesh.vertices) for mesh in meshes), "faces": sum(len(mesh.polygons) for mesh in meshes)}
+        answer: dict[str, Any] = {
+            "vertices": sum(len(mesh.vertices) for mesh in meshes),
+            "faces": sum(len(mesh.polygons) for mesh in meshes),
+        }
         if asked["mode"] == "crop":
             answer = {"crops": shown(module, asked)}
         else:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 
-def given(options: dict) -> list[str]:
+def given(options: dict[str, Any]) -> list[str]:
     """Words that `arguments.add` reads back to the same options."""
     words = []
     for name, value in options.items():

@@ -6,10 +6,12 @@ import hashlib
 import os
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .. import files
+from .._types import Array
 from ..errors import Refusal
 from ..filling import fill_all
 from ..holes import choose_holes, find_holes
@@ -26,7 +28,7 @@ def sha256_of(path: Path) -> str | None:
         return None
 
 
-def work(path: str, settings: Settings, done_before: dict | None = None, holes: tuple = ()) -> dict:
+def work(path: str, settings: Settings, done_before: dict[str, Any] | None = None, holes: tuple[Any, ...] = ()) -> dict[str, Any]:
     """What became of one file.
 
     Args:
@@ -69,28 +71,28 @@ def memory_reason(settings: Settings) -> str:
     return f"The memory{limit} was not enough"
 
 
-def entry(settings: Settings, name: str, sha256: str | None, lines: list[dict], begun: float) -> dict:
+def entry(settings: Settings, name: str, sha256: str | None, lines: list[dict[str, Any]], begun: float) -> dict[str, Any]:
     """An entry of the journal."""
     output = lines[0]["output"] and Path(settings.out, lines[0]["output"])
     # another Blender may read what this one did not
     blend = lines[0]["status"] == record.UNREADABLE and name.lower().endswith(".blend")
-    passing = lines[0]["status"] in record.PASSING or sha256 is None or blend
+    passing = lines[0]["status"] in record.PASSING or blend
     return {
         "name": name,
-        "key": None if passing else record.key(settings, name, sha256),
+        "key": None if passing or sha256 is None else record.key(settings, name, sha256),
         "output_sha256": sha256_of(output) if output else None,
         "seconds": round(time.monotonic() - begun, 4),
         "lines": lines,
     }
 
 
-def _faces(mesh: files.MeshFile):
+def _faces(mesh: files.MeshFile) -> Any:
     """As an array where all have the same number of corners: read once for all questions."""
     sizes = {len(face) for face in mesh.faces}
     return np.array(mesh.faces, np.int64) if len(sizes) == 1 and sizes <= {3, 4} else mesh.faces
 
 
-def _left(vertices, faces, loops: list, settings: Settings) -> dict[int, str]:
+def _left(vertices: Array, faces: Any, loops: list[Any], settings: Settings) -> dict[int, str]:
     """Why loops are not filled: lowest vertex -> sentence."""
     choosing = settings.choosing()
     reasons: dict[int, str] = {}
@@ -106,12 +108,12 @@ def _left(vertices, faces, loops: list, settings: Settings) -> dict[int, str]:
     return reasons
 
 
-def _diameter(points: np.ndarray) -> float:
+def _diameter(points: Array) -> float:
     """Of the box around a rim, which says how large a hole is without all pairs of its points."""
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
-def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, wanted: tuple) -> dict:
+def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, wanted: tuple[Any, ...]) -> dict[str, Any]:
     mesh = files.read(file)
     vertices, faces = mesh.vertices, _faces(mesh)
     loops = find_holes(faces)
@@ -123,7 +125,7 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
     meant = {int(loop[0]): k for k, loop in enumerate(chosen)}
     others = [loop for loop in loops if int(loop[0]) not in meant]
     reasons = _left(vertices, faces, others, settings) if others and not refused else {}
-    results: list = []
+    results: list[Any] = []
     try:
         if chosen and settings.mode != LIST:
             results = fill_all(vertices, faces, chosen, **settings.filling())
@@ -156,14 +158,14 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
     return entry(settings, name, sha256, [record.of_file(settings, name, **values), *lines], begun)
 
 
-def _creases(vertices, faces, results: list) -> dict[int, float | None]:
+def _creases(vertices: Array, faces: Any, results: list[Any]) -> dict[int, float | None]:
     """By the place in `results`."""
     made = [k for k, result in enumerate(results) if not isinstance(result, Refusal)]
     fills = [(results[k].vertices, results[k].faces, np.asarray(results[k].rim, np.int64)) for k in made]
     return dict.fromkeys(range(len(results))) | dict(zip(made, creases.largest(vertices, faces, fills), strict=True))
 
 
-def _obstacle(mesh: files.MeshFile, fills: list, name: str, settings: Settings) -> str:
+def _obstacle(mesh: files.MeshFile, fills: list[Any], name: str, settings: Settings) -> str:
     """Writes the file with its fills; why that cannot be done, else nothing."""
     out = Path(settings.out, name)
     try:

@@ -8,6 +8,7 @@ import socket
 import time
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any, TextIO
 
 from . import record
 
@@ -21,11 +22,11 @@ class Journal:
 
     def __init__(self, out: Path) -> None:
         self._folder = out / FOLDER
-        self._file = None
+        self._file: TextIO | None = None
 
-    def before(self) -> dict[str, dict[str, dict]]:
+    def before(self) -> dict[str, dict[str, dict[str, Any]]]:
         """What runs before have left: name -> key -> entry, the latest of each."""
-        found: dict[str, dict[str, dict]] = {}
+        found: dict[str, dict[str, dict[str, Any]]] = {}
         for path in sorted(self._folder.glob("journal-*.jsonl")):
             for line in path.read_bytes().splitlines():
                 try:
@@ -35,7 +36,7 @@ class Journal:
                     continue  # the run was killed while it wrote the line
         return found
 
-    def add(self, entry: dict) -> None:
+    def add(self, entry: dict[str, Any]) -> None:
         """Kept from now on, also if this process is killed next; what has to be tried again is not kept."""
         if not entry["key"]:
             return
@@ -52,7 +53,7 @@ class Journal:
             self._file = None
 
 
-def write_lines(out: Path, entries: Iterable[dict]) -> Path:
+def write_lines(out: Path, entries: Iterable[dict[str, Any]]) -> Path:
     """All lines, in the order of the files."""
     out.mkdir(parents=True, exist_ok=True)
     path, part = out / LINES, out / (LINES + ".part")

@@ -11,6 +11,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 from . import child, job, record
 from .journal import Journal
@@ -25,7 +26,7 @@ class _Ended(Exception):
         self.status, self.reason = status, reason
 
 
-def _kill(process: subprocess.Popen) -> None:
+def _kill(process: subprocess.Popen[bytes]) -> None:
     """Ends it and what it has started."""
     if process.poll() is not None:
         return
@@ -41,30 +42,31 @@ class Keeper:
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self._process: subprocess.Popen | None = None
+        self._process: subprocess.Popen[bytes] | None = None
         self._done = 0
         self._journal = Journal(Path(settings.out)) if settings.mode == FILL else None
 
     def __enter__(self) -> Keeper:
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
         if self._journal:
             self._journal.close()
 
-    def work(self, path: str, done_before: dict | None = None) -> dict:
+    def work(self, path: str, done_before: dict[str, Any] | None = None) -> dict[str, Any]:
         """`job.work`, whatever becomes of the process; what it answers is in a journal by then."""
         entry = self._worked(path, done_before)
         if self._journal and "again" not in entry:
             self._journal.add(entry)
         return entry
 
-    def _worked(self, path: str, done_before: dict | None) -> dict:
+    def _worked(self, path: str, done_before: dict[str, Any] | None) -> dict[str, Any]:
         begun = time.monotonic()
         for trial in range(self._settings.retries + 1):
             try:
-                return self.call("tripatch.batch.job", "work", path, self._settings, done_before)
+                entry: dict[str, Any] = self.call("tripatch.batch.job", "work", path, self._settings, done_before)
+                return entry
             except _Ended as end:
                 status, reason = end.status, end.reason
                 if status == record.TIME_LIMIT or trial == self._settings.retries:
@@ -73,7 +75,7 @@ class Keeper:
         line = record.of_file(self._settings, name, sha256=job.sha256_of(Path(path)), status=status, reason=reason)
         return job.entry(self._settings, name, line["sha256"], [line], begun)
 
-    def call(self, module: str, function: str, *arguments):
+    def call(self, module: str, function: str, *arguments: Any) -> Any:
         """The value of a function, computed by the process.
 
         Raises:
@@ -89,8 +91,13 @@ class Keeper:
             raise self._ended(False) from None
         self._done += 1
         late = threading.Event()
+
+        def stop() -> None:
+            late.set()
+            _kill(process)
+
         limit = self._settings.time_limit
-        timer = threading.Timer(limit, lambda: (late.set(), _kill(process))) if limit else None
+        timer = threading.Timer(limit, stop) if limit else None
         if timer:
             timer.daemon = True
             timer.start()
@@ -112,7 +119,7 @@ class Keeper:
     def close(self) -> None:
         """Ends the process."""
         process, self._process = self._process, None
-        if process is not None:
+        if process is not None and process.stdin and process.stdout:
             with contextlib.suppress(OSError):
                 process.stdin.close()
             _kill(process)
@@ -120,21 +127,22 @@ class Keeper:
             process.stdout.close()
             self._said.close()
 
-    def _started(self) -> subprocess.Popen:
+    def _started(self) -> subprocess.Popen[bytes]:
         self._said = tempfile.TemporaryFile()  # what it writes to stderr: read if it ends
         package = os.fspath(Path(__file__).resolve().parents[2])  # the same TriPatch, installed or in a source tree
         paths = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
         # -P: not the folder that the command was started in; one thread of BLAS: there is a process for each core
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"}
         command = [sys.executable, "-P", "-m", "tripatch.batch.child", str(self._settings.memory_limit or 0)]
-        streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self._said}
-        group = {"process_group": 0} if os.name == "posix" else {}
+        streams: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self._said}
+        group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
         self._process = subprocess.Popen(command, env=environment, **streams, **group)
         self._done = 0
         return self._process
 
     def _ended(self, late: bool) -> _Ended:
         process = self._process
+        assert process is not None
         if process.poll() is None:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(1)  # it is about to end by itself: its own code says more than SIGKILL

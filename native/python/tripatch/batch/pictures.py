@@ -5,9 +5,11 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .._types import Array
 from . import record
 from .keeper import Keeper
 from .settings import CROP, Settings
@@ -21,12 +23,12 @@ _SEEN = 30.0
 _TILT = np.radians(20.0)
 
 
-def worst(entries: Sequence[dict], count: int) -> list[tuple[dict, int]]:
+def worst(entries: Sequence[dict[str, Any]], count: int) -> list[tuple[dict[str, Any], int]]:
     """(line of a filled hole, how many fills of its object come before it): those that fold first, then by the angle between
     the faces along the rim, which says what a person sees."""
     found = []
     for entry in entries:
-        before: dict = {}
+        before: dict[str, Any] = {}
         for line in entry["lines"][1:]:
             if line["status"] == record.FILLED and entry["lines"][0]["output"]:
                 place = before.get(line["object"], 0)
@@ -37,13 +39,13 @@ def worst(entries: Sequence[dict], count: int) -> list[tuple[dict, int]]:
     return [(line, place) for _, line, place in found[:count]]
 
 
-def gathered(holes: list[tuple[dict, int]], settings: Settings) -> list[dict | None]:
+def gathered(holes: list[tuple[dict[str, Any], int]], settings: Settings) -> list[dict[str, Any] | None]:
     """What each picture needs, from the files as they are now; None where a file has changed or gone meanwhile."""
     by_file: dict[str, list[int]] = {}
     for k, (line, _) in enumerate(holes):
         by_file.setdefault(line["input"], []).append(k)
     asked = Settings(**{**vars(settings), "mode": CROP, "retries": 0})
-    made: list[dict | None] = [None] * len(holes)
+    made: list[dict[str, Any] | None] = [None] * len(holes)
     with Keeper(asked) as keeper:
         for name, places in by_file.items():
             wanted = tuple((holes[k][0]["object"], holes[k][0]["hole"], holes[k][1]) for k in places)
@@ -56,7 +58,7 @@ def gathered(holes: list[tuple[dict, int]], settings: Settings) -> list[dict | N
     return made
 
 
-def _seen(crop: dict) -> tuple[np.ndarray, np.ndarray]:
+def _seen(crop: dict[str, Any]) -> tuple[Array, Array]:
     """Vertices as the eye has them (x right, y up, z towards it), in a box of size one; normals of the faces likewise."""
     points = np.asarray(crop["vertices"], float)
     faces = [*crop["around"], *crop["fill"]]
@@ -78,14 +80,15 @@ def _seen(crop: dict) -> tuple[np.ndarray, np.ndarray]:
     return (points - (low + high) / 2) / max((high - low)[:2].max(), 1e-300), normals
 
 
-def _normal(corners: np.ndarray) -> np.ndarray:
+def _normal(corners: Array) -> Array:
     """Twice the area vector of a polygon."""
-    return np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0)
+    doubled: Array = np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0)
+    return doubled
 
 
-def _seam(crop: dict, normals: np.ndarray) -> list[tuple[int, int, float]]:
+def _seam(crop: dict[str, Any], normals: Array) -> list[tuple[int, int, float]]:
     """Edges between fill and surroundings, and the degrees between the faces there."""
-    owner: dict[frozenset, list[int]] = {}
+    owner: dict[frozenset[Any], list[int]] = {}
     for f, face in enumerate([*crop["around"], *crop["fill"]]):
         for a, b in zip(face, [*face[1:], face[0]], strict=True):
             owner.setdefault(frozenset((a, b)), []).append(f)
@@ -97,7 +100,7 @@ def _seam(crop: dict, normals: np.ndarray) -> list[tuple[int, int, float]]:
     return edges
 
 
-def tile(crop: dict | None, image, draw, x: int, y: int, size: int) -> None:
+def tile(crop: dict[str, Any] | None, image: Any, draw: Any, x: int, y: int, size: int) -> None:
     """Draws a hole: what is nearer to the eye over what is behind, the seam over all."""
     if crop is None:
         draw.text((x + size / 2, y + size / 2), "(changed since)", fill=_INK, anchor="mm")
@@ -118,7 +121,7 @@ def tile(crop: dict | None, image, draw, x: int, y: int, size: int) -> None:
         draw.line([tuple(at[a]), tuple(at[b])], fill=color, width=2 * _FINER)
 
 
-def _caption(place: int, line: dict) -> list[str]:
+def _caption(place: int, line: dict[str, Any]) -> list[str]:
     name = line["input"] if len(line["input"]) <= 40 else "..." + line["input"][-37:]
     hole = f"{line['object']}, " if line["object"] else ""
     where = f"vertex {line['vertex']}, {line['edges']} edges" if line["vertex"] is not None else f"hole {line['hole']}"
@@ -127,7 +130,7 @@ def _caption(place: int, line: dict) -> list[str]:
     return [f"{place}. {name}", f"{hole}{where}", said + folded]
 
 
-def sheet(path: Path, holes: list[tuple[dict, int]], settings: Settings, total: int) -> bool:
+def sheet(path: Path, holes: list[tuple[dict[str, Any], int]], settings: Settings, total: int) -> bool:
     """Writes the picture; False where there is nothing to see."""
     if not holes:
         return False

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 import time
+from typing import Any
 
 from . import record
 
@@ -25,13 +26,13 @@ def duration(seconds: float) -> str:
 class Progress:
     """Told of every entry; says so on stderr."""
 
-    def __init__(self, total: int, stream=None) -> None:
+    def __init__(self, total: int, stream: Any = None) -> None:
         self._total, self._stream = total, stream or sys.stderr
         self._begun = self._said = time.monotonic()
         self._done = self._again = self._holes = self._failed = 0
         self._terminal = self._stream.isatty()
 
-    def add(self, entries: list[dict]) -> None:
+    def add(self, entries: list[dict[str, Any]]) -> None:
         self._done += len(entries)
         self._again += sum(bool(entry.get("again")) for entry in entries)
         self._holes += sum(entry["lines"][0]["filled"] for entry in entries)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from typing import Any
 
 import numpy as np
 
@@ -74,7 +75,7 @@ _HOLE = {
 }
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """What JSON can hold; numbers that are not finite become null."""
     if isinstance(value, dict):
         return {str(k): plain(v) for k, v in value.items()}
@@ -85,7 +86,7 @@ def plain(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def text(line: dict) -> str:
+def text(line: Any) -> str:
     """A line as it is written."""
     return json.dumps(line, ensure_ascii=False, separators=(",", ":"))
 
@@ -96,18 +97,19 @@ def key(settings: Settings, name: str, sha256: str) -> str:
     return hashlib.sha256(said.encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def _begun(settings: Settings, kind: str, name: str) -> dict:
+def _begun(settings: Settings, kind: str, name: str) -> dict[str, Any]:
     own = {"schema": SCHEMA, "line": kind, "tripatch": settings.version, "options": settings.options}
     return {**own, "input": name}
 
 
-def of_file(settings: Settings, name: str, **values) -> dict:
+def of_file(settings: Settings, name: str, **values: Any) -> dict[str, Any]:
     """The line of a file."""
     assert values.keys() <= _FILE.keys()
-    return plain({**_begun(settings, "file", name), **_FILE, **values})
+    line: dict[str, Any] = plain({**_begun(settings, "file", name), **_FILE, **values})
+    return line
 
 
-def of_hole(settings: Settings, name: str, result=None, **values) -> dict:
+def of_hole(settings: Settings, name: str, result: Any = None, **values: Any) -> dict[str, Any]:
     """The line of a hole: `result` is a Fill or a Refusal."""
     if isinstance(result, Refusal):
         values |= {"status": REFUSED, "reason": result.reason, "where": list(result.where)[:_WHERE]}
@@ -115,10 +117,11 @@ def of_hole(settings: Settings, name: str, result=None, **values) -> dict:
         values |= {"status": FILLED, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
         values |= reported(result.report.as_dict())
     assert values.keys() <= _HOLE.keys()
-    return plain({**_begun(settings, "hole", name), **_HOLE, **values})
+    line: dict[str, Any] = plain({**_begun(settings, "hole", name), **_HOLE, **values})
+    return line
 
 
-def reported(report: dict) -> dict:
+def reported(report: dict[str, Any]) -> dict[str, Any]:
     """What a line says of a fill's report."""
     values = {name: report.get(name) for name in _REPORTED}
     if not any(report.get("continuity") or ()):  # a fill without sides: no angle was measured, which is not 0
@@ -127,7 +130,7 @@ def reported(report: dict) -> dict:
     return values | {"fairing": report.get("fairing") or None} | ({} if cage else dict.fromkeys(_OF_CAGES))
 
 
-def outcome(holes: list[dict]) -> dict:
+def outcome(holes: list[dict[str, Any]]) -> dict[str, Any]:
     """What the line of a file says of its holes."""
     count = {status: sum(hole["status"] == status for hole in holes) for status in (FILLED, REFUSED, LEFT, LISTED)}
     folded = sum((hole["triangles_folded"] or 0) > 0 for hole in holes)

@@ -12,6 +12,7 @@ import signal
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from .. import __version__
 from . import inputs, job, record
@@ -32,7 +33,7 @@ class SchedulerError(RuntimeError):
 
 
 @contextlib.contextmanager
-def _a_keeper(settings: Settings):
+def _a_keeper(settings: Settings) -> Any:
     """One that is free in this worker: processes outlive a portion."""
     label = repr(settings)
     with _lock:
@@ -45,7 +46,7 @@ def _a_keeper(settings: Settings):
             free.append(keeper)
 
 
-def do_portion(portion: list[tuple[int, str, dict | None]], settings: Settings) -> list[tuple[int, dict]]:
+def do_portion(portion: list[tuple[int, str, dict[str, Any] | None]], settings: Settings) -> list[tuple[int, dict[str, Any]]]:
     """On a worker: (place, path, what was before) of files -> (place, entry)."""
     if settings.version != __version__:
         raise SchedulerError(f"The workers have TriPatch {__version__}, and {settings.version} is asked for")
@@ -54,7 +55,7 @@ def do_portion(portion: list[tuple[int, str, dict | None]], settings: Settings) 
 
 
 @contextlib.contextmanager
-def _deaf_to_ctrl_c():
+def _deaf_to_ctrl_c() -> Any:
     """Processes that are started meanwhile stay so: a terminal sends Ctrl-C to all, and this one ends the others in order."""
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -66,7 +67,7 @@ def _deaf_to_ctrl_c():
         signal.signal(signal.SIGINT, own)
 
 
-def _client(workers: int | None, address: str | None):
+def _client(workers: int | None, address: str | None) -> Any:
     try:
         import dask
         import distributed
@@ -99,7 +100,7 @@ def _client(workers: int | None, address: str | None):
     return distributed.Client(cluster), cluster
 
 
-def _given_up(k: int, file: Path, settings: Settings) -> tuple[int, dict]:
+def _given_up(k: int, file: Path, settings: Settings) -> tuple[int, dict[str, Any]]:
     name = file.relative_to(settings.root).as_posix()
     reason = "Every worker that was given it was lost"
     line = record.of_file(settings, name, sha256=job.sha256_of(file), status=record.CRASHED, reason=reason)
@@ -109,8 +110,8 @@ def _given_up(k: int, file: Path, settings: Settings) -> tuple[int, dict]:
 def run(
     files: Sequence[Path],
     settings: Settings,
-    before: Sequence[dict | None],
-    take: Callable[[list[tuple[int, dict]]], None],
+    before: Sequence[dict[str, Any] | None],
+    take: Callable[[list[tuple[int, dict[str, Any]]]], None],
     workers: int | None = None,
     address: str | None = None,
 ) -> None:
@@ -133,7 +134,7 @@ def run(
         parts.sort(key=lambda part: -sum(inputs.size(files[k]) for k in part))  # the longest first: no worker is last alone
         submitted = {}
 
-        def submit(places) -> object:
+        def submit(places: Any) -> object:
             task = [(k, str(files[k]), before[k]) for k in places]
             # a portion is never another's: its key counts, and results are not kept from run to run
             future = client.submit(do_portion, task, settings, pure=False, retries=settings.retries)

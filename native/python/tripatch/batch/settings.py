@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..options import OPTIONS
 
@@ -32,7 +33,7 @@ class Settings:
 
     root: str
     out: str
-    options: dict = field(default_factory=dict)
+    options: dict[str, Any] = field(default_factory=dict)
     version: str = ""
     mode: str = FILL
     time_limit: float | None = None
@@ -42,10 +43,10 @@ class Settings:
     blender: str = "blender"
     addon: str | None = None
 
-    def choosing(self) -> dict:
+    def choosing(self) -> dict[str, Any]:
         """The options that say which holes are meant."""
         return {name: value for name, value in self.options.items() if "choose_holes" in OPTIONS[name].functions}
 
-    def filling(self) -> dict:
+    def filling(self) -> dict[str, Any]:
         """The options that say how they are filled."""
         return {name: value for name, value in self.options.items() if "choose_holes" not in OPTIONS[name].functions}

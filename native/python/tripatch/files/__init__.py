@@ -14,23 +14,24 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
-from .mesh_file import FileError, MeshFile
+from .mesh_file import MeshFile
 from .obj import ObjFile
 from .off import OffFile
 from .off_binary import BinaryOffFile
 from .others import MeshioFile
 from .ply import PlyFile
 from .stl import StlFile
-from .writing import write_over
+from .writing import FileError, write_over
 
 __all__ = ["FileError", "MeshFile", "converted", "read", "write_over"]
 
 _BINARY = rb"(?:\xef\xbb\xbf)?[A-Zn4]*OFF[ \t]+BINARY\b"
-_OWN = {".obj": ObjFile, ".off": OffFile, ".ply": PlyFile, ".stl": StlFile}
+_OWN: dict[str, Any] = {".obj": ObjFile, ".off": OffFile, ".ply": PlyFile, ".stl": StlFile}
 
 
-def read(path) -> MeshFile:
+def read(path: Path) -> MeshFile:
     """Reads a mesh file, the format by its suffix.
 
     Raises:

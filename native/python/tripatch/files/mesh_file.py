@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .._types import Array, ArrayLike
 from .writing import FileError, write_over
 
 
@@ -17,7 +19,7 @@ class MeshFile:
         faces: index lists, the file's own, three corners or more each. What has fewer stays in the file, unread.
     """
 
-    def __init__(self, vertices: np.ndarray, faces: list) -> None:
+    def __init__(self, vertices: Array, faces: list[Any]) -> None:
         self.vertices = vertices
         self.faces = faces
         self._added = 0  # vertices
@@ -32,7 +34,7 @@ class MeshFile:
             raise FileError(f"Face {face} names a vertex that does not exist; there are {len(vertices)}")
         self._sizes, self._corners = sizes, corners
 
-    def append(self, fill) -> None:
+    def append(self, fill: Any) -> None:
         """Adds a `tripatch.Fill` of this mesh (one of several, in any order)."""
         n = len(self.vertices)
         faces = [[v if v < n else v + self._added for v in face] for face in fill.faces]
@@ -49,11 +51,11 @@ class MeshFile:
                         break
         self._added += len(fill.vertices)
 
-    def write(self, path) -> None:
+    def write(self, path: Path) -> None:
         """Writes the file as it was, with the fills added, in the format of the file that was read."""
         write_over(Path(path), self._save)
 
-    def _move(self, v: int, place: np.ndarray) -> None:
+    def _move(self, v: int, place: Array) -> None:
         """The file's own vertex v goes to another place."""
         raise NotImplementedError
 
@@ -61,14 +63,14 @@ class MeshFile:
         """The file's own face f gets the new vertex v after its corner `place`, the part t of the way to the next."""
         raise NotImplementedError
 
-    def _append(self, fill, faces: list[list[int]], near: np.ndarray, around: np.ndarray) -> None:
+    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         """near: for each new vertex the rim vertex that it takes after; around: the faces at the rim."""
         raise NotImplementedError
 
     def _save(self, path: Path) -> None:
         raise NotImplementedError
 
-    def _near(self, fill) -> np.ndarray:
+    def _near(self, fill: Any) -> Array:
         rim = np.asarray(fill.rim, np.int64)
         places = self.vertices[rim]
         near = np.empty(len(fill.vertices), np.int64)
@@ -78,11 +80,11 @@ class MeshFile:
                 near[start : start + 1024] = rim[((block[:, None] - places) ** 2).sum(axis=2).argmin(axis=1)]
         return near
 
-    def _around(self, rim) -> np.ndarray:
+    def _around(self, rim: ArrayLike) -> Array:
         rim = np.asarray(rim, np.int64)
         n = len(self.vertices)
 
-        def keys(a, b):
+        def keys(a: ArrayLike, b: ArrayLike) -> Any:
             return np.minimum(a, b) * n + np.maximum(a, b)
 
         following = np.roll(self._corners, -1)

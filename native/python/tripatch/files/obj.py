@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .._types import Array
 from . import writing
-from .mesh_file import FileError, MeshFile
+from .mesh_file import MeshFile
+from .writing import FileError
 
 _OBJ_STATE = (b"o", b"g", b"usemtl", b"s")
 
@@ -21,7 +25,7 @@ class ObjFile(MeshFile):
         self._vertex_lines, self._face_lines = [], []  # first and end
         self._counts: list[tuple[int, int, int]] = []  # of v, vt and vn before each face, for negative indices
         self._textures: list[list[bytes]] = []
-        self._changed: dict[int, tuple[int, list]] = {}  # faces that were split: place in `new`, corners
+        self._changed: dict[int, tuple[int, list[Any]]] = {}  # faces that were split: place in `new`, corners
         self._normals = 0
         if data.startswith((b"\xff\xfe", b"\xfe\xff")):
             raise FileError("The file is UTF-16 text; save it as UTF-8")
@@ -73,18 +77,18 @@ class ObjFile(MeshFile):
         super().__init__(np.array(vertices, float).reshape(-1, 3), faces)
 
     @classmethod
-    def of_mesh(cls, vertices, faces) -> ObjFile:
+    def of_mesh(cls, vertices: Array, faces: list[list[int]]) -> ObjFile:
         rows = [b"v " + writing.numbers(p) for p in vertices] + [
             b"f " + b" ".join(b"%d" % (v + 1) for v in face) for face in faces
         ]
         return cls(b"\n".join(rows) + b"\n")
 
-    def _move(self, v, place):
+    def _move(self, v: int, place: Array) -> None:
         start, end = self._vertex_lines[v]
         self._lines[start] = writing.with_numbers(b"".join(self._lines[start:end]), 1, [writing.number(x) for x in place])
         self._lines[start + 1 : end] = [b""] * (end - start - 1)
 
-    def _append(self, fill, faces, near, around):
+    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         new = self._new
         like = self._states[writing.most(self._state_of[f] for f in around)] if len(around) else {}
         for point, v in zip(fill.vertices, near):
@@ -109,7 +113,7 @@ class ObjFile(MeshFile):
                 self._new.append(wanted)
                 self._state = {**self._state, keyword: wanted}
 
-    def _split(self, f, place, v, t):
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
         # a face must not come before its vertices: it goes to the end, as it was
         if f not in self._changed:
             start, end = self._face_lines[f]
@@ -136,7 +140,7 @@ class ObjFile(MeshFile):
         corners.insert(place + 1, between)
         self._new[at] = b"f " + b" ".join(b"/".join(b"%d" % x if x else b"" for x in corner) for corner in corners)
 
-    def _save(self, path):
+    def _save(self, path: Path) -> None:
         data = b"".join(self._lines)
         with path.open("wb") as out:
             out.write(data)

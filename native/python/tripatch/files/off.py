@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .._types import Array
 from . import writing
-from .mesh_file import FileError, MeshFile
+from .mesh_file import MeshFile
+from .writing import FileError
 
 
 class OffFile(MeshFile):
@@ -55,39 +59,41 @@ class OffFile(MeshFile):
             raise FileError("The file is no OFF file with a vertex or face on each line") from None
         last = rows[n][0] + 1
         self._cut = last, (rows[n + m][0] + 1 if m else last)
-        self._new_vertices, self._new_faces, self._new_edges = [], [], 0
+        self._new_vertices: list[bytes] = []
+        self._new_faces: list[bytes] = []
+        self._new_edges = 0
         super().__init__(vertices, faces)
 
     @classmethod
-    def of_mesh(cls, vertices, faces) -> OffFile:
+    def of_mesh(cls, vertices: Array, faces: list[list[int]]) -> OffFile:
         rows = [b"OFF", b"%d %d 0" % (len(vertices), len(faces))] + [writing.numbers(p) for p in vertices]
         rows += [b"%d " % len(face) + b" ".join(b"%d" % v for v in face) for face in faces]
         return cls(b"\n".join(rows) + b"\n")
 
-    def _move(self, v, place):
+    def _move(self, v: int, place: Array) -> None:
         k = self._vertex_lines[v]
         self._lines[k] = writing.with_numbers(self._lines[k], 0, [writing.number(x) for x in place])
 
-    def _split(self, f, place, v, t):
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
         text = self._lines[self._face_lines[f]]
         words = list(re.finditer(rb"\S+", text))
         size, corner = words[0], words[1 + place]
         text = text[: corner.end()] + b" %d" % v + text[corner.end() :]
         self._lines[self._face_lines[f]] = text[: size.start()] + b"%d" % (int(size[0]) + 1) + text[size.end() :]
 
-    def _append(self, fill, faces, near, around):
+    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         for point, normal, v in zip(fill.vertices, fill.normals, near):
             rest = self._vertex_rest[v]
             if self._has_normals and len(rest) >= 3:
                 rest = [writing.numbers(normal), *rest[3:]]
             self._new_vertices.append(b" ".join([writing.numbers(point), *rest]))
-        rest = writing.most(self._face_rest[f] for f in around) if len(around) else ()
+        like = writing.most(self._face_rest[f] for f in around) if len(around) else ()
         for face in faces:
-            self._new_faces.append(b" ".join([b"%d" % len(face), *(b"%d" % v for v in face), *rest]))
+            self._new_faces.append(b" ".join([b"%d" % len(face), *(b"%d" % v for v in face), *like]))
         edges = {(min(a, b), max(a, b)) for face in faces for a, b in zip(face, face[1:] + face[:1])}
         self._new_edges += len(edges) - len(fill.rim)
 
-    def _save(self, path):
+    def _save(self, path: Path) -> None:
         lines = list(self._lines)
         text, comment_sign, comment = lines[self._counts_line].partition(b"#")
         added = iter((len(self._new_vertices), len(self._new_faces), self._new_edges if self._edges else 0))

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .._types import Array
 from . import writing
-from .mesh_file import FileError, MeshFile
+from .mesh_file import MeshFile
+from .writing import FileError
 
 #: What programs write, the documented form first: byte order, numbers of vertices, whether a face's colors follow its corners.
 #: Geomview: big-endian, floats, colors counted; pmp-library: as its machine has them, no colors.
@@ -40,7 +45,7 @@ class BinaryOffFile(MeshFile):
         self._new_faces: list[bytes] = []
         super().__init__(self._vertex_rows[:, :3].astype(float), [list(self._face_rows[k][0]) for k in self._row_of])
 
-    def _rows(self, body, width: int):
+    def _rows(self, body: memoryview, width: int) -> Any:
         """Rows of vertices (n, width), and of faces: corners, and the bytes of their colors. None where this is not the form."""
         if len(body) < 12:
             return None
@@ -67,16 +72,16 @@ class BinaryOffFile(MeshFile):
             at = end
         return (vertices, faces) if 4 * at == len(body) else None
 
-    def _row(self, face, colors: bytes) -> bytes:
+    def _row(self, face: Sequence[int], colors: bytes) -> bytes:
         return struct.pack(f"{self._order}{1 + len(face)}i", len(face), *face) + colors
 
-    def _move(self, v, place):
+    def _move(self, v: int, place: Array) -> None:
         self._vertex_rows[v, :3] = place
 
-    def _split(self, f, place, v, t):
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
         self._face_rows[self._row_of[f]][0].insert(place + 1, v)
 
-    def _append(self, fill, faces, near, around):
+    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         for point, normal, v in zip(fill.vertices, fill.normals, near):
             row = self._vertex_rows[v].copy()
             row[:3] = point
@@ -87,7 +92,7 @@ class BinaryOffFile(MeshFile):
         colors = writing.most(self._face_rows[self._row_of[f]][1] for f in around) if len(around) else none
         self._new_faces += [self._row(face, colors) for face in faces]
 
-    def _save(self, path):
+    def _save(self, path: Path) -> None:
         counts = (len(self._vertex_rows) + len(self._new_vertices), len(self._face_rows) + len(self._new_faces), self._edges)
         with path.open("wb") as out:
             out.write(self._head)

@@ -5,14 +5,17 @@ from __future__ import annotations
 import re
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .._types import Array
 from . import writing
-from .mesh_file import FileError, MeshFile
+from .mesh_file import MeshFile
+from .writing import FileError
 
 
-def _meshio(suffix: str):
+def _meshio(suffix: str) -> Any:
     try:
         import meshio
     except ImportError:
@@ -26,7 +29,7 @@ _SURFACE_CELLS = ("triangle", "quad", "polygon")
 class MeshioFile(MeshFile):
     """What meshio reads: points, cells of all kinds, and the data of both."""
 
-    def __init__(self, mesh, suffix: str, options: dict) -> None:
+    def __init__(self, mesh: Any, suffix: str, options: dict[str, Any]) -> None:
         self._mesh, self._suffix, self._options = mesh, suffix, options
         points = np.asarray(mesh.points, float)
         if points.ndim != 2 or points.shape[1] not in (2, 3):
@@ -43,7 +46,7 @@ class MeshioFile(MeshFile):
     @classmethod
     def of_path(cls, path: Path) -> MeshioFile:
         meshio = _meshio(path.suffix)
-        options = {}
+        options: dict[str, Any] = {}
         if path.suffix.lower() == ".vtk":
             with path.open("rb") as file:
                 head = [file.readline() for _ in range(3)]
@@ -57,23 +60,23 @@ class MeshioFile(MeshFile):
         return cls(mesh, path.suffix, options)
 
     @classmethod
-    def of_mesh(cls, vertices, faces, suffix: str) -> MeshioFile:
+    def of_mesh(cls, vertices: Array, faces: list[list[int]], suffix: str) -> MeshioFile:
         meshio = _meshio(suffix)
         return cls(meshio.Mesh(np.asarray(vertices, float), cls._blocks(faces)), suffix, {})
 
     @staticmethod
-    def _blocks(faces) -> list[tuple[str, np.ndarray]]:
-        by_size: dict[int, list] = {}
+    def _blocks(faces: list[list[int]]) -> list[tuple[str, Array]]:
+        by_size: dict[int, list[Any]] = {}
         for face in faces:
             by_size.setdefault(len(face), []).append(face)
         return [({3: "triangle", 4: "quad"}.get(k, "polygon"), np.array(rows, np.int64)) for k, rows in sorted(by_size.items())]
 
-    def _move(self, v, place):
+    def _move(self, v: int, place: Array) -> None:
         if self._mesh.points.dtype.kind != "f":
             self._mesh.points = self._mesh.points.astype(float)
         self._mesh.points[v] = place[: self._mesh.points.shape[1]]
 
-    def _split(self, f, place, v, t):
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
         meshio, mesh = _meshio(self._suffix), self._mesh
         (block, row), face = self._cell_of[f], list(self.faces[f])
         face.insert(place + 1, v)
@@ -93,7 +96,7 @@ class MeshioFile(MeshFile):
             self._cell_of = [(b - (b > block), k) for b, k in self._cell_of]
         self._mesh = meshio.Mesh(mesh.points, cells, point_data=mesh.point_data, cell_data=data, field_data=mesh.field_data)
 
-    def _append(self, fill, faces, near, around):
+    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         meshio, mesh = _meshio(self._suffix), self._mesh
         dtype = mesh.points.dtype if mesh.points.dtype.kind == "f" else float
         points = np.concatenate([mesh.points, np.asarray(fill.vertices, dtype)[:, : mesh.points.shape[1]]])
@@ -117,7 +120,7 @@ class MeshioFile(MeshFile):
             points, [*mesh.cells, *blocks], point_data=point_data, cell_data=cell_data, field_data=mesh.field_data
         )
 
-    def _save(self, path):
+    def _save(self, path: Path) -> None:
         meshio = _meshio(self._suffix)
         options = dict(self._options)
         form = options.pop("file_format", None) or meshio.extension_to_filetypes.get(self._suffix.lower(), [""])[0]

@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .._types import Array
 from . import writing
-from .mesh_file import FileError, MeshFile
+from .mesh_file import MeshFile
+from .writing import FileError
 
 _PLY_TYPES = {
     name: code
@@ -88,11 +92,11 @@ class PlyFile(MeshFile):
         faces = (rows if isinstance(rows, np.ndarray) else np.array(rows, object)).tolist() if len(rows) else []
         keep = [f for f, face in enumerate(faces) if len(face) >= 3]
         self._row_of = keep
-        self._changed: dict[int, list] = {}  # rows of faces that were split
+        self._changed: dict[int, list[Any]] = {}  # rows of faces that were split
         super().__init__(vertices, [[int(v) for v in faces[f]] for f in keep])
 
     @classmethod
-    def of_mesh(cls, vertices, faces) -> PlyFile:
+    def of_mesh(cls, vertices: Array, faces: list[list[int]]) -> PlyFile:
         head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
         head += "".join(f"property double {c}\n" for c in "xyz")
         size = "uchar" if max(map(len, faces), default=3) < 256 else "int"
@@ -104,10 +108,11 @@ class PlyFile(MeshFile):
 
     # Both readers set where the rows of all elements start, and return the columns of vertices and faces by place.
 
-    def _read_text(self):
-        self._lines = writing.lines(self._data[self._body :])
+    def _read_text(self) -> Any:
+        self._lines = writing.lines(bytes(self._data[self._body :]))
         filled = [k for k, line in enumerate(self._lines) if line.strip()]
-        first, columns = 0, {}
+        columns: dict[str, Any] = {}
+        first = 0
         for element in self._elements:
             places = filled[first : first + element.count]
             if len(places) < element.count:
@@ -116,32 +121,37 @@ class PlyFile(MeshFile):
             first += element.count
             if element is self._vertex:
                 if any(p[2] for p in element.properties):
-                    rows = [[self._text_row(element, k)[c] for c in self._xyz] for k in range(element.count)]
+                    table: Any = [[self._text_row(element, k)[c] for c in self._xyz] for k in range(element.count)]
                 else:
                     text = [self._lines[k].decode() for k in places]
-                    rows = np.loadtxt(text, usecols=self._xyz, ndmin=2, comments=None) if text else []
-                columns["vertex"] = dict(zip(self._xyz, np.array(rows, float).reshape(-1, 3).T))
+                    table = np.loadtxt(text, usecols=self._xyz, ndmin=2, comments=None) if text else []
+                columns["vertex"] = dict(zip(self._xyz, np.array(table, float).reshape(-1, 3).T))
             elif element is self._face:
                 columns["face"] = {self._index: [self._text_row(element, k)[self._index] for k in range(element.count)]}
         return columns["vertex"], columns["face"]
 
-    def _text_row(self, element: _PlyElement, k: int) -> list:
-        words, at, row = self._lines[element.starts[k]].split(), 0, []
-        for _, kind, list_kind in element.properties:
-            count = 1
-            if list_kind:
-                count = int(words[at])
-                if count < 0:
+    def _text_row(self, element: _PlyElement, k: int) -> list[Any]:
+        line = self._lines[element.starts[k]]
+        words, at, row = line.split(), 0, []
+        try:
+            for _, kind, list_kind in element.properties:
+                count = 1
+                if list_kind:
+                    count = int(words[at])
+                    if count < 0:
+                        raise ValueError
+                    at += 1
+                if len(words) < at + count:
                     raise ValueError
-                at += 1
-            if len(words) < at + count:
-                raise ValueError
-            values = [float(w) if kind in "fd" else int(w) for w in words[at : at + count]]
-            row.append(values if list_kind else values[0])
-            at += count
+                values = [float(w) if kind in "fd" else int(w) for w in words[at : at + count]]
+                row.append(values if list_kind else values[0])
+                at += count
+        except (ValueError, IndexError):  # of a vertex only the position was read before
+            said = line.strip().decode(errors="replace")[:60]
+            raise FileError(f"Row {k} of the {element.name} elements is not what the PLY header says: {said}") from None
         return row
 
-    def _read_binary(self):
+    def _read_binary(self) -> Any:
         at, columns = self._body, {}
         for element in self._elements:
             at, rows = self._binary_rows(element, at)
@@ -149,14 +159,14 @@ class PlyFile(MeshFile):
                 columns[element.name] = rows
         return columns["vertex"], columns["face"]
 
-    def _binary_rows(self, element: _PlyElement, at: int):
+    def _binary_rows(self, element: _PlyElement, at: int) -> Any:
         data, order = self._data, self._order
         if element.count == 0:
             element.starts = [at]
             return at, [[]] * len(element.properties)
         # all rows as long as the first, as where all faces are triangles: one block
         first, _ = self._binary_row(element, at)
-        fields = []
+        fields: list[Any] = []
         for k, ((_, kind, list_kind), value) in enumerate(zip(element.properties, first)):
             if list_kind:
                 fields.append((f"n{k}", order + list_kind))
@@ -164,11 +174,11 @@ class PlyFile(MeshFile):
         block = np.dtype(fields)
         end = at + block.itemsize * element.count
         if end <= len(data):
-            rows = np.frombuffer(data, block, element.count, at)
+            table = np.frombuffer(data, block, element.count, at)
             lists = [k for k, p in enumerate(element.properties) if p[2]]
-            if all((rows[f"n{k}"] == len(first[k])).all() for k in lists):
+            if all((table[f"n{k}"] == len(first[k])).all() for k in lists):
                 element.starts = range(at, end + 1, block.itemsize)
-                return end, [rows[f"p{k}"] for k in range(len(element.properties))]
+                return end, [table[f"p{k}"] for k in range(len(element.properties))]
         starts, rows = [at], []
         for _ in range(element.count):
             row, at = self._binary_row(element, at)
@@ -177,7 +187,7 @@ class PlyFile(MeshFile):
         element.starts = starts
         return at, list(zip(*rows))
 
-    def _binary_row(self, element: _PlyElement, at: int) -> tuple[list, int]:
+    def _binary_row(self, element: _PlyElement, at: int) -> tuple[list[Any], int]:
         row = []
         for _, kind, list_kind in element.properties:
             count = 1
@@ -190,10 +200,10 @@ class PlyFile(MeshFile):
             row.append(values if list_kind else values[0])
         return row, at
 
-    def _row(self, element: _PlyElement, k: int) -> list:
+    def _row(self, element: _PlyElement, k: int) -> list[Any]:
         return list(self._binary_row(element, element.starts[k])[0] if self._order else self._text_row(element, k))
 
-    def _encode(self, element: _PlyElement, row: list) -> bytes:
+    def _encode(self, element: _PlyElement, row: list[Any]) -> bytes:
         parts = []
         for (_, kind, list_kind), value in zip(element.properties, row):
             values = value if list_kind else [value]
@@ -216,7 +226,7 @@ class PlyFile(MeshFile):
                 parts += [str(v).encode() for v in values]
         return b"".join(parts) if self._order else b" ".join(parts) + self._eol
 
-    def _move(self, v, place):
+    def _move(self, v: int, place: Array) -> None:
         vertex, start = self._vertex, self._vertex.starts[v]
         row = self._row(vertex, v)
         for k, value in zip(self._xyz, place):
@@ -230,7 +240,7 @@ class PlyFile(MeshFile):
             first = sum(1 + len(value) if p[2] else 1 for p, value in zip(vertex.properties[:k], row))
             self._lines[start] = writing.with_numbers(self._lines[start], first, [words[first]])
 
-    def _split(self, f, place, v, t):
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
         k, size = self._row_of[f], len(self.faces[f])
         row = self._changed.get(k) or self._row(self._face, k)
         for p, (_, kind, list_kind) in enumerate(self._face.properties):
@@ -246,7 +256,7 @@ class PlyFile(MeshFile):
                 row[p] = values
         self._changed[k] = row
 
-    def _append(self, fill, faces, near, around):
+    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         vertex, face = self._vertex, self._face
         normal = [vertex.index(c) for c in _PLY_NORMAL]
         for point, direction, v in zip(fill.vertices, fill.normals, near):
@@ -257,22 +267,23 @@ class PlyFile(MeshFile):
                 if k >= 0:
                     row[k] = float(value)
             vertex.new.append(self._encode(vertex, row))
-        empty = [[] if p[2] else 0 for p in face.properties]
-        like = empty
+        like: list[Any] = [[] if p[2] else 0 for p in face.properties]
         if len(around):  # lists, such as texture coordinates by corner, are not what a neighbor can give
             rows = (self._row(face, self._row_of[f]) for f in around)
-            like = list(writing.most(tuple(() if p[2] else x for p, x in zip(face.properties, row)) for row in rows))
+            plain: list[tuple[Any, ...]] = [tuple(() if p[2] else x for p, x in zip(face.properties, row)) for row in rows]
+            like = list(writing.most(plain))
         for corners in faces:
             row = list(like)
             row[self._index] = corners
             face.new.append(self._encode(face, row))
 
-    def _save(self, path):
-        head = self._data[: self._body]
-        pieces, body = [], self._data[self._body :] if self._order else b""
+    def _save(self, path: Path) -> None:
+        head, pieces = bytes(self._data[: self._body]), list[bytes]()
+        body = bytes(self._data[self._body :]) if self._order else b""
         for element in self._elements:
             pattern = rb"(?<![^\r\n])([ \t]*element[ \t]+" + re.escape(element.name.encode("latin-1")) + rb"[ \t]+)\d+"
-            head = re.sub(pattern, lambda m, e=element: m[1] + b"%d" % (e.count + len(e.new)), head, count=1)
+            count = b"%d" % (element.count + len(element.new))
+            head = re.sub(pattern, rb"\g<1>" + count, head, count=1)
         at = 0
         for element in self._elements:
             end = element.starts[-1] - (self._body if self._order else 0) if element.count else at
@@ -281,7 +292,7 @@ class PlyFile(MeshFile):
                 first, after = (
                     (end, end) if k is None else (x - (self._body if self._order else 0) for x in element.starts[k : k + 2])
                 )
-                pieces.append(bytes(body[at:first]) if self._order else b"".join(self._lines[at:first]))
+                pieces.append(body[at:first] if self._order else b"".join(self._lines[at:first]))
                 pieces += [] if k is None else [self._encode(element, rows[k])]
                 at = after
             last = next((piece for piece in reversed(pieces) if piece), b"\n")

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import re
 import struct
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .._types import Array
 from . import writing
-from .mesh_file import FileError, MeshFile
+from .mesh_file import MeshFile
+from .writing import FileError
 
 
-def _corner_triangles(faces):
+def _corner_triangles(faces: list[list[int]]) -> Any:
     return [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)]
 
 
@@ -22,7 +26,8 @@ class StlFile(MeshFile):
     """STL, binary and text: triangles are added after the last one. Corners at the same place, to the bit, are one vertex."""
 
     def __init__(self, data: bytes) -> None:
-        self._data, self._new = data, []
+        self._data = data
+        self._new: list[tuple[Array, Array]] = []  # normal, corners
         count = int.from_bytes(data[80:84], "little")
         self._binary = len(data) >= 84 and len(data) == 84 + 50 * count  # many binary files start with "solid", too
         if self._binary:
@@ -46,24 +51,24 @@ class StlFile(MeshFile):
         super().__init__(corners[first[order]].reshape(-1, 3), rank[inverse.reshape(-1)].reshape(-1, 3).tolist())
 
     @classmethod
-    def of_mesh(cls, vertices, faces) -> StlFile:
+    def of_mesh(cls, vertices: Array, faces: list[list[int]]) -> StlFile:
         stl = cls(b"STL".ljust(80) + struct.pack("<I", 0))
         stl._add(np.asarray(vertices, float)[np.array(_corner_triangles(faces), int).reshape(-1, 3)])
         MeshFile.__init__(stl, vertices, faces)  # numbered as given, not by first use
         return stl
 
-    def _move(self, v, place):
+    def _move(self, v: int, place: Array) -> None:
         raise FileError("An STL file has a copy of a vertex for every triangle and none is moved; write another format")
 
-    def _split(self, f, place, v, t):
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
         raise FileError("An STL file holds triangles, and one with a split edge is none; write another format")
 
-    def _append(self, fill, faces, near, around):
+    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         triangles = np.array(_corner_triangles(fill.faces), int).reshape(-1, 3)
         places = np.concatenate([self.vertices, fill.vertices])
         self._add(places[triangles])
 
-    def _add(self, triangles):
+    def _add(self, triangles: Array) -> Any:
         normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         length = np.linalg.norm(normal, axis=1, keepdims=True)
         self._new += list(zip(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0), triangles))
@@ -81,8 +86,9 @@ class StlFile(MeshFile):
             text += [b"  facet normal " + writing.numbers(normal), b"    outer loop"]
             text += [b"      vertex " + writing.numbers(p) for p in corners]
             text += [b"    endloop", b"  endfacet"]
+        assert self._end is not None
         at = self._end.start()
         return self._data[:at] + b"".join(line + eol for line in text) + self._data[at:]
 
-    def _save(self, path):
+    def _save(self, path: Path) -> None:
         path.write_bytes(self._bytes())

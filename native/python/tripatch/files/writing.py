@@ -10,9 +10,11 @@ import shutil
 import stat
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import TypeVar
 
+Value = TypeVar("Value")
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # some editors put it before UTF-8
 
 
@@ -54,7 +56,7 @@ def write_over(path: Path, save: Callable[[Path], None]) -> None:
         raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
 
 
-def most(values):
+def most(values: Iterable[Value]) -> Value:
     """The most frequent, the first of equals."""
     return Counter(values).most_common(1)[0][0]
 
@@ -63,11 +65,11 @@ def number(x: float) -> bytes:
     return repr(float(x)).encode()
 
 
-def numbers(row) -> bytes:
+def numbers(row: Iterable[float]) -> bytes:
     return b" ".join(map(number, row))
 
 
-def with_numbers(text: bytes, first: int, values) -> bytes:
+def with_numbers(text: bytes, first: int, values: Sequence[bytes]) -> bytes:
     """A line, or several that continue it, with other numbers from word `first` on; what is between the words stays."""
     words = list(re.finditer(rb"(?:(?!\\\r?\n)\S)+", text))[first : first + len(values)]
     for word, value in reversed(list(zip(words, values))):

@@ -1,0 +1,125 @@
+"""The compiled core (native/bindings): what the package passes on to it. What a user may call is in __init__.pyi."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from . import BezierRectangle as BezierRectangle
+from . import BezierTriangle as BezierTriangle
+from . import Choice as Choice
+from . import Floats, Indices
+from . import Method as Method
+from . import NurbsSurface as NurbsSurface
+from . import Option as Option
+from . import Patch as Patch
+from . import Report as Report
+from . import Side as Side
+from . import SmoothMesh as SmoothMesh
+from . import SzilvasiNagyPatch as SzilvasiNagyPatch
+from .errors import Refusal
+
+# of the compiled classes, what the functions that the package gives them call
+class AttributeWeights:
+    ends: Indices
+    weights: Floats
+    nearest: Indices
+    __call__: Callable[..., Floats]
+    def __init__(self, rim: Floats, inside: Floats) -> None: ...
+    def _blend(self, values: Floats) -> Floats: ...
+
+class RectangleSurface:
+    domain: tuple[float, float, float, float]
+    evaluate: Callable[..., Any]
+    def _evaluate(self, uv: Floats, derivatives: int) -> Any: ...
+
+class PolygonPatch(Patch):
+    domain: Floats
+
+class Subdivision:
+    loop: bool
+    preserve_corners: bool
+    quality: int | None
+    use_limit_surface: bool
+    level: int
+    crease_edges: list[list[int]]
+    edge_creases: list[float]
+    crease_vertices: list[int]
+    vertex_creases: list[float]
+    loose_vertices: list[int]
+    def __init__(self, other: Subdivision = ...) -> None: ...
+
+class Filled:
+    """A fill as the core returns it: `Fill` wraps it."""
+
+    vertices: Floats
+    normals: Floats
+    barycentric: Floats
+    rim_normals: Floats
+    rim_barycentric: Floats
+    uv: Floats | None
+    rim_uv: Floats | None
+    deviation: Floats | None
+    moved: Indices
+    moved_to: Floats
+    creases: list[list[int]]
+    feature_edges: list[list[int]]
+    split_edges: list[list[int]]
+    split_t: list[float]
+    border: Indices
+    rim: Indices
+    face_offsets: Indices
+    face_corners: Indices
+    patch: Patch
+    sides: list[Side]
+    report: Report
+
+class CoonsKind: ...
+class NormalCurve: ...
+
+surrounding_rings: int
+
+_Options = Mapping[str, Any]
+
+def _options() -> dict[str, Option]: ...
+def _methods() -> dict[str, Method]: ...
+def _fill(vertices: Floats, offsets: Indices, corners: Indices, options: _Options) -> Filled: ...
+def _fill_all(
+    vertices: Floats,
+    offsets: Indices,
+    corners: Indices,
+    rims: Sequence[Sequence[int]],
+    options: _Options,
+    by_rim: Sequence[Sequence[int] | None],
+    progress: Callable[[int, int], object] | None,
+) -> list[Filled | Refusal]: ...
+def _find_holes(offsets: Indices, corners: Indices) -> list[Indices]: ...
+def _choose_holes(vertices: Floats, offsets: Indices, corners: Indices, options: _Options) -> list[Indices]: ...
+def _find_corners(
+    vertices: Floats, offsets: Indices, corners: Indices, rim: Sequence[int], replaced: Sequence[int], any_number: bool
+) -> list[int]: ...
+def _is_outer_border(vertices: Floats, offsets: Indices, corners: Indices, rim: Sequence[int]) -> bool: ...
+def _mesh_sides(
+    vertices: Floats, offsets: Indices, corners: Indices, rim: Sequence[int], at: Sequence[int]
+) -> tuple[list[Side], list[list[float]], float]: ...
+def _patch(sides: Sequence[Side], options: _Options) -> tuple[Patch, list[str]]: ...
+def _blend(surfaces: Sequence[Patch], method: str, options: _Options) -> Patch: ...
+def _round_patch(side: Side, options: _Options) -> tuple[Patch, list[str], float]: ...
+def _polygon_patch(
+    sides: Sequence[Side], options: _Options, through: Sequence[tuple[list[float], list[float] | None]]
+) -> tuple[Patch, list[str], float]: ...
+def _triangles(patch: Patch, parameters: Sequence[Sequence[float]], resolution: int | None) -> tuple[Floats, list[list[int]]]: ...
+def _polygon_triangles(
+    patch: Patch, parameters: Sequence[Sequence[float]], resolution: int | None
+) -> tuple[Floats, list[list[int]]]: ...
+def _vertex_normals(vertices: Floats, offsets: Indices, corners: Indices, corner_normals: Floats) -> Floats: ...
+def _angles(a: Floats, b: Floats) -> Floats: ...
+def _sample_limit(
+    vertices: Floats, offsets: Indices, corners: Indices, settings: Subdivision, first: int, level: int
+) -> tuple[Floats, Indices]: ...
+def _sides_from_normals(points: Floats, normals: Floats, curve: NormalCurve) -> tuple[Side, Side, Side]: ...
+def _smits_patch(points: Floats, normals: Floats) -> Patch: ...
+def _smooth_triangles(
+    vertices: Floats, offsets: Indices, corners: Indices, normals: Floats | None, resolution: int, curve: NormalCurve
+) -> SmoothMesh: ...
+def _coons_bezier(curves: Sequence[Floats], kind: CoonsKind, alpha: float | None) -> tuple[BezierTriangle, list[str]]: ...
+def _coons_rectangle(boundary: BezierRectangle, alpha: float | None) -> BezierRectangle: ...
+def _coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool) -> float: ...
