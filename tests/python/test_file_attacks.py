@@ -108,6 +108,43 @@ def test_counts_in_ply_that_cannot_be(form, change, tmp_path):
         files.read(path)
 
 
+def octahedron_ply(head="", red="7", element="element face 7") -> bytes:
+    """A text of all faces but one, with a color at the vertices."""
+    head = f"ply\nformat ascii 1.0\n{head}element vertex 6\n" + "".join(f"property float {c}\n" for c in "xyz")
+    head += f"property uchar red\n{element}\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = [f"{x} {y} {z} {red}" for x, y, z in OCTAHEDRON] + [f"3 {a} {b} {c}" for a, b, c in SEVEN]
+    return (head + "\n".join(rows) + "\n").encode("latin-1")
+
+
+@pytest.mark.parametrize("red", ["", "x", "7.5"])
+def test_a_vertex_that_the_header_does_not_describe_is_named(red, tmp_path, capsys):
+    """Found by fuzzing: positions were read, and it ended without a word when a new vertex was to have the color of an old."""
+    path, out = tmp_path / "a.ply", tmp_path / "out.ply"
+    path.write_bytes(octahedron_ply(red=red))
+    assert main(["fill", str(path), str(out), "--resolution", "3"]) == 2
+    assert "vertex elements is not what the PLY header says" in capsys.readouterr().err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    "change", [{"head": "comment element vertex 9\n"}, {"head": "element vertex 0\n"}, {"element": "element\tface  7"}]
+)
+def test_the_counts_of_a_ply_header_are_those_that_were_read(change, tmp_path):
+    """Found by fuzzing: of two elements of one name the wrong count went up."""
+    path = tmp_path / "a.ply"
+    path.write_bytes(octahedron_ply(**change))
+    assert main(["fill", str(path), str(path)]) == 0
+    assert len(files.read(path).faces) == 7 + ADDED
+
+
+def test_a_ply_header_is_split_at_the_blanks_of_its_rows(tmp_path):
+    """Found by fuzzing: a no-break space parted words when it was read, and did not when it was written."""
+    path = tmp_path / "a.ply"
+    path.write_bytes(octahedron_ply(element="element\xa0face 7"))
+    with pytest.raises(FileError):
+        files.read(path)
+
+
 # ---------------------------------------------------------------------------------------------------- binary OFF
 
 

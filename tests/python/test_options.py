@@ -94,3 +94,29 @@ def test_the_stubs_follow():
     text = script["STUB"].read_text()
     assert script["written"](text) == text
     assert script["written"](text.replace("    tension: float = 0.0,\n", "")) == text
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"bulge": 10**400},
+        {"bulge": [1, 10**400, 1]},
+        {"pole_offset": (10**400, 0)},
+        {"pole_offset": {}},
+        {"rim": [2**63, 2**63 + 1]},
+        {"replaced": [2**64 - 1]},
+        {"islands": 3},
+        {"islands": [[2**63]]},
+        {"subdivision": 5, "output": "cage"},
+        {"subdivision": [1], "output": "cage"},
+        {"subdivision": {"edge_creases": 3}, "output": "cage"},
+        {"subdivision": {"edge_creases": ([[0, 1]], ["a"])}, "output": "cage"},
+        {"subdivision": {"vertex_creases": ([2**63], [1])}, "output": "cage"},
+    ],
+    ids=str,
+)
+def test_values_of_any_kind_are_refused_by_name(given):
+    """Found by fuzzing: numbers beyond 64 bits ended in an OverflowError or what the binding says, others without a name."""
+    with pytest.raises((TypeError, ValueError), match=f"{next(iter(given))}|creases") as caught:
+        options.checked("fill", given)
+    assert caught.type in (TypeError, ValueError) and "incompatible function" not in str(caught.value)

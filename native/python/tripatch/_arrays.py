@@ -78,6 +78,8 @@ def indices(value: Any, name: str) -> list[int]:
         raise ValueError(f"{name} must be a list of indices, not of shape {a.shape}")
     if a.size and a.dtype.kind not in "iu":
         raise TypeError(f"{name} must hold indices (integers), not {a.dtype}")
+    if a.dtype.kind == "u" and a.size and a.max() > np.iinfo(np.int64).max:
+        raise ValueError(f"{name} holds {a.max()}, which is larger than any index")
     found: list[int] = a.tolist()
     return found
 

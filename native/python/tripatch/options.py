@@ -7,7 +7,7 @@ import inspect
 import numbers
 import textwrap
 import types
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -66,17 +66,27 @@ def _whole(value: Any, option: Option) -> Any:
     return [whole(each, option.name, option.range.least, option.range.most) for each in numbers_given]
 
 
+def _float(value: Any, name: str) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{name} must be finite, and a whole number of so many digits is beyond all floats") from None
+
+
 def _number(value: Any, option: Option) -> Any:
     if option.by_side:
-        return [float(x) for x in _arrays.by_side(value, option.name, numbers.Real)]
+        return [_float(x, option.name) for x in _arrays.by_side(value, option.name, numbers.Real)]
     if option.count > 1:
-        numbers_given = np.asarray(value, dtype=float)
+        try:
+            numbers_given = np.asarray(value, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            raise TypeError(f"{option.name} must be {option.count} numbers, not {value!r:.60}") from None
         if numbers_given.shape != (option.count,) or not np.isfinite(numbers_given).all():
             raise ValueError(f"{option.name} must be {option.count} numbers")
         return numbers_given.tolist()
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise TypeError(f"{option.name} must be a number{' or None' * option.optional}, not {value!r}")
-    return float(value)
+    return _float(value, option.name)
 
 
 def names(option: Option) -> tuple[str, ...]:
@@ -104,6 +114,8 @@ def _indices(value: Any, option: Option) -> list[int]:
 
 
 def _loops(value: Any, option: Option) -> list[list[int]]:
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise TypeError(f"{option.name} must be lists of vertex indices, not {value!r:.60}")
     return [_arrays.indices(loop, option.name) for loop in value]
 
 
@@ -121,11 +133,15 @@ def _creases(value: Any, name: str, width: int) -> tuple[list[Any], list[float]]
     """(indices, values) of creases as lists, checked."""
     if value is None:
         return [], []
-    places, values = (np.asarray(part) for part in value)
+    try:
+        places, values = (np.asarray(part) for part in value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a pair: indices, and one value each, not {value!r:.60}") from None
     if places.size == 0:
         return [], []
-    if places.dtype.kind not in "iu":
-        raise TypeError(f"{name} must hold vertex indices (integers), not {places.dtype}")
+    if places.dtype.kind not in "iu" or values.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must hold vertex indices (integers) and numbers, not {places.dtype} and {values.dtype}")
+    _arrays.indices(places.ravel(), name)
     if places.shape[1:] != (() if width == 1 else (width,)) or values.shape != places.shape[:1]:
         raise ValueError(f"{name} must be indices and one value each, not of shapes {places.shape} and {values.shape}")
     if not ((values >= 0) & (values <= 1)).all():
@@ -133,8 +149,10 @@ def _creases(value: Any, name: str, width: int) -> tuple[list[Any], list[float]]
     return places.tolist(), values.astype(float).tolist()
 
 
-def subdivision(settings: dict[str, Any] | None, level: int = 2) -> _native.Subdivision:
+def subdivision(settings: Mapping[str, Any] | None, level: int = 2) -> _native.Subdivision:
     """The settings of a Subdivision modifier of that level, as the core reads them."""
+    if not isinstance(settings, Mapping | None):
+        raise TypeError(f"subdivision must be a dict of settings, not {settings!r:.60}")
     given = {} if settings is None else dict(settings)
     s = _native.Subdivision()
     s.loop = choice(given.pop("scheme", "catmull_clark"), "scheme", ("catmull_clark", "loop")) == "loop"

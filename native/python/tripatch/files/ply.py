@@ -37,6 +37,7 @@ _PLY_NORMAL = ("nx", "ny", "nz")
 class _PlyElement:
     def __init__(self, name: str, count: int) -> None:
         self.name, self.count = name, count
+        self.count_at = (0, 0)  # bytes of the header that say it
         self.properties: list[tuple[str, str, str | None]] = []  # name, type, type of the count of a list
         self.starts: Sequence[int] = ()  # of every row and of the end: bytes, or lines of a text
         self.new: list[bytes] = []
@@ -55,13 +56,15 @@ class PlyFile(MeshFile):
         self._data, self._eol = bytearray(data), end[1]
         self._elements: list[_PlyElement] = []
         form = ""
-        for line in data[: end.start()].decode("latin-1").splitlines()[1:]:
-            words = line.split()
+        for line in re.finditer(rb"[^\r\n]+", data[: end.start()]):
+            places = [*re.finditer(rb"\S+", line[0])]  # what bytes call white, as the rows below
+            words = [place[0].decode("latin-1") for place in places]
             try:
                 if words[:1] == ["format"]:
                     form = words[1]
                 elif words[:1] == ["element"]:
                     self._elements.append(_PlyElement(words[1], int(words[2])))
+                    self._elements[-1].count_at = (line.start() + places[2].start(), line.start() + places[2].end())
                     if self._elements[-1].count < 0:
                         raise ValueError
                 elif words[:2] == ["property", "list"]:
@@ -69,7 +72,8 @@ class PlyFile(MeshFile):
                 elif words[:1] == ["property"]:
                     self._elements[-1].properties.append((words[2], _PLY_TYPES[words[1]], None))
             except (LookupError, ValueError):
-                raise FileError(f"The PLY header has a line that cannot be understood: {line.strip()[:60]}") from None
+                said = line[0].decode("latin-1").strip()[:60]
+                raise FileError(f"The PLY header has a line that cannot be understood: {said}") from None
         if form not in ("ascii", "binary_little_endian", "binary_big_endian"):
             raise FileError(f"The PLY format {form or '(none given)'} is not known")
         self._order = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}[form]
@@ -280,10 +284,9 @@ class PlyFile(MeshFile):
     def _save(self, path: Path) -> None:
         head, pieces = bytes(self._data[: self._body]), list[bytes]()
         body = bytes(self._data[self._body :]) if self._order else b""
-        for element in self._elements:
-            pattern = rb"(?<![^\r\n])([ \t]*element[ \t]+" + re.escape(element.name.encode("latin-1")) + rb"[ \t]+)\d+"
-            count = b"%d" % (element.count + len(element.new))
-            head = re.sub(pattern, rb"\g<1>" + count, head, count=1)
+        for element in reversed(self._elements):
+            first, end = element.count_at
+            head = head[:first] + b"%d" % (element.count + len(element.new)) + head[end:]
         at = 0
         for element in self._elements:
             end = element.starts[-1] - (self._body if self._order else 0) if element.count else at
