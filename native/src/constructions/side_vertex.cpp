@@ -5,7 +5,7 @@
 namespace tripatch {
 namespace {
 
-class SideVertex final : public JetSurface<SideVertex> {
+class SideVertex final : public PackedSurface<SideVertex> {
 public:
   SideVertex(const Boundary& boundary, RayDegree degree)
       : rays_{VertexRay(boundary, 0, degree), VertexRay(boundary, 1, degree), VertexRay(boundary, 2, degree)} {}
@@ -19,6 +19,20 @@ public:
     for (int i = 0; i < 3; ++i) p += w[i] * rays_[i].at(b);
     return p;
   }
+
+#ifdef TRIPATCH_PACKS
+  template <int N>
+  TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
+    PackJet<N> w[3];
+    side_weights<2>(b, w);
+    PackPoint<N> p = {};
+    for (int i = 0; i < 3; ++i) {
+      const PackPoint<N> ray = rays_[i].at(b);
+      for (int x = 0; x < 3; ++x) p.x[x] += w[i] * ray.x[x];
+    }
+    return p;
+  }
+#endif
 
 private:
   std::array<VertexRay, 3> rays_;

@@ -5,19 +5,23 @@
 #include <memory>
 #include <mutex>
 
+#include "tripatch/patch/packs.h"
+
 namespace tripatch {
 namespace {
 
-class Correction final : public JetSurface<Correction> {
+class Correction final : public PackedSurface<Correction> {
 public:
   Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients)
       : slopes_(std::move(slopes)), degree_(degree), inside_(coefficients.topRows(BezierTriangle::net_size(degree))) {
+    for (int i = 0; i < 3; ++i) packed_slopes_[i] = PackedField(slopes_[i]);
     const std::vector<double> factor = multinomials(degree);
     for (Index k = 0; k < inside_.rows(); ++k) inside_.row(k) *= factor[k];
     if (second_cross == 0) return;
     for (int i = 0; i < 3; ++i) {
       const Points of_side = coefficients.middleRows(inside_.rows() + i * second_cross, second_cross);
       second_cross_[i] = PiecewisePolynomial::bezier({of_side.data(), static_cast<std::size_t>(of_side.size())}, 3);
+      packed_second_cross_[i] = PackedField(second_cross_[i]);
     }
   }
 
@@ -39,8 +43,52 @@ public:
     return p;
   }
 
+#ifdef TRIPATCH_PACKS
+  template <int N>
+  TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
+    PackPoint<N> p = inside(b);
+    const PackJet<N> over = square(27.0 * (b[0] * b[1] * b[2]));
+    PackJet<N> weights[3], cubic_weights[3];
+    side_weights<2>(b, weights);
+    side_weights<3>(b, cubic_weights);
+    for (int x = 0; x < 3; ++x) p.x[x] = over * p.x[x];
+    for (int i = 0; i < 3; ++i) {
+      const PackJet<N> t = ray_parameter(b, i), s = b[(i + 1) % 3] + b[(i + 2) % 3];
+      add(-1.0 * (weights[i] * (square(s) * b[i])), packed_slopes_[i].at(t), p);
+      if (!second_cross_[i].empty()) add(0.5 * (square(b[i]) * cubic_weights[i]), packed_second_cross_[i].at(t), p);
+    }
+    return p;
+  }
+#endif
+
 private:
+#ifdef TRIPATCH_PACKS
+  template <int N>
+  TRIPATCH_PACKED_INLINE static void add(const PackJet<N>& kernel, const PackPoint<N>& field, PackPoint<N>& sum) {
+    for (int x = 0; x < 3; ++x) sum.x[x] += kernel * field.x[x];
+  }
+
+  /// What the bubble multiplies.
+  template <int N>
+  TRIPATCH_PACKED_INLINE PackPoint<N> inside(const PackBarycentric<N>& b) const {
+    PackJet<N> power[3][highest_interior + 1] = {};
+    for (int i = 0; i < 3; ++i) {
+      power[i][0].c[0] = all_lanes(1);
+      for (int k = 1; k <= degree_; ++k) power[i][k] = power[i][k - 1] * b[i];
+    }
+    PackPoint<N> p = {};
+    const double* a = inside_.data();
+    for (int i = degree_; i >= 0; --i)
+      for (int j = degree_ - i; j >= 0; --j, a += 3) {
+        const PackJet<N> f = power[0][i] * (power[1][j] * power[2][degree_ - i - j]);
+        for (int x = 0; x < 3; ++x) p.x[x] += a[x] * f;
+      }
+    return p;
+  }
+#endif
+
   std::array<PiecewisePolynomial, 3> slopes_, second_cross_;  // second_cross_: empty where there are none
+  std::array<PackedField, 3> packed_slopes_, packed_second_cross_;
   int degree_;
   Points inside_;  // by monomials of b
 };

@@ -2,7 +2,8 @@
 
 namespace tripatch {
 
-VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree) : i_(i), degree_(degree), ribbon_(boundary.ribbons[i]) {
+VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree)
+    : i_(i), degree_(degree), ribbon_(boundary.ribbons[i]), packed_c_(ribbon_.c), packed_d_(ribbon_.d) {
   const auto& ribbons = boundary.ribbons;
   for (int k = 0; k < 3; ++k) corner_[k] = ribbons[(k + 2) % 3].c(0);
   // towards corner i + 1 along side i + 2, towards corner i + 2 back along side i + 1

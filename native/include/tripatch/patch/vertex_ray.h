@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/patch/packs.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
@@ -29,7 +30,91 @@ public:
     }
   }
 
+#ifdef TRIPATCH_PACKS
+  /// The same of four points.
+  template <int N>
+  TRIPATCH_PACKED_INLINE PackPoint<N> at(const PackBarycentric<N>& b) const {
+    return degree_ == RayDegree::quintic ? at<N, RayDegree::quintic>(b)
+           : degree_ == RayDegree::cubic ? at<N, RayDegree::cubic>(b)
+                                         : at<N, RayDegree::quadratic>(b);
+  }
+#endif
+
 private:
+#ifdef TRIPATCH_PACKS
+  template <int N, RayDegree Degree>
+  TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
+    const PackJet<N> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3], t = ray_parameter(b, i_);
+    const Pack at = t.c[0];
+    Pack c[N + 2][3], d[N + 1][3], field[N + 1][3], polar[jet_size(N)][3] = {};
+    packed_c_.taylor<N + 1>(at, c);
+    packed_d_.taylor<N>(at, d);
+    fill(field, corner_[i_]);
+    add<N, Degree>(0, s.c[0], field, polar, 1);
+    if constexpr (Degree != RayDegree::quadratic) {
+      const Vec3 turned = to_previous_ - to_next_;
+      for (int x = 0; x < 3; ++x) {
+        field[0][x] = to_next_[x] + at * turned[x];
+        if constexpr (N > 0) field[1][x] = all_lanes(turned[x]);
+      }
+      add<N, Degree>(1, s.c[0], field, polar, 2);
+    }
+    if constexpr (Degree == RayDegree::quintic) {
+      taylor<N>(vertex_second_, at, field);
+      add<N, Degree>(2, s.c[0], field, polar);
+    }
+    for (int k = 0; k <= N; ++k)
+      for (int x = 0; x < 3; ++x) field[k][x] = c[k][x];
+    add<N, Degree>(3, s.c[0], field, polar);
+    for (int k = 0; k <= N; ++k)
+      for (int x = 0; x < 3; ++x) field[k][x] = d[k][x] + (at - 0.5) * (k + 1.0) * c[k + 1][x] + static_cast<double>(k) * c[k][x];
+    add<N, Degree>(4, s.c[0], field, polar);
+    if constexpr (Degree == RayDegree::quintic) {
+      taylor<N>(side_second_, at, field);
+      add<N, Degree>(5, s.c[0], field, polar);
+    }
+    return compose<N>(polar, s, t);
+  }
+
+  /// The vector in all lanes, without derivatives.
+  template <std::size_t Orders>
+  TRIPATCH_PACKED_INLINE static void fill(Pack (&field)[Orders][3], const Vec3& v) {
+    for (int x = 0; x < 3; ++x) field[0][x] = all_lanes(v[x]);
+  }
+
+  /// `field` times the polynomial that carries it along the ray, as below.
+  template <int N, RayDegree Degree>
+  TRIPATCH_PACKED_INLINE static void add(int f, const Pack& s, const Pack (&field)[N + 1][3], Pack (&polar)[jet_size(N)][3],
+                                         int orders = N + 1) {
+    Pack along[N + 1] = {};
+    const std::array<double, 6>& a = hermites[static_cast<int>(Degree)][f];
+    for (std::size_t k = coefficients<Degree>; k-- > 0;) {
+      for (int j = N; j > 0; --j) along[j] = along[j] * s + along[j - 1];
+      along[0] = along[0] * s + a[k];
+    }
+    for (int k = 0; k <= N; ++k)
+      for (int l = 0; k + l <= N && l < orders; ++l)
+        for (int x = 0; x < 3; ++x) polar[jet_index(k, l)][x] += along[k] * field[l][x];
+  }
+
+  template <int N>
+  TRIPATCH_PACKED_INLINE static void taylor(const std::array<Vec3, 4>& a, const Pack& at, Pack (&out)[N + 1][3]) {
+    for (int x = 0; x < 3; ++x) {
+      for (int j = 0; j <= N; ++j) out[j][x] = Pack{};
+      for (std::size_t k = a.size(); k-- > 0;) {
+        for (int j = N; j > 0; --j) out[j][x] = out[j][x] * at + out[j - 1][x];
+        out[0][x] = out[0][x] * at + a[k][x];
+      }
+    }
+  }
+#endif
+
+  /// Of the polynomials along a ray.
+  template <RayDegree Degree>
+  static constexpr std::size_t coefficients = Degree == RayDegree::quadratic ? 3
+                                              : Degree == RayDegree::cubic   ? 4
+                                                                             : 6;
+
   /// A polynomial in s and a field of t for each thing that is interpolated, so everything is done in (s, t) first.
   template <int N, RayDegree Degree>
   JetPoint<N> at(const Barycentric<N>& b) const {
@@ -39,13 +124,12 @@ private:
     std::array<Vec3, N + 2> c, d;
     ribbon_.c.taylor(t.value(), N + 1, c[0].data());
     ribbon_.d.taylor(t.value(), N, d[0].data());
-    constexpr std::size_t coefficients = Degree == RayDegree::quadratic ? 3 : Degree == RayDegree::cubic ? 4 : 6;
     std::array<Vec3, Jet<N>::size> polar;
     polar.fill(Vec3::Zero());
     // `field` times the polynomial that carries it along the ray; `orders`: of its coefficients, how many are not zero
     const auto add = [&](int f, const Field& field, int orders = N + 1) {
       std::array<double, N + 1> along;
-      taylor<N>(hermites[static_cast<int>(Degree)][f], s.value(), 0.0, along, coefficients);
+      taylor<N>(hermites[static_cast<int>(Degree)][f], s.value(), 0.0, along, coefficients<Degree>);
       for (int k = 0; k <= N; ++k)
         for (int l = 0; k + l <= N && l < orders; ++l) polar[jet_index(k, l)] += along[k] * field[l];
     };
@@ -102,6 +186,7 @@ private:
   int i_;
   RayDegree degree_;
   Ribbon ribbon_;
+  PackedField packed_c_, packed_d_;
   std::array<Vec3, 3> corner_;
   Vec3 to_next_, to_previous_;         ///< slopes of the rays along the two sides at the vertex, the inward part included
   Cubic vertex_second_, side_second_;  ///< quintic: second derivatives at the ends of the ray at t

@@ -1,0 +1,313 @@
+// Four points at a time: jets, fields of sides and weights as jet.h and side_weights.h have them, one point in each lane of a register.
+// Every operation is made in the same order as there, and none is fused with another, so that the bits are the same. Machines without
+// AVX2 and compilers without its vectors evaluate point by point.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "tripatch/patch/surface.h"
+
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__)
+#if __GNUC__ >= 12
+#define TRIPATCH_PACKS
+#define TRIPATCH_PACKED __attribute__((target("avx2")))
+#define TRIPATCH_PACKED_INLINE __attribute__((target("avx2"), always_inline)) inline
+#endif
+#endif
+
+namespace tripatch {
+
+/// The vertex that is nearest to b, as side_weights sees it.
+inline int nearest_vertex(const double* b) {
+  int i = 0;
+  for (int k = 1; k < 3; ++k)
+    if (b[k] > b[i]) i = k;
+  return i;
+}
+
+#ifdef TRIPATCH_PACKS
+
+constexpr Index lanes = 4;
+typedef double Pack __attribute__((vector_size(8 * lanes)));
+
+TRIPATCH_PACKED_INLINE Pack all_lanes(double s) { return Pack{s, s, s, s}; }
+
+template <int N>
+struct PackJet {
+  static constexpr int size = jet_size(N);
+  Pack c[size];
+
+  TRIPATCH_PACKED_INLINE PackJet& operator+=(const PackJet& o) {
+    for (int k = 0; k < size; ++k) c[k] += o.c[k];
+    return *this;
+  }
+  TRIPATCH_PACKED_INLINE PackJet& operator*=(double s) {
+    for (int k = 0; k < size; ++k) c[k] *= s;
+    return *this;
+  }
+  TRIPATCH_PACKED_INLINE friend PackJet operator+(PackJet a, const PackJet& b) { return a += b; }
+  TRIPATCH_PACKED_INLINE friend PackJet operator*(double s, PackJet a) { return a *= s; }
+  /// Of each lane its own number.
+  TRIPATCH_PACKED_INLINE friend PackJet operator*(const Pack& s, PackJet a) {
+    for (int k = 0; k < size; ++k) a.c[k] = s * a.c[k];
+    return a;
+  }
+  TRIPATCH_PACKED_INLINE friend PackJet operator*(const PackJet& a, const PackJet& b)
+    requires(N <= 1)
+  {
+    PackJet r;
+    r.c[0] = a.c[0] * b.c[0];
+    for (int k = 1; k < size; ++k) r.c[k] = a.c[0] * b.c[k] + a.c[k] * b.c[0];
+    return r;
+  }
+  TRIPATCH_PACKED friend PackJet operator*(const PackJet& a, const PackJet& b)
+    requires(N > 1)
+  {
+    PackJet r = {};
+    add_products(r, a, b, std::make_index_sequence<Jet<N>::products.size()>());
+    return r;
+  }
+
+private:
+  template <std::size_t... P>
+  TRIPATCH_PACKED_INLINE static void add_products(PackJet& r, const PackJet& a, const PackJet& b, std::index_sequence<P...>) {
+    ((r.c[Jet<N>::products[P][0]] += a.c[Jet<N>::products[P][1]] * b.c[Jet<N>::products[P][2]]), ...);
+  }
+};
+
+template <int N>
+struct PackPoint {
+  PackJet<N> x[3];
+};
+
+template <int N>
+TRIPATCH_PACKED_INLINE PackJet<N> square(const PackJet<N>& a) {
+  return a * a;
+}
+
+/// As of jet.h; taylor: N + 1 coefficients.
+template <int N>
+TRIPATCH_PACKED_INLINE PackJet<N> compose(const Pack* taylor, std::ptrdiff_t stride, const PackJet<N>& t) {
+  if constexpr (N == 0) {
+    return {{taylor[0]}};
+  } else {
+    PackJet<N> h = t;
+    h.c[0] = Pack{};
+    PackJet<N> r = taylor[N * stride] * h;
+    for (int k = N - 1; k > 0; --k) {
+      r.c[0] += taylor[k * stride];
+      r = r * h;
+    }
+    r.c[0] += taylor[0];
+    return r;
+  }
+}
+
+template <int N>
+TRIPATCH_PACKED_INLINE PackJet<N> reciprocal(const PackJet<N>& a) {
+  Pack f[N + 1];
+  f[0] = 1.0 / a.c[0];
+  for (int k = 1; k <= N; ++k) f[k] = -f[k - 1] * f[0];
+  return compose<N>(f, 1, a);
+}
+
+/// f(s, t), as of jet.h: components of its Taylor coefficients.
+template <int N>
+TRIPATCH_PACKED_INLINE PackPoint<N> compose(const Pack (&taylor)[jet_size(N)][3], const PackJet<N>& s, const PackJet<N>& t) {
+  PackJet<N> power[jet_size(N)];
+  PackPoint<N> r = {};
+  for (int x = 0; x < 3; ++x) r.x[x].c[0] = taylor[0][x];
+  if constexpr (N > 0) {
+    power[1] = s;
+    power[2] = t;
+    power[1].c[0] = power[2].c[0] = Pack{};
+    for (int i = 0; i <= N; ++i)
+      for (int j = 0; i + j <= N; ++j) {
+        const int at = jet_index(i, j);
+        if (i + j > 1) power[at] = i > 0 ? power[1] * power[jet_index(i - 1, j)] : power[2] * power[jet_index(0, j - 1)];
+        if (at == 0) continue;
+        for (int x = 0; x < 3; ++x) r.x[x] += taylor[at][x] * power[at];
+      }
+  }
+  return r;
+}
+
+/// Barycentric coordinates of points with the same nearest vertex.
+template <int N>
+struct PackBarycentric {
+  PackJet<N> b[3] = {};
+  int nearest;
+
+  TRIPATCH_PACKED_INLINE PackBarycentric(const double* all, const Index (&rows)[lanes], int nearest_vertex)
+      : nearest(nearest_vertex) {
+    for (int i = 0; i < 3; ++i) {
+      for (Index lane = 0; lane < lanes; ++lane) b[i].c[0][lane] = all[3 * rows[lane] + i];
+      if constexpr (N > 0) {
+        b[i].c[1] = all_lanes(i == 0 ? 1.0 : i == 1 ? 0.0 : -1.0);
+        b[i].c[2] = all_lanes(i == 0 ? 0.0 : i == 1 ? 1.0 : -1.0);
+      }
+    }
+  }
+  TRIPATCH_PACKED_INLINE const PackJet<N>& operator[](int i) const { return b[i]; }
+};
+
+/// side_weights, Power = 2, and cubic_side_weights, 3.
+template <int Power, int N>
+TRIPATCH_PACKED_INLINE void side_weights(const PackBarycentric<N>& b, PackJet<N> (&w)[3]) {
+  const int i = b.nearest, j = (i + 1) % 3, k = (i + 2) % 3;
+  const PackJet<N> rho = b[j] + b[k], over = reciprocal(rho);
+  const PackJet<N> t = b[k] * over, s = b[j] * over;
+  PackJet<N> tt = square(t), ss = square(s), bb = square(b[i]), outer = square(rho);
+  if constexpr (Power == 3) {
+    tt = t * tt;
+    ss = s * ss;
+    bb = b[i] * bb;
+    outer = rho * outer;
+  }
+  const PackJet<N> wi = outer * tt * ss, wj = bb * tt, wk = bb * ss;
+  const PackJet<N> inverse = reciprocal(wi + wj + wk);
+  w[i] = wi * inverse;
+  w[j] = wj * inverse;
+  w[k] = wk * inverse;
+}
+
+template <int N>
+TRIPATCH_PACKED_INLINE PackJet<N> ray_parameter(const PackBarycentric<N>& b, int i) {
+  return b[(i + 2) % 3] * reciprocal(b[(i + 1) % 3] + b[(i + 2) % 3]);
+}
+
+#endif
+
+/// A field of three components whose Taylor series are made for four parameters at a time.
+class PackedField {
+public:
+  PackedField() = default;
+  explicit PackedField(const PiecewisePolynomial& field) : degree_(field.degree()), breaks_(field.breaks()) {
+    const Index n = field.pieces();
+    const int width = 3 * (degree_ + 1);
+    coefficients_.resize(width * n);
+    for (Index p = 0; p < n; ++p) {
+      middles_.push_back(0.5 * (breaks_[p] + breaks_[p + 1]));
+      field.taylor(middles_[p], degree_, &coefficients_[width * p]);  // there they are the coefficients themselves
+    }
+    const std::size_t places = n == 1 ? 1 : 2 * n;
+    for (std::size_t k = 0, p = 0; k < places; ++k) {
+      while (p + 1 < static_cast<std::size_t>(n) && breaks_[p + 1] <= static_cast<double>(k) / static_cast<double>(places)) ++p;
+      lookup_.push_back(static_cast<std::int32_t>(p));
+    }
+  }
+
+#ifdef TRIPATCH_PACKS
+  /// As PiecewisePolynomial::taylor.
+  template <int Order>
+  TRIPATCH_PACKED void taylor(const Pack& t, Pack (&out)[Order + 1][3]) const {
+    const double* a[lanes];
+    Pack u;
+    const int width = 3 * (degree_ + 1);
+    for (Index lane = 0; lane < lanes; ++lane) {
+      const Index p = piece(t[lane]);
+      u[lane] = t[lane] - middles_[p];
+      a[lane] = &coefficients_[width * p];
+    }
+    Pack sum[Order + 1][3] = {};
+    if (a[0] == a[1] && a[0] == a[2] && a[0] == a[3]) {
+      for (int k = degree_; k >= 0; --k) {
+        const double* const c = a[0] + 3 * k;
+        const Pack next[3] = {all_lanes(c[0]), all_lanes(c[1]), all_lanes(c[2])};
+        horner<Order>(next, u, sum);
+      }
+    } else {
+      for (int k = degree_; k >= 0; --k) {
+        Pack next[3];
+        for (int x = 0; x < 3; ++x) next[x] = Pack{a[0][3 * k + x], a[1][3 * k + x], a[2][3 * k + x], a[3][3 * k + x]};
+        horner<Order>(next, u, sum);
+      }
+    }
+    for (int j = 0; j <= Order; ++j)
+      for (int x = 0; x < 3; ++x) out[j][x] = sum[j][x];
+  }
+
+  /// At jets.
+  template <int N>
+  TRIPATCH_PACKED_INLINE PackPoint<N> at(const PackJet<N>& t) const {
+    Pack series[N + 1][3];
+    taylor<N>(t.c[0], series);
+    PackPoint<N> p;
+    for (int x = 0; x < 3; ++x) p.x[x] = compose<N>(&series[0][x], 3, t);
+    return p;
+  }
+
+private:
+  template <int Order>
+  TRIPATCH_PACKED_INLINE static void horner(const Pack (&next)[3], const Pack& u, Pack (&sum)[Order + 1][3]) {
+    for (int j = Order; j > 0; --j)
+      for (int x = 0; x < 3; ++x) sum[j][x] = sum[j][x] * u + sum[j - 1][x];
+    for (int x = 0; x < 3; ++x) sum[0][x] = sum[0][x] * u + next[x];
+  }
+#endif
+
+private:
+  Index piece(double t) const {
+    const Index n = static_cast<Index>(middles_.size());
+    if (n == 1 || !(t > 0)) return 0;
+    if (t >= 1) return n - 1;
+    Index p = lookup_[static_cast<std::size_t>(t * static_cast<double>(lookup_.size()))];
+    while (p + 1 < n && t >= breaks_[p + 1]) ++p;
+    return p;
+  }
+
+  int degree_ = 0;
+  std::vector<double> breaks_, middles_, coefficients_;
+  std::vector<std::int32_t> lookup_;  // first candidate piece for floor(t * lookup size)
+};
+
+/// A JetSurface whose formula Derived has for four points too:
+///   `template <int N> PackPoint<N> at(const PackBarycentric<N>& b) const;` (under TRIPATCH_PACKS, N up to highest_packed)
+template <class Derived>
+class PackedSurface : public VertexSafeSurface {
+public:
+  static constexpr int highest_packed = 3;  ///< order that fairing asks for
+
+private:
+  void evaluate_regular(const double* b, Index n, int order, double* out) const override {
+    with_order<0, max_order>(order, [&](auto constant) { run<constant.value>(b, n, out); });
+  }
+
+  template <int N>
+  void run(const double* b, Index n, double* out) const {
+    const Derived& self = *static_cast<const Derived*>(this);
+#ifdef TRIPATCH_PACKS
+    static const bool packs = __builtin_cpu_supports("avx2");
+    if constexpr (N <= highest_packed)
+      if (packs && n >= lanes) return run_packed<N>(self, b, n, out);
+#endif
+    for (Index k = 0; k < n; ++k) out = store(self.template at<N>(Barycentric<N>(b + 3 * k)), out);
+  }
+
+#ifdef TRIPATCH_PACKS
+  template <int N>
+  TRIPATCH_PACKED static void run_packed(const Derived& self, const double* b, Index n, double* out) {
+    constexpr int size = jet_size(N);
+    std::array<std::vector<Index>, 3> groups;  // of points, by nearest vertex
+    for (Index k = 0; k < n; ++k) groups[nearest_vertex(b + 3 * k)].push_back(k);
+    for (int i = 0; i < 3; ++i) {
+      const std::vector<Index>& group = groups[i];
+      const Index count = static_cast<Index>(group.size());
+      for (Index first = 0; first < count; first += lanes) {
+        Index rows[lanes];  // the last again where there are no more
+        for (Index lane = 0; lane < lanes; ++lane) rows[lane] = group[std::min(first + lane, count - 1)];
+        const PackPoint<N> p = self.template at<N>(PackBarycentric<N>(b, rows, i));
+        for (Index lane = 0; lane < lanes; ++lane)
+          for (int k = 0; k < size; ++k)
+            for (int x = 0; x < 3; ++x) out[(rows[lane] * size + k) * 3 + x] = p.x[x].c[k][lane];
+      }
+    }
+  }
+#endif
+};
+
+}  // namespace tripatch

@@ -1,0 +1,80 @@
+#include "test_surfaces.h"
+#include "tripatch/constructions/nielson_blend.h"
+#include "tripatch/constructions/side_vertex.h"
+#include "tripatch/fairing/fairing_space.h"
+#include "tripatch/patch/packs.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+/// Points all over the triangle, on its sides, beside its vertices and as near to two of them as to each other.
+Points scattered(Index n) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  Points b(n, 3);
+  for (Index k = 0; k < n; ++k) {
+    const Index i = k % 3;
+    const double near = k % 5 == 0 ? 1 - std::pow(10, -6 * unit(random)) : unit(random);
+    const double along = k % 7 == 0 ? 0.5 : unit(random);
+    b(k, i) = k % 11 == 0 ? 0 : near;
+    b(k, (i + 1) % 3) = (1 - b(k, i)) * along;
+    b(k, (i + 2) % 3) = 1 - b(k, i) - b(k, (i + 1) % 3);
+  }
+  return b;
+}
+
+/// The number of coefficients that are not the same bit for bit when points are evaluated one by one and together.
+int differing(const Surface& surface, const Points& b, int order) {
+  const Index row = 3 * jet_size(order);
+  std::vector<double> together(b.rows() * row), alone(row);
+  surface.evaluate(b.data(), b.rows(), order, together.data());
+  int count = 0;
+  for (Index k = 0; k < b.rows(); ++k) {
+    surface.evaluate(b.data() + 3 * k, 1, order, alone.data());
+    for (Index c = 0; c < row; ++c) count += alone[c] != together[k * row + c];
+  }
+  return count;
+}
+
+/// Sides of several pieces each.
+Boundary pieces() {
+  Sides sides = skewed_sides(unrelated_surfaces(3));
+  for (Side& side : sides) side.c = side.c.refined({0.21, 0.5, 0.77}, 0);
+  return make_boundary(sides);
+}
+
+}  // namespace
+
+TEST_CASE("points that are evaluated together have the bits of points evaluated one by one") {
+  const Boundary boundary = pieces();
+  const std::array<PiecewisePolynomial, 3> slopes = {boundary.ribbons[0].d, boundary.ribbons[1].d, boundary.ribbons[2].d};
+  const int degree = 5;
+  const SurfacePtr added = correction(slopes, degree, 3, Points::Random(scalars(degree, 3), 3)),
+                   less = correction(slopes, degree, 0, Points::Random(scalars(degree, 0), 3));
+  for (const SurfacePtr& surface : {side_vertex(boundary), curved_side_vertex(boundary), added, less})
+    for (int order = 0; order <= 4; ++order) {
+      CAPTURE(order);
+      for (const Index n : {4, 5, 203}) CHECK(differing(*surface, scattered(n), order) == 0);
+    }
+}
+
+TEST_CASE("a packed field has the pieces of the field it is made of") {
+  const PiecewisePolynomial c = pieces().ribbons[0].c;
+  REQUIRE(c.pieces() > 3);
+#ifdef TRIPATCH_PACKS
+  if (!__builtin_cpu_supports("avx2")) return;
+  const PackedField packed(c);
+  for (const std::array<double, 4>& t : {std::array{0.0, 0.21, 0.5, 1.0}, {0.3, 0.31, 0.32, 0.33}, {-0.1, 1.1, 0.77, 0.769}}) {
+    const Pack at = {t[0], t[1], t[2], t[3]};
+    Pack out[3][3];
+    packed.taylor<2>(at, out);
+    for (int lane = 0; lane < 4; ++lane) {
+      std::array<double, 9> one;
+      c.taylor(t[lane], 2, one.data());
+      for (int k = 0; k < 9; ++k) CHECK(out[k / 3][k % 3][lane] == one[k]);
+    }
+  }
+#endif
+}
