@@ -24,6 +24,7 @@ namespace {
 
 /// Products as the compiler finds them.
 struct AnyRegisters {
+  using OfFour = AnyRegisters;                                     ///< for products of four columns
   static constexpr Index rows = 4, columns = 8, most_columns = 8;  // of a product: what the registers hold
 
   /// sum = a b, where a is `rows` by k and b is k by `columns`.
@@ -84,6 +85,23 @@ TRIPATCH_INLINE void multiply_four_with(const double* a, Index k, const double* 
   }
 }
 
+/// b: k rows of four, the last of each nothing.
+template <class Registers>
+TRIPATCH_INLINE void add_product_of_fours_with(const double* a, Index m, Index k, const double* b, double* __restrict out) {
+  constexpr Index rows = 8;
+  Index i = 0;
+  double sum[rows][4], one[1][4];
+  for (; i + rows <= m; i += rows) {
+    Registers::OfFour::product(a + i * k, k, 1, k, b, 4, sum);
+    for (Index p = 0; p < rows; ++p)
+      for (Index x = 0; x < 3; ++x) out[3 * (i + p) + x] += sum[p][x];
+  }
+  for (; i < m; ++i) {
+    Registers::OfFour::product(a + i * k, k, 1, k, b, 4, one);
+    for (Index x = 0; x < 3; ++x) out[3 * i + x] += one[0][x];
+  }
+}
+
 /// m rows of 24: for each of the first n columns, fewer than 24, Householder's reflection that leaves of it what is above and its
 /// diagonal element. The rows are passed once a column: what reflects one makes the products that the next one asks for.
 template <class Registers>
@@ -114,6 +132,7 @@ struct Products {
   void (*add_gram)(const double* a, Index m, Index n, double* c);
   void (*subtract_gram)(const double* u, Index count, Index n, Index begin, double* c);
   void (*multiply_four)(const double* a, Index k, const double* b, Index n, double* out, Index stride);  ///< n: eight or more
+  void (*add_product_of_fours)(const double* a, Index m, Index k, const double* b, double* out);
 };
 
 #define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                           \
@@ -128,7 +147,11 @@ struct Products {
     if (n >= Registers::most_columns) return multiply_four_with<Registers, Registers::most_columns>(a, k, b, n, out, stride); \
     multiply_four_with<Registers, 8>(a, k, b, n, out, stride);                                                                \
   }                                                                                                                           \
-  constexpr Products name = {reflect_columns_##name, add_gram_##name, subtract_gram_##name, multiply_four_##name};
+  machine void add_product_of_fours_##name(const double* a, Index m, Index k, const double* b, double* out) {                 \
+    add_product_of_fours_with<Registers>(a, m, k, b, out);                                                                    \
+  }                                                                                                                           \
+  constexpr Products name = {reflect_columns_##name, add_gram_##name, subtract_gram_##name, multiply_four_##name,             \
+                             add_product_of_fours_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
@@ -137,6 +160,7 @@ TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 template <Index Width, Index ProductRows, Index ProductColumns>
 struct VectorRegisters {
   static constexpr Index rows = ProductRows, columns = 8, most_columns = ProductColumns;
+  using OfFour = VectorRegisters<4, 4, 8>;
   typedef double Vector __attribute__((vector_size(8 * Width), aligned(8), may_alias));
 
   template <Index Rows, Index Columns>
@@ -227,34 +251,13 @@ TRIPATCH_FOR_EACH_MACHINE void invert_transposed(const double* __restrict r, Ind
     }
 }
 
-/// b: k rows of four, the last of each nothing.
-TRIPATCH_FOR_EACH_MACHINE void add_product_of_fours(const double* __restrict a, Index m, Index k, const double* __restrict b,
-                                                    double* __restrict out) {
-  constexpr Index rows = 4;
-  for (Index i = 0; i < m; i += rows) {
-    const Index count = std::min(rows, m - i);
-    double sum[rows][4] = {};
-    if (count == rows) {
-      for (Index j = 0; j < k; ++j)
-        for (Index p = 0; p < rows; ++p)
-          for (Index x = 0; x < 4; ++x) sum[p][x] += a[(i + p) * k + j] * b[4 * j + x];
-    } else {
-      for (Index j = 0; j < k; ++j)
-        for (Index p = 0; p < count; ++p)
-          for (Index x = 0; x < 4; ++x) sum[p][x] += a[(i + p) * k + j] * b[4 * j + x];
-    }
-    for (Index p = 0; p < count; ++p)
-      for (Index x = 0; x < 3; ++x) out[3 * (i + p) + x] += sum[p][x];
-  }
-}
-
 }  // namespace
 
 void add_product(const double* a, Index m, Index k, const double* b, double* out) {
   std::vector<double> fours(4 * k);
   for (Index j = 0; j < k; ++j)
     for (Index x = 0; x < 3; ++x) fours[4 * j + x] = b[x * k + j];
-  add_product_of_fours(a, m, k, fours.data(), out);
+  products.add_product_of_fours(a, m, k, fours.data(), out);
 }
 
 void multiply_four(const double* a, Index k, const double* b, Index n, double* out, Index stride) {
