@@ -142,13 +142,7 @@ def _seam(patch, sides, kept):
     for i, (side, _) in enumerate(sides):
         if any(kept) and not kept[i]:
             continue
-        n = len(sides)
-        if n == 3:
-            b = np.zeros((len(t), 3))
-            b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
-        else:
-            b = np.outer(1 - t, patch.domain[i]) + np.outer(t, patch.domain[(i + 1) % n])
-        largest = max(largest, tripatch.angles(patch.normal(b), side.evaluate(t)[3]).max())
+        largest = max(largest, tripatch.angles(patch.normal(patch.on_side(i, t)), side.evaluate(t)[3]).max())
     return largest
 
 
@@ -169,9 +163,10 @@ def mesh_between(objects, tolerance, resolution, construction):
     """A new mesh that fills the hole between objects, and its `Between`; UnusableError or ValueError if there is none."""
     curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
     loop = tripatch.between.find_loop(curves, tolerance)
-    sides = loop.sides()
+    sides = loop.joined_sides()
     patch = tripatch.patch([side for side, _ in sides], **filling.for_sides(construction, len(sides)))
-    by_number = [resolution and isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
+    exact = [isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
+    by_number = [resolution and all(exact[k] for k in group) for group in loop.groups]
     barycentric, faces = patch.triangles([resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)])
     mesh = bpy.data.meshes.new("Fill")
     mesh.from_pydata(patch.evaluate(barycentric).tolist(), [], faces.tolist())
@@ -182,7 +177,7 @@ def mesh_between(objects, tolerance, resolution, construction):
 
 
 class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
-    """Fill the hole between selected surface and mesh objects, a side each, by a new mesh that continues them"""
+    """Fill the hole between selected surface and mesh objects by a new mesh that continues them"""
 
     bl_idname = "object.fill_between_patches"
     bl_label = "Fill Between Patches"
@@ -215,8 +210,8 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         if not library.poll(cls, context, "OBJECT", "Works in object mode"):
             return False
         objects = _selected(context)
-        if not 3 <= len(objects) <= filling.MOST_SIDES and not (len(objects) == 2 and any(ob.type == "MESH" for ob in objects)):
-            cls.poll_message_set("Select three to twelve surface or mesh objects, or two where a mesh gives two sides")
+        if not 2 <= len(objects) <= filling.MOST_SIDES:
+            cls.poll_message_set("Select two to twelve surface or mesh objects, with an edge of each around the hole")
             return False
         return True
 

@@ -2,10 +2,28 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "options.h"
+#include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon_fill.h"
 
 using namespace tripatch;
+
+namespace {
+
+/// Places and triangles, made without Python.
+template <class F>
+py::tuple triangles_from(const F& make) {
+  PolygonTriangles made;
+  {
+    py::gil_scoped_release release;
+    made = make();
+  }
+  std::vector<std::array<Index, 3>> triangles;
+  for (Index f = 0; f < made.faces.size(); ++f) triangles.push_back({made.faces[f][0], made.faces[f][1], made.faces[f][2]});
+  return py::make_tuple(array_from(made.uv), triangles);
+}
+
+}  // namespace
 
 void bind_polygon(py::module_& m) {
   py::class_<OverPolygon, Surface, std::shared_ptr<OverPolygon>>(m, "PolygonPatch", "A patch over a convex polygon.")
@@ -16,7 +34,12 @@ void bind_polygon(py::module_& m) {
             for (int i = 0; i < surface.domain().sides(); ++i) corners.row(i) = surface.domain().corner(i);
             return array_from(corners);
           },
-          "(n, 2) the corners of the polygon; side i runs from corner i to corner i + 1.");
+          "(n, 2) the corners of the polygon; side i runs from corner i to corner i + 1. Two: of a lens between two parabolas.")
+      .def("_on_side", [](const OverPolygon& surface, int i, const std::vector<double>& t) {
+        PlanePoints places(static_cast<Index>(t.size()), 2);
+        for (std::size_t k = 0; k < t.size(); ++k) places.row(static_cast<Index>(k)) = surface.domain().on_side(i, t[k]);
+        return array_from(places);
+      });
   py::class_<RoundSurface, Surface, std::shared_ptr<RoundSurface>>(m, "RoundPatch", "A patch over the unit disc.")
       .def_property_readonly(
           "domain",
@@ -26,6 +49,10 @@ void bind_polygon(py::module_& m) {
             return array_from(places);
           },
           "(64, 2) places on the unit circle, the first where the side begins.");
+  m.def("_joined_side", [](const std::vector<Side>& pieces, const std::vector<std::vector<double>>& parameters) {
+    JoinedSide made = joined(pieces, parameters);
+    return py::make_tuple(std::move(made.side), std::move(made.parameters));
+  });
   m.def("_round_patch", [](const Side& side, const py::dict& given) {
     const PolygonPatchOptions options = polygon_options(fill_options(given));
     RoundPatch made;
@@ -37,14 +64,11 @@ void bind_polygon(py::module_& m) {
   });
   m.def("_polygon_triangles", [](const std::shared_ptr<OverPolygon>& patch, const std::vector<std::vector<double>>& parameters,
                                  const std::optional<int>& resolution) {
-    PolygonTriangles made;
-    {
-      py::gil_scoped_release release;
-      made = triangulate_polygon(*patch, parameters, resolution);
-    }
-    std::vector<std::array<Index, 3>> triangles;
-    for (Index f = 0; f < made.faces.size(); ++f) triangles.push_back({made.faces[f][0], made.faces[f][1], made.faces[f][2]});
-    return py::make_tuple(array_from(made.uv), triangles);
+    return triangles_from([&] { return triangulate_polygon(*patch, parameters, resolution); });
+  });
+  m.def("_disc_triangles", [](const std::shared_ptr<RoundSurface>& patch, const std::array<std::vector<double>, 1>& parameters,
+                              const std::optional<int>& resolution) {
+    return triangles_from([&] { return triangulate_disc(*patch, parameters[0], resolution); });
   });
   m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given,
                              const std::vector<std::pair<std::array<double, 3>, std::optional<std::array<double, 3>>>>& through) {

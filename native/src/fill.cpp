@@ -458,9 +458,9 @@ CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const 
   return out;
 }
 
-/// Numbers of corners that a patch over a polygon takes besides three.
+/// Numbers of corners that a patch over a polygon or a lens takes: not three.
 bool makes_polygon(const std::vector<Index>& corners) {
-  return corners.size() > 3 && corners.size() <= static_cast<std::size_t>(most_sides);
+  return corners.size() >= 2 && corners.size() != 3 && corners.size() <= static_cast<std::size_t>(most_sides);
 }
 
 /// The rim of a cage's hole: of the corners that are given, else of three where they are found, else of those that its quads make or that
@@ -491,7 +491,7 @@ SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index
 /// there: as far as twelve edges a side are from telling those of a smooth one (2 degrees), several times over.
 constexpr double one_surface = 10;
 
-/// The exact patch between four sides or more where they are smooth, else the surface over a plane. given: the corners are a person's.
+/// The exact patch between two sides or four and more where they are smooth, else the surface over a plane. given: the corners are a person's.
 Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, bool given,
                        const FillOptions& options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };

@@ -178,15 +178,18 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
                          const std::vector<Index>& corners, const std::vector<bool>& alone) {
   const Index n = static_cast<Index>(corners.size()), edges = static_cast<Index>(rim.size());
   MeshPolygon out;
-  for (Index k = 0; k < n; k += 2) {
-    // a hole of three corners: k, the next and the one after it, of which the third side is read for its beginning and end only
+  for (Index k = 0; k < n; k += n == 2 ? 1 : 2) {
+    // a hole of three corners: k, the next and the one after it, of which the third side is read for its beginning and end only; of a
+    // lens the third corner is in the middle of the other side
     Hole hole;
     const Index start = corners[k], second = (corners[(k + 1) % n] - start + edges) % edges;
     Index third = (corners[(k + 2) % n] - start + edges) % edges;
     if (n == 2) third = (second + edges) / 2;
+    if (third == second) throw Refusal("A side of a hole with two corners has two edges or more", {rim[start]});
     for (Index j = 0; j < edges; ++j) hole.rim.push_back(rim[(start + j) % edges]);
     hole.corners = {0, second, third};
-    if (!alone.empty()) hole.alone = {alone[(k + 1) % n], alone[(k + 2) % n] || alone[(k + n - 1) % n], alone[k]};
+    if (!alone.empty())
+      hole.alone = {alone[(k + 1) % n], alone[n == 2 ? 1 - k : (k + 2) % n] || alone[(k + n - 1) % n], alone[k]};
     MeshSides three = mesh_sides(mesh, around, hole);
     const bool both = k + 1 < n && n > 2;
     for (int i : both ? std::vector<int>{2, 0} : std::vector<int>{2}) {
@@ -220,6 +223,14 @@ PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vec
   const PlanePoints rim = rim_places(patch.domain(), parameters);
   PlaneCover cover =
       triangles_of(patch.domain().center(), patch.domain().sides(), patch, rim, patch.positions(plane_rows(rim)), {}, resolution);
+  return {std::move(cover.uv), std::move(cover.faces)};
+}
+
+PolygonTriangles triangulate_disc(const Surface& patch, const std::vector<double>& parameters, std::optional<int> resolution) {
+  PlanePoints rim(static_cast<Index>(parameters.size()) - 1, 2);
+  for (Index k = 0; k < rim.rows(); ++k) rim.row(k) = on_circle(parameters[k]);
+  if (rim.rows() < 3) throw InvalidArgument("a round rim has three edges or more");
+  PlaneCover cover = triangles_of(Vec2::Zero(), 3, patch, rim, patch.positions(plane_rows(rim)), {}, resolution);
   return {std::move(cover.uv), std::move(cover.faces)};
 }
 

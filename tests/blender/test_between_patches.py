@@ -243,7 +243,49 @@ def test_bad_surfaces():
     obs[2].scale = (0, 1, 1)
     bpy.context.view_layer.update()
     refused(obs, "C is scaled to nothing")
-    refused(obs[:2], "three to twelve surface or mesh objects")
+    refused(obs[:1], "two to twelve surface or mesh objects")
+    obs[2].scale = (1, 1, 1)
+    bpy.context.view_layer.update()
+    refused(obs[:2], "no hole of two or three sides|do not meet")
+
+
+def arch(name, sign, high=0.4):
+    """A surface along a parabola between (-1, 0, 0) and (1, 0, 0), and away from there."""
+    u, v = np.meshgrid(np.linspace(-1, 1, 3), np.linspace(0, 1, 3), indexing="ij")
+    points = np.stack([u, sign * (np.array([0, 2 * high, 0])[:, None] + 0.5 * v), 0.2 * v], axis=2)
+    return add_surface(points if sign < 0 else points[::-1], name, order=(3, 3), resolution=8)
+
+
+def test_two_objects_with_a_side_each():
+    obs = [arch("Lower", -1), arch("Upper", 1)]
+    new = run(obs)
+    points = np.vstack([drawn(ob)[0] for ob in obs])
+    rim = [np.array(new.data.vertices[v].co) for v in border(new)]
+    assert len(rim) == 2 * (3 * 8 - 1)
+    assert max(np.linalg.norm(points - p, axis=1).min() for p in rim) < 1e-6
+    assert len(new.data.polygons) > len(rim) and max(abs(v.co.y) for v in new.data.vertices) < 0.41
+
+
+def test_more_objects_than_sides():
+    """Two of five go on smoothly one after the other: four sides, and a fill as with one object in their place."""
+    corners = np.array([(1.0, 0, 0), (0, 1, 0.2), (-1, 0, 0), (0, -1, 0.2)])
+
+    def sheet(name, a, b, out):
+        u, v = np.meshgrid(np.linspace(0, 1, 3), np.linspace(0, 1, 3), indexing="ij")
+        return add_surface(a + u[..., None] * (b - a) + v[..., None] * out, name, order=(3, 3), resolution=8)
+
+    sides = list(zip(corners, np.roll(corners, -1, axis=0)))
+    outs = [(a + b) / 2 + (0, 0, 0.1) for a, b in sides]
+    whole = [sheet("ABCD"[k], *sides[k], outs[k]) for k in range(4)]
+    one = run(whole)
+    (a, b), out = sides[1], outs[1]
+    middle = a + 0.4 * (b - a)
+    cut = [whole[0], whole[2], whole[3], sheet("B1", a, middle, out), sheet("B2", middle, b, out)]
+    two = run(cut)
+    assert len(border(two)) == len(border(one)) + 3 * 8 - 1
+    points = np.array([v.co for v in one.data.vertices])
+    off = max(np.linalg.norm(points - np.array(v.co), axis=1).min() for v in two.data.vertices)
+    assert off < 0.1 * np.ptp(points, axis=0).max()
 
 
 def test_a_surface_flat_to_a_line():

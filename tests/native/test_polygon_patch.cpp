@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "test_surfaces.h"
+#include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/patch.h"
 
 using namespace tripatch;
@@ -46,12 +47,13 @@ JetPoint<N> plane_at(const Jet<N>& x, const Jet<N>& y) {
 }
 const Known plane = {plane_at<2>, [](const Vec3& p) { return std::abs(p[2]); }};
 
-/// A side of a known surface between two places of its plane, its surroundings as they are.
-Side side_between(const Known& known, const Vec2& from, const Vec2& to) {
-  const Vec2 along = to - from, out(along[1], -along[0]);
+/// A side of a known surface along a parabola between two places of its plane, so high to the right of the line between them, its
+/// surroundings as they are.
+Side side_between(const Known& known, const Vec2& from, const Vec2& to, double high = 0) {
+  const Vec2 line = to - from, right(line[1], -line[0]);
   const auto jets = [=](double t) {
-    const Vec2 p = from + t * along;
-    return known.at(Jet<2>::linear(p[0], along[0], out[0]), Jet<2>::linear(p[1], along[1], out[1]));
+    const Vec2 p = from + t * line + 4 * high * t * (1 - t) * right, along = line + 4 * high * (1 - 2 * t) * right;
+    return known.at(Jet<2>::linear(p[0], along[0], along[1]), Jet<2>::linear(p[1], along[1], -along[0]));
   };
   const auto field = [&](int which, double factor) {
     return PiecewisePolynomial::fit(
@@ -71,6 +73,12 @@ SideList sides_between(const Known& known, const std::vector<Vec2>& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i)
     sides.push_back(side_between(known, corners[i], corners[(i + 1) % corners.size()]));
   return sides;
+}
+
+/// Of a lens: so high, of its length, below and above.
+SideList lens_between(const Known& known, double below, double above) {
+  const Vec2 left(-0.3, 0.1), right(0.5, 0.2);
+  return {side_between(known, left, right, below), side_between(known, right, left, above)};
 }
 
 /// n corners about a place, a little uneven.
@@ -132,7 +140,67 @@ TEST_CASE("polygon patch: sides and tangent planes are met, plain and fair") {
       }
 }
 
+TEST_CASE("polygon patch: between two sides planes and curvature are met, plain and fair, bent either way") {
+  for (const Known& known : {sphere, saddle})
+    for (const auto& [below, above] : {std::array{0.3, 0.3}, {0.15, 0.4}, {0.5, -0.2}})
+      for (SideContinuity continuity : {SideContinuity::g1, SideContinuity::g2}) {
+        PolygonPatchOptions options = below < 0.2 ? plain : PolygonPatchOptions();
+        options.continuity = {continuity};
+        const PolygonPatch made = polygon_patch(lens_between(known, below, above), options);
+        CAPTURE(below, above);
+        CHECK(curve_error(made) < 1e-12);
+        CHECK(seam(made) < 1e-5);
+        if (continuity == SideContinuity::g2)
+          CHECK(curvature_jump(*made.patch, made.domain, made.sides) < 1e-5);
+        else
+          CHECK(largest_distance(made, known) < (options.fairing ? 1e-3 : 3e-2));
+      }
+}
+
+TEST_CASE("polygon patch: a lens is as smooth at its corners as its sides agree there") {
+  const PolygonPatch made = polygon_patch(lens_between(saddle, 0.2, 0.3), plain);
+  for (int corner : {0, 1}) {
+    std::vector<Vec3> normals;
+    for (double w : {-0.9, 0.0, 0.9}) {  // three ways to the corner
+      const double x = 1e-4, hill = 4 * made.domain.height() * x * (1 - x) * w;
+      Points at = Points::Zero(1, 3);
+      at.row(0).head<2>() = made.domain.corner(corner) * (1 - 2 * x) + hill * Vec2::UnitY();
+      normals.emplace_back(made.patch->normals(at).row(0));
+    }
+    CHECK(degrees_between(normals[0], normals[1]) < 0.05);
+    CHECK(degrees_between(normals[2], normals[1]) < 0.05);
+    CHECK(degrees_between(normals[1], made.sides[corner].normal(0)) < 0.05);
+  }
+}
+
+TEST_CASE("polygon patch: points inside a lens are met, and its middle") {
+  PolygonPatchOptions options;
+  const SideList sides = lens_between(saddle, 0.3, 0.3);
+  options.center = Vec3(0.1, 0.15, 0.06);
+  const PolygonPatch made = polygon_patch(sides, options);
+  CHECK((Vec3(made.patch->positions(middle_of(made)).row(0)) - *options.center).norm() < 1e-12);
+  CHECK(seam(made) < 1e-5);
+}
+
+TEST_CASE("polygon patch: a side in pieces is the side") {
+  const std::vector<Vec2> corners = ring(4);
+  SideList whole = sides_between(saddle, corners), cut = whole;
+  cut[1] = joined({piece_of(whole[1], 0, 0.3), piece_of(whole[1], 0.3, 0.75), piece_of(whole[1], 0.75, 1)}).side;
+  const PolygonPatch made = polygon_patch(cut);
+  CHECK(seam(made) < 1e-5);
+  CHECK(largest_distance(made, saddle) < 2 * largest_distance(polygon_patch(whole), saddle) + 1e-6);
+  for (int k = 0; k <= 50; ++k) {
+    // the curve is the same, its speed even, and nothing shows where pieces meet
+    const double t = k / 50.0;
+    CHECK(cut[1].c.derivative_at(t).norm() == Approx(arc_length(whole[1].c)).epsilon(1e-3));
+    CHECK(std::abs(saddle.distance(cut[1].c(t))) < 1e-12);
+  }
+  CHECK_THROWS_WITH(joined({whole[0], whole[1]}), Catch::Contains("meet at an angle of"));
+  CHECK_THROWS_WITH(joined({whole[0], whole[2]}), Catch::Contains("do not meet: the gap is"));
+}
+
 TEST_CASE("polygon patch: a plane hole is filled with its plane") {
+  CHECK(largest_distance(polygon_patch(lens_between(plane, 0.2, 0.5)), plane) < 1e-13);
   for (int n : {4, 7}) CHECK(largest_distance(polygon_patch(sides_between(plane, ring(n))), plane) < 1e-13);
 }
 
@@ -292,7 +360,7 @@ TEST_CASE("polygon patch: what does not meet is refused with the corner and the 
 TEST_CASE("polygon domain: it follows angles and lengths, and stays convex") {
   const double right = std::numbers::pi / 2;
   const PolygonDomain rectangle = polygon_like({right, right, right, right}, {2, 1, 2, 1});
-  CHECK(rectangle.length(0) == Approx(2 * rectangle.length(1)));
+  CHECK(rectangle.along(0, 0).norm() == Approx(2 * rectangle.along(1, 0).norm()));
   for (const std::vector<double>& turns : {std::vector<double>{3, 0, 0, -1, 2}, {0, 0, 0, 0}, {2.5, 2.5, 0.1, 0.1, 0.1, 0.1}}) {
     const PolygonDomain d = polygon_like(turns, std::vector<double>(turns.size(), 1.0));
     for (int i = 0; i < d.sides(); ++i)

@@ -97,6 +97,66 @@ def test_a_side_of_each_of_many_in_any_order(n, beyond):
         assert tripatch.angles(patch.normal(at), side.evaluate(t)[3]).max() < 1e-4
 
 
+def arched(sign, name="arch", high=0.4):
+    """A sheet along a parabola from (-1, 0, 0) to (1, 0, 0), or back below it, and away from the other."""
+    u, v = np.meshgrid(np.linspace(-1, 1, 3), np.linspace(0, 1, 3), indexing="ij")
+    arch = np.array([0, 2 * high, 0])[:, None]
+    net = np.stack([u, sign * (arch + 0.5 * v), 0.2 * v], axis=2)
+    return edges(name, tripatch.BezierRectangle(net if sign < 0 else net[::-1]))
+
+
+def test_two_objects_with_a_side_each():
+    loop = between.find_loop([arched(-1, "lower"), arched(1, "upper")], 1e-3)
+    assert len(loop.curves) == 2 and max(loop.gaps) < 1e-12
+    sides = loop.joined_sides()
+    patch = tripatch.patch([side for side, _ in sides], fairing="auto")
+    t = np.linspace(0.01, 0.99, 21)
+    for i, (side, _) in enumerate(sides):
+        c, _, _, normal = side.evaluate(t)
+        assert np.abs(patch.evaluate(patch.on_side(i, t)) - c).max() < 1e-12
+        assert tripatch.angles(patch.normal(patch.on_side(i, t)), normal).max() < 1e-5
+    b, faces = patch.triangles([t for _, t in sides])
+    border = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    _, count = np.unique(border, axis=0, return_counts=True)
+    assert (count == 1).sum() == 16 and count.max() == 2
+
+
+def test_objects_that_go_on_smoothly_are_one_side():
+    objects, corners = many(4)
+    a, b = corners[1], corners[2]
+    cuts = [a + share * (b - a) for share in (0, 0.3, 0.65, 1)]
+    out = (a + b) / 2 + (0, 0, 0.1)
+    pieces = [edges(f"B{k}", sheet(p, q, out)) for k, (p, q) in enumerate(itertools.pairwise(cuts))]
+    loop = between.find_loop([objects[0], pieces[1], objects[2], pieces[0], objects[3], pieces[2]], 1e-3)
+    assert len(loop.curves) == 6
+    sides = loop.joined_sides()
+    assert sorted(map(len, loop.groups)) == [1, 1, 1, 3]
+    (whole,) = [k for k, group in enumerate(loop.groups) if len(group) == 3]
+    assert len(sides[whole][1]) == 3 * 8 + 1 and (np.diff(sides[whole][1]) > 0).all()
+    patch = tripatch.patch([side for side, _ in sides])
+    t = np.linspace(0, 1, 9)
+    on = patch.evaluate(patch.on_side(whole, t))
+    ends = [corners[2], corners[1]] if np.linalg.norm(on[0] - corners[2]) < 1e-6 else [corners[1], corners[2]]
+    np.testing.assert_allclose(on, np.outer(1 - t, ends[0]) + np.outer(t, ends[1]), atol=1e-9)
+
+
+def test_all_that_goes_on_smoothly_is_a_round_rim():
+    whole = [edge for edge in edges("tube", ring()) if edge.closed][1].side
+    halves = [[between.SurfaceEdge(name, whole.part(*way), 8, True)] for name, way in (("A", (0, 0.4)), ("B", (0.4, 1)))]
+    loop = between.find_loop(halves, 1e-3)
+    ((side, t),) = loop.joined_sides()
+    patch = tripatch.patch([side], fairing="auto")
+    places, faces = patch.triangles([t])
+    assert len(t) == 17 and len(faces) and patch.domain.shape == (64, 2)
+    assert tripatch.angles(patch.normal(patch.on_side(0, t)), side.evaluate(t)[3]).max() < 0.05
+    assert (
+        np.abs(
+            np.linalg.norm(patch.evaluate(places)[:16, :2], axis=1) - np.linalg.norm(side.evaluate(t)[0][:16, :2], axis=1)
+        ).max()
+        < 1e-4
+    )
+
+
 def test_a_gap_between_many_is_named():
     objects, _ = many(5)
     far = edges("far", sheet(np.array([5.0, 0, 0]), np.array([6.0, 0, 0]), np.array([0, 1.0, 0])))

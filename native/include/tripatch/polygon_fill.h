@@ -38,6 +38,8 @@ struct PolygonTriangles {
 /// parameters: of the points on each side, from 0 to 1. resolution: edges a side inside; none: as the sides.
 PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vector<std::vector<double>>& parameters,
                                      std::optional<int> resolution);
+/// The same of a disc, from parameters along its one side, 1 among them.
+PolygonTriangles triangulate_disc(const Surface& patch, const std::vector<double>& parameters, std::optional<int> resolution);
 
 /// As patch_from_sides, over a polygon: on sides of a cage. points: places (u, v, 0) where it is about to pass them.
 MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain, const FillOptions& options,

@@ -19,6 +19,7 @@ from .errors import Refusal
 
 Way = tuple[float, float]  # along a curve, by its parameter
 _SHARP = np.cos(np.radians(25))  # a mesh's border turns by more than this at a corner
+_SMOOTH = 10  # degrees: pieces that meet within them are one side, as the library joins them
 
 
 def _nearest(among: Array, points: ArrayLike) -> Array:
@@ -160,6 +161,11 @@ class MeshBorder(Curve):
         sharp: Array = self.t[np.argsort(straight, kind="stable")[: np.count_nonzero(straight < _SHARP)]]
         return sharp
 
+    def turns_within(self, way: Way) -> bool:
+        """Whether the border turns sharply between the ends of a piece."""
+        low, high = min(way) + 0.5 / self._steps, max(way) - 0.5 / self._steps
+        return any(low < t < high or low < t + 1 < high for t in self.corners())
+
     def pieces(self, ends: Sequence[tuple[float, float]]) -> list[tuple[Side, Array]]:
         backwards = ends[0][1] < ends[0][0]
         steps = [int(round(t * self._steps)) for pair in (ends[::-1] if backwards else ends) for t in sorted(pair)]
@@ -196,6 +202,7 @@ class Loop:
     curves: list[Curve]
     ends: list[tuple[float, float]]
     gaps: list[float] = field(default_factory=list)  # behind each piece
+    groups: list[list[int]] = field(default_factory=list)  # pieces of each side, once these are joined
 
     def sides(self) -> list[tuple[Side, Array]]:
         """The sides, with ends that meet exactly (each moves to the middle of its gap), and the parameters where they are
@@ -214,6 +221,35 @@ class Loop:
             if max(np.linalg.norm(start), np.linalg.norm(end)) > 2e-7 * np.ptp(ends[k], axis=0).max():
                 made[k] = (side._moved(start.tolist(), end.tolist()), t)
         return made
+
+    def joined_sides(self) -> list[tuple[Side, Array]]:
+        """As `sides`, those that go on smoothly from one object to the next as one; all of them are a round rim. Three sides stay
+        three. `groups` then holds which curves each is made of."""
+        made = self.sides()
+        n = len(made)
+        goes_on = [_goes_on(made[k][0], made[(k + 1) % n][0]) for k in range(n)]  # behind piece k
+        if n == 3 or sum(goes_on) == n - 1:  # no patch is made for a rim of one corner
+            goes_on = [False] * n
+        first = next((k for k in range(n) if not goes_on[k - 1]), 0)
+        self.groups = []
+        for k in range(first, first + n):
+            if self.groups and goes_on[(k - 1) % n]:
+                self.groups[-1].append(k % n)
+            else:
+                self.groups.append([k % n])
+        whole = []
+        for group in self.groups:
+            pieces = [made[k] for k in group]
+            whole.append(_native._joined_side([side for side, _ in pieces], [t.tolist() for _, t in pieces]))
+        return [(side, np.array(t)) for side, t in whole]
+
+
+def _goes_on(side: Side, after: Side) -> bool:
+    """Whether a side goes on smoothly in the one after it: tangents and planes."""
+    (_, along, _, normal), (_, there, _, theirs) = side.evaluate([1.0]), after.evaluate([0.0])
+
+    angles = _native._angles(np.vstack([along, normal]), np.vstack([there, theirs]))
+    return bool(angles.max() <= _SMOOTH)
 
 
 def _surface_joints(a: SurfaceEdge, b: SurfaceEdge) -> list[Joint]:
@@ -419,11 +455,26 @@ def _loop_of_many(objects: Any, tolerance: float, size: float) -> Loop:
     raise Refusal(f"The edges of {', '.join(names[:-1])} and {names[-1]} enclose no hole with a side of each")
 
 
+def _loop_of_two(objects: Sequence[Sequence[Curve]], tolerance: float, least: float) -> tuple[float, Loop] | None:
+    """The shortest loop of one piece of each of two objects. A piece of a mesh's border has no corner inside."""
+    best = None
+    for x, y in itertools.product(*objects):
+        near = [joint for joint in _joints(x, y, tolerance) if joint.gap <= tolerance]
+        for first, second in itertools.permutations(near, 2):  # from one joint along x to the other, and back along y
+            for there, back in itertools.product(_arcs(x, first.a, second.a), _arcs(y, second.b, first.b)):
+                lengths = _length(x, there), _length(y, back)
+                turns = any(isinstance(c, MeshBorder) and c.turns_within(way) for c, way in ((x, there), (y, back)))
+                if turns or min(lengths) <= least or (best and sum(lengths) >= best[0] * (1 - 1e-9)):
+                    continue
+                best = (sum(lengths), Loop([x, y], [there, back], [second.gap, first.gap]))
+    return best
+
+
 def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float) -> Loop:
     """The smallest loop of pieces of curves whose ends meet.
 
     Args:
-        objects: the curves of each of three to twelve objects, which give a side each; or of two, of which a mesh gives two
+        objects: the curves of each of two to twelve objects, which give a side each; or of two, of which a mesh gives two
             sides.
         tolerance: largest gap between ends that still meet.
 
@@ -451,13 +502,18 @@ def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float) -> Loop:
         found = [best for order in ways if (best := _search(order, joints, limit, cost, shortest))]
         return min(found, key=lambda best: best[0], default=None)
 
-    best = least(tolerance, lambda gaps, whole, length: length, max(2 * tolerance, 1e-6 * size))
+    shortest = max(2 * tolerance, 1e-6 * size)
+    best = least(tolerance, lambda gaps, whole, length: length, shortest)
+    if len(objects) == 2:
+        lens = _loop_of_two(objects, tolerance, shortest)
+        best = min((found for found in (best, lens) if found), key=lambda found: found[0], default=None)
     if best:
         return _facing(best[1])
     names = list(dict.fromkeys(curve.name for curve in curves))
     nearly = least(np.inf, lambda gaps, whole, _: max(g if w else 10 * g for g, w in zip(gaps, whole)), 1e-3 * size)
     if nearly is None or max(nearly[1].gaps) <= tolerance:
-        raise Refusal(f"The edges of {', '.join(names[:-1])} and {names[-1]} enclose no three-sided hole")
+        sided = "hole of two or three sides" if len(objects) == 2 else "three-sided hole"
+        raise Refusal(f"The edges of {', '.join(names[:-1])} and {names[-1]} enclose no {sided}")
     loop = nearly[1]
     k = int(np.argmax(loop.gaps))
     raise Refusal(

@@ -15,7 +15,12 @@ from ._types import Array, ArrayLike
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 
 
-def _closed(sides: tuple[Side, ...], tolerance: float) -> tuple[Side, ...]:
+def _joined(sides: Sequence[Side | Sequence[Side]]) -> tuple[Side, ...]:
+    """Sides of several pieces made one each; ends of neighbors are where they were."""
+    return tuple(side if isinstance(side, Side) else _native._joined_side(list(side), [])[0] for side in sides)
+
+
+def _closed(sides: Sequence[Side], tolerance: float) -> tuple[Side, ...]:
     """The sides with ends that are no farther apart than the tolerance moved to their middles."""
     starts, ends = (np.array([side.evaluate([t])[0][0] for side in sides]) for t in (0.0, 1.0))
     gaps = np.roll(starts, -1, axis=0) - ends  # from the end of a side to the start of the next
@@ -23,7 +28,7 @@ def _closed(sides: tuple[Side, ...], tolerance: float) -> tuple[Side, ...]:
     gaps[size > tolerance] = 0  # refused later on, with the place
     largest = 0.5 * np.linalg.norm(gaps, axis=1).max()
     if largest <= 1e-12 * np.ptp(starts, axis=0).max():  # rounding
-        return sides
+        return tuple(sides)
     warnings.warn(f"The ends of the sides were moved together, by {largest:.2g} at most", stacklevel=3)
     moves = zip(sides, np.roll(-0.5 * gaps, 1, axis=0), 0.5 * gaps)
     return tuple(side._moved(before.tolist(), after.tolist()) for side, before, after in moves)
@@ -31,7 +36,7 @@ def _closed(sides: tuple[Side, ...], tolerance: float) -> tuple[Side, ...]:
 
 @takes_options
 def patch(
-    sides: Sequence[Side],
+    sides: Sequence[Side | Sequence[Side]],
     method: str = OPTIONS["method"].default,
     cross_boundary: str = "consistent",
     *,
@@ -40,13 +45,14 @@ def patch(
     tolerance: float | None = None,
     **options: Any,
 ) -> Patch:
-    """A patch from three to twelve sides that meet at the corners, or in a round rim that is one closed side.
+    """A patch from two to twelve sides that meet at the corners, or in a round rim that is one closed side.
 
     Options are those of `fill`, but nothing is made fair unless `fairing` says how ("auto" and so on). What a person should know
     of the patch is given as a warning.
 
     Args:
-        sides: `Side` objects in the order of the rim. Of three, side i is opposite corner i and runs from corner i + 1 to corner
+        sides: `Side` objects in the order of the rim; a list of them, from end to end, is one side of several pieces that go on
+            smoothly, within 10 degrees. Of three, side i is opposite corner i and runs from corner i + 1 to corner
             i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values.
         through: of four sides or more: points (k, 3) inside, or (point, normal) pairs, that the patch meets exactly.
         method, cross_boundary, fairing: as of `fill`.
@@ -60,15 +66,18 @@ def patch(
     Raises:
         Refusal: the sides do not meet.
     """
-    sides = tuple(sides)
-    if not (len(sides) == 1 or 3 <= len(sides) <= 12) or not all(isinstance(side, Side) for side in sides):
-        raise TypeError("sides must be three to twelve Side objects, or one that is closed")
+    sides = tuple(side if isinstance(side, Side) or not isinstance(side, Sequence) else tuple(side) for side in sides)
+    pieces = [piece for side in sides for piece in (side if isinstance(side, tuple) else (side,))]
+    if not 1 <= len(sides) <= 12 or any(side == () for side in sides) or not all(isinstance(piece, Side) for piece in pieces):
+        raise TypeError("sides must be two to twelve Side objects, or lists of the pieces of a side; or one side that is closed")
     if tolerance is not None:
         if not isinstance(tolerance, numbers.Real) or isinstance(tolerance, bool):
             raise TypeError("tolerance must be a number or None")
         if not 0 <= tolerance < np.inf:
             raise ValueError("tolerance must be a length")
-        sides = _closed(sides, float(tolerance))
+        met = iter(_closed(pieces, float(tolerance)))
+        sides = tuple(next(met) if isinstance(side, Side) else tuple(next(met) for _ in side) for side in sides)
+    sides = _joined(sides)
     if len(sides) != 3:
         made, notes = _between_many(
             sides, through, {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, **options}
@@ -173,6 +182,10 @@ def _places_on_side(edges: Any, i: int) -> list[float]:
     return [float(place) for place in t]
 
 
+def _sides_of(patch: Patch) -> int:
+    return len(patch.domain) if isinstance(patch, _native.PolygonPatch) else 1 if isinstance(patch, _native.RoundPatch) else 3
+
+
 def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[Array, Array]:
     """The domain as triangles, well shaped on the patch.
 
@@ -182,17 +195,35 @@ def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[
 
     Returns:
         Barycentric coordinates (k, 3), those on the sides first, in order from corner 0 along side 2, 0 and 1; of a patch over a
-        polygon places (k, 2) in it, from corner 0 along side 0; faces (m, 3).
+        polygon or a disc places (k, 2) in it, from corner 0 along side 0; faces (m, 3).
     """
-    polygon = isinstance(self, _native.PolygonPatch)
-    count = len(self.domain) if isinstance(self, _native.PolygonPatch) else 3
+    count = _sides_of(self)
     given = (edges,) * count if isinstance(edges, numbers.Number) else tuple(edges)
     if len(given) != count:
         raise ValueError(f"edges must be one value or one a side, {count}, not {len(given)}")
     sides = [_places_on_side(side, i) for i, side in enumerate(given)]
     inside = None if resolution is None else whole(resolution, "resolution", 1, 10000)
-    b, faces = (_native._polygon_triangles if polygon else _native._triangles)(self, sides, inside)
+    if isinstance(self, _native.PolygonPatch):
+        b, faces = _native._polygon_triangles(self, sides, inside)
+    elif isinstance(self, _native.RoundPatch):
+        b, faces = _native._disc_triangles(self, sides, inside)
+    else:
+        b, faces = _native._triangles(self, sides, inside)
     return b, np.array(faces, np.int64).reshape(-1, 3)
+
+
+def _on_side(self: Patch, i: int, t: ArrayLike) -> Array:
+    """The places of side i at parameters t (k,) in [0, 1], for `evaluate`: barycentric coordinates (k, 3), of a patch over a
+    plane domain places (k, 2) in it."""
+    t = _parameters(t)
+    i = whole(i, "i", 0, _sides_of(self) - 1)
+    if isinstance(self, _native.PolygonPatch):
+        return self._on_side(i, t.tolist())
+    if isinstance(self, _native.RoundPatch):
+        return np.column_stack([np.cos(2 * np.pi * t), np.sin(2 * np.pi * t)])
+    b = np.zeros((len(t), 3))
+    b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
+    return b
 
 
 def _mu(self: SzilvasiNagyPatch, b: ArrayLike) -> Array:
@@ -280,7 +311,7 @@ def _as_dict(self: Report) -> dict[str, Any]:
 
 
 _METHODS: dict[type, dict[str, Any]] = {
-    Patch: {"evaluate": _evaluate, "normal": _normal, "energy": _patch_energy, "triangles": _triangles},
+    Patch: {"evaluate": _evaluate, "normal": _normal, "energy": _patch_energy, "triangles": _triangles, "on_side": _on_side},
     SzilvasiNagyPatch: {
         "mu": _mu,
         "auxiliary_curve": _auxiliary_curve,

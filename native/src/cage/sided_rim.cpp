@@ -43,7 +43,7 @@ PolygonDomain cage_domain(const SidedRim& rim, const Points& vertices, const Con
     for (std::size_t k = 0; k + 1 < side.size(); ++k) length += (vertices.row(side[k]) - vertices.row(side[k + 1])).norm();
     lengths.push_back(length);
   }
-  return polygon_like(turns, lengths);
+  return rim.sides() == 2 ? lens_like(turns) : polygon_like(turns, lengths);
 }
 
 QuadLayout polygon_cage_layout(const SidedRim& rim, const PolygonDomain& domain, const Connectivity& left, int rows) {

@@ -86,8 +86,8 @@ std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& a
     return {};
   }
   if (clear.size() > 3 && !(seen.size() == 3 && between_lines(around, rim))) return clear;
-  if (seen.size() != 3) seen.clear();
-  return seen;
+  if (seen.size() == 3) return seen;
+  return clear.size() == 2 ? clear : std::vector<Index>();
 }
 
 }  // namespace tripatch

@@ -8,6 +8,7 @@
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {
@@ -32,6 +33,41 @@ double turn_about(const Vec3& before, const Vec3& after, const Vec3& normal) {
 Vec2 combination(const Vec2& a, const Vec2& b, const Vec2& v) {
   const double det = a[0] * b[1] - a[1] * b[0];
   return {(v[0] * b[1] - v[1] * b[0]) / det, (a[0] * v[1] - a[1] * v[0]) / det};
+}
+
+/// A scalar as a field.
+template <class F>
+PiecewisePolynomial field_of(const F& f) {
+  return PiecewisePolynomial::fit(
+      [&](std::span<const double> t, std::span<double> out) {
+        for (std::size_t k = 0; k < t.size(); ++k) out[k] = f(t[k]);
+      },
+      1);
+}
+
+/// (alpha, beta) in the middle of a side of a lens, such that a circular arc leads from there to the middle of the other.
+Vec2 half_way(const PolygonDomain& lens, const Side& side, const Side& other) {
+  const Vec3 r = side.r(0.5), gap = other.c(0.5) - side.c(0.5);
+  const Vec2 toward = in_frame(r, side.c.derivative_at(0.5), -gap);
+  const double turned = std::numbers::pi - std::min(3.0, degrees_between(r, other.r(0.5)) * std::numbers::pi / 180);
+  const double longer = turned > 1e-3 ? 2 * std::tan(turned / 4) / std::sin(turned / 2) : 1,
+               flat = (toward[0] * r + toward[1] * side.c.derivative_at(0.5)).norm();
+  return longer * gap.norm() / (flat * 2 * lens.height()) * toward;
+}
+
+/// alpha and beta along a side of a lens: "inward" leans against the side there, and it is the derivative along the normal for which
+/// they are linear but for a hill that the middle asks for.
+void lean(const PolygonDomain& lens, PolygonRibbon& ribbon, const CornerSlope& from, const CornerSlope& to, const Vec2& middle) {
+  const double first = lens.along(0, 0).norm();
+  const auto share = [&](double t) { return first / lens.along(0, t).norm(); };
+  const auto own = [&](double t) { return -lens.inward(0).dot(lens.along(0, t)) / lens.along(0, t).squaredNorm(); };
+  const auto between = [&](double a, double b, double t) { return share(t) * ((1 - t) * a + t * b); };
+  const auto hill = [](double t) { return 16 * t * t * (1 - t) * (1 - t); };
+  const double a = from.beta - own(0), b = to.beta - own(1);
+  const bool known = middle.allFinite() && middle[0] > 0;
+  const Vec2 more = known ? Vec2(middle - Vec2(between(from.alpha, to.alpha, 0.5), own(0.5) + between(a, b, 0.5))) : Vec2::Zero();
+  ribbon.alpha = field_of([&](double t) { return between(from.alpha, to.alpha, t) + hill(t) * more[0]; });
+  ribbon.beta = field_of([&](double t) { return own(t) + between(a, b, t) + hill(t) * more[1]; });
 }
 
 }  // namespace
@@ -77,15 +113,14 @@ PolygonBoundary polygon_boundary(const SideList& sides, const PolygonRibbonOptio
     turns.push_back(out.turn_deg.back() * std::numbers::pi / 180);
     share.push_back(floor_share(out.turn_deg.back()));
   }
-  out.domain = domain ? *domain : polygon_like(turns, lengths);
+  out.domain = domain ? *domain : n == 2 ? lens_like(turns) : polygon_like(turns, lengths);
   const PolygonDomain& d = out.domain;
   for (int i = 0; i < n; ++i) {
     const Side &side = sides[i], &before = sides[(i + n - 1) % n], &after = sides[(i + 1) % n];
     const Vec3 c0 = side.c.derivative_at(0), c1 = side.c.derivative_at(1);
     // the derivative along the inward normal at the two ends, from the two curves that meet there
-    const Vec2 along = d.corner(i + 1) - d.corner(i);
-    const Vec2 x0 = combination(along, d.corner(i - 1) - d.corner(i), d.inward(i)),
-               x1 = combination(-along, d.corner(i + 2) - d.corner(i + 1), d.inward(i));
+    const Vec2 x0 = combination(d.along(i, 0), -d.along(i - 1, 1), d.inward(i)),
+               x1 = combination(-d.along(i, 1), d.along(i + 1, 0), d.inward(i));
     const Vec3 tau0 = x0[0] * c0 - x0[1] * before.c.derivative_at(1), tau1 = -x1[0] * c1 + x1[1] * after.c.derivative_at(0);
     const CornerSlope a = corner_slope(side.r(0), c0, -tau0, length, share[i]),
                       b = corner_slope(side.r(1), c1, -tau1, length, share[(i + 1) % n]);
@@ -93,6 +128,7 @@ PolygonBoundary polygon_boundary(const SideList& sides, const PolygonRibbonOptio
     ribbon.c = side.c;
     ribbon.alpha = PiecewisePolynomial::linear(a.alpha, b.alpha);
     ribbon.beta = PiecewisePolynomial::linear(a.beta, b.beta);
+    if (d.is_lens()) lean(d, ribbon, a, b, half_way(d, side, after));
     const double bulge = options.bulge.empty() ? 1 : options.bulge[i];
     if (bulge != 1) {
       const double e = (bulge - 1) * 16 / 6;  // 16 t^2 (1 - t)^2 in Bernstein form

@@ -18,6 +18,9 @@ double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
 constexpr double least_turn = 0.2;
 /// And by more: 150 degrees, a corner of 30.
 constexpr double most_turn = 2.6;
+/// A corner of a lens is no wider (radians; 103 degrees): higher ones crowd their parameters at the corners (of lenses with corners of
+/// 128 to 170 degrees on spheres, tori and saddles those with 120 were filled twice as far off).
+constexpr double widest_corner = 1.8;
 /// A side of the domain is no shorter than this share of the hole's own: else the angles give way.
 constexpr double least_length = 0.4;
 
@@ -64,8 +67,44 @@ int PolygonDomain::corner_at(const Vec2& p, double share) const {
 }
 
 Vec2 PolygonDomain::moved_off(int i, const Vec2& p, double share) const {
+  if (is_lens()) {  // on a parabola through the two corners
+    const double s = this->share(Jet<0>(p[0])).value(), hill = 4 * height_ * s * (1 - s),
+                 part = hill > 0 ? std::clamp(p[1] / hill, -1.0, 1.0) : 0;
+    const double there = share * radius_ / Vec2(2 * radius_, 4 * height_ * part).norm();
+    const double y = part * 4 * height_ * there * (1 - there), x = radius_ * (1 - 2 * there);
+    return {i == 0 ? -x : x, y};
+  }
   const Vec2 off = p - corner(i), middle = (corner(i + 1) - corner(i)).normalized() + (corner(i - 1) - corner(i)).normalized();
   return corner(i) + share * radius_ * (off.norm() > 1e-30 * radius_ ? off : middle).normalized();
+}
+
+PolygonDomain PolygonDomain::lens(double length, double height) {
+  if (!(length > 0) || !(height > 0)) throw InvalidArgument("a lens has a length and a height");
+  PolygonDomain d;
+  d.corners_ = {Vec2(-0.5 * length, 0), Vec2(0.5 * length, 0)};
+  d.inward_ = {Vec2::UnitY(), -Vec2::UnitY()};
+  d.radius_ = 0.5 * length;
+  d.height_ = height;
+  return d;
+}
+
+Vec2 PolygonDomain::kept_inside(Vec2 p, double margin) const {
+  if (is_lens()) {
+    const double widest = std::sqrt(std::max(0.0, 1 - margin / height_)) * radius_;  // where the hill is as high as the margin
+    p[0] = std::clamp(p[0], -widest, widest);
+  }
+  for (int pass = 0; pass < 2; ++pass)
+    for (int i = 0; i < sides(); ++i) p -= std::min(0.0, phi(i, p) - margin) * inward(i);
+  return p;
+}
+
+PolygonDomain lens_like(const std::vector<double>& turns) {
+  const double turn = std::clamp(0.5 * (turns[0] + turns[1]), std::numbers::pi - widest_corner, most_turn);
+  const double height = 0.5 * std::tan(0.5 * (std::numbers::pi - turn));  // over half the length
+  const PolygonDomain unit = PolygonDomain::lens(2, height);
+  double length = 0;
+  for (int k = 0; k < 32; ++k) length += (unit.on_side(0, (k + 1) / 32.0) - unit.on_side(0, k / 32.0)).norm();
+  return PolygonDomain::lens(2 / length, height / length);
 }
 
 PolygonDomain polygon_like(std::vector<double> turns, const std::vector<double>& given) {

@@ -31,11 +31,7 @@ Eigen::VectorXd nearest_in_polygon(const Surface& surface, const PolygonDomain& 
       }
       const Vec2 move = in_frame(jets.row(k).segment<3>(3), jets.row(k).tail<3>(), off);
       if (!move.allFinite()) continue;
-      Vec2 there = Vec2(at.row(k).head<2>()) + move;
-      for (int pass = 0; pass < 2; ++pass)
-        for (int i = 0; i < domain.sides(); ++i)
-          there -= std::min(0.0, domain.inward(i).dot(there - domain.corner(i))) * domain.inward(i);
-      at.row(k).head<2>() = there;
+      at.row(k).head<2>() = domain.kept_inside(Vec2(at.row(k).head<2>()) + move);
     }
   }
   return distance;

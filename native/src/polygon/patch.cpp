@@ -106,7 +106,7 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
   Vec2 place = grid.row(best).head<2>();
   const auto inside = [&](const Vec2& p) {
     for (int i = 0; i < domain.sides(); ++i)
-      if (domain.inward(i).dot(p - domain.corner(i)) < least_share * domain.radius()) return false;
+      if (domain.phi(i, p) < least_share * domain.radius()) return false;
     return true;
   };
   for (int step = 0; step < 8; ++step) {
@@ -139,9 +139,9 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
     const int n = made.domain.sides();  // as many nodes in all as a triangle has, or a few more
     fairing.nodes = n <= 5 ? 8 : n <= 8 ? 7 : 6;
     fairing.rough_nodes = n <= 5 ? 5 : 4;
-    // the larger the polygon, the farther its middle from what the sides say of it
-    fairing.degree = n <= 4 ? 4 : n == 5 ? 6 : 8;
-    fairing.second_cross = n <= 5 ? 4 : 6;
+    // the larger the polygon, the farther its middle from what the sides say of it; and in a lens all are far from the corners
+    fairing.degree = n == 2 ? 8 : n <= 4 ? 4 : n == 5 ? 6 : 8;
+    fairing.second_cross = n == 2 ? 6 : n <= 5 ? 4 : 6;
     const PolygonBase measured = base_of(smoothed_list(sides), asked, bulge, &made.domain, through);
     PolygonFairResult fair = fair_polygon(base, measured, fairing);
     made.patch = fair.patch;
@@ -167,7 +167,6 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
 PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& options) {
   SideList sides = closed(given);
   const int n = static_cast<int>(sides.size());
-  if (n < 3) throw InvalidArgument("a patch over a polygon has three sides or more");
   check_shape_options(options.fairing.has_value(), options.tension, options.center.has_value(), options.center_offset);
   const Asked wanted = asked(each(options.continuity, n, SideContinuity::automatic, "continuity"), sides);
   sides = told_by_rim(std::move(sides), wanted.tangent);

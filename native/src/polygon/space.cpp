@@ -62,9 +62,25 @@ Eigen::MatrixXd orthonormal(const PolygonDomain& domain, int degree, int second_
   return orthonormal_functions(quadrature.weights, polygon_derivatives(domain, quadrature.uv, degree, second_cross));
 }
 
+/// Along the lens and across it, denser than over a triangle: there are but two corners.
+PolygonQuadrature lens_quadrature(const PolygonDomain& domain, int nodes) {
+  const auto [x, w] = gauss(2 * nodes);
+  const Index n = static_cast<Index>(x.size());
+  PolygonQuadrature result;
+  result.uv = Points::Zero(n * n, 3);
+  for (Index a = 0; a < n; ++a)
+    for (Index c = 0; c < n; ++c) {
+      const double s = x[a], high = 4 * domain.height() * s * (1 - s);
+      result.uv.row(n * a + c).head<2>() = Vec2(domain.radius() * (2 * s - 1), high * (2 * x[c] - 1));
+      result.weights.push_back(w[a] * w[c] * 2 * domain.radius() * 2 * high * 4 * s * (1 - s));
+    }
+  return result;
+}
+
 }  // namespace
 
 PolygonQuadrature polygon_quadrature(const PolygonDomain& domain, int nodes) {
+  if (domain.is_lens()) return lens_quadrature(domain, nodes);
   const auto [x, w] = gauss(nodes);
   const int n = domain.sides();
   PolygonQuadrature result;

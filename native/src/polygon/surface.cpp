@@ -22,24 +22,37 @@ PiecewisePolynomial hermite(const std::array<Vec3, 2>& value, const std::array<V
   return PiecewisePolynomial::bezier(net, 3);
 }
 
-/// How the parameters of neighboring sides change across side i, along it; all are polynomials of t.
+/// How the parameters at its two corners change across side i, along it; all are polynomials of t.
 struct AcrossSide {
-  PiecewisePolynomial along;                ///< d t_i / d nu, linear
-  PiecewisePolynomial to_start, to_end;     ///< 1 over d(1 - t_{i-1}) / d nu and d t_{i+1} / d nu, linear
-  std::array<double, 2> start, end, slant;  ///< the values of these at 0 and 1
+  PiecewisePolynomial to_start, to_end;              ///< 1 over d(1 - t_{i-1}) / d nu and d t_{i+1} / d nu, linear
+  PiecewisePolynomial along_to_start, along_to_end;  ///< that times d t_i / d nu, linear too
+  std::array<double, 2> start, end, slant;           ///< the values of to_start, to_end and d t_i / d nu at 0 and 1
 
   AcrossSide(const PolygonDomain& d, int i) {
+    if (d.is_lens()) {
+      // with the parameters of corners, phi / (8 h (1 - t_i)), in their places
+      start = {8 * d.height(), 0};
+      end = {0, 8 * d.height()};
+      slant = {-1 / start[0], 1 / end[1]};
+      to_start = ramp(start[0], start[1]);
+      to_end = ramp(end[0], end[1]);
+      along_to_start = ramp(-1, -1);
+      along_to_end = ramp(1, 1);
+      return;
+    }
     const auto distance = [&](int side, const Vec2& p) { return d.inward(side).dot(p - d.corner(side)); };
     const double before = d.inward(i - 1).dot(d.inward(i)) / distance(i - 1, d.corner(i + 1)),
                  after = d.inward(i + 1).dot(d.inward(i)) / distance(i + 1, d.corner(i));
     slant = {before, -after};
-    along = ramp(slant[0], slant[1]);
+    const PiecewisePolynomial along = ramp(slant[0], slant[1]);
     const double s = distance(i, d.corner(i - 1)) / distance(i - 2, d.corner(i)),
                  e = distance(i, d.corner(i + 2)) / distance(i + 2, d.corner(i + 1));
     start = {s * distance(i - 2, d.corner(i)), s * distance(i - 2, d.corner(i + 1))};
     end = {e * distance(i + 2, d.corner(i)), e * distance(i + 2, d.corner(i + 1))};
     to_start = ramp(start[0], start[1]);
     to_end = ramp(end[0], end[1]);
+    along_to_start = to_start * along;
+    along_to_end = to_end * along;
   }
 };
 
@@ -54,8 +67,9 @@ public:
     // At a corner, coordinates u = t_k along the side that starts there, v = 1 - t_{k-1} along the one that ends there. The derivative
     // by v along the first is start = (d - c' dt/dnu) / (dv/dnu), that by u along the second is `end`.
     const auto field = [&](int i, const PiecewisePolynomial& derivative, bool at_start) {
-      const PiecewisePolynomial& factor = at_start ? across[i].to_start : across[i].to_end;
-      return factor * (derivative - across[i].along * ribbons[i].c.derivative());
+      const AcrossSide& of = across[i];
+      return (at_start ? of.to_start : of.to_end) * derivative -
+             (at_start ? of.along_to_start : of.along_to_end) * ribbons[i].c.derivative();
     };
     // What the two sides do not agree on at their corner: values of the derivative across, and twists.
     std::vector<std::array<Vec3, 2>> value(n), slope(n);
@@ -81,7 +95,7 @@ public:
     }
     for (int i = 0; i < n; ++i) {
       rest_.push_back(hermite(value[i], slope[i]));
-      const PiecewisePolynomial agreeing = ribbons[i].d + rest_[i];
+      const PiecewisePolynomial& agreeing = across_.emplace_back(ribbons[i].d + rest_[i]);
       c_.push_back(ribbons[i].c);
       start_.push_back(field(i, agreeing, true));
       end_.push_back(field(i, agreeing, false));
@@ -94,6 +108,7 @@ public:
   JetPoint<N> at(const Jet<N>& u, const Jet<N>& v) const {
     const int n = domain().sides();
     const Place<N> place = domain().place(u, v);
+    if (domain().is_lens()) return in_lens(place);
     JetPoint<N> p;
     for (int i = 0; i < n; ++i) {
       const int next = domain().wrap(i + 1), previous = domain().wrap(i - 1);
@@ -103,18 +118,47 @@ public:
       p += (w0 * (1.0 - place.t[previous])) * compose(start_[i], t);
       p += (w1 * place.t[next]) * compose(end_[i], t);
       // what both sides at corner i have given
-      const Jet<N> x = t, y = 1.0 - place.t[previous], xy = x * y;
-      JetPoint<N> both(corner_[i]);
-      for (int c = 0; c < 3; ++c) both.x[c] += to_next_[i][c] * x + to_previous_[i][c] * y + twist_[i][c] * xy;
-      p -= w0 * both;
+      p -= w0 * shared(i, t, 1.0 - place.t[previous]);
       p -= (place.phi[i] * place.side[i]) * compose(rest_[i], t);
     }
     return p;
   }
 
 private:
+  /// What both sides at a corner give.
+  template <int N>
+  JetPoint<N> shared(int i, const Jet<N>& x, const Jet<N>& y) const {
+    const Jet<N> xy = x * y;
+    JetPoint<N> both(corner_[i]);
+    for (int c = 0; c < 3; ++c) both.x[c] += to_next_[i][c] * x + to_previous_[i][c] * y + twist_[i][c] * xy;
+    return both;
+  }
+
+  /// Half way between the corners of a lens what they say has gone far: there the two sides are joined by cubics straight across.
+  template <int N>
+  JetPoint<N> in_lens(const Place<N>& place) const {
+    const Jet<N> hill = 4.0 * (place.t[0] * place.t[1]), between = square(square(hill)), beside = 1.0 - between;
+    const Jet<N> width = (2 * domain().height()) * hill;
+    JetPoint<N> p;
+    for (int i = 0; i < 2; ++i) {
+      const Jet<N> left = (1 / (8 * domain().height())) * reciprocal(place.t[1 - i]), x = place.phi[1 - i] * left,
+                   y = place.phi[i] * left, back = 1.0 - y;
+      JetPoint<N> at_corner = compose(c_[i], x);
+      at_corner += compose(c_[1 - i], back);
+      at_corner += y * compose(start_[i], x);
+      at_corner += x * compose(end_[1 - i], back);
+      at_corner -= shared(i, x, y);
+      p += (beside * place.corner[i]) * at_corner;
+      const Jet<N> q = place.phi[i] / width, left_over = 1.0 - q, falling = square(left_over);
+      p += (between * falling * (1.0 + 2.0 * q)) * compose(c_[i], place.t[i]);
+      p += (between * falling * place.phi[i]) * compose(across_[i], place.t[i]);
+      p -= (place.phi[i] * place.side[i]) * compose(rest_[i], place.t[i]);
+    }
+    return p;
+  }
+
   std::vector<PiecewisePolynomial> c_, start_, end_;
-  std::vector<PiecewisePolynomial> rest_;  // of the derivative across: what start_ and end_ have too much
+  std::vector<PiecewisePolynomial> across_, rest_;  // the derivative across, and what it has too much for the corners' sake
   std::vector<Vec3> corner_, to_next_, to_previous_, twist_;
 };
 

@@ -1,9 +1,15 @@
-// A convex polygon as the domain of a patch of n sides, n from 3 to 12, and what every construction over it is made of.
+// A convex polygon as the domain of a patch of n sides, n from 3 to 12, for two sides a lens, and what every construction over it is made
+// of.
 //
 // Corners are 0 .. n - 1, counterclockwise; side i runs from corner i to corner i + 1, t from 0 to 1. phi_i is the distance from the
 // line of side i. With Wachspress's coordinates lambda the parameter t_i = lambda_{i+1} / (lambda_i + lambda_{i+1}) is linear on side i, 0
 // on side i - 1 and 1 on side i + 1; its level lines are those through the point where these two meet (Charrot and Gregory 1984; for a
 // triangle the rays from the opposite corner).
+//
+// The lens lies between two parabolas over the line from corner 0 to corner 1: with s from 0 to 1 along that line
+// phi_0 = 4 h s (1 - s) + v below and phi_1 = 4 h s (1 - s) - v above, t_0 = s, t_1 = 1 - s, and "inward" is across the line. Beside
+// corner 0, phi_1 / (8 h (1 - s)) and phi_0 / (8 h (1 - s)) are what the parameters of the two sides are beside a polygon's corner:
+// polynomials of s on the sides, with the sum s. So all that a polygon has is smooth here too, and nothing of it is rational on a side.
 #pragma once
 
 #include <array>
@@ -35,11 +41,21 @@ public:
   /// Counterclockwise, convex, no angle straight. Throws InvalidArgument otherwise.
   explicit PolygonDomain(std::vector<Vec2> corners);
 
+  /// Two sides: so long from corner to corner, and so high above and below the line between them.
+  static PolygonDomain lens(double length, double height);
+
   int sides() const { return static_cast<int>(corners_.size()); }
+  bool is_lens() const { return sides() == 2; }
+  double height() const { return height_; }  ///< of a lens, above the line between its corners
   const Vec2& corner(int i) const { return corners_[wrap(i)]; }
-  const Vec2& inward(int i) const { return inward_[wrap(i)]; }  ///< unit normal of side i
-  double length(int i) const { return (corner(i + 1) - corner(i)).norm(); }
-  Vec2 on_side(int i, double t) const { return (1 - t) * corner(i) + t * corner(i + 1); }
+  /// Unit vector into the domain in whose direction phi_i grows as the distance does; the normal of a polygon's side.
+  const Vec2& inward(int i) const { return inward_[wrap(i)]; }
+  Vec2 on_side(int i, double t) const { return (1 - t) * corner(i) + t * corner(i + 1) - 4 * height_ * t * (1 - t) * inward(i); }
+  /// The derivative of on_side.
+  Vec2 along(int i, double t) const { return corner(i + 1) - corner(i) - 4 * height_ * (1 - 2 * t) * inward(i); }
+  double phi(int i, const Vec2& p) const { return phi(i, Jet<0>(p[0]), Jet<0>(p[1])).value(); }
+  /// A point moved to the nearest places, about, that lie so far from the lines of all sides.
+  Vec2 kept_inside(Vec2 p, double margin = 0) const;
   const Vec2& center() const { return center_; }  ///< of the corners
   double radius() const { return radius_; }       ///< the largest distance of a corner from the center
   int wrap(int i) const { return (i + sides()) % sides(); }
@@ -47,7 +63,10 @@ public:
   template <int N>
   Jet<N> phi(int i, const Jet<N>& u, const Jet<N>& v) const {
     const Vec2 &n = inward(i), &p = corner(i);
-    return n[0] * (u - p[0]) + n[1] * (v - p[1]);
+    const Jet<N> line = n[0] * (u - p[0]) + n[1] * (v - p[1]);
+    if (!is_lens()) return line;
+    const Jet<N> s = share(u);
+    return line + (4 * height_) * (s * (1.0 - s));
   }
   /// t_i from the distances from the lines of sides i - 1 and i + 1.
   template <int N>
@@ -56,9 +75,14 @@ public:
     return a / (a + b);
   }
 
-  /// u, v: a point of the polygon that is no corner.
+  /// u, v: a point of the domain that is no corner.
   template <int N>
   Place<N> place(const Jet<N>& u, const Jet<N>& v) const;
+  /// How far along a lens.
+  template <int N>
+  Jet<N> share(const Jet<N>& u) const {
+    return (0.5 / radius_) * (u + radius_);
+  }
 
   /// The corner that a point is (within this share of the radius), or -1.
   int corner_at(const Vec2& p, double share) const;
@@ -66,11 +90,15 @@ public:
   Vec2 moved_off(int i, const Vec2& p, double share) const;
 
 private:
+  template <int N>
+  Place<N> place_in_lens(const Jet<N>& u, const Jet<N>& v) const;
+
   std::vector<Vec2> corners_, inward_;
   std::vector<std::array<double, 2>> reach_;  // of side i: distance of its end from side i - 1, of its start from side i + 1
   std::vector<double> turn_;                  // sine of the angle by which the border turns at corner i
   Vec2 center_ = Vec2::Zero();
   double radius_ = 0, bubble_at_center_ = 1;
+  double height_ = 0;  // 0: a polygon
 };
 
 /// Products of all factors but one, or but two neighbors, without dividing.
@@ -88,7 +116,31 @@ struct Products {
 };
 
 template <int N>
+Place<N> PolygonDomain::place_in_lens(const Jet<N>& u, const Jet<N>& v) const {
+  Place<N> p;
+  const Jet<N> s = share(u), rest = 1.0 - s;
+  for (int i = 0; i < 2; ++i) p.phi[i] = phi(i, u, v);
+  p.t[0] = s;
+  p.t[1] = rest;
+  const std::array<Jet<N>, 2> squares = {square(p.phi[0]), square(p.phi[1])};
+  const Jet<N> both = reciprocal(squares[0] + squares[1]), cubes = reciprocal(squares[0] * p.phi[0] + squares[1] * p.phi[1]);
+  for (int i = 0; i < 2; ++i) {
+    p.side[i] = squares[1 - i] * both;
+    p.cubic[i] = squares[1 - i] * p.phi[1 - i] * cubes;
+  }
+  // what belongs to a corner has bounded parameters at the other, not smooth ones: there its weight is of fourth order
+  const auto weight = [](const Jet<N>& x, const Jet<N>& y) {
+    return square(square(x)) * (1.0 + 4.0 * y + 10.0 * square(y) + 20.0 * (square(y) * y));
+  };
+  p.corner[0] = weight(rest, s);
+  p.corner[1] = weight(s, rest);
+  p.bubble = (1 / (height_ * height_)) * (p.phi[0] * p.phi[1]);
+  return p;
+}
+
+template <int N>
 Place<N> PolygonDomain::place(const Jet<N>& u, const Jet<N>& v) const {
+  if (is_lens()) return place_in_lens(u, v);
   const int n = sides();
   Place<N> p;
   for (int i = 0; i < n; ++i) p.phi[i] = phi(i, u, v);
@@ -130,5 +182,8 @@ Place<N> PolygonDomain::place(const Jet<N>& u, const Jet<N>& v) const {
 /// Convex, with angles and sides like those of a hole: turns (radians) are scaled to sum to a whole one and kept from being too small
 /// or large, lengths made such that the polygon closes. Mean side 1, center at the origin, side 0 towards +u from below.
 PolygonDomain polygon_like(std::vector<double> turns, const std::vector<double>& lengths);
+
+/// A lens with corners like those of a hole, which turn by these angles (radians) in the mean. Mean side 1.
+PolygonDomain lens_like(const std::vector<double>& turns);
 
 }  // namespace tripatch

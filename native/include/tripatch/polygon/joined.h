@@ -1,0 +1,20 @@
+// One side made of several pieces: edges of surfaces, borders of meshes, that go on from one to the next.
+#pragma once
+
+#include <vector>
+
+#include "tripatch/polygon/boundary.h"
+
+namespace tripatch {
+
+struct JoinedSide {
+  Side side;
+  std::vector<double> parameters;  ///< of all pieces, on the whole: those of their ends once
+};
+
+/// By arc length, so that what is made of it does not know where one piece ends; across it r is a unit vector at a right angle to the
+/// curve, and q is known where all pieces have one. Where planes or tangents at a joint differ by more than ten degrees, or ends do
+/// not meet, a Refusal says so. parameters: of each piece, from 0 to 1; none: not wanted.
+JoinedSide joined(const SideList& pieces, const std::vector<std::vector<double>>& parameters = {});
+
+}  // namespace tripatch

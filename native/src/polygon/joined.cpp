@@ -1,0 +1,149 @@
+#include "tripatch/polygon/joined.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tripatch/fairing/curvature.h"
+#include "tripatch/math/angle.h"
+#include "tripatch/math/quadrature.h"
+
+namespace tripatch {
+namespace {
+
+constexpr double gap_is_rounding = 1e-6;  ///< of the length, as at corners
+/// Degrees between what is one side's: as at the seam of a round rim, several times what planes estimated from a mesh are off.
+constexpr double still_smooth = 10;
+constexpr int length_nodes = 12, newton_rounds = 6;
+
+/// Arc length along a part of a curve on which it is a polynomial.
+class Stretch {
+public:
+  Stretch(const Side& side, double from, double to) : side_(side), from_(from), to_(to), length_(upto(to)) {}
+  double length() const { return length_; }
+  double upto(double t) const {
+    static const GaussNodes rule = gauss(length_nodes);
+    double sum = 0;
+    for (int k = 0; k < length_nodes; ++k) sum += rule.w[k] * side_.c.derivative_at(from_ + rule.x[k] * (t - from_)).norm();
+    return sum * (t - from_);
+  }
+  /// The parameter where a share of the length is reached.
+  double at(double share) const {
+    double t = from_ + share * (to_ - from_);
+    for (int k = 0; k < newton_rounds; ++k) {
+      const double speed = side_.c.derivative_at(t).norm();
+      if (!(speed > 0)) break;
+      t = std::clamp(t - (upto(t) - share * length_) / speed, from_, to_);
+    }
+    return t;
+  }
+
+  template <class F>
+  PiecewisePolynomial field(const F& f) const {
+    return PiecewisePolynomial::fit(
+        [&](std::span<const double> shares, std::span<double> out) {
+          for (std::size_t k = 0; k < shares.size(); ++k) Vec3::Map(&out[3 * k]) = f(at(shares[k]));
+        },
+        3);
+  }
+  PiecewisePolynomial position() const {
+    return field([&](double t) { return side_.c(t); });
+  }
+  PiecewisePolynomial across() const {
+    return field([&](double t) { return upright_at(t); });
+  }
+  PiecewisePolynomial bend() const {
+    return field([&](double t) -> Vec3 {
+      const SideForm form = side_form(side_, t);
+      return form(upright_at(t)) * form.n;
+    });
+  }
+
+private:
+  Vec3 upright_at(double t) const {
+    const Vec3 along = side_.c.derivative_at(t), r = side_.r(t);
+    return (r - r.dot(along) / along.squaredNorm() * along).normalized();
+  }
+
+  const Side& side_;
+  double from_, to_, length_;
+};
+
+void check_joint(const Side& before, const Side& after, std::size_t k, double length) {
+  const std::string which = "Pieces " + std::to_string(k) + " and " + std::to_string(k + 1) + " of a side ";
+  const double gap = (after.c(0) - before.c(1)).norm();
+  if (!(gap <= gap_is_rounding * length)) throw Refusal(which + "do not meet: the gap is " + std::to_string(gap));
+  const double turn = degrees_between(before.c.derivative_at(1), after.c.derivative_at(0)),
+               plane = degrees_between(before.normal(1), after.normal(0));
+  if (turn > still_smooth || plane > still_smooth)
+    throw Refusal(which + "meet at an angle of " + std::to_string(std::lround(std::max(turn, plane))) +
+                  " degrees: they are two sides");
+}
+
+}  // namespace
+
+JoinedSide joined(const SideList& given, const std::vector<std::vector<double>>& parameters) {
+  if (given.empty()) throw InvalidArgument("a side has a piece or more");
+  if (!parameters.empty() && parameters.size() != given.size()) throw InvalidArgument("parameters are of each piece");
+  JoinedSide out;
+  if (given.size() == 1) {
+    out.side = given[0];
+    if (!parameters.empty()) out.parameters = parameters[0];
+    return out;
+  }
+  SideList pieces = given;
+  double length = 0;
+  for (const Side& piece : pieces) length += arc_length(piece.c);
+  bool bends = true, of_mesh = true;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    bends = bends && !pieces[k].q.empty();
+    of_mesh = of_mesh && !pieces[k].rim.empty();
+    if (k + 1 == pieces.size()) continue;
+    check_joint(pieces[k], pieces[k + 1], k, length);
+    const Vec3 half = 0.5 * (pieces[k + 1].c(0) - pieces[k].c(1));
+    pieces[k] = moved_ends(pieces[k], Vec3::Zero(), half);
+    pieces[k + 1] = moved_ends(pieces[k + 1], -half, Vec3::Zero());
+  }
+  std::vector<PiecewisePolynomial> c, r, q;
+  std::vector<double> shares;
+  double reached = 0;
+  std::vector<double> rim;
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    const Side& piece = pieces[p];
+    const std::vector<double>& breaks = piece.c.breaks();
+    const auto place = [&](double t) {  // on the whole, in length
+      double sum = reached;
+      for (std::size_t b = 0; b + 1 < breaks.size() && breaks[b] < t; ++b)
+        sum += Stretch(piece, breaks[b], breaks[b + 1]).upto(std::min(t, breaks[b + 1]));
+      return sum;
+    };
+    for (double t : piece.rim)
+      if (of_mesh && (p == 0 || t > 0)) rim.push_back(place(t));
+    if (!parameters.empty())
+      for (double t : parameters[p])
+        if (p == 0 || t > 0) out.parameters.push_back(place(t));
+    double own = 0;
+    for (std::size_t b = 0; b + 1 < breaks.size(); ++b) {
+      const Stretch stretch(piece, breaks[b], breaks[b + 1]);
+      c.push_back(stretch.position());
+      r.push_back(stretch.across());
+      if (bends) q.push_back(stretch.bend());
+      shares.push_back(stretch.length());
+      own += stretch.length();
+    }
+    reached += own;
+    out.side.curvature_error = std::max(out.side.curvature_error, piece.curvature_error);
+  }
+  for (std::vector<double>* places : {&rim, &out.parameters}) {
+    for (double& t : *places) t /= reached;
+    if (!places->empty()) places->back() = 1;
+  }
+  for (double& share : shares) share /= reached;
+  out.side.c = PiecewisePolynomial::joined(c, shares);
+  out.side.r = PiecewisePolynomial::joined(r, shares);
+  if (bends) out.side.q = PiecewisePolynomial::joined(q, shares);
+  out.side.rim = std::move(rim);
+  return out;
+}
+
+}  // namespace tripatch
