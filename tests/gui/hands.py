@@ -24,11 +24,9 @@ STATUS_BAR = 24
 _KEYS = {" ": "SPACE", "0": "ZERO", "5": "FIVE", ".": "PERIOD"}
 
 
-def _screen():
-    """The bytes of the virtual screen without the status bar; a shot by Blender takes half a second of the processor."""
-    width, height = 1280, 800
-    pixels = np.fromfile(os.environ["TRIPATCH_SCREEN"], np.uint8)[-4 * width * height :]
-    return pixels.reshape(height, -1)[:-STATUS_BAR]
+def screen():
+    """The bytes (800, 1280, 4) of the virtual screen, the highest row first: a shot by Blender takes half a second."""
+    return np.fromfile(os.environ["TRIPATCH_SCREEN"], np.uint8)[-4 * 1280 * 800 :].reshape(800, 1280, 4)
 
 
 class Window:
@@ -107,11 +105,11 @@ class Window:
         while True:
             assert time.monotonic() < until, f"the window does not come to rest in {AT_REST} s ({name})"
             yield BETWEEN_LOOKS
-            now = _screen()
+            now = screen()[:-STATUS_BAR]
             equal, last = equal + 1 if np.array_equal(now, last) else 0, now
             if equal >= 2:
                 shown = self.shot(name)  # Blender asks the screen for it: what has been sent to the screen has arrived then
-                if np.array_equal(_screen(), last):
+                if np.array_equal(screen()[:-STATUS_BAR], last):
                     return shown
 
     def view_of(self, shown):
