@@ -7,7 +7,7 @@ import bpy
 from mathutils import Vector
 from mathutils.kdtree import KDTree
 
-from . import attributes, filling, selection, subdivision, writeback
+from . import attributes, filling, selection, subdivision, waiting, writeback
 from .library import np, tripatch, words
 
 # Of the extent; what Blender draws and what the library computes agree to float32.
@@ -116,6 +116,7 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         return outcome, None
     if missing:
         outcome.notes.append(f"{missing} points of the border are not on the surface that the modifier draws")
+    waiting.goes_on()
     new = _new_object(ob, np.vstack(vertices), faces, materials, smooth)
     outcome.faces = len(faces)
     outcome.beside.append(new.name)

@@ -55,6 +55,11 @@ def _declared():
     return made
 
 
+def plain(value):
+    """Of a property: several numbers as a tuple, which stays what it is when the operator is gone."""
+    return value if isinstance(value, (bool, int, float, str)) else tuple(value)
+
+
 class Construction:
     """Mixed into operators."""
 
@@ -124,10 +129,9 @@ class Construction:
 
     def _argument(self, option):
         """What the property of an option says to the library."""
-        value = getattr(self, option.name)
+        value = plain(getattr(self, option.name))
         if option.name in _SWITCHES:
             switch, on, _, _ = _SWITCHES[option.name]
-            value = tuple(value) if option.by_side else value
             return value if getattr(self, switch) == on else option.none.name if option.none else None
         if option.by_side and self.individual:
             return self._each(option.name)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from . import seam, selection, subdivision, writeback
+from . import seam, selection, subdivision, waiting, writeback
 from .library import ANY_RIM, np, tripatch, words
 from .selection import Surroundings, UnusableError
 
@@ -235,13 +235,13 @@ def _shared_or_each(mesh, loops, corners, arguments, counts=None):
     """tripatch.fill_all; where values differ by side each number of sides has a call of its own. counts: the numbers of sides
     where the corners do not say them."""
     if not _is_by_side(arguments):
-        return tripatch.fill_all(*mesh, loops, corners=corners, **arguments)
+        return waiting.fill_all(*mesh, loops, corners=corners, **arguments)
     counts = counts or [len(each) for each in corners]
     results = [None] * len(loops)
     for count in set(counts):
         same = [k for k, each in enumerate(counts) if each == count]
         own = for_sides(arguments, count)
-        made = tripatch.fill_all(*mesh, [loops[k] for k in same], corners=[corners[k] for k in same], **own)
+        made = waiting.fill_all(*mesh, [loops[k] for k in same], corners=[corners[k] for k in same], **own)
         for k, fill in zip(same, made, strict=True):
             results[k] = fill
     return results

@@ -13,7 +13,7 @@ import zlib
 import bmesh
 import bpy
 
-from . import between_patches, filling, joining, selection, writeback
+from . import between_patches, filling, joining, selection, waiting, writeback
 from .library import np
 from .selection import Rim, UnusableError
 
@@ -321,9 +321,12 @@ def keep_hole(ob, rim, options):
     ob.users_collection[0].objects.link(fill)
     try:
         outcome = _follow(fill)
-    except (UnusableError, ValueError) as reason:
+    except (UnusableError, ValueError, waiting.TakesLong) as reason:
         bpy.data.meshes.remove(fill.data)  # and the object with it
+        if isinstance(reason, waiting.TakesLong):
+            raise
         raise UnusableError(str(reason)) from None
+    waiting.goes_on()
     fill.parent, fill.display_type, fill.hide_render = ob, "WIRE", True
     shortest = min((a.co - b.co).length for a, b in selection.pairs(rim.loop))
     joining.join(ob, fill, joining.WITHIN * shortest)

@@ -21,9 +21,10 @@ from . import (
     selection,
     sentences,
     subdivision,
+    waiting,
     writeback,
 )
-from .construction import Construction
+from .construction import Construction, plain
 from .properties import OPTIONS
 
 _HIDDEN = {"HIDDEN", "SKIP_SAVE"}
@@ -90,7 +91,7 @@ def _declared():
 _FILTERS = {"max_edges": 64, "max_diameter": 1.0, "corner_count": (2, 6)}
 
 
-class FillSmooth(Construction):
+class FillSmooth(Construction, waiting.Waiting):
     """What the operator does under either of its names."""
 
     add_modifier: BoolProperty(
@@ -142,7 +143,7 @@ class FillSmooth(Construction):
 
     def invoke(self, context, _event):
         self.by_hand = True
-        return self.execute(context)
+        return self.run_and_wait(context)
 
     def _applying(self):
         """The options of the output that mean something for the one that is chosen."""
@@ -222,7 +223,7 @@ class FillSmooth(Construction):
         return outcome
 
     def _options(self):
-        arguments = self.construction() | {option.name: getattr(self, option.name) for option in self._applying()}
+        arguments = self.construction() | {option.name: plain(getattr(self, option.name)) for option in self._applying()}
         self._computes = self._is_computed(*(("resolution", 0) if self.output == "triangles" else ("rows", -1)))
         arguments["resolution"] = None if self._computes else getattr(self, self.density())
         if self.output != "triangles":

@@ -11,7 +11,7 @@ from bpy.props import BoolProperty, EnumProperty, PointerProperty
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
-from . import library, overlay, shaping, shown
+from . import library, overlay, shaping, shown, waiting
 from .library import np, quality
 
 _COLOR = (0.16, 0.36, 0.62)
@@ -218,12 +218,15 @@ class _OfShaping(_OfTool):
         return super().poll(context) and current() is not None
 
 
-class MESH_OT_shape_fill_confirm(_OfShaping, bpy.types.Operator):
+class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator):
     """Fill the hole as it has been shaped"""
 
     bl_idname = "mesh.shape_fill_confirm"
     bl_label = "Fill as Shaped"
     bl_options = {"UNDO"}
+
+    def invoke(self, context, _event):
+        return self.run_and_wait(context)
 
     def execute(self, context):
         ob, made = _object(), current()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import bmesh
 
-from . import attributes, features, normals, subdivision
+from . import attributes, features, normals, subdivision, waiting
 from .library import np, tripatch
 from .selection import Rim, edges_of, pairs
 
@@ -260,6 +260,7 @@ def _write_deviation(bm, planned, new_faces):
 def write(bm, mesh, all_planned, shading, deviation=False):
     """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on. deviation: into the
     layers that deviation_layers has made."""
+    waiting.goes_on()
     if any(len(planned.fill.creases[0]) for planned in all_planned):
         subdivision.edge_crease_layer(bm)  # before any other layer is held
     custom = None

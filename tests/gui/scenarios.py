@@ -2,6 +2,7 @@
 and ends with assertions on the mesh and a picture; pictures are of the window at rest (Window.picture)."""
 
 import importlib
+import threading
 
 import bmesh
 import bpy
@@ -361,6 +362,48 @@ def overlay_in_the_sidebar(w):
     assert counts()[1] == 56, "the outer border of the sheet"
 
 
+def _filling():
+    return any(thread.name == "TriPatch" for thread in threading.enumerate())
+
+
+def long_fill(w):
+    """Blender stays awake and says how far it is; Esc ends it; one that is waited for is one undo step."""
+    sheet(w, "Sheet")
+    before, hole = counts(), positions()
+    with w.override():
+        assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=1000) == {"RUNNING_MODAL"}
+    yield
+    yield
+    w.shot("long-fill")
+    assert _filling() and positions() == hole
+    w.home()
+    w.press("A")
+    yield
+    assert sum(v.select for v in mesh().verts) == 16, "the mesh is left alone meanwhile"
+    w.press("ESC")
+    yield
+    yield
+    assert not _filling() and positions() == hole and counts() == before
+    w.press("A")
+    yield
+    assert all(v.select for v in mesh().verts), "Blender is free again"
+    w.press("Z", ctrl=True)
+    yield
+    with w.override():
+        assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=300) == {"RUNNING_MODAL"}
+    for _ in range(3000):
+        yield 0.1
+        if not _filling():
+            break
+    yield
+    yield
+    assert _is_filled(before) and last_operator().resolution == 300
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before, "one undo step"
+
+
 def _live(w):
     """A sheet with a live fill; returns the fill's name."""
     sheet(w, "Sheet")
@@ -489,6 +532,7 @@ ALL = [
     overlay_on_and_off,
     overlay_in_the_sidebar,
     status_bar,
+    long_fill,
     live_fill,  # the operator keeps Keep Live for what follows
     save_and_reopen,  # the last: the window has another file then
 ]

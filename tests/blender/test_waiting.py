@@ -1,0 +1,184 @@
+"""Fills that take long are made in a thread: an operator that is ended meanwhile leaves the mesh to the bit as it was, one that
+runs again afterwards fills as if it had not been ended, and a fill that is stopped stops. That Esc does it is tried in a window
+(tests/gui)."""
+
+import contextlib
+import importlib
+import threading
+import time
+import types
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+import tripatch
+
+
+@pytest.fixture
+def waiting(addon, monkeypatch):
+    """Its module, for which every fill takes long."""
+    module = importlib.import_module(f"{addon.__name__}.waiting")
+    monkeypatch.setattr(module, "PATIENCE", 0.0)
+
+    def slow(*arguments, **given):
+        time.sleep(0.02)
+        return tripatch.fill_all(*arguments, **given)
+
+    monkeypatch.setattr(module, "tripatch", types.SimpleNamespace(fill_all=slow))
+    return module
+
+
+def run(waiting, making, **options):
+    """One run of the operator: whether it came to its end."""
+    try:
+        with waiting._in(making):
+            assert bpy.ops.mesh.fill_smooth(**options) == {"FINISHED"}
+    except RuntimeError as error:
+        assert "TakesLong" in str(error)
+        return False
+    return True
+
+
+def with_shape_keys():
+    ob = scenes.add_hole()
+    ob.shape_key_add(name="Basis")
+    for k, name in enumerate(("Up", "Down")):
+        key = ob.shape_key_add(name=name)
+        for point, v in zip(key.data, ob.data.vertices, strict=True):
+            point.co = v.co * (1.2 + k)
+    return ob
+
+
+def half(_=None):
+    """A hole that a Mirror modifier completes."""
+    points, faces = scenes.square_hole()
+    keep = [f for f in faces if points[f][:, 0].mean() > 0]
+    ob = scenes.add_mesh(points, keep)
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    bmesh.ops.delete(bm, geom=[v for v in bm.verts if not v.link_faces], context="VERTS")
+    for v in bm.verts:
+        if abs(v.co.x) < 0.06:
+            v.co.x = 0.0
+    bm.to_mesh(ob.data)
+    bm.free()
+    ob.modifiers.new("Mirror", "MIRROR")
+    return ob
+
+
+def with_odd_attributes():
+    ob = scenes.add_hole()
+    for kind in ("FLOAT2", "INT8"):
+        with contextlib.suppress(TypeError):
+            ob.data.attributes.new(kind, kind, "CORNER")
+    ob.data.attributes.new("pair", "FLOAT2", "POINT")
+    return ob
+
+
+CASES = {
+    "plain": (scenes.add_hole, {}),
+    "shape keys": (with_shape_keys, {}),
+    "quads by side": (lambda: scenes.add_mesh(*scenes.square_hole()), {"output": "quads", "individual": True, "bulge_1": 1.5}),
+    "cage": (scenes.add_hole, {"output": "cage"}),
+    "half": (half, {}),
+    "odd attributes": (with_odd_attributes, {"deviation": True}),
+}
+
+
+def all_of(ob):
+    bpy.ops.object.mode_set(mode="OBJECT")
+    found = scenes.arrays(ob)
+    bpy.ops.object.mode_set(mode="EDIT")
+    return found
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_ended_meanwhile_and_run_again_it_fills_as_in_one_go(waiting, name):
+    make, options = CASES[name]
+    ob = make()
+    (bm,) = scenes.edit(ob)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0]) if name != "half" else None
+    bmesh.update_edit_mesh(ob.data)
+    before, making, runs = all_of(ob), waiting.Making(), 1
+    while not run(waiting, making, **options):
+        assert all_of(ob) == before, "nothing has changed"
+        making._job._thread.join()
+        runs += 1
+        assert runs < 8
+    assert runs == (4 if name == "shape keys" else 2), "once for each call that takes long"
+    waited = all_of(ob)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    other = make()
+    (bm,) = scenes.edit(other)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0]) if name != "half" else None
+    bmesh.update_edit_mesh(other.data)
+    assert bpy.ops.mesh.fill_smooth(**options) == {"FINISHED"}
+    assert len(waited["faces"]) > len(before["faces"])
+    assert all_of(other) == waited
+
+
+def test_a_live_fill_leaves_no_object_before_it_is_made(waiting):
+    ob = scenes.add_hole()
+    scenes.edit(ob)
+    making, objects, meshes = waiting.Making(), len(bpy.data.objects), len(bpy.data.meshes)
+    while not run(waiting, making, keep_live=True):
+        assert (len(bpy.data.objects), len(bpy.data.meshes)) == (objects, meshes)
+        assert not ob.modifiers
+        making._job._thread.join()
+    assert len(bpy.data.objects) == objects + 1 and len(ob.modifiers) == 1
+
+
+def test_a_mesh_that_has_changed_meanwhile_is_filled_as_it_is_then(waiting):
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob)
+    making = waiting.Making()
+    assert not run(waiting, making)
+    making._job._thread.join()
+    bm = bmesh.from_edit_mesh(ob.data)
+    for v in bm.verts:
+        v.co.z *= 2
+    assert not run(waiting, making), "what was made is of no use"
+    making._job._thread.join()
+    assert run(waiting, making)
+    new = np.array([v.co for v in bmesh.from_edit_mesh(ob.data).verts])
+    assert np.abs(new[:, 2] - 1.2 * (new[:, :2] ** 2).sum(axis=1)).max() < 0.01
+
+
+def test_a_second_hole_is_waited_for_once_the_first_is_in_the_mesh(waiting):
+    """Else the first would be filled twice, or the mesh left half done."""
+    objects = [scenes.add_hole(), scenes.add_hole()]
+    for bm in scenes.edit(*objects):
+        scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    making = waiting.Making()
+    assert not run(waiting, making)
+    making._job._thread.join()
+    assert run(waiting, making)
+    for ob in objects:
+        assert len(scenes.border_loops(bmesh.from_edit_mesh(ob.data))) == 1
+
+
+def test_a_fill_that_is_stopped_ends_and_leaves_the_mesh(addon, monkeypatch):
+    module = importlib.import_module(f"{addon.__name__}.waiting")
+    monkeypatch.setattr(module, "PATIENCE", 0.0)
+    ob = scenes.add_hole()
+    scenes.edit(ob)
+    before, making = all_of(ob), module.Making()
+    assert not run(module, making, resolution=600)
+    assert "Esc: stop" in making.sentence()
+    making.stop()
+    assert isinstance(making._job._error, module._Stopped), "it was not done yet"
+    assert all_of(ob) == before
+    assert not any(thread.is_alive() for thread in threading.enumerate() if thread is making._job._thread)
+
+
+def test_what_the_library_refuses_in_a_thread_is_refused(waiting):
+    ob = scenes.add_hole(size=12, holes=((3, 3, 4),))
+    scenes.edit(ob)
+    making = waiting.Making()
+    with waiting._in(making), pytest.raises(waiting.TakesLong):
+        waiting.fill_all(np.zeros((3, 3)), [[0, 1, 2]], [[0, 1, 2]], nonsense=1)
+    making._job._thread.join()
+    with waiting._in(making), pytest.raises(TypeError):
+        waiting.fill_all(np.zeros((3, 3)), [[0, 1, 2]], [[0, 1, 2]], nonsense=1)
