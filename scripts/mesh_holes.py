@@ -1,7 +1,7 @@
 """Fills holes in all meshes of a folder and says how that went: the meshes' own, and patches of faces taken out at random.
 
-A table: filled, refused and why, the worst time and the worst seam. Ends with 1 where a fill came out wrong: an edge of three
-faces, or numbers that are not finite.
+A table: filled, refused and why, the worst time and the worst seam, fills that fold or cross themselves. Ends with 1 where one
+came out wrong: an edge of three faces, or numbers that are not finite.
 """
 
 from __future__ import annotations
@@ -19,6 +19,9 @@ from tripatch.files import read
 
 KINDS = {".obj", ".off", ".ply", ".stl", ".vtk"}
 MOST_EDGES = 200
+MOST_FACES = 50_000  # larger meshes cost the time of many
+MOST_AT_ONCE, RINGS_BETWEEN = 8, 3
+MOST_CROSSED = 400  # triangles of a fill that are compared, each with each
 
 
 def arguments():
@@ -31,50 +34,86 @@ def arguments():
 
 
 def directed(faces):
-    return Counter((int(a), int(b)) for face in faces for a, b in zip(face, [*face[1:], face[0]]))
+    return {(int(a), int(b)) for face in faces for a, b in zip(face, [*face[1:], face[0]])}
+
+
+def as_given(faces):
+    """An array where all faces have one size, which is read faster."""
+    return np.array(faces) if len({len(face) for face in faces}) == 1 else faces
 
 
 def taken_out(faces, rng):
-    """The faces without some rings around a random one."""
+    """The faces without some rings around random ones, far from each other."""
     at = {}
     for f, face in enumerate(faces):
         for v in face:
             at.setdefault(v, []).append(f)
-    gone = {int(rng.integers(len(faces)))}
-    for _ in range(int(rng.integers(0, 5))):
-        gone |= {g for f in list(gone) for v in faces[f] for g in at[v]}
-    return [face for f, face in enumerate(faces) if f not in gone] if len(gone) < len(faces) / 2 else faces
+
+    def wider(some):
+        return some | {g for f in some for v in faces[f] for g in at[v]}
+
+    gone, taken = set(), set()
+    for _ in range(MOST_AT_ONCE):
+        part = {int(rng.integers(len(faces)))}
+        for _ in range(int(rng.integers(0, 5))):
+            part = wider(part)
+        around = part
+        for _ in range(RINGS_BETWEEN):
+            around = wider(around)
+        if not around & taken and len(gone) + len(part) < len(faces) / 2:
+            gone, taken = gone | part, taken | around
+    return [face for f, face in enumerate(faces) if f not in gone]
 
 
-def fill_one(vertices, faces, rim, directed_before):
+def crosses(points, triangles):
+    """Whether an edge of some triangles goes through another of them that it has no vertex in common with."""
+    edges = np.unique(np.sort(np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1), axis=0)
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    p, q = points[edges[:, 0]][:, None], points[edges[:, 1]][:, None]
+    over, under = ((p - a) * normal).sum(axis=2), ((q - a) * normal).sum(axis=2)
+    apart = ~(edges[:, :, None, None] == triangles[None, None]).any(axis=(1, 3))
+    e, t = np.nonzero((over * under < 0) & apart)
+    at = points[edges[e, 0]] + (over[e, t] / (over[e, t] - under[e, t]))[:, None] * (points[edges[e, 1]] - points[edges[e, 0]])
+    left = [(np.cross(y[t] - x[t], at - x[t]) * normal[t]).sum(axis=1) > 0 for x, y in ((a, b), (b, c), (c, a))]
+    return bool(np.logical_and.reduce(left).any())
+
+
+def of_fill(vertices, fill, before):
+    added = [(int(a), int(b)) for face in fill.faces for a, b in zip(face, [*face[1:], face[0]])]
+    wrong = len(set(added)) < len(added) or not before.isdisjoint(added) or not np.isfinite(fill.vertices).all()
+    triangles = np.array([[f[0], f[k], f[k + 1]] for f in fill.faces for k in range(1, len(f) - 1)])
+    row = {"result": "WRONG" if wrong else "filled", "method": fill.report.method, "faces": len(fill.faces)}
+    row |= {"folded": fill.report.triangles_folded, "seam": fill.report.seam_angle_max, "crossing": ""}
+    if len(triangles) <= MOST_CROSSED:
+        row["crossing"] = int(crosses(np.concatenate([vertices, fill.vertices]), triangles))
+    return row
+
+
+def fill_one(vertices, faces, rim, before):
     start = time.process_time()
     row = {"edges": len(rim)}
     try:
         fill = tripatch.fill(vertices, faces, rim=rim)
     except tripatch.Refusal as refusal:
-        row |= {"result": "refused", "reason": refusal.reason}
-    else:
-        added = directed(fill.faces)
-        doubled = any(count > 1 or directed_before.get(edge) for edge, count in added.items())
-        wrong = doubled or not np.isfinite(fill.vertices).all()
-        row |= {"result": "WRONG" if wrong else "filled", "method": fill.report.method, "faces": len(fill.faces)}
-        row |= {"folded": fill.report.triangles_folded, "seam": fill.report.seam_angle_max}
-    return row | {"seconds": time.process_time() - start}
+        return row | {"result": "refused", "reason": refusal.reason, "seconds": time.process_time() - start}
+    return row | {"seconds": time.process_time() - start} | of_fill(vertices, fill, before)
 
 
 def holes_of(path, rng, most):
     """Rows: of the mesh's own holes, then of such as are cut."""
     mesh = read(path)
     faces = [[int(v) for v in face] for face in mesh.faces]
-    count = 0
+    if not 0 < len(faces) <= MOST_FACES:
+        return
+    count, own = 0, set()
     for cut in range(1 + most):
         left = taken_out(faces, rng) if cut else faces
-        before = directed(left)
-        rims = [rim for rim in tripatch.find_holes(left) if len(rim) <= MOST_EDGES]
-        if cut:
-            rims = [rims[int(rng.integers(len(rims)))]] if rims else []
+        before, given = directed(left), as_given(left)
+        rims = [rim for rim in tripatch.find_holes(given) if len(rim) <= MOST_EDGES and tuple(rim) not in own]
+        own |= {tuple(rim) for rim in rims} if not cut else set()
         for rim in rims[: most - count]:
-            yield {"mesh": path.name, "cut": cut > 0} | fill_one(mesh.vertices, left, rim, before)
+            yield {"mesh": path.name, "cut": cut > 0} | fill_one(mesh.vertices, given, rim, before)
             count += 1
         if count >= most:
             return
@@ -83,7 +122,8 @@ def holes_of(path, rng, most):
 def table(rows):
     filled = [row for row in rows if row["result"] == "filled"]
     print(f"{len(rows)} holes in {len({row['mesh'] for row in rows})} meshes: {len(filled)} filled", end="")
-    print(f" ({sum(row['folded'] > 0 for row in filled)} of them with folds)")
+    tried = [row["crossing"] for row in filled if row["crossing"] != ""]
+    print(f" ({sum(row['folded'] > 0 for row in filled)} of them with folds; {sum(tried)} of {len(tried)} cross themselves)")
     for reason, count in Counter(row["reason"] for row in rows if row["result"] == "refused").most_common():
         print(f"  {count} refused: {reason}")
     if filled:
@@ -112,7 +152,7 @@ def main():
         except (ValueError, OSError) as error:
             print(f"{path.name}: {error}", file=sys.stderr)
     if given.csv:
-        names = ["mesh", "cut", "edges", "result", "method", "faces", "folded", "seam", "seconds", "reason"]
+        names = ["mesh", "cut", "edges", "result", "method", "faces", "folded", "crossing", "seam", "seconds", "reason"]
         with given.csv.open("w", newline="") as file:
             writer = csv.DictWriter(file, names)
             writer.writeheader()
