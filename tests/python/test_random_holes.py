@@ -67,6 +67,58 @@ def test_the_filled_mesh_is_closed_and_oriented(hole, output, method):
     assert all((b, a) in together for a, b in together), "no border is left"
 
 
+def as_seen(points, faces, look, rng):
+    """The mesh in a mirror, or its vertices and faces numbered in another order; and the number that each vertex has there."""
+    number = np.arange(len(points))
+    if look == "mirrored":
+        return points * [-1, 1, 1], [face[::-1] for face in faces], number
+    if look == "relabelled":
+        number = rng.permutation(len(points))
+        faces = [[int(number[v]) for v in face] for face in faces]
+        rng.shuffle(faces)
+        return points[np.argsort(number)], faces, number
+    return points, faces, number
+
+
+LOOKS = ["as it is", "mirrored", "relabelled"]
+
+
+@settings(max_examples=EXAMPLES, deadline=None, derandomize=EXAMPLES == 30)
+@given(holes(), st.sampled_from(LOOKS), st.sampled_from(["triangles", "quads"]))
+def test_however_it_is_written_down_the_rim_stays_and_sides_are_met(hole, look, output):
+    points, faces, rims, rng = hole
+    points, faces, number = as_seen(points, faces, look, rng)
+    before = points.copy()
+    for rim in rims:
+        fill = filled(points, faces, number[rim], output=output)
+        assert (points == before).all()
+        if isinstance(fill, tripatch.Refusal):
+            check_refusal(fill, points, rim)
+            continue
+        assert set(fill.rim) == set(number[rim].tolist())
+        added, there = directed(fill.faces), directed(faces)
+        assert max(added.values()) == 1 and not any(edge in there for edge in added)
+        if not len(fill.split_edges[0]):  # else the face beside it is to take the new vertex
+            assert all((b, a) in added or (b, a) in there for a, b in added), "the fill is closed, and its rim is the mesh's"
+        # degrees: of exact derivatives, so that what is left is rounding, at corners with a kink most
+        kept = [a for a, side in zip(fill.report.seam_angle_max_by_side, fill.report.continuity) if side in ("G1", "G2")]
+        assert max(kept, default=0) < 1e-4
+
+
+def test_fills_fold_only_where_their_rims_do():
+    """But for one in a hundred: those are counted, so that they become no more."""
+    folded = []
+    for seed in range(max(100, EXAMPLES)):
+        rng = np.random.default_rng(1000 + seed)
+        points, faces, what = closed_mesh(rng)
+        points, faces, number = as_seen(points, with_hole(faces, rng), LOOKS[seed % 3], rng)
+        for rim in tripatch.find_holes(faces):
+            fill = filled(points, faces, rim, output=("triangles", "quads")[seed % 2])
+            if not isinstance(fill, tripatch.Refusal) and fill.report.triangles_folded > fill.report.rim_folded:
+                folded.append((seed, what, len(rim)))
+    assert len(folded) <= max(100, EXAMPLES) // 100, folded
+
+
 @settings(max_examples=EXAMPLES // 2, deadline=None, derandomize=EXAMPLES == 30)
 @given(holes(["none", "triangles", "noise", "bumps"]))
 def test_a_fill_is_the_same_moved_and_scaled(hole):
@@ -87,6 +139,7 @@ def test_a_fill_is_the_same_moved_and_scaled(hole):
 @settings(max_examples=EXAMPLES // 2, deadline=None, derandomize=EXAMPLES == 30)
 @given(holes(["none", "triangles", "noise", "bumps"]))
 def test_all_at_once_backwards_and_one_by_one_are_the_same(hole):
+    """And so on one thread and on several: a fill alone is computed on all cores, those of several at once on one core each."""
     points, faces, rims, rng = hole
     more = with_hole(faces, rng, 0.02)
     rims = tripatch.find_holes(more)
