@@ -424,7 +424,7 @@ def test_selected_edges_of_a_mesh_count():
     select_edges(sheet, lambda p: max(p.x, p.y) < 1 + 1e-6)
     assert len(border(run([sheet, other]))) == 4 + 4 + 15
     select_edges(sheet, lambda p: max(p.x, p.y) < 1 + 1e-6 and (p.x < 0.6 or p.y > 0.9))
-    refused([sheet, other], "Sheet and Strip do not meet|Strip and Sheet do not meet|no three-sided hole")
+    refused([sheet, other], "Sheet and Strip do not meet|Strip and Sheet do not meet|no hole of two or three sides")
 
 
 def test_a_modifier_of_a_mesh_counts():
