@@ -59,7 +59,12 @@ def test_where_much_is_equal_rounding_does_not_choose(mesh, gone):
     assert max(found.values()) < 1e-7, found
 
 
-@pytest.mark.parametrize("seed", range(30))
+#: Boxes whose creases fit each other equally well in several ways, run along the rim or over its vertices, or meet a rim in
+#: a line, and whose corners have two feet on what is laid under them.
+HARD = [1099, 1100, 1178, 10031, 10065, 10477, 10520, 10946, 10982, 11014, 20377, 21242]
+
+
+@pytest.mark.parametrize("seed", [*range(30), *HARD])
 def test_random_holes(seed):
     rng = np.random.default_rng(seed)
     points, faces, _ = closed_mesh(rng, spoil=str(rng.choice(["none", "triangles", "noise", "bumps"])))

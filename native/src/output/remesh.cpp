@@ -74,26 +74,25 @@ public:
       const double length = (p.points.row(a) - p.points.row(b)).norm();
       edge_.push_back(length);
       const Vec2 at = ((p.uv.row(a) + p.uv.row(b)) / 2 - middle_.transpose()) / scale_;
-      const auto share = static_cast<float>(length / scale_) + 1e-20F;
-      u_[k / run] += share * static_cast<float>(at[0]);
-      v_[k / run] += share * static_cast<float>(at[1]);
-      log_size_[k / run] += share * static_cast<float>(std::log(std::max(length / scale_, 1e-20)));
+      const auto share = length / scale_ + 1e-20;
+      u_[k / run] += share * at[0];
+      v_[k / run] += share * at[1];
+      log_size_[k / run] += share * std::log(std::max(length / scale_, 1e-20));
       weight_[k / run] += share;
     }
     u_ /= weight_;
     v_ /= weight_;
     log_size_ /= weight_;
-    soft_ = 0.25F * weight_.square();
+    soft_ = 0.25 * weight_.square();
     around_ = std::accumulate(edge_.begin(), edge_.end(), 0.0);
-    if (resolution)
-      log_size_.setConstant(static_cast<float>(std::log(std::max(around_ / (p.sides * *resolution) / scale_, 1e-20))));
+    if (resolution) log_size_.setConstant(std::log(std::max(around_ / (p.sides * *resolution) / scale_, 1e-20)));
   }
 
   /// uv in the polygon's own units.
   double at(const Vec2& uv) const {
-    const auto u = static_cast<float>((uv[0] - middle_[0]) / scale_), v = static_cast<float>((uv[1] - middle_[1]) / scale_);
+    const double u = (uv[0] - middle_[0]) / scale_, v = (uv[1] - middle_[1]) / scale_;
     work_ = weight_ / ((u_ - u).square() + (v_ - v).square() + soft_);
-    return scale_ * std::exp(static_cast<double>((work_ * log_size_).sum() / work_.sum()));
+    return scale_ * std::exp((work_ * log_size_).sum() / work_.sum());
   }
 
   /// How many triangles of these sizes cover the polygon, each of its triangles looked at in places enough.
@@ -124,8 +123,8 @@ private:
   std::vector<double> edge_;  // lengths in space
   double around_ = 0, scale_ = 1;
   Vec2 middle_;
-  Eigen::ArrayXf u_, v_, weight_, log_size_, soft_;  // of runs of edges, in units of scale_
-  mutable Eigen::ArrayXf work_;
+  Eigen::ArrayXd u_, v_, weight_, log_size_, soft_;  // of runs of edges, in units of scale_
+  mutable Eigen::ArrayXd work_;
 };
 
 class PlaneRemesher final : DomainMesh {

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/crease_curve.h"
@@ -21,6 +22,10 @@ using EdgeKey = std::array<Index, 2>;
 constexpr Index most_of_chain = 24;
 /// Of new edges along a crease.
 constexpr Index most_crease_edges = 2000;
+
+/// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there, and whether those have a
+/// triangulation is chance.
+constexpr double grazing = 1e-4;
 
 EdgeKey edge_key(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
@@ -71,7 +76,7 @@ private:
     // edges of linearly growing length: their number is the integral of 1 / size
     const double ratio = after / before;
     const double edges = curve.length() / before * (std::abs(ratio - 1) < 1e-6 ? 1 : std::log(ratio) / (ratio - 1));
-    const Index count = std::clamp<Index>(static_cast<Index>(std::llround(edges)), least, most_crease_edges);
+    const Index count = std::clamp<Index>(static_cast<Index>(std::llround((1 - tie) * edges)), least, most_crease_edges);
     VertexLoop line = {from};
     if (count > 1) {
       Eigen::VectorXd shares(count - 1);
@@ -103,7 +108,7 @@ private:
       if (i == loop.end() || j == loop.end()) continue;
       const CreaseCurve curve(chain(a, true), chain(b, false), (size(a.place) + size(b.place)) / 2);
       const VertexLoop line =
-          points_along(from, to, curve, size(a.place), size(b.place), even_ > 0 && even_ * 3 >= around_ ? 1 : 2);
+          points_along(from, to, curve, size(a.place), size(b.place), even_ > 0 && !clearly_less(even_ * 3, around_) ? 1 : 2);
       VertexLoop turned = loop;  // from the crease's start on
       std::rotate(turned.begin(), turned.begin() + (i - loop.begin()), turned.end());
       const auto end = std::find(turned.begin(), turned.end(), to);
@@ -234,7 +239,8 @@ CreasedPart creased_part(const Mesh& mesh, const Connectivity& around, const Div
   std::sort(part.options.joined.begin(), part.options.joined.end());
   part.options.joined.erase(std::unique(part.options.joined.begin(), part.options.joined.end()), part.options.joined.end());
   if (options.resolution)
-    part.options.resolution = std::max(1, static_cast<int>(std::lround(length / (3 * std::max(division.even(), 1e-300)))));
+    part.options.resolution =
+        std::max(1, static_cast<int>(std::lround((1 - tie) * length / (3 * std::max(division.even(), 1e-300)))));
   return part;
 }
 
@@ -401,10 +407,38 @@ private:
 
 }  // namespace
 
+namespace {
+
+double distance_to_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 way = b - a;
+  const double along = std::clamp((p - a).dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
+  return (p - a - along * way).norm();
+}
+
+/// Whether a crease runs along the rim, or over one of its vertices.
+bool grazes_rim(const Division& division, const VertexLoop& rim) {
+  const std::size_t r = rim.size();
+  for (const VertexLoop& curve : division.curves())
+    for (std::size_t k = 0; k + 1 < curve.size(); ++k) {
+      const Vec3 a = division.point(curve[k]), b = division.point(curve[k + 1]);
+      const double near = grazing * (b - a).norm();
+      for (std::size_t j = 0; j < r; ++j) {
+        const bool ends_there = rim[j] == curve.front() || rim[j] == curve.back();
+        if (!ends_there && distance_to_edge(division.point(rim[j]), a, b) < near) return true;
+        const bool is_inner = k > 0 && rim[j] != curve[k] && rim[(j + 1) % r] != curve[k];
+        if (is_inner && distance_to_edge(a, division.point(rim[j]), division.point(rim[(j + 1) % r])) < near) return true;
+      }
+    }
+  return false;
+}
+
+}  // namespace
+
 std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivity& around, const VertexLoop& rim,
                                              const Features& features, const PlaneFillOptions& options) {
   if (features.creases.empty()) return {};
   const Division division(mesh, rim, features, options);
+  if (grazes_rim(division, rim)) return {};
   const std::vector<std::vector<Index>> faces = faces_of_parts(mesh, around, features, division.loops());
   std::vector<PlaneFill> fills;
   for (std::size_t k = 0; k < division.loops().size(); ++k) {

@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/math/ties.h"
+
 namespace tripatch {
 namespace {
 
 using Place = Eigen::RowVector2d;
 
+/// Twice the area of a triangle; 0 where only rounding makes one.
 double turn(const Place& a, const Place& b, const Place& c) {
   const Place u = b - a, v = c - a;
-  return u[0] * v[1] - u[1] * v[0];
+  const double area = u[0] * v[1] - u[1] * v[0];
+  return std::abs(area) > tie * u.norm() * v.norm() ? area : 0;
 }
 
 /// Vertices by the cells of a grid over the polygon, about two to a cell.

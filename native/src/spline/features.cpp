@@ -8,6 +8,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/spline/disc.h"
@@ -73,20 +74,21 @@ public:
   }
 
   Vec3 normal(Index f) const { return area_vector(mesh_, f).stableNormalized(); }
-  /// 0 where the edge has not two faces, or lies farther off.
+  /// -1 where the edge has not two faces, or lies farther off.
   double at(Index a, Index b) const {
     const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(edge_pair(a, b), -1.0));
-    return found != edges_.end() && found->first == edge_pair(a, b) ? found->second : 0;
+    return found != edges_.end() && found->first == edge_pair(a, b) ? found->second : -1;
   }
   double ordinary() const { return ordinary_; }
   bool any_is_crease() const {
-    return std::any_of(edges_.begin(), edges_.end(), [](const auto& edge) { return edge.second > least_crease_angle; });
+    return std::any_of(edges_.begin(), edges_.end(),
+                       [](const auto& edge) { return clearly_more(edge.second, least_crease_angle); });
   }
-  bool sharp(Index a, Index b) const { return at(a, b) > threshold_; }
+  bool sharp(Index a, Index b) const { return clearly_more(at(a, b), threshold_); }
   std::vector<EdgePair> all_sharp() const {
     std::vector<EdgePair> out;
     for (const auto& [edge, angle] : edges_)
-      if (angle > threshold_) out.push_back(edge);
+      if (clearly_more(angle, threshold_)) out.push_back(edge);
     return out;
   }
 
@@ -140,14 +142,14 @@ private:
   std::vector<Index> chain_from(Index v, Index w) const {
     std::vector<Index> chain = {v, w};
     double length = (point(w) - point(v)).norm();
-    while (length < crease_reach * diameter_) {
+    while (clearly_less(length, crease_reach * diameter_)) {
       const Index at = chain.back(), before = chain[chain.size() - 2];
       const Vec3 way = point(at) - point(before);
       Index best = -1;
       double least = sharpest_turn;
       for (Index next : neighbors(at)) {
         if (!angles_.sharp(at, next) || std::find(chain.begin(), chain.end(), next) != chain.end()) continue;
-        if (const double turn = angle_between(way, point(next) - point(at)); turn < least) least = turn, best = next;
+        if (const double turn = angle_between(way, point(next) - point(at)); clearly_less(turn, least)) least = turn, best = next;
       }
       if (best < 0) break;
       length += (point(best) - point(at)).norm();
@@ -178,15 +180,15 @@ private:
       length += (point(chain[k + 1]) - point(chain[k])).norm();
       for (Index w : neighbors(chain[k])) {
         const bool own = w == chain[k + 1] || (k > 0 && w == chain[k - 1]);
-        if (const double angle = angles_.at(chain[k], w); !own && angle > 0) beside.push_back(angle);
+        if (const double angle = angles_.at(chain[k], w); !own && angle >= 0) beside.push_back(angle);
       }
     }
     const double blunt = angles_.ordinary() < smooth_angle ? least_blunt_length : least_rough_length;
-    if (length < (runs_out(chain) ? blunt : chain.size() < 3 ? long_edge : 0) * diameter_) return false;
+    if (clearly_less(length, (runs_out(chain) ? blunt : chain.size() < 3 ? long_edge : 0) * diameter_)) return false;
     if (beside.empty()) return true;
     const auto middle = beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2);
     std::nth_element(beside.begin(), middle, beside.end());
-    return sum / static_cast<double>(chain.size() - 1) > above_noise * *middle;
+    return clearly_more(sum / static_cast<double>(chain.size() - 1), above_noise * *middle);
   }
 
   std::optional<CreaseEnd> traced(Index place, Index w) const {
@@ -232,8 +234,8 @@ private:
       for (Index taken = 1; 2 * taken < n; ++taken) {
         const Index next = rim_[(end.place + step) % n];
         const Vec3 way = point(next) - point(end.chain[0]), before = point(end.chain[0]) - point(end.chain[1]);
-        if (way.stableNormalized().dot(before.stableNormalized()) < along_crease) break;
-        if (leaves(way, from, to) > static_cast<double>(taken) * own) break;
+        if (clearly_less(way.stableNormalized().dot(before.stableNormalized()), along_crease)) break;
+        if (clearly_more(leaves(way, from, to), static_cast<double>(taken) * own)) break;
         if (std::find(end.chain.begin(), end.chain.end(), next) != end.chain.end()) break;
         end.place = (end.place + step) % n;
         end.chain.insert(end.chain.begin(), next);
@@ -255,7 +257,8 @@ private:
     for (std::size_t i = 0; i < ends.size(); ++i)
       for (std::size_t j = i + 1; j < ends.size(); ++j)
         if (const double cost = mismatch(ends[i], ends[j], most); std::isfinite(cost)) candidates.push_back({cost, i, j});
-    std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const auto& a, const auto& b) { return coarse(1 + a.cost) < coarse(1 + b.cost); });
     std::vector<Crease> out;
     std::vector<std::array<Index, 2>> chords;
     for (const Candidate& c : candidates) {
@@ -279,13 +282,14 @@ private:
     if (apart < 2 || n - apart < 2) return none;
     const Vec3 across = point(b.chain[0]) - point(a.chain[0]);
     const double from_a = angle_between(a.into, across), from_b = angle_between(b.into, -across);
-    if (!(from_a < widest_view && from_b < widest_view && from_a + from_b < most)) return none;
+    if (!(clearly_less(from_a, widest_view) && clearly_less(from_b, widest_view) && clearly_less(from_a + from_b, most)))
+      return none;
     const double larger = std::max(std::abs(a.angle), std::abs(b.angle)),
                  smaller = std::min(std::abs(a.angle), std::abs(b.angle));
-    if (a.angle * b.angle < 0 || larger > same_angle * smaller) return none;
+    if (a.angle * b.angle < 0 || clearly_more(larger, same_angle * smaller)) return none;
     const auto turn = Eigen::Quaterniond::FromTwoVectors(a.into, -b.into);
     const double left = angle_between(turn * a.left, b.right), right = angle_between(turn * a.right, b.left);
-    if (!(left < same_face && right < same_face)) return none;
+    if (!(clearly_less(left, same_face) && clearly_less(right, same_face))) return none;
     return from_a + from_b + left + right;
   }
 
@@ -301,12 +305,13 @@ private:
       sum += across;
       right += across * point(end.chain[0]);
     }
-    if (!(sum.determinant() > 1e-2)) return {};  // their lines are nearly parallel
+    if (!clearly_more(sum.determinant(), 1e-2)) return {};  // their lines are nearly parallel
     const Vec3 node = sum.ldlt().solve(right);
     for (const CreaseEnd& end : ends) {
       const Vec3 to = node - point(end.chain[0]);
       const double along = to.dot(end.into);
-      if (!(along > 0 && along < diameter_ && (to - along * end.into).norm() < meeting_share * diameter_)) return {};
+      const bool ahead = clearly_more(along, tie * diameter_) && clearly_less(along, diameter_);
+      if (!ahead || !clearly_less((to - along * end.into).norm(), meeting_share * diameter_)) return {};
     }
     std::sort(ends.begin(), ends.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
     return Crease{std::move(ends), node};

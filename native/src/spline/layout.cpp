@@ -302,6 +302,7 @@ public:
     const Eigen::VectorXd way = -solver_.solve(gradient_);
     PlanePoints d(n_, 2);
     for (int v = 0; v < n_; ++v) d.row(v) = way.segment<2>(2 * rank_[v]);
+    hold_still(uv, d);
     const double slope = gradient_.dot(way);
     if (!(slope < 0)) return false;
     const double limit = to_barrier * to_first_flip(uv, d);
@@ -328,6 +329,15 @@ public:
   }
 
 private:
+  /// Takes shifts and turns of the whole out of a step: the Hessian does not see them, and they are all rounding.
+  static void hold_still(const PlanePoints& uv, PlanePoints& d) {
+    d.rowwise() -= Eigen::RowVector2d(d.colwise().mean());
+    const PlanePoints about = uv.rowwise() - Eigen::RowVector2d(uv.colwise().mean());
+    const double turn = (about.col(0).dot(d.col(1)) - about.col(1).dot(d.col(0))) / std::max(about.squaredNorm(), 1e-300);
+    d.col(0) += turn * about.col(1);
+    d.col(1) -= turn * about.col(0);
+  }
+
   void border_angles(const std::vector<Vec3>& x) {
     const std::size_t n = disc_.border.size();
     std::vector<double> length(n);

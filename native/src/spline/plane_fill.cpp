@@ -173,7 +173,7 @@ M rows_of(const M& all, const std::vector<Index>& rows) {
 bool positive(const PlanePoints& uv, const Triangles& triangles) {
   for (const std::array<Index, 3>& t : triangles) {
     const Eigen::RowVector2d a = uv.row(t[1]) - uv.row(t[0]), b = uv.row(t[2]) - uv.row(t[0]);
-    if (!(a[0] * b[1] - a[1] * b[0] > 0)) return false;
+    if (!(a[0] * b[1] - a[1] * b[0] > tie * a.norm() * b.norm())) return false;  // along straight rims many have no area
   }
   return true;
 }

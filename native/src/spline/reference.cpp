@@ -1,5 +1,7 @@
 #include "tripatch/spline/reference.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -11,8 +13,11 @@
 namespace tripatch {
 namespace {
 
-/// Gauss-Newton on a smooth polynomial; tried: the last of them moves nothing by more than rounding.
+/// Of Newton's method on a smooth polynomial; tried: the last of them moves nothing by more than rounding. More would tell points that
+/// lie between two feet, as at corners of boxes, to the side that rounding chooses.
 constexpr int steps = 8;
+/// What the curvature leaves of the squared distance's own bend, at least: steps are no longer than five of Gauss and Newton's.
+constexpr double least_bend = 0.2;
 
 int size_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
@@ -34,40 +39,57 @@ Reference::Reference(const PlanePoints& points, const Points& samples, int degre
   const Points left = monomials * coefficients_ - samples;
   double across = 0;
   for (Index k = 0; k < points.rows(); ++k) {
-    const Eigen::Matrix3d jet = at(points.row(k));
+    const Jet2 jet = jet_at(points.row(k));
     const Vec3 u = jet.row(1), v = jet.row(2);
     across += std::pow(left.row(k).dot(u.cross(v).stableNormalized()), 2);
   }
   distance_across_ = std::sqrt(across / static_cast<double>(points.rows()));
 }
 
-Eigen::Matrix3d Reference::at(const Eigen::RowVector2d& point) const {
+Reference::Jet2 Reference::jet_at(const Eigen::RowVector2d& point) const {
   const Eigen::RowVector2d x = (point - middle_) / size_;
-  std::array<std::array<double, highest_degree + 1>, 2> power;
+  std::array<std::array<std::array<double, highest_degree + 1>, 3>, 2> power{};  // of each coordinate, and its two derivatives
   for (int axis = 0; axis < 2; ++axis) {
-    power[axis][0] = 1;
-    for (int k = 1; k <= highest_degree; ++k) power[axis][k] = power[axis][k - 1] * x[axis];
+    auto& [own, first, second] = power[axis];
+    own[0] = 1;
+    for (int k = 1; k <= highest_degree; ++k) {
+      own[k] = own[k - 1] * x[axis];
+      first[k] = k * own[k - 1] / size_;
+      second[k] = k * first[k - 1] / size_;
+    }
   }
-  Eigen::Matrix3d out = Eigen::Matrix3d::Zero();
+  Jet2 out = Jet2::Zero();
   int row = 0;
   for (int i = 0; i <= degree_; ++i)
     for (int j = 0; i + j <= degree_; ++j, ++row) {
-      out.row(0) += power[0][i] * power[1][j] * coefficients_.row(row);
-      if (i > 0) out.row(1) += i * power[0][i - 1] * power[1][j] / size_ * coefficients_.row(row);
-      if (j > 0) out.row(2) += j * power[0][i] * power[1][j - 1] / size_ * coefficients_.row(row);
+      const auto term = [&](int by_u, int by_v) { return power[0][by_u][i] * power[1][by_v][j]; };
+      const Eigen::Matrix<double, 6, 1> terms{term(0, 0), term(1, 0), term(0, 1), term(2, 0), term(1, 1), term(0, 2)};
+      out += terms * coefficients_.row(row);
     }
   return out;
 }
 
+/// Newton's method for the least squared distance. Where that bends downwards the way leads off as far as it would lead up to where it
+/// bends upwards: a point between two feet leaves the middle in doubling steps, and not, as by Gauss and Newton's, the faster the
+/// farther off it lies, so that rounding would choose its foot.
 PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) const {
   const double longest = 0.1 * size_;  // of a step
   for (Index k = 0; k < points.rows(); ++k)
     for (int step = 0; step < steps; ++step) {
-      const Eigen::Matrix3d jet = at(points.row(k));
-      const Eigen::Matrix<double, 2, 3> tangents = jet.bottomRows<2>();
+      const Jet2 jet = jet_at(points.row(k));
+      const Eigen::Matrix<double, 2, 3> tangents = jet.middleRows<2>(1);
       const Eigen::Matrix2d gram = tangents * tangents.transpose();
       if (!(gram.determinant() > 1e-12 * gram.squaredNorm())) break;
-      Eigen::Vector2d move = gram.inverse() * (tangents * (samples.row(k) - jet.row(0)).transpose());
+      const Eigen::Vector3d off = (samples.row(k) - jet.row(0)).transpose();
+      Eigen::Matrix2d bend;
+      bend << jet.row(3) * off, jet.row(4) * off, jet.row(4) * off, jet.row(5) * off;
+      const Eigen::LLT<Eigen::Matrix2d> root(gram);  // to coordinates in which the surface is measured truly
+      const auto lower = root.matrixL();
+      const Eigen::Matrix2d half = lower.solve(bend), own = lower.solve(half.transpose());
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> modes((own + own.transpose()) / 2);
+      const Eigen::Vector2d left = (1 - modes.eigenvalues().array()).abs().max(least_bend);
+      const Eigen::Vector2d slope = modes.eigenvectors().transpose() * lower.solve(tangents * off);
+      Eigen::Vector2d move = root.matrixU().solve(modes.eigenvectors() * slope.cwiseQuotient(left));
       if (move.norm() > longest) move *= longest / move.norm();
       points.row(k) += move.transpose();
       if (move.norm() < 1e-14 * size_) break;

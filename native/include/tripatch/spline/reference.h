@@ -22,8 +22,9 @@ public:
   double distance_across() const { return distance_across_; }
 
 private:
-  /// Position and the two derivatives.
-  Eigen::Matrix3d at(const Eigen::RowVector2d& point) const;
+  /// Position, the two derivatives, and the three second ones: uu, uv, vv.
+  using Jet2 = Eigen::Matrix<double, 6, 3>;
+  Jet2 jet_at(const Eigen::RowVector2d& point) const;
 
   Eigen::RowVector2d middle_;
   double size_, distance_across_ = 0;
