@@ -413,6 +413,30 @@ def is_outer(bm, matrix, rim, around=None):
     return tripatch.is_outer_border(*around.around(rim)[:2], [v.index for v in rim.loop])
 
 
+def has_hole(ob, bm):
+    """Whether an object has a border that is no outer one. One that cannot be read has: what fills it says why."""
+    try:
+        matrix = world_matrix(ob.name, ob.matrix_world)
+    except UnusableError:
+        return True
+    bm.verts.index_update()
+    bm.faces.index_update()
+    return any(not is_outer(bm, matrix, rim) for rim in selection.all_rims(bm))
+
+
+def without_outer(bm, matrix, rims):
+    """Those of some rims that are meant where faces are selected around them, as those of a whole island: outer borders only where
+    there is no other. Rims that are selected by themselves are all meant."""
+
+    def among_faces(rim):
+        return not rim.replaced and all(f.select for e in selection.edges_of(bm, rim.loop) if e for f in e.link_faces)
+
+    if len(rims) < 2 or not any(map(among_faces, rims)):
+        return rims
+    around = Surroundings(bm, matrix)
+    return [rim for rim in rims if not (among_faces(rim) and is_outer(bm, matrix, rim, around))] or rims
+
+
 def three_sided(bm, matrix, rims):
     """Those of some rims that have three corners, and why the others have not: [(vertex, sentence)]."""
     bm.verts.index_update()
@@ -460,7 +484,11 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None
         raise UnusableError(
             f"None of the {count} holes is as Holes asks for" if count > 1 else "The hole is not as Holes asks for"
         )
-    if not hidden and (any_rim or len(rims) == 1):
+    if hidden and any_rim and not filters.get("outer", False):
+        rims = [rim for rim in rims if not is_outer(bm, matrix, rim)]
+        if not rims:
+            raise UnusableError("The mesh has no hole that is visible; others are hidden")
+    if any_rim or (len(rims) == 1 and not hidden):
         return rims  # the library says what is wrong with it
     found, others = three_sided(bm, matrix, rims)
     if len(found) == 1:

@@ -271,7 +271,7 @@ class FillSmooth(Construction, waiting.Waiting):
         self._choose_output(selected or objects)
         self.reasons, self.all_holes = "", False
         outcome, unusable = filling.Outcome(), []
-        for ob in selected or objects:
+        for ob in self._meant(selected or objects):
             name = ob.name if len(objects) > 1 else ""
             try:
                 outcome.add(self._fill(ob), name)
@@ -291,6 +291,15 @@ class FillSmooth(Construction, waiting.Waiting):
         self.report({"WARNING" if refused or outcome.notes else "INFO"}, message)
         return {"FINISHED"}
 
+    def _meant(self, objects):
+        """Where all holes of several objects are meant, those that have one, if any has: others have outer borders at most."""
+        if len(objects) < 2 or self.outer:
+            return objects
+        bms = {ob: bmesh.from_edit_mesh(ob.data) for ob in objects}
+        if not all(not ob.data.total_vert_sel or selection.Selected(bm).is_all(bm) for ob, bm in bms.items()):
+            return objects
+        return [ob for ob, bm in bms.items() if filling.has_hole(ob, bm)] or objects
+
     def _refuse(self, context, refused, told):
         """Nothing could be filled. By hand the panel must come, which it does after what has changed something."""
         message = told[0] + (f" (and {len(told) - 1} more)" if len(told) > 1 else "")
@@ -306,7 +315,8 @@ class FillSmooth(Construction, waiting.Waiting):
         caged = self.output == "cage" and not self._is_computed("output", None)
         any_rim = self.takes_any_rim() and not caged and self.surroundings != "limit"
         if selected.vertices and not (any_rim and selected.is_all(bm)):
-            return selection.selected_rims(bm, selected)
+            rims, refused = selection.selected_rims(bm, selected)
+            return rims if self.outer else filling.without_outer(bm, matrix, rims), refused
         self.all_holes = True
         return filling.open_holes(bm, matrix, any_rim, filters=self._filters()), []
 

@@ -438,3 +438,69 @@ def test_removed_it_leaves_nothing_behind(addon):
     finally:
         addon.register()
     assert registered(addon) >= before and sys.path == path
+
+
+def sheet_with_holes(*middles, size=20):
+    """A curved sheet of quads with square holes; returns the object."""
+    bm = bmesh.new()
+    bmesh.ops.create_grid(bm, x_segments=size, y_segments=size, size=2)
+    for v in bm.verts:
+        v.co.z = 0.2 * v.co.x**2 - 0.1 * v.co.y**2
+
+    def missing(face):
+        x, y, _ = face.calc_center_median()
+        return any(max(abs(x - a), abs(y - b)) < 0.45 for a, b in middles)
+
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if missing(f)], context="FACES")
+    mesh = bpy.data.meshes.new("Sheet")
+    bm.to_mesh(mesh)
+    bm.free()
+    return scenes.object_of(mesh)
+
+
+def borders(ob):
+    return [len(loop) for loop in scenes.border_loops(bmesh.from_edit_mesh(ob.data))]
+
+
+def test_an_island_selected_as_a_whole_is_filled_inside_not_around():
+    one, other = sheet_with_holes((0, 0)), sheet_with_holes((0.5, 0.5))
+    other.location.x = 6
+    for ob in (one, other):
+        ob.select_set(True)
+    bpy.ops.object.join()
+    ob = bpy.context.object
+    (bm,) = scenes.edit(ob, mode="FACE")
+    middle = (min(v.co.x for v in bm.verts) + max(v.co.x for v in bm.verts)) / 2
+    scenes.select(bm, faces=[f for f in bm.faces if f.calc_center_median().x < middle])
+    around = sorted(borders(ob))
+    assert smooth() == {"FINISHED"}
+    assert sorted(borders(ob)) == around[1:], "one hole of two is filled, both outer borders are left"
+
+
+def test_an_outer_border_that_is_selected_by_itself_is_filled():
+    ob = sheet_with_holes((0, 0))
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    scenes.select_rim(bm, scenes.border_loops(bm)[-1])
+    smooth()
+    assert len(borders(ob)) == 1
+
+
+@pytest.mark.parametrize("selected", [False, True])
+def test_of_several_objects_one_without_a_hole_keeps_its_outer_border(selected):
+    holed, whole = sheet_with_holes((0, 0)), sheet_with_holes()
+    scenes.edit(holed, whole)
+    if selected:
+        bpy.ops.mesh.select_all(action="SELECT")
+    assert smooth() == {"FINISHED"}
+    assert (borders(holed), borders(whole)) == ([80], [80])
+
+
+def test_a_visible_hole_is_filled_while_another_is_hidden():
+    ob = sheet_with_holes((-1, 0), (1, 0))
+    (bm,) = scenes.edit(ob, mode="VERT")
+    scenes.select(bm, [v for v in bm.verts if v.is_boundary and -1.8 < v.co.x < 0 and abs(v.co.y) < 0.8])
+    bpy.ops.mesh.hide()
+    assert len(borders(ob)) == 3
+    assert smooth() == {"FINISHED"}
+    left = scenes.border_loops(bmesh.from_edit_mesh(ob.data))
+    assert len(left) == 2 and all(v.hide for v in left[0])

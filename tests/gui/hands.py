@@ -15,7 +15,7 @@ FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
 
 
 #: Seconds in which the window must come to rest, on a machine that does much else.
-AT_REST = 60
+AT_REST = 300
 #: Seconds from one look to the next: a turn of Blender's main loop or more, each of which draws what is to be drawn.
 BETWEEN_LOOKS = 0.15
 #: Rows of the status bar, in which the text of a report is blended in and out for ten seconds.
