@@ -425,8 +425,8 @@ def has_hole(ob, bm):
 
 
 def without_outer(bm, matrix, rims):
-    """Those of some rims that are meant where faces are selected around them, as those of a whole island: outer borders only where
-    there is no other. Rims that are selected by themselves are all meant."""
+    """Those of some rims that are meant where faces are selected around them, as those of a whole island: outer borders only
+    where there is no other. Rims that are selected by themselves are all meant."""
 
     def among_faces(rim):
         return not rim.replaced and all(f.select for e in selection.edges_of(bm, rim.loop) if e for f in e.link_faces)

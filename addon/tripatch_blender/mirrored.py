@@ -50,6 +50,15 @@ def _planes(ob):
                 yield _Plane(matrix.translation.copy(), normal, max(modifier.merge_threshold, 1e-6))
 
 
+def is_joined(ob, rim):
+    """Whether a Mirror modifier joins an edge of a rim to its image: then it is no hole, or a half of one."""
+    for plane in _planes(ob):
+        on_plane = [abs(plane.height(v.co)) <= plane.within for v in rim.loop]
+        if any(a and b for a, b in selection.pairs(on_plane)):
+            return True
+    return False
+
+
 def _chain(start, plane, on_plane):
     """The border vertices from one on the plane, along an edge off it, to the next on it; empty where that is not clear."""
     chain = [start]
@@ -88,7 +97,7 @@ def half_rims(ob, bm, selected):
     Between two of them on one plane the mesh lies on it; a mesh that only touches the plane has none.
     """
     found, border = [], None
-    for plane in _planes(ob):
+    for plane in _planes(ob):  # none without a Mirror: then no border is looked for
         border = _border(bm, selected) if border is None else border
         on_plane = {v for v in border if abs(plane.height(v.co)) <= plane.within}
         joined = {v for v in on_plane for e in v.link_edges if e.is_boundary and e.other_vert(v) in on_plane}

@@ -193,15 +193,16 @@ class FillSmooth(Construction, waiting.Waiting):
         value = getattr(self, name)
         return value == none or not self.properties.is_property_set(name) or value == getattr(self, "computed_" + name)
 
-    def _fill_halves(self, ob, bm, matrix, options, halves, selected):
-        """Fills the holes that a Mirror modifier cuts in half."""
+    def _fill_halves(self, ob, bm, matrix, options, halves, everything):
+        """Fills the holes that a Mirror modifier cuts in half; returns (Outcome, new faces). everything: no hole is selected by
+        itself, so that outer borders are left; of several holes they are left in any case."""
         outcome, kept = filling.Outcome(), []
         modifier = subdivision.usable(ob) if self.output == "cage" else None
         active = ob.active_shape_key.name if ob.active_shape_key else None
         for half in halves:
             own = [v.index for v in half[1]]
             with mirrored.image_of(bm, half) as (rim, keep):
-                if rim and not selected.vertices and not self.outer and filling.is_outer(bm, matrix, rim):
+                if rim and (everything or len(halves) > 1) and not self.outer and filling.is_outer(bm, matrix, rim):
                     continue
                 if rim is None:
                     made = filling.Outcome(refused=[filling.Refused("The hole at the mirror plane is not whole", own)])
@@ -215,12 +216,7 @@ class FillSmooth(Construction, waiting.Waiting):
             outcome.add(made)
             if made.reports:
                 seam.remember(bm, ob.data.name, [])
-        if not outcome.reports and not outcome.refused:
-            raise selection.UnusableError("The mesh has no hole")
-        if kept:
-            selected.replace(bm, kept)
-            bmesh.update_edit_mesh(ob.data)
-        return outcome
+        return outcome, kept
 
     def _options(self):
         arguments = self.construction() | {option.name: plain(getattr(self, option.name)) for option in self._applying()}
@@ -310,11 +306,21 @@ class FillSmooth(Construction, waiting.Waiting):
         self.report({"WARNING"}, message)
         return {"FINISHED"}
 
-    def _rims(self, bm, matrix, selected):
-        """The rims that the selection means, and a Refused for each part that means none."""
+    def _rims(self, ob, bm, matrix, selected, everything):
+        """The rims that the selection means, and an UnusableError for each part that means none."""
+        rims, refused = self._rims_meant(bm, matrix, selected, everything)
+        if self.surroundings == "limit":
+            return rims, refused
+        apart = [rim for rim in rims if not mirrored.is_joined(ob, rim)]
+        if rims and not apart and not refused:
+            sentence = "The border lies on the plane of the Mirror modifier, which joins it to its image"
+            raise selection.UnusableError(sentence, [v for rim in rims for v in rim.loop])
+        return apart, refused
+
+    def _rims_meant(self, bm, matrix, selected, everything):
         caged = self.output == "cage" and not self._is_computed("output", None)
         any_rim = self.takes_any_rim() and not caged and self.surroundings != "limit"
-        if selected.vertices and not (any_rim and selected.is_all(bm)):
+        if selected.vertices and not (any_rim and everything):
             rims, refused = selection.selected_rims(bm, selected)
             return rims if self.outer else filling.without_outer(bm, matrix, rims), refused
         self.all_holes = True
@@ -352,10 +358,17 @@ class FillSmooth(Construction, waiting.Waiting):
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         selected = selection.Selected(bm)
         options = self._options()
-        halves = mirrored.half_rims(ob, bm, selected.vertices) if any(m.type == "MIRROR" for m in ob.modifiers) else []
-        if halves and self.surroundings != "limit" and not self.keep_live:
-            return self._fill_halves(ob, bm, matrix, options, halves, selected)
-        rims, refused = self._rims(bm, matrix, selected)
+        everything = not selected.vertices or selected.is_all(bm)
+        halved, new_faces = filling.Outcome(), []
+        if self.surroundings != "limit" and not self.keep_live:
+            halves = mirrored.half_rims(ob, bm, [] if everything else selected.vertices)
+            halved, new_faces = self._fill_halves(ob, bm, matrix, options, halves, everything)
+        try:
+            rims, refused = self._rims(ob, bm, matrix, selected, everything)
+        except selection.UnusableError:
+            if not halved.reports and not halved.refused:
+                raise
+            rims, refused = [], []
         refused = [filling.Refused.because(reason, ob) for reason in refused]
         if options.arguments.get("surroundings") == "limit":
             outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)
@@ -370,9 +383,11 @@ class FillSmooth(Construction, waiting.Waiting):
         cage = self.output == "cage"
         modifier = subdivision.usable(ob) if cage else None
         active = ob.active_shape_key
-        outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, active.name if active else None, modifier)
+        outcome, made = filling.fill_rims(bm, mesh, matrix, rims, options, active.name if active else None, modifier)
+        new_faces += made
         if cage and outcome.refused and self._is_computed("output", None):
             new_faces += self._fill_with_quads(bm, mesh, matrix, outcome, options)
+        outcome.add(halved)
         for each in outcome.refused:
             each.ob = ob
         outcome.refused += refused

@@ -182,3 +182,61 @@ def test_a_hole_off_the_plane_is_filled_as_any_other():
     assert smooth() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert len(scenes.border_loops(scenes.checked(ob))) == 1
+
+
+def add_half_with_holes(*middles, size=20):
+    """The half x >= 0 of a sheet that a Mirror modifier completes, with square holes around these points."""
+    bm = bmesh.new()
+    bmesh.ops.create_grid(bm, x_segments=size, y_segments=size, size=2)
+
+    def missing(face):
+        x, y, _ = face.calc_center_median()
+        return x < 0 or any(max(abs(x - a), abs(y - b)) < 0.45 for a, b in middles)
+
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if missing(f)], context="FACES")
+    for v in bm.verts:
+        v.co.x = 0 if abs(v.co.x) < 1e-5 else v.co.x
+        v.co.z = height(*v.co.xy)
+    mesh = bpy.data.meshes.new("Half")
+    bm.to_mesh(mesh)
+    ob = scenes.object_of(mesh)
+    ob.modifiers.new("Mirror", "MIRROR")
+    return ob
+
+
+def whole_borders(ob):
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return [len(loop) for loop in scenes.border_loops(evaluated(ob))]
+
+
+@pytest.mark.parametrize("action", ["DESELECT", "SELECT"])
+@pytest.mark.parametrize("middles", [[(1, 0)], [(0, -1), (1, 0.8)]], ids=["beside the plane", "on the plane and beside it"])
+def test_with_a_mirror_all_holes_are_those_of_the_whole_without_its_outer_border(middles, action):
+    ob = add_half_with_holes(*middles)
+    scenes.edit(ob)
+    bpy.ops.mesh.select_all(action=action)
+    assert smooth() == {"FINISHED"}
+    assert whole_borders(ob) == [80]
+
+
+def test_the_cut_of_a_mirror_is_no_hole():
+    ob = add_half_with_holes()
+    (bm,) = scenes.edit(ob)
+    for action in ("DESELECT", "SELECT"):
+        bpy.ops.mesh.select_all(action=action)
+        with pytest.raises(RuntimeError, match="no hole|plane of the Mirror"):
+            smooth()
+    bpy.ops.mesh.select_all(action="DESELECT")
+    scenes.select(bm, [min((v for v in bm.verts if v.co.x == 0), key=lambda v: v.co.length)])
+    with pytest.raises(RuntimeError, match="plane of the Mirror.*turn the modifier off"):
+        smooth()
+    assert whole_borders(ob) == [80]
+
+
+def test_selected_holes_on_the_plane_and_beside_it_are_both_filled():
+    ob = add_half_with_holes((0, -1), (1, 0.8))
+    (bm,) = scenes.edit(ob)
+    inner = [v for v in bm.verts if v.is_boundary and max(abs(v.co.x), abs(v.co.y)) < 1.9 and v.co.x > 0.01]
+    scenes.select(bm, inner)
+    assert smooth() == {"FINISHED"}
+    assert whole_borders(ob) == [80]
