@@ -208,6 +208,9 @@ def main(argv: list[str] | None = None) -> int:
         with contextlib.suppress(OSError, ValueError):  # what is left of it shall not fail again at the end
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return USAGE
+    except MemoryError:
+        _say("There is not enough memory for this; a smaller --resolution needs less")
+        return USAGE
     except KeyboardInterrupt:
         _say("Interrupted; nothing is half written")
         return INTERRUPTED
