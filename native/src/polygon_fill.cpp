@@ -130,6 +130,15 @@ void report_fairing(const Faired& faired, Report& report) {
   report.warnings = faired.warnings;
 }
 
+/// vertices: of the mesh.
+void report_layout(const PlaneCover& cover, Index vertices, Report& report) {
+  report.rows = cover.rows;
+  for (Index pole : cover.poles)
+    report.poles.push_back({vertices + pole - cover.rim + (cover.split ? 1 : 0),
+                            std::count(cover.faces.corners.begin(), cover.faces.corners.end(), pole)});
+  report.warnings.insert(report.warnings.end(), cover.warnings.begin(), cover.warnings.end());
+}
+
 /// The rest of a report, once the fill is there.
 bool complete(const Mesh& mesh, double surroundings_error, const Faired& faired, PolygonFill& result) {
   Report& report = result.fill.report;
@@ -288,13 +297,9 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   double squares = 0;
   for (double a : made.seam_angle_rms) squares += a * a / static_cast<double>(made.seam_angle_rms.size());
   report.seam_angle_rms = std::sqrt(squares);
-  report.rows = cover.rows;
-  for (Index pole : cover.poles)
-    report.poles.push_back(
-        {n + pole - cover.rim + (cover.split ? 1 : 0), std::count(cover.faces.corners.begin(), cover.faces.corners.end(), pole)});
   tell_sharp(angles, report.warnings);
   result.planes_apart_deg = *std::max_element(made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end());
-  report.warnings.insert(report.warnings.end(), cover.warnings.begin(), cover.warnings.end());
+  report_layout(cover, n, report);
   report_corners(rim, corners, made.corner_mismatch_deg, report);
   result.crumpled = complete(mesh, known.surroundings_error, made, result);
   return result;
@@ -403,10 +408,13 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   fill.rim_normals = made.patch->normals(plane_rows(rim_uv));
   fill.patch = made.patch;
   fill.sides = {made.side};
-  deliver(triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, joined_rows(around, rim), options.resolution,
-                       options.output == Output::quads),
-          mesh.vertices.rows(), fill);
+  const bool quads = options.output == Output::quads, even = r % 2 == 0 || options.odd == Odd::split;
+  const PlaneCover cover = quads && even ? cover_polygon_with_quads(rim_uv, points, {}, *made.patch, layout_options(options))
+                                         : triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, joined_rows(around, rim),
+                                                        quads ? std::nullopt : options.resolution, quads);
+  deliver(cover, mesh.vertices.rows(), fill);
   Report& report = fill.report;
+  report_layout(cover, mesh.vertices.rows(), report);
   result.of_revolution = made.of_revolution;
   report_fairing(made, report);
   report.continuity = {made.continuity};

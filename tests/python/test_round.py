@@ -145,3 +145,24 @@ def test_what_is_not_closed_is_refused():
     vertices, faces = revolved("sphere", 24)
     with pytest.raises(ValueError, match="of 1 sides"):
         tripatch.fill(vertices, faces, rim=np.arange(24), corners=(), bulge=(1, 2, 3))
+
+
+@pytest.mark.parametrize(
+    ("edges", "profile"), [(8, "paraboloid"), (17, "cone"), (24, "tube"), (32, "paraboloid"), (64, "sphere")]
+)
+def test_quads_in_a_round_rim_are_rings_about_a_grid(edges, profile):
+    vertices, faces = revolved(profile, edges)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), output="quads")
+    assert fill.report.method == "multi_sided" and {len(f) for f in fill.faces} == {4}
+    assert len(fill.split_edges[0]) == edges % 2
+    assert len(fill.report.poles) == 4 and {valence for _, valence in fill.report.poles} == {3}
+    count = np.bincount(np.concatenate(fill.faces), minlength=len(vertices) + len(fill.vertices))
+    inner = np.setdiff1d(np.arange(len(vertices) + edges % 2, len(count)), [v for v, _ in fill.report.poles])
+    assert (count[inner] == 4).all()
+    everything = np.concatenate([vertices, fill.vertices])
+    for face in fill.faces:
+        p = everything[face]
+        normal = np.cross(p[2] - p[0], p[3] - p[1])
+        assert min(np.cross(p[k - 1] - p[k - 2], p[k] - p[k - 1]) @ normal for k in range(4)) > 0
+    one = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), output="quads", odd="triangle")
+    assert sum(len(f) == 3 for f in one.faces) >= edges % 2 and len(one.split_edges[0]) == 0
