@@ -221,10 +221,30 @@ def fills(rims, arrays, options, progress=None, **arguments):
     if _is_by_side(options.arguments):
         counts = [_sides(corners[k], loops[k], positions, faces, replaced) for k in found]
     given = options.arguments | {"replaced": replaced, "progress": progress} | arguments
-    made = _shared_or_each((positions, faces), [loops[k] for k in found], [corners[k] for k in found], given, counts)
-    for k, fill in zip(found, made, strict=True):
+    shared = [k for k in found if not rims[k].inside]
+    if counts:
+        counts = dict(zip(found, counts, strict=True))
+    own = [counts[k] for k in shared] if counts else None
+    made = _shared_or_each((positions, faces), [loops[k] for k in shared], [corners[k] for k in shared], given, own)
+    for k, fill in zip(shared, made, strict=True):
         results[k] = fill
+    for k in found:
+        if rims[k].inside:
+            count = counts[k] if counts else None
+            results[k] = _through((positions, faces), loops[k], corners[k], rims[k].inside, given, count)
     return results
+
+
+def _through(mesh, loop, corners, inside, arguments, count):
+    """A tripatch.Fill or Refusal that goes through vertices."""
+    arguments = {name: value for name, value in arguments.items() if name != "progress"}
+    if count:
+        arguments = for_sides(arguments, count)
+    points = [mesh[0][v.index] for v in inside]
+    try:
+        return tripatch.fill(*mesh, rim=loop, corners=corners, through=points, **arguments)
+    except tripatch.Refusal as refusal:
+        return refusal
 
 
 def _is_by_side(arguments):

@@ -32,6 +32,7 @@ class Rim:
     first: object = None  # BMVert that is to be the first corner
     replaced: set = field(default_factory=set)  # BMFace of a region that the fill replaces
     round: bool = False  # it is to have no corners
+    inside: list = field(default_factory=list)  # BMVert without faces that the fill goes through
 
 
 def pairs(loop):
@@ -209,13 +210,33 @@ def _are_corners(given):
     return len(given) == 3 or (len(given) > 1 and not any(e.select for v in given for e in v.link_edges))
 
 
+def _apart(vertex, loop):
+    """How far a vertex is from the middle of a loop, over how far the loop's own are."""
+    middle = sum((v.co for v in loop[1:]), loop[0].co.copy()) / len(loop)
+    return (vertex.co - middle).length / max(max((v.co - middle).length for v in loop), 1e-30)
+
+
+def _put_inside(loose, rims):
+    """Vertices without faces to the rims in which they are: to the nearest, within twice its radius."""
+    for vertex in loose:
+        apart, rim = min(((_apart(vertex, rim.loop), rim) for rim in rims), key=lambda pair: pair[0])
+        if apart < 2:
+            rim.inside.append(vertex)
+
+
 def selected_rims(bm, selection):
     """The rims that the selection means, and an UnusableError for each selected part that means none.
 
     Whole border loops are holes. Isolated selected vertices of a loop, two or more, are its corners. Faces: each connected region
-    by itself; one without mesh border in it is to be replaced. Else whatever border loop the selection touches.
+    by itself; one without mesh border in it is to be replaced. Else whatever border loop the selection touches. Vertices without
+    faces are points inside, and so are those of edges without faces.
     """
+    loose = [v for v in selection.vertices if not v.link_faces]
     vertices, edges, faces = selection.vertices, selection.edges, selection.faces
+    if loose and len(loose) < len(vertices):
+        alone = set(loose)
+        vertices = [v for v in vertices if v not in alone]
+        edges = [e for e in edges if not alone.intersection(e.verts)]
     active = bm.select_history.active
     selected = set(vertices)
     loops = border_loops(v for v in vertices if v.is_boundary)
@@ -245,6 +266,8 @@ def selected_rims(bm, selection):
     for rim in rims:
         if active in rim.loop:
             rim.first = active
+    if rims:
+        _put_inside(loose, rims)
     return rims, refused
 
 
@@ -265,7 +288,7 @@ class Surroundings:
             faces |= ring
             front = {v for f in ring for v in f.verts} - seen
             seen |= front
-        ordered, near = _by_index(faces), list(seen)
+        ordered, near = _by_index(faces), [*seen, *(v for rim in rims for v in rim.inside)]
         here = np.array([v.co if self._shape is None else v[self._shape] for v in near], dtype=np.float64)
         self.positions[[v.index for v in near]] = here @ self._matrix[:3, :3].T + self._matrix[:3, 3]
         replaced = [k for k, f in enumerate(ordered) if any(f in rim.replaced for rim in rims)]

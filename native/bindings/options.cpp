@@ -17,6 +17,14 @@ void read(const py::handle& value, const char* name, T& to) {
   to = named<T>(value.cast<std::string>(), name);
 }
 void read(const py::handle& value, const char*, Vec3& to) { to = Vec3::Map(value.cast<std::array<double, 3>>().data()); }
+/// Points, each with its normal or none.
+void read(const py::handle& value, const char*, std::vector<Through>& to) {
+  using Three = std::array<double, 3>;
+  for (const auto& [point, normal] : value.cast<std::vector<std::pair<Three, std::optional<Three>>>>()) {
+    to.push_back({Vec3::Map(point.data()), {}});
+    if (normal) to.back().normal = Vec3::Map(normal->data());
+  }
+}
 template <class T>
 void read(const py::handle& value, const char* name, BySide<T>& to) {
   std::vector<T> values;
@@ -47,6 +55,7 @@ py::object shown(const Vec3& value) { return py::cast(std::array{value[0], value
 py::object shown(const Pair& value) { return py::make_tuple(value[0], value[1]); }
 py::object shown(const std::vector<Index>& value) { return py::tuple(py::cast(value)); }
 py::object shown(const std::vector<std::vector<Index>>& value) { return py::tuple(py::cast(value)); }
+py::object shown(const std::vector<Through>&) { return py::tuple(); }
 py::object shown(const Subdivision&) { return py::none(); }
 template <class T>
 py::object shown(const BySide<T>& value) {
@@ -67,6 +76,7 @@ const char* kind_name(const Option& option) {
     case Kind::indices: return "indices";
     case Kind::loops: return "loops";
     case Kind::position: return "position";
+    case Kind::points: return "points";
     case Kind::subdivision: return "subdivision";
   }
   return "";
@@ -135,7 +145,7 @@ void bind_options(py::module_& m) {
       .def_readonly("open", &Range::open, "Neither of the two is in it.");
   py::class_<Option>(m, "Option", "An option of a fill, a row of the table.")
       .def_readonly("name", &Option::name, "Its keyword.")
-      .def_property_readonly("kind", &kind_name, "flag, whole, number, choice, indices, loops, position or subdivision.")
+      .def_property_readonly("kind", &kind_name, "flag, whole, number, choice, indices, loops, position, points or subdivision.")
       .def_readonly("optional", &Option::optional, "May be None.")
       .def_readonly("by_side", &Option::by_side, "One value, or one a side.")
       .def_readonly("count", &Option::count, "Numbers or indices that belong together; 0: any number of them.")

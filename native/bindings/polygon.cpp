@@ -70,13 +70,8 @@ void bind_polygon(py::module_& m) {
                               const std::optional<int>& resolution) {
     return triangles_from([&] { return triangulate_disc(*patch, parameters[0], resolution); });
   });
-  m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given,
-                             const std::vector<std::pair<std::array<double, 3>, std::optional<std::array<double, 3>>>>& through) {
-    PolygonPatchOptions options = polygon_options(fill_options(given));
-    for (const auto& [point, normal] : through) {
-      options.through.push_back({Vec3::Map(point.data()), {}});
-      if (normal) options.through.back().normal = Vec3::Map(normal->data());
-    }
+  m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given) {
+    const PolygonPatchOptions options = polygon_options(fill_options(given));
     PolygonPatch made;
     {
       py::gil_scoped_release release;

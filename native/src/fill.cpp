@@ -64,6 +64,7 @@ struct Elsewhere {
   Elsewhere(const Mesh& mesh, const FillOptions& given, const Vec3& about)
       : origin(about), vertices(mesh.vertices.rowwise() - about.transpose()), options(given) {
     if (options.center) *options.center -= origin;
+    for (Through& each : options.through) each.point -= origin;
   }
 
   void bring_back(Fill& fill) const {
@@ -218,7 +219,8 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
 
 /// Whether the patch's own shape is asked for.
 bool is_shaped(const FillOptions& options) {
-  return options.tension > 0 || options.center || options.center_offset != 0 || !options.bulge.are_all(1) ||
+  return options.tension > 0 || options.center || options.center_offset != 0 || !options.through.empty() ||
+         !options.bulge.are_all(1) ||
          std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
 }
 
@@ -287,6 +289,8 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
   std::vector<SurfacePtr> patches;
   for (std::size_t h = 0; h < holes.size(); ++h) {
     // between other than three sides the patch is that of a smooth rim in any case
+    if (holes[h].is_triangle() && !options.through.empty())
+      throw Refusal("A cage of three sides meets no points inside", holes[h].rim);
     MadePatch made = holes[h].is_triangle()
                          ? patch_from_sides(three_sides(cages.sides(h)), wanted, follows ? &cages.points(h) : nullptr)
                          : patch_over_polygon(cages.sides(h), cages.domain(h), options, fair ? &cages.points(h) : nullptr);
@@ -362,6 +366,7 @@ std::string not_taken(const FillOptions& options) {
   add(options.tension > 0, "tension");
   add(options.center.has_value(), "center");
   add(options.center_offset != 0, "center_offset");
+  add(!options.through.empty(), "through");
   return names;
 }
 
@@ -564,7 +569,9 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   if (corners && corners->empty())
     return fill_round_rim(ground, check_topology(ground.left, rim), options,
                           "a round rim was asked for, and this one is not smooth");
-  if (corners && makes_polygon(*corners)) return fill_between_many(ground, rim, *corners, true, options);
+  const bool inner = !options.through.empty();  // the patch of three sides meets none: one over a polygon is made
+  if (corners && (makes_polygon(*corners) || (inner && corners->size() == 3)))
+    return fill_between_many(ground, rim, *corners, true, options);
   if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
   Hole hole;
   const std::vector<Index> checked = check_topology(ground.left, rim);
@@ -577,7 +584,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   if (options.features && creases_in(ground.left) &&
       (!ground.is_part() || creases_in(Connectivity(ground.mesh, options.replaced))))
     return any_rim("a crease of the surroundings goes on across the hole");
-  if (makes_polygon(found)) return fill_between_many(ground, rim, found, false, options);
+  if (makes_polygon(found) || (inner && found.size() == 3)) return fill_between_many(ground, rim, found, false, options);
   try {
     hole = make_hole(ground.mesh, ground.left, rim, three(corners));
   } catch (const Refusal& refusal) {
@@ -608,15 +615,16 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
 /// The patch over a polygon or a disc, insisted on; nothing where the rim has three sides. Corners that are not given are detected.
 std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::optional<std::vector<Index>>& rim,
                                          const Corners& corners, const FillOptions& options) {
-  if (corners && !corners->empty() && !makes_polygon(*corners)) return {};
-  if (!corners && options.method != polygon_method) return {};
+  const bool inner = !options.through.empty();
+  if (corners && !corners->empty() && !makes_polygon(*corners) && !inner) return {};
+  if (!corners && options.method != polygon_method && !inner) return {};
   std::vector<Index> given = corners.value_or(std::vector<Index>());
   std::vector<Index> loop = rim ? *rim : given.empty() ? only_hole(ground) : loop_through(ground, given);
   loop = check_topology(ground.left, loop);
   check_finite(ground.mesh, ground.left, loop);
   if (!corners) {
     given = at_places(loop, corners_between_sides(ground.mesh, ground.left, loop));
-    if (given.size() == 3 || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
+    if ((given.size() == 3 && !inner) || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
   }
   check_counts(options, std::max<std::size_t>(given.size(), 1));
   Fill fill;
@@ -652,6 +660,10 @@ void check_for_holes(const FillOptions& options) {
     throw InvalidArgument("corners must be two vertices of the rim or more, or none for a round rim; one is given");
   if (options.method != automatic_method && !find_method(options.method).fills_holes)
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
+  const bool patch = options.method == automatic_method || options.method == polygon_method || options.method == patch_method;
+  if (!options.through.empty() && (!patch || options.surroundings != SurroundingsFrom::mesh))
+    throw InvalidArgument("through is met by the methods auto and " + std::string(polygon_method) +
+                          ", beside surroundings that are a mesh");
   if (options.method == spline_method && options.output == Output::cage)
     throw InvalidArgument(std::string(spline_method) + " makes no cages; choose another method, or triangles or quads");
 }

@@ -33,6 +33,10 @@ void tell(Option& option, std::type_identity<std::vector<std::vector<Index>>>) {
   option.kind = Option::Kind::loops;
   option.count = 0;
 }
+void tell(Option& option, std::type_identity<std::vector<Through>>) {
+  option.kind = Option::Kind::points;
+  option.count = 0;
+}
 template <class T>
   requires std::is_enum_v<T>
 void tell(Option& option, std::type_identity<T>) {
@@ -97,6 +101,13 @@ void check_value(const Option& option, const BySide<double>& values) {
     check_number(option.name + std::string("[") + std::to_string(i) + "]", option.range, values[i]);
 }
 void check_value(const Option& option, const Vec3& values) { check_value(option, std::array{values[0], values[1], values[2]}); }
+void check_value(const Option& option, const std::vector<Through>& values) {
+  for (const Through& each : values) {
+    check_value(option, each.point);
+    if (each.normal) check_value(option, *each.normal);
+    if (each.normal && !(each.normal->norm() > 0)) throw InvalidArgument(option.name + std::string(" has a normal of no length"));
+  }
+}
 void check_value(const Option&, const auto&) {}  // whatever the type holds is right
 template <class T>
 void check_value(const Option& option, const std::optional<T>& value) {

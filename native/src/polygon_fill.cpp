@@ -224,6 +224,7 @@ PolygonPatchOptions polygon_options(const FillOptions& options) {
   own.tension = options.tension;
   own.center = options.center;
   own.center_offset = options.center_offset;
+  own.through = options.through;
   return own;
 }
 
@@ -262,12 +263,28 @@ MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain,
   return result;
 }
 
+namespace {
+
+/// Values by side of three, which say them in the order of triangles, where side 2 begins at corner 0.
+template <class T>
+std::vector<T> from_first_corner(std::vector<T> values) {
+  if (values.size() == 3) std::rotate(values.begin(), values.begin() + 2, values.end());
+  return values;
+}
+template <class T>
+void in_order_of_triangles(std::vector<T>& values) {
+  if (values.size() == 3) std::rotate(values.begin(), values.begin() + 1, values.end());
+}
+
+}  // namespace
+
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options) {
   PolygonPatchOptions own = polygon_options(options);
   std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
-  SideTerms terms = terms_of_sides(options.continuity, angles);
+  SideTerms terms = terms_of_sides(BySide<SideContinuity>(from_first_corner(options.continuity.values())), angles);
   own.continuity = std::move(terms.continuity);
+  own.bulge = from_first_corner(std::move(own.bulge));
   MeshPolygon known = mesh_polygon(mesh, around, rim, corners, terms.alone);
   PolygonPatch made = polygon_patch(known.sides, own);
   PolygonFill result;
@@ -301,6 +318,10 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   result.planes_apart_deg = *std::max_element(made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end());
   report_layout(cover, n, report);
   report_corners(rim, corners, made.corner_mismatch_deg, report);
+  in_order_of_triangles(fill.sides);
+  in_order_of_triangles(report.continuity);
+  in_order_of_triangles(report.seam_angle_max_by_side);
+  in_order_of_triangles(report.seam_angle_rms_by_side);
   result.crumpled = complete(mesh, known.surroundings_error, made, result);
   return result;
 }

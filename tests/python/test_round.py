@@ -147,9 +147,7 @@ def test_what_is_not_closed_is_refused():
         tripatch.fill(vertices, faces, rim=np.arange(24), corners=(), bulge=(1, 2, 3))
 
 
-@pytest.mark.parametrize(
-    ("edges", "profile"), [(8, "paraboloid"), (17, "cone"), (24, "tube"), (32, "paraboloid"), (64, "sphere")]
-)
+@pytest.mark.parametrize(("edges", "profile"), [(10, "vase"), (17, "cone"), (24, "tube"), (64, "sphere")])
 def test_quads_in_a_round_rim_are_rings_about_a_grid(edges, profile):
     vertices, faces = revolved(profile, edges)
     fill = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), output="quads")

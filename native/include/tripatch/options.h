@@ -12,6 +12,7 @@
 #include "tripatch/choices.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/choose_holes.h"
+#include "tripatch/polygon/through.h"
 
 namespace tripatch {
 
@@ -56,7 +57,7 @@ struct AboutOption {
 };
 
 struct Option : AboutOption {
-  enum class Kind { flag, whole, number, choice, indices, loops, position, subdivision };
+  enum class Kind { flag, whole, number, choice, indices, loops, position, points, subdivision };
   const char* name = "";
   Kind kind = Kind::number;
   bool optional = false;        ///< may be none

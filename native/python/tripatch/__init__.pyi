@@ -258,6 +258,7 @@ def fill(
     tension: float = 0.0,
     center: ArrayLike | None = None,
     center_offset: float = 0.0,
+    through: Sequence[ArrayLike] = (),
     shape: float | Sequence[float] | Literal["optimal"] = 0.5,
     reading: Reading = "corrected",
     symmetric: bool = False,
@@ -308,7 +309,6 @@ def patch(
     cross_boundary: CrossBoundary = "consistent",
     *,
     fairing: Fairing | None = None,
-    through: Sequence[ArrayLike] = (),
     tolerance: float | None = None,
     # begin patch: scripts/stubs
     continuity: Continuity | Sequence[Continuity] = "auto",
@@ -316,6 +316,7 @@ def patch(
     tension: float = 0.0,
     center: ArrayLike | None = None,
     center_offset: float = 0.0,
+    through: Sequence[ArrayLike] = (),
     shape: float | Sequence[float] | Literal["optimal"] = 0.5,
     reading: Reading = "corrected",
     symmetric: bool = False,

@@ -80,6 +80,20 @@ def _loops(text: str) -> list[list[int]]:
     return [indices(part) for part in text.split(";") if part]
 
 
+def _points(text: str) -> list[list[float] | list[list[float]]]:
+    """Points x,y,z, or with their normals x,y,z,nx,ny,nz."""
+    found: list[Any] = []
+    for part in text.split(";"):
+        try:
+            values = [float(number) for number in part.split(",")]
+        except ValueError:
+            values = []
+        if len(values) not in (3, 6):
+            raise argparse.ArgumentTypeError(f"{part!r} is no point such as 0,0.5,1, nor a point and its normal")
+        found.append(values if len(values) == 3 else [values[:3], values[3:]])
+    return found
+
+
 def _or_none(read: Callable[..., Any], word: str) -> Callable[..., Any]:
     def read_or_none(text: str) -> Any:
         return None if text.lower() == word else read(text)
@@ -100,6 +114,8 @@ def reader(option: Option) -> Callable[..., Any]:
     read: Callable[..., Any]
     if option.kind == "loops":
         read = _loops
+    elif option.kind == "points":
+        read = _points
     elif option.kind == "indices":
         read = _so_many_indices(option)
     elif option.by_side:
@@ -115,6 +131,8 @@ def reader(option: Option) -> Callable[..., Any]:
 def _metavar(option: Option) -> str:
     if option.kind == "loops":
         return "V,V,...;V,V,..."
+    if option.kind == "points":
+        return "X,Y,Z;X,Y,Z;..."
     if option.kind == "indices":
         return "V,V,..."
     one = {"whole": "N", "number": "X", "choice": "NAME", "position": "X", "subdivision": "JSON"}[option.kind]
@@ -127,7 +145,7 @@ def _metavar(option: Option) -> str:
 def add(parser: argparse.ArgumentParser, option: Option) -> None:
     """`--name` for an option; what is not given is not in the namespace."""
     text = described(option)
-    if option.kind not in ("flag", "indices", "loops", "subdivision"):
+    if option.kind not in ("flag", "indices", "loops", "points", "subdivision"):
         text += f" ({'none' if option.default is None else option.default})".replace("(0.0, 0.0)", "0,0")
     if option.kind == "flag":
         value: dict[str, Any] = {"action": argparse.BooleanOptionalAction if option.default else "store_true"}

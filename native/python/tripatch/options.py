@@ -129,6 +129,22 @@ def _position(value: Any, option: Option) -> list[float]:
     return found
 
 
+def _points(value: Any, option: Option) -> list[tuple[list[float], list[float] | None]]:
+    """Points, each with its normal or None, of points, pairs and polylines."""
+    found: list[tuple[list[float], list[float] | None]] = []
+    for one in value:
+        given = np.asarray(one, dtype=np.float64)
+        if given.ndim not in (1, 2) or given.shape[-1] != 3 or len(given) < 2 or not np.isfinite(given).all():
+            raise ValueError(f"{option.name} must hold points (3,), pairs of a point and a normal, or polylines (m, 3)")
+        if given.ndim == 1:
+            found.append((given.tolist(), None))
+        elif len(given) == 2:
+            found.append((given[0].tolist(), given[1].tolist()))
+        else:
+            found += [(point.tolist(), None) for point in given]
+    return found
+
+
 def _creases(value: Any, name: str, width: int) -> tuple[list[Any], list[float]]:
     """(indices, values) of creases as lists, checked."""
     if value is None:
@@ -178,6 +194,7 @@ _CHECKS: dict[str, Callable[..., Any]] = {
     "indices": _indices,
     "loops": _loops,
     "position": _position,
+    "points": _points,
 }
 
 

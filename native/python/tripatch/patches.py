@@ -54,7 +54,8 @@ def patch(
         sides: `Side` objects in the order of the rim; a list of them, from end to end, is one side of several pieces that go on
             smoothly, within 10 degrees. Of three, side i is opposite corner i and runs from corner i + 1 to corner
             i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values.
-        through: of four sides or more: points (k, 3) inside, or (point, normal) pairs, that the patch meets exactly.
+        through: points (k, 3) inside, (point, normal) pairs or polylines that the patch meets exactly; of three sides it is one
+            over a polygon then.
         method, cross_boundary, fairing: as of `fill`.
         tolerance: ends up to so far apart are moved together, half the way each, and a warning says how far; none: they meet.
         **options: see OPTIONS.
@@ -78,38 +79,26 @@ def patch(
         met = iter(_closed(pieces, float(tolerance)))
         sides = tuple(next(met) if isinstance(side, Side) else tuple(next(met) for _ in side) for side in sides)
     sides = _joined(sides)
-    if len(sides) != 3:
-        made, notes = _between_many(
-            sides, through, {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, **options}
-        )
+    given = {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, "through": through, **options}
+    if len(sides) != 3 or len(through) > 0:
+        made, notes = _between_many(sides, given)
         for note in notes:
             warnings.warn(note, stacklevel=2)
         return made
-    if len(through) > 0:
-        raise ValueError("through is for patches of four sides or more; of three center holds the middle")
-    given = checked("patch", {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, **options})
-    made, notes = _native._patch(sides, given)
+    made, notes = _native._patch(sides, checked("patch", given))
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return made
 
 
-def _between_many(sides: Sequence[Side], through: Any, options: dict[str, Any]) -> tuple[Patch, list[str]]:
+def _between_many(sides: Sequence[Side], options: dict[str, Any]) -> tuple[Patch, list[str]]:
     """A patch of another number of sides than three: options by side have one value or one a side."""
     if options["method"] not in ("auto", "multi_sided", "side_vertex"):
         raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
-    points = []
-    for one in through:
-        one = np.asarray(one, dtype=np.float64)
-        if one.shape not in ((3,), (2, 3)) or not np.isfinite(one).all():
-            raise ValueError("through must hold points (3,) or pairs of a point and a normal")
-        points.append((one.tolist(), None) if one.ndim == 1 else (one[0].tolist(), one[1].tolist()))
     given = checked("patch", options)
     if len(sides) == 1:
-        if points:
-            raise ValueError("through is for holes with corners; the middle of a round one is center")
         return _native._round_patch(sides[0], given)[:2]
-    return _native._polygon_patch(sides, given, points)[:2]
+    return _native._polygon_patch(sides, given)[:2]
 
 
 def blend(

@@ -4,6 +4,7 @@
 
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/polygon/round_problem.h"
 
 namespace tripatch {
@@ -80,7 +81,7 @@ Side in_waves(const Side& side, int order) {
 /// The frame about which rim and slopes are of revolution, if they are.
 std::optional<Eigen::Matrix3d> axis_of(const RoundBase& base) {
   const Harmonic& curve = base.terms[0];
-  if (base.center || curve.rows() < 3) return {};
+  if (!base.through.empty() || curve.rows() < 3) return {};
   Eigen::Matrix3d frame;
   frame.col(0) = curve.row(1).normalized();
   frame.col(2) = frame.col(0).cross(Vec3(curve.row(2))).normalized();
@@ -97,22 +98,10 @@ std::optional<Eigen::Matrix3d> axis_of(const RoundBase& base) {
 struct RoundAsked {
   SideContinuity continuity;
   double bulge;
-  std::optional<Vec3> center;
+  std::vector<InnerPoint> through;
   int order;
   bool tangent() const { return continuity != SideContinuity::free && continuity != SideContinuity::g0; }
 };
-
-Vec3 middle_of(const std::vector<Harmonic>& terms) {
-  Vec3 p = Vec3::Zero();
-  for (const Harmonic& term : terms) p += term.row(0).transpose();
-  return p;
-}
-
-void hold_center(std::vector<Harmonic>& terms, const std::optional<Vec3>& center) {
-  if (!center) return;
-  const Vec3 lacking = *center - middle_of(terms);
-  terms = sum_of(std::move(terms), {Harmonic::Zero(1, 3), Harmonic::Zero(1, 3), lacking.transpose()});
-}
 
 RoundBase round_base(const Side& side, const RoundAsked& asked, double size, int order) {
   RoundBase base;
@@ -122,7 +111,7 @@ RoundBase round_base(const Side& side, const RoundAsked& asked, double size, int
   base.position_only = asked.continuity == SideContinuity::free;
   base.slopes_free = asked.tangent() && asked.bulge == 1;
   base.curvature = asked.continuity == SideContinuity::g2 || asked.continuity == SideContinuity::automatic;
-  base.center = asked.center;
+  base.through = asked.through;
   const Harmonic curve = fourier([&](double t) { return base.side.c(t); }, order);
   Harmonic slope = Harmonic::Zero(2 * order + 5, 3);  // two waves more: alpha and beta times r and c'
   if (asked.tangent()) {
@@ -130,8 +119,7 @@ RoundBase round_base(const Side& side, const RoundAsked& asked, double size, int
     for (Index k = 1; k <= order; ++k)
       slope.middleRows(2 * k - 1, 2) += 0.5 * static_cast<double>(k) * curve.middleRows(2 * k - 1, 2);
   }
-  base.terms = {curve, slope};
-  hold_center(base.terms, base.center);
+  base.terms = terms_through({curve, slope}, base.through, size);
   return base;
 }
 
@@ -186,7 +174,7 @@ RoundPatch round_made(const Side& side, const PolygonPatchOptions& options, cons
     fairing.tension = options.tension;
     fairing.degree = 6;
     fairing.slopes = 5;  // constant, and two waves
-    fairing.center = asked.center;
+    if (!asked.through.empty()) fairing.center = asked.through[0].point;
     const RoundBase measured = round_base(side, asked, size, std::min(asked.order, measured_waves));
     const Candidates<RoundProblem> found = is_quadratic(fairing.energy)
                                                ? quadratic_candidates<RoundProblem>(measured, fairing, size)
@@ -202,7 +190,7 @@ RoundPatch round_made(const Side& side, const PolygonPatchOptions& options, cons
     for (const Candidate& candidate : found.best_first) {
       if (made.gave_up || !(candidate.energy <= made.energy_before)) continue;
       std::vector<Harmonic> now = sum_of(base.terms, found.problem->correction(candidate.x, base, axis));
-      hold_center(now, asked.center);
+      now = terms_through(std::move(now), asked.through, size);
       const Index folds = fold_count(now);
       if (folds > made.folds) {
         made.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
@@ -215,11 +203,35 @@ RoundPatch round_made(const Side& side, const PolygonPatchOptions& options, cons
     }
   }
   if (asked.continuity == SideContinuity::g2) {
-    terms = with_curvature(terms, base.side, asked.order);
+    terms = terms_through(with_curvature(terms, base.side, asked.order), asked.through, size);
     made.folds = fold_count(terms);
   }
   made.patch = std::make_shared<const RoundSurface>(std::move(terms));
   return made;
+}
+
+/// Where the patch comes nearest to a point: Gauss-Newton from the nearest place of a grid, kept off the rim.
+Vec2 nearest_in_disc(const Surface& patch, const Vec3& point) {
+  constexpr double farthest_out = 0.98;  // what is added vanishes at the rim
+  constexpr int rings = 12, angles = 36;
+  Points grid = Points::Zero(1 + rings * angles, 3);
+  for (int k = 0; k < rings * angles; ++k) {
+    const double r = farthest_out * (k / angles + 1) / rings;
+    grid.row(1 + k).head<2>() = r * on_circle(static_cast<double>(k % angles) / angles);
+  }
+  Index best = 0;
+  (patch.positions(grid).rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&best);
+  Vec2 place = grid.row(best).head<2>();
+  for (int step = 0; step < 8; ++step) {
+    const std::array<double, 3> b = {place[0], place[1], 0};
+    std::array<double, 9> jets;
+    patch.evaluate(b.data(), 1, 1, jets.data());
+    const Vec2 move = in_frame(Vec3::Map(&jets[3]), Vec3::Map(&jets[6]), point - Vec3::Map(jets.data()));
+    if (!move.allFinite()) break;
+    place += move;
+    if (place.norm() > farthest_out) place *= farthest_out / place.norm();
+  }
+  return place;
 }
 
 template <class T>
@@ -234,16 +246,19 @@ T single(const std::vector<T>& values, const T& otherwise, const char* name) {
 RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options, int order) {
   const double size = rim_diameter(side.c);
   check_round(side, size);
-  if (!options.through.empty()) throw InvalidArgument("through is for holes with corners; the middle of a round one is center");
   check_shape_options(options.fairing.has_value(), options.tension, options.center.has_value(), options.center_offset);
-  RoundAsked asked = {single(options.continuity, SideContinuity::automatic, "continuity"), single(options.bulge, 1.0, "bulge"),
-                      options.center, order};
+  RoundAsked asked = {
+      single(options.continuity, SideContinuity::automatic, "continuity"), single(options.bulge, 1.0, "bulge"), {}, order};
+  if (options.center) asked.through.push_back({Vec2::Zero(), *options.center, {}});
   if (asked.continuity == SideContinuity::g2 && side.q.empty())
     throw Refusal("The curvature of the side's surroundings is not known: G2 cannot be met there");
   RoundPatch made = round_made(side, options, asked, size);
-  if (options.center_offset != 0) {
-    const auto [position, normal] = made.patch->positions_and_normals(Points::Zero(1, 3));
-    asked.center = Vec3(position.row(0) + options.center_offset * normal.row(0));
+  if (options.center_offset != 0 || !options.through.empty()) {
+    if (options.center_offset != 0) {
+      const auto [position, normal] = made.patch->positions_and_normals(Points::Zero(1, 3));
+      asked.through.push_back({Vec2::Zero(), Vec3(position.row(0) + options.center_offset * normal.row(0)), {}});
+    }
+    for (const Through& t : options.through) asked.through.push_back({nearest_in_disc(*made.patch, t.point), t.point, t.normal});
     made = round_made(side, options, asked, size);
   }
   made.continuity = asked.continuity == SideContinuity::automatic ? "G1" : name_of(asked.continuity);

@@ -9,6 +9,7 @@
 
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing_problem.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/math/quadrature.h"
 
 namespace tripatch {
@@ -91,7 +92,69 @@ std::array<Harmonic, 2> slope_terms(const PiecewisePolynomial& wave, const Piece
   return terms;
 }
 
+Index condition_count(const std::vector<InnerPoint>& points) {
+  Index count = 0;
+  for (const InnerPoint& p : points) count += p.normal ? 5 : 3;
+  return count;
+}
+
+/// Position at the points, and the derivatives along their normals.
+Eigen::VectorXd conditions_on(const Surface& surface, const std::vector<InnerPoint>& points) {
+  Eigen::VectorXd out(condition_count(points));
+  Index row = 0;
+  for (const InnerPoint& p : points) {
+    const std::array<double, 3> at = {p.uv[0], p.uv[1], 0};
+    std::array<double, 9> jets;
+    surface.evaluate(at.data(), 1, 1, jets.data());
+    for (int x = 0; x < 3; ++x) out[row++] = jets[x];
+    for (int k = 1; p.normal && k <= 2; ++k) out[row++] = p.normal->dot(Vec3::Map(&jets[3 * k]));
+  }
+  return out;
+}
+
+/// The same of functions (combinations of round_basis), by x, y and z.
+Eigen::MatrixXd conditions_on_functions(const std::vector<InnerPoint>& points, int degree, const Eigen::MatrixXd& combination) {
+  const Index count = combination.cols();
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(condition_count(points), 3 * count);
+  Index row = 0;
+  for (const InnerPoint& p : points) {
+    const std::vector<Jet<1>> basis = round_basis(Jet<1>::linear(p.uv[0], 1, 0), Jet<1>::linear(p.uv[1], 0, 1), degree);
+    Eigen::MatrixXd values(3, static_cast<Index>(basis.size()));
+    for (std::size_t c = 0; c < basis.size(); ++c)
+      for (int k = 0; k < 3; ++k) values(k, static_cast<Index>(c)) = basis[c].c[k];
+    values = (values * combination).eval();
+    for (int x = 0; x < 3; ++x) out.row(row++).segment(x * count, count) = values.row(0);
+    for (int k = 1; p.normal && k <= 2; ++k, ++row)
+      for (int x = 0; x < 3; ++x) out.row(row).segment(x * count, count) = (*p.normal)[x] * values.row(k);
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<Harmonic> terms_through(std::vector<Harmonic> terms, const std::vector<InnerPoint>& points, double size) {
+  if (points.empty()) return terms;
+  const Index conditions = condition_count(points);
+  int degree = 0;
+  while (3 * polynomials_to(degree) < 2 * conditions) ++degree;
+  const Index count = polynomials_to(degree);
+  const Eigen::MatrixXd rows = conditions_on_functions(points, degree, Eigen::MatrixXd::Identity(count, count));
+  Eigen::VectorXd wanted(conditions);
+  Index row = 0;
+  for (const InnerPoint& p : points) {
+    for (int x = 0; x < 3; ++x) wanted[row++] = p.point[x];
+    for (int k = 1; p.normal && k <= 2; ++k) wanted[row++] = 0;
+  }
+  for (int round = 0; round < 2; ++round) {  // a second time for the last digits
+    const Eigen::MatrixXd lacking = wanted - conditions_on(RoundSurface(terms), points), x = least_squares(rows, lacking);
+    if (!x.allFinite() || (rows * x - lacking).norm() > 1e-6 * size)
+      throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
+    Points coefficients(count, 3);
+    for (int c = 0; c < 3; ++c) coefficients.col(c) = x.col(0).segment(c * count, count);
+    terms = sum_of(std::move(terms), round_terms(coefficients, degree));
+  }
+  return terms;
+}
 
 Across along_radius(const Surface& patch, double t) {
   const Vec2 p = on_circle(t);
@@ -143,7 +206,7 @@ RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options,
   const std::vector<PiecewisePolynomial> directions = directions_of(base.side);
   fields_ = options.slopes * static_cast<Index>(directions.size());
   basis_.setZero(27 * space_.uv.rows(), fields_);
-  held_.setZero(base.center ? 3 : 0, count());
+  held_.setZero(condition_count(base.through), count());
   Index field = 0;
   for (const PiecewisePolynomial& direction : directions)
     for (const PiecewisePolynomial& wave : space_.waves) {
@@ -151,15 +214,12 @@ RoundProblem::RoundProblem(const RoundBase& base, const FairingOptions& options,
       const std::vector<Derivatives> all = plane_derivatives(RoundSurface({Harmonic::Zero(1, 3), term[0], term[1]}), space_.uv);
       for (std::size_t k = 0; k < all.size(); ++k)
         basis_.block<27, 1>(27 * static_cast<Index>(k), field) = Eigen::Map<const Eigen::Matrix<double, 27, 1>>(all[k].data());
-      if (base.center) held_.col(scalars() + field) = (term[0].row(0) + term[1].row(0)).transpose();
+      held_.col(scalars() + field) = conditions_on(RoundSurface({Harmonic::Zero(1, 3), term[0], term[1]}), base.through);
       ++field;
     }
   following_.emplace(followed());
-  if (!base.center) return;
-  const std::vector<Jet<0>> middle = round_basis(Jet<0>(0.0), Jet<0>(0.0), options.degree);
-  Eigen::RowVectorXd scalar(static_cast<Index>(middle.size()));
-  for (std::size_t c = 0; c < middle.size(); ++c) scalar[static_cast<Index>(c)] = middle[c].value();
-  for (int x = 0; x < 3; ++x) held_.row(x).segment(x * interior_, interior_) = size_ * scalar * space_.combination;
+  if (!base.through.empty())
+    held_.leftCols(scalars()) = size_ * conditions_on_functions(base.through, options.degree, space.combination);
 }
 
 std::vector<PiecewisePolynomial> RoundProblem::directions_of(const Side& side) const {

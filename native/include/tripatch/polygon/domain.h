@@ -20,7 +20,6 @@
 
 namespace tripatch {
 
-
 constexpr int most_sides = 12;
 
 /// A point of a polygon seen from all its sides and corners.

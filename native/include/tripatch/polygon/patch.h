@@ -7,14 +7,9 @@
 
 #include "tripatch/choices.h"
 #include "tripatch/polygon/fair.h"
+#include "tripatch/polygon/through.h"
 
 namespace tripatch {
-
-/// A point that the patch shall go through, scene units; its place in the domain is where the patch without it comes nearest.
-struct Through {
-  Vec3 point = Vec3::Zero();
-  std::optional<Vec3> normal;
-};
 
 struct PolygonPatchOptions {
   std::vector<SideContinuity> continuity = {};  ///< one for all sides or one a side; empty: automatic

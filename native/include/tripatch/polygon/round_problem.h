@@ -32,13 +32,13 @@ Harmonic fourier(const F& f, int order) {
 /// A patch of `side` that keeps G1 to it, and what is asked of it besides. The derivative along the radius at the rim is alpha r + beta c'.
 struct RoundBase {
   Side side;
-  std::vector<Harmonic> terms;  ///< of the patch
-  double alpha = 1;             ///< r of `side` is a unit vector
-  double size = 0;              ///< of the hole, scene units
-  bool slopes_free = true;      ///< alpha and beta are
-  bool position_only = false;   ///< the derivative along the radius is free in all directions
-  bool curvature = false;       ///< is followed by least squares
-  std::optional<Vec3> center;   ///< is met by `terms`: what is added vanishes there
+  std::vector<Harmonic> terms;      ///< of the patch
+  double alpha = 1;                 ///< r of `side` is a unit vector
+  double size = 0;                  ///< of the hole, scene units
+  bool slopes_free = true;          ///< alpha and beta are
+  bool position_only = false;       ///< the derivative along the radius is free in all directions
+  bool curvature = false;           ///< is followed by least squares
+  std::vector<InnerPoint> through;  ///< met by `terms`: what is added vanishes there
 };
 
 /// Nodes over the disc: Gauss's along the radius, equal angles; the functions (1 - r^2)^2 times the polynomials of a degree.
@@ -87,6 +87,9 @@ private:
   std::optional<CurvatureFollowing> following_;
   Eigen::MatrixXd held_;
 };
+
+/// The terms with what they lack at the points: least-norm polynomials that change neither rim nor slopes.
+std::vector<Harmonic> terms_through(std::vector<Harmonic> terms, const std::vector<InnerPoint>& points, double size);
 
 /// What is no part of a surface of revolution is taken away. frame: radial directions at t = 0 and t = 1/4, and the axis.
 void of_revolution(std::vector<Harmonic>& terms, const Eigen::Matrix3d& frame);

@@ -1,0 +1,91 @@
+"""Points, normals and curves inside a hole that the fill meets exactly."""
+
+import numpy as np
+import pytest
+import tripatch
+from test_polygon import around, flat_sides, lens_around
+from test_round import revolved
+
+
+def met(patch, point, tries=2000):
+    """Distance of a point from a patch, and the normal there: Gauss-Newton from the nearest of many places."""
+    uv = np.random.default_rng(0).uniform(-1, 1, size=(tries, 2)) * np.abs(patch.domain).max(axis=0) * 0.7
+    best = ((patch.evaluate(uv) - point) ** 2).sum(axis=1).argmin()
+    at = uv[best]
+    for _ in range(15):
+        p, d = patch.evaluate(at[None], 1)
+        at = at + np.linalg.lstsq(d[0].T, point - p[0], rcond=None)[0]
+    return np.linalg.norm(patch.evaluate(at[None])[0] - point), patch.normal(at[None])[0]
+
+
+HOLES = {
+    "lens": (*lens_around(10), 20),
+    "three": (*around(3), 24),
+    "five": (*around(5), 40),
+    "round": (*revolved("paraboloid", 24), (), 24),
+}
+
+
+@pytest.mark.parametrize("name", HOLES)
+def test_points_normals_and_curves_inside_are_met(name):
+    vertices, faces, corners, edges = HOLES[name]
+    options = {"rim": np.arange(edges), "corners": corners}
+    plain = (
+        tripatch.fill(vertices, faces, **options, method="multi_sided")
+        if name != "three"
+        else tripatch.fill(vertices, faces, **options)
+    )
+    size = np.ptp(vertices[:edges], axis=0).max()
+    middle, spread = vertices[:edges].mean(axis=0), 0.12 * size
+    top = plain.vertices[:, 2].max() if name != "round" else plain.vertices[:, 2].mean()
+    tip = np.array([middle[0], middle[1], top + 0.04 * size])
+    slanted = np.array([[middle[0] + spread, middle[1], top], [0.1, -0.05, 1]])
+    curve = tip + spread * np.array([[-1, -0.4, -0.3], [-1, 0, -0.25], [-1, 0.4, -0.3]])
+    fill = tripatch.fill(vertices, faces, **options, through=[tip, slanted, curve])
+    assert fill.report.method == "multi_sided" and fill.report.seam_angle_max < 1e-5
+    for point in (tip, slanted[0], *curve):
+        assert met(fill.patch, point)[0] < 1e-12 * size
+    assert tripatch.angles(met(fill.patch, slanted[0])[1][None], slanted[1:] / np.linalg.norm(slanted[1])).max() < 1e-7
+
+
+def test_points_far_from_the_origin_and_options_by_side_of_three():
+    vertices, faces, corners, edges = HOLES["three"]
+    tip = np.array([0.02, 0.01, 1.05])
+    options = {"rim": np.arange(edges), "corners": corners, "continuity": ("G1", "Free", "G1"), "bulge": (1, 1, 1.5)}
+    here = tripatch.fill(vertices, faces, **options, through=[tip])
+    assert here.report.continuity == ["G1", "Free", "G1"]
+    assert here.report.seam_angle_max_by_side[1] > 1 > 1e-4 > max(np.array(here.report.seam_angle_max_by_side)[[0, 2]])
+    far = np.array([1e6, -2e6, 3e6])
+    there = tripatch.fill(vertices + far, faces, **options, through=[tip + far])
+    assert met(here.patch, tip)[0] < 1e-12
+    assert np.abs(there.vertices - far - here.vertices).max() < 1e-6
+
+
+def test_between_three_sides():
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0.3, 0.9, 0)])
+    patch = tripatch.patch(flat_sides(corners), fairing="auto", through=[(0.4, 0.3, 0.1)])
+    assert met(patch, np.array([0.4, 0.3, 0.1]))[0] < 1e-12
+
+
+def test_what_cannot_be_met_is_said():
+    vertices, faces, corners, edges = HOLES["five"]
+    options = {"rim": np.arange(edges), "corners": corners}
+    with pytest.raises(ValueError, match="points"):
+        tripatch.fill(vertices, faces, **options, through=[(0, 1)])
+    with pytest.raises(ValueError, match="no length"):
+        tripatch.fill(vertices, faces, **options, through=[[(0, 0, 1), (0, 0, 0)]])
+    with pytest.raises(ValueError, match="through is met by"):
+        tripatch.fill(vertices, faces, rim=np.arange(edges), method="polyharmonic_spline", through=[(0, 0, 1)])
+
+
+def test_on_the_command_line(tmp_path):
+    from tripatch.__main__ import main
+
+    vertices, faces, _, edges = HOLES["round"]
+    source, out = tmp_path / "in.obj", tmp_path / "out.obj"
+    lines = [f"v {x:.17g} {y:.17g} {z:.17g}" for x, y, z in vertices] + ["f " + " ".join(str(v + 1) for v in f) for f in faces]
+    source.write_text("\n".join(lines) + "\n")
+    rim = ",".join(map(str, range(edges)))
+    assert main(["fill", str(source), str(out), "--rim", rim, "--corners", "none", "--through", "0,0,0.1;0.2,0,0,0.3,0,1"]) == 0
+    new = np.array([line.split()[1:4] for line in out.read_text().splitlines() if line.startswith("v ")], float)[len(vertices) :]
+    assert new[:, 2].max() > 0.05
