@@ -245,6 +245,8 @@ def _through(mesh, loop, corners, inside, arguments, count):
         return tripatch.fill(*mesh, rim=loop, corners=corners, through=points, **arguments)
     except tripatch.Refusal as refusal:
         return refusal
+    except ValueError as reason:  # a method that meets no points
+        return tripatch.Refusal(str(reason), [v.index for v in inside])
 
 
 def _is_by_side(arguments):

@@ -80,3 +80,49 @@ def test_under_a_subdivision_modifier_they_give_a_cage(n, selected):
     inside = places[np.linalg.norm(places[:, :2], axis=1) < 0.4]
     off = inside[:, 2] - 0.2 * (inside[:, :2] ** 2).sum(axis=1)
     assert len(inside) > 50 and np.abs(off).max() < 0.01  # a cage of edges of 0.2 has its surface 0.005 off
+
+
+def add_inside(ob, points, edges=()):
+    """Vertices without faces, joined by edges."""
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    made = [bm.verts.new(p) for p in points]
+    for a, b in edges:
+        bm.edges.new((made[a], made[b]))
+    bm.to_mesh(ob.data)
+    bm.free()
+
+
+@pytest.mark.parametrize("corners", [False, True])
+def test_loose_vertices_and_edges_that_are_selected_are_met(corners):
+    ob, at = add_sectors(4)
+    points = np.array([(0, 0, 0.12), (0.12, 0.1, 0.06), (0.12, 0, 0.08), (0.12, -0.1, 0.06)])
+    add_inside(ob, points, [(1, 2), (2, 3)])
+    before = len(ob.data.polygons)
+    (bm,) = scenes.edit(ob)
+    bm.verts.ensure_lookup_table()
+    loose = [v for v in bm.verts if not v.link_faces]
+    rim = [bm.verts[v] for v in at] if corners else min(scenes.border_loops(bm), key=len)
+    scenes.select(bm, [*rim, *loose])
+    assert smooth(resolution=24, fairing="auto") == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    new = list(ob.data.polygons)[before:]
+    assert new and not ob.data.validate(verbose=True)
+    # the surface passes them: no farther than its triangles are from it
+    at = np.array([ob.data.vertices[v].co for p in new for v in p.vertices])
+    for point in points:
+        nearest = at[np.linalg.norm(at[:, :2] - point[:2], axis=1).argsort()[:3]]
+        assert np.abs(nearest[:, 2] - point[2]).min() < 0.01
+    assert len([v for v in ob.data.vertices if np.abs(points - np.array(v.co)).sum(axis=1).min() < 1e-6]) >= len(points)
+
+
+def test_a_loose_vertex_far_away_does_nothing():
+    ob, _ = add_sectors(5)
+    add_inside(ob, [(9, 9, 9)])
+    before = len(ob.data.polygons)
+    (bm,) = scenes.edit(ob)
+    scenes.select(bm, [*min(scenes.border_loops(bm), key=len), *[v for v in bm.verts if not v.link_faces]])
+    assert smooth() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    heights = [ob.data.vertices[v].co.z for p in list(ob.data.polygons)[before:] for v in p.vertices]
+    assert max(heights) < 0.2

@@ -49,7 +49,7 @@ class Range:
 
 class Option:
     name: str
-    kind: Literal["flag", "whole", "number", "choice", "indices", "loops", "position", "subdivision"]
+    kind: Literal["flag", "whole", "number", "choice", "indices", "loops", "position", "points", "subdivision"]
     default: Any
     optional: bool
     by_side: bool
