@@ -151,6 +151,7 @@ class _ToObject:
 def _planned(bm, rim, world, fill, count):
     """A `Planned` fill; Refusal if its faces cannot be joined to the mesh. count: vertices that the fill counts as the mesh's."""
     own, vertex = _ToObject(world), {v.index: v for v in rim.loop}
+    continuity = fill.report.continuity if all(fill.report.continuity) else ()  # a spline has none by side
     planned = writeback.Planned(
         rim,
         fill,
@@ -159,7 +160,7 @@ def _planned(bm, rim, world, fill, count):
         own.points(fill.vertices),
         own.normals(fill.normals),
         own.normals(fill.rim_normals),
-        tuple(continuity in ("G1", "G2") for continuity in fill.report.continuity),
+        tuple(each in ("G1", "G2") for each in continuity),
     )
     planned.moved = list(zip([vertex[v] for v in fill.moved[0].tolist()], own.points(fill.moved[1]), strict=True))
     obstacle = writeback.obstacle(bm, planned)

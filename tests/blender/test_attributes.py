@@ -252,6 +252,33 @@ def test_custom_normals_stay_and_those_of_the_fill_are_exact(smooth, tilt):
     assert not any(e.use_edge_sharp for e in ob.data.edges)
 
 
+def with_four_corners():
+    return scenes.add_mesh(*scenes.square_hole())
+
+
+def torn():
+    """A triangular hole with one side gone: no corners are found, or others than there are."""
+    points, faces = scenes.lattice(size=24, holes=((6, 6, 8), (9, 3, 5)))
+    return scenes.add_mesh(scenes.bowl(points), faces)
+
+
+@pytest.mark.parametrize("make", [with_four_corners, torn])
+@pytest.mark.parametrize("method", ["auto", "polyharmonic_spline"])
+@pytest.mark.parametrize("tilt", [0, 0.5])
+def test_custom_normals_go_over_the_seam_of_any_rim(make, method, tilt):
+    ob = make()
+    custom_normals(ob, tilt)
+    before, count = scenes.corner_normals(ob.data), len(ob.data.vertices)
+    fill_in_edit_mode(ob, method=method)
+    after = scenes.corner_normals(ob.data)
+    assert angle(after[: len(before)], before).max() < 0.1
+    assert not any(e.use_edge_sharp for e in ob.data.edges), "nothing parts the seam"
+    x, y, _ = np.array([ob.data.vertices[loop.vertex_index].co for loop in ob.data.loops]).T
+    inside = np.array([loop.vertex_index for loop in ob.data.loops]) >= count
+    true = np.column_stack([-1.2 * x, -1.2 * y, np.ones(len(x))])
+    assert angle(after[inside], true[inside]).max() < 3
+
+
 def test_a_side_met_in_position_only_has_the_normals_of_the_fill():
     """The seam of the others has those of the surroundings, here tilted ones."""
     points, faces = scenes.lattice(size=24, holes=((6, 6, 8),))
