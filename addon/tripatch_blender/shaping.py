@@ -58,6 +58,8 @@ class Shaping:
             self._nearest = self._rings(_FEW_RINGS)
         self._start_corners(rim)
         self.fill = self.refusal = None
+        self.vertices = self.normals = self._triangles = None  # (k, 3) of the fill as it is shown; its faces
+        self._filled = None  # what of the shape the surroundings were read for
         self._before = None
 
     def _rings(self, count):
@@ -171,16 +173,40 @@ class Shaping:
         return [] if self.shape.round else self.shape.corners
 
     def preview(self, quick=False):
-        """Fills, and keeps the fill or its refusal. quick: coarser inside, without fairing where that is a step of its own."""
+        """Fills, and keeps the fill or its refusal. quick: where only bulges and the middle have changed, from the sides that
+        were read before; else coarser inside, without fairing where that is a step of its own."""
         given, faces = self.options(), self._faces
+        if quick and self._shape_anew(given):
+            return self.fill
         if quick:
             given, faces = self._quick(given), self._nearest
         try:
             corners = [self._loop[k] for k in self.corners()]
             self.fill, self.refusal = tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), None
+            self.vertices, self.normals, self._triangles = self.fill.vertices, self.fill.normals, None
+            self._filled = self._read_for() if self.fill.sides else None
         except (tripatch.Refusal, ValueError) as reason:
             self.refusal = str(reason)
         return self.fill
+
+    def _read_for(self):
+        return [*self.corners()], self.shape.round, dict(self.arguments)
+
+    def _shape_anew(self, given):
+        """The exact patch between the sides of the last fill, with other bulges or another middle, at the same places; whether
+        there is one. It is the patch that filling anew would make: reading the surroundings again is what takes long."""
+        if self._filled is None or self._filled != self._read_for():
+            return False
+        shape = {name: given[name] for name in ("bulge", "center_offset")}
+        try:
+            patch = tripatch.patch(self.fill.sides, method=self.fill.report.method, fairing="auto", **shape)
+        except ValueError:  # Refusal, InvalidArgument
+            return False
+        inside = writeback.parameters(self.fill)[1]
+        if len(inside):
+            self.vertices, self.normals = patch.evaluate(inside), patch.normal(inside)
+        self.refusal = None
+        return True
 
     def _quick(self, given):
         if len(self.rim) > _MANY:
@@ -191,9 +217,11 @@ class Shaping:
 
     def surface(self):
         """(vertices (n, 3), triangles (t, 3)) of the fill, with the mesh's own vertices as far as it uses them."""
-        vertices = np.vstack([self._positions, self.fill.vertices])
-        triangles = [(f[0], f[k], f[k + 1]) for f in self.fill.faces for k in range(1, len(f) - 1)]
-        return vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3)
+        vertices = np.vstack([self._positions, self.vertices])
+        if self._triangles is None:
+            triangles = [(f[0], f[k], f[k + 1]) for f in self.fill.faces for k in range(1, len(f) - 1)]
+            self._triangles = np.array(triangles, dtype=np.int64).reshape(-1, 3)
+        return vertices, self._triangles
 
     # Where the handles are.
 
@@ -214,8 +242,8 @@ class Shaping:
             return self.points.mean(axis=0), np.array([0.0, 0.0, 1.0])
         rim, inside = writeback.parameters(self.fill)  # places in the domain: they stay where the surface moves
         k = int(np.linalg.norm(inside - rim.mean(axis=0), axis=1).argmin())
-        normal = self.fill.normals[k]
-        return self.fill.vertices[k] - self.shape.middle * normal, normal
+        normal = self.normals[k]
+        return self.vertices[k] - self.shape.middle * normal, normal
 
     # The mesh.
 

@@ -220,3 +220,62 @@ def test_what_cannot_be_shaped_is_said(shaping):
     scenes.select(bm, faces=list(bm.faces)[-4:])
     with pytest.raises(ValueError, match="delete the selected faces first|reach the border|borders"):
         shaping.from_selection(ob, bm)
+
+
+def square_rim(shaping):
+    """Of a hole between four smooth sides."""
+    steps = np.linspace(-2, 2, 25)
+    points = np.array([(x, y, 0.2 * x * x - 0.1 * y * y) for y in steps for x in steps])
+    corners = [(25 * j + i, i, j) for j in range(24) for i in range(24) if not (8 <= i < 16 and 8 <= j < 16)]
+    ob = scenes.add_mesh(points, [(k, k + 1, k + 26, k + 25) for k, _, _ in corners])
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    bmesh.ops.delete(bm, geom=[v for v in bm.verts if not v.link_faces], context="VERTS")
+    bm.to_mesh(ob.data)
+    bm.free()
+    (bm,) = scenes.edit(ob)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    return shaping.from_selection(ob, bm)
+
+
+def round_rim(shaping):
+    return begun(shaping, scenes.add_mesh(*scenes.ring(80)), *range(80))[1]
+
+
+def triangular_rim(shaping):
+    return lattice_hole(shaping)[2]
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+@pytest.mark.parametrize("make", [triangular_rim, square_rim, round_rim])
+def test_while_dragging_the_fill_is_the_one_that_is_made_at_the_end_without_reading_the_mesh_again(
+    shaping, make, output, monkeypatch
+):
+    made = make(shaping)
+    made.arguments = {"output": output}
+    made.preview()
+    fill = shaping.tripatch.fill
+    for change in (lambda: made.set_bulge(0, 1.4), lambda: made.set_middle(0.05 * made.size)):
+        change()
+        monkeypatch.setattr(shaping.tripatch, "fill", None)
+        made.preview(quick=True)
+        shown, surface = made.vertices, made.surface()[0]
+        monkeypatch.setattr(shaping.tripatch, "fill", fill)
+        normals = made.normals
+        assert not made.refusal and (surface[-len(shown) :] == shown).all()
+        other = make(shaping) if bpy.ops.object.mode_set(mode="OBJECT") else None
+        other.arguments, other.shape = {"output": output}, made.shape
+        other.preview()
+        assert other.fill.report.method == made.fill.report.method
+        exact = other.fill.patch.evaluate(shaping.writeback.parameters(made.fill)[1])
+        assert np.abs(shown - exact).max() < 1e-5 * made.size
+        assert np.abs(np.linalg.norm(normals, axis=1) - 1).max() < 1e-9
+
+
+def test_other_corners_are_read_anew(shaping):
+    made = square_rim(shaping)
+    made.preview()
+    before = made.fill
+    made.drag_corner(0, made.shape.corners[0] + 1)
+    made.preview(quick=True)
+    assert made.fill is not before
