@@ -52,6 +52,21 @@ PlanePoints on_circle(const Points& rim) {
   return uv * (length / (2 * std::numbers::pi));
 }
 
+/// Of new vertices: amid those of the rim that their triangles join them to.
+PlanePoints amid_rim(const PlanePoints& rim_uv, Index added, const std::vector<std::array<Index, 3>>& triangles) {
+  const Index r = rim_uv.rows();
+  PlanePoints sum = PlanePoints::Zero(added, 2);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(added);
+  for (const std::array<Index, 3>& t : triangles)
+    for (Index v : t)
+      for (Index other : t) {
+        if (v < r || other >= r) continue;
+        sum.row(v - r) += rim_uv.row(other);
+        count[v - r] += 1;
+      }
+  return count.cwiseMax(1).cwiseInverse().asDiagonal() * sum;
+}
+
 Eigen::MatrixXd stacked(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   Eigen::MatrixXd both(a.rows() + b.rows(), a.cols());
   both << a, b;
@@ -123,6 +138,7 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
     fill.rim_normals = creased ? made.rim_normals : made.surface->normals(as_rows(fill.rim_uv));
   } else {
     fill.rim_uv = on_circle(points.topRows(r));
+    fill.uv = amid_rim(fill.rim_uv, points.rows() - r, made.triangles);
     const Points normals = triangle_normals(points, made.triangles);
     fill.rim_normals = normals.topRows(r);
     fill.normals = normals.bottomRows(normals.rows() - r);

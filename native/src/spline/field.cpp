@@ -235,6 +235,7 @@ void Field::hedge(double unit) {
   double noise = 0, sum = 0;
   for (const Part& part : parts_) noise += part.share * std::sqrt(part.nugget * part.variance);
   const double smooth = 1 / (1 + std::pow(noise / (rough_noise * unit), 4));
+  roughness_ = 1 - smooth;
   const Index low = std::min<Index>(2, static_cast<Index>(parts_.size()));
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     parts_[k].share *= smooth;
@@ -369,15 +370,17 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
   for (std::size_t p = 0; p < parts_.size(); ++p) mean += parts_[p].share * each.col(static_cast<Index>(p));
   for (std::size_t p = 0; p < parts_.size(); ++p)
     variance += parts_[p].share * (each.col(static_cast<Index>(p)) - mean).cwiseAbs2();
-  if (parts_.size() == 1) {
-    const Points other = by_another_order(some, at);
-    if (other.rows() > 0) variance += (order_error * (other.cwiseProduct(directions).rowwise().sum() - mean)).cwiseAbs2();
+  const auto main =
+      std::max_element(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.share < b.share; });
+  const Points other = by_another_order(*main, some, at);
+  if (other.rows() > 0) {
+    const VectorXd apart_from = other.cwiseProduct(directions).rowwise().sum() - each.col(main - parts_.begin());
+    variance += (order_error * apart_from).cwiseAbs2();
   }
   return variance.cwiseSqrt();
 }
 
-Points Field::by_another_order(const PlanePoints& some, const PlanePoints& at) const {
-  const Part& part = parts_.front();
+Points Field::by_another_order(const Part& part, const PlanePoints& some, const PlanePoints& at) const {
   const double order = part.order > 2.5 ? std::max(2.5, part.order - 2) : 3.5;
   if (polynomials(order) >= some.rows()) return Points(0, 3);
   const Points samples =

@@ -35,6 +35,8 @@ public:
 
   /// Standard deviation of the samples' noise, scene units; 0: the samples are met.
   double noise() const { return noise_; }
+  /// 0 to 1: how much the lowest two orders are taken instead of the likeliest, because the samples are rough.
+  double roughness() const { return roughness_; }
   /// Of the polyharmonic splines, by their share in the average.
   double mean_order() const { return mean_order_; }
   double likelihood() const { return likelihood_; }  ///< logarithm, of the likeliest order
@@ -58,7 +60,7 @@ private:
   void fit(Part& part, const Eigen::MatrixXd& squared, const Points& samples) const;
   /// Where there is one part: the surface of the order next to it through `some` of its points, at others; no rows where there is none.
   /// All normalised.
-  Points by_another_order(const PlanePoints& some, const PlanePoints& at) const;
+  Points by_another_order(const Part& part, const PlanePoints& some, const PlanePoints& at) const;
   void evaluate_block(const PlanePoints& at, int order, double* out) const;
   template <int N>
   void jets(const Part& part, const double* rows, Index n, double* out) const;
@@ -68,7 +70,7 @@ private:
   double size_ = 1;
   PlanePoints points_;  // normalised
   std::vector<Part> parts_;
-  double noise_ = 0, mean_order_ = 0, likelihood_ = 0;
+  double noise_ = 0, roughness_ = 0, mean_order_ = 0, likelihood_ = 0;
 };
 
 }  // namespace tripatch

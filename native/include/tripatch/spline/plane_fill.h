@@ -25,7 +25,7 @@ struct PlaneFillOptions {
 
 struct PlaneFill {
   SurfacePtr surface;                      ///< empty: plain triangles, no surface over a plane
-  std::shared_ptr<const Field> field;      ///< the same, where it is one field
+  std::shared_ptr<const Field> field;      ///< the same, but for an average with a second model
   PlanePoints rim_uv = PlanePoints(0, 2);  ///< of the loops' vertices, loop by loop
   Points vertices = Points(0, 3);          ///< the new ones
   PlanePoints uv = PlanePoints(0, 2);      ///< of these
@@ -47,8 +47,8 @@ struct PlaneFill {
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
 /// loops: border loops in the direction of new faces, the outer one first, then islands. Choices that fold more than the rim does,
-/// leave its neighborhood or double edges of the mesh give way to plainer ones: fewer rings, order 2, at last triangles without new
-/// vertices, which always exist.
+/// leave its neighborhood or double edges of the mesh give way to plainer ones: fewer rings, order 2, at last plain
+/// triangles, which always exist.
 PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                           const PlaneFillOptions& options = {});
 

@@ -1,0 +1,87 @@
+// Triangles that bend least.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tripatch/spline/least_bent.h"
+
+using namespace tripatch;
+
+namespace {
+
+constexpr Index squares = 12, side = squares + 1;
+
+/// A grid of squares in two triangles each with uneven steps, the free vertices (`inner` squares from the border on) last.
+struct Grid {
+  Points points;
+  std::vector<std::array<Index, 3>> triangles;
+  Index first = 0, count = 0;
+
+  explicit Grid(Index inner) : points(side * side, 3) {
+    std::vector<Index> row(side * side);
+    Index next = 0;
+    for (const bool free : {false, true})
+      for (Index i = 0; i < side; ++i)
+        for (Index j = 0; j < side; ++j) {
+          if ((std::min({i, j, squares - i, squares - j}) >= inner) != free) continue;
+          if (free && count++ == 0) first = next;
+          points.row(next) << static_cast<double>(i) + 0.2 * std::sin(3.0 * j), static_cast<double>(j) + 0.2 * std::cos(2.0 * i),
+              0;
+          row[i * side + j] = next++;
+        }
+    for (Index i = 0; i < squares; ++i)
+      for (Index j = 0; j < squares; ++j) {
+        const Index a = i * side + j, b = a + side;
+        triangles.push_back({row[a], row[b], row[b + 1]});
+        triangles.push_back({row[a], row[b + 1], row[a + 1]});
+      }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("what lies in a plane stays where it is") {
+  const Grid grid(4);
+  const auto bent = least_bent(grid.points, grid.triangles, grid.first, grid.count);
+  REQUIRE(bent);
+  CHECK((*bent - grid.points.bottomRows(grid.count)).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("between flat surroundings a bump goes") {
+  Grid grid(4);
+  for (Index k = grid.first; k < grid.first + grid.count; ++k)
+    grid.points(k, 2) = 0.4 + 0.1 * std::sin(5.0 * static_cast<double>(k));
+  const auto bent = least_bent(grid.points, grid.triangles, grid.first, grid.count);
+  REQUIRE(bent);
+  CHECK(bent->col(2).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("the slope of the surroundings is continued, which no membrane does") {
+  Grid grid(4);
+  const auto dome = [](double x, double y) { return 0.02 * (36 - (x - 6) * (x - 6) - (y - 6) * (y - 6)); };
+  double edge = 0;  // of what stays
+  for (Index k = 0; k < grid.points.rows(); ++k) {
+    const bool free = k >= grid.first;
+    grid.points(k, 2) = free ? 0.02 * 28 : dome(grid.points(k, 0), grid.points(k, 1));
+    if (!free) edge = std::max(edge, grid.points(k, 2));
+  }
+  const auto bent = least_bent(grid.points, grid.triangles, grid.first, grid.count);
+  REQUIRE(bent);
+  CHECK(bent->col(2).maxCoeff() > edge + 0.02);
+  for (Index k = 0; k < grid.count; ++k) CHECK(std::abs((*bent)(k, 2) - dome((*bent)(k, 0), (*bent)(k, 1))) < 0.05);
+}
+
+TEST_CASE("triangles that bend least are the same turned, moved and scaled") {
+  Grid grid(4);
+  for (Index k = 0; k < grid.points.rows(); ++k)
+    grid.points(k, 2) = std::sin(0.4 * grid.points(k, 0)) * std::cos(0.3 * grid.points(k, 1));
+  const auto bent = least_bent(grid.points, grid.triangles, grid.first, grid.count);
+  Points turned(grid.points.rows(), 3);
+  turned << grid.points.col(1), grid.points.col(2), grid.points.col(0);
+  turned = (1e-5 * turned).rowwise() + Eigen::RowVector3d(3, -2, 1);
+  const auto again = least_bent(turned, grid.triangles, grid.first, grid.count);
+  REQUIRE(bent);
+  REQUIRE(again);
+  const Points back = (again->rowwise() - Eigen::RowVector3d(3, -2, 1)) / 1e-5;
+  CHECK((back.col(2) - bent->col(0)).cwiseAbs().maxCoeff() < 1e-6);
+  CHECK((back.col(1) - bent->col(2)).cwiseAbs().maxCoeff() < 1e-6);
+}
