@@ -512,6 +512,9 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     const bool beside_sharp = std::find(kept.begin(), kept.end(), "Free") != kept.end();
     if (!given && !beside_sharp && made.planes_apart_deg > one_surface)
       return any_rim("the tangent planes of the " + std::to_string(corners.size()) + " sides differ at the corners");
+    // ends of columns between two walls: with the rim alone to go by, the spline is the nearer one in three of four
+    const bool rim_alone = kept.size() == 2 && std::count(kept.begin(), kept.end(), "Free") == 2;
+    if (!given && rim_alone && not_taken(options).empty()) return any_rim("neither of its two sides is continued");
     if (!made.crumpled) {
       if (!not_taken(options).empty() || beside_sharp) return std::move(made.fill);
       Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
