@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tripatch/boundary/mesh_sides.h"
+#include "tripatch/math/angle.h"
 
 using namespace tripatch;
 using Vec2 = Eigen::Vector2d;
@@ -622,4 +623,45 @@ TEST_CASE("strips of long faces tell their planes, as beside a bevelled corner")
       CHECK(worst < 2);
       CHECK(sides.surroundings_error < 3);
     }
+}
+
+namespace {
+
+/// Root mean square angle, degrees, of the planes at the rim's vertices against those of a ball of radius 1 at the origin.
+double off_the_ball(const MeshSides& sides, bool corners) {
+  double squares = 0, count = 0;
+  for (int i = 0; i < 3; ++i)
+    for (double t : sides.parameters[i]) {
+      if (!corners && (t == 0 || t == 1)) continue;
+      squares += std::pow(degrees_between(sides.sides[i].normal(t), sides.sides[i].c(t)), 2);
+      ++count;
+    }
+  return std::sqrt(squares / count);
+}
+
+}  // namespace
+
+TEST_CASE("beside a bevel of few segments the reported error is of the size of the true one") {
+  for (int segments : {1, 2, 3})
+    for (double length : {2.0, 3.0, 10.0}) {
+      const MeshSides sides = rounded_box(segments, length).sides();
+      const double error = off_the_ball(sides, true);
+      CAPTURE(segments, length, error);
+      CHECK(sides.surroundings_error > error / 2);
+      CHECK(sides.surroundings_error < error * 2);
+    }
+}
+
+TEST_CASE("beside strips of equal facets the planes are those of the facets' mean, which is exact there") {
+  for (int segments : {5, 8, 12})
+    for (double length : {3.0, 10.0, 100.0}) {
+      CAPTURE(segments, length);
+      CHECK(off_the_ball(rounded_box(segments, length).sides(), false) < 1e-9);
+    }
+}
+
+TEST_CASE("one row of faces is not taken for all there is to know where it leans by much") {
+  const TestSurface torus_ = torus();
+  const MeshSides s = make(torus_, {.edges = {7, 7, 7}, .rings = 4, .depth = 1.6 / 7}).sides();
+  CHECK(normal_error(s, torus_.normal) < 0.9);
 }

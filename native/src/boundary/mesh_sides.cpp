@@ -38,6 +38,23 @@ constexpr int pooled = 2;               ///< vertices to each side that are judg
 /// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
 /// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
 constexpr double by_far = 2;
+constexpr double by_some = 0.5;      ///< without noise: a fifth; nothing where the other is as much less certain of its plane.
+constexpr double coarse_turn = 0.3;  ///< Radians an edge: not where a side, or the faces across it, turn by more
+/// Vertices to each side along the rim that a vertex is compared with.
+constexpr int most_compared = 3, least_compared = 2;
+/// Of the mean rim edge: a rim of a deviation of less has no noise; coarse meshes of 12 degrees an edge have 1e-3.
+constexpr double noisy_rim = 3e-3;
+/// Where there is none, a fit of r rings is known at best as well as noise like the rim's allows: its variance over the cube of r rows of
+/// faces, times this, of 1 to 30 tried on ten surfaces with noise of 0.1 to 3% of the edges the one that left the smallest errors.
+constexpr double known_by_ring = 10;
+/// Nor better than this part of what the faces near it lean by, over the square of r: a row of them tells a plane, not how the surface
+/// bends away.
+constexpr double known_by_lean = 0.25;
+constexpr double agrees = 5;  ///< standard deviations from a plane to facets that have nothing against them
+/// By how much a plane is off along the rim where a side turns by x radians an edge: this times x^3, as the ends of a spline through an
+/// arc are; 2.7 to 3.2 degrees on arcs of 70 to 120 degrees in two edges.
+constexpr double off_by_turn = 7.5 * M_PI / 180;
+constexpr int few_edges = 4;  ///< of a side; of more, fits see the turn themselves: less by the square of their number
 constexpr double coplanar =
     1e-3;                   ///< degrees: what coordinates in single precision leave of faces in a plane, as files have them
 constexpr double bent = 5;  ///< degrees that a side turns by at least, for its faces to tell their plane
@@ -499,32 +516,143 @@ double most_lean(const LocalMesh& w, const SideDraft& side, int k) {
   return always_plausible + 2 * most;
 }
 
+/// Variance of a side's vertices, by what each differs from its next neighbors along the side, up to three to each side of it,
+/// interpolated. It is that of noise: what a smooth curve of edges that turn by x leaves is an edge times x^3 to x^5. Nothing where the
+/// side is too short to tell.
+std::optional<double> roughness(const SideDraft& side) {
+  const int last = side.edges(), reach = std::min(last / 2, most_compared);
+  if (reach < least_compared) return {};
+  double sum = 0;
+  for (int k = reach; k <= last - reach; ++k) {
+    Vec3 off = side.position[k];
+    double squares = 1;
+    for (int j = k - reach; j <= k + reach; ++j) {
+      if (j == k) continue;
+      double weight = 1;  // Lagrange's
+      for (int i = k - reach; i <= k + reach; ++i)
+        if (i != j && i != k) weight *= (side.t[k] - side.t[i]) / (side.t[j] - side.t[i]);
+      off -= weight * side.position[j];
+      squares += weight * weight;
+    }
+    off -= side.tangent[k] * side.tangent[k].dot(off);
+    sum += off.squaredNorm() / (2 * squares);
+  }
+  return sum / (last - 2 * reach + 1);
+}
+
+/// That of the smoothest side, for a mesh has one noise, but corners may lie within a side: 0 where all are short.
+double roughness(const std::array<SideDraft, 3>& drafts) {
+  std::optional<double> least;
+  for (const SideDraft& side : drafts)
+    if (const std::optional<double> own = roughness(side)) least = std::min(*own, least.value_or(*own));
+  return least.value_or(0);
+}
+
+/// The mean of the normals of the faces at vertex k of a side, by their angles there.
+Vec3 mean_of_facets(const LocalMesh& w, const SideDraft& side, int k) {
+  const int v = side.vertex[k];
+  Vec3 sum = Vec3::Zero();
+  for (int f : w.part.faces_at(v)) {
+    const std::span<const int> face = w.part[f];
+    const std::size_t size = face.size(), c = std::find(face.begin(), face.end(), v) - face.begin();
+    const Vec3 a = w.position[face[(c + 1) % size]] - w.position[v], b = w.position[face[(c + size - 1) % size]] - w.position[v];
+    if (w.area[f].norm() > 0) sum += angle_between(a, b) * w.area[f].normalized();
+  }
+  return sum;
+}
+
+/// Radians by which a side turns about an inner vertex, out of its faces.
+double turn_at(const SideDraft& side, int k) {
+  const Vec3 before = (side.position[k] - side.position[k - 1]).normalized(),
+             after = (side.position[k + 1] - side.position[k]).normalized();
+  return std::abs((after - before).dot(side.faces[k]));
+}
+
+/// Whether a side turns by so much that polynomials of its heights say little.
+bool turns_coarsely(const SideDraft& side) {
+  double squares = 0;
+  for (int k = 1; k < side.edges(); ++k) squares += std::pow(turn_at(side, k), 2);
+  return squares > coarse_turn * coarse_turn * (side.edges() - 1);
+}
+
+/// The variance of a side's planes that is due to how far it turns from edge to edge, which no fit sees: few points on an arc look like
+/// those of a parabola. A side of one edge tells nothing of how it bends: what its planes differ by from the facets' mean.
+double turn_variance(const LocalMesh& w, const SideDraft& side) {
+  const int edges = side.edges();
+  double sum = 0;
+  if (edges == 1) {
+    for (int k : {0, 1}) {
+      const double differs = angle_between(mean_of_facets(w, side, k), side.normal[k]);
+      sum += differs * differs / 2;
+    }
+    return sum;
+  }
+  for (int k = 1; k < edges; ++k) sum += std::pow(turn_at(side, k), 6) / (edges - 1);
+  return sum * std::pow(off_by_turn * std::min(1.0, std::pow(double(few_edges) / edges, 2)), 2);
+}
+
+/// The facets' means at the inner vertices of a side, if each is as near to the plane taken there as that is known: then there is
+/// nothing against them, and beside strips of equal facets, as of cylinders and fillets, they are exact.
+std::vector<Vec3> facets_that_agree(const LocalMesh& w, const SideDraft& side, const std::vector<double>& variance) {
+  std::vector<Vec3> means;
+  for (int k = 1; k < side.edges(); ++k) {
+    const Vec3 mean = mean_of_facets(w, side, k).stableNormalized();
+    const double differs = (mean - side.normal[k]).norm();
+    if (!(differs <= always_plausible && differs <= agrees * std::sqrt(variance[k]))) return {};
+    means.push_back(mean);
+  }
+  return means;
+}
+
 /// The fits at each vertex of a side that are taken, of those by neighborhood, largest first: a smaller one where it predicts what is near
-/// by far better, the more so the less certain it is of its plane, or where the larger one is not plausible.
-SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fits, SideDraft& side) {
+/// better, the more so the less certain it is of its plane, or where the larger one is not plausible. rough: variance of the rim's vertices.
+SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fits, SideDraft& side, double rough) {
   SideFit result;
   const int edges = side.edges();
   const bool is_plane = fits.size() > 1 && lies_in_plane(w, side);  // a single fit knows it by itself
   const std::optional<VertexFit> plane = is_plane ? std::optional(plane_of(w, side)) : std::nullopt;
+  const bool noisy = rough > noisy_rim * noisy_rim, coarse = turns_coarsely(side);
+  std::vector<double> variances;  // of the planes taken
   for (int k = 0; k <= edges; ++k) {
     std::size_t best = 0;
     const double most = most_lean(w, side, k);
-    const auto leans = [&](std::size_t f) { return lean(side, k, fits[f][k].normal); };
+    const bool doubtful = noisy || coarse || most > 2 * coarse_turn;
+    const auto variance = [&](std::size_t f) {
+      const double by_noise = known_by_ring * rough / (side.depth * side.depth * std::pow(neighborhoods[f].rings, 3));
+      return std::max(fits[f][k].slope_variances, by_noise);
+    };
+    const auto doubt = [&](std::size_t f) {
+      const double by_lean = known_by_lean * 0.5 * (most - always_plausible) / std::pow(neighborhoods[f].rings, 2);
+      return std::max(variance(f), by_lean * by_lean);
+    };
+    const auto leans = [&](std::size_t f) {  // or may
+      return std::max(lean(side, k, fits[f][k].normal), std::sqrt(fits[f][k].slope_variances));
+    };
     for (std::size_t f = 1; f < fits.size(); ++f) {
       if (leans(best) > most && leans(f) < leans(best)) {
         best = f;
         continue;
       }
       if (leans(f) > most) continue;
-      const double less_certain = 0.5 * std::log(fits[f][k].slope_variances / fits[best][k].slope_variances);
-      if (lead_of(fits[f], fits[best], k) > by_far + std::max(less_certain, 0.0)) best = f;
+      const double less_certain = std::max(0.5 * std::log(doubt(f) / doubt(best)), doubtful ? 0 : -by_some);
+      if (lead_of(fits[f], fits[best], k) > (doubtful ? by_far : by_some) + less_certain) best = f;
     }
     const VertexFit& fit = plane ? *plane : fits[best][k];
     side.normal.push_back(fit.normal);
     side.second.push_back(fit.second);
-    result.slope_variances += fit.slope_variances;
+    variances.push_back(plane ? fit.slope_variances : variance(best));
+    result.slope_variances += variances.back();
     result.bend_variance += fit.bend_variance / (edges + 1);
     if (k == 0 || k == edges) result.ends[k == 0 ? 0 : 1] = fit;
+  }
+  if (!plane) {
+    const double turned = turn_variance(w, side);
+    for (double& variance : variances) variance += turned;
+    result.slope_variances += static_cast<double>(variances.size()) * turned;
+  }
+  if (!noisy && !plane) {
+    const std::vector<Vec3> means = facets_that_agree(w, side, variances);
+    std::copy(means.begin(), means.end(), side.normal.begin() + 1);
   }
   return result;
 }
@@ -563,6 +691,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
   const VarianceComponents components = components_of(w, drafts, neighborhoods[0], -1, searches);
   const std::array<SideDraft, 3> guessed = drafts;  // what all threads read, while each completes its own side of the drafts
   std::array<SideFit, 3> fits;
+  const double rough = roughness(guessed);
   parallel_for(0, 3, rim_size < long_rim ? 3 : 1, [&](Index from, Index to) {
     for (Index i = from; i < to; ++i) {
       const std::vector<std::vector<Share>> nearest = nearest_of(w, guessed, static_cast<int>(i), searches[i]);
@@ -573,7 +702,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
             near.all_sides ? components : components_of(w, guessed, near, static_cast<int>(i), searches);
         by_neighborhood.push_back(fit_side(w, own, guessed, static_cast<int>(i), near, nearest, searches[i]));
       }
-      fits[i] = choose(w, by_neighborhood, drafts[i]);
+      fits[i] = choose(w, by_neighborhood, drafts[i], rough);
     }
   });
   MeshSides result;
