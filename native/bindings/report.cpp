@@ -26,8 +26,10 @@ void bind_report(py::module_& m) {
       .def_readonly("method_reason", &Report::method_reason, "Why that method was used.")
       .def_readonly("deviation_max", &Report::deviation_max,
                     "Largest standard deviation of a new vertex, in units of the mesh; None: the method does not know it.")
-      .def_readonly("triangles_folded", &Report::triangles_folded,
-                    "Edges between new faces (of a cage: of its limit surface) whose triangles face more than 120 degrees apart.")
+      .def_readonly(
+          "triangles_folded", &Report::triangles_folded,
+          "Edges of new faces (of a cage: of its limit surface) that are folded by more than 120 degrees, between two of them "
+          "or over the mesh's own faces beyond the rim.")
       .def_readonly("rim_folded", &Report::rim_folded,
                     "The same of the rim's own triangulation: a rim that folds leaves no other way.")
       .def_readonly("folds", &Report::folds, "Places of a 64 x 64 grid where the patch folds over itself.")

@@ -24,6 +24,7 @@
 #include "tripatch/polygon_fill.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/features.h"
+#include "tripatch/spline/plane_fill.h"
 #include "tripatch/spline_fill.h"
 
 namespace tripatch {
@@ -209,7 +210,8 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
 
   Report& report = fill.report;
   measure_seam(*fill.patch, surroundings.sides, report);
-  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
+  report.triangles_folded =
+      count_folded_edges(mesh.vertices, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}));
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
   complete_report(hole, options, {made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end()}, report);
@@ -642,8 +644,8 @@ std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::option
   return fill;
 }
 
-Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
-                    const FillOptions& options) {
+Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+                   const FillOptions& options) {
   const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
   const bool automatic = options.method == automatic_method && of_mesh;
   if (!automatic && options.method != spline_method) {
@@ -655,6 +657,15 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
   const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
   if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");
   return fill_as_the_rim_asks(ground, loop, corners, options);
+}
+
+Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+                    const FillOptions& options) {
+  Fill fill = fill_as_asked(ground, rim, corners, options);
+  Report& report = fill.report;
+  if (report.triangles_folded > 0 && report.method != spline_method)
+    report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
+  return fill;
 }
 
 void check_for_holes(const FillOptions& options) {

@@ -140,11 +140,13 @@ void report_layout(const PlaneCover& cover, Index vertices, Report& report) {
 }
 
 /// The rest of a report, once the fill is there.
-bool complete(const Mesh& mesh, double surroundings_error, const Faired& faired, PolygonFill& result) {
+bool complete(const Mesh& mesh, const Connectivity& around, double surroundings_error, const Faired& faired,
+              PolygonFill& result) {
   Report& report = result.fill.report;
   report.method = polygon_method;
   report.surroundings_error = surroundings_error;
-  report.triangles_folded = count_folded_edges(mesh.vertices, result.fill.vertices, result.fill.faces);
+  report.triangles_folded =
+      count_folded_edges(mesh.vertices, result.fill.vertices, result.fill.faces, faces_beyond(mesh, around, {result.fill.rim}));
   tell_folds(report);
   return faired.gave_up || report.folds > 0 || report.triangles_folded > 0;
 }
@@ -322,7 +324,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   in_order_of_triangles(report.continuity);
   in_order_of_triangles(report.seam_angle_max_by_side);
   in_order_of_triangles(report.seam_angle_rms_by_side);
-  result.crumpled = complete(mesh, known.surroundings_error, made, result);
+  result.crumpled = complete(mesh, around, known.surroundings_error, made, result);
   return result;
 }
 
@@ -443,7 +445,7 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   report.seam_angle_rms_by_side = {made.seam_angle_rms};
   report.seam_angle_max = made.seam_angle_max;
   report.seam_angle_rms = made.seam_angle_rms;
-  result.crumpled = complete(mesh, known.surroundings_error, made, result);
+  result.crumpled = complete(mesh, around, known.surroundings_error, made, result);
   return result;
 }
 

@@ -150,7 +150,7 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   report.method = spline_method;
   report.surroundings_error = made.surroundings_error;
   report.rim_folded = made.rim_folds;
-  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces);
+  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces, faces_beyond(mesh, around, loops));
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   if (!made.plainer.empty()) report.warnings.push_back(made.plainer);
   return fill;

@@ -55,3 +55,32 @@ TEST_CASE("a quad counts as a fan of two triangles, and a triangle without area 
   square.row(1) << 0.5, 0.5, 0;  // on it
   CHECK(count_folded_edges(square, Points(0, 3), quad) == 0);
 }
+
+TEST_CASE("a triangle that is folded back over the face beyond its rim edge counts, whichever way the edge is named") {
+  for (double angle : {60.0, 119.9, 120.1, 180.0}) {
+    Hinge hinge(angle);
+    Faces old, made;
+    old.add(hinge.faces[1]);
+    made.add(hinge.faces[0]);
+    const Mesh mesh{hinge.vertices, old};
+    const Connectivity around(mesh);
+    const std::vector<std::vector<Index>> loops = {{0, 1, 2}};
+    const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, loops);
+    REQUIRE(beyond.size() == 3);
+    CHECK(beyond[0].normal.norm() == Approx(1));
+    CHECK(beyond[1].normal.norm() == 0);
+    CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made) == 0);
+    CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made, beyond) == (angle > 120 ? 1 : 0));
+    const std::vector<FaceBeyond> named = {{1, 0, 3 * beyond[0].normal}};
+    CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made, named) == (angle > 120 ? 1 : 0));
+  }
+}
+
+TEST_CASE("faces beyond edges that the fill has not count for nothing, not even where one is named twice") {
+  const Hinge hinge(150);
+  Faces made;
+  made.add(hinge.faces[0]);
+  const Vec3 up(0, 0, 1);
+  const std::vector<FaceBeyond> elsewhere = {{0, 3, -up}, {3, 0, up}, {1, 3, -up}};
+  CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made, elsewhere) == 0);
+}

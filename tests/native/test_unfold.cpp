@@ -83,3 +83,18 @@ TEST_CASE("folds of fixed vertices, and of a surface that folds all over, are le
   CHECK(unfold(sheet.points, sheet.triangles, sheet.border, 0) == all_over);
   CHECK(sheet.points == crumpled);
 }
+
+TEST_CASE("a vertex that was pushed over the rim is put back: its triangle was folded over the face beyond") {
+  Sheet sheet(8);
+  const Index pushed = sheet.row[4 * 9 + 1], left = sheet.row[3 * 9], right = sheet.row[4 * 9], last = sheet.row[5 * 9];
+  const Vec3 beyond = Vec3(sheet.points.row(sheet.row[10]) - sheet.points.row(sheet.row[0]))
+                          .cross(Vec3(sheet.points.row(sheet.row[1]) - sheet.points.row(sheet.row[0])));
+  sheet.points.row(pushed) << 4, -0.4, 0;
+  const std::vector<FaceBeyond> faces = {{left, right, beyond}, {right, last, beyond}};
+  Faces triangles;
+  for (const std::array<Index, 3>& t : sheet.triangles) triangles.add(t);
+  REQUIRE(count_folded_edges(sheet.points, Points(0, 3), triangles, faces) > sheet.folds());
+  CHECK(unfold(sheet.points, sheet.triangles, sheet.border, 0, faces) == 0);
+  CHECK(count_folded_edges(sheet.points, Points(0, 3), triangles, faces) == 0);
+  CHECK(sheet.points(pushed, 1) > 0);
+}

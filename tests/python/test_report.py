@@ -38,9 +38,21 @@ def jagged(n, depth):
 def test_folded_triangles_are_those_of_the_faces_delivered(output, depth):
     vertices, faces, rim, corners = jagged(8, depth)
     fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, output=output, fairing=None, method="side_vertex")
-    count = folded_edges(np.concatenate([vertices, fill.vertices]), fill.faces)
+    points = np.concatenate([vertices, fill.vertices])
+    # those at the rim are folded over the mesh's own faces
+    count = folded_edges(points, [*faces, *fill.faces]) - folded_edges(vertices, faces)
     assert fill.report.triangles_folded == count
+    assert (count > folded_edges(points, fill.faces)) == (depth > 0)
     assert (count > 0) == (depth > 0)
+
+
+def test_a_hole_that_leaves_no_other_way_may_fold_as_its_rim_does():
+    """Three sides of a flat pyramid, of which the fourth is folded over each of them; and of a tall one, of which it is not."""
+    for apex, folded in (([0.45, 0.4, 0.03], 3), ([0.45, 0.4, 0.9], 0)):
+        vertices = np.array([[0, 0, 0], [1, 0, 0], [0.4, 1, 0], apex])
+        faces = [[0, 1, 3], [1, 2, 3], [2, 0, 3]]
+        fill = tripatch.fill(vertices, faces, method="polyharmonic_spline")
+        assert fill.report.triangles_folded == fill.report.rim_folded == folded
 
 
 @pytest.mark.parametrize("depth", [0.0, 3.0])

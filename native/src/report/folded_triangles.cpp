@@ -6,10 +6,23 @@
 #include <tuple>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
 
-Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces) {
+std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
+  std::vector<FaceBeyond> out;
+  for (const std::vector<Index>& loop : loops)
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const Index from = loop[k], to = loop[(k + 1) % loop.size()];
+      const auto corner = around.edge(to, from);
+      out.push_back({from, to, corner ? Vec3(area_vector(mesh, around.face(*corner)).stableNormalized()) : Vec3(Vec3::Zero())});
+    }
+  return out;
+}
+
+Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
+                         std::span<const FaceBeyond> beyond) {
   const Index n = vertices.rows();
   const auto at = [&](Index v) -> Vec3 { return v < n ? vertices.row(v) : added.row(v - n); };
   std::vector<Vec3> normals;                           // of the triangles; zero where one has no area
@@ -27,6 +40,12 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
       normals.push_back((at(corner[1]) - a).cross(at(corner[2]) - a).stableNormalized());
     }
   }
+  const Index own = static_cast<Index>(normals.size());  // those beyond come after them, and count only where one of them is
+  for (const FaceBeyond& face : beyond) {
+    const auto [low, high] = std::minmax(face.from, face.to);
+    edges.emplace_back(low, high, static_cast<Index>(normals.size()));
+    normals.push_back(face.normal.stableNormalized());
+  }
   std::sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) {
     check_interruption();
     return a < b;
@@ -36,7 +55,7 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
   for (std::size_t k = 0, first = 0; k < edges.size(); ++k) {
     const auto& [low, high, triangle] = edges[k];
     if (std::get<0>(edges[first]) != low || std::get<1>(edges[first]) != high) first = k;
-    if (k > first) count += normals[triangle].dot(normals[std::get<2>(edges[first])]) < cosine;
+    if (k > first && std::get<2>(edges[first]) < own) count += normals[triangle].dot(normals[std::get<2>(edges[first])]) < cosine;
   }
   return count;
 }

@@ -77,6 +77,7 @@ struct Rim {
   Triangles rough;
   Triangles rough_faces;
   RimSurroundings surroundings;
+  std::vector<FaceBeyond> beyond;
   Index folds = 0;
   double edge = 0, diameter = 0, area = 0;
 };
@@ -92,10 +93,10 @@ double area_of(const Points& p, const Triangles& triangles) {
   return area;
 }
 
-Index folded_edges(const Points& p, const Triangles& triangles) {
+Index folded_edges(const Points& p, const Triangles& triangles, const Rim& rim) {
   Faces faces;
   for (const std::array<Index, 3>& t : triangles) faces.add(t);
-  return count_folded_edges(p, Points(0, 3), faces);
+  return count_folded_edges(p, Points(0, 3), faces, rim.beyond);
 }
 
 Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
@@ -115,20 +116,15 @@ Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::
     row.push_back({vertices[k], k});
   }
   std::sort(row.begin(), row.end());
+  rim.beyond = faces_beyond(mesh, around, loops);
   Index k = 0;
   for (const std::vector<Index>& loop : loops)
     for (std::size_t i = 0; i < loop.size(); ++i, ++k) {
+      rim.surroundings.normals.row(k) = rim.beyond[k].normal;
+      rim.beyond[k].from = k;
+      rim.beyond[k].to = i + 1 < loop.size() ? k + 1 : k + 1 - static_cast<Index>(loop.size());
       const Index a = loop[i], b = loop[(i + 1) % loop.size()];
       lengths.push_back((mesh.vertices.row(a) - mesh.vertices.row(b)).norm());
-      if (const auto corner = around.edge(b, a)) {
-        const auto face = mesh.faces[around.face(*corner)];
-        Vec3 n = Vec3::Zero();
-        for (std::size_t j = 1; j + 1 < face.size(); ++j) {
-          const Vec3 p = mesh.vertices.row(face[0]), q = mesh.vertices.row(face[j]), s = mesh.vertices.row(face[j + 1]);
-          n += (q - p).cross(s - p);
-        }
-        rim.surroundings.normals.row(k) = n.stableNormalized();
-      }
       for (Connectivity::Corner c : around.at(a))
         for (Index other : {around.next(c), around.previous(c)}) {
           const auto found = std::lower_bound(row.begin(), row.end(), std::array<Index, 2>{other, -1});
@@ -367,8 +363,8 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   Points points = result.made.points;
   points.bottomRows(added) = average->positions(as_rows(PlanePoints(result.made.uv.bottomRows(added))));
   if (!points.allFinite() || !stay(points, rim)) return;
-  const Index folds = folded_edges(points, result.made.triangles);
-  if (folds > rim.folds && folds > folded_edges(result.made.points, result.made.triangles)) return;
+  const Index folds = folded_edges(points, result.made.triangles, rim);
+  if (folds > rim.folds && folds > folded_edges(result.made.points, result.made.triangles, rim)) return;
   result.surface = average;
   result.made.points = std::move(points);
 }
@@ -420,7 +416,7 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
     fill.deviation = (fill.deviation.cwiseAbs2() + spread.cwiseAbs2()).cwiseSqrt();
   }
   fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
-  fill.folds = folded_edges(result.made.points, fill.triangles);
+  fill.folds = folded_edges(result.made.points, fill.triangles, rim);
   fill.rim_folds = rim.folds;
   fill.rings = disc.rings;
   fill.doubles_edges = result.made.doubles_edges;
@@ -439,7 +435,7 @@ PlaneFill plain(const Rim& rim, bool doubles_edges) {
   points << rim.points, rim.points.colwise().mean();
   Triangles fan;
   for (Index k = 0; k < r; ++k) fan.push_back({k, (k + 1) % r, r});
-  if (folded_edges(points, fan) > 0) return fill;
+  if (folded_edges(points, fan, rim) > 0) return fill;
   fill.vertices = points.bottomRows(1);
   fill.triangles = std::move(fan);
   fill.folds = 0;
@@ -505,7 +501,7 @@ constexpr const char* mended = "A few vertices beside the rim are off the surfac
 
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   const Rim rim = rim_of(mesh, around, loops);
-  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles);
+  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles, rim);
 }
 
 PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
@@ -514,7 +510,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
   const RoughFill rough = rough_fill(rim.points, rim.surroundings);
   rim.rough = rough.triangles;
-  rim.folds = folded_edges(rim.points, rim.rough);
+  rim.folds = folded_edges(rim.points, rim.rough, rim);
   rim.area = area_of(rim.points, rim.rough);
   PlaneFill best = plain(rim, rough.doubles_edges);
   best.plainer = "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
@@ -541,9 +537,9 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     average_models(disc, rim, *result);
     const bool doubles = result->made.doubles_edges && !rough.doubles_edges;
     if (doubles) continue;
-    const Index folds = folded_edges(result->made.points, result->made.triangles);
-    Index left = unfold(result->made.points, result->made.triangles, disc.rim, 0);
-    if (left > rim.folds) left = unfold(result->made.points, result->made.triangles, disc.rim, rim.folds);
+    const Index folds = folded_edges(result->made.points, result->made.triangles, rim);
+    Index left = unfold(result->made.points, result->made.triangles, disc.rim, 0, rim.beyond);
+    if (left > rim.folds) left = unfold(result->made.points, result->made.triangles, disc.rim, rim.folds, rim.beyond);
     if (left > rim.folds) continue;
     PlaneFill fill = completed(*result, rim, disc);
     fill.plainer = way.sentence;

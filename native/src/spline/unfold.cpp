@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tripatch/report/folded_triangles.h"
-
 namespace tripatch {
 namespace {
 
@@ -32,35 +30,43 @@ std::vector<Joint> sorted_joints(const std::vector<std::array<Index, 3>>& triang
   return edges;
 }
 
-/// Places in `edges` of the first of the two entries of each folded edge.
-std::vector<std::size_t> folded_joints(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
-                                       const std::vector<Joint>& edges) {
+/// The triangles of each folded edge, or the one and -1 where it is folded back over a face beyond.
+std::vector<std::array<Index, 2>> folded_pairs(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+                                               const std::vector<Joint>& edges, std::span<const FaceBeyond> beyond) {
   const double cosine = std::cos(folded_degrees * M_PI / 180);
   const auto normal = [&](Index t) -> Vec3 {
     const Vec3 a = points.row(triangles[t][0]), b = points.row(triangles[t][1]), c = points.row(triangles[t][2]);
     return (b - a).cross(c - a).stableNormalized();
   };
-  std::vector<std::size_t> out;
+  std::vector<std::array<Index, 2>> out;
   for (std::size_t k = 0; k + 1 < edges.size(); ++k)
-    if (edges[k].same(edges[k + 1]) && normal(edges[k].triangle).dot(normal(edges[k + 1].triangle)) < cosine) out.push_back(k);
+    if (edges[k].same(edges[k + 1]) && normal(edges[k].triangle).dot(normal(edges[k + 1].triangle)) < cosine)
+      out.push_back({edges[k].triangle, edges[k + 1].triangle});
+  for (const FaceBeyond& face : beyond) {
+    const Joint wanted{std::min(face.from, face.to), std::max(face.from, face.to), -1};
+    const auto found = std::lower_bound(edges.begin(), edges.end(), wanted);
+    if (found != edges.end() && found->same(wanted) && normal(found->triangle).dot(face.normal) < cosine)
+      out.push_back({found->triangle, -1});
+  }
   return out;
 }
 
 }  // namespace
 
-Index unfold(Points& points, const std::vector<std::array<Index, 3>>& triangles, Index fixed, Index allowed) {
+Index unfold(Points& points, const std::vector<std::array<Index, 3>>& triangles, Index fixed, Index allowed,
+             std::span<const FaceBeyond> beyond) {
   const std::vector<Joint> edges = sorted_joints(triangles);
-  std::vector<std::size_t> found = folded_joints(points, triangles, edges);
+  std::vector<std::array<Index, 2>> found = folded_pairs(points, triangles, edges, beyond);
   const Index before = static_cast<Index>(found.size());
   if (before <= allowed || before > std::max(some_anyway, static_cast<Index>(some * static_cast<double>(edges.size()) / 2)))
     return before;
   Points moved = points;
   for (int round = 0; round < mending_rounds; ++round) {
     std::vector<Index> who;
-    for (std::size_t k : found)
-      for (std::size_t side : {k, k + 1})
-        for (Index v : triangles[edges[side].triangle])
-          if (v >= fixed) who.push_back(v);
+    for (const std::array<Index, 2>& pair : found)
+      for (Index t : pair)
+        for (int k = 0; t >= 0 && k < 3; ++k)
+          if (triangles[t][k] >= fixed) who.push_back(triangles[t][k]);
     std::sort(who.begin(), who.end());
     who.erase(std::unique(who.begin(), who.end()), who.end());
     if (who.empty()) return before;
@@ -77,7 +83,7 @@ Index unfold(Points& points, const std::vector<std::array<Index, 3>>& triangles,
     }
     for (std::size_t i = 0; i < who.size(); ++i)
       moved.row(who[i]) = sum.row(static_cast<Index>(i)) / count[static_cast<Index>(i)];
-    found = folded_joints(moved, triangles, edges);
+    found = folded_pairs(moved, triangles, edges, beyond);
     if (static_cast<Index>(found.size()) <= allowed) {
       points = moved;
       return static_cast<Index>(found.size());

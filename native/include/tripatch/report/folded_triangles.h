@@ -1,7 +1,10 @@
 // Folds of the faces that are delivered. (count_folds in report.h asks the patch on a grid of its own.)
 #pragma once
 
-#include "tripatch/types.h"
+#include <span>
+#include <vector>
+
+#include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
 
@@ -9,8 +12,19 @@ namespace tripatch {
 /// comparisons with other hole fillers.
 constexpr double folded_degrees = 120;
 
-/// Edges whose triangles are folded over each other, every face cut into a fan from its first corner. Where an edge has more than
-/// two triangles each is compared with the first. vertices: of the mesh; v >= their number is row v - number of `added`.
-Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces);
+/// The face of the mesh beyond an edge of the rim.
+struct FaceBeyond {
+  Index from, to;  ///< the edge, either way round
+  Vec3 normal;     ///< of any length; zero: nothing folds over it
+};
+
+/// Those of loops of border edges, one for each edge in their order.
+std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
+
+/// Edges whose triangles are folded over each other, every face cut into a fan from its first corner, and edges of the rim where they are
+/// folded back over the faces beyond. Where an edge has more than two triangles each is compared with the first. vertices: of the mesh;
+/// v >= their number is row v - number of `added`.
+Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
+                         std::span<const FaceBeyond> beyond = {});
 
 }  // namespace tripatch

@@ -28,10 +28,11 @@ struct Report {
   std::string method;                   ///< name of the method used
   std::string method_reason;            ///< and why it was
   std::optional<double> deviation_max;  ///< largest of Fill::deviation, scene units; none: unknown
-  Index triangles_folded = 0;           ///< edges between the new faces that are folded, of a cage those of its limit surface
-  Index rim_folded = 0;                 ///< the same of the rim's own triangulation: a rim that folds leaves no other way
-  Index folds = 0;                      ///< of the patch, see FoldCounter
-  std::vector<Index> corners;           ///< vertex indices: three, or those given for a rim of any number
+  /// Edges of the new faces that are folded, those of the rim over the faces beyond it too; of a cage those of its limit surface.
+  Index triangles_folded = 0;
+  Index rim_folded = 0;        ///< the same of the rim's own triangulation: a rim that folds leaves no other way
+  Index folds = 0;             ///< of the patch, see FoldCounter
+  std::vector<Index> corners;  ///< vertex indices: three, or those given for a rim of any number
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
   double cage_deviation_max = 0;  ///< fill's limit surface to the patch
   double cage_deviation_rms = 0;

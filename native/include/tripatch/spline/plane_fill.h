@@ -34,16 +34,16 @@ struct PlaneFill {
   std::vector<std::array<Index, 3>> triangles;
   std::vector<std::array<Index, 2>> creases;  ///< edges of these along which the surface is sharp
   Points rim_normals = Points(0, 3);          ///< where creases end there; else those of the surface
-  Index folds = 0;                            ///< edges whose triangles face more than 120 degrees apart
-  Index rim_folds = 0;                        ///< the same of the rim's own triangulation without new vertices
-  Eigen::VectorXd deviation;                  ///< standard deviation at `vertices`, scene units; empty where there is no surface
-  double surroundings_error = 0;              ///< degrees, root mean square: how well the samples determine the slope at the rim
+  Index folds = 0;                ///< edges folded by more than 120 degrees, those of the rim over the faces beyond too
+  Index rim_folds = 0;            ///< the same of the rim's own triangulation without new vertices
+  Eigen::VectorXd deviation;      ///< standard deviation at `vertices`, scene units; empty where there is no surface
+  double surroundings_error = 0;  ///< degrees, root mean square: how well the samples determine the slope at the rim
   int rings = 0;
   std::string plainer;  ///< why not the likeliest field through as many rings as there are: a sentence, or empty
   bool doubles_edges = false;
 };
 
-/// Edges whose triangles face more than 120 degrees apart in the rim's triangulation without new vertices.
+/// Edges folded by more than 120 degrees in the rim's triangulation without new vertices, those of the rim over the faces beyond too.
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
 /// loops: border loops in the direction of new faces, the outer one first, then islands. Choices that fold more than the rim does,
