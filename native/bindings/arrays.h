@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "tripatch/math/jet.h"
@@ -30,6 +32,13 @@ inline Array array_from(const tripatch::Points& p) {
   return a;
 }
 
+/// The points themselves, without a copy.
+inline Array array_of(tripatch::Points p) {
+  const auto* const kept = new tripatch::Points(std::move(p));
+  const py::capsule owner(kept, [](void* points) { delete static_cast<tripatch::Points*>(points); });
+  return Array({kept->rows(), tripatch::Index{3}}, kept->data(), owner);
+}
+
 /// None where there is none.
 inline py::object array_from(const tripatch::PlanePoints& p) {
   if (p.rows() == 0) return py::none();
@@ -44,27 +53,39 @@ inline IndexArray array_from(const std::vector<tripatch::Index>& v) {
   return IndexArray(static_cast<tripatch::Index>(v.size()), v.data());
 }
 
+/// Places for which there is memory at a time: Taylor coefficients that stay in the cache.
+constexpr tripatch::Index places_at_once = 1 << 14;
+
 /// P, or the tuple (P, D1 (k,2,3), D2 (k,3,3), D3 (k,4,3)) up to `derivatives`, at parameters of any surface.
 template <class AnySurface>
 py::object evaluate(const AnySurface& surface, const Array& at, int derivatives) {
   using tripatch::Index;
-  const Index n = at.shape(0);
-  const int size = tripatch::jet_size(derivatives);
-  std::vector<double> jets(n * size * 3);
-  {
-    py::gil_scoped_release release;
-    surface.evaluate(at.data(), n, derivatives, jets.data());
-  }
-  const std::array<double, 5> factorial = {1, 1, 2, 6, 24};
+  const Index n = at.shape(0), columns = at.shape(1), size = tripatch::jet_size(derivatives);
   py::tuple parts(derivatives + 1);
+  std::vector<double*> out;  // by order
   for (int d = 0; d <= derivatives; ++d) {
     Array a(d == 0 ? std::vector<Index>{n, 3} : std::vector<Index>{n, d + 1, 3});
-    double* out = a.mutable_data();
-    for (Index k = 0; k < n; ++k)
-      for (int j = 0; j <= d; ++j)
-        for (int x = 0; x < 3; ++x)
-          *out++ = factorial[d - j] * factorial[j] * jets[(k * size + tripatch::jet_index(d - j, j)) * 3 + x];
-    parts[d] = a;
+    out.push_back(a.mutable_data());
+    parts[d] = std::move(a);
+  }
+  const double* const places = at.data();
+  {
+    py::gil_scoped_release release;
+    if (derivatives == 0) {
+      surface.evaluate(places, n, 0, out[0]);
+    } else {
+      constexpr std::array<double, 5> factorial = {1, 1, 2, 6, 24};
+      const auto jets = std::make_unique_for_overwrite<double[]>(std::min(n, places_at_once) * size * 3);
+      for (Index first = 0; first < n; first += places_at_once) {
+        const Index count = std::min(places_at_once, n - first);
+        surface.evaluate(places + columns * first, count, derivatives, jets.get());
+        for (int d = 0; d <= derivatives; ++d)
+          for (Index k = 0; k < count; ++k)
+            for (int j = 0; j <= d; ++j)
+              for (int x = 0; x < 3; ++x)
+                *out[d]++ = factorial[d - j] * factorial[j] * jets[(k * size + tripatch::jet_index(d - j, j)) * 3 + x];
+      }
+    }
   }
   return derivatives == 0 ? py::object(parts[0]) : py::object(parts);
 }

@@ -87,10 +87,10 @@ void bind_patches(py::module_& m) {
           },
           py::call_guard<py::gil_scoped_release>())
       .def("_normal", [](const Surface& surface, const Array& b) {
-        const Points points = points_from(b);
+        const Eigen::Map<const Points> points(b.data(), b.shape(0), 3);
         Points normals;
         interruptibly([&] { normals = surface.normals(points); });
-        return array_from(normals);
+        return array_of(std::move(normals));
       });
 
   py::class_<Side>(m, "Side", "A side of the hole: position and the derivative of the surroundings across it.")

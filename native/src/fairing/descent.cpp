@@ -71,7 +71,8 @@ Merit::Merit(const EnergyProblem& problem, const Quadratic& third, Quadratic ten
 Merit::Value Merit::operator()(const Eigen::VectorXd& x) const {
   Value v;
   if (!x.allFinite() || !problem_.open(x)) return v;
-  std::tie(v.variation, v.quadric) = problem_.variation(x);
+  v.derivatives = std::make_shared<const std::vector<Derivatives>>(problem_.derivatives(x));
+  std::tie(v.variation, v.quadric) = problem_.variation(*v.derivatives);
   v.third = third_(x);
   v.energy = energy(v.variation, v.quadric) + tension(x);
   if (std::isfinite(v.energy)) {
@@ -85,7 +86,7 @@ Merit::Model Merit::linearized(const Eigen::VectorXd& x, const Value& v) const {
   Model m;
   const double share = quadric_share(v.variation, v.quadric);
   m.used = {share<1 - least_share, share> least_share};  // a step counts only if it goes down anyway
-  m.variation = problem_.linearized(x, m.used);
+  m.variation = problem_.linearized(v.derivatives ? *v.derivatives : problem_.derivatives(x), m.used);
   if (problem_.following().any()) m.jumps = problem_.following().linearized(x);
   return m;
 }

@@ -43,14 +43,14 @@ Eigen::VectorXd EnergyProblem::raised(const EnergyProblem& lower, const Eigen::V
   return out;
 }
 
-/// Of the patch, at the nodes [from, to).
-std::vector<Derivatives> EnergyProblem::derivatives(Index from, Index to, const Eigen::VectorXd& x) const {
-  std::vector<Derivatives> d(base_.begin() + from, base_.begin() + to);
-  const Index n = to - from;
+std::vector<Derivatives> EnergyProblem::derivatives(const Eigen::VectorXd& x) const {
+  std::vector<Derivatives> d = base_;
+  if (x.isZero(0)) return d;
+  const Index n = static_cast<Index>(d.size());
   Eigen::Map<Eigen::VectorXd> all(d[0].data(), 27 * n);
   const Eigen::VectorXd scalars = size_ * x.head(3 * interior_);
-  add_product(nodes_.interior.row(9 * from).data(), 9 * n, interior_, scalars.data(), d[0].data());
-  all.noalias() += basis_.middleRows(27 * from, 27 * n) * x.tail(fields_);
+  add_product(nodes_.interior.data(), 9 * n, interior_, scalars.data(), d[0].data());
+  all.noalias() += basis_ * x.tail(fields_);
   return d;
 }
 
@@ -96,9 +96,8 @@ Quadratic EnergyProblem::quadratic(int order) const {
   return q;
 }
 
-std::pair<double, double> EnergyProblem::variation(const Eigen::VectorXd& x) const {
+std::pair<double, double> EnergyProblem::variation(const std::vector<Derivatives>& d) const {
   double variation = 0, quadric = 0;
-  const std::vector<Derivatives> d = derivatives(0, static_cast<Index>(base_.size()), x);
   for (std::size_t k = 0; k < d.size(); ++k) {
     const CurvatureVariation v = curvature_variation(d[k], flat_curvature(size_));
     const double w = nodes_.weights[k] * size_ * size_ * v.area;
@@ -108,13 +107,13 @@ std::pair<double, double> EnergyProblem::variation(const Eigen::VectorXd& x) con
   return {variation, quadric};
 }
 
-std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted) const {
+std::array<Quadratic, 2> EnergyProblem::linearized(const std::vector<Derivatives>& d, const std::array<bool, 2>& wanted) const {
   // in blocks of nodes, always the same, so that sums do not depend on the number of cores
   constexpr Index block = 96;
   const Index n = static_cast<Index>(base_.size()), blocks = (n + block - 1) / block;
   std::vector<std::array<Quadratic, 2>> parts(blocks);
   parallel_for(0, blocks, 2, [&](Index from, Index to) {
-    for (Index at = from; at < to; ++at) parts[at] = linearized(x, wanted, at * block, std::min(n, (at + 1) * block));
+    for (Index at = from; at < to; ++at) parts[at] = linearized(d, wanted, at * block, std::min(n, (at + 1) * block));
   });
   std::array<Quadratic, 2> model = std::move(parts[0]);
   for (Index at = 1; at < blocks; ++at)
@@ -124,8 +123,8 @@ std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, con
 }
 
 /// The same of some of the nodes.
-std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from,
-                                                   Index to) const {
+std::array<Quadratic, 2> EnergyProblem::linearized(const std::vector<Derivatives>& all, const std::array<bool, 2>& wanted,
+                                                   Index from, Index to) const {
   constexpr Index block = 12;              // nodes: their rows stay in the cache
   std::array<RowMajor, 2> jacobian, gram;  // with the values as last column
   const Index columns = count() + 1;
@@ -135,9 +134,8 @@ std::array<Quadratic, 2> EnergyProblem::linearized(const Eigen::VectorXd& x, con
     const Index n = std::min(block, to - start);
     for (int which = 0; which < 2; ++which)
       if (wanted[which]) jacobian[which].resize(4 * n, columns);
-    const std::vector<Derivatives> d = derivatives(start, start + n, x);
     for (Index k = start; k < start + n; ++k) {
-      const CurvatureVariationRows v = curvature_variation_rows(d[k - start], flat_curvature(size_));
+      const CurvatureVariationRows v = curvature_variation_rows(all[k], flat_curvature(size_));
       const double w = std::sqrt(nodes_.weights[k]) * size_;
       const Index row = 4 * (k - start);
       for (int which = 0; which < 2; ++which) {

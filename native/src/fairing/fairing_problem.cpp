@@ -61,7 +61,7 @@ FairingProblem::FairingProblem(const FairingBase& base, const FairingOptions& op
   fields_ = unknowns_.slopes_count;
   following_.emplace(followed(base));
   const Index n = static_cast<Index>(base_.size());
-  basis_.setZero(27 * n, unknowns_.slopes_count);
+  basis_.resize(27 * n, unknowns_.slopes_count);
   for (Index k = 0; k < n; ++k) add_slopes(k);
 }
 

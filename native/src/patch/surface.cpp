@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "tripatch/math/parallel.h"
 
 namespace tripatch {
-namespace {
-using RowMajorB = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-}
-
 namespace {
 
 class Sum final : public Surface {
@@ -21,14 +19,48 @@ public:
 
   void evaluate(const double* b, Index n, int order, double* out) const override {
     a_->evaluate(b, n, order, out);
-    std::vector<double> added(n * jet_size(order) * 3);
-    b_->evaluate(b, n, order, added.data());
-    for (std::size_t k = 0; k < added.size(); ++k) out[k] += added[k];
+    const Index size = n * jet_size(order) * 3;
+    const auto added = std::make_unique_for_overwrite<double[]>(size);
+    b_->evaluate(b, n, order, added.get());
+    for (Index k = 0; k < size; ++k) out[k] += added[k];
   }
 
 private:
   SurfacePtr a_, b_;
 };
+
+/// Coordinates without gaps between their rows, as evaluate() asks for them.
+class Places {
+public:
+  explicit Places(const PointsRef& b) : data_(b.data()) {
+    if (b.rows() < 2 || b.outerStride() == 3) return;
+    copy_ = b;
+    data_ = copy_.data();
+  }
+  const double* data() const { return data_; }
+
+private:
+  Points copy_;
+  const double* data_;
+};
+
+/// use(k, position and first derivatives) for each place.
+template <class Use>
+void for_tangents(const Surface& surface, const PointsRef& b, const Use& use) {
+  constexpr Index at_once = 1 << 14, size = 9;  // jets that stay in the cache
+  const Places places(b);
+  const Index n = b.rows();
+  const auto jets = std::make_unique_for_overwrite<double[]>(std::min(n, at_once) * size);
+  for (Index first = 0; first < n; first += at_once) {
+    const Index count = std::min(at_once, n - first);
+    surface.evaluate(places.data() + 3 * first, count, 1, jets.get());
+    for (Index k = 0; k < count; ++k) use(first + k, jets.get() + size * k);
+  }
+}
+
+Eigen::RowVector3d normal_of(const double* jet) {
+  return Eigen::Map<const Vec3>(jet + 3).cross(Eigen::Map<const Vec3>(jet + 6)).stableNormalized();
+}
 
 }  // namespace
 
@@ -36,21 +68,23 @@ SurfacePtr sum(SurfacePtr a, SurfacePtr b) { return std::make_shared<Sum>(std::m
 
 Points Surface::positions(const PointsRef& b) const {
   Points out(b.rows(), 3);
-  evaluate(RowMajorB(b).data(), b.rows(), 0, out.data());
+  evaluate(Places(b).data(), b.rows(), 0, out.data());
   return out;
 }
 
-Points Surface::normals(const PointsRef& b) const { return positions_and_normals(b).second; }
+Points Surface::normals(const PointsRef& b) const {
+  Points normals(b.rows(), 3);
+  for_tangents(*this, b, [&](Index k, const double* jet) { normals.row(k) = normal_of(jet); });
+  return normals;
+}
 
 std::pair<Points, Points> Surface::positions_and_normals(const PointsRef& b) const {
-  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(b.rows(), 9);
-  evaluate(RowMajorB(b).data(), b.rows(), 1, jets.data());
-  Points normals(b.rows(), 3);
-  for (Index k = 0; k < b.rows(); ++k) {
-    const Vec3 d0 = jets.row(k).segment<3>(3), d1 = jets.row(k).segment<3>(6);
-    normals.row(k) = d0.cross(d1).stableNormalized();
-  }
-  return {jets.leftCols<3>(), normals};
+  Points positions(b.rows(), 3), normals(b.rows(), 3);
+  for_tangents(*this, b, [&](Index k, const double* jet) {
+    positions.row(k) = Eigen::Map<const Vec3>(jet);
+    normals.row(k) = normal_of(jet);
+  });
+  return {std::move(positions), std::move(normals)};
 }
 
 void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* out) const {

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <limits>
+#include <memory>
+#include <vector>
 
 #include "tripatch/fairing/energy_problem.h"
 
@@ -23,6 +25,7 @@ public:
     double log = std::numeric_limits<double>::infinity();
     double variation = 0, quadric = 0, third = 0;
     double energy = 0;
+    std::shared_ptr<const std::vector<Derivatives>> derivatives;  ///< of the surface at the nodes, there
   };
   Value operator()(const Eigen::VectorXd& x) const;
 

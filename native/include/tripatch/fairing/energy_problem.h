@@ -85,10 +85,12 @@ public:
 
   /// The integral of w |D^order P|^2 over the size squared: thin_plate (2), third_derivative (3), tension (1).
   Quadratic quadratic(int order) const;
-  /// minimum_variation and quadric_variation at x.
-  std::pair<double, double> variation(const Eigen::VectorXd& x) const;
-  /// Gauss-Newton's model about x of minimum_variation (0) and quadric_variation (1), those that are wanted.
-  std::array<Quadratic, 2> linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted) const;
+  /// The derivatives of the surface at the nodes, for these unknowns.
+  std::vector<Derivatives> derivatives(const Eigen::VectorXd& x) const;
+  /// minimum_variation and quadric_variation of these.
+  std::pair<double, double> variation(const std::vector<Derivatives>& d) const;
+  /// Gauss-Newton's model about them of minimum_variation (0) and quadric_variation (1), those that are wanted.
+  std::array<Quadratic, 2> linearized(const std::vector<Derivatives>& d, const std::array<bool, 2>& wanted) const;
 
 protected:
   /// nodes must outlive this.
@@ -104,8 +106,8 @@ protected:
   RowMajor basis_;  // derivatives of the fields, 27 rows a node
 
 private:
-  std::vector<Derivatives> derivatives(Index from, Index to, const Eigen::VectorXd& x) const;
-  std::array<Quadratic, 2> linearized(const Eigen::VectorXd& x, const std::array<bool, 2>& wanted, Index from, Index to) const;
+  std::array<Quadratic, 2> linearized(const std::vector<Derivatives>& all, const std::array<bool, 2>& wanted, Index from,
+                                      Index to) const;
 };
 
 }  // namespace tripatch
