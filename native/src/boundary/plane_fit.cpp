@@ -32,23 +32,63 @@ constexpr std::array<Term, fit_terms> term = [] {
   return all;
 }();
 
+/// Weights of the rows of a fit, heaviest first, and which rows they are of. Between the fits of one stencil the order hardly changes:
+/// what is in it already is put right by insertion.
+class HeaviestFirst {
+public:
+  void sort(const Eigen::VectorXd& points, const PlaneFit::Column& prior) {
+    const Index n = points.size();
+    const auto weight = [&](Index k) { return k < n ? points[k] : prior[k - n]; };
+    const bool known = !rows_.empty();
+    if (!known) rows_.resize(n + fit_terms);
+    for (Index k = 0; k < n + fit_terms; ++k) {
+      if (!known) rows_[k].second = k;
+      rows_[k].first = -weight(rows_[k].second);
+    }
+    if (!known || !insert(8 * rows_.size())) std::sort(rows_.begin(), rows_.end());
+  }
+  const std::vector<std::pair<double, Index>>& rows() const { return rows_; }  ///< minus the weight, row
+
+private:
+  /// False where that takes more moves than `most`.
+  bool insert(std::size_t most) {
+    for (std::size_t k = 1, moves = 0; k < rows_.size(); ++k) {
+      const std::pair<double, Index> row = rows_[k];
+      std::size_t at = k;
+      for (; at > 0 && row < rows_[at - 1]; --at) rows_[at] = rows_[at - 1];
+      rows_[at] = row;
+      moves += k - at;
+      if (moves > most) return false;
+    }
+    return true;
+  }
+
+  std::vector<std::pair<double, Index>> rows_;
+};
+
+/// x to the power of k for k up to the degree of a fit.
+std::array<double, fit_degree + 1> powers_of(double x) {
+  std::array<double, fit_degree + 1> powers;
+  powers[0] = 1;
+  for (int d = 1; d <= fit_degree; ++d) powers[d] = powers[d - 1] * x;
+  return powers;
+}
+
 /// Orthogonal triangularization of the weighted rows above those of the prior, heaviest first (Powell and Reid 1969), one column at
 /// a time by Householder's reflections: `a`. The normal equations would square what the weights differ by, 1e7 and more where there is
 /// no noise, and leave to rounding what few points do not tell.
-PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w, RowsOf24& a) {
+PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w, RowsOf24& a,
+                      HeaviestFirst& order) {
   PlaneFit r;
   for (int k = 0; k < fit_terms; ++k) r.prior[k] = 1 / components.term[term[k].i + term[k].j];
   r.prior[2] = 1 / (components.tilt + components.noise * s.faces_noise);
   r.prior[1] += 1 / (components.noise * s.slope_noise + components.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
   const Index points = w.size(), rows = points + fit_terms;
-  std::vector<std::pair<double, Index>> order;
-  for (Index k = 0; k < points; ++k) order.push_back({-w[k], k});
-  for (int k = 0; k < fit_terms; ++k) order.push_back({-r.prior[k], points + k});
-  std::sort(order.begin(), order.end());
+  order.sort(w, r.prior);
   a.resize(rows, Eigen::NoChange);
   for (Index row = 0; row < rows; ++row) {
-    const Index k = order[row].second;
-    const double root = std::sqrt(-order[row].first);
+    const auto [minus_weight, k] = order.rows()[row];
+    const double root = std::sqrt(-minus_weight);
     if (k < points) {
       a.row(row) = root * s.rows.row(k);
       continue;
@@ -83,12 +123,12 @@ struct Explained {
   }
 };
 
-Explained explain(const Stencil& s, const VarianceComponents& components) {
+Explained explain(const Stencil& s, const VarianceComponents& components, HeaviestFirst& order) {
   Explained e;
   const Eigen::ArrayXd v = components.noise + components.truncation * s.g.array(), part = components.noise / v,
                        w = s.share.array() / v;
   RowsOf24 triangular;
-  const PlaneFit fit = fit_weighted(s, components, w, triangular);
+  const PlaneFit fit = fit_weighted(s, components, w, triangular, order);
   const RowsOf24 covariance = inverse_of_gram(triangular, fit_terms);
   for (int j = 0; j < fit_terms; ++j) {
     const int d = term[j].i + term[j].j;
@@ -152,25 +192,24 @@ bool have_settled(const VarianceComponents& now, const VarianceComponents& befor
 }  // namespace
 
 void Stencil::set(const Vec3& place, Index k) {
-  std::array<double, fit_degree + 1> x, y;
-  x[0] = y[0] = 1;
-  for (int d = 1; d <= fit_degree; ++d) {
-    x[d] = x[d - 1] * place[0];
-    y[d] = y[d - 1] * place[1];
-  }
+  const std::array<double, fit_degree + 1> x = powers_of(place[0]), y = powers_of(place[1]);
   for (int c = 0; c < fit_terms; ++c) rows(k, c) = term[c].over * (x[term[c].i] * y[term[c].j]);
   rows(k, fit_terms) = place[2];
 }
 
 PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components) {
   RowsOf24 triangular;
-  return fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()), triangular);
+  HeaviestFirst order;
+  return fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()), triangular,
+                      order);
 }
 
 double predicted_density(const PlaneFit& fit, const VarianceComponents& components, const Vec3& at, double share) {
   Column row;
-  for (int k = 0; k < fit_terms; ++k) row[k] = term[k].over * std::pow(at[0], term[k].i) * std::pow(at[1], term[k].j);
-  const double own = components.noise + components.truncation * std::pow(at.squaredNorm(), fit_degree + 1);
+  const std::array<double, fit_degree + 1> x = powers_of(at[0]), y = powers_of(at[1]);
+  for (int k = 0; k < fit_terms; ++k) row[k] = term[k].over * (x[term[k].i] * y[term[k].j]);
+  const double square = at.squaredNorm(), cube = square * square * square;
+  const double own = components.noise + components.truncation * (cube * cube);
   const double known = fit.lower.triangularView<Eigen::Lower>().solve(row).squaredNorm();
   // of the sum of the weights at the point, what is left without it
   const double left = std::max(1 - share * known / own, 1e-9);
@@ -190,11 +229,14 @@ VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>
   components.noise = floors.noise();
   components.tilt = bend;
   components.truncation = std::pow(bend, 5) / 720 / 720;
+  std::array<std::vector<HeaviestFirst>, 3> orders;
+  for (int i = 0; i < 3; ++i) orders[i].resize(stencils[i].size());
   bool all = false;  // every second stencil of a side tells nearly the same
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     Explained sum;
-    for (const std::vector<Stencil>& side : stencils)
-      for (std::size_t k = all ? 0 : 1; k < side.size(); k += all ? 1 : 2) sum += explain(side[k], components);
+    for (int i = 0; i < 3; ++i)
+      for (std::size_t k = all ? 0 : 1; k < stencils[i].size(); k += all ? 1 : 2)
+        sum += explain(stencils[i][k], components, orders[i][k]);
     const VarianceComponents before = std::exchange(components, components_of(sum, floors));
     const bool done = have_settled(components, before, radius, all ? settled : nearly);
     if (done && all) break;
