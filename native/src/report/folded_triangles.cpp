@@ -9,6 +9,29 @@
 #include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
+namespace {
+
+/// An edge of a triangle by its lower and its higher vertex.
+using TriangleEdge = std::tuple<Index, Index, Index>;
+
+/// The same edges beside each other, the triangles of one in their order: by higher vertex without comparisons where that is one of the
+/// fill's own, `first` and more; those of the mesh, whose numbers say nothing of how many there are, come last.
+std::vector<TriangleEdge> by_edge(const std::vector<TriangleEdge>& edges, Index first, Index own) {
+  std::vector<Index> end(own + 2, 0);
+  const auto bucket = [&](const TriangleEdge& edge) { return std::get<1>(edge) < first ? own : std::get<1>(edge) - first; };
+  for (const TriangleEdge& edge : edges) ++end[bucket(edge) + 1];
+  for (Index b = 0; b <= own; ++b) end[b + 1] += end[b];
+  std::vector<TriangleEdge> sorted(edges.size());
+  std::vector<Index> next(end.begin(), end.end() - 1);
+  for (const TriangleEdge& edge : edges) sorted[next[bucket(edge)]++] = edge;
+  for (Index b = 0; b <= own; ++b) {
+    if (b % 256 == 0) check_interruption();
+    std::sort(sorted.begin() + end[b], sorted.begin() + end[b + 1]);
+  }
+  return sorted;
+}
+
+}  // namespace
 
 std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   std::vector<FaceBeyond> out;
@@ -25,17 +48,17 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
                          std::span<const FaceBeyond> beyond) {
   const Index n = vertices.rows();
   const auto at = [&](Index v) -> Vec3 { return v < n ? vertices.row(v) : added.row(v - n); };
-  std::vector<Vec3> normals;                           // of the triangles; zero where one has no area
-  std::vector<std::tuple<Index, Index, Index>> edges;  // lower vertex, higher vertex, triangle
+  std::vector<Vec3> normals;  // of the triangles; zero where one has no area
+  std::vector<TriangleEdge> all;
   for (Index f = 0; f < faces.size(); ++f) {
-    check_interruption();
+    if (f % 256 == 0) check_interruption();
     const auto face = faces[f];
     for (std::size_t k = 2; k < face.size(); ++k) {
       const std::array<Index, 3> corner = {face[0], face[k - 1], face[k]};
       const Vec3 a = at(corner[0]);
       for (int i = 0; i < 3; ++i) {
         const auto [low, high] = std::minmax(corner[i], corner[(i + 1) % 3]);
-        edges.emplace_back(low, high, static_cast<Index>(normals.size()));
+        all.emplace_back(low, high, static_cast<Index>(normals.size()));
       }
       normals.push_back((at(corner[1]) - a).cross(at(corner[2]) - a).stableNormalized());
     }
@@ -43,13 +66,10 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
   const Index own = static_cast<Index>(normals.size());  // those beyond come after them, and count only where one of them is
   for (const FaceBeyond& face : beyond) {
     const auto [low, high] = std::minmax(face.from, face.to);
-    edges.emplace_back(low, high, static_cast<Index>(normals.size()));
+    all.emplace_back(low, high, static_cast<Index>(normals.size()));
     normals.push_back(face.normal.stableNormalized());
   }
-  std::sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) {
-    check_interruption();
-    return a < b;
-  });
+  const std::vector<TriangleEdge> edges = by_edge(all, n, added.rows());
   const double cosine = std::cos(folded_degrees * M_PI / 180);
   Index count = 0;
   for (std::size_t k = 0, first = 0; k < edges.size(); ++k) {
