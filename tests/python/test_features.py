@@ -94,6 +94,16 @@ def test_a_crease_goes_on_across_a_jagged_hole(solid, bound, seed):
     assert fill.report.triangles_folded == 0
 
 
+@pytest.mark.parametrize("seed", [41, 44, 45])
+def test_a_crease_that_gets_blunt_goes_on_all_the_same(seed):
+    """Where two pipes meet, from 60 degrees on one side of a large hole to 34 and less on the other."""
+    lift, distance = two_cylinders(1.0)
+    vertices, faces = creased(lift, seed=seed, radius=0.7)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
+    assert len(fill.feature_edges) > 3
+    assert distances(fill, vertices, distance)[0].max() < 1e-3
+
+
 def test_the_edges_of_the_crease_are_a_path_in_the_fill_between_two_rim_vertices():
     vertices, faces = creased(roof(90)[0])
     rim = inner_rim(faces)

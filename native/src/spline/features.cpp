@@ -24,6 +24,9 @@ constexpr double least_crease_angle = 25 * one_degree;
 /// And so many times what three quarters of the edges around stay below, and the half of those beside the crease: noise of a tenth of an
 /// edge, and coarse triangles of anything round, stay below that.
 constexpr double above_noise = 3, ordinary_share = 0.75;
+/// Between smooth faces (smooth_angle) a crease that is sharp at the rim is followed to half of that: where two pipes meet it gets blunt
+/// by and by.
+constexpr double still_crease = 0.5;
 /// Of the hole's diameter: as far as creases are followed.
 constexpr double crease_reach = 0.75;
 constexpr int most_crease_rings = 40;
@@ -85,6 +88,11 @@ public:
                        [](const auto& edge) { return clearly_more(edge.second, least_crease_angle); });
   }
   bool sharp(Index a, Index b) const { return clearly_more(at(a, b), threshold_); }
+  bool still_sharp(Index a, Index b) const {
+    const double least =
+        ordinary_ < smooth_angle ? std::max(still_crease * least_crease_angle, above_noise * ordinary_) : threshold_;
+    return clearly_more(at(a, b), least);
+  }
   std::vector<EdgePair> all_sharp() const {
     std::vector<EdgePair> out;
     for (const auto& [edge, angle] : edges_)
@@ -148,7 +156,7 @@ private:
       Index best = -1;
       double least = sharpest_turn;
       for (Index next : neighbors(at)) {
-        if (!angles_.sharp(at, next) || std::find(chain.begin(), chain.end(), next) != chain.end()) continue;
+        if (!angles_.still_sharp(at, next) || std::find(chain.begin(), chain.end(), next) != chain.end()) continue;
         if (const double turn = angle_between(way, point(next) - point(at)); clearly_less(turn, least)) least = turn, best = next;
       }
       if (best < 0) break;
