@@ -368,3 +368,17 @@ TEST_CASE("polygon domain: it follows angles and lengths, and stays convex") {
         if (k != i && k != d.wrap(i + 1)) CHECK(d.inward(i).dot(d.corner(k) - d.corner(i)) > 0);
   }
 }
+
+TEST_CASE("polygon patch: a derivative across that fades to rounding at a corner is none, not a hundred billion times the hole") {
+  SideList sides;
+  const std::array<Vec2, 4> corner = {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1), Vec2(0, 1)};
+  for (int i = 0; i < 4; ++i) sides.push_back(side_between(plane, corner[i], corner[(i + 1) % 4]));
+  sides[1].r = PiecewisePolynomial::linear(1 + 1e-15, 1e-15) * sides[1].r;
+  sides[1].q = {};
+  const PolygonPatch made = polygon_patch(sides, {});
+  for (double u : {0.1, 0.5, 0.9}) {
+    Points places = Points::Zero(1, 3);
+    places.row(0).head<2>() = (1 - u) * made.domain.center() + u * made.domain.corner(2);
+    CHECK(made.patch->positions(places).cwiseAbs().maxCoeff() < 2);
+  }
+}

@@ -25,6 +25,8 @@ double smooth_max(double a, double b) { return 0.5 * (a + b + std::sqrt((a - b) 
 
 /// Of the patch's height: a tangent that is shorter at a corner has no direction but rounding's; that of sides as long as the hole.
 constexpr double no_tangent = 1e-12;
+/// Of the same: a derivative across that is shorter is none, but for the rounding of sides fitted to 1e-13 of what they are elsewhere.
+constexpr double no_slope = 1e-10;
 /// Of what an equilateral patch has: alpha is never zero or backwards, so that G1 keeps its sign. A choice, far below what sides that
 /// meet at any angle above a tenth of a degree ask for.
 constexpr double least_alpha = 1e-3;
@@ -78,7 +80,7 @@ double floor_share(double turn_deg) { return fading(turn_deg, 5, 25); }
 
 CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share) {
   const double rn = r.norm();
-  if (!(rn > 0)) return {0, 0, Vec3::Zero()};
+  if (!(rn > no_slope * height)) return {0, 0, Vec3::Zero()};
   Eigen::Vector2d x;
   if (dc.norm() > no_tangent * height) {
     x = in_frame(r, dc, tau);
