@@ -15,6 +15,7 @@
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/output/cover.h"
@@ -512,11 +513,10 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     made.fill.report.method_reason = "the rim has " + std::to_string(corners.size()) + " smooth sides";
     const std::vector<std::string>& kept = made.fill.report.continuity;
     const bool beside_sharp = std::find(kept.begin(), kept.end(), "Free") != kept.end();
+    if (!given && beside_sharp && corners.size() == 2 && not_taken(options).empty())
+      return any_rim("two sides that are not continued tell less than the rim as a whole");
     if (!given && !beside_sharp && made.planes_apart_deg > one_surface)
       return any_rim("the tangent planes of the " + std::to_string(corners.size()) + " sides differ at the corners");
-    // ends of columns between two walls: with the rim alone to go by, the spline is the nearer one in three of four
-    const bool rim_alone = kept.size() == 2 && std::count(kept.begin(), kept.end(), "Free") == 2;
-    if (!given && rim_alone && not_taken(options).empty()) return any_rim("neither of its two sides is continued");
     if (!made.crumpled) {
       if (!not_taken(options).empty() || beside_sharp) return std::move(made.fill);
       Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
@@ -566,6 +566,17 @@ Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, const F
   }
 }
 
+/// The same between three sides, whose patch takes more: in Suzanne, holes of 10 to 16 edges, the spline was the nearer one from here on,
+/// 1.3 times in the geometric mean of nine, and neither was with less.
+constexpr double no_surface = 45;
+
+/// Degrees between the tangent planes of three sides at their corners, the most.
+double planes_apart(const SideList& sides) {
+  double most = 0;
+  for (int k = 0; k < 3; ++k) most = std::max(most, degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)));
+  return most;
+}
+
 /// The exact patch between three smooth sides, else the surface over a plane.
 Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options) {
@@ -604,16 +615,20 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
   std::string reason;
   std::optional<Fill> patch;
+  bool apart = false;
   try {
     patch = fill_with_patch(ground, hole, options);
-    if (patch->report.folds == 0 && patch->report.triangles_folded == 0) return std::move(*patch);
-    reason = "a patch between three corners would fold";
+    apart = !corners && not_taken(options).empty() && planes_apart(patch->sides) > no_surface &&
+            !any_sharp(sharp_sides_of(ground, hole));
+    const bool folds = patch->report.folds > 0 || patch->report.triangles_folded > 0;
+    if (!folds && !apart) return std::move(*patch);
+    reason = folds ? "a patch between three corners would fold" : "the tangent planes of the three sides differ at the corners";
   } catch (const Refusal& refusal) {
     reason = std::string("no patch fits between three sides: ") + refusal.what();
   }
   Fill other = any_rim(reason);
   const bool better = !patch || other.report.triangles_folded < patch->report.triangles_folded ||
-                      (other.report.triangles_folded == patch->report.triangles_folded && patch->report.folds > 0);
+                      (other.report.triangles_folded == patch->report.triangles_folded && (patch->report.folds > 0 || apart));
   return better ? other : std::move(*patch);
 }
 

@@ -58,3 +58,27 @@ def test_rings_of_faces(valence, count):
     )
     assert bends.max() < 120, "folded"
     assert off.max() < 0.08 and np.median(off) < 0.04
+
+
+@pytest.mark.parametrize(("vertex", "one_surface"), [(57, False), (324, True)])
+def test_three_sides_that_lie_in_other_planes_at_their_corners_are_left_to_the_spline(vertex, one_surface):
+    """Two rings of faces around a vertex of the subdivided mesh: planes differ by 55 degrees at a corner, or by 10."""
+    import tripatch
+
+    bpy.ops.mesh.primitive_monkey_add()
+    ob = bpy.context.object
+    ob.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    mesh = ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    vertices = np.array([v.co for v in mesh.vertices])
+    faces = [list(p.vertices) for p in mesh.polygons]
+    near = {vertex}
+    for _ in range(2):
+        gone = [f for f in faces if near & set(f)]
+        near |= {v for f in gone for v in f}
+    left = [f for f in faces if f not in gone]
+    (rim,) = [loop for loop in tripatch.find_holes(left) if set(loop.tolist()) <= near]
+    fill = tripatch.fill(vertices, left, rim=rim)
+    assert fill.report.method == ("side_vertex" if one_surface else "polyharmonic_spline")
+    assert one_surface or "tangent planes of the three sides differ" in fill.report.method_reason
+    own = tripatch.fill(vertices, left, rim=rim, corners=tripatch.find_corners(vertices, left, rim))
+    assert own.report.method == "side_vertex"  # corners that are given are a person's

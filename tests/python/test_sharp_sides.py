@@ -114,7 +114,7 @@ def test_no_side_of_a_coarse_sphere_is_sharp(n):
 
 @pytest.mark.parametrize(("top", "within"), [(slope, 1e-12), (cylinder, 0.025), (sphere, 0.025), (saddle, 0.04)])
 def test_a_face_between_two_walls_comes_back_about_as_it_was(top, within):
-    """Of two sides neither is continued: the spline has the rim alone to go by."""
+    """Two sides that are not continued are left to the spline, which has the rim alone to go by."""
     t = np.linspace(0, 1, 20, endpoint=False)
     arc = 0.4 * np.sin(np.pi * t)
     lens = np.concatenate([np.column_stack([1 - 2 * t, arc]), np.column_stack([2 * t - 1, -arc])])
