@@ -443,7 +443,8 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);
   if (!insisted && !ignored.empty())
-    fill.report.warnings.push_back("For " + ignored + " three smooth sides are needed, which this rim has not: not applied");
+    fill.report.warnings.push_back("For " + ignored +
+                                   " smooth sides are needed, between which a patch lies without folds: not applied");
   return fill;
 }
 

@@ -164,3 +164,11 @@ def test_quads_in_a_round_rim_are_rings_about_a_grid(edges, profile):
         assert min(np.cross(p[k - 1] - p[k - 2], p[k] - p[k - 1]) @ normal for k in range(4)) > 0
     one = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), output="quads", odd="triangle")
     assert sum(len(f) == 3 for f in one.faces) >= edges % 2 and len(one.split_edges[0]) == 0
+
+
+@pytest.mark.parametrize("edges", [12, 16, 24, 32, 40, 64])
+def test_the_cap_of_a_tube_is_about_as_high_as_wide(edges):
+    """Caps have ever less energy the longer they are: descent must not follow that."""
+    vertices, faces = revolved("tube", edges)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=())
+    assert fill.report.method == "multi_sided" and 0.6 < fill.patch.evaluate(np.zeros((1, 2)))[0, 2] < 1
