@@ -21,6 +21,7 @@ class Options:
     corner_offset: int = 0  # steps along the rim
     shading: str = "neighbors"  # "neighbors", "smooth", "flat"
     deviation: bool = False  # how well the new vertices are known, as attributes
+    mirrored: bool = False  # what a Mirror modifier makes is in the BMesh
 
 
 #: Of a hole's diameter: the tolerance of quads and cages where none is given, as the library's option says.
@@ -358,7 +359,7 @@ def _plan_group(bm, rims, matrix, options, active_shape, cages, modifier):
     bm.verts.index_update()
     bm.faces.index_update()
     ob = modifier.id_data if modifier else None
-    made = subdivision.cage_before(ob, bm, modifier, rims) if modifier else bm
+    made = subdivision.cage_before(ob, bm, modifier, rims, options.mirrored) if modifier else bm
     try:
         there = [subdivision.in_cage(ob, made, bm, rim) for rim in rims]
         around, keys = Surroundings(made, matrix), _shapes(bm, matrix, active_shape, len(made.verts))

@@ -196,7 +196,7 @@ class FillSmooth(Construction, waiting.Waiting):
     def _fill_halves(self, ob, bm, matrix, options, halves, everything):
         """Fills the holes that a Mirror modifier cuts in half; returns (Outcome, new faces). everything: no hole is selected by
         itself, so that outer borders are left; of several holes they are left in any case."""
-        outcome, kept = filling.Outcome(), []
+        outcome, kept, options = filling.Outcome(), [], replace(options, mirrored=True)
         modifier = subdivision.usable(ob) if self.output == "cage" else None
         active = ob.active_shape_key.name if ob.active_shape_key else None
         for half in halves:
@@ -313,7 +313,7 @@ class FillSmooth(Construction, waiting.Waiting):
             return rims, refused
         apart = [rim for rim in rims if not mirrored.is_joined(ob, rim)]
         if rims and not apart and not refused:
-            sentence = "The border lies on the plane of the Mirror modifier, which joins it to its image"
+            sentence = "The border lies on the plane of a Mirror modifier, which joins it to its image"
             raise selection.UnusableError(sentence, [v for rim in rims for v in rim.loop])
         return apart, refused
 

@@ -13,7 +13,7 @@ _REMEDIES = (
     (re.compile(r"turned against"), "Mesh > Normals > Recalculate Outside turns them"),
     (re.compile(r"Non-manifold"), "Select > All by Trait > Non Manifold finds such places"),
     (re.compile(r"hidden"), "Mesh > Show/Hide > Reveal Hidden shows it"),
-    (re.compile(r"plane of the Mirror"), "turn the modifier off in the viewport to fill it"),
+    (re.compile(r"plane of a Mirror"), "apply the modifier, or turn it off in the viewport, to fill it"),
     (re.compile(r"scaled to nothing"), "Object > Apply > Scale"),
 )
 

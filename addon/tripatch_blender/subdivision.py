@@ -109,15 +109,16 @@ def _changes(ob, modifier, verb):
     )
 
 
-def cage_before(ob, bm, modifier, rims=None):
+def cage_before(ob, bm, modifier, rims=None, mirrored=False):
     """The cage that the modifiers before make of a BMesh: the BMesh itself, or a new one in which it comes first, vertices and
     faces (a mirror image follows it). UnusableError if they leave nothing of it.
 
     rims: of a cage that is to be filled in the BMesh itself: of what else modifiers do only that counts which moves them, in the
-    mode that the object is in.
+    mode that the object is in; mirrored: what a Mirror makes is in the BMesh already.
     """
     stack = list(ob.modifiers)
     changing = [m for m in stack[: stack.index(modifier)] if m.show_viewport and m.type not in _HARMLESS]
+    changing = [m for m in changing if not (mirrored and m.type == "MIRROR")]
     if rims is not None:
         changing = [m for m in changing if _is_shown(ob, m)]
         places = np.array([v.co for rim in rims for v in rim.loop], dtype=np.float64)

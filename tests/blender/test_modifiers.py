@@ -224,11 +224,11 @@ def test_the_cut_of_a_mirror_is_no_hole():
     (bm,) = scenes.edit(ob)
     for action in ("DESELECT", "SELECT"):
         bpy.ops.mesh.select_all(action=action)
-        with pytest.raises(RuntimeError, match="no hole|plane of the Mirror"):
+        with pytest.raises(RuntimeError, match="no hole|plane of a Mirror"):
             smooth()
     bpy.ops.mesh.select_all(action="DESELECT")
     scenes.select(bm, [min((v for v in bm.verts if v.co.x == 0), key=lambda v: v.co.length)])
-    with pytest.raises(RuntimeError, match="plane of the Mirror.*turn the modifier off"):
+    with pytest.raises(RuntimeError, match="plane of a Mirror.*apply the modifier"):
         smooth()
     assert whole_borders(ob) == [80]
 
@@ -240,3 +240,24 @@ def test_selected_holes_on_the_plane_and_beside_it_are_both_filled():
     scenes.select(bm, inner)
     assert smooth() == {"FINISHED"}
     assert whole_borders(ob) == [80]
+
+
+def test_a_cage_of_half_a_hole_is_that_of_the_whole():
+    ob = add_half_with_holes((0, 0))
+    mesh = bpy.data.meshes.new("Whole")
+    evaluated(ob).to_mesh(mesh)
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    whole = bpy.data.objects.new("Whole", mesh)
+    bpy.context.collection.objects.link(whole)
+    whole.modifiers.new("Subdivision", "SUBSURF")
+    found = []
+    for each in (ob, whole):
+        scenes.edit(each)
+        assert smooth() == {"FINISHED"}
+        bpy.ops.object.mode_set(mode="OBJECT")
+        found.append(np.array([v.co for v in each.data.vertices]))
+    half, every = found
+    every = every[every[:, 0] > -1e-5]
+    assert len(half) == len(every)
+    apart = np.linalg.norm(half[:, None] - every[None], axis=2)
+    assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 1e-3

@@ -503,7 +503,7 @@ def test_a_hole_on_a_mirror_plane_is_refused():
     scenes.select(bm, scenes.border_loops(bm)[0][::8][:3])
     with pytest.raises(RuntimeError, match="closes the hole at vertex"):
         fill(surroundings="limit")
-    with pytest.raises(RuntimeError, match="plane of the Mirror"):
+    with pytest.raises(RuntimeError, match="plane of a Mirror"):
         fill()
     bpy.ops.object.mode_set(mode="OBJECT")
 
