@@ -215,17 +215,18 @@ def told():
     return [f"{name}: {line}" if several else line for name, drawn in _state.drawn.items() if drawn for line in drawn.made.told]
 
 
-def _write(text, x, y, size=12.0):
+def _write(text, x, y, size=12.0, centered=False):
+    """White with a dark outline: stripes are white too."""
     if bpy.app.version >= (4, 0, 0):
         blf.size(0, size)
     else:
         blf.size(0, int(size), 72)
-    blf.color(0, 1, 1, 1, 1)
-    blf.enable(0, blf.SHADOW)
-    blf.shadow(0, 5, 0, 0, 0, 0.9)
-    blf.position(0, x, y, 0)
-    blf.draw(0, text)
-    blf.disable(0, blf.SHADOW)
+    if centered:
+        x -= blf.dimensions(0, text)[0] / 2
+    for dx, dy, light in ((-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0), (0, 0, 1)):
+        blf.color(0, light, light, light, 1)
+        blf.position(0, x + dx, y + dy, 0)
+        blf.draw(0, text)
 
 
 def _draw_text():
@@ -237,7 +238,8 @@ def _draw_text():
             return
         scale = context.preferences.system.ui_scale
         for k, line in enumerate(reversed(told())):
-            _write(line, 90 * scale, (20 + 18 * k) * scale, 12 * scale)
+            # in the middle: on the left there is the panel of the last operator
+            _write(line, region.width / 2, (20 + 18 * k) * scale, 12 * scale, centered=True)
         for name, drawn in _state.drawn.items():
             ob = context.scene.objects.get(name)
             if drawn and ob and drawn.made.worst:

@@ -79,7 +79,7 @@ def _surface_colors(made, mesh, vertices, triangles, settings):
         return quality.signed_colors(mean, most)
     if settings.surface == "DEVIATION":
         values = _deviation(mesh)
-        if values is None:
+        if values is None or not np.nan_to_num(values).any():
             made.told.append("No deviation is known of this mesh")
             return None
         most = settings.deviation if settings.fixed_range else float(np.nan_to_num(values).max(initial=0.0))

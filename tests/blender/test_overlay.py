@@ -104,7 +104,11 @@ def test_deviation_is_the_attribute_of_that_name(overlay, shown):
     ob = scenes.add_hole()
     assert "No deviation is known of this mesh" in seen(shown, ob, surface="DEVIATION").told
     values = np.linspace(0, 0.25, len(ob.data.vertices)).astype(np.float32)
-    ob.data.attributes.new("deviation", "FLOAT", "POINT").data.foreach_set("value", values)
+    ob.data.attributes.new("deviation", "FLOAT", "POINT")
+    ob.data.update()
+    assert "No deviation is known of this mesh" in seen(shown, ob, surface="DEVIATION").told, "nothing was written into it"
+    attribute = ob.data.attributes["deviation"]
+    attribute.data.foreach_set("value", values)
     ob.data.update()
     made = seen(shown, ob, surface="DEVIATION")
     assert "Deviation up to 0.25 (red from 0.25)" in made.told
