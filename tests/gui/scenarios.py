@@ -14,6 +14,12 @@ ADDON = "tripatch_blender"
 FACE_MENU = (523, 14)
 
 
+def set_patience(seconds=600.0):
+    """How long Blender stands still for a fill before it waits for it awake: a machine that does much else may take seconds for
+    fills that are made at once, and the scenarios mean those."""
+    importlib.import_module(f"{ADDON}.waiting").PATIENCE = seconds
+
+
 def _is_filled(before):
     now = counts()
     return now[1] < before[1] and now[0] > before[0]
@@ -370,6 +376,7 @@ def long_fill(w):
     """Blender stays awake and says how far it is; Esc ends it; one that is waited for is one undo step."""
     sheet(w, "Sheet")
     before, hole = counts(), positions()
+    set_patience(0.5)
     with w.override():
         assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=1000) == {"RUNNING_MODAL"}
     yield
@@ -395,6 +402,7 @@ def long_fill(w):
         yield 0.1
         if not _filling():
             break
+    set_patience()
     yield
     yield
     assert _is_filled(before) and last_operator().resolution == 300

@@ -59,6 +59,7 @@ class Run:
             print(f"window: {'FAILED' if self.name in self.failed else 'passed'}: {self.name}", flush=True)
         if not self.left:
             return None
+        scenarios.set_patience()
         scenario = self.left.pop(0)
         self.name = scenario.__name__
         self.window.press("ESC")
