@@ -182,3 +182,86 @@ def test_what_the_library_refuses_in_a_thread_is_refused(waiting):
     making._job._thread.join()
     with waiting._in(making), pytest.raises(TypeError):
         waiting.fill_all(np.zeros((3, 3)), [[0, 1, 2]], [[0, 1, 2]], nonsense=1)
+
+
+class Desk:
+    """A context that takes down what is asked of Blender's window."""
+
+    def __init__(self):
+        self.timers, self.texts, self.cursor = 0, [], "DEFAULT"
+        self.window_manager = self.window = self.workspace = self.area = self
+
+    def event_timer_add(self, _seconds, window):
+        self.timers += 1
+        return self.timers
+
+    def event_timer_remove(self, _timer):
+        self.timers -= 1
+
+    def modal_handler_add(self, _operator):
+        pass
+
+    def cursor_modal_set(self, cursor):
+        self.cursor = cursor
+
+    def cursor_modal_restore(self):
+        self.cursor = "DEFAULT"
+
+    def status_text_set(self, text):
+        self.texts.append(text)
+
+    header_text_set = status_text_set
+
+
+@pytest.fixture
+def operator(waiting, monkeypatch):
+    """One that fills a hole of some size, as in a window."""
+    monkeypatch.setattr(waiting, "bpy", types.SimpleNamespace(app=types.SimpleNamespace(background=False)))
+    points, faces = scenes.lattice()
+    rim = min(tripatch.find_holes(faces), key=len)
+
+    class Fills(waiting.Waiting):
+        resolution, reported, usable = 4, (), True
+
+        def execute(self, _context):
+            (self.fill,) = waiting.fill_all(scenes.bowl(points), faces, [rim], resolution=self.resolution)
+            return {"FINISHED"}
+
+        def poll(self, _context):
+            return self.usable
+
+        def report(self, kind, sentence):
+            self.reported += (sentence,)
+
+    return Fills()
+
+
+def event(kind, value="PRESS"):
+    return types.SimpleNamespace(type=kind, value=value)
+
+
+def test_an_operator_waits_tells_and_comes_to_its_end(operator):
+    desk = Desk()
+    assert operator.run_and_wait(desk) == {"RUNNING_MODAL"}
+    assert desk.timers == 1 and desk.cursor == "WAIT" and "Esc: stop" in desk.texts[-1]
+    assert operator.modal(desk, event("A")) == {"RUNNING_MODAL"}, "keys do nothing to the mesh"
+    assert operator.modal(desk, event("MIDDLEMOUSE")) == {"PASS_THROUGH"}, "the view can be turned"
+    operator._making._job._thread.join()
+    assert operator.modal(desk, event("TIMER", "NOTHING")) == {"FINISHED"}
+    assert len(operator.fill.vertices) and desk.timers == 0 and desk.cursor == "DEFAULT" and desk.texts[-1] is None
+
+
+@pytest.mark.parametrize("how", ["Esc", "closed", "left"])
+def test_an_operator_that_waits_is_ended(operator, how):
+    desk, operator.resolution = Desk(), 1000
+    assert operator.run_and_wait(desk) == {"RUNNING_MODAL"}
+    if how == "Esc":
+        assert operator.modal(desk, event("ESC")) == {"CANCELLED"}
+        assert operator.reported == ("Stopped; the mesh is as it was",)
+    elif how == "closed":
+        operator.cancel(desk)
+    else:
+        operator.usable = False  # no longer in edit mode
+        assert operator.modal(desk, event("TIMER", "NOTHING")) == {"CANCELLED"}
+    assert operator._making.is_done() and not hasattr(operator, "fill")
+    assert desk.timers == 0 and desk.cursor == "DEFAULT" and desk.texts[-1] is None
