@@ -698,6 +698,14 @@ void check_for_holes(const FillOptions& options) {
     throw InvalidArgument(std::string(spline_method) + " makes no cages; choose another method, or triangles or quads");
 }
 
+/// Before anything is refused that names them.
+void check_named(const Mesh& mesh, std::span<const std::vector<Index>> rims, const Corners& corners, const FillOptions& options) {
+  const Index n = mesh.vertices.rows();
+  for (const std::vector<Index>& rim : rims) check_vertices(rim, n, "Rim");
+  for (const std::vector<Index>& island : options.islands) check_vertices(island, n, "Island");
+  if (corners) check_vertices(*corners, n, "Corner");
+}
+
 }  // namespace
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
@@ -705,6 +713,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   check_for_holes(options);
   const std::span<const std::vector<Index>> given =
       options.rim ? std::span<const std::vector<Index>>(&*options.rim, 1) : std::span<const std::vector<Index>>();
+  check_named(mesh, given, options.corners, options);
   if (const std::optional<Vec3> origin = local_origin(mesh, given)) {
     const Elsewhere near(mesh, options, *origin);
     Fill result = fill({near.vertices, mesh.faces}, near.options);
@@ -726,6 +735,8 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   if (options.center && rims.size() > 1)
     throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
   check_for_holes(options);
+  check_named(mesh, rims, {}, options);
+  for (const Corners& each : corners) check_named(mesh, {}, each, options);
   Results results(rims.size());
   if (rims.empty()) return results;
   if (const std::optional<Vec3> origin = local_origin(mesh, rims)) {

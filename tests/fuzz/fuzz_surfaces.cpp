@@ -98,7 +98,8 @@ void check_patch(Bytes& bytes, std::vector<Side> found) {
       const Vec3 p = made.patch->positions(Eigen::Map<const Points>(b.data(), 1, 3)).row(0);
       require(p.allFinite(), "a patch is not finite");
       const Vec3 q = sides[i].c(t);
-      require((p - q).norm() <= 1e-5 * (1 + p.norm() + q.norm()) || !q.allFinite(), "a patch does not meet its side");
+      const bool met = (p - q).norm() <= 1e-5 * (1 + p.norm() + q.norm()) || !q.allFinite();
+      require(met, ("a patch by " + options.method + " does not meet its side").c_str());
     }
 }
 

@@ -89,3 +89,24 @@ TEST_CASE("a hole that cannot be filled does not stop the others", "[parallel]")
   const auto results = fill_all(Mesh{sieve.points, sieve.faces}, sieve.rims, {}, {}, {});
   for (std::size_t k = 0; k < results.size(); ++k) CHECK(std::holds_alternative<Refused>(results[k]) == (k == 4));
 }
+
+TEST_CASE("what names vertices that are not there is a mistake of the caller, never a refusal that names them") {
+  // found by fuzzing: a rim too short, or corners too many, were refused first
+  const Points points = (Points(5, 3) << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, 1).finished();
+  Faces faces;
+  for (const auto& f : {std::array<Index, 3>{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}) faces.add(f);
+  const Mesh mesh = {points, faces};
+  FillOptions options;
+  options.rim = {0, 5};
+  CHECK_THROWS_AS(fill(mesh, options), InvalidArgument);
+  options.rim = {3, 2, 1, 0};
+  options.corners = {0, 1, 2, 7};
+  for (const char* method : {"side_vertex", "auto", "gregory"}) {
+    options.method = method;
+    CHECK_THROWS_WITH(fill(mesh, options), "Corner vertex 7 does not exist: the mesh has 5 vertices");
+    CHECK_THROWS_AS(fill_all(mesh, {*options.rim}, {}, {options.corners}), InvalidArgument);
+  }
+  options.corners.reset();
+  options.islands = {{1, 2, -1}};
+  CHECK_THROWS_AS(fill(mesh, options), InvalidArgument);
+}

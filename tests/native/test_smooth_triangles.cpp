@@ -315,3 +315,12 @@ TEST_CASE("what cannot be smoothed is refused by name") {
   soup.vertices.row(12).setConstant(std::nan(""));
   CHECK(smooth_triangles(soup.mesh()).vertices.bottomRows(10).allFinite());
 }
+
+TEST_CASE("normals of vertices that are not there are not looked for in other memory") {
+  const Points points = Points::Random(3, 3);
+  for (const Index wrong : {Index{-1}, Index{3}, Index{1} << 40}) {
+    Faces faces;
+    faces.add(std::array<Index, 3>{0, 1, wrong});
+    CHECK_THROWS_AS(vertex_normals({points, faces}), InvalidArgument);
+  }
+}

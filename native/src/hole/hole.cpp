@@ -16,10 +16,8 @@ using Loop = std::vector<Index>;
 
 std::array<Index, 3> places_of(const std::array<Index, 3>& corners, const Loop& rim, Index vertices) {
   std::array<Index, 3> places;
+  check_vertices(corners, vertices, "Corner");
   for (int i = 0; i < 3; ++i) {
-    if (corners[i] < 0 || corners[i] >= vertices)
-      throw InvalidArgument("Corner vertex " + std::to_string(corners[i]) + " does not exist: the mesh has " +
-                            std::to_string(vertices) + " vertices");
     if (corners[i] == corners[(i + 1) % 3])
       throw InvalidArgument("The corners must be three different vertices; vertex " + std::to_string(corners[i]) +
                             " is given twice");

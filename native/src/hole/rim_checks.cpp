@@ -102,12 +102,16 @@ std::string listed(const std::vector<Index>& vertices) {
   return text;
 }
 
+void check_vertices(std::span<const Index> named, Index vertices, const char* what) {
+  for (Index v : named)
+    if (v < 0 || v >= vertices)
+      throw InvalidArgument(std::string(what) + " vertex " + std::to_string(v) + " does not exist: the mesh has " +
+                            std::to_string(vertices) + " vertices");
+}
+
 std::vector<Index> check_topology(const Connectivity& around, const std::vector<Index>& rim) {
+  check_vertices(rim, around.vertices(), "Rim");
   if (rim.size() < 3) throw Refusal("A rim needs at least three edges", rim);
-  for (Index v : rim)
-    if (v < 0 || v >= around.vertices())
-      throw InvalidArgument("Rim vertex " + std::to_string(v) + " does not exist: the mesh has " +
-                            std::to_string(around.vertices()) + " vertices");
   Loop sorted = rim;
   std::sort(sorted.begin(), sorted.end());
   if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())

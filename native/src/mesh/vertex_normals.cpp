@@ -29,6 +29,9 @@ Points vertex_normals(const Mesh& mesh, const PointsRef& corner_normals) {
   if (corner_normals.rows() != 0 && corner_normals.rows() != static_cast<Index>(mesh.faces.corners.size()))
     throw InvalidArgument("there must be a normal for each of the " + std::to_string(mesh.faces.corners.size()) +
                           " corners, not " + std::to_string(corner_normals.rows()));
+  for (Index v : mesh.faces.corners)
+    if (v < 0 || v >= mesh.vertices.rows())
+      throw InvalidArgument("A face names vertex " + std::to_string(v) + ", of " + std::to_string(mesh.vertices.rows()));
   Points normals = Points::Zero(mesh.vertices.rows(), 3);
   const auto at = [&](Index v) -> Vec3 { return mesh.vertices.row(v); };
   for (Index f = 0; f < mesh.faces.size(); ++f) {

@@ -1,12 +1,16 @@
 // What a rim must be before it can be filled.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
+
+/// InvalidArgument for a vertex that the mesh has not: "Rim vertex 9 does not exist: ...", where `what` is "Rim".
+void check_vertices(std::span<const Index> named, Index vertices, const char* what);
 
 /// Every vertex once; every edge with one face; the faces around agree in orientation; else a Refusal. InvalidArgument for vertices
 /// that the mesh has not. Returns the rim in the direction of new faces.
