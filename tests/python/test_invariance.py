@@ -61,7 +61,7 @@ def test_where_much_is_equal_rounding_does_not_choose(mesh, gone):
 
 #: Boxes whose creases fit each other equally well in several ways, run along the rim or over its vertices, or meet a rim in
 #: a line, and whose corners have two feet on what is laid under them.
-HARD = [1099, 1100, 1178, 10031, 10065, 10477, 10520, 10946, 10982, 11014, 20377, 21242]
+HARD = [1099, 1100, 1178, 10031, 10065, 10477, 10520, 10946, 10982, 11014, 20377, 21242, 31759, 50545]
 
 
 @pytest.mark.parametrize("seed", [*range(30), *HARD])

@@ -8,6 +8,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/smoothstep.h"
+#include "tripatch/math/ties.h"
 
 namespace tripatch {
 namespace {
@@ -109,7 +110,8 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     const Vec3 n_in = in.normal(1), n_out = out.normal(0);
     boundary.corner_mismatch_deg[k] = degrees_between(n_in, n_out);
     const double turn = degrees_between(before, after);
-    const bool backwards = before.cross(after).dot(n_in + n_out) < 0 && turn < 179;
+    const Vec3 up = before.cross(after);  // across the normals at a corner of a box whose face is gone: a tie
+    const bool backwards = up.dot(n_in + n_out) < -tie * up.norm() && turn < 179;
     boundary.turn_deg[k] = backwards ? -turn : turn;
     const double tangents = before.cross(after).norm(), chords = (in.c(1) - in.c(0)).cross(out.c(1) - out.c(0)).norm();
     const double opening = backwards || !(chords > 0) ? 0 : tangents / chords;
