@@ -26,6 +26,10 @@ constexpr double clearly_off = 4;
 /// times the energy. Of 264 holes in eleven kinds of surfaces, with 5 to 20 edges a side, what the two choose is 1.15 times as far off as
 /// the nearer one in the geometric mean (deviations of 2 alone: 1.65); always the spline would be 2.
 constexpr double unknown_by_energy = 2e-3;
+/// But not where it misses the planes along the rim by so many degrees, which are known so many times better: across the ends of fillets
+/// of different radii curvature jumps, and a field that is smooth everywhere is 10 to 200 times as far off there as the patch.
+constexpr double misses_planes = 0.5;
+constexpr double known_better = 20;
 constexpr Index compared_points = 300;
 
 PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vector<double>>& parameters) {
@@ -180,6 +184,8 @@ double distance_from(const Surface& surface, const Points& known, const PlanePoi
 bool excluded_by(const Fill& patch, const Fill& spline, double diameter) {
   if (!spline.patch || spline.deviation.size() == 0 || patch.vertices.rows() == 0 || spline.report.triangles_folded > 0)
     return false;
+  const double spline_error = spline.report.surroundings_error;
+  if (spline_error > misses_planes && patch.report.surroundings_error * known_better < spline_error) return false;
   const double said = spline.deviation.norm() / std::sqrt(static_cast<double>(spline.deviation.size()));
   if (unknown_by_energy * patch.report.energy_after * diameter > said) return true;
   return distance_from(*spline.patch, spline.vertices, spline.uv, patch.vertices) > clearly_off * said;
@@ -189,6 +195,7 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
                          const std::vector<Index>& corners, const std::vector<bool>& alone) {
   const Index n = static_cast<Index>(corners.size()), edges = static_cast<Index>(rim.size());
   MeshPolygon out;
+  double squares = 0, counted = 0;  // of the errors of the sides, by their vertices
   for (Index k = 0; k < n; k += n == 2 ? 1 : 2) {
     // a hole of three corners: k, the next and the one after it, of which the third side is read for its beginning and end only; of a
     // lens the third corner is in the middle of the other side
@@ -204,11 +211,14 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
     MeshSides three = mesh_sides(mesh, around, hole);
     const bool both = k + 1 < n && n > 2;
     for (int i : both ? std::vector<int>{2, 0} : std::vector<int>{2}) {
+      const double vertices = static_cast<double>(three.parameters[i].size());
+      squares += vertices * std::pow(three.side_error[i], 2);
+      counted += alone.empty() || !alone[out.sides.size()] ? vertices : 0;
       out.sides.push_back(upright(std::move(three.sides[i])));
       out.parameters.push_back(std::move(three.parameters[i]));
     }
-    out.surroundings_error = std::max(out.surroundings_error, three.surroundings_error);
   }
+  out.surroundings_error = counted > 0 ? std::sqrt(squares / counted) : 0;
   return out;
 }
 

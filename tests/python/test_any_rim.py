@@ -274,3 +274,34 @@ def test_a_strip_between_two_rims_is_the_tube_that_was_there():
     assert max(count.values()) == 2
     for rim in (one, other):
         assert all(count[min(a, b), max(a, b)] == 2 for a, b in itertools.pairwise([*rim, rim[0]]))
+
+
+def swept_fillet(segments, ring=0.3, tube=0.3, far=(1.0, 2.0)):
+    """A fillet of radius `tube` around the corner of a plate, which is rounded with radius `ring`: path and profile are straight,
+    round and straight; the quarter of a torus in the middle is left out."""
+    quarter = np.linspace(0, np.pi / 2, segments + 1)
+    path = [(lambda x, s=s: (x, -s)) for s in far[::-1]]
+    path += [(lambda x, t=t: (x * np.cos(t), x * np.sin(t))) for t in quarter]
+    path += [(lambda x, s=s: (-s, x)) for s in far]
+    profile = [(ring + tube, -s) for s in far[::-1]]
+    profile += [(ring + tube * np.cos(t), tube * np.sin(t)) for t in quarter] + [(0.5 * ring, tube)]
+    vertices = np.array([(*step(radius), height) for step in path for radius, height in profile])
+    n, hole = len(profile), range(len(far), len(far) + segments)
+    faces = [
+        [i * n + j, (i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1]
+        for i in range(len(path) - 1)
+        for j in range(n - 1)
+        if not (i in hole and j in hole)
+    ]
+    return vertices, faces
+
+
+def test_between_fillets_where_curvature_jumps_the_patch_is_taken_not_the_spline():
+    for segments in (8, 12):
+        vertices, faces = swept_fillet(segments)
+        rim = next(h for h in tripatch.find_holes(faces) if len(h) == 4 * segments)
+        fill = tripatch.fill(vertices, faces, rim=rim)
+        x, y, z = fill.vertices.T
+        assert fill.report.method == "multi_sided"
+        assert np.abs(np.hypot(np.hypot(x, y) - 0.3, z) - 0.3).max() < 5e-4
+        assert fill.report.surroundings_error < 0.2

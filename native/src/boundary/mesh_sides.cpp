@@ -706,13 +706,17 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
     }
   });
   MeshSides result;
+  const auto error = [](double variances, double vertices) {
+    return vertices > 0 ? std::atan(std::sqrt(variances / vertices)) * 180 / M_PI : 0;
+  };
   double variances = 0, vertices = 0;
   for (int i = 0; i < 3; ++i) {
     if (hole.alone[i]) continue;
     variances += fits[i].slope_variances;
     vertices += static_cast<double>(drafts[i].vertex.size());
+    result.side_error[i] = error(fits[i].slope_variances, static_cast<double>(drafts[i].vertex.size()));
   }
-  result.surroundings_error = vertices > 0 ? std::atan(std::sqrt(variances / vertices)) * 180 / M_PI : 0;
+  result.surroundings_error = error(variances, vertices);
   settle_corners(fits, hole.alone, drafts);
   result.sides = side_curves(drafts, w.scale, components.noise);
   for (int i = 0; i < 3; ++i) {

@@ -16,6 +16,7 @@ struct MeshSides {
   /// Degrees: rms over the rim of the standard deviation of the estimated tangent plane: how well the mesh determines its own
   /// tangent planes, from its noise and from what the local polynomials leave out. Of the sides that are continued.
   double surroundings_error = 0;
+  std::array<double, 3> side_error = {};  ///< the same of each side by itself
 };
 
 /// Sides through the rim vertices, c and r twice continuously differentiable, with q; see docs/mathematics/surroundings.md.
