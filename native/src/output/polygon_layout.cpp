@@ -12,7 +12,6 @@
 namespace tripatch {
 namespace {
 
-
 constexpr std::size_t most_layout_corners = 12;
 constexpr std::size_t subsets_tried = 10;  ///< choices of corners for which the integers are sought
 /// With each number of corners, embedded, smoothed and measured: of a rim of few edges more, as there it costs little.

@@ -137,7 +137,7 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
     fairing.energy = *options.fairing;
     fairing.tension = options.tension;
     if (!through.empty()) fairing.center = through[0].point;  // the shape is a person's, however wild
-    const int n = made.domain.sides();  // as many nodes in all as a triangle has, or a few more
+    const int n = made.domain.sides();                        // as many nodes in all as a triangle has, or a few more
     fairing.nodes = n <= 5 ? 8 : n <= 8 ? 7 : 6;
     fairing.rough_nodes = n <= 5 ? 5 : 4;
     // the larger the polygon, the farther its middle from what the sides say of it; and in a lens all are far from the corners
