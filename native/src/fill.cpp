@@ -570,6 +570,8 @@ Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, const F
 /// The same between three sides, whose patch takes more: in Suzanne, holes of 10 to 16 edges, the spline was the nearer one from here on,
 /// 1.3 times in the geometric mean of nine, and neither was with less.
 constexpr double no_surface = 45;
+/// Of fewer edges no rim was looked at: they tell nothing of a surface but their planes.
+constexpr std::size_t least_edges_apart = 9;
 
 /// Degrees between the tangent planes of three sides at their corners, the most.
 double planes_apart(const SideList& sides) {
@@ -619,8 +621,8 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   bool apart = false;
   try {
     patch = fill_with_patch(ground, hole, options);
-    apart = !corners && not_taken(options).empty() && planes_apart(patch->sides) > no_surface &&
-            !any_sharp(sharp_sides_of(ground, hole));
+    apart = !corners && hole.rim.size() >= least_edges_apart && not_taken(options).empty() &&
+            planes_apart(patch->sides) > no_surface && !any_sharp(sharp_sides_of(ground, hole));
     const bool folds = patch->report.folds > 0 || patch->report.triangles_folded > 0;
     if (!folds && !apart) return std::move(*patch);
     reason = folds ? "a patch between three corners would fold" : "the tangent planes of the three sides differ at the corners";

@@ -93,10 +93,10 @@ double area_of(const Points& p, const Triangles& triangles) {
   return area;
 }
 
-Index folded_edges(const Points& p, const Triangles& triangles, const Rim& rim) {
+Index folded_edges(const Points& p, const Triangles& triangles, std::span<const FaceBeyond> beyond) {
   Faces faces;
   for (const std::array<Index, 3>& t : triangles) faces.add(t);
-  return count_folded_edges(p, Points(0, 3), faces, rim.beyond);
+  return count_folded_edges(p, Points(0, 3), faces, beyond);
 }
 
 Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
@@ -363,8 +363,8 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   Points points = result.made.points;
   points.bottomRows(added) = average->positions(as_rows(PlanePoints(result.made.uv.bottomRows(added))));
   if (!points.allFinite() || !stay(points, rim)) return;
-  const Index folds = folded_edges(points, result.made.triangles, rim);
-  if (folds > rim.folds && folds > folded_edges(result.made.points, result.made.triangles, rim)) return;
+  const Index folds = folded_edges(points, result.made.triangles, rim.beyond);
+  if (folds > rim.folds && folds > folded_edges(result.made.points, result.made.triangles, rim.beyond)) return;
   result.surface = average;
   result.made.points = std::move(points);
 }
@@ -416,7 +416,7 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
     fill.deviation = (fill.deviation.cwiseAbs2() + spread.cwiseAbs2()).cwiseSqrt();
   }
   fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
-  fill.folds = folded_edges(result.made.points, fill.triangles, rim);
+  fill.folds = folded_edges(result.made.points, fill.triangles, rim.beyond);
   fill.rim_folds = rim.folds;
   fill.rings = disc.rings;
   fill.doubles_edges = result.made.doubles_edges;
@@ -429,16 +429,16 @@ PlaneFill plain(const Rim& rim, bool doubles_edges) {
   fill.triangles = rim.rough;
   fill.folds = fill.rim_folds = rim.folds;
   fill.doubles_edges = doubles_edges;
-  if (rim.folds == 0 || !rim.surroundings.islands.empty()) return fill;
+  if (folded_edges(rim.points, rim.rough, {}) == 0 || !rim.surroundings.islands.empty()) return fill;
   const Index r = rim.points.rows();
   Points points(r + 1, 3);
   points << rim.points, rim.points.colwise().mean();
   Triangles fan;
   for (Index k = 0; k < r; ++k) fan.push_back({k, (k + 1) % r, r});
-  if (folded_edges(points, fan, rim) > 0) return fill;
+  if (folded_edges(points, fan, {}) > 0) return fill;
   fill.vertices = points.bottomRows(1);
+  fill.folds = folded_edges(points, fan, rim.beyond);
   fill.triangles = std::move(fan);
-  fill.folds = 0;
   fill.doubles_edges = false;
   return fill;
 }
@@ -501,7 +501,7 @@ constexpr const char* mended = "A few vertices beside the rim are off the surfac
 
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   const Rim rim = rim_of(mesh, around, loops);
-  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles, rim);
+  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles, rim.beyond);
 }
 
 PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
@@ -510,7 +510,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
   const RoughFill rough = rough_fill(rim.points, rim.surroundings);
   rim.rough = rough.triangles;
-  rim.folds = folded_edges(rim.points, rim.rough, rim);
+  rim.folds = folded_edges(rim.points, rim.rough, rim.beyond);
   rim.area = area_of(rim.points, rim.rough);
   PlaneFill best = plain(rim, rough.doubles_edges);
   best.plainer = "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
@@ -537,7 +537,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     average_models(disc, rim, *result);
     const bool doubles = result->made.doubles_edges && !rough.doubles_edges;
     if (doubles) continue;
-    const Index folds = folded_edges(result->made.points, result->made.triangles, rim);
+    const Index folds = folded_edges(result->made.points, result->made.triangles, rim.beyond);
     Index left = unfold(result->made.points, result->made.triangles, disc.rim, 0, rim.beyond);
     if (left > rim.folds) left = unfold(result->made.points, result->made.triangles, disc.rim, rim.folds, rim.beyond);
     if (left > rim.folds) continue;
