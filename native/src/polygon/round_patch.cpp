@@ -216,7 +216,8 @@ Vec2 nearest_in_disc(const Surface& patch, const Vec3& point) {
   constexpr int rings = 12, angles = 36;
   Points grid = Points::Zero(1 + rings * angles, 3);
   for (int k = 0; k < rings * angles; ++k) {
-    const double r = farthest_out * (k / angles + 1) / rings;
+    const int ring = k / angles + 1;
+    const double r = farthest_out * ring / rings;
     grid.row(1 + k).head<2>() = r * on_circle(static_cast<double>(k % angles) / angles);
   }
   Index best = 0;
