@@ -153,6 +153,9 @@ def write(setting: Setting) -> None:
         results[name] = {n: measure(make(n)) for n in densities}
         print(name, {key: f"{value:.3g}" for key, value in results[name][densities[-1]].items()}, flush=True)
     times = timings(setting.cgal, setting.cache, 1 if setting.quick else 15)
-    options = "vertices, faces, the rim with its corners and the method side_vertex; all else at its default, but for the time said to be without fairing"
+    options = (
+        "vertices, faces, the rim with its corners and the method side_vertex; all else at its default, but for the time "
+        "said to be without fairing"
+    )
     text = HEAD.format(provenance=provenance(options, setting.quick)) + table(results, times, densities)
     (setting.docs / "figures.md").write_text(text)

@@ -114,7 +114,7 @@ def measure(hole: holes.Hole, others: dict) -> tuple[dict, dict]:
     mine["fairing"] = seconds - best_of(lambda: fill(fairing=None))[1]
     mine["quadratic"] = best_of(lambda: fill(fairing="third_derivative"))[1] - seconds + mine["fairing"]
     every = {name: fill(**options) for name, options in ENERGIES.items()}
-    mine["seam"] = max(metrics.seam(f.patch, f.sides) for f in every.values())
+    mine["seam"] = max(metrics.seam(f.patch, f.sides) for f in every.values() if f.sides)
     mine["energies"] = {name: {"folds": f.report.folds} for name, f in every.items()}
     if hole.nearest:
         for name, f in every.items():
