@@ -219,21 +219,18 @@ def fills(rims, arrays, options, progress=None, **arguments):
             else:
                 results[k] = refusal
     found = list(corners)
-    counts = None
+    counts = {}
     if _is_by_side(options.arguments):
-        counts = [_sides(corners[k], loops[k], positions, faces, replaced) for k in found]
+        counts = {k: _sides(corners[k], loops[k], positions, faces, replaced) for k in found}
     given = options.arguments | {"replaced": replaced, "progress": progress} | arguments
     shared = [k for k in found if not rims[k].inside]
-    if counts:
-        counts = dict(zip(found, counts, strict=True))
-    own = [counts[k] for k in shared] if counts else None
+    own = [counts[k] for k in shared if k in counts]
     made = _shared_or_each((positions, faces), [loops[k] for k in shared], [corners[k] for k in shared], given, own)
     for k, fill in zip(shared, made, strict=True):
         results[k] = fill
     for k in found:
         if rims[k].inside:
-            count = counts[k] if counts else None
-            results[k] = _through((positions, faces), loops[k], corners[k], rims[k].inside, given, count)
+            results[k] = _through((positions, faces), loops[k], corners[k], rims[k].inside, given, counts.get(k))
     return results
 
 

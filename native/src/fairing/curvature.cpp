@@ -82,6 +82,16 @@ SideForm side_form(const Side& side, double t) {
   return form;
 }
 
+Vec3 upright_across(const Side& side, double t) {
+  const Vec3 along = side.c.derivative_at(t), r = side.r(t);
+  return (r - r.dot(along) / along.squaredNorm() * along).normalized();
+}
+
+Vec3 upright_bend(const Side& side, double t) {
+  const SideForm form = side_form(side, t);
+  return form(upright_across(side, t)) * form.n;
+}
+
 Vec3 lacking_curvature(const Side& side, double t, const Across& across) {
   const SideForm form = side_form(side, t);
   return (form(across.first) - form.n.dot(across.second)) * form.n;

@@ -50,21 +50,13 @@ public:
     return field([&](double t) { return side_.c(t); });
   }
   PiecewisePolynomial across() const {
-    return field([&](double t) { return upright_at(t); });
+    return field([&](double t) { return upright_across(side_, t); });
   }
   PiecewisePolynomial bend() const {
-    return field([&](double t) -> Vec3 {
-      const SideForm form = side_form(side_, t);
-      return form(upright_at(t)) * form.n;
-    });
+    return field([&](double t) { return upright_bend(side_, t); });
   }
 
 private:
-  Vec3 upright_at(double t) const {
-    const Vec3 along = side_.c.derivative_at(t), r = side_.r(t);
-    return (r - r.dot(along) / along.squaredNorm() * along).normalized();
-  }
-
   const Side& side_;
   double from_, to_, length_;
 };

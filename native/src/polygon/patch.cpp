@@ -7,6 +7,7 @@
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/polygon/space.h"
 
 namespace tripatch {
 namespace {
@@ -110,10 +111,7 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
     return true;
   };
   for (int step = 0; step < 8; ++step) {
-    const std::array<double, 3> b = {place[0], place[1], 0};
-    std::array<double, 9> jets;
-    patch.evaluate(b.data(), 1, 1, jets.data());
-    const Vec2 move = in_frame(Vec3::Map(&jets[3]), Vec3::Map(&jets[6]), point - Vec3::Map(jets.data()));
+    const Vec2 move = step_toward(patch, place, point);
     if (!move.allFinite()) break;
     double share = 1;
     while (share > 1e-3 && !inside(place + share * move)) share /= 2;

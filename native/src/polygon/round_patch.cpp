@@ -60,20 +60,10 @@ namespace {
 
 /// The side by waves up to an order: r a unit vector across, q the normal curvature along it.
 Side in_waves(const Side& side, int order) {
-  const auto across = [&](double t) -> Vec3 {
-    const Vec3 along = side.c.derivative_at(t), r = side.r(t);
-    return (r - r.dot(along) / along.squaredNorm() * along).normalized();
-  };
   Side out;
   out.c = around_circle(fourier([&](double t) { return side.c(t); }, order));
-  out.r = around_circle(fourier(across, order));
-  if (!side.q.empty()) {
-    const auto bend = [&](double t) -> Vec3 {
-      const SideForm form = side_form(side, t);
-      return form(across(t)) * form.n;
-    };
-    out.q = around_circle(fourier(bend, order));
-  }
+  out.r = around_circle(fourier([&](double t) { return upright_across(side, t); }, order));
+  if (!side.q.empty()) out.q = around_circle(fourier([&](double t) { return upright_bend(side, t); }, order));
   out.curvature_error = side.curvature_error;
   return out;
 }
@@ -224,10 +214,7 @@ Vec2 nearest_in_disc(const Surface& patch, const Vec3& point) {
   (patch.positions(grid).rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&best);
   Vec2 place = grid.row(best).head<2>();
   for (int step = 0; step < 8; ++step) {
-    const std::array<double, 3> b = {place[0], place[1], 0};
-    std::array<double, 9> jets;
-    patch.evaluate(b.data(), 1, 1, jets.data());
-    const Vec2 move = in_frame(Vec3::Map(&jets[3]), Vec3::Map(&jets[6]), point - Vec3::Map(jets.data()));
+    const Vec2 move = step_toward(patch, place, point);
     if (!move.allFinite()) break;
     place += move;
     if (place.norm() > farthest_out) place *= farthest_out / place.norm();

@@ -44,6 +44,21 @@ std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& aroun
   return out;
 }
 
+std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& around,
+                                          const std::vector<std::vector<Index>>& loops) {
+  std::vector<FaceBeyond> out = faces_beyond(mesh, around, loops);
+  Index first = 0;
+  for (const std::vector<Index>& loop : loops) {
+    const Index n = static_cast<Index>(loop.size());
+    for (Index k = 0; k < n; ++k) {
+      out[first + k].from = first + k;
+      out[first + k].to = first + (k + 1) % n;
+    }
+    first += n;
+  }
+  return out;
+}
+
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                          std::span<const FaceBeyond> beyond) {
   const Index n = vertices.rows();

@@ -453,12 +453,7 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
   points.bottomRows(fill.vertices.rows()) = fill.vertices;
   Faces triangles;
   for (const std::array<Index, 3>& t : fill.triangles) triangles.add(t);
-  std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, {rim});
-  for (std::size_t k = 0; k < rim.size(); ++k) {
-    beyond[k].from = static_cast<Index>(k);
-    beyond[k].to = static_cast<Index>((k + 1) % rim.size());
-  }
-  fill.folds = count_folded_edges(points, Points(0, 3), triangles, beyond);
+  fill.folds = count_folded_edges(points, Points(0, 3), triangles, faces_beyond_rows(mesh, around, {rim}));
   fill.rim_folds = folds_of_rim(mesh, around, {rim});
   if (fill.folds > fill.rim_folds) return {};
   return fill;

@@ -116,13 +116,11 @@ Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::
     row.push_back({vertices[k], k});
   }
   std::sort(row.begin(), row.end());
-  rim.beyond = faces_beyond(mesh, around, loops);
+  rim.beyond = faces_beyond_rows(mesh, around, loops);
   Index k = 0;
   for (const std::vector<Index>& loop : loops)
     for (std::size_t i = 0; i < loop.size(); ++i, ++k) {
       rim.surroundings.normals.row(k) = rim.beyond[k].normal;
-      rim.beyond[k].from = k;
-      rim.beyond[k].to = i + 1 < loop.size() ? k + 1 : k + 1 - static_cast<Index>(loop.size());
       const Index a = loop[i], b = loop[(i + 1) % loop.size()];
       lengths.push_back((mesh.vertices.row(a) - mesh.vertices.row(b)).norm());
       for (Connectivity::Corner c : around.at(a))

@@ -54,6 +54,11 @@ struct SideForm {
 };
 SideForm side_form(const Side& side, double t);
 
+/// r at a right angle to the side, of unit length.
+Vec3 upright_across(const Side& side, double t);
+/// The normal curvature of the surroundings along that, along the normal.
+Vec3 upright_bend(const Side& side, double t);
+
 /// What the second derivative across a side lacks, along the normal, for the curvature to be continuous there.
 Vec3 lacking_curvature(const Side& side, double t, const Across& across);
 

@@ -268,27 +268,20 @@ private:
 /// A JetSurface whose formula Derived has for four points too:
 ///   `template <int N> PackPoint<N> at(const PackBarycentric<N>& b) const;` (under TRIPATCH_PACKS, N up to highest_packed)
 template <class Derived>
-class PackedSurface : public VertexSafeSurface {
+class PackedSurface : public JetSurface<Derived> {
 public:
   static constexpr int highest_packed = 3;  ///< order that fairing asks for
 
+#ifdef TRIPATCH_PACKS
 private:
   void evaluate_regular(const double* b, Index n, int order, double* out) const override {
-    with_order<0, max_order>(order, [&](auto constant) { run<constant.value>(b, n, out); });
-  }
-
-  template <int N>
-  void run(const double* b, Index n, double* out) const {
-    const Derived& self = *static_cast<const Derived*>(this);
-#ifdef TRIPATCH_PACKS
     static const bool packs = __builtin_cpu_supports("avx2");
-    if constexpr (N <= highest_packed)
-      if (packs && n >= lanes) return run_packed<N>(self, b, n, out);
-#endif
-    for (Index k = 0; k < n; ++k) out = store(self.template at<N>(Barycentric<N>(b + 3 * k)), out);
+    if (!packs || n < lanes || order < 0 || order > highest_packed)
+      return JetSurface<Derived>::evaluate_regular(b, n, order, out);
+    const Derived& self = *static_cast<const Derived*>(this);
+    with_order<0, highest_packed>(order, [&](auto constant) { run_packed<constant.value>(self, b, n, out); });
   }
 
-#ifdef TRIPATCH_PACKS
   template <int N>
   TRIPATCH_PACKED static void run_packed(const Derived& self, const double* b, Index n, double* out) {
     constexpr int size = jet_size(N);

@@ -70,13 +70,14 @@ void with_order(int order, const F& f) {
 ///   `Vec3 corner(int i) const;`
 template <class Derived>
 class JetSurface : public VertexSafeSurface {
-private:
+protected:
   void evaluate_regular(const double* b, Index n, int order, double* out) const override {
-    with_order<0, max_order>(order, [&](auto constant) { run<constant.value>(b, n, out); });
+    with_order<0, max_order>(order, [&](auto constant) { one_by_one<constant.value>(b, n, out); });
   }
 
+private:
   template <int N>
-  void run(const double* b, Index n, double* out) const {
+  void one_by_one(const double* b, Index n, double* out) const {
     const Derived& self = *static_cast<const Derived*>(this);
     for (Index k = 0; k < n; ++k) out = store(self.template at<N>(Barycentric<N>(b + 3 * k)), out);
   }

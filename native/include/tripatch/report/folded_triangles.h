@@ -21,6 +21,10 @@ struct FaceBeyond {
 /// Those of loops of border edges, one for each edge in their order.
 std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
+/// The same with the rows of the loops' vertices for the vertices, one loop after another.
+std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& around,
+                                          const std::vector<std::vector<Index>>& loops);
+
 /// Edges whose triangles are folded over each other, every face cut into a fan from its first corner, and edges of the rim where they are
 /// folded back over the faces beyond. Where an edge has more than two triangles each is compared with the first. vertices: of the mesh;
 /// v >= their number is row v - number of `added`.
