@@ -84,7 +84,8 @@ def of_fill(vertices, fill, before):
     wrong = len(set(added)) < len(added) or not before.isdisjoint(added) or not np.isfinite(fill.vertices).all()
     triangles = np.array([[f[0], f[k], f[k + 1]] for f in fill.faces for k in range(1, len(f) - 1)])
     row = {"result": "WRONG" if wrong else "filled", "method": fill.report.method, "faces": len(fill.faces)}
-    row |= {"folded": fill.report.triangles_folded, "seam": fill.report.seam_angle_max, "crossing": ""}
+    row |= {"folded": fill.report.triangles_folded, "rim_folded": fill.report.rim_folded}
+    row |= {"seam": fill.report.seam_angle_max, "crossing": "", "reason": fill.report.method_reason}
     if len(triangles) <= MOST_CROSSED:
         row["crossing"] = int(crosses(np.concatenate([vertices, fill.vertices]), triangles))
     return row
@@ -110,7 +111,8 @@ def holes_of(path, rng, most):
     for cut in range(1 + most):
         left = taken_out(faces, rng) if cut else faces
         before, given = directed(left), as_given(left)
-        rims = [rim for rim in tripatch.find_holes(given) if len(rim) <= MOST_EDGES and tuple(rim) not in own]
+        found = tripatch.choose_holes(mesh.vertices, given)  # not the borders of pieces that a cut has left
+        rims = [rim for rim in found if len(rim) <= MOST_EDGES and tuple(rim) not in own]
         own |= {tuple(rim) for rim in rims} if not cut else set()
         for rim in rims[: most - count]:
             yield {"mesh": path.name, "cut": cut > 0} | fill_one(mesh.vertices, given, rim, before)
@@ -123,7 +125,8 @@ def table(rows):
     filled = [row for row in rows if row["result"] == "filled"]
     print(f"{len(rows)} holes in {len({row['mesh'] for row in rows})} meshes: {len(filled)} filled", end="")
     tried = [row["crossing"] for row in filled if row["crossing"] != ""]
-    print(f" ({sum(row['folded'] > 0 for row in filled)} of them with folds; {sum(tried)} of {len(tried)} cross themselves)")
+    folded, more = sum(row["folded"] > 0 for row in filled), sum(row["folded"] > row["rim_folded"] for row in filled)
+    print(f" ({folded} of them with folds, {more} with more than their rims; {sum(tried)} of {len(tried)} cross themselves)")
     for reason, count in Counter(row["reason"] for row in rows if row["result"] == "refused").most_common():
         print(f"  {count} refused: {reason}")
     if filled:
@@ -152,7 +155,20 @@ def main():
         except (ValueError, OSError) as error:
             print(f"{path.name}: {error}", file=sys.stderr)
     if given.csv:
-        names = ["mesh", "cut", "edges", "result", "method", "faces", "folded", "crossing", "seam", "seconds", "reason"]
+        names = [
+            "mesh",
+            "cut",
+            "edges",
+            "result",
+            "method",
+            "faces",
+            "folded",
+            "rim_folded",
+            "crossing",
+            "seam",
+            "seconds",
+            "reason",
+        ]
         with given.csv.open("w", newline="") as file:
             writer = csv.DictWriter(file, names)
             writer.writeheader()

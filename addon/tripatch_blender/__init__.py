@@ -11,9 +11,9 @@ bl_info = {
     "category": "Mesh",
 }
 
-from . import between_patches, command_line, library, live_fills, operators, overlay, smooth, tool, ui  # noqa: E402
+from . import between_patches, command_line, library, live_fills, operators, overlay, smooth, tool, ui, waiting  # noqa: E402
 
-_modules = (operators, between_patches, smooth, ui, overlay, live_fills, tool, command_line)
+_modules = (waiting, operators, between_patches, smooth, ui, overlay, live_fills, tool, command_line)
 
 
 def register():

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty
 
-from . import filling, library, panel, selection, sentences
+from . import filling, library, panel, selection, sentences, waiting
 from .construction import Construction
-from .library import np, tripatch
+from .library import np, tripatch, words
 from .selection import UnusableError
 
 
@@ -159,24 +159,32 @@ class Between:
     patch: object
 
 
+def _patch_and_triangles(sides, drawn, arguments, progress=None):
+    """The patch between some sides, and its vertices and triangles; drawn: of each side into how many edges, or where."""
+    patch = tripatch.patch(sides, **arguments, progress=progress)
+    barycentric, faces = patch.triangles(drawn)
+    return patch, patch.evaluate(barycentric), faces
+
+
 def mesh_between(objects, tolerance, resolution, construction):
     """A new mesh that fills the hole between objects, and its `Between`; UnusableError or ValueError if there is none."""
     curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
     loop = tripatch.between.find_loop(curves, tolerance)
     sides = loop.joined_sides()
-    patch = tripatch.patch([side for side, _ in sides], **filling.for_sides(construction, len(sides)))
     exact = [isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
     by_number = [resolution and all(exact[k] for k in group) for group in loop.groups]
-    barycentric, faces = patch.triangles([resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)])
+    drawn = [resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)]
+    own = filling.for_sides(construction, len(sides))
+    patch, points, faces = waiting.make(_patch_and_triangles, [side for side, _ in sides], drawn, own)
     mesh = bpy.data.meshes.new("Fill")
-    mesh.from_pydata(patch.evaluate(barycentric).tolist(), [], faces.tolist())
+    mesh.from_pydata(points.tolist(), [], faces.tolist())
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
     for material in objects[0].data.materials:
         mesh.materials.append(material)
     return mesh, Between(loop, sides, patch)
 
 
-class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
+class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Operator):
     """Fill the hole between selected surface and mesh objects by a new mesh that continues them"""
 
     bl_idname = "object.fill_between_patches"
@@ -226,7 +234,10 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         with panel.folded(self, "advanced", "Advanced") as row:
             self.construction_rows(row)
 
-    def execute(self, context):
+    def invoke(self, context, _event):
+        return self.run_and_wait(context)
+
+    def perform(self, context):
         objects = _selected(context)
         between = {"tolerance": self.tolerance, "resolution": self.resolution, "construction": self.construction()}
         try:
@@ -234,6 +245,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         except ValueError as reason:  # Refusal, UnusableError, InvalidArgument
             self.report({"ERROR"}, sentences.for_people(str(reason)))
             return {"CANCELLED"}
+        waiting.goes_on()
         new = bpy.data.objects.new("Fill", mesh)
         context.collection.objects.link(new)
         for ob in context.selected_objects:
@@ -253,7 +265,7 @@ class OBJECT_OT_fill_between_patches(Construction, bpy.types.Operator):
         self.report(
             {"INFO"},
             f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(made.loop.gaps):.2g} "
-            f"(tolerance {self.tolerance:.2g}, scene units), seam within {seam:.2g} deg",
+            f"(tolerance {self.tolerance:.2g}, scene units), seam within {words.degrees(seam)}",
         )
         return {"FINISHED"}
 

@@ -152,7 +152,7 @@ class _ToObject:
 def _planned(bm, rim, world, fill, count):
     """A `Planned` fill; Refusal if its faces cannot be joined to the mesh. count: vertices that the fill counts as the mesh's."""
     own, vertex = _ToObject(world), {v.index: v for v in rim.loop}
-    continuity = fill.report.continuity if all(fill.report.continuity) else ()  # a spline has none by side
+    continuity = () if fill.report.method == "polyharmonic_spline" else fill.report.continuity  # it has no sides
     planned = writeback.Planned(
         rim,
         fill,
@@ -236,12 +236,11 @@ def fills(rims, arrays, options, progress=None, **arguments):
 
 def _through(mesh, loop, corners, inside, arguments, count):
     """A tripatch.Fill or Refusal that goes through vertices."""
-    arguments = {name: value for name, value in arguments.items() if name != "progress"}
     if count:
         arguments = for_sides(arguments, count)
     points = [mesh[0][v.index] for v in inside]
     try:
-        return tripatch.fill(*mesh, rim=loop, corners=corners, through=points, **arguments)
+        return waiting.make(tripatch.fill, *mesh, rim=loop, corners=corners, through=points, **arguments)
     except tripatch.Refusal as refusal:
         return refusal
     except ValueError as reason:  # a method that meets no points

@@ -321,9 +321,9 @@ def keep_hole(ob, rim, options):
     ob.users_collection[0].objects.link(fill)
     try:
         outcome = _follow(fill)
-    except (UnusableError, ValueError, waiting.TakesLong) as reason:
+    except (UnusableError, ValueError, waiting.Ends) as reason:
         bpy.data.meshes.remove(fill.data)  # and the object with it
-        if isinstance(reason, waiting.TakesLong):
+        if isinstance(reason, waiting.Ends):
             raise
         raise UnusableError(str(reason)) from None
     waiting.goes_on()

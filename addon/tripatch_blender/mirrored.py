@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Holes that a Mirror modifier cuts in half: the mesh has one half of the rim, the modifier makes the other.
+"""Holes that a Mirror modifier cuts in half, or two in quarters: the mesh has one part of the rim, the modifier makes the others.
 
-The surroundings of the half are mirrored into the BMesh for a moment, so that the hole is whole and is filled as any other; then
-the fill is cut where it meets its image, and what was only there for the moment goes again.
+The surroundings of the part are mirrored into the BMesh for a moment, so that the hole is whole and is filled as any other; then
+the fill is cut where it meets its images, and what was only there for the moment goes again.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ from . import selection
 
 # Of the mean length of a fill's edges: vertices that are nearer to the mirror plane are put on it, else slivers would be cut.
 _NEAR = 0.25
+# Cosine of the angle of two mirror planes: below it they are perpendicular, and one maps the other on itself.
+_PERPENDICULAR = 1e-4
+_NONE = frozenset()
 
 
 @dataclass
@@ -59,16 +62,24 @@ def is_joined(ob, rim):
     return False
 
 
-def _chain(start, plane, on_plane):
-    """The border vertices from one on the plane, along an edge off it, to the next on it; empty where that is not clear."""
+def _chain(start, on_planes):
+    """The border vertices from one on a plane, along an edge off it, to the next on a plane; empty where that is not clear.
+
+    on_planes: {vertex: the set of numbers of planes on which it is}.
+    """
+
+    def is_cut(edge):
+        a, b = edge.verts
+        return bool(on_planes.get(a, _NONE) & on_planes.get(b, _NONE))
+
     chain = [start]
-    ahead = [e for e in start.link_edges if e.is_boundary and not all(v in on_plane for v in e.verts)]
+    ahead = [e for e in start.link_edges if e.is_boundary and not is_cut(e)]
     if len(ahead) != 1:
         return []
     edge = ahead[0]
     while True:
         chain.append(edge.other_vert(chain[-1]))
-        if chain[-1] in on_plane:
+        if chain[-1] in on_planes:
             return chain
         further = [e for e in chain[-1].link_edges if e.is_boundary and e is not edge]
         if len(further) != 1:
@@ -92,25 +103,43 @@ def _border(bm, selected):
 
 
 def half_rims(ob, bm, selected):
-    """[(plane, chain of vertices)] of the holes that a Mirror cuts in half: those with a selected vertex, or else all.
+    """[(planes, chain of vertices)] of the holes that a Mirror cuts in half, or two in quarters: those with a selected vertex, or
+    else all.
 
     Between two of them on one plane the mesh lies on it; a mesh that only touches the plane has none.
     """
-    found, border = [], None
-    for plane in _planes(ob):  # none without a Mirror: then no border is looked for
-        border = _border(bm, selected) if border is None else border
-        on_plane = {v for v in border if abs(plane.height(v.co)) <= plane.within}
-        joined = {v for v in on_plane for e in v.link_edges if e.is_boundary and e.other_vert(v) in on_plane}
-        done = set()
-        for start in sorted(joined, key=lambda v: v.index):
-            if start in done:
-                continue
-            chain = _chain(start, plane, on_plane)
-            if chain and chain[-1] in joined and chain[-1] is not start:
-                done |= {chain[0], chain[-1]}
-                if not selected or any(v.select for v in chain[1:-1]):
-                    found.append((plane, chain))
+    planes = list(_planes(ob))
+    if not planes:  # then no border is looked for
+        return []
+    on_planes, joined = {}, set()
+    for v in _border(bm, selected):
+        held = {k for k, plane in enumerate(planes) if abs(plane.height(v.co)) <= plane.within}
+        if held:
+            on_planes[v] = held
+    for v, held in on_planes.items():
+        if any(e.is_boundary and held & on_planes.get(e.other_vert(v), _NONE) for e in v.link_edges):
+            joined.add(v)
+    found, done = [], set()
+    for start in sorted(joined, key=lambda v: v.index):
+        if start in done:
+            continue
+        chain = _chain(start, on_planes)
+        if not chain or chain[-1] not in joined or chain[-1] is start:
+            continue
+        done |= {chain[0], chain[-1]}
+        between = _planes_between(planes, on_planes[chain[0]], on_planes[chain[-1]])
+        inside = chain[1:-1]
+        if between and (not selected or (any(v.select for v in inside) if inside else all(v.select for v in chain))):
+            found.append((between, chain))
     return found
+
+
+def _planes_between(planes, first, last):
+    """The plane on which both ends of a chain are, or the two of them; none where these are not perpendicular."""
+    if first & last:
+        return [planes[min(first & last)]]
+    pair = [planes[min(first)], planes[min(last)]]
+    return pair if abs(pair[0].normal.dot(pair[1].normal)) < _PERPENDICULAR else []
 
 
 def _around(vertices):
@@ -150,18 +179,23 @@ def _whole_rim(chain):
 
 @contextmanager
 def image_of(bm, half):
-    """The Rim of the whole hole inside, with the image of its surroundings in the BMesh, and a function that cuts new faces and
-    returns those of this half."""
-    plane, chain = half
-    side = 1 if sum(plane.height(v.co) for v in chain) > 0 else -1
+    """The Rim of the whole hole inside, with the images of its surroundings in the BMesh, and a function that cuts new faces and
+    returns those of this part."""
+    planes, chain = half
+    sides = [1 if sum(plane.height(v.co) for v in chain) > 0 else -1 for plane in planes]
     bm.faces.index_update()
-    image = _add_image(bm, _around(chain), plane)
-    bm.verts.index_update()
-    bm.faces.index_update()
+    around, image = _around(chain), []
+    for plane in planes:
+        images = sorted({f for v in image for f in v.link_faces}, key=lambda f: f.index)
+        image += _add_image(bm, [*around, *images], plane)
+        bm.verts.index_update()
+        bm.faces.index_update()
     cut = []
 
     def keep(faces):
-        cut.extend(_cut(bm, faces, plane, side, set(image) | set(chain)))
+        for plane, side in zip(planes, sides, strict=True):
+            faces = _cut(bm, faces, plane, side, set(image) | set(chain))
+        cut.extend(faces)
         return cut
 
     try:

@@ -2,6 +2,7 @@
 """mesh.fill_smooth, and mesh.fill_three_sided, which is its name of before."""
 
 from dataclasses import replace
+from functools import partial
 
 import bmesh
 import bpy
@@ -251,7 +252,7 @@ class FillSmooth(Construction, waiting.Waiting):
             if self.output != "triangles" and outcome.diameters and self._is_computed("tolerance", 0):
                 self.tolerance = self.computed_tolerance = filling.TOLERANCE * max(outcome.diameters)
 
-    def execute(self, context):
+    def perform(self, context):
         with layers.standing_aside(context, context.objects_in_mode_unique_data):
             return self._execute(context)
 
@@ -267,7 +268,9 @@ class FillSmooth(Construction, waiting.Waiting):
         self._choose_output(selected or objects)
         self.reasons, self.all_holes = "", False
         outcome, unusable = filling.Outcome(), []
-        for ob in self._meant(selected or objects):
+        meant = self._meant(selected or objects)
+        waiting.ahead([partial(self._fill, ob) for ob in meant], selection.UnusableError)
+        for ob in meant:
             name = ob.name if len(objects) > 1 else ""
             try:
                 outcome.add(self._fill(ob), name)

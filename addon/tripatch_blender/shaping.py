@@ -60,6 +60,7 @@ class Shaping:
         self.fill = self.refusal = None
         self.vertices = self.normals = self._triangles = None  # (k, 3) of the fill as it is shown; its faces
         self._filled = None  # what of the shape the surroundings were read for
+        self._asked = None  # bulges and the middle of the last fill
         self._before = None
 
     def _rings(self, count):
@@ -185,6 +186,7 @@ class Shaping:
             self.fill, self.refusal = tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), None
             self.vertices, self.normals, self._triangles = self.fill.vertices, self.fill.normals, None
             self._filled = self._read_for() if self.fill.sides else None
+            self._asked = given["bulge"], given["center_offset"]
         except (tripatch.Refusal, ValueError) as reason:
             self.refusal = str(reason)
         return self.fill
@@ -213,7 +215,20 @@ class Shaping:
             given = given | {"resolution": _COARSE}
         if len(self.corners()) == 3 and given.get("method", "auto") in ("auto", "side_vertex"):
             given = given | {"method": "side_vertex", "fairing": None}
+        elif self._keeps_method(given):
+            given = given | {"method": self.fill.report.method}
+            if given["method"] == "polyharmonic_spline":  # which takes neither, and was taken nevertheless
+                given = given | {"bulge": 1.0, "center_offset": 0.0}
+            elif self.corners():
+                given = given | {"fairing": None}
         return given
+
+    def _keeps_method(self, given):
+        """Whether nothing but corners has moved since the last fill: then the method that it took is not looked for again."""
+        asked = given["bulge"], given["center_offset"]
+        if self.fill is None or self._asked != asked or given.get("method", "auto") != "auto":
+            return False
+        return self.fill.report.method in ("multi_sided", "polyharmonic_spline")
 
     def surface(self):
         """(vertices (n, 3), triangles (t, 3)) of the fill, with the mesh's own vertices as far as it uses them."""

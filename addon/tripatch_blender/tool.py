@@ -228,7 +228,7 @@ class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator
     def invoke(self, context, _event):
         return self.run_and_wait(context)
 
-    def execute(self, context):
+    def perform(self, context):
         ob, made = _object(), current()
         if ob is None:
             stop()

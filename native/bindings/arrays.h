@@ -39,6 +39,11 @@ inline Array array_of(tripatch::Points p) {
   return Array({kept->rows(), tripatch::Index{3}}, kept->data(), owner);
 }
 
+/// Points that belong to an object of Python, without a copy: the array keeps the object.
+inline Array array_in(const py::object& owner, const tripatch::Points& p) {
+  return Array({p.rows(), tripatch::Index{3}}, p.data(), owner);
+}
+
 /// None where there is none.
 inline py::object array_from(const tripatch::PlanePoints& p) {
   if (p.rows() == 0) return py::none();

@@ -26,15 +26,17 @@ void bind_fill(py::module_& m);
 void bind_making(py::module_& m);
 void bind_polygon(py::module_& m);
 
-/// Does work without the GIL in a thread of its own, and ends it within 100 ms where a signal has come, such as Ctrl-C.
+/// Does work without the GIL in a thread of its own, and ends it within 100 ms where a signal has come, such as Ctrl-C, or where
+/// `progress`, which is called with 0 or 1 and 1 several times a second, throws.
 template <class Work>
-void interruptibly(const Work& work) {
+void interruptibly(const Work& work, const py::object& progress = py::none()) {
   const py::gil_scoped_release release;
   tripatch::parallel_for_each(
       1, [&](std::size_t) { work(); },
-      [](std::size_t) {
+      [&](std::size_t done) {
         const py::gil_scoped_acquire acquire;
         if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (!progress.is_none()) progress(done, 1);
       });
 }
 

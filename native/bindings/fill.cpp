@@ -9,9 +9,10 @@ using namespace tripatch;
 
 void bind_fill(py::module_& m) {
   py::class_<Fill>(m, "Fill")
-      .def_property_readonly("vertices", [](const Fill& f) { return array_from(f.vertices); })
-      .def_property_readonly("normals", [](const Fill& f) { return array_from(f.normals); })
-      .def_property_readonly("barycentric", [](const Fill& f) { return array_from(f.barycentric); })
+      .def_property_readonly("vertices", [](const py::object& fill) { return array_in(fill, fill.cast<const Fill&>().vertices); })
+      .def_property_readonly("normals", [](const py::object& fill) { return array_in(fill, fill.cast<const Fill&>().normals); })
+      .def_property_readonly("barycentric",
+                             [](const py::object& fill) { return array_in(fill, fill.cast<const Fill&>().barycentric); })
       .def_property_readonly("rim_normals", [](const Fill& f) { return array_from(f.rim_normals); })
       .def_property_readonly("rim_barycentric", [](const Fill& f) { return array_from(f.rim_barycentric); })
       .def_property_readonly("uv",
@@ -35,12 +36,13 @@ void bind_fill(py::module_& m) {
       .def_readonly("sides", &Fill::sides)
       .def_readonly("report", &Fill::report);
 
-  m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options) {
+  m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options,
+                    const py::object& progress) {
     const FillOptions o = fill_options(options);
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     Fill filled;
-    interruptibly([&] { filled = fill({points, faces}, o); });
+    interruptibly([&] { filled = fill({points, faces}, o); }, progress);
     return filled;
   });
   m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,

@@ -10,6 +10,7 @@
 #include "tripatch/output/triangulate.h"
 #include "tripatch/polygon/fair.h"
 #include "tripatch/polygon/round.h"
+#include "tripatch/spline/plane_patch.h"
 
 using namespace tripatch;
 
@@ -83,6 +84,8 @@ void bind_patches(py::module_& m) {
             if (const auto* polygon = dynamic_cast<const PolygonSurface*>(&surface))
               return polygon_energy(surface, polygon->domain(), of, polygon_size(surface, polygon->domain()));
             if (dynamic_cast<const RoundSurface*>(&surface)) return round_energy(surface, of);
+            if (dynamic_cast<const PlanePatch*>(&surface))
+              throw InvalidArgument("energies are of patches between sides; a surface over the plane of a rim has none");
             return energy(surface, of, size_of(surface));
           },
           py::call_guard<py::gil_scoped_release>())
@@ -104,10 +107,10 @@ void bind_patches(py::module_& m) {
 }
 
 void bind_making(py::module_& m) {
-  m.def("_patch", [](const Sides& sides, const py::dict& given) {
+  m.def("_patch", [](const Sides& sides, const py::dict& given, const py::object& progress) {
     const FillOptions options = fill_options(given);
     MadePatch made;
-    interruptibly([&] { made = patch_from_sides(sides, options); });
+    interruptibly([&] { made = patch_from_sides(sides, options); }, progress);
     return std::make_pair(std::const_pointer_cast<Surface>(made.patch), std::move(made.report.warnings));
   });
   m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,

@@ -2,9 +2,10 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "options.h"
+#include "tripatch/fill/polygon_fill.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/round.h"
-#include "tripatch/polygon_fill.h"
+#include "tripatch/spline/plane_patch.h"
 
 using namespace tripatch;
 
@@ -49,17 +50,18 @@ void bind_polygon(py::module_& m) {
             return array_from(places);
           },
           "(64, 2) places on the unit circle, the first where the side begins.");
+  py::class_<PlanePatch, Surface, std::shared_ptr<PlanePatch>>(m, "PlanePatch", "A surface over a plane, for any rim.")
+      .def_property_readonly(
+          "domain", [](const PlanePatch& surface) { return array_from(surface.rim()); },
+          "(r, 2) the places of the rim's vertices, of islands those after them.");
   m.def("_joined_side", [](const std::vector<Side>& pieces, const std::vector<std::vector<double>>& parameters) {
     JoinedSide made = joined(pieces, parameters);
     return py::make_tuple(std::move(made.side), std::move(made.parameters));
   });
-  m.def("_round_patch", [](const Side& side, const py::dict& given) {
+  m.def("_round_patch", [](const Side& side, const py::dict& given, const py::object& progress) {
     const PolygonPatchOptions options = polygon_options(fill_options(given));
     RoundPatch made;
-    {
-      py::gil_scoped_release release;
-      made = round_patch(side, options);
-    }
+    interruptibly([&] { made = round_patch(side, options); }, progress);
     return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), made.warnings, made.seam_angle_max);
   });
   m.def("_polygon_triangles", [](const std::shared_ptr<OverPolygon>& patch, const std::vector<std::vector<double>>& parameters,
@@ -70,13 +72,10 @@ void bind_polygon(py::module_& m) {
                               const std::optional<int>& resolution) {
     return triangles_from([&] { return triangulate_disc(*patch, parameters[0], resolution); });
   });
-  m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given) {
+  m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given, const py::object& progress) {
     const PolygonPatchOptions options = polygon_options(fill_options(given));
     PolygonPatch made;
-    {
-      py::gil_scoped_release release;
-      made = polygon_patch(sides, options);
-    }
+    interruptibly([&] { made = polygon_patch(sides, options); }, progress);
     return py::make_tuple(std::const_pointer_cast<Surface>(made.patch), made.warnings, made.seam_angle_max);
   });
 }

@@ -60,6 +60,12 @@ void bind_methods(py::module_& m) {
       .def_readonly("citation", &Method::citation)
       .def_readonly("fills_holes", &Method::fills_holes)
       .def_readonly("continuity", &Method::continuity)
+      .def_property_readonly(
+          "sides",
+          [](const Method& method) {
+            return py::make_tuple(method.sides[0], method.sides[1] > 0 ? py::object(py::int_(method.sides[1])) : py::none());
+          },
+          "The smallest and the largest number of sides; (0, None): any rim.")
       .def_property_readonly("options", [](const Method& method) { return py::tuple(py::cast(method.options)); })
       .def("__repr__", [](const Method& method) { return std::string("<tripatch method ") + method.name + ">"; });
   m.def("_methods", [] {

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .page import Setting
 
-PARTS = ("accuracy", "fairness", "cages")  # modules with a function write(Setting)
+PARTS = ("accuracy", "fairness", "cages", "many_sides", "speed")  # modules with a function write(Setting)
 
 
 def main() -> None:

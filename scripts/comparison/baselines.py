@@ -114,9 +114,13 @@ def program(path: str, option: int) -> Callable:
 
 def _flat(hole: Hole, fill):
     """Triangles in an equilateral triangle, and their places in the plane by vertex of the whole mesh: the regular grid where the
-    sides have as many edges, else what TriPatch's fill has."""
+    sides have as many edges, else what TriPatch's fill has; of other than three sides in that fill's polygon."""
     corners = np.array([(0, 0, 0), (1, 0, 0), (0.5, np.sqrt(0.75), 0)])
     n, count = hole.counts[0], len(hole.vertices)
+    if len(hole.counts) != 3:
+        places = np.full((count + len(fill.uv), 3), np.nan)
+        places[fill.rim], places[count:] = np.pad(fill.rim_uv, [(0, 0), (0, 1)]), np.pad(fill.uv, [(0, 0), (0, 1)])
+        return places, np.array(fill.faces)
     if set(hole.counts) != {n}:
         places = np.full((count + len(fill.barycentric), 3), np.nan)
         places[fill.rim], places[count:] = fill.rim_barycentric @ corners, fill.barycentric @ corners
@@ -225,7 +229,8 @@ def _occt(hole, fill, setting):
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS
 
-    strips = [_strip_face(hole, i) for i in range(3)]
+    sides = range(len(hole.counts))
+    strips = [_strip_face(hole, i) for i in sides]
     options = list(OCCT[setting])
     if options:
         options[5] *= hole.diameter
@@ -257,7 +262,7 @@ def _occt(hole, fill, setting):
         return unit(np.array(out))
 
     t = np.linspace(0, 1, 22)[1:-1]
-    rims, true = zip(*(hole.strip(i, t, np.zeros(len(t))) for i in range(3)))
+    rims, true = zip(*(hole.strip(i, t, np.zeros(len(t))) for i in sides))
     found, true = normals(parameters(np.concatenate(rims))), np.concatenate(true)
     seam = angle(found * np.sign((found * true).sum()), true).max()
 

@@ -16,10 +16,9 @@ import tripatch
 from scipy.spatial import cKDTree
 from tripatch import _arrays, _native
 
-from .page import ROOT, Setting, provenance
+from .page import Setting, write_table
 
 STEPS = 6
-MARKS = "<!-- measurements: scripts/figures -->", "<!-- end of measurements -->"
 
 
 @dataclass
@@ -347,11 +346,5 @@ def table(setting: Setting) -> str:
 
 
 def write(setting: Setting) -> None:
-    page = Path("mathematics", "cage.md")
-    text = (ROOT / "docs" / page).read_text()
-    before, rest = text.split(MARKS[0])
-    after = rest.split(MARKS[1])[1]
     options = 'output="cage" with the rim and the number of rows of the table; all else at its default'
-    made = f"{provenance(options, setting.quick)}\n\n{table(setting)}"
-    (setting.docs / page).parent.mkdir(exist_ok=True)
-    (setting.docs / page).write_text(f"{before}{MARKS[0]}\n{made}{MARKS[1]}{after}")
+    write_table(setting, "mathematics/cage.md", options, table(setting))

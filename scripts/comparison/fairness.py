@@ -347,7 +347,7 @@ def page(results: dict, versions: list[str], pictures: list[str], setting: Setti
     fillers = list(dict.fromkeys(name for r in results.values() for name in r if name not in (CHART, ARC)))
     head = HEAD.format(
         provenance=provenance(
-            "vertices, faces and the rim with its corners; all else at its default unless a table says so", setting
+            "vertices, faces and the rim with its corners; all else at its default unless a table says so", setting.quick
         ),
         count=len(results),
         n=N,

@@ -75,7 +75,7 @@ def _mesh(name, counts, strip, step, *, gap=False, spacing=lambda i, t: t, neare
         grid = np.empty((m + 1, RINGS + 1), int)
         for k in range(m + 1):
             for j in range(RINGS + 1):
-                corner = (i + (k == m)) % 3
+                corner = (i + (k == m)) % len(counts)
                 shared = k in (0, m) and (j == 0 or not gap)
                 grid[k, j] = vertex(("corner", corner, j) if shared else ("side", i, k, j), rows[j][0][k], rows[j][1][k])
         for k in range(m):
@@ -147,9 +147,9 @@ def _nearest_on(surface, guess):
 
 
 def _in_chart(name, n, surface, corners, nearest, *, counts=None, step, along=None, **options) -> Hole:
-    """A triangle of the parameter plane; its sides straight there, or along(i, s) -> (u, v)."""
+    """A triangle, or another polygon, of the parameter plane; its sides straight there, or along(i, s) -> (u, v)."""
     corners = np.array(corners, float)
-    along = along or (lambda i, s: corners[i] + (corners[(i + 1) % 3] - corners[i]) * s[:, None])
+    along = along or (lambda i, s: corners[i] + (corners[(i + 1) % len(corners)] - corners[i]) * s[:, None])
 
     def strip(i, s, d):
         center = corners.mean(0)
@@ -157,7 +157,7 @@ def _in_chart(name, n, surface, corners, nearest, *, counts=None, step, along=No
         _, du, dv = _with_derivatives(surface, *at.real)
         return surface(*at), unit(np.cross(du, dv))
 
-    return _mesh(name, counts or (n, n, n), strip, step, nearest=nearest, **options)
+    return _mesh(name, counts or (n,) * len(corners), strip, step, nearest=nearest, **options)
 
 
 def _stack(*components):
@@ -312,6 +312,55 @@ _FURTHER = {
     "franke_small": (_franke, [(0.15, 0.15), (0.55, 0.2), (0.3, 0.6)]),
 }
 FURTHER = {name: functools.partial(lambda n, name: _further(name, n, *_FURTHER[name]), name=name) for name in _FURTHER}
+
+
+# ------------------------------------------------------------------------------------------------------------- many sides
+
+
+def _egg(u, v):
+    """Of revolution about z, blunt above and pointed below."""
+    radius = 0.8 * np.sin(v) * (1 + 0.25 * np.cos(v))
+    return _stack(radius * np.cos(u), radius * np.sin(u), 1.2 * np.cos(v))
+
+
+def _stereographic(u, v):
+    square = u * u + v * v
+    return _stack(2 * u, 2 * v, 1 - square) / (1 + square)[..., None]
+
+
+#: surface -> (its chart, middle and radius of the polygon there)
+_MANY_SIDED = {
+    "sphere": (_stereographic, (0.1, 0.05), 0.5),
+    "torus": (
+        lambda u, v: _stack((2 + 0.8 * np.cos(v)) * np.cos(u), (2 + 0.8 * np.cos(v)) * np.sin(u), 0.8 * np.sin(v)),
+        (0, 0.8),
+        0.7,
+    ),
+    "saddle": (lambda u, v: _stack(u, v, u * u - v * v), (0.1, 0), 0.7),
+    "egg": (_egg, (0.4, 1.2), 0.7),
+}
+MANY_SIDED = tuple(_MANY_SIDED)
+
+
+def many_sided(name, sides, n, regular=True) -> Hole:
+    """A hole between straight lines of a chart, n edges a side; an irregular one has corners that are turned and moved by a
+    quarter, and edges of about one length."""
+    surface, middle, radius = _MANY_SIDED[name]
+    rng = np.random.default_rng(sides)
+    turn, far = (0, 1) if regular else (rng.uniform(-0.25, 0.25, sides), rng.uniform(0.8, 1.2, sides))
+    angle = 2 * np.pi * (np.arange(sides) + turn) / sides + 0.4
+    corners = np.array(middle) + radius * (far * _stack(np.cos(angle), np.sin(angle)).T).T
+    lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    counts = tuple(np.maximum(2, np.rint(n * lengths / lengths.mean()).astype(int)).tolist())
+    low, high = corners.min(0) - 0.2, corners.max(0) + 0.2
+    u, v = (a.ravel() for a in np.meshgrid(*np.linspace(low, high, 200).T))
+    tree = cKDTree(surface(u, v))
+
+    def guess(points):
+        k = tree.query(points)[1]
+        return u[k], v[k]
+
+    return _in_chart(name, n, surface, corners, _nearest_on(surface, guess), counts=counts, step=1.5 / n)
 
 
 # ------------------------------------------------------------------------------------- holes between surfaces of their own

@@ -11,6 +11,7 @@ from pathlib import Path
 import tripatch
 
 ROOT = Path(__file__).resolve().parents[2]
+MARKS = "<!-- measurements: scripts/figures -->", "<!-- end of measurements -->"
 
 
 @dataclass
@@ -30,6 +31,11 @@ def processor() -> str:
     return platform.machine()
 
 
+def compiler() -> str:
+    """That of this machine, which makes its wheels."""
+    return subprocess.run(["c++", "--version"], capture_output=True, text=True).stdout.partition("\n")[0] or "unknown"
+
+
 def commit() -> str:
     """The short name of the commit that is measured, and whether the sources differ from it."""
 
@@ -47,3 +53,13 @@ def provenance(options: str, quick: bool = False) -> str:
         f"Written by `scripts/figures`; do not edit. {datetime.date.today()}, commit {commit()}, version {tripatch.__version__}, "
         f"{processor()}.\nOptions: {options}.{tried}"
     )
+
+
+def write_table(setting: Setting, page: str, options: str, table: str) -> None:
+    """Into a page that people write, between its two marks."""
+    text = (ROOT / "docs" / page).read_text()
+    before, rest = text.split(MARKS[0])
+    after = rest.split(MARKS[1])[1]
+    made = f"{provenance(options, setting.quick)}\n\n{table}"
+    (setting.docs / page).parent.mkdir(exist_ok=True)
+    (setting.docs / page).write_text(f"{before}{MARKS[0]}\n{made}{MARKS[1]}{after}")

@@ -22,6 +22,7 @@ class Task:
     within: float = 0.02  # of the size: the fill is nowhere farther off
     bend: float = 45.0  # degrees between two faces of the fill, or one of it and one beside it, at most
     left: int = 0  # border edges that stay
+    crossed: int = 0  # faces of a cage that cross themselves, at most
     options: dict = field(default_factory=dict)
 
 
@@ -333,6 +334,11 @@ def cage_of_2_segments():
     return _cage(2)
 
 
+def cage_of_3_segments():
+    """Sides of an odd number of edges."""
+    return _cage(3)
+
+
 def cage_of_4_segments():
     return _cage(4)
 
@@ -352,10 +358,10 @@ def suzanne(levels=0):
     return bm
 
 
-def _pole(near, valence, count, within):
+def _pole(near, valence, count, within, crossed=0):
     bm = suzanne()
     middle = min((v for v in bm.verts if len(v.link_edges) == valence), key=lambda v: (v.co - Vector(near)).length)
-    return under_subdivision(bm, rings(middle, count)[0], within=within, outer=_border(bm))
+    return under_subdivision(bm, rings(middle, count)[0], within=within, outer=_border(bm), crossed=crossed)
 
 
 def pole_of_3_edges():
@@ -364,7 +370,7 @@ def pole_of_3_edges():
 
 def pole_of_5_edges():
     """Over the ear, of which its rim holds the root."""
-    return _pole((0.5, 0.3, 0.6), 5, 1, 0.15)
+    return _pole((0.5, 0.3, 0.6), 5, 1, 0.15, crossed=2)
 
 
 def mirrored(x):
@@ -448,7 +454,7 @@ def quads():
     return task
 
 
-#: All that work on one mesh; the 24th, three NURBS surfaces, is object.fill_between_patches.
+#: All that work on one mesh; another, three NURBS surfaces, is object.fill_between_patches.
 ALL = [
     equal_fillets,
     mixed_fillets,
@@ -464,6 +470,7 @@ ALL = [
     scan,
     twenty_holes,
     cage_of_2_segments,
+    cage_of_3_segments,
     cage_of_4_segments,
     pole_of_3_edges,
     pole_of_5_edges,

@@ -375,7 +375,7 @@ class InPlane:
         self.split_edges, self.creases, self.feature_edges, self.patch = fill.split_edges, fill.creases, [], fill.patch
         self.barycentric = self.rim_barycentric = None
         self.uv, self.rim_uv = fill.vertices[:, :2], None
-        self.report = types.SimpleNamespace(corners=[], continuity=(), warnings=[])
+        self.report = types.SimpleNamespace(method="polyharmonic_spline", corners=[], continuity=(), warnings=[])
 
 
 def test_a_fill_over_a_plane_domain_takes_over_what_the_rim_has(addon):

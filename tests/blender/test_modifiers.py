@@ -143,6 +143,86 @@ def test_half_of_a_hole_on_the_mirror_plane_is_filled_and_meets_its_image(output
     assert max(np.degrees(e.calc_face_angle()) for e in middle) < 8  # faces of this size: a smooth surface has that
 
 
+def add_quarter(n=20, middle=(0.0, 0.0), objects=False, radius=0.42):
+    """The quarter x, y >= 0 of a sheet that is symmetric to both planes, with a hole in the middle."""
+    steps = np.linspace(0, 1, n // 2 + 1)
+    points = np.array([(x, y, 0.4 * np.cos(1.2 * x) * np.cos(y)) for y in steps for x in steps])
+    k = len(steps)
+    faces = [[j * k + i, j * k + i + 1, (j + 1) * k + i + 1, (j + 1) * k + i] for j in range(k - 1) for i in range(k - 1)]
+    faces = [f for f in faces if np.linalg.norm(points[f, :2].mean(axis=0) - middle) > radius]
+    used = sorted({v for f in faces for v in f})
+    new = {v: number for number, v in enumerate(used)}
+    ob = scenes.add_mesh(points[used], [[new[v] for v in f] for f in faces], name="Quarter")
+    if objects:
+        for k in range(2):
+            ob.modifiers.new("Mirror", "MIRROR").use_axis = (k == 0, k == 1, False)
+    else:
+        ob.modifiers.new("Mirror", "MIRROR").use_axis = (True, True, False)
+    return ob
+
+
+@pytest.mark.parametrize("choice", ["nothing", "rim", "one vertex"])
+@pytest.mark.parametrize(("output", "two"), [("triangles", False), ("triangles", True), ("quads", False)])
+def test_a_quarter_of_a_hole_between_two_mirror_planes_is_filled_and_meets_its_images(output, two, choice):
+    ob = add_quarter(objects=two)
+    old, first = len(ob.data.vertices), [tuple(v.co) for v in ob.data.vertices]
+    (bm,) = scenes.edit(ob)
+    rim = [v for v in bm.verts if v.is_boundary and np.hypot(*v.co.xy) < 0.7 and max(v.co.xy) < 0.9]
+    if choice == "rim":
+        scenes.select(bm, rim)
+    elif choice == "one vertex":
+        scenes.select(bm, [max(rim, key=lambda v: min(v.co.xy))])
+    assert smooth(output=output) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not ob.data.validate(verbose=True)
+    points = np.array([v.co for v in ob.data.vertices])
+    assert [tuple(p) for p in points[:old].tolist()] == first and len(points) > old
+    new = points[old:]
+    assert new[:, :2].min() == 0 and np.abs(new[:, :2]).sum(axis=1).min() == 0, "a vertex on both planes, none beyond"
+    assert np.abs(new[:, 2] - 0.4 * np.cos(1.2 * new[:, 0]) * np.cos(new[:, 1])).max() < 5e-3
+    whole = evaluated(ob)
+    loops = scenes.border_loops(whole)
+    assert len(loops) == 1 and len(loops[0]) == 80, "only the outer border of the sheet is left"
+    middle = [e for e in whole.edges if all(min(abs(v.co.x), abs(v.co.y)) < 1e-6 and v.co.xy.length < 0.41 for v in e.verts)]
+    assert middle and all(len(e.link_faces) == 2 for e in middle)
+    assert max(np.degrees(e.calc_face_angle()) for e in middle) < 8
+
+
+@pytest.mark.parametrize("middle", [(0.0, 0.5), (0.5, 0.0), (0.5, 0.5)])
+def test_with_two_mirror_planes_a_hole_on_one_or_none_of_them_is_half_or_whole(middle):
+    ob = add_quarter(middle=middle, radius=0.25)
+    scenes.edit(ob)
+    assert smooth() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert [len(loop) for loop in scenes.border_loops(evaluated(ob))] == [80]
+
+
+def subdivided_with_its_whole(ob):
+    """What an object's Mirror modifiers make of it, as an object of its own; both get a Subdivision modifier."""
+    mesh = bpy.data.meshes.new("Whole")
+    evaluated(ob).to_mesh(mesh)
+    whole = bpy.data.objects.new("Whole", mesh)
+    bpy.context.collection.objects.link(whole)
+    for each in (ob, whole):
+        each.modifiers.new("Subdivision", "SUBSURF")
+    return whole
+
+
+def test_a_cage_of_a_quarter_is_that_of_the_whole():
+    ob = add_quarter(n=12)
+    whole = subdivided_with_its_whole(ob)
+    surfaces = []
+    for each in (ob, whole):
+        scenes.edit(each)
+        assert smooth() == {"FINISHED"}
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert len(scenes.border_loops(evaluated(each))) == 1
+        surfaces.append(evaluated(each))
+    points = [np.array([v.co for v in bm.verts]) for bm in surfaces]
+    apart = np.linalg.norm(points[0][:, None] - points[1][None], axis=2)
+    assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 0.02
+
+
 def test_attributes_of_a_half():
     ob = add_half()
     uv = ob.data.uv_layers.new(name="UV")
@@ -244,12 +324,7 @@ def test_selected_holes_on_the_plane_and_beside_it_are_both_filled():
 
 def test_a_cage_of_half_a_hole_is_that_of_the_whole():
     ob = add_half_with_holes((0, 0))
-    mesh = bpy.data.meshes.new("Whole")
-    evaluated(ob).to_mesh(mesh)
-    ob.modifiers.new("Subdivision", "SUBSURF")
-    whole = bpy.data.objects.new("Whole", mesh)
-    bpy.context.collection.objects.link(whole)
-    whole.modifiers.new("Subdivision", "SUBSURF")
+    whole = subdivided_with_its_whole(ob)
     found = []
     for each in (ob, whole):
         scenes.edit(each)

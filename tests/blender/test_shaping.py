@@ -272,6 +272,29 @@ def test_while_dragging_the_fill_is_the_one_that_is_made_at_the_end_without_read
         assert np.abs(np.linalg.norm(normals, axis=1) - 1).max() < 1e-9
 
 
+def test_while_corners_are_dragged_the_method_is_not_looked_for_again(shaping, monkeypatch):
+    made, methods = square_rim(shaping), []
+    fill = shaping.tripatch.fill
+
+    def watched(*arguments, **given):
+        methods.append(given.get("method", "auto"))
+        return fill(*arguments, **given)
+
+    monkeypatch.setattr(shaping.tripatch, "fill", watched)
+    made.preview()
+    taken = made.fill.report.method
+    made.begin_drag()
+    for _ in range(2):
+        made.drag_corner(0, made.shape.corners[0] + 1)
+        made.preview(quick=True)
+        assert not made.refusal and made.fill.report.method == taken
+    made.end_drag()
+    assert methods == ["auto", taken, taken, "auto"]
+    made.set_bulge(0, 1.3)
+    made.preview(quick=True)
+    assert methods[-1] in ("auto", taken) and not made.refusal
+
+
 def test_other_corners_are_read_anew(shaping):
     made = square_rim(shaping)
     made.preview()

@@ -352,17 +352,32 @@ def test_the_tolerance_that_is_used_is_shown(addon):
 def test_a_hole_that_gets_no_cage_is_filled_with_quads_and_says_so(addon):
     """Where nobody asked for a cage by name; who did is told what hinders it."""
     for output in ({}, {"output": "cage"}):
-        ob = scenes.add_mesh(*scenes.ring())
+        vertices, faces = scenes.ring()
+        vertices[:24:2, :2] *= 0.2  # a star: a cage would fold
+        ob = scenes.add_mesh(vertices, faces)
         ob.modifiers.new("Subdivision", "SUBSURF")
         state = operator(addon, **output)
         (bm,) = scenes.edit(ob)
-        scenes.select(bm, list(bm.verts)[:24])  # a round rim
+        scenes.select(bm, list(bm.verts)[:24])
         assert state.execute(bpy.context) == ({"FINISHED"} if not output else {"CANCELLED"})
         ((kind, sentence),) = state.said
         assert kind == ({"WARNING"} if not output else {"ERROR"})
         assert ("with quads instead of a cage" in sentence) == (not output)
         assert len(border_lengths(ob)) == (1 if not output else 2)
         bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_a_round_rim_under_a_subdivision_modifier_gets_a_cage(addon):
+    ob = scenes.add_mesh(*scenes.ring())
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    state = operator(addon)
+    (bm,) = scenes.edit(ob)
+    scenes.select(bm, list(bm.verts)[:24])
+    assert state.execute(bpy.context) == {"FINISHED"}
+    ((kind, sentence),) = state.said
+    assert kind == {"INFO"} and "with a cage of 36 quads" in sentence
+    assert len(border_lengths(ob)) == 1
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def test_sides_and_corners_count_from_one_in_sentences(addon):

@@ -5,12 +5,19 @@ import bpy
 import numpy as np
 import pytest
 import tasks
+from mathutils import Vector
 
 smooth = bpy.ops.mesh.fill_smooth
 
 
 def angles(edges):
     return [np.degrees(e.calc_face_angle()) for e in edges if len(e.link_faces) == 2]
+
+
+def is_crossed(face):
+    """Whether corners of a face, more than one, turn against the others."""
+    corners = [(c.link_loop_next.vert.co - c.vert.co).cross(c.link_loop_prev.vert.co - c.vert.co) for c in face.loops]
+    return sum(turn.dot(sum(corners, Vector())) < 0 for turn in corners) > 1
 
 
 @pytest.mark.parametrize("make", tasks.ALL, ids=lambda make: make.__name__)
@@ -24,6 +31,7 @@ def test_it_is_filled_well(make):
     mirrored = any(m.type == "MIRROR" for m in task.ob.modifiers)
     new = [f for f in bm.faces if f.select]
     assert new
+    assert sum(map(is_crossed, new)) <= task.crossed
     points = [v.co.copy() for f in new for v in f.verts] + [f.calc_center_median() for f in new]
     if not mirrored:
         assert sum(e.is_boundary for e in bm.edges) == task.left

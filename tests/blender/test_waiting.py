@@ -5,7 +5,6 @@ runs again afterwards fills as if it had not been ended, and a fill that is stop
 import contextlib
 import importlib
 import threading
-import time
 import types
 
 import bmesh
@@ -18,15 +17,33 @@ import tripatch
 
 @pytest.fixture
 def waiting(addon, monkeypatch):
-    """Its module, for which every fill takes long."""
+    """Its module, for which every fill takes long: in its thread none comes to its end before finish or stop."""
     module = importlib.import_module(f"{addon.__name__}.waiting")
+
+    class Job(module._Job):
+        def __init__(self, *call):
+            self._may_end = threading.Event()
+            super().__init__(*call)
+
+        def _work(self):
+            super()._work()
+            assert self._may_end.wait(60)
+
+        def _look(self, *progress):
+            assert self._may_end.wait(60)
+            super()._look(*progress)
+
+        def finish(self):
+            self._may_end.set()
+            self._thread.join()
+
+        def stop(self):
+            self._stopped = True
+            self._may_end.set()
+            super().stop()
+
     monkeypatch.setattr(module, "PATIENCE", 0.0)
-
-    def slow(*arguments, **given):
-        time.sleep(0.02)
-        return tripatch.fill_all(*arguments, **given)
-
-    monkeypatch.setattr(module, "tripatch", types.SimpleNamespace(fill_all=slow))
+    monkeypatch.setattr(module, "_Job", Job)
     return module
 
 
@@ -104,7 +121,7 @@ def test_ended_meanwhile_and_run_again_it_fills_as_in_one_go(waiting, name):
     before, making, runs = all_of(ob), waiting.Making(), 1
     while not run(waiting, making, **options):
         assert all_of(ob) == before, "nothing has changed"
-        making._job._thread.join()
+        making._job.finish()
         runs += 1
         assert runs < 8
     assert runs == (4 if name == "shape keys" else 2), "once for each call that takes long"
@@ -126,7 +143,7 @@ def test_a_live_fill_leaves_no_object_before_it_is_made(waiting):
     while not run(waiting, making, keep_live=True):
         assert (len(bpy.data.objects), len(bpy.data.meshes)) == (objects, meshes)
         assert not ob.modifiers
-        making._job._thread.join()
+        making._job.finish()
     assert len(bpy.data.objects) == objects + 1 and len(ob.modifiers) == 1
 
 
@@ -135,40 +152,93 @@ def test_a_mesh_that_has_changed_meanwhile_is_filled_as_it_is_then(waiting):
     (bm,) = scenes.edit(ob)
     making = waiting.Making()
     assert not run(waiting, making)
-    making._job._thread.join()
+    making._job.finish()
     bm = bmesh.from_edit_mesh(ob.data)
     for v in bm.verts:
         v.co.z *= 2
     assert not run(waiting, making), "what was made is of no use"
-    making._job._thread.join()
+    making._job.finish()
     assert run(waiting, making)
     new = np.array([v.co for v in bmesh.from_edit_mesh(ob.data).verts])
     assert np.abs(new[:, 2] - 1.2 * (new[:, :2] ** 2).sum(axis=1)).max() < 0.01
 
 
-def test_a_second_hole_is_waited_for_once_the_first_is_in_the_mesh(waiting):
-    """Else the first would be filled twice, or the mesh left half done."""
-    objects = [scenes.add_hole(), scenes.add_hole()]
+@pytest.mark.parametrize("options", [{}, {"keep_live": True}], ids=["mesh", "live"])
+def test_the_fills_of_several_objects_are_made_before_the_first_is_changed(waiting, options):
+    """Each can be waited for and ended; else the second would be waited for while the first is in its mesh."""
+    objects = [scenes.add_hole(), scenes.add_hole(size=14), scenes.add_hole(size=13)]
     for bm in scenes.edit(*objects):
         scenes.select_rim(bm, scenes.border_loops(bm)[0])
-    making = waiting.Making()
-    assert not run(waiting, making)
-    making._job._thread.join()
-    assert run(waiting, making)
+    before, made = [len(bmesh.from_edit_mesh(ob.data).faces) for ob in objects], len(bpy.data.objects)
+    making, runs = waiting.Making(), 1
+    while not run(waiting, making, **options):
+        assert [len(bmesh.from_edit_mesh(ob.data).faces) for ob in objects] == before
+        assert len(bpy.data.objects) == made
+        making._job.finish()
+        runs += 1
+        assert runs < 8
+    assert runs == 4, "once for each"
+    if options:
+        assert len(bpy.data.objects) == made + 3
+        return
     for ob in objects:
         assert len(scenes.border_loops(bmesh.from_edit_mesh(ob.data))) == 1
 
 
-def test_a_fill_that_is_stopped_ends_and_leaves_the_mesh(addon, monkeypatch):
-    module = importlib.import_module(f"{addon.__name__}.waiting")
-    monkeypatch.setattr(module, "PATIENCE", 0.0)
+def through_a_point():
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob)
+    rim = scenes.border_loops(bm)[0]
+    middle = sum((v.co for v in rim), bm.verts[0].co * 0) / len(rim)
+    point = bm.verts.new(middle + middle.__class__((0, 0, 0.1)))
+    scenes.select_rim(bm, rim)
+    scenes.select(bm, [point])
+    return ob, point.co.copy()
+
+
+def test_a_fill_through_a_point_is_waited_for_and_can_be_ended(waiting):
+    ob, point = through_a_point()
+    before, making = all_of(ob), waiting.Making()
+    assert not run(waiting, making, resolution=300)
+    making.stop()
+    assert making.is_done() and all_of(ob) == before
+    making = waiting.Making()
+    while not run(waiting, making):
+        making._job.finish()
+    bm = bmesh.from_edit_mesh(ob.data)
+    new = {v for f in bm.faces if f.select for v in f.verts}
+    assert len(scenes.border_loops(bm)) == 1
+    assert min((v.co - point).length for v in new) < 1e-6
+
+
+def test_a_fill_between_patches_is_waited_for_and_can_be_ended(waiting):
+    import test_between_patches
+
+    for ob in test_between_patches.three():
+        ob.select_set(True)
+    making, count = waiting.Making(), len(bpy.data.objects)
+    with waiting._in(making), pytest.raises(RuntimeError, match="TakesLong"):
+        bpy.ops.object.fill_between_patches(resolution=400)
+    making.stop()
+    assert making.is_done()
+    assert (len(bpy.data.objects), len(bpy.data.meshes)) == (count, 0)
+    making = waiting.Making()
+    with waiting._in(making), pytest.raises(RuntimeError, match="TakesLong"):
+        bpy.ops.object.fill_between_patches(keep_live=True)
+    making._job.finish()
+    with waiting._in(making):
+        assert bpy.ops.object.fill_between_patches(keep_live=True) == {"FINISHED"}
+    assert len(bpy.data.objects) == count + 1
+
+
+def test_a_fill_that_is_stopped_ends_and_leaves_the_mesh(waiting):
     ob = scenes.add_hole()
     scenes.edit(ob)
-    before, making = all_of(ob), module.Making()
-    assert not run(module, making, resolution=600)
+    before, making = all_of(ob), waiting.Making()
+    assert not run(waiting, making, resolution=600)
     assert "Esc: stop" in making.sentence()
     making.stop()
-    assert isinstance(making._job._error, module._Stopped), "it was not done yet"
+    assert isinstance(making._job._error, waiting._Stopped)
     assert all_of(ob) == before
     assert not any(thread.is_alive() for thread in threading.enumerate() if thread is making._job._thread)
 
@@ -179,7 +249,7 @@ def test_what_the_library_refuses_in_a_thread_is_refused(waiting):
     making = waiting.Making()
     with waiting._in(making), pytest.raises(waiting.TakesLong):
         waiting.fill_all(np.zeros((3, 3)), [[0, 1, 2]], [[0, 1, 2]], nonsense=1)
-    making._job._thread.join()
+    making._job.finish()
     with waiting._in(making), pytest.raises(TypeError):
         waiting.fill_all(np.zeros((3, 3)), [[0, 1, 2]], [[0, 1, 2]], nonsense=1)
 
@@ -246,7 +316,7 @@ def test_an_operator_waits_tells_and_comes_to_its_end(operator):
     assert desk.timers == 1 and desk.cursor == "WAIT" and "Esc: stop" in desk.texts[-1]
     assert operator.modal(desk, event("A")) == {"RUNNING_MODAL"}, "keys do nothing to the mesh"
     assert operator.modal(desk, event("MIDDLEMOUSE")) == {"PASS_THROUGH"}, "the view can be turned"
-    operator._making._job._thread.join()
+    operator._making._job.finish()
     assert operator.modal(desk, event("TIMER", "NOTHING")) == {"FINISHED"}
     assert len(operator.fill.vertices) and desk.timers == 0 and desk.cursor == "DEFAULT" and desk.texts[-1] is None
 

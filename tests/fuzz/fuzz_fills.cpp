@@ -34,6 +34,13 @@ struct Taker {
     to.resize(bytes.byte() % 3);
     for (auto& each : to) take(each);
   }
+  void take(std::vector<Through>& to) {
+    to.resize(bytes.byte() % 4);
+    for (Through& each : to) {
+      take(each.point);
+      take(each.normal);
+    }
+  }
   template <class T>
     requires std::is_enum_v<T>
   void take(T& to) {

@@ -79,17 +79,26 @@ std::unique_ptr<RectangleSurface> take_rectangle(Bytes& bytes, bool& reasonable)
   return std::make_unique<BezierRectangle>(points, m, n);
 }
 
+/// How far from the origin a side goes: what is rounding of it, is so at its ends too.
+double reach(const Side& side) {
+  double most = 0;
+  for (int k = 0; k <= 20; ++k) most = std::max(most, side.c(k / 20.0).norm());
+  return most;
+}
+
 /// Edges of surfaces as the sides of a hole, their ends brought together.
 void check_patch(Bytes& bytes, std::vector<Side> found) {
   Sides sides = {found[0], found[1], found[2]};
   if (!bytes.seldom(6)) {
     const std::array<Vec3, 3> corners = {bytes.point(), bytes.point(), bytes.point()};
-    for (int i = 0; i < 3; ++i) sides[i] = moved_ends(sides[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);
+    for (int i = 0; i < 3; ++i)
+      sides[i] = moved_ends(sides[i], corners[(i + 1) % 3] - sides[i].c(0), corners[(i + 2) % 3] - sides[i].c(1));
   }
   FillOptions options;
   options.method = methods()[bytes.byte() % methods().size()].name;
   if (bytes.flag()) options.fairing.reset();
   const MadePatch made = patch_from_sides(sides, options);
+  const double size = std::max({reach(sides[0]), reach(sides[1]), reach(sides[2])});
   for (int i = 0; i < 3; ++i)
     for (double t : {0.0, 0.4, 1.0}) {
       std::array<double, 3> b = {0, 0, 0};
@@ -98,7 +107,7 @@ void check_patch(Bytes& bytes, std::vector<Side> found) {
       const Vec3 p = made.patch->positions(Eigen::Map<const Points>(b.data(), 1, 3)).row(0);
       require(p.allFinite(), "a patch is not finite");
       const Vec3 q = sides[i].c(t);
-      const bool met = (p - q).norm() <= 1e-5 * (1 + p.norm() + q.norm()) || !q.allFinite();
+      const bool met = (p - q).norm() <= 1e-5 * (1 + size) || !std::isfinite(size);
       require(met, ("a patch by " + options.method + " does not meet its side").c_str());
     }
 }

@@ -372,6 +372,17 @@ def _filling():
     return any(thread.name == "TriPatch" for thread in threading.enumerate())
 
 
+def _until_filled():
+    """Waits for a long fill; then none is waited for by hand any more."""
+    for _ in range(3000):
+        yield 0.1
+        if not _filling():
+            break
+    set_patience()
+    yield
+    yield
+
+
 def long_fill(w):
     """Blender stays awake and says how far it is; Esc ends it; one that is waited for is one undo step."""
     sheet(w, "Sheet")
@@ -398,14 +409,49 @@ def long_fill(w):
     yield
     with w.override():
         assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=300) == {"RUNNING_MODAL"}
-    for _ in range(3000):
-        yield 0.1
-        if not _filling():
-            break
-    set_patience()
-    yield
-    yield
+    yield from _until_filled()
     assert _is_filled(before) and last_operator().resolution == 300
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before, "one undo step"
+
+
+def long_redo(w):
+    """What the panel asks for and takes long is waited for too: Esc keeps what was, or it takes its place, as one undo step."""
+    sheet(w, "Sheet")
+    with w.override():
+        bpy.ops.ed.undo_push(message="Sheet")  # to which the last step goes back
+    before = counts()
+    w.home()
+    w.press("F", ctrl=True, alt=True)
+    yield
+    yield
+    filled = counts()
+    assert _is_filled(before)
+    set_patience(0.5)
+    last_operator().resolution = 1000
+    with w.override():
+        bpy.ops.ed.undo_redo()
+    yield
+    yield
+    w.shot("long-redo")
+    assert _filling() and counts() == filled, "the fill of before stands meanwhile"
+    w.press("ESC")
+    yield
+    yield
+    assert not _filling() and counts() == filled
+    last_operator().resolution = 300
+    with w.override():
+        bpy.ops.ed.undo_redo()
+    yield
+    yield from _until_filled()
+    assert _is_filled(before) and counts()[0] > filled[0] and last_operator().resolution == 300
+    last_operator().resolution = 4
+    with w.override():
+        bpy.ops.ed.undo_redo()
+    yield
+    assert _is_filled(before) and counts()[0] < filled[0] + 100, "what is quick is made at once"
     w.press("Z", ctrl=True)
     yield
     yield
@@ -541,6 +587,7 @@ ALL = [
     overlay_in_the_sidebar,
     status_bar,
     long_fill,
+    long_redo,
     live_fill,  # the operator keeps Keep Live for what follows
     save_and_reopen,  # the last: the window has another file then
 ]

@@ -27,7 +27,7 @@ Fill filled(const CubeCorner& corner, CageRim rim, const LayoutOptions& layout =
   CageFill cages(corner.mesh(), left, {corner.hole}, {}, {}, layout, with_rim(rim));
   Fill fill;
   fill.patch = side_vertex(make_boundary(three_sides(cages.sides(0))));
-  cages.fit({fill.patch});
+  cages.fit({fill.patch}, {false});
   cages.complete(0, fill);
   return fill;
 }

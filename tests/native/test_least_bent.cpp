@@ -85,3 +85,22 @@ TEST_CASE("triangles that bend least are the same turned, moved and scaled") {
   CHECK((back.col(2) - bent->col(0)).cwiseAbs().maxCoeff() < 1e-6);
   CHECK((back.col(1) - bent->col(2)).cwiseAbs().maxCoeff() < 1e-6);
 }
+
+TEST_CASE("the least area is flat between a flat rim, which bends that are least or vary least are not where a dome goes on") {
+  const auto dome = [](double x, double y) { return 0.02 * (36 - (x - 6) * (x - 6) - (y - 6) * (y - 6)); };
+  Grid grid(4);
+  for (Index k = 0; k < grid.points.rows(); ++k) grid.points(k, 2) = dome(grid.points(k, 0), grid.points(k, 1));
+  const Points truth = grid.points.bottomRows(grid.count);
+  double off[3];
+  for (const int order : {1, 2, 3}) {
+    const auto made = least_bent(grid.points, grid.triangles, grid.first, grid.count, order);
+    REQUIRE(made);
+    off[order - 1] = (*made - truth).col(2).cwiseAbs().maxCoeff();
+  }
+  CHECK(off[1] < 0.5 * off[0]);
+  CHECK(off[2] < 0.5 * off[0]);
+  for (Index k = 0; k < grid.first; ++k) grid.points(k, 2) = 0;
+  const auto film = least_bent(grid.points, grid.triangles, grid.first, grid.count, 1);
+  REQUIRE(film);
+  CHECK(film->col(2).cwiseAbs().maxCoeff() < 1e-9);
+}

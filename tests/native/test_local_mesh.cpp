@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tripatch/boundary/local_mesh.h"
+#include "tripatch/estimate/local_mesh.h"
 
 using namespace tripatch;
 

@@ -112,3 +112,13 @@ TEST_CASE("pairs of any triangulation cover what it covers") {
   CHECK(pair_quads(x, {}).size() == 0);
   CHECK_THROWS_AS(pair_quads(x, {{0, 1, 1000}}), InvalidArgument);
 }
+
+TEST_CASE("a quad begins where its triangles met, so that cut into a fan it is those triangles") {
+  Points x(4, 3);
+  x << 0, 0, 0, 1, 0, 0.1, 1, 1, 0, 0, 1, 0.1;
+  const std::array<Index, 3> one = {0, 1, 2}, other = {0, 2, 3};
+  const Faces faces = pair_quads(x, {one, other});
+  REQUIRE(faces.size() == 1);
+  CHECK((faces[0][0] == 0 || faces[0][0] == 2));
+  CHECK((faces[0][2] == 0 || faces[0][2] == 2));
+}

@@ -188,6 +188,25 @@ TEST_CASE("a rough fill is the same turned and scaled, and whatever degenerates"
   CHECK_THROWS_AS(rough_fill(ring(12, 1), rim), InvalidArgument);
 }
 
+TEST_CASE("rounding does not choose among rough fills where vertices of a rim lie on a line") {
+  // a part of a box's face: faces lie beyond five of its edges, those along the line are a crease's, and one more is sharp
+  Points x(8, 3);
+  x << -1, 1, 3, 0, 1, 3, 0, 1, 2, 0, 1, 1, -1, 1, 2, -2, 1, 2, -2, 1, 3, -1.52, 1, 3;
+  x /= 3;
+  RimSurroundings rim;
+  rim.normals = Points::Zero(8, 3);
+  rim.normals.middleRows(1, 5).col(1).setOnes();
+  const RoughFill fill = rough_fill(x, rim);
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.1 * k, Vec3(std::cos(k), std::sin(k), 1).normalized()).toRotationMatrix();
+    RimSurroundings turned = rim;
+    turned.normals = rim.normals * turn.transpose();
+    CHECK(rough_fill(x * turn.transpose(), turned).triangles == fill.triangles);
+  }
+  for (const auto& t : fill.triangles)
+    CHECK(Vec3(x.row(t[1]) - x.row(t[0])).cross(Vec3(x.row(t[2]) - x.row(t[0]))).norm() > 1e-3);
+}
+
 TEST_CASE("a rough fill of a rim of 10,000 vertices takes less than a second") {
   std::mt19937 random(3);
   Points x = ring(10'000, 100, 0, 20);

@@ -69,13 +69,15 @@ TEST_CASE("walls below a slope are sharp, whatever their number, and a wall that
   }
 }
 
-TEST_CASE("sides of one edge are not called sharp, of two where all are") {
+TEST_CASE("sides of one edge are called sharp between walls, of two where all are") {
   const auto angles = [](const std::vector<double>& lean, int edges) {
     const Column column(slope, triangle, lean, edges);
     return sharp_sides(column.mesh(), Connectivity(column.mesh()), column.rim, column.places);
   };
   CHECK_FALSE(any_sharp(angles({0, 0, 0}, 1)));
   CHECK_FALSE(any_sharp(angles({0, 0, 3}, 2)));
+  const Column box([](double, double) { return 0.0; }, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {0, 0, 0, 0}, 1);
+  for (double angle : sharp_sides(box.mesh(), Connectivity(box.mesh()), box.rim, box.places)) CHECK(angle == Approx(90));
   for (double angle : angles({0, 0, 0}, 2)) CHECK(angle > 60);
 }
 

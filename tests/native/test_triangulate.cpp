@@ -292,6 +292,37 @@ TEST_CASE("no surface, however crumpled, gets more triangles than its rim or the
   CHECK(by_resolution.triangles.size() <= 20 * (2 * 5 * 5 + 16));
 }
 
+TEST_CASE("rounding does not choose among triangulations") {
+  const Position box([](const Vec3& b) {  // folded at a right angle, where the sides' vertices lie mirrored
+    const double u = b[1] + 0.5 * b[2] - 0.5;
+    return Vec3(std::max(u, 0.0), std::max(-u, 0.0), std::sqrt(0.75) * b[2]);
+  });
+  for (const Position* patch : {&flat, &octant, &box})
+    for (const auto& [a, b, c] : {std::array{3, 2, 1}, {1, 3, 3}, {5, 1, 1}, {6, 4, 3}, {2, 2, 2}}) {
+      const Parameters parameters = {graded(a), graded(b), graded(c)};
+      const TriangleMesh mesh = triangulate(parameters, {}, *patch);
+      std::mt19937 random(5);
+      int same = 0;
+      for (int k = 0; k < 20; ++k) {
+        Parameters other = parameters;
+        for (std::vector<double>& t : other)
+          for (double& x : t)
+            if (x > 0 && x < 1) x *= 1 + 1e-15 * (static_cast<double>(random() % 3) - 1);
+        const Eigen::Matrix3d turn =
+            Eigen::AngleAxisd(0.3 * k, Vec3(std::sin(k), 1, std::cos(k)).normalized()).toRotationMatrix();
+        const Position turned([&](const Vec3& at) {
+          Points one(1, 3);
+          one << at.transpose();
+          return Vec3(turn * Vec3(patch->positions(one).row(0)));
+        });
+        const TriangleMesh there = triangulate(other, {}, turned);
+        same += there.triangles == mesh.triangles && (there.barycentric - mesh.barycentric).cwiseAbs().maxCoeff() < 1e-9;
+      }
+      INFO(a << " " << b << " " << c);
+      CHECK(same == 20);
+    }
+}
+
 TEST_CASE("triangulation is deterministic and needs increasing parameters") {
   const Parameters p = {graded(10), graded(5), graded(40)};
   const TriangleMesh a = triangulate(p, {}, helicoid), b = triangulate(p, {}, helicoid);

@@ -98,3 +98,19 @@ TEST_CASE("a vertex that was pushed over the rim is put back: its triangle was f
   CHECK(count_folded_edges(sheet.points, Points(0, 3), triangles, faces) == 0);
   CHECK(sheet.points(pushed, 1) > 0);
 }
+
+TEST_CASE("an ear at the rim that folds back over the face beyond is flipped away, none of which the mesh has") {
+  // The rim turns away from the hole at 1: the ear 0-1-2 lies outside. Flipped, 0-1 belongs to the vertex 3 inside.
+  Points points(4, 3);
+  points << 0, 0, 0, 4, 0, 0, 5, -1, 0, 2, 3, 0;
+  const std::vector<std::array<Index, 3>> folded = {{0, 1, 2}, {0, 2, 3}};
+  const std::vector<FaceBeyond> beyond = {{0, 1, Vec3(0, 0, 1)}};
+  std::vector<std::array<Index, 3>> triangles = folded;
+  CHECK(flip_folded(points, triangles, std::vector<std::array<Index, 2>>{{1, 3}}, 0, beyond) > 0);
+  CHECK(triangles == folded);
+  CHECK(flip_folded(points, triangles, {}, 0, beyond) == 0);
+  REQUIRE(triangles.size() == 2);
+  Faces faces;
+  for (const std::array<Index, 3>& t : triangles) faces.add(t);
+  CHECK(count_folded_edges(points, Points(0, 3), faces, beyond) == 0);
+}

@@ -182,6 +182,26 @@ def test_the_patch_is_evaluated_at_places_of_the_plane(noise):
     assert np.isfinite(d2).all() and np.isfinite(d3).all()
 
 
+def test_the_seam_of_a_surface_for_any_rim_is_as_good_as_its_surroundings_are_known():
+    vertices, faces = irregular(hill, noise=0.02)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces), method="polyharmonic_spline")
+    known = tripatch.words.degrees(fill.report.surroundings_error)
+    assert tripatch.words.filled([fill.report]) == f"Filled 1 hole; seam within {known} (surroundings known to {known})"
+    assert fill.report.continuity == ["G1"] and len(fill.report.seam_angle_max_by_side) == 1
+
+
+def test_the_domain_of_a_surface_for_any_rim_is_where_the_rim_lies():
+    vertices, faces = irregular(hill)
+    rim = inner_rim(faces)
+    fill = tripatch.fill(vertices, faces, rim=rim, method="polyharmonic_spline")
+    np.testing.assert_array_equal(fill.patch.domain, fill.rim_uv)
+    np.testing.assert_allclose(fill.patch.evaluate(fill.patch.domain), vertices[fill.rim], atol=1e-3)
+    with pytest.raises(ValueError, match="energies are of patches between sides"):
+        fill.patch.energy("thin_plate")
+    with pytest.raises(ValueError, match="has no sides"):
+        fill.patch.on_side(0, [0.5])
+
+
 def test_a_hole_that_needs_no_vertex_inside_has_its_places_too():
     angle = np.arange(6) * np.pi / 3 + 0.1
     vertices = np.vstack([r * np.column_stack([np.cos(angle), np.sin(angle), 0.1 * angle]) for r in (1.0, 2.0, 3.0)])
@@ -208,7 +228,7 @@ def test_holes_of_many_kinds_in_one_call():
     gone = [f for f, face in enumerate(faces) if vertices[face].mean(axis=0) @ [0, 0, -1] > 0.93]
     faces = [face for f, face in enumerate(faces) if f not in set(gone)]
     fills = tripatch.fill_all(vertices, faces)
-    assert {f.report.method for f in fills} == {"side_vertex", "polyharmonic_spline"}
+    assert {f.report.method for f in fills} == {"side_vertex", "multi_sided"}
     for fill in fills:
         assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < 3e-3
 
@@ -236,6 +256,18 @@ def test_a_rim_whose_own_triangles_fold_is_joined_to_its_middle():
     assert len(fill.faces) == 5 and np.allclose(fill.vertices, vertices.mean(axis=0))
     assert fill.uv.shape == (1, 2) and np.linalg.norm(fill.uv) < np.linalg.norm(fill.rim_uv, axis=1).min()
     assert max(edge_counts(faces + fill.faces).values()) == 2
+
+
+@pytest.mark.parametrize(("noise", "seed"), [(0.25, 4), (0.3, 0), (0.3, 6), (0.4, 1), (0.4, 10)])
+def test_a_rim_that_noise_throws_about_is_filled_with_vertices_inside(noise, seed):
+    """The field through all rings would fold over the mesh at the rim; plain triangles would cut the top of the hill off."""
+    vertices, faces = irregular(hill, noise=noise, seed=seed)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
+    assert len(fill.vertices) > 10 and len(fill.report.warnings) == 1
+    assert ("bend as little as they can" in fill.report.warnings[0]) == (noise == 0.4 and seed == 1)
+    assert fill.report.triangles_folded <= fill.report.rim_folded
+    assert np.sqrt((off(fill, hill) ** 2).mean()) < 0.04
+    assert len(fill.deviation) == len(fill.vertices) and (fill.deviation > 0).all()
 
 
 def test_a_half_ball_under_noise_knows_that_its_layout_is_a_guess():

@@ -191,6 +191,15 @@ def test_patch_from_functions_and_its_derivatives():
         assert np.allclose((e2 - f2) / (2 * h), d3[:, k : k + 3], atol=1e-5)
 
 
+def test_two_barycentric_coordinates_tell_the_third():
+    vertices, faces, rim = octant(4)
+    patch = tripatch.fill(vertices, faces, rim=rim).patch
+    b = np.array([[0.2, 0.3, 0.5], [0.6, 0.3, 0.1], [1, 0, 0]])
+    for of_all, of_two in zip(patch.evaluate(b, 2), patch.evaluate(b[:, :2], 2)):
+        assert np.allclose(of_all, of_two, rtol=0, atol=1e-11)
+    assert np.allclose(patch.normal(b), patch.normal(b[:, :2]), rtol=0, atol=1e-11)
+
+
 @pytest.mark.parametrize("b", [[[0.5, 0.5, 0.5]], [[1.2, -0.1, -0.1]], [[np.nan, 0.5, 0.5]], [[1]], [["a", "b", "c"]]])
 def test_points_outside_the_triangle(b):
     vertices, faces, rim = octant(4)

@@ -82,7 +82,11 @@ REFUSED = {
     "five corners": ((*around(polygon(5)), {"method": "side_vertex"}), "Rim has 5 corners; select three", True),
     "round": ((*around(polygon(24, 1)), {"method": "side_vertex"}), "Rim has no clear corners; select three", True),
     "a corner elsewhere": ((*around(polygon(24, 1)), {"corners": [0, 8, 30]}), "Corner vertex 30 is not on the rim", True),
-    "two holes that touch": ((OCTAHEDRON, EIGHT[1:2] + EIGHT[3:], {}), "2 holes have three corners", True),
+    "two holes that touch": (
+        (OCTAHEDRON, EIGHT[1:2] + EIGHT[3:], {}),
+        "The mesh has 2 holes: rims starting at vertex 0 and 2",
+        True,
+    ),
     "a vertex twice": (octant_with(lambda v, f, rim, b: rim.insert(3, rim[2])), "twice", True),
     "non-manifold": (with_fins(), "Non-manifold: the rim edge", True),
     "non-manifold, rim not given": ((*with_fins()[:2], {}), "Non-manifold: the edge between vertices", True),
@@ -245,3 +249,22 @@ def test_a_hole_far_from_the_origin_is_filled_as_one_near_it(options):
     assert np.abs(far.sides[0].evaluate([0.3])[0] - away - near.sides[0].evaluate([0.3])[0]).max() < 1e-6
     (other,) = tripatch.fill_all(there, faces, [rim], **options)
     assert np.abs(other.vertices - far.vertices).max() < 1e-6
+
+
+def test_the_patch_far_away_is_of_the_same_kind():
+    """Between four sides, in a round rim and of any rim: its domain, and where it lies in it."""
+    ring = np.array([(np.cos(a), np.sin(a)) for a in 2 * np.pi * np.arange(24) / 24])
+    plane = np.concatenate([r * ring for r in (0.5, 0.6, 0.7, 0.85)])
+    vertices = np.column_stack([plane, 1 - 0.3 * plane[:, 0] ** 2 - 0.2 * plane[:, 1] ** 2])
+    at = [(24 * j + k, 24 * j + (k + 1) % 24) for j in range(3) for k in range(24)]
+    faces = [face for a, b in at for face in ([b, a, a + 24], [b, a + 24, b + 24])]
+    away = np.array([1e6, -2e6, 1e6])
+    here = vertices + away - away
+    for options in ({"corners": [0, 6, 12, 18], "method": "multi_sided"}, {"corners": ()}, {"method": "polyharmonic_spline"}):
+        near, far = (tripatch.fill(v, faces, rim=range(24), **options) for v in (here, here + away))
+        assert type(near.patch) is type(far.patch)
+        np.testing.assert_allclose(far.patch.domain, near.patch.domain, atol=1e-9)
+        center = near.patch.domain.mean(axis=0)[None]
+        assert np.abs(far.patch.evaluate(center) - away - near.patch.evaluate(center)).max() < 1e-6
+        if "method" not in options:
+            assert far.patch.energy("thin_plate") == pytest.approx(near.patch.energy("thin_plate"), rel=1e-3)

@@ -75,6 +75,11 @@ def test_every_format_and_folder(tmp_path, capsys):
         assert len(mesh.faces) == head["faces"] + head["new_faces"]
 
 
+def test_workers_are_as_many_as_processors_where_nobody_says(tmp_path, capsys):
+    code, out, _ = run(capsys, spheres(tmp_path / "in", 2), "--out", tmp_path / "out", "--worst", 0)
+    assert code == 0 and out.startswith("Filled 2 holes in 2 of 2 files\n")
+
+
 def test_the_same_as_fill(tmp_path, capsys):
     source = spheres(tmp_path / "in", 1)
     run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, "--resolution", 3, "--bulge", "1,1.2,0.8")

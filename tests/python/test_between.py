@@ -238,6 +238,14 @@ def mesh_of(surface, n=12):
     return grid(n, lambda u, v: surface.evaluate([(u, v)])[0])
 
 
+def test_a_chain_of_a_border_has_its_two_ends():
+    vertices, faces = grid(3, lambda u, v: (u, v, 0))
+    (loop,) = tripatch.find_holes(faces)
+    chain, whole = between.MeshBorder("A", vertices, faces, loop, 3), between.MeshBorder("B", vertices, faces, loop)
+    assert not chain.closed and np.allclose(chain.points, vertices[loop[:4]]) and np.allclose(chain.t, [0, 1 / 3, 2 / 3, 1])
+    assert whole.closed and np.allclose(whole.points, vertices[loop]) and np.allclose(whole.t, np.arange(12) / 12)
+
+
 @pytest.mark.parametrize("meshes", [(0,), (0, 2), (0, 1, 2)])
 def test_sides_of_meshes(meshes):
     """A mesh's side runs through its vertices, with the tangent planes of the surface that it stands for."""

@@ -308,7 +308,9 @@ def test_a_cage_is_the_same_whichever_corner_is_the_first(cage_rim):
 
 
 @pytest.mark.parametrize(
-    ("segments", "width"), [(n, 0.2) for n in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12)] + [(1, 0.3), (1, 0.4), (2, 0.3), (3, 0.4)]
+    ("segments", "width"),
+    [(n, 0.2) for n in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16)]
+    + [(1, 0.3), (1, 0.4), (2, 0.3), (3, 0.4), (4, 0.45), (5, 0.1), (10, 0.1)],
 )
 def test_the_cage_of_a_bevelled_corner_stays_within_the_cube(segments, width):
     """Strips many times as long as the fill's faces: uniform B-splines would go on into the hole by their length."""
@@ -317,4 +319,4 @@ def test_the_cage_of_a_bevelled_corner_stays_within_the_cube(segments, width):
     limit, _ = fill.limit(2)
     assert limit.min() > 0.7 - width and limit.max() <= 1  # the corner of a cube from 0 to 1
     assert fill.report.triangles_folded == 0
-    assert fill.report.folds == 0 or segments >= 10  # of the patch, between the cage's corners; the cage itself does not fold
+    assert fill.report.folds == 0

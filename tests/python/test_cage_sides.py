@@ -134,3 +134,34 @@ def test_rows_shape_and_several_holes():
     )
     for fill, by in zip(both, (0, 9), strict=True):
         np.testing.assert_allclose(fill.vertices, plain.vertices + [by, 0, 0], atol=1e-9)
+
+
+def open_ball(around, ring, rings=12):
+    """A ball of quads and triangles about its lower pole, open above `ring`: vertices, faces."""
+    polar = np.pi * np.arange(ring, rings) / rings
+    turn = 2 * np.pi * np.arange(around) / around
+    lines = [[(np.sin(p) * np.cos(t), np.sin(p) * np.sin(t), np.cos(p)) for t in turn] for p in polar]
+    vertices = np.array([*sum(lines, []), (0, 0, -1)])
+    faces = [
+        [j * around + k, (j + 1) * around + k, (j + 1) * around + (k + 1) % around, j * around + (k + 1) % around]
+        for j in range(len(polar) - 1)
+        for k in range(around)
+    ]
+    last = (len(polar) - 1) * around
+    return vertices, faces + [[last + k, len(vertices) - 1, last + (k + 1) % around] for k in range(around)]
+
+
+@pytest.mark.parametrize("corners", [None, ()], ids=["found", "none"])
+@pytest.mark.parametrize(("around", "ring"), [(8, 2), (11, 1), (16, 3), (32, 2)])
+def test_a_round_rim_has_a_cage_between_four_of_its_vertices(around, ring, corners):
+    vertices, faces = open_ball(around, ring)
+    fill = tripatch.fill(vertices, faces, output="cage", corners=corners)
+    assert len(fill.report.corners) == 4 and "no clear corners" in fill.report.method_reason
+    assert fill.report.triangles_folded == fill.report.folds == 0
+    surface, _ = fill.limit(2)
+    radius = np.linalg.norm(surface, axis=1)  # the limit of a coarse ball is a smaller one
+    assert 0.93 < radius.min() and radius.max() < 1.05
+    (rim,) = tripatch.find_holes(faces)
+    steps = np.sort([list(rim).index(v) for v in fill.report.corners])
+    counts = np.diff([*steps, steps[0] + len(rim)])
+    assert abs(counts[0] - counts[2]) <= 1 and abs(counts[1] - counts[3]) <= 1 and np.ptp(counts) <= 1

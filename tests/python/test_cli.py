@@ -131,7 +131,7 @@ def test_two_holes(two, tmp_path, capsys):
     out = tmp_path / "out.obj"
     code, _, err = run(capsys, "fill", two, out)
     assert code == 1
-    assert "2 holes have three corners: rims starting at vertex 0 and 72; choose one" in err
+    assert "The mesh has 2 holes: rims starting at vertex 0 and 72; choose one, or fill all" in err
     assert not out.exists()
     code, text, err = run(capsys, "fill", two, out, "--all", "--report", tmp_path / "r.json")
     assert (code, err) == (0, "")
@@ -151,6 +151,13 @@ def test_some_refused(tmp_path, capsys):
     assert first["refused"] == "Rim has 4 corners; select three"
     assert first["where"] == [76, 77, 78, 79]
     assert second["corners"] == [0, 6, 12]
+
+
+def test_all_rims_may_be_called_round(two, tmp_path, capsys):
+    out = tmp_path / "out.obj"
+    code, text, _ = run(capsys, "fill", two, out, "--all", "--corners", "none", "--report", tmp_path / "r.json")
+    assert code == 0 and text.startswith("Filled 2 holes")
+    assert [hole["corners"] for hole in json.loads((tmp_path / "r.json").read_text())["holes"]] == [[], []]
 
 
 def test_all_refused(tmp_path, capsys):
@@ -279,7 +286,7 @@ def test_more_than_the_method_keeps_is_refused(one, tmp_path, capsys):
 def test_every_option_of_fill_is_there():
     fill = next(a for a in cli.parser()._actions if a.dest == "command").choices["fill"]
     parameters = {*inspect.signature(tripatch.fill).parameters, *inspect.signature(tripatch.choose_holes).parameters}
-    options = parameters - {"vertices", "faces", "replaced"}
+    options = parameters - {"vertices", "faces", "replaced", "progress"}
     assert options == set(cli.OPTIONS) and options <= {action.dest for action in fill._actions}
 
 

@@ -192,6 +192,26 @@ def test_nets_of_wrong_size_are_counted(count):
         tripatch.BezierTriangle(np.zeros((count, 3)))
 
 
+def test_every_method_says_between_how_many_sides_it_fills():
+    """And refuses rims with one corner more than it says."""
+    angles = 2 * np.pi * np.arange(36) / 36
+    ring = np.column_stack([np.cos(angles), np.sin(angles)])
+    vertices = np.column_stack([np.concatenate([ring, 1.1 * ring, 1.2 * ring]), np.zeros(108)])
+    at = [(36 * j + k, 36 * j + (k + 1) % 36) for j in range(2) for k in range(36)]
+    faces = [face for a, b in at for face in ([b, a, a + 36], [b, a + 36, b + 36])]
+    for name, about in tripatch.METHODS.items():
+        least, most = about.sides
+        assert (least, most) == ({"multi_sided": (2, 12), "polyharmonic_spline": (0, None)}.get(name, (3, 3)))
+        if about.fills_holes:
+            for count in {max(least, 2), most or 13}:
+                corners = [int(k) for k in np.arange(count) * 36 // count]
+                fill = tripatch.fill(vertices, faces, rim=range(36), corners=corners, method=name)
+                assert fill.report.method == name
+            if most and name != "side_vertex":  # between more it is multi_sided
+                with pytest.raises((tripatch.Refusal, ValueError)):
+                    tripatch.fill(vertices, faces, rim=range(36), corners=np.arange(most + 1) * 36 // (most + 1), method=name)
+
+
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("method", [m for m, about in tripatch.METHODS.items() if m.startswith(("nielson", "szilvasi"))])
 def test_constituents_without_common_corners_are_named(method, scale):

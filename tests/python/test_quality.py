@@ -176,3 +176,17 @@ def test_what_cannot_be_drawn_is_said(tmp_path, capsys):
     assert cli.main(["view", str(mesh), "--zebra", str(tmp_path / "o.png"), "--direction", "0,0,0"]) == 2
     (tmp_path / "empty.obj").write_text("v 0 0 0\n")
     assert cli.main(["view", str(tmp_path / "empty.obj"), str(tmp_path / "o.png")]) == 2
+
+
+def test_the_normal_of_one_side_is_that_of_the_paraboloid_through_its_points():
+    """Tilted along the edge and across it, about any axes."""
+    rng = np.random.default_rng(4)
+    x, y = rng.uniform(-1, 1, (2, 30))
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    along, across = turn[0], turn[1]
+    normal = np.cross(along, across)
+    points = np.outer(x, along) + np.outer(y, across) + np.outer(0.3 * x - 0.2 * y + 0.1 * x * y + 0.2 * x * x, normal)
+    expected = normal - 0.3 * along + 0.2 * across
+    found = quality._normal_at(points + [1, 2, 3], np.array([1.0, 2.0, 3.0]), along, normal)
+    assert found == pytest.approx(expected / np.linalg.norm(expected), abs=1e-12)
+    assert quality._normal_at(points[:5], np.zeros(3), along, normal) is normal

@@ -68,17 +68,38 @@ def test_a_cap_is_the_spheres():
         assert np.abs(np.linalg.norm(fill.vertices, axis=1) - np.sqrt(2)).max() < near
 
 
-def test_where_the_rim_begins_and_which_way_the_mesh_lies_does_not_matter():
+def turned_places(at, one, other, turn):
+    """The same places in the discs of two fills of one rim, of which the other begins farther on: by angles of their own."""
+    begin = np.arctan2(one.rim_uv[:, 1], one.rim_uv[:, 0])[round(turn / (2 * np.pi) * len(one.rim))]
+    c, s = np.cos(begin), np.sin(begin)
+    return at, at @ np.array([[c, -s], [s, c]])
+
+
+@pytest.mark.parametrize("first", [1, 7, 10, 13, 19])
+@pytest.mark.parametrize("uneven", [lambda x, y: x * y, lambda x, y: x**3 - 0.3 * y, lambda x, y: 0.4 * x * x * y + 0.2 * y * y])
+def test_where_the_rim_begins_and_which_way_the_mesh_lies_does_not_matter(first, uneven):
     vertices, faces = revolved("paraboloid", 20)
-    vertices = vertices + 0.05 * vertices[:, :1] * vertices[:, 1:2] * (0, 0, 1)  # no longer of revolution
+    vertices[:, 2] += 0.05 * uneven(*vertices[:, :2].T)  # no longer of revolution
     at = np.random.default_rng(1).uniform(-0.6, 0.6, (20, 2))
-    one = tripatch.fill(vertices, faces, rim=np.arange(20), corners=(), method="multi_sided").patch
-    turn = 2 * np.pi * 7 / 20
-    turned = at @ np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    rolled = np.roll(vertices.reshape(5, 20, 3), -7, axis=1).reshape(-1, 3)
-    other = tripatch.fill(rolled, faces, rim=np.arange(20), corners=(), method="multi_sided").patch
-    apart = ((other.evaluate(turned) - one.evaluate(at)) * one.normal(at)).sum(axis=1)
-    assert np.abs(apart).max() < 5e-5  # what the closing splines differ by, 1e-8, descends a flat valley of the energy
+    one = tripatch.fill(vertices, faces, rim=np.arange(20), corners=(), method="multi_sided")
+    turn = 2 * np.pi * first / 20
+    rolled = np.roll(vertices.reshape(5, 20, 3), -first, axis=1).reshape(-1, 3)
+    other = tripatch.fill(rolled, faces, rim=np.arange(20), corners=(), method="multi_sided")
+    turned = [
+        np.linalg.norm(one.patch.evaluate(p[None]) - other.patch.evaluate(q[None]))
+        for p, q in zip(*turned_places(at, one, other, turn))
+    ]
+    assert max(turned) < 1e-6
+    assert np.abs(other.patch.evaluate(other.rim_uv) - rolled[other.rim]).max() < 2e-8
+    for fill in (one, other):
+        t = np.linspace(0, 1, 9)
+        assert (
+            np.abs(
+                fill.patch.evaluate(np.column_stack([np.cos(2 * np.pi * t), np.sin(2 * np.pi * t)]))
+                - fill.sides[0].evaluate(t)[0]
+            ).max()
+            < 1e-9
+        )
 
 
 def test_no_round_patch_where_the_rim_has_corners_or_zigzags():

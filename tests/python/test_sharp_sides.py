@@ -123,3 +123,32 @@ def test_a_face_between_two_walls_comes_back_about_as_it_was(top, within):
     assert fill.report.triangles_folded == 0
     assert any("2 of its 2 sides" in warning for warning in fill.report.warnings)
     assert distance(fill, top) < within
+
+
+def prism(sides, rows, taper=0.0):
+    """Its walls, in rows of quads, and its bottom; the top is open."""
+    angles = 2 * np.pi * np.arange(sides) / sides
+    circle = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    vertices = np.concatenate([circle * ([1 + taper * k] * 2 + [0]) - [0, 0, 2 * k / rows] for k in range(rows + 1)])
+    at = [(k * sides + i, k * sides + (i + 1) % sides) for k in range(rows) for i in range(sides)]
+    return vertices, [[a, a + sides, b + sides, b] for a, b in at] + [[rows * sides + i for i in range(sides)][::-1]]
+
+
+@pytest.mark.parametrize("sides", [4, 5, 6])
+@pytest.mark.parametrize("rows", [1, 3])
+def test_the_open_end_of_a_prism_is_flat(sides, rows):
+    """One edge a side: walls that stand upright tell a box from a coarse ball."""
+    vertices, faces = prism(sides, rows)
+    turned = np.linalg.qr(np.random.default_rng(sides).normal(size=(3, 3)))[0]
+    turned *= np.sign(np.linalg.det(turned))
+    fill = tripatch.fill(vertices @ turned.T + 1, faces)
+    assert set(fill.report.continuity) == {"Free"} and "at an angle" in fill.report.warnings[0]
+    assert np.abs((fill.vertices - 1) @ turned[:, 2]).max(initial=0) < 1e-9
+    assert fill.report.triangles_folded == 0
+
+
+def test_the_tip_of_a_coarse_ball_is_no_end_of_a_prism():
+    octahedron = np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, -1]], float)
+    for vertices, faces in ((octahedron, [[1, 0, 4], [2, 1, 4], [3, 2, 4], [0, 3, 4]]), prism(6, 3, 0.5)):
+        fill = tripatch.fill(vertices, faces)
+        assert "Free" not in fill.report.continuity

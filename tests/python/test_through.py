@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 import tripatch
+from test_any_rim import inner_rim, irregular, wave
+from test_features import creased, roof
 from test_polygon import around, flat_sides, lens_around
 from test_round import revolved
 
@@ -67,6 +69,62 @@ def test_between_three_sides():
     assert met(patch, np.array([0.4, 0.3, 0.1]))[0] < 1e-12
 
 
+def nearest_vertices(fill, points):
+    return np.array([np.linalg.norm(fill.vertices - point, axis=1).argmin() for point in points])
+
+
+@pytest.mark.parametrize("noise", [0, 0.05], ids=["smooth", "rough"])
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_a_hole_with_a_jagged_rim_meets_them_too_and_they_are_vertices(noise, output):
+    vertices, faces = irregular(wave, noise=noise)
+    rim = inner_rim(faces)
+    tip, curve = np.array([0.1, 0.05, 0.2]), np.array([[-0.2, -0.15, 0.05], [-0.2, 0, 0.08], [-0.2, 0.15, 0.05]])
+    slanted = np.array([[0.05, -0.25, -0.05], [0.2, 0.1, 1]])
+    plain = tripatch.fill(vertices, faces, rim=rim, output=output)
+    fill = tripatch.fill(vertices, faces, rim=rim, output=output, through=[tip, slanted, curve])
+    assert fill.report.method == "polyharmonic_spline"
+    assert not any("through" in warning for warning in fill.report.warnings)
+    points = np.array([tip, slanted[0], *curve])
+    at = nearest_vertices(fill, points)
+    assert np.abs(fill.vertices[at] - points).max() < 1e-12
+    assert np.abs(fill.patch.evaluate(fill.uv[at]) - points).max() < 1e-12
+    assert tripatch.angles(fill.normals[at[1:2]], slanted[1:] / np.linalg.norm(slanted[1])).max() < 1e-7
+    # the surroundings are continued as before, and where a point is nothing is left to know
+    assert tripatch.angles(fill.rim_normals, plain.rim_normals).max() < 0.5
+    assert fill.deviation[at].max() < 1e-4 * plain.deviation.max()
+    assert fill.report.triangles_folded == 0
+
+
+def test_points_on_the_surface_that_is_there_leave_it_there():
+    vertices, faces = irregular(wave)
+    rim = inner_rim(faces)
+    at = np.array([(0.1, 0.2), (-0.2, 0.05), (0.0, -0.3)])
+    fill = tripatch.fill(vertices, faces, rim=rim, through=list(np.column_stack([at, wave(*at.T)])))
+    assert np.abs(fill.vertices[:, 2] - wave(*fill.vertices[:, :2].T)).max() < 1e-6
+
+
+@pytest.mark.parametrize("point", [(0.1, -0.2, 0.15), (0.05, 0.1, 0.1)], ids=["one side", "on the crease"])
+def test_a_hole_across_a_crease_meets_them_too(point):
+    vertices, faces = creased(roof(60)[0])
+    point = np.array(point) if point[1] < 0 else np.zeros(3)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces), through=[point])
+    assert np.abs(fill.vertices[nearest_vertices(fill, [point])] - point).max() < 1e-12
+    assert (len(fill.feature_edges) > 0) == (point[1] < 0)
+    assert fill.report.triangles_folded == 0
+
+
+@pytest.mark.parametrize("height", [0.3, 0.8, 1.2])
+@pytest.mark.parametrize("name", ["five", "round"])
+def test_a_point_far_above_the_hole_pulls_the_spline_without_folds(name, height):
+    vertices, faces, _, edges = HOLES[name]
+    size = np.ptp(vertices[:edges], axis=0).max()
+    tip = vertices[:edges].mean(axis=0) + [0, 0, height * size]
+    fill = tripatch.fill(vertices, faces, rim=np.arange(edges), method="polyharmonic_spline", through=[tip])
+    assert np.abs(fill.vertices[nearest_vertices(fill, [tip])] - tip).max() < 1e-12
+    assert fill.report.triangles_folded == 0 and len(fill.vertices) > 10
+    assert fill.vertices[:, 2].max() < tip[2] + 0.05 * size
+
+
 def test_what_cannot_be_met_is_said():
     vertices, faces, corners, edges = HOLES["five"]
     options = {"rim": np.arange(edges), "corners": corners}
@@ -75,7 +133,7 @@ def test_what_cannot_be_met_is_said():
     with pytest.raises(ValueError, match="no length"):
         tripatch.fill(vertices, faces, **options, through=[[(0, 0, 1), (0, 0, 0)]])
     with pytest.raises(ValueError, match="through is met by"):
-        tripatch.fill(vertices, faces, rim=np.arange(edges), method="polyharmonic_spline", through=[(0, 0, 1)])
+        tripatch.fill(vertices, faces, rim=np.arange(edges), method="gregory", through=[(0, 0, 1)])
 
 
 def test_on_the_command_line(tmp_path):

@@ -1,4 +1,4 @@
-// The whole path: a hole goes in, passes through the five rooms, and comes out as faces.
+// The whole path: a hole goes in, passes through the rooms, and comes out as faces. What the rim asks for is in fill/.
 #pragma once
 
 #include <array>
@@ -21,6 +21,8 @@ struct Refused {
   std::string reason;
   std::vector<Index> where;
 };
+inline Refused refused(const Refusal& refusal) { return {refusal.what(), refusal.where()}; }
+
 /// Called by the caller's own thread, several times a second and after the last: how many holes are done. What it throws ends the
 /// work.
 using Progress = std::function<void(std::size_t done)>;

@@ -12,7 +12,7 @@
 #include "tripatch/choices.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/choose_holes.h"
-#include "tripatch/polygon/through.h"
+#include "tripatch/patch/through.h"
 
 namespace tripatch {
 

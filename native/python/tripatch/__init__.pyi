@@ -32,6 +32,7 @@ class Method:
     citation: str
     fills_holes: bool
     continuity: Literal["G0", "G1", "G2"]
+    sides: tuple[int, int | None]
     options: tuple[str, ...]
 
 METHODS: dict[str, Method]
@@ -236,6 +237,7 @@ def fill(
     vertices: ArrayLike,
     faces: Faces,
     *,
+    progress: Callable[[int, int], object] | None = None,
     # begin fill: scripts/stubs
     rim: Sequence[int] | Indices | None = None,
     corners: Sequence[int] | Indices | None = None,
@@ -310,6 +312,7 @@ def patch(
     *,
     fairing: Fairing | None = None,
     tolerance: float | None = None,
+    progress: Callable[[int, int], object] | None = None,
     # begin patch: scripts/stubs
     continuity: Continuity | Sequence[Continuity] = "auto",
     bulge: float | Sequence[float] = 1.0,

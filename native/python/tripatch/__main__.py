@@ -106,6 +106,8 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
     options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
     for name in options:
         flag = f"--{name.replace('_', '-')}"
+        if args.all and name == "corners" and len(options[name]) == 0:
+            continue  # all of them are round
         if args.all and "fill_all" not in OPTIONS[name].functions:
             raise ValueError(f"--all chooses the rims and corners itself; leave out {flag}")
         if not args.all and "fill" not in OPTIONS[name].functions:
@@ -124,7 +126,8 @@ def _fill(args: argparse.Namespace) -> int:
     holes: list[tuple[Any, ...]] = []
     if args.all:
         rims = tripatch.choose_holes(mesh.vertices, mesh.faces, **choosing)
-        results = tripatch.fill_all(mesh.vertices, mesh.faces, rims, progress=_progress, **options)
+        corners = None if options.pop("corners", None) is None else [()] * len(rims)
+        results = tripatch.fill_all(mesh.vertices, mesh.faces, rims, corners=corners, progress=_progress, **options)
         holes = list(zip(rims, results, strict=True))
         if not holes:
             borders = tripatch.find_holes(mesh.faces)
@@ -171,9 +174,11 @@ def _smooth(args: argparse.Namespace) -> int:
 
 def _methods() -> int:
     for name, method in tripatch.METHODS.items():
+        least, most = method.sides
+        sides = "any rim" if most is None else f"{least} sides" if least == most else f"{least} to {most} sides"
         fills = "" if method.fills_holes else "; blends surfaces, does not fill holes"
         options = f"; options: {', '.join(method.options)}" if method.options else ""
-        print(f"{name}\n    {method.description}\n    {method.continuity}{fills}{options}\n    {method.citation}")
+        print(f"{name}\n    {method.description}\n    {method.continuity}, {sides}{fills}{options}\n    {method.citation}")
     return FILLED
 
 

@@ -116,12 +116,13 @@ def _limit_of_cage(
 
 
 @takes_options
-def fill(vertices: ArrayLike, faces: Faces, **options: Any) -> Fill:
+def fill(vertices: ArrayLike, faces: Faces, *, progress: Callable[[int, int], object] | None = None, **options: Any) -> Fill:
     """Fills one hole.
 
     Args:
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        progress: called several times a second with 0 and 1, as by `fill_all`; what it raises ends the work, as Ctrl-C does.
         **options: see OPTIONS.
 
     Returns:
@@ -134,7 +135,7 @@ def fill(vertices: ArrayLike, faces: Faces, **options: Any) -> Fill:
     given = checked("fill", options)
     v, offsets, corners = _arrays.mesh(vertices, faces)
     cage = (v, offsets, corners, given["replaced"], given["subdivision"], ()) if given["output"] == "cage" else None
-    return Fill(_native._fill(v, offsets, corners, given), cage)
+    return Fill(_native._fill(v, offsets, corners, given, progress), cage)
 
 
 @takes_options

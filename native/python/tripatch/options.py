@@ -15,8 +15,8 @@ import numpy as np
 from . import _arrays, _native
 from ._native import Option
 
-#: name -> construction, with .description, .citation, .fills_holes, .continuity, and .options: those of `fill` that it reads and
-#: not every construction does
+#: name -> construction, with .description, .citation, .fills_holes, .continuity, .sides (the smallest and the largest number;
+#: (0, None): any rim) and .options: those of `fill` that it reads and not every construction does
 METHODS = _native._methods()
 
 #: name -> option of a fill, in the order of the table: .kind, .default, .optional, .by_side, .count, .choices, .range, .soft,

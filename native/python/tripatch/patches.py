@@ -43,6 +43,7 @@ def patch(
     fairing: Any = None,
     through: Any = (),
     tolerance: float | None = None,
+    progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> Patch:
     """A patch from two to twelve sides that meet at the corners, or in a round rim that is one closed side.
@@ -58,6 +59,7 @@ def patch(
             over a polygon then.
         method, cross_boundary, fairing: as of `fill`.
         tolerance: ends up to so far apart are moved together, half the way each, and a warning says how far; none: they meet.
+        progress: called several times a second with 0 and 1; what it raises ends the work, as Ctrl-C does.
         **options: see OPTIONS.
 
     Returns:
@@ -81,24 +83,26 @@ def patch(
     sides = _joined(sides)
     given = {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, "through": through, **options}
     if len(sides) != 3 or len(through) > 0:
-        made, notes = _between_many(sides, given)
+        made, notes = _between_many(sides, given, progress)
         for note in notes:
             warnings.warn(note, stacklevel=2)
         return made
-    made, notes = _native._patch(sides, checked("patch", given))
+    made, notes = _native._patch(sides, checked("patch", given), progress)
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return made
 
 
-def _between_many(sides: Sequence[Side], options: dict[str, Any]) -> tuple[Patch, list[str]]:
+def _between_many(
+    sides: Sequence[Side], options: dict[str, Any], progress: Callable[[int, int], object] | None
+) -> tuple[Patch, list[str]]:
     """A patch of another number of sides than three: options by side have one value or one a side."""
     if options["method"] not in ("auto", "multi_sided", "side_vertex"):
         raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
     given = checked("patch", options)
     if len(sides) == 1:
-        return _native._round_patch(sides[0], given)[:2]
-    return _native._polygon_patch(sides, given)[:2]
+        return _native._round_patch(sides[0], given, progress)[:2]
+    return _native._polygon_patch(sides, given, progress)[:2]
 
 
 def blend(
@@ -172,6 +176,8 @@ def _places_on_side(edges: Any, i: int) -> list[float]:
 
 
 def _sides_of(patch: Patch) -> int:
+    if isinstance(patch, _native.PlanePatch):
+        raise ValueError("a surface over the plane of a rim has no sides; its domain holds the places of the rim's vertices")
     return len(patch.domain) if isinstance(patch, _native.PolygonPatch) else 1 if isinstance(patch, _native.RoundPatch) else 3
 
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "tripatch/hole/rim_shape.h"
@@ -109,40 +110,50 @@ std::unique_ptr<CageFit> CageFill::lay_out(int rows) {
   return std::make_unique<CageFit>(split_.mesh(), laid_out_, split_.settings, replaced_, options_);
 }
 
-/// Of the holes of other than three sides, where the fairest cage is kept.
-std::vector<std::optional<SurfacePoints>> CageFill::points_to_follow(bool fair) const {
+/// Of the holes where the fairest cage is kept.
+std::vector<std::optional<SurfacePoints>> CageFill::points_to_follow(const std::vector<bool>& fair) const {
   std::vector<std::optional<SurfacePoints>> points(size());
   for (std::size_t h = 0; h < size(); ++h)
-    if (fair && !holes_[h].is_triangle()) points[h] = points_[h];
+    if (fair[h]) points[h] = points_[h];
   return points;
 }
 
-void CageFill::fit(std::vector<SurfacePtr> patches, bool fair) {
+void CageFill::fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fair) {
+  const std::vector<bool> none(size(), false);
   patches_ = std::move(patches);
   const bool exact = options_.rim == CageRim::exact;
   const std::vector<int> all_rows = rows_to_try(layout_options_, split_.settings.loop, exact);
   std::vector<double> farthest;  // for each number of rows, of the holes that are open with it: over the tolerance
+  std::vector<Index> crossed;    // likewise: their faces
   for (std::size_t k = 0; k < all_rows.size(); ++k) {
     if (k > 0) fit_ = lay_out(all_rows[k]);
     rows_ = all_rows[k];
-    const std::vector<std::optional<SurfacePoints>> points = points_to_follow(fair && k == 0);
+    const std::vector<std::optional<SurfacePoints>> points = points_to_follow(k == 0 ? fair : none);
     fit_->fit(patches_, seams_, exact || k > 0, points);
     farthest.push_back(0);
+    crossed.push_back(0);
     for (std::size_t h = 0; h < size(); ++h) {
       const double off = points[h] ? 0 : fit_->deviation_rms(h, *patches_[h]) / tolerance_[h];
+      const Index own = fit_->faces_crossed(h);
       if (open_[h]) farthest.back() = std::max(farthest.back(), off);
-      open_[h] = layout_options_.rows || off > 1;
+      if (open_[h]) crossed.back() += own;
+      open_[h] = layout_options_.rows || off > 1 || (k > 0 && own > crossed.front());
     }
     if (std::find(open_.begin(), open_.end(), 1) == open_.end()) return;
   }
   // The limit surface beside the rim is bound to the surroundings and may follow the less, the more rows there are: crumpled rows
-  // that do not reach the tolerance either are worse than few.
+  // that do not reach the tolerance either are worse than few. Rows that cross each other are worse than any distance.
+  for (std::size_t k = 1; k < crossed.size(); ++k) {
+    if (crossed[k] <= crossed[0]) continue;
+    farthest[k] = std::numeric_limits<double>::infinity();
+    cross_ = true;
+  }
   const auto nearest = std::min_element(farthest.begin(), farthest.end()) - farthest.begin();
   if (layout_options_.rows || all_rows[nearest] == rows_) return;
   rows_ = all_rows[nearest];
   fit_ = lay_out(rows_);
   if (!exact && nearest == 0) fit_->make_fair();
-  fit_->fit(patches_, seams_, exact || nearest > 0, points_to_follow(fair && nearest == 0));
+  fit_->fit(patches_, seams_, exact || nearest > 0, points_to_follow(nearest == 0 ? fair : none));
 }
 
 void CageFill::complete(std::size_t h, Fill& fill) const {
@@ -224,7 +235,9 @@ void CageFill::report(std::size_t h, Report& report) const {
     if (border_edges_at(left_, v) > 2)
       report.warnings.push_back("Another border touches the rim at vertex " + std::to_string(v) +
                                 ": the limit surface is sharp there");
-  if (!layout_options_.rows && !split_.settings.loop && open_[h]) report.warnings.push_back(too_few_rows);
+  if (layout_options_.rows || split_.settings.loop || !open_[h]) return;
+  if (!cross_) report.warnings.push_back(too_few_rows);
+  if (cross_ && layout_options_.tolerance) report.warnings.push_back(crossing_rows);
 }
 
 void CageFill::report_energies(std::size_t h, Report& report) const {

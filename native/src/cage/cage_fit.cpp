@@ -15,6 +15,11 @@ namespace {
 /// Of the sides' polynomials, relative: far below what a cage of a few quads can follow.
 constexpr double sides_tolerance = 1e-7;
 
+/// A few new vertices cannot hold the surroundings where these slide along long faces: then they leave their place for a spike, and what
+/// was to be made fair is bent more than before. There the surroundings may move so many times as far, so many times at most.
+constexpr double widening = 4;
+constexpr int most_widenings = 3;
+
 /// Stencils need patches, and the fit their limit.
 Subdivision with_stencils(Subdivision settings) {
   if (!settings.quality) settings.quality = stencil_quality;
@@ -130,16 +135,27 @@ void CageFit::take() {
 
 std::vector<CageEnergies> CageFit::make_fair() {
   system_.prepare(sums_of(samples_));
-  std::vector<FairHole> fair;
-  CageSystem::Term held = system_.zero();
-  for (const HoleSamples& hole : samples_) {
-    fair.push_back(hole.shape);
-    hold_surroundings(system_, free_, hole, (hole.region ? options_.fair_whole : options_.fair_open) * hole.shape.size, held);
-  }
   std::vector<int> waiting;  // the rim's own vertices, for the fit
   for (std::size_t k = 0; k < system_.free().size(); ++k)
     if (system_.free()[k] < mesh_.vertices.rows()) waiting.push_back(static_cast<int>(k));
-  free_ = fair_cage(system_, free_, fair, held, waiting);
+  const Points start = free_;
+  std::vector<double> wider(holes_.size(), 1);
+  std::vector<FairHole> fair;
+  for (int attempt = 0;; ++attempt) {
+    fair.clear();
+    CageSystem::Term held = system_.zero();
+    for (std::size_t h = 0; h < holes_.size(); ++h) {
+      const HoleSamples& hole = samples_[h];
+      fair.push_back(hole.shape);
+      hold_surroundings(system_, start, hole,
+                        wider[h] * (hole.region ? options_.fair_whole : options_.fair_open) * hole.shape.size, held);
+    }
+    free_ = fair_cage(system_, start, fair, held, waiting);
+    bool bent = false;
+    for (std::size_t h = 0; h < holes_.size(); ++h)
+      if (fair[h].after > fair[h].before) wider[h] *= widening, bent = true;
+    if (!bent || attempt == most_widenings) break;
+  }
   take();
   std::vector<CageEnergies> energies;
   for (const FairHole& hole : fair) energies.push_back({hole.before, hole.after});

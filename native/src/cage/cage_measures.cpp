@@ -30,6 +30,24 @@ Eigen::VectorXd CageFit::deviation(std::size_t h, const Surface& patch) const {
 
 double CageFit::deviation_rms(std::size_t h, const Surface& patch) const { return root_mean_square(deviation(h, patch)); }
 
+Index CageFit::faces_crossed(std::size_t h) const {
+  Index crossed = 0;
+  for (Index f = closed_.first_face[h]; f < closed_.first_face[h + 1]; ++f) {
+    const auto face = closed_.faces[f];
+    const std::size_t n = face.size();
+    std::vector<Vec3> turns;
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec3 at = closed_.vertices.row(face[k]), ahead = closed_.vertices.row(face[(k + 1) % n]),
+                 behind = closed_.vertices.row(face[(k + n - 1) % n]);
+      turns.push_back((ahead - at).cross(behind - at));
+      mean += turns.back();
+    }
+    crossed += std::any_of(turns.begin(), turns.end(), [&](const Vec3& turn) { return turn.dot(mean) < 0; });
+  }
+  return crossed;
+}
+
 void CageFit::measure_surroundings(std::size_t h, CageMeasures& measures) const {
   double sum = 0;
   Index count = 0;

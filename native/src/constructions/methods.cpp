@@ -13,6 +13,7 @@
 #include "tripatch/constructions/szilvasi_nagy.h"
 #include "tripatch/constructions/triangular_coons.h"
 #include "tripatch/fairing/fairing.h"
+#include "tripatch/polygon/domain.h"
 
 namespace tripatch {
 namespace {
@@ -138,13 +139,14 @@ const std::vector<Method> all = {
      [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::mask); },
      {}},
     {polygon_method,
-     "Between three to twelve sides: what neighboring sides give at their corner, blended over a polygon",
+     "Between two to twelve sides: what neighboring sides give at their corner, blended over a polygon",
      "Charrot and Gregory 1984",
      true,
      "G1",
      slopes,
      {},
-     {}},
+     {},
+     {2, most_sides}},
     {spline_method,
      "The surface of the surroundings as a Gaussian field over a plane, for any rim; knows how well it is known",
      "Duchon 1977; Wahba 1990",
@@ -153,7 +155,7 @@ const std::vector<Method> all = {
      {},
      {},
      {},
-     true},
+     {0, 0}},
 };
 
 }  // namespace

@@ -93,7 +93,7 @@ Quadratic CurvatureFollowing::linearized(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd value = jumps(x, &rows);
   RowMajor normal = RowMajor::Zero(x.size(), x.size());
   add_gram(rows, normal);
-  return {normal.selfadjointView<Eigen::Lower>(), rows.transpose() * value, value.squaredNorm()};
+  return {symmetric_of_lower(normal, x.size()), rows.transpose() * value, value.squaredNorm()};
 }
 
 }  // namespace tripatch

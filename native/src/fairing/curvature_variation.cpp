@@ -77,10 +77,11 @@ Eigen::Matrix<double, 4, 2> explained(double h11, double h12, double h22) {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
-/// What is left of (c, 0) after the best theta, in four orthonormal directions: `rest` is 6 x 4.
-struct Rest {
-  Eigen::Matrix<double, 6, 4> directions;
+/// What is left of (c, 0) after the best theta, in four orthonormal directions.
+class Rest {
+public:
   Eigen::Vector2d theta;
+  Eigen::Vector4d value;
   Rest(const Derivatives& d, const Eigen::Vector4d& c, double flat) {
     Eigen::Matrix<double, 6, 2> m;
     m.topRows<4>() = explained(d(2, 2), d(3, 2), d(4, 2));
@@ -88,24 +89,36 @@ struct Rest {
     Vec6 right = Vec6::Zero();
     right.head<4>() = c;
     // Householder's reflections, written out: Eigen's QR of this size takes the compiler twenty seconds.
-    std::array<Vec6, 2> mirror;
-    const auto reflect = [&](int k, auto&& v) { v -= 2 * mirror[k].dot(v) * mirror[k]; };
     for (int k = 0; k < 2; ++k) {
-      Vec6& w = mirror[k];
+      Vec6& w = mirror_[k];
       w = m.col(k);
       w.head(k).setZero();
       w[k] += std::copysign(w.norm(), w[k]);
       w.normalize();
-      for (int j = 0; j < 2; ++j) reflect(k, m.col(j));
+      for (int j = k; j < 2; ++j) reflect(k, m.col(j));
       reflect(k, right);
     }
+    value = right.tail<4>();
     theta[1] = right[1] / m(1, 1);
     theta[0] = (right[0] - m(0, 1) * theta[1]) / m(0, 0);
-    directions.setZero();
-    directions.bottomRows<4>().setIdentity();
-    for (int k = 1; k >= 0; --k)
-      for (int j = 0; j < 4; ++j) reflect(k, directions.col(j));
   }
+
+  /// 6 x 4.
+  Eigen::Matrix<double, 6, 4> directions() const {
+    Eigen::Matrix<double, 6, 4> all = Eigen::Matrix<double, 6, 4>::Zero();
+    all.bottomRows<4>().setIdentity();
+    for (int k = 1; k >= 0; --k)
+      for (int j = 0; j < 4; ++j) reflect(k, all.col(j));
+    return all;
+  }
+
+private:
+  template <class Column>
+  void reflect(int k, Column&& v) const {
+    v -= 2 * mirror_[k].dot(v) * mirror_[k];
+  }
+
+  std::array<Vec6, 2> mirror_;
 };
 
 // First variation in the frame, where P_i = e_i, g_ij = delta_ij, Gamma^l_ij = P_ij . e_l, h_ij = P_ij . n:
@@ -206,7 +219,7 @@ CurvatureVariation curvature_variation(const Derivatives& given, double flat) {
   r.area = frame.area;
   for (int c = 0; c < 4; ++c)
     r.variation[c] = multiplicity[c] * variation(frame.d, component[c][0], component[c][1], component[c][2]);
-  r.quadric = Rest(frame.d, r.variation, flat).directions.topRows<4>().transpose() * r.variation;
+  r.quadric = Rest(frame.d, r.variation, flat).value;
   return r;
 }
 
@@ -222,7 +235,7 @@ CurvatureVariationRows curvature_variation_rows(const Derivatives& given, double
   const FormRows form(d);
   const Rows c_rows = variation_rows(d, form, plain);
   const Rest rest(d, c, flat);
-  const Eigen::Matrix<double, 4, 4> project = rest.directions.topRows<4>().transpose();
+  const Eigen::Matrix<double, 4, 4> project = rest.directions().topRows<4>().transpose();
 
   CurvatureVariationRows out;
   const double s = std::sqrt(frame.area);

@@ -92,7 +92,8 @@ Merit::Model Merit::linearized(const Eigen::VectorXd& x, const Value& v) const {
 }
 
 /// The model of the logarithm about x, its parts weighed by their values at x + y; the constant is not set.
-Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::VectorXd& y) const {
+Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen::VectorXd& third_slope, const Value& v,
+                          const Eigen::VectorXd& y) const {
   constexpr double least_left = 1e-3;  // of a part, by its model: no step takes more away than that says
   const auto value = [&](int which, double now) {
     return m.used[which] ? std::max(m.variation[which](y), least_left * now) : now;
@@ -103,7 +104,7 @@ Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Value&
   if (!m.used[1]) share = 0;
   Quadratic q;
   q.normal = parameterization / third * third_.normal;
-  q.gradient = parameterization / third * (third_.normal * x + third_.gradient).eval();
+  q.gradient = parameterization / third * third_slope;
   double part = 1;  // of the logarithm's derivative that is not tension's
   if (tense()) {
     const double bent = energy(variation, quadric), all = std::max(bent + tension(x + y), no_energy);
@@ -130,9 +131,10 @@ Eigen::VectorXd Merit::step(const Model& m, const Eigen::VectorXd& x, const Valu
                             double damping) const {
   constexpr int rounds = 4;
   constexpr double near = 0.1;  // where another round changes so little (relative), it is the last
+  const Eigen::VectorXd third_slope = symmetric_product(third_.normal, x) + third_.gradient;
   Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
   for (int round = 0; round < rounds; ++round) {
-    Quadratic q = weighted(m, x, v, y);
+    Quadratic q = weighted(m, x, third_slope, v, y);
     q.normal += damping * (q.normal.trace() / metric.trace()) * metric;
     q.normal.diagonal().array() += 1e-14 * q.normal.trace();  // held slopes have empty rows
     const Eigen::VectorXd last = std::exchange(y, constrained_quadratic_minimum(q.normal, q.gradient, held_));

@@ -47,10 +47,9 @@ std::vector<Derivatives> EnergyProblem::derivatives(const Eigen::VectorXd& x) co
   std::vector<Derivatives> d = base_;
   if (x.isZero(0)) return d;
   const Index n = static_cast<Index>(d.size());
-  Eigen::Map<Eigen::VectorXd> all(d[0].data(), 27 * n);
   const Eigen::VectorXd scalars = size_ * x.head(3 * interior_);
   add_product(nodes_.interior.data(), 9 * n, interior_, scalars.data(), d[0].data());
-  all.noalias() += basis_ * x.tail(fields_);
+  add_product(basis_, x.tail(fields_), d[0].data());
   return d;
 }
 
@@ -59,7 +58,7 @@ namespace {
 /// What the Gram matrix of (A, r) says of |A x + r|^2, its lower triangle given.
 Quadratic of_gram(const RowMajor& gram) {
   const Index n = gram.rows() - 1;
-  return {gram.topLeftCorner(n, n).selfadjointView<Eigen::Lower>(), gram.row(n).head(n), gram(n, n)};
+  return {symmetric_of_lower(gram, n), gram.row(n).head(n), gram(n, n)};
 }
 
 }  // namespace
@@ -111,20 +110,22 @@ std::array<Quadratic, 2> EnergyProblem::linearized(const std::vector<Derivatives
   // in blocks of nodes, always the same, so that sums do not depend on the number of cores
   constexpr Index block = 96;
   const Index n = static_cast<Index>(base_.size()), blocks = (n + block - 1) / block;
-  std::vector<std::array<Quadratic, 2>> parts(blocks);
+  std::vector<std::array<RowMajor, 2>> parts(blocks);
   parallel_for(0, blocks, 2, [&](Index from, Index to) {
-    for (Index at = from; at < to; ++at) parts[at] = linearized(d, wanted, at * block, std::min(n, (at + 1) * block));
+    for (Index at = from; at < to; ++at) parts[at] = grams(d, wanted, at * block, std::min(n, (at + 1) * block));
   });
-  std::array<Quadratic, 2> model = std::move(parts[0]);
-  for (Index at = 1; at < blocks; ++at)
-    for (int which = 0; which < 2; ++which)
-      if (wanted[which]) model[which] += parts[at][which];
+  std::array<Quadratic, 2> model;
+  for (int which = 0; which < 2; ++which) {
+    if (!wanted[which]) continue;
+    for (Index at = 1; at < blocks; ++at) parts[0][which] += parts[at][which];
+    model[which] = of_gram(parts[0][which]);
+  }
   return model;
 }
 
-/// The same of some of the nodes.
-std::array<Quadratic, 2> EnergyProblem::linearized(const std::vector<Derivatives>& all, const std::array<bool, 2>& wanted,
-                                                   Index from, Index to) const {
+/// Of some of the nodes the Gram matrices of their rows and values.
+std::array<RowMajor, 2> EnergyProblem::grams(const std::vector<Derivatives>& all, const std::array<bool, 2>& wanted, Index from,
+                                             Index to) const {
   constexpr Index block = 12;              // nodes: their rows stay in the cache
   std::array<RowMajor, 2> jacobian, gram;  // with the values as last column
   const Index columns = count() + 1;
@@ -154,10 +155,7 @@ std::array<Quadratic, 2> EnergyProblem::linearized(const std::vector<Derivatives
     for (int which = 0; which < 2; ++which)
       if (wanted[which]) add_gram(jacobian[which], gram[which]);
   }
-  std::array<Quadratic, 2> model;
-  for (int which = 0; which < 2; ++which)
-    if (wanted[which]) model[which] = of_gram(gram[which]);
-  return model;
+  return gram;
 }
 
 }  // namespace tripatch

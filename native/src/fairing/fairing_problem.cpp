@@ -142,9 +142,12 @@ void FairingProblem::add_slopes(Index node) {
       components.topRows<3>() = series;
       multiply_four(components.data(), 4, slope.rows.data(), made.cols(), made.data(), made.cols());
       const Index at = unknowns_.first[i] + static_cast<Index>(f) * slopes;
+      double* to = basis_.data() + 27 * node * fields_ + at;
       for (int d = 0; d < 9; ++d)
-        for (int x = 0; x < 3; ++x)
-          basis_.row(27 * node + 3 * d + x).segment(at, slopes) = made.row(x).segment(d * slopes, slopes);
+        for (int x = 0; x < 3; ++x, to += fields_) {
+          const double* const from = made.data() + x * made.cols() + d * slopes;
+          for (int m = 0; m < slopes; ++m) to[m] = from[m];
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/ties.h"
 
 namespace tripatch {
 namespace {
@@ -40,16 +41,16 @@ std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, c
   std::vector<Index> order(n);
   std::iota(order.begin(), order.end(), Index{0});
   const auto size = [&](Index k) { return std::abs(shape.turn[k]); };
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return size(a) > size(b); });
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return coarse(size(a)) > coarse(size(b)); });
   std::vector<Index> corners;
   std::vector<char> is_corner(n, 0);
   for (Index k : order) {
-    if (size(k) < least_turn) break;
+    if (clearly_less(size(k), least_turn)) break;
     double near = 0;
     for (Index step = 1; step <= beside; ++step)
       for (Index other : {(k + step) % n, (k + n - step) % n})
         if (!is_corner[other]) near = std::max(near, size(other));
-    if (size(k) < over_beside * near) continue;
+    if (clearly_less(size(k), over_beside * near)) continue;
     if (shape.turn[k] < 0) return {};  // such holes are not convex
     corners.push_back(k);
     is_corner[k] = 1;
@@ -58,7 +59,7 @@ std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, c
   if (count < 2 || count > most_clear || count * mean_edges > n) return {};
   const double least = size(corners.back());
   for (Index k = 0; k < n; ++k)
-    if (!is_corner[k] && size(k) >= least) return {};
+    if (!is_corner[k] && at_least(size(k), least)) return {};
   std::sort(corners.begin(), corners.end());
   for (Index k = 0; k < count; ++k)
     if ((corners[(k + 1) % count] - corners[k] + n) % n < least_edges) return {};
@@ -73,7 +74,7 @@ bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<In
   if (shape.without_area) return false;
   double most = 0;
   for (double turn : shape.turn) most = std::max(most, std::abs(turn));
-  if (most > std::max(over_beside * 2 * M_PI / static_cast<double>(n), least_turn)) return false;
+  if (clearly_more(most, std::max(over_beside * 2 * M_PI / static_cast<double>(n), least_turn))) return false;
   const std::array<Index, 2> halves = {0, n / 2};
   return zigzag(mesh, rim, halves) <= smooth_sides;
 }

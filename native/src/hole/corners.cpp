@@ -7,6 +7,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/ties.h"
 
 namespace tripatch {
 namespace {
@@ -65,8 +66,9 @@ std::vector<Index> turning_corners(RimShape shape, const Loop& rim) {
     for (Index k = 0; k < n; ++k) {
       const Index before = (k + n - 1) % n, after = (k + 1) % n;
       const double round = 2 * M_PI * std::max(window, 0.5 * (length[before] + length[k])) / total;
-      const bool clear = over[k] >= clear_turn && (over[k] >= std::min(over_round * round, sure_turn) ||
-                                                   over[k] >= over_neighbors * std::max(at_vertex[before], at_vertex[after]));
+      const bool clear =
+          at_least(over[k], clear_turn) && (at_least(over[k], std::min(over_round * round, sure_turn)) ||
+                                            at_least(over[k], over_neighbors * std::max(at_vertex[before], at_vertex[after])));
       if (is_corner[k] || !clear) continue;
       // equally strong ones: the lowest vertex, not the last bit
       const double lead = best < 0 ? 1 : over[k] - over[best];
@@ -78,11 +80,11 @@ std::vector<Index> turning_corners(RimShape shape, const Loop& rim) {
     turn[best] = 0;
     for (int step : {1, -1}) {
       double way = 0;
-      for (Index k = best; way < window;) {
+      for (Index k = best; clearly_less(way, window);) {
         way += length[step > 0 ? k : (k + n - 1) % n];
         k = (k + step + n) % n;
-        const bool long_enough = 0.5 * (length[k] + length[(k + n - 1) % n]) >= crisp_share * window;
-        if (way < window && !(std::abs(turn[k]) >= crisp_turn && long_enough)) turn[k] = 0;
+        const bool long_enough = at_least(0.5 * (length[k] + length[(k + n - 1) % n]), crisp_share * window);
+        if (clearly_less(way, window) && !(at_least(std::abs(turn[k]), crisp_turn) && long_enough)) turn[k] = 0;
       }
     }
   }

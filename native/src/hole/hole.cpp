@@ -86,13 +86,9 @@ Hole find_hole(const Mesh& mesh, const Connectivity& around) {
                       std::to_string(loops[0][0]) + ": " + refusal->what(),
                   refusal->where());
   }
-  Loop where;
-  for (const Hole& hole : found) where.push_back(*std::min_element(hole.rim.begin(), hole.rim.end()));
-  std::sort(where.begin(), where.end());
-  const bool many = where.size() > most_named;
-  throw Refusal(std::to_string(found.size()) + " holes have three corners: rims starting at vertex " +
-                    (many ? listed({where.begin(), where.begin() + most_named}) + " and so on" : listed(where)) + "; choose one",
-                where);
+  std::vector<Loop> rims;
+  for (Hole& hole : found) rims.push_back(std::move(hole.rim));
+  refuse_several(rims, std::to_string(found.size()) + " holes have three corners", "choose one");
 }
 
 Hole find_hole(const Mesh& mesh) { return find_hole(mesh, Connectivity(mesh)); }

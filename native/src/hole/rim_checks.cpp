@@ -10,6 +10,17 @@
 namespace tripatch {
 namespace {
 
+constexpr std::size_t most_named = 8;  ///< vertices in a sentence: more are not read
+
+/// "1, 2 and 3", or the first of many "and more".
+std::string listed(const std::vector<Index>& vertices) {
+  std::string text;
+  const std::size_t n = vertices.size();
+  for (std::size_t k = 0; k < std::min(n, most_named); ++k)
+    text += (k == 0 ? "" : k + 1 == n ? " and " : ", ") + std::to_string(vertices[k]);
+  return n > most_named ? text + " and more" : text;
+}
+
 using Loop = std::vector<Index>;
 using Corner = Connectivity::Corner;
 
@@ -59,11 +70,9 @@ void check_orientation(const RimEdges& edges) {
     where.insert(where.end(), edge.begin(), edge.end());
   std::sort(where.begin(), where.end());
   where.erase(std::unique(where.begin(), where.end()), where.end());
-  throw Refusal(
-      "The faces around the rim disagree in orientation: at vertices " +
-          (where.size() > most_named ? listed({where.begin(), where.begin() + most_named}) + " and more" : listed(where)) +
-          " they are turned against the others" + advice,
-      where);
+  throw Refusal("The faces around the rim disagree in orientation: at vertices " + listed(where) +
+                    " they are turned against the others" + advice,
+                where);
 }
 
 /// The faces at a vertex of the rim agree in orientation, and no more than two share an edge between rim vertices.
@@ -95,11 +104,11 @@ void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim) {
 
 }  // namespace
 
-std::string listed(const std::vector<Index>& vertices) {
-  std::string text;
-  for (std::size_t k = 0; k < vertices.size(); ++k)
-    text += (k == 0 ? "" : k + 1 == vertices.size() ? " and " : ", ") + std::to_string(vertices[k]);
-  return text;
+void refuse_several(const std::vector<std::vector<Index>>& rims, const std::string& told, const std::string& advice) {
+  Loop where;
+  for (const Loop& rim : rims) where.push_back(*std::min_element(rim.begin(), rim.end()));
+  std::sort(where.begin(), where.end());
+  throw Refusal(told + ": rims starting at vertex " + listed(where) + "; " + advice, where);
 }
 
 void check_vertices(std::span<const Index> named, Index vertices, const char* what) {

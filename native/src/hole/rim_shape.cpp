@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/ties.h"
 
 namespace tripatch {
 namespace {
@@ -39,9 +40,9 @@ Points rim_normals(const Mesh& mesh, const Connectivity& around, const Loop& rim
   Points normals(n, 3);
   Index first = 0, last = 0;
   for (Index k = n; k < 2 * n; ++k) {
-    while (s[k] - s[first] >= window) ++first;
+    while (at_least(s[k] - s[first], window)) ++first;
     last = std::max(last, k);
-    while (s[last + 1] - s[k] < window) ++last;
+    while (clearly_less(s[last + 1] - s[k], window)) ++last;
     normals.row(k - n) = (sum.row(last + 1) - sum.row(first)).transpose().stableNormalized();
   }
   // where all faces are needles without area, the next normal along the rim serves
@@ -58,7 +59,8 @@ std::vector<double> turns_at_vertices(const Points& edges, const Points& normals
   for (Index k = 0; k < n; ++k) {
     const Vec3 normal = normals.row(k), before = edges.row((k + n - 1) % n), after = edges.row(k);
     const Vec3 a = before - before.dot(normal) * normal, b = after - after.dot(normal) * normal;
-    turn[k] = std::atan2(a.cross(b).dot(normal), a.dot(b));
+    const double sine = a.cross(b).dot(normal);  // of edges that go back where they came from it is rounding
+    turn[k] = std::atan2(std::abs(sine) > tie * a.norm() * b.norm() ? sine : 0, a.dot(b));
   }
   return turn;
 }
@@ -97,7 +99,8 @@ RimShape measure_alone(const Mesh& mesh, const std::vector<Index>& rim) {
   for (Index k = 0; k < n; ++k) {
     const Vec3 before = edges.row((k + n - 1) % n), after = edges.row(k);
     shape.length.push_back(after.norm());
-    shape.turn.push_back(angle_between(before, after) * (before.cross(after).dot(area) < 0 ? -1 : 1));
+    const Vec3 across = before.cross(after);  // across the plane of the rim, as in steps of a box, it turns neither way
+    shape.turn.push_back(angle_between(before, after) * (across.dot(area) < -tie * across.norm() * area.norm() ? -1 : 1));
   }
   return shape;
 }

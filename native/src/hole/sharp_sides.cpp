@@ -10,6 +10,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
@@ -25,6 +26,10 @@ constexpr double least_share = 0.25;
 /// Degrees that direction and plane may change along a side of a single edge, at its half: a rounded corner of a box in one segment lies
 /// 35 off.
 constexpr double turn_of_one_edge = 70;
+/// Degrees between the planes beside two sides of an edge each and that of the rim at their corner, and between those two planes, from
+/// which on they are walls: those of prisms of four to six sides. Of balls as coarse as an octahedron they are 55 and 71; between three
+/// sides of one edge there is a triangle and nothing to choose.
+constexpr double least_upright = 70, least_apart = 55;
 /// Sine of the angle between two sides from which on their tangents tell a plane: below 12 degrees only the faces beside them do.
 constexpr double tells_plane = 0.2;
 /// Degrees between two faces from which on the surface is not the same one, as for features across holes.
@@ -73,20 +78,25 @@ SideEnd end_of_side(const Mesh& mesh, const Connectivity& around, const std::vec
 struct CornerAngles {
   std::array<double, 2> off;
   double tolerance;
+  bool walls = false;  ///< between two sides of an edge each
 };
 
 CornerAngles angles_at_corner(const SideEnd& in, const SideEnd& out) {
   const double tolerance = surely_smooth + of_bend * (in.bend + out.bend);
-  if (in.single && out.single) return {{0, 0}, tolerance};
   const Vec3 across = in.tangent.cross(out.tangent);
   const double sine = across.norm();
   std::array<double, 2> off;
-  if (sine < tells_plane) {
+  if (clearly_less(sine, tells_plane)) {
     off.fill(degrees_between(in.normal, out.normal));
   } else {  // where the rim turns back, the other way up
     const double a = degrees_between(in.normal, across), b = degrees_between(out.normal, across);
-    const bool up = std::max(a, b) <= 180 - std::min(a, b);
+    const bool up = !clearly_more(std::max(a, b), 180 - std::min(a, b));
     off = {up ? a : 180 - a, up ? b : 180 - b};
+  }
+  if (in.single && out.single) {
+    const bool walls = !clearly_less(std::min(off[0], off[1]), least_upright) &&
+                       !clearly_less(degrees_between(in.normal, out.normal), least_apart);
+    return walls ? CornerAngles{off, surely_smooth, true} : CornerAngles{{0, 0}, tolerance};
   }
   return {off, tolerance};
 }
@@ -113,9 +123,10 @@ std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, co
   for (std::size_t i = 0; i < sides; ++i) {
     const CornerAngles &start = at[(i + sides - 1) % sides], &end = at[i];
     const double sum = start.off[1] + end.off[0];
-    const bool both =
-        !first[i].single && start.off[1] > least_share * start.tolerance && end.off[0] > least_share * end.tolerance;
-    if (both && sum > start.tolerance + end.tolerance) angles[i] = sum / 2;
+    const bool tells = !first[i].single || (sides > 3 && start.walls && end.walls);
+    const bool both = tells && clearly_more(start.off[1], least_share * start.tolerance) &&
+                      clearly_more(end.off[0], least_share * end.tolerance);
+    if (both && clearly_more(sum, start.tolerance + end.tolerance)) angles[i] = sum / 2;
   }
   // two edges alone do not tell a coarse mesh from a sharp one, unless all around it is the same
   if (any_short && std::find(angles.begin(), angles.end(), 0.0) != angles.end()) angles.assign(sides, 0.0);

@@ -38,6 +38,20 @@ struct AnyRegisters {
         for (Index q = 0; q < Columns; ++q) sum[p][q] += a[p * a_row + l * a_column] * b[l * b_row + q];
   }
 
+  /// sum = a x for rows of n that begin `stride` after each other.
+  template <Index Rows>
+  TRIPATCH_INLINE static void dots(const double* a, Index stride, Index n, const double* x, double (&sum)[Rows]) {
+    for (Index p = 0; p < Rows; ++p) {
+      double part[4] = {};
+      const double* const row = a + p * stride;
+      Index q = 0;
+      for (; q + 4 <= n; q += 4)
+        for (Index w = 0; w < 4; ++w) part[w] += row[q + w] * x[q + w];
+      sum[p] = (part[0] + part[2]) + (part[1] + part[3]);
+      for (; q < n; ++q) sum[p] += row[q] * x[q];
+    }
+  }
+
   /// Takes from each of `count` rows of 24 `across` times its entry at `column`, which becomes 0. products: of the next column as it
   /// then is with all columns. Only the last `Columns` columns are looked at; a and across begin with them.
   template <Index Columns>
@@ -53,8 +67,9 @@ struct AnyRegisters {
   }
 };
 
-/// Adds `sign` times a' a to c from row `begin` on: the upper triangle of it or the lower, and some elements beyond.
-template <class Registers, bool Upper>
+/// Adds `sign` times a' a to c from row `begin` on: the upper triangle of it or the lower, and some elements beyond. Triangle: a is a
+/// lower one, whose column k is 0 above row k.
+template <class Registers, bool Upper, bool Triangle = false>
 TRIPATCH_INLINE void add_gram_with(const double* a, Index m, Index n, Index begin, double sign, double* __restrict c) {
   constexpr Index rows = Registers::rows, columns = Registers::columns;
   if (n < columns) {
@@ -67,7 +82,8 @@ TRIPATCH_INLINE void add_gram_with(const double* a, Index m, Index n, Index begi
     for (Index right = Upper ? below : 0; right < (Upper ? n : std::min(n, below + rows)); right += columns) {
       const Index i = std::min(below, n - rows), j = std::min(right, n - columns);  // the last overlap those before
       double sum[rows][columns];
-      Registers::product(a + i, 1, n, m, a + j, n, sum);
+      const Index above = Triangle ? std::min(below, m) : 0;
+      Registers::product(a + above * n + i, 1, n, m - above, a + above * n + j, n, sum);
       for (Index p = below - i; p < rows; ++p)
         for (Index q = right - j; q < columns; ++q) c[(i + p) * n + j + q] += sign * sum[p][q];
     }
@@ -102,6 +118,21 @@ TRIPATCH_INLINE void add_product_of_fours_with(const double* a, Index m, Index k
   }
 }
 
+template <class Registers>
+TRIPATCH_INLINE void add_dots_with(const double* a, Index m, Index n, const double* x, double* __restrict out) {
+  constexpr Index rows = 4;
+  Index i = 0;
+  double sum[rows], one[1];
+  for (; i + rows <= m; i += rows) {
+    Registers::dots(a + i * n, n, n, x, sum);
+    for (Index p = 0; p < rows; ++p) out[i + p] += sum[p];
+  }
+  for (; i < m; ++i) {
+    Registers::dots(a + i * n, n, n, x, one);
+    out[i] += one[0];
+  }
+}
+
 /// m rows of 24: for each of the first n columns, fewer than 24, Householder's reflection that leaves of it what is above and its
 /// diagonal element. The rows are passed once a column: what reflects one makes the products that the next one asks for.
 template <class Registers>
@@ -130,14 +161,19 @@ TRIPATCH_INLINE void reflect_columns_with(double* a, Index m, Index n) {
 struct Products {
   void (*reflect_columns)(double* a, Index m, Index n);
   void (*add_gram)(const double* a, Index m, Index n, double* c);
+  void (*add_gram_of_triangle)(const double* a, Index m, Index n, double* c);
   void (*subtract_gram)(const double* u, Index count, Index n, Index begin, double* c);
   void (*multiply_four)(const double* a, Index k, const double* b, Index n, double* out, Index stride);  ///< n: eight or more
   void (*add_product_of_fours)(const double* a, Index m, Index k, const double* b, double* out);
+  void (*add_dots)(const double* a, Index m, Index n, const double* x, double* out);
 };
 
 #define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                           \
   machine void add_gram_##name(const double* a, Index m, Index n, double* c) {                                                \
     add_gram_with<Registers, false>(a, m, n, 0, 1, c);                                                                        \
+  }                                                                                                                           \
+  machine void add_gram_of_triangle_##name(const double* a, Index m, Index n, double* c) {                                    \
+    add_gram_with<Registers, false, true>(a, m, n, 0, 1, c);                                                                  \
   }                                                                                                                           \
   machine void reflect_columns_##name(double* a, Index m, Index n) { reflect_columns_with<Registers>(a, m, n); }              \
   machine void subtract_gram_##name(const double* u, Index count, Index n, Index begin, double* c) {                          \
@@ -150,8 +186,12 @@ struct Products {
   machine void add_product_of_fours_##name(const double* a, Index m, Index k, const double* b, double* out) {                 \
     add_product_of_fours_with<Registers>(a, m, k, b, out);                                                                    \
   }                                                                                                                           \
-  constexpr Products name = {reflect_columns_##name, add_gram_##name, subtract_gram_##name, multiply_four_##name,             \
-                             add_product_of_fours_##name};
+  machine void add_dots_##name(const double* a, Index m, Index n, const double* x, double* out) {                             \
+    add_dots_with<Registers>(a, m, n, x, out);                                                                                \
+  }                                                                                                                           \
+  constexpr Products name = {reflect_columns_##name, add_gram_##name,      add_gram_of_triangle_##name,                       \
+                             subtract_gram_##name,   multiply_four_##name, add_product_of_fours_##name,                       \
+                             add_dots_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
@@ -174,6 +214,21 @@ struct VectorRegisters {
         for (Index w = 0; w < Columns / Width; ++w) part[p][w] += a[p * a_row] * *reinterpret_cast<const Vector*>(b + Width * w);
     for (Index p = 0; p < Rows; ++p)
       for (Index w = 0; w < Columns / Width; ++w) *reinterpret_cast<Vector*>(&sum[p][Width * w]) = part[p][w];
+  }
+
+  template <Index Rows>
+  TRIPATCH_INLINE static void dots(const double* a, Index stride, Index n, const double* x, double (&sum)[Rows]) {
+    typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
+    Four part[Rows] = {};
+    Index q = 0;
+    for (; q + 4 <= n; q += 4)
+#pragma GCC unroll 4
+      for (Index p = 0; p < Rows; ++p)
+        part[p] += *reinterpret_cast<const Four*>(a + p * stride + q) * *reinterpret_cast<const Four*>(x + q);
+    for (Index p = 0; p < Rows; ++p) {
+      sum[p] = (part[p][0] + part[p][2]) + (part[p][1] + part[p][3]);
+      for (Index r = q; r < n; ++r) sum[p] += a[p * stride + r] * x[r];
+    }
   }
 
   template <Index Columns>
@@ -260,6 +315,26 @@ void add_product(const double* a, Index m, Index k, const double* b, double* out
   products.add_product_of_fours(a, m, k, fours.data(), out);
 }
 
+void add_product(const RowMajor& a, const VectorRef& x, double* out) {
+  products.add_dots(a.data(), a.rows(), a.cols(), x.data(), out);
+}
+
+Eigen::VectorXd symmetric_product(const Eigen::MatrixXd& a, const VectorRef& x) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(a.cols());
+  products.add_dots(a.data(), a.cols(), a.rows(), x.data(), out.data());
+  return out;
+}
+
+Eigen::MatrixXd symmetric_of_lower(const RowMajor& a, Index n) {
+  constexpr Index block = 8;  // rows and columns, of which both copies stay in the cache
+  Eigen::MatrixXd out(n, n);
+  for (Index from = 0; from < n; from += block)
+    for (Index left = 0; left <= from; left += block)
+      for (Index i = from; i < std::min(from + block, n); ++i)
+        for (Index j = left; j < std::min(left + block, i + 1); ++j) out(i, j) = out(j, i) = a(i, j);
+  return out;
+}
+
 void multiply_four(const double* a, Index k, const double* b, Index n, double* out, Index stride) {
   if (n >= 8) return products.multiply_four(a, k, b, n, out, stride);
   for (Index p = 0; p < 4; ++p)
@@ -274,14 +349,14 @@ void add_gram(const RowMajor& a, RowMajor& c) { products.add_gram(a.data(), a.ro
 
 void triangularize(RowsOf24& a, Index n) { products.reflect_columns(a.data(), a.rows(), n); }
 
-RowsOf24 inverse_of_gram(const RowsOf24& r, Index n) {
-  RowsOf24 half = RowsOf24::Zero(n, 24), all = RowsOf24::Zero(24, 24);
+SquareOf24 inverse_of_gram(const RowsOf24& r, Index n) {
+  SquareOf24 half = SquareOf24::Zero(), all = SquareOf24::Zero();
   invert_transposed(r.data(), n, half.data());
-  products.add_gram(half.data(), n, 24, all.data());
+  products.add_gram_of_triangle(half.data(), n, 24, all.data());
   return all;
 }
 
-void add_gram(const RowsOf24& a, RowsOf24& c) { products.add_gram(a.data(), a.rows(), 24, c.data()); }
+void add_gram(const RowsOf24& a, SquareOf24& c) { products.add_gram(a.data(), a.rows(), 24, c.data()); }
 
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b) { return a.completeOrthogonalDecomposition().solve(b); }
 

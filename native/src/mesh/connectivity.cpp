@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace tripatch {
 namespace {
@@ -110,24 +111,21 @@ Connectivity Connectivity::around(const Mesh& mesh, std::span<const Index> verti
   for (Index v : vertices)
     if (v < 0 || v >= mesh.vertices.rows() || !mesh.vertices.row(v).allFinite()) return Connectivity(mesh, replaced);
   Connectivity part(mesh.faces, mesh.vertices.rows(), replaced, vertices_near(mesh, vertices, rings));
-  std::vector<Index> front(vertices.begin(), vertices.end()), seen = front;
-  std::sort(seen.begin(), seen.end());
-  for (int ring = 0; ring <= rings; ++ring) {
-    std::vector<Index> next, beside;
+  std::vector<Index> front(vertices.begin(), vertices.end()), next;
+  std::vector<char> seen(mesh.vertices.rows(), 0),
+      taken(mesh.faces.size(), 0);  // a large face is at many vertices, and looked at once
+  for (Index v : front) seen[v] = 1;
+  for (int ring = 0; ring <= rings; ++ring, front = std::move(next)) {
+    next.clear();
     for (Index v : front) {
       if (!part.knows(v)) return Connectivity(mesh, replaced);
-      for (Corner c : part.at(v)) beside.push_back(part.face(c));
+      for (Corner c : part.at(v)) {
+        const Index f = part.face(c);
+        if (std::exchange(taken[f], 1)) continue;
+        for (Index w : mesh.faces[f])
+          if (!std::exchange(seen[w], 1)) next.push_back(w);
+      }
     }
-    std::sort(beside.begin(), beside.end());  // a large face is at many of them, and looked at once
-    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-    for (Index f : beside) next.insert(next.end(), mesh.faces[f].begin(), mesh.faces[f].end());
-    std::sort(next.begin(), next.end());
-    next.erase(std::unique(next.begin(), next.end()), next.end());
-    front.clear();
-    std::set_difference(next.begin(), next.end(), seen.begin(), seen.end(), std::back_inserter(front));
-    next.clear();
-    std::set_union(seen.begin(), seen.end(), front.begin(), front.end(), std::back_inserter(next));
-    seen = std::move(next);
   }
   return part;
 }

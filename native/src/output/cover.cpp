@@ -1,7 +1,9 @@
 #include "tripatch/output/cover.h"
 
+#include <algorithm>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/triangulate.h"
@@ -22,11 +24,17 @@ Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double
         (cover.barycentric.row(halved[k][0]) + cover.barycentric.row(halved[k][1])) / 2;
   cover.rim = triangles.rim;
   cover.rim_vertices = hole.rim;
-  for (const std::array<Index, 3>& triangle : triangles.triangles) cover.faces.add(triangle);
+  const Index faces = static_cast<Index>(triangles.triangles.size());
+  cover.faces.offsets.resize(faces + 1);
+  cover.faces.corners.resize(3 * faces);
+  for (Index f = 0; f < faces; ++f) {
+    cover.faces.offsets[f + 1] = 3 * (f + 1);
+    std::copy_n(triangles.triangles[f].data(), 3, &cover.faces.corners[3 * f]);
+  }
   return cover;
 }
 
-void deliver(const Cover& cover, const Points& border, Index vertices, Fill& fill) {
+void deliver(Cover cover, const Points& border, Index vertices, Fill& fill) {
   const bool own = border.rows() > 0;
   std::vector<Index> index(cover.barycentric.rows()), rows;  // of the mesh; rows that become new vertices, split edges first
   for (Index k = 0; k < cover.barycentric.rows(); ++k) {
@@ -41,7 +49,7 @@ void deliver(const Cover& cover, const Points& border, Index vertices, Fill& fil
     fill.border.resize(border.rows());
     std::iota(fill.border.begin(), fill.border.end(), Index{0});
   }
-  fill.faces = cover.faces;
+  fill.faces = std::move(cover.faces);
   for (Index& v : fill.faces.corners) v = index[v];
   fill.split_edges = cover.split_edges;
   fill.split_t = cover.split_t;

@@ -205,9 +205,9 @@ bool DomainMesh::collapse(int v, int w) {
     if (p == w || q == w) continue;
     if (!valid(w, p, q) || !may_join(w, p) || !may_join(w, q)) return false;
     after = std::min(after, shape_of(w, p, q));
-    if (p != link_of_v[(at + 1) % n] && length(w, p) > too_long * size_of_edge(w, p)) return false;
+    if (p != link_of_v[(at + 1) % n] && clearly_more(length(w, p), too_long * size_of_edge(w, p))) return false;
   }
-  if (after < std::min(collapsed_shape, before)) return false;
+  if (clearly_less(after, std::min(collapsed_shape, before))) return false;
   // ring[at] = (v, w, next) and ring[at - 1] = (v, previous, w) go
   const int gone = ring[at], gone2 = ring[(at + n - 1) % n];
   const int next = link_of_v[(at + 1) % n], previous = link_of_v[(at + n - 1) % n];

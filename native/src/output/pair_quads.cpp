@@ -11,9 +11,9 @@ namespace tripatch {
 namespace {
 
 struct TrianglePair {
-  int a, b;      // triangles, a < b
-  double error;  // 0: a plane rectangle; at most 2
-  std::array<Index, 4> corners;
+  int a, b;                      // triangles, a < b
+  double error;                  // 0: a plane rectangle; at most 2
+  std::array<Index, 4> corners;  // from an end of their common edge on: fans from there are the two triangles
 };
 
 /// Infinite beyond the thresholds. The quad is (c, a, d, b), its diagonal a-b.
@@ -61,7 +61,8 @@ std::vector<TrianglePair> candidates(const PointsRef& points, const std::vector<
       const std::array<Index, 4> quad = {t[i], t[(i + 1) % 3], u[j], t[(i + 2) % 3]};
       const double error =
           t[(i + 1) % 3] == u[(j + 2) % 3] ? error_of(points, quad, options) : std::numeric_limits<double>::infinity();
-      if (std::isfinite(error)) pairs.push_back({edges[k].triangle, edges[k + 1].triangle, error, quad});
+      const std::array<Index, 4> corners = {quad[1], quad[2], quad[3], quad[0]};
+      if (std::isfinite(error)) pairs.push_back({edges[k].triangle, edges[k + 1].triangle, error, corners});
     }
     k = end;
   }

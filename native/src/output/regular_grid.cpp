@@ -4,7 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "tripatch/math/ties.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
 
@@ -50,12 +52,15 @@ TriangleMesh blended_grid(const Parameters& parameters, const Points& rim, Index
       mesh.barycentric.row(grid_vertex(n, p, q)) << b[0], b[1], 1 - b[0] - b[1];
     }
   mesh.triangles.reserve(n * n);
-  for (Index q = 0; q < n; ++q)
+  std::vector<Index> row(n + 1), next(n + 1);  // vertices of a row of the grid, and of the next one
+  for (Index p = 0; p <= n; ++p) row[p] = grid_vertex(n, p, 0);
+  for (Index q = 0; q < n; ++q, std::swap(row, next)) {
+    for (Index p = 0; p + q < n; ++p) next[p] = grid_vertex(n, p, q + 1);
     for (Index p = 0; p + q < n; ++p) {
-      mesh.triangles.push_back({grid_vertex(n, p, q), grid_vertex(n, p + 1, q), grid_vertex(n, p, q + 1)});
-      if (p + q + 1 < n)
-        mesh.triangles.push_back({grid_vertex(n, p + 1, q), grid_vertex(n, p + 1, q + 1), grid_vertex(n, p, q + 1)});
+      mesh.triangles.push_back({row[p], row[p + 1], next[p]});
+      if (p + q + 1 < n) mesh.triangles.push_back({row[p + 1], next[p + 1], next[p]});
     }
+  }
   return mesh;
 }
 
@@ -108,7 +113,7 @@ void mend_corners(TriangleMesh& mesh, Index n, const Surface& patch) {
     q = patch.positions(q);
     const double now = std::min(shape(q.row(0), q.row(1), q.row(3)), shape(q.row(1), q.row(2), q.row(3)));
     const double then = std::min(shape(q.row(0), q.row(1), q.row(2)), shape(q.row(0), q.row(2), q.row(3)));
-    if (then > now) *tip = {c, after, across}, *next = {c, across, before};
+    if (clearly_more(then, now)) *tip = {c, after, across}, *next = {c, across, before};
   }
 }
 

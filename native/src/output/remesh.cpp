@@ -22,7 +22,8 @@ using Pair = std::array<int, 2>;
 constexpr int most_sources = 200;  // of rim sizes: longer rims count by runs of edges
 constexpr int most_passes = 60;    // a rim of 10,000 edges needs 25
 constexpr int careful_passes = 2;
-constexpr double least_move = 0.03;  // of the size: smaller moves are not worth an evaluation
+constexpr double beside_edge = 1e-6;  // of the domain's size: a place so near to an edge of a triangle is on it
+constexpr double least_move = 0.03;   // of the size: smaller moves are not worth an evaluation
 
 Pair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
 
@@ -319,7 +320,7 @@ private:
     for (int v = given_; v < static_cast<int>(b_.size()); ++v) {
       if (triangle_of_[v] < 0 || is_fixed(v)) continue;
       const std::optional<Way> way = way_of(v);
-      if (!way || way->in_space.norm() < least_move * size_[v]) continue;
+      if (!way || clearly_less(way->in_space.norm(), least_move * size_[v])) continue;
       auto [step, in_space] = *way;
       for (int attempt = 0; attempt < 4; ++attempt, step *= 0.5, in_space *= 0.5) {
         const Vec3 b = b_[v] + Vec3(0, step[0], step[1]);
@@ -396,6 +397,35 @@ private:
 };
 
 }  // namespace
+
+void insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3& point) {
+  const Index row = polygon.uv.rows();
+  const double near = beside_edge * (polygon.uv.colwise().maxCoeff() - polygon.uv.colwise().minCoeff()).maxCoeff();
+  for (Index k = 0; k < row; ++k)
+    if ((polygon.uv.row(k) - uv).norm() <= near) {
+      if (k >= polygon.rim) polygon.points.row(k) = point;
+      return;
+    }
+  polygon.uv.conservativeResize(row + 1, 2);
+  polygon.uv.row(row) = uv;
+  polygon.points.conservativeResize(row + 1, 3);
+  polygon.points.row(row) = point;
+  std::vector<std::array<Index, 3>> kept;
+  for (const std::array<Index, 3>& t : polygon.triangles) {
+    std::array<double, 3> height{};  // over the edge opposite each corner
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::RowVector2d from = polygon.uv.row(t[(k + 1) % 3]) - uv, to = polygon.uv.row(t[(k + 2) % 3]) - uv;
+      height[k] = (from[0] * to[1] - from[1] * to[0]) / (to - from).norm();
+    }
+    if (*std::min_element(height.begin(), height.end()) < -near) {
+      kept.push_back(t);
+      continue;
+    }
+    for (int k = 0; k < 3; ++k)
+      if (height[k] > near) kept.push_back({t[(k + 1) % 3], t[(k + 2) % 3], row});
+  }
+  polygon.triangles = std::move(kept);
+}
 
 double triangles_wanted(const PlanePolygon& polygon, std::optional<int> resolution) {
   check(polygon, resolution);

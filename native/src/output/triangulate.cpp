@@ -186,12 +186,13 @@ private:
     int low = from + 1, high = last - 1;
     while (low < high) {
       const int mid = (low + high) / 2;
-      if ((b_[mid] - a).dot(e) < 0.5 * e.squaredNorm())
+      if (clearly_less((b_[mid] - a).dot(e), 0.5 * e.squaredNorm()))
         low = mid + 1;
       else
         high = mid;
     }
-    if (low > from + 1 && (b_[low] - a).dot(e) + (b_[low - 1] - a).dot(e) > e.squaredNorm()) --low;
+    if (low > from + 1 && !clearly_less((b_[low] - a).dot(e) + (b_[low - 1] - a).dot(e), e.squaredNorm()))
+      --low;  // the first of two
     return low;
   }
 
@@ -260,7 +261,7 @@ private:
     const Vec3 e = x_[c] - x_[a], u = x_[b] - x_[a], w = x_[d] - x_[a];
     const Vec3 n1 = u.cross(e), n2 = e.cross(w);
     const double cosine = n1.dot(n2), scale = std::sqrt(n1.squaredNorm() * n2.squaredNorm());
-    if (cosine < 0) return cosine / scale;
+    if (cosine < -tie * scale) return cosine / scale;
     return std::min(shape_of(a, b, c), shape_of(a, c, d));
   }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
 
 namespace tripatch {
@@ -63,6 +64,14 @@ Eigen::RowVector3d normal_of(const double* jet) {
 }
 
 }  // namespace
+
+Foot foot_at(const Surface& surface, const Vec2& place, const Vec3& point) {
+  const std::array<double, 3> b = {place[0], place[1], 0};
+  std::array<double, 9> jets;
+  surface.evaluate(b.data(), 1, 1, jets.data());
+  const Vec3 off = point - Vec3::Map(jets.data());
+  return {off, in_frame(Vec3::Map(&jets[3]), Vec3::Map(&jets[6]), off)};
+}
 
 SurfacePtr sum(SurfacePtr a, SurfacePtr b) { return std::make_shared<Sum>(std::move(a), std::move(b)); }
 

@@ -111,7 +111,7 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
     return true;
   };
   for (int step = 0; step < 8; ++step) {
-    const Vec2 move = step_toward(patch, place, point);
+    const Vec2 move = foot_at(patch, place, point).step;
     if (!move.allFinite()) break;
     double share = 1;
     while (share > 1e-3 && !inside(place + share * move)) share /= 2;
@@ -184,6 +184,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
     for (const Through& t : options.through)
       through.push_back({nearest_place(*made.patch, made.domain, t.point), t.point, t.normal});
     made = made_with(sides, options, wanted, bulge, through);
+    for (std::size_t k = through.size() - options.through.size(); k < through.size(); ++k) made.met.push_back(through[k].uv);
   }
   made.patch = std::make_shared<OverPolygon>(made.domain, made.patch);
   made.continuity = wanted.names;

@@ -214,7 +214,7 @@ Vec2 nearest_in_disc(const Surface& patch, const Vec3& point) {
   (patch.positions(grid).rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&best);
   Vec2 place = grid.row(best).head<2>();
   for (int step = 0; step < 8; ++step) {
-    const Vec2 move = step_toward(patch, place, point);
+    const Vec2 move = foot_at(patch, place, point).step;
     if (!move.allFinite()) break;
     place += move;
     if (place.norm() > farthest_out) place *= farthest_out / place.norm();
@@ -248,9 +248,29 @@ RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options, int
     }
     for (const Through& t : options.through) asked.through.push_back({nearest_in_disc(*made.patch, t.point), t.point, t.normal});
     made = round_made(side, options, asked, size);
+    for (std::size_t k = asked.through.size() - options.through.size(); k < asked.through.size(); ++k)
+      made.met.push_back(asked.through[k].uv);
   }
   made.continuity = asked.continuity == SideContinuity::automatic ? "G1" : name_of(asked.continuity);
   measure_round_seam(made);
+  return made;
+}
+
+RoundPatch begun_at(RoundPatch made, double t) {
+  std::vector<Harmonic> terms = made.patch->terms();
+  for (Harmonic& term : terms)
+    for (Index k = 1; 2 * k < term.rows(); ++k) {
+      const Vec2 turn = on_circle(static_cast<double>(k) * t);
+      const Vec3 a = term.row(2 * k - 1), b = term.row(2 * k);
+      term.row(2 * k - 1) = turn[0] * a + turn[1] * b;
+      term.row(2 * k) = turn[0] * b - turn[1] * a;
+    }
+  made.patch = std::make_shared<const RoundSurface>(std::move(terms));
+  const double curvature_error = made.side.curvature_error;
+  made.side = piece_of(made.side, t, 1 + t);
+  made.side.curvature_error = curvature_error;
+  const Vec2 turn = on_circle(t);
+  for (Vec2& place : made.met) place = Vec2(turn[0] * place[0] + turn[1] * place[1], turn[0] * place[1] - turn[1] * place[0]);
   return made;
 }
 

@@ -104,13 +104,6 @@ PolygonQuadrature polygon_quadrature(const PolygonDomain& domain, int nodes) {
   return result;
 }
 
-Vec2 step_toward(const Surface& surface, const Vec2& place, const Vec3& point) {
-  const std::array<double, 3> b = {place[0], place[1], 0};
-  std::array<double, 9> jets;
-  surface.evaluate(b.data(), 1, 1, jets.data());
-  return in_frame(Vec3::Map(&jets[3]), Vec3::Map(&jets[6]), point - Vec3::Map(jets.data()));
-}
-
 std::vector<Derivatives> plane_derivatives(const Surface& surface, const Points& uv) {
   Eigen::Matrix<double, Eigen::Dynamic, 30, Eigen::RowMajor> jets(uv.rows(), 30);
   surface.evaluate(uv.data(), uv.rows(), 3, jets.data());

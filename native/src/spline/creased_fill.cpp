@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -26,6 +27,8 @@ constexpr Index most_crease_edges = 2000;
 /// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there, and whether those have a
 /// triangulation is chance.
 constexpr double grazing = 1e-4;
+/// A point nearer to a crease than this share of its edges is meant to lie on it.
+constexpr double on_crease = 0.05;
 
 EdgeKey edge_key(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
@@ -432,6 +435,39 @@ bool grazes_rim(const Division& division, const VertexLoop& rim) {
   return false;
 }
 
+/// Fills of parts again, each through the points that are nearest to it. False where one lies on a crease, which is not known to run
+/// there, or a part finds no surface.
+bool meet_inside(const std::vector<Through>& through, const Division& division, std::vector<CreasedPart>& parts,
+                 std::vector<PlaneFill>& fills) {
+  for (const Through& met : through) {
+    for (const VertexLoop& curve : division.curves())
+      for (std::size_t k = 0; k + 1 < curve.size(); ++k) {
+        const Vec3 a = division.point(curve[k]), b = division.point(curve[k + 1]);
+        if (distance_to_edge(met.point, a, b) < on_crease * (b - a).norm()) return false;
+      }
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+      const Index r = static_cast<Index>(parts[part].loop.size());
+      const auto corner = [&](Index v) -> Vec3 {
+        return v < r ? Vec3(parts[part].vertices.row(v)) : Vec3(fills[part].vertices.row(v - r));
+      };
+      for (const std::array<Index, 3>& t : fills[part].triangles) {
+        const double far = ((corner(t[0]) + corner(t[1]) + corner(t[2])) / 3 - met.point).norm();
+        if (far < least) least = far, best = part;
+      }
+    }
+    parts[best].options.through.push_back(met);
+  }
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    if (parts[part].options.through.empty()) continue;
+    const Mesh own{parts[part].vertices, parts[part].faces};
+    fills[part] = fill_over_plane(own, Connectivity(own), {parts[part].loop}, parts[part].options);
+    if (!fills[part].surface || fills[part].doubles_edges) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivity& around, const VertexLoop& rim,
@@ -441,12 +477,15 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
   if (grazes_rim(division, rim)) return {};
   const std::vector<std::vector<Index>> faces = faces_of_parts(mesh, around, features, division.loops());
   std::vector<PlaneFill> fills;
+  std::vector<CreasedPart> parts;
   for (std::size_t k = 0; k < division.loops().size(); ++k) {
     const CreasedPart part = creased_part(mesh, around, division, k, faces[k], options);
     const Mesh own{part.vertices, part.faces};
     fills.push_back(fill_over_plane(own, Connectivity(own), {part.loop}, part.options));
     if (!fills.back().surface || fills.back().doubles_edges) return {};
+    parts.push_back(part);
   }
+  if (!meet_inside(options.through, division, parts, fills)) return {};
   PlaneFill fill = JoinedParts(rim, division, fills).fill();
   Points points(static_cast<Index>(rim.size()) + fill.vertices.rows(), 3);
   for (std::size_t k = 0; k < rim.size(); ++k) points.row(static_cast<Index>(k)) = mesh.vertices.row(rim[k]);

@@ -47,7 +47,7 @@ public:
         add(v, -1);
       }
     }
-    const double border = border_length();
+    const double border = border_length(faces);
     if (disc_.rings >= least_rings && clearly_less(border, least_border * rim_length_)) return false;
     for (Index f : faces) cut(mesh_.faces[f]);
     front_.assign(disc_.vertices.begin() + static_cast<std::ptrdiff_t>(before), disc_.vertices.end());
@@ -121,20 +121,20 @@ private:
       }
   }
 
-  /// Of the faces taken but for the rim.
-  double border_length() const {
-    double length = 0;
-    for (Index f : taken_.items()) {
+  /// Of the faces taken but for the rim; `added` are those that were taken since the last time.
+  double border_length(const std::vector<Index>& added) {
+    for (Index f : added) {
       const auto face = mesh_.faces[f];
-      for (std::size_t k = 0; k < face.size(); ++k) {
-        const Index a = face[k], b = face[(k + 1) % face.size()];
-        const std::optional<Connectivity::Corner> across = around_.edge(b, a);
-        if (across && is_taken(around_.face(*across))) continue;
-        const int i = row_.find(a), j = row_.find(b);
-        const bool rim = !across && i >= 0 && i < disc_.rim && j >= 0 && j < disc_.rim;
-        if (!rim) length += (point(a) - point(b)).norm();
-      }
+      for (std::size_t k = 0; k < face.size(); ++k) border_.push_back({face[k], face[(k + 1) % face.size()]});
     }
+    std::erase_if(border_, [&](const std::array<Index, 2>& edge) {
+      const std::optional<Connectivity::Corner> across = around_.edge(edge[1], edge[0]);
+      if (across) return is_taken(around_.face(*across));
+      const int i = row_.find(edge[0]), j = row_.find(edge[1]);
+      return i >= 0 && i < disc_.rim && j >= 0 && j < disc_.rim;
+    });
+    double length = 0;
+    for (const auto& [a, b] : border_) length += (point(a) - point(b)).norm();
     return length;
   }
 
@@ -171,6 +171,7 @@ private:
   const Connectivity& around_;
   Numbering row_, taken_;
   std::vector<Index> front_;
+  std::vector<std::array<Index, 2>> border_;  // from vertex to vertex as the faces taken go
   double rim_length_ = 0;
   Disc disc_;
 };

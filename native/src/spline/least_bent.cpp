@@ -15,7 +15,7 @@ constexpr double steepest = 100, least_area = 1e-3;
 
 /// Weights of the edges and areas of the vertices of some triangles.
 struct Measures {
-  std::vector<Eigen::Triplet<double>> weights;  // of the Laplacian's entries
+  std::vector<Eigen::Triplet<double>> weights;  // entries of the Laplacian, positive on its diagonal
   Eigen::VectorXd areas;
 };
 
@@ -31,7 +31,7 @@ Measures measured(const Points& points, const std::vector<std::array<Index, 3>>&
       const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
       const double cotangent = std::clamp(u.dot(v) / std::max(twice, 1e-300), -steepest, steepest) / 2;
       const int a = static_cast<int>(t[(k + 1) % 3]), b = static_cast<int>(t[(k + 2) % 3]);
-      out.weights.insert(out.weights.end(), {{a, b, cotangent}, {b, a, cotangent}, {a, a, -cotangent}, {b, b, -cotangent}});
+      out.weights.insert(out.weights.end(), {{a, b, -cotangent}, {b, a, -cotangent}, {a, a, cotangent}, {b, b, cotangent}});
       out.areas[t[k]] += twice / 6;
     }
   }
@@ -39,37 +39,50 @@ Measures measured(const Points& points, const std::vector<std::array<Index, 3>>&
   return out;
 }
 
+/// Of the higher of two orders: it runs on farther, and errs more where it errs.
+constexpr double share_of_last = 0.25;
+
 }  // namespace
 
 std::optional<Points> least_bent(const Points& points, const std::vector<std::array<Index, 3>>& triangles, Index first,
-                                 Index count) {
+                                 Index count, int order) {
   const Index n = points.rows();
   const Measures measures = measured(points, triangles);
-  SparseRows laplacian(n, n);
-  laplacian.setFromTriplets(measures.weights.begin(), measures.weights.end());
-  std::vector<Eigen::Triplet<double>> entries;
-  Points right = Points::Zero(n, 3);  // what the rows that stay bend
-  const auto is_free = [&](Index v) { return first <= v && v < first + count; };
-  for (Index v = 0; v < n; ++v) {
-    bool any = false;
-    for (SparseRows::InnerIterator at(laplacian, v); at && !any; ++at) any = is_free(at.col());
-    if (!any) continue;
-    const double scale = 1 / std::sqrt(measures.areas[v]);
-    for (SparseRows::InnerIterator at(laplacian, v); at; ++at) {
-      if (is_free(at.col()))
-        entries.emplace_back(static_cast<int>(v), static_cast<int>(at.col() - first), scale * at.value());
-      else
-        right.row(v) -= scale * at.value() * points.row(at.col());
-    }
-  }
-  Eigen::SparseMatrix<double> bent(n, count);
-  bent.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SparseMatrix<double> normal = bent.transpose() * bent;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
+  SparseRows stiffness(n, n);
+  stiffness.setFromTriplets(measures.weights.begin(), measures.weights.end());
+  const Eigen::VectorXd inverse = measures.areas.cwiseInverse();
+  SparseRows energy = stiffness.middleRows(first, count);  // the rows of the free ones
+  for (int k = 1; k < order; ++k) energy = SparseRows(energy * inverse.asDiagonal()) * stiffness;
+  Points held = points;
+  held.middleRows(first, count).setZero();
+  const Eigen::MatrixXd right = energy * held;
+  const Eigen::SparseMatrix<double> columns = energy;
+  const Eigen::SparseMatrix<double> free = columns.middleCols(first, count);
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(free);
   if (solver.info() != Eigen::Success) return {};
-  Points out = solver.solve(Eigen::MatrixXd(bent.transpose() * right));
+  Points out = -solver.solve(right);
   if (!out.allFinite()) return {};
   return out;
+}
+
+std::optional<SecondModel> second_model(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+                                        const Disc& disc, const std::vector<int>& orders) {
+  const Index r = disc.rim, made = points.rows();
+  Points all(made + disc.points.rows() - r, 3);
+  all << points, disc.points.bottomRows(disc.points.rows() - r);
+  std::vector<std::array<Index, 3>> both = triangles;
+  for (std::array<Index, 3> t : disc.triangles) {
+    for (Index& v : t)
+      if (v >= r) v += made - r;
+    both.push_back(t);
+  }
+  std::vector<Points> found;
+  for (int order : orders)
+    if (const std::optional<Points> each = least_bent(all, both, r, made - r, order)) found.push_back(*each);
+  if (found.empty()) return {};
+  const Points way = found.back() - found.front();
+  SecondModel model{found.front() + share_of_last * way, std::sqrt(share_of_last * (1 - share_of_last)) * way};
+  return model;
 }
 
 }  // namespace tripatch

@@ -15,6 +15,7 @@
 #include "tripatch/spline/ear_clipping.h"
 #include "tripatch/spline/layout.h"
 #include "tripatch/spline/least_bent.h"
+#include "tripatch/spline/met_points.h"
 #include "tripatch/spline/reference.h"
 #include "tripatch/spline/rough_fill.h"
 #include "tripatch/spline/unfold.h"
@@ -58,10 +59,15 @@ constexpr int free_degree = 6;
 /// Details: what a polynomial of the higher degree leaves, over an edge.
 constexpr double detail = 0.05;
 /// Rough surroundings lie off any layout by what their details stretch: the field is averaged with a second model, which bends the
-/// triangles themselves least and knows of no plane. So much of it where the noise decides the order altogether (Field::roughness);
-/// around 76 rough holes of seventeen meshes the average is 5% nearer, with a quarter or three quarters as much 3% to 4%.
-constexpr double share_of_second = 0.5;
-/// Below this share it is not worth its time. Known surfaces with noise of 2% of an edge stay below.
+/// triangles themselves least, or varies their bending least, and knows of no plane. So much of it where the noise decides the order
+/// altogether (Field::roughness) and details are much more than noise. Chosen on 218 holes of 37 meshes.
+constexpr double share_of_second = 0.9;
+/// And so much where there is little noise, but the likeliest order is lower than that of any known surface with noise up to 2% of an
+/// edge (3.6). Chosen on 50 such holes.
+constexpr double share_of_second_where_creased = 0.25, order_where_creased = 3.5, steepness_of_order = 24;
+/// Of details_in(): from here on the second model is nearer than a field through fewer rings.
+constexpr double mostly_details = 0.2;
+/// Below this share it is not worth its time.
 constexpr double least_share_of_second = 0.1;
 /// The field that carries the difference over all of the hole: its order, and of how many points at most it is made.
 constexpr double order_of_difference = 2.5;
@@ -78,7 +84,9 @@ struct Rim {
   Triangles rough_faces;
   RimSurroundings surroundings;
   std::vector<FaceBeyond> beyond;
+  std::vector<Through> through;  // what shall be met inside
   Index folds = 0;
+  Index folds_of_plain = 0;  // between the triangles of plain() alone, not over the faces beyond
   double edge = 0, diameter = 0, area = 0;
 };
 
@@ -198,19 +206,14 @@ Triangles domain_triangles(const PlanePoints& uv, const Rim& rim) {
   return in_plane.islands.empty() ? cut_ears(uv) : Triangles();
 }
 
-Points as_rows(const PlanePoints& uv) {
-  Points rows = Points::Zero(uv.rows(), 3);
-  rows.leftCols(2) = uv;
-  return rows;
-}
-
-/// Whether points stay nearer to the rim than a hole's diameter.
+/// Whether points stay nearer to the rim, or to what shall be met, than a hole's diameter.
 bool stay(const Points& points, const Rim& rim) {
   const Index r = rim.points.rows(), step = std::max<Index>(1, r / 200);
   const double most = farthest * farthest * rim.diameter * rim.diameter;
   for (Index k = 0; k < points.rows(); ++k) {
     double nearest = std::numeric_limits<double>::infinity();
     for (Index j = 0; j < r; j += step) nearest = std::min(nearest, (points.row(k) - rim.points.row(j)).squaredNorm());
+    for (const Through& met : rim.through) nearest = std::min(nearest, (Vec3(points.row(k)) - met.point).squaredNorm());
     if (!(nearest <= most)) return false;
   }
   return true;
@@ -255,12 +258,16 @@ Reference reference_for(const PlanePoints& laid, const Points& samples, double e
 /// One try: the surroundings laid out with what fills the hole so far, the field over them, and the hole triangulated.
 struct Attempt {
   std::shared_ptr<const Field> field;
-  SurfacePtr surface;  // the field, or its average with a second model
+  SurfacePtr surface;  // the field, its average with a second model, or that which meets points inside
+  std::shared_ptr<const MetPoints> met;
+  PlanePoints met_uv = PlanePoints(0, 2);
   PlanePoints rim_uv;
   PlaneTriangulation made;
   bool from_above = false;
   double left_by_reference = 0;  // scene units
-  double fed_back = 0;           // share of the fill's error that its layout hands on to it
+  std::optional<SecondModel> second;
+  double share_of_second = 0;
+  double fed_back = 0;  // share of the fill's error that its layout hands on to it
 };
 
 /// The disc's points in the plane, laid out with the hole as it is filled so far.
@@ -284,6 +291,19 @@ std::optional<PlanePoints> laid_out(const Disc& disc, const Rim& rim, const Atte
   const std::optional<Layout> layout = lay_out(points, triangles, options);
   if (!layout) return {};
   return PlanePoints(layout->uv.topRows(n));
+}
+
+/// The surface through points inside, where it comes nearest to them, and triangles that have them as vertices.
+void meet(const std::vector<Through>& through, const PlaneFillOptions& options, PlanePolygon& polygon, Attempt& result) {
+  result.met_uv = nearest_places(*result.field, polygon.uv, polygon.triangles, through);
+  result.met = std::make_shared<MetPoints>(*result.field, result.rim_uv, result.met_uv, through, options.planes);
+  result.surface = sum(result.field, result.met);
+  for (std::size_t k = 0; k < through.size(); ++k)
+    insert_row(polygon, result.met_uv.row(static_cast<Index>(k)), through[k].point);
+  if (positive(polygon.uv, polygon.triangles))
+    result.made = remesh(polygon, options.resolution, *result.surface);
+  else
+    result.made.points.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vector<Index>& samples, const FieldOptions& fields,
@@ -320,38 +340,36 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
     polygon.rim = disc.rim;
     polygon.joined = rim.surroundings.joined;
     result.made = remesh(polygon, options.resolution, *result.field);
+    if (!rim.through.empty() || options.planes.rows() > 0) meet(rim.through, options, polygon, result);
     if (result.made.points.allFinite()) return result;
   }
   return {};
 }
 
-/// The new vertices where the triangles bend least, those of the surroundings that touch the rim included.
-std::optional<Points> second_model(const Attempt& result, const Disc& disc) {
-  const Index r = disc.rim, made = result.made.points.rows();
-  Points points(made + disc.points.rows() - r, 3);
-  points << result.made.points, disc.points.bottomRows(disc.points.rows() - r);
-  Triangles triangles = result.made.triangles;
-  for (std::array<Index, 3> t : disc.triangles) {
-    if (std::min({t[0], t[1], t[2]}) >= r) continue;
-    for (Index& v : t)
-      if (v >= r) v += made - r;
-    triangles.push_back(t);
-  }
-  return least_bent(points, triangles, r, made - r);
+/// 0: where all that the reference leaves is noise, to 1.
+double details_in(const Attempt& result) {
+  const double noise = result.field->noise() / std::max(result.left_by_reference, 1e-300);
+  return std::pow(1 - std::min(std::pow(noise, 4), 1.0), 2);
 }
 
-/// The average with the second model where the surroundings are rough. As it was where that leaves the rim or folds more.
-void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
-  const double share = share_of_second * result.field->roughness();
-  const Index r = disc.rim, added = result.made.points.rows() - r;
-  if (share < least_share_of_second || added == 0 || r > long_rim || disc.triangles.empty()) return;
-  const std::optional<Points> bent = second_model(result, disc);
-  if (!bent) return;
-  const Index stride = (r + added + points_of_difference - 1) / points_of_difference;
+/// So much of the second model as the surroundings are rough with details, not with noise alone: that the field has averaged, and the
+/// second model would meet it.
+double share_of_details(const Attempt& result) {
+  const Field& field = *result.field;
+  const double creased = 1 / (1 + std::pow(field.mean_order() / order_where_creased, steepness_of_order));
+  return share_of_second * field.roughness() * details_in(result) +
+         share_of_second_where_creased * (1 - field.roughness()) * creased;
+}
+
+/// The new vertices so far between the field's and the second model's as the share says, the surface with them. False, and as it was,
+/// where that leaves the rim's neighborhood.
+bool take_second(const Rim& rim, const SecondModel& second, double share, Attempt& result) {
+  const Index all = result.made.points.rows(), added = second.vertices.rows();
+  const Index stride = (all + points_of_difference - 1) / points_of_difference;
   std::vector<Index> rows;
-  for (Index k = 0; k < r + added; k += stride) rows.push_back(k);
+  for (Index k = 0; k < all; k += stride) rows.push_back(k);
   Points other = result.made.points;
-  other.bottomRows(added) = *bent;
+  other.bottomRows(added) = second.vertices;
   const PlanePoints places = rows_of(PlanePoints(result.made.uv), rows);
   const Points difference = share * (rows_of(other, rows) - result.field->positions(as_rows(places)));
   FieldOptions fields;
@@ -360,11 +378,68 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   const SurfacePtr average = sum(result.field, std::make_shared<Field>(places, difference, fields));
   Points points = result.made.points;
   points.bottomRows(added) = average->positions(as_rows(PlanePoints(result.made.uv.bottomRows(added))));
-  if (!points.allFinite() || !stay(points, rim)) return;
-  const Index folds = folded_edges(points, result.made.triangles, rim.beyond);
-  if (folds > rim.folds && folds > folded_edges(result.made.points, result.made.triangles, rim.beyond)) return;
+  if (!points.allFinite() || !stay(points, rim)) return false;
   result.surface = average;
   result.made.points = std::move(points);
+  result.second = second;
+  result.share_of_second = share;
+  return true;
+}
+
+/// The average with the second model where the surroundings are rough. As it was where that leaves the rim or folds more.
+void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
+  const double share = share_of_details(result);
+  const Index r = disc.rim, added = result.made.points.rows() - r;
+  if (share < least_share_of_second || added == 0 || r > long_rim || disc.triangles.empty() || result.met) return;
+  const std::optional<SecondModel> second = second_model(result.made.points, result.made.triangles, disc, {2, 3});
+  if (!second) return;
+  Attempt average = result;
+  if (!take_second(rim, *second, share, average)) return;
+  const Index folds = folded_edges(average.made.points, average.made.triangles, rim.beyond);
+  if (folds <= rim.folds || folds <= folded_edges(result.made.points, result.made.triangles, rim.beyond))
+    result = std::move(average);
+}
+
+/// Moves vertices of folded edges, and flips edges, until none is folded, or no more than of the rim's own; returns how many are.
+Index unfolded(const Rim& rim, Attempt& result) {
+  const Index r = rim.points.rows();
+  PlaneTriangulation& made = result.made;
+  for (const Index allowed : {Index{0}, rim.folds}) {
+    Index left = unfold(made.points, made.triangles, r, allowed, rim.beyond);
+    if (left <= allowed) return left;
+    if (allowed < rim.folds) continue;
+    std::vector<std::array<Index, 3>> flipped = made.triangles;
+    left = flip_folded(made.points, flipped, rim.surroundings.joined, allowed, rim.beyond);
+    if (left > allowed) left = unfold(made.points, flipped, r, allowed, rim.beyond);
+    if (left > allowed) return left;
+    made.triangles = std::move(flipped);
+    return left;
+  }
+  return 0;
+}
+
+/// The disc, or one of the rings that the second model needs.
+Disc with_two_rings(const Mesh& mesh, const Connectivity& continued, const std::vector<std::vector<Index>>& loops,
+                    const Disc& disc) {
+  return disc.rings < 2 ? disc_around(mesh, continued, loops, 0, 2) : disc;
+}
+
+/// The second model by itself where the field folds: on meshes whose noise is a third of an edge the field passes the rim's vertices so
+/// far off that its triangles fold back over the mesh. False, and as it was, where this folds more than the rim too.
+bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
+  if (disc.triangles.empty() || result.made.points.rows() == disc.rim || result.met) return false;
+  for (const std::vector<int>& orders : {std::vector<int>{2, 3}, {2}, {1}}) {
+    Attempt alone = result;
+    for (int round = 0; round < 2; ++round) {  // the second by angles of triangles that do not fold
+      const std::optional<SecondModel> second = second_model(alone.made.points, alone.made.triangles, disc, orders);
+      if (!second || !take_second(rim, *second, 1, alone)) break;
+      if (unfolded(rim, alone) > rim.folds) continue;
+      if (folded_edges(alone.made.points, alone.made.triangles, {}) > rim.folds_of_plain) continue;
+      result = std::move(alone);
+      return true;
+    }
+  }
+  return false;
 }
 
 /// Places one edge inside the rim.
@@ -400,18 +475,25 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   fill.normals = result.surface->normals(as_rows(fill.uv));
   fill.triangles = result.made.triangles;
   const PlanePoints inside = inside_rim(result, rim);
-  PlanePoints places(added + inside.rows(), 2);
-  places << fill.uv, inside;
+  PlanePoints places(added + inside.rows() + result.met_uv.rows(), 2);
+  places << fill.uv, inside, result.met_uv;
   Points directions(places.rows(), 3);
-  directions << fill.normals, result.field->normals(as_rows(inside));
-  const Eigen::VectorXd deviation = result.field->deviation(places, directions);
+  directions << fill.normals, result.field->normals(as_rows(inside)), result.surface->normals(as_rows(result.met_uv));
+  Eigen::VectorXd deviation = result.field->deviation(places, directions);
+  if (result.met) {
+    const Eigen::VectorXd at_met = deviation.tail(result.met_uv.rows());
+    deviation.conservativeResize(added + inside.rows());
+    deviation = result.met->deviation_left(places.topRows(deviation.rows()), deviation, at_met);
+  }
   const double near_rim = deviation.tail(inside.rows()).norm() / std::sqrt(static_cast<double>(inside.rows()));
   fill.deviation = with_layout_errors(deviation.head(added), near_rim, result.fed_back);
-  if (result.surface != result.field) {  // and the spread of the two models about their average
-    const Points moved = fill.vertices - result.field->positions(as_rows(fill.uv));
-    const double share = share_of_second * result.field->roughness();
-    const Eigen::VectorXd spread = moved.cwiseProduct(fill.normals).rowwise().sum() * std::sqrt((1 - share) / share);
-    fill.deviation = (fill.deviation.cwiseAbs2() + spread.cwiseAbs2()).cwiseSqrt();
+  if (result.second) {  // and the spread of the models about their average
+    const double share = std::min(result.share_of_second, share_of_second);
+    const Points way = result.second->vertices - result.field->positions(as_rows(fill.uv));
+    const Eigen::VectorXd between = way.cwiseProduct(fill.normals).rowwise().sum();
+    const Eigen::VectorXd apart = result.second->apart.cwiseProduct(fill.normals).rowwise().sum();
+    fill.deviation =
+        (fill.deviation.cwiseAbs2() + share * (1 - share) * between.cwiseAbs2() + share * apart.cwiseAbs2()).cwiseSqrt();
   }
   fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
   fill.folds = folded_edges(result.made.points, fill.triangles, rim.beyond);
@@ -439,6 +521,13 @@ PlaneFill plain(const Rim& rim, bool doubles_edges) {
   fill.triangles = std::move(fan);
   fill.doubles_edges = false;
   return fill;
+}
+
+/// Edges that are folded between the triangles of a plain fill.
+Index folds_between(const Rim& rim, const PlaneFill& fill) {
+  Points points(rim.points.rows() + fill.vertices.rows(), 3);
+  points << rim.points, fill.vertices;
+  return folded_edges(points, fill.triangles, {});
 }
 
 /// By the change of the area, and the change before it.
@@ -493,7 +582,9 @@ struct Way {
   const char* sentence;
 };
 
-constexpr const char* mended = "A few vertices beside the rim are off the surface: on it their triangles would fold";
+constexpr const char* least_bent_sentence =
+    "The triangles of the fill bend as little as they can: a surface that follows the surroundings would fold over the mesh";
+constexpr const char* mended = "A few triangles beside the rim are not those of the surface: on it they would fold";
 
 }  // namespace
 
@@ -505,45 +596,52 @@ Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vect
 PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                           const PlaneFillOptions& options) {
   Rim rim = rim_of(mesh, around, loops);
+  rim.through = options.through;
   rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
   const RoughFill rough = rough_fill(rim.points, rim.surroundings);
   rim.rough = rough.triangles;
   rim.folds = folded_edges(rim.points, rim.rough, rim.beyond);
   rim.area = area_of(rim.points, rim.rough);
   PlaneFill best = plain(rim, rough.doubles_edges);
+  rim.folds_of_plain = folds_between(rim, best);
   best.plainer = "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
+  if (!rim.through.empty()) best.plainer += ", which do not meet the points inside";
   if (!(rim.diameter > 0)) return best;
-  if (rim.points.rows() == 3 && !options.resolution) {
+  if (rim.points.rows() == 3 && !options.resolution && rim.through.empty()) {
     best.plainer.clear();
     return best;
   }
-  const std::array<Way, 3> ways = {
+  const std::array<Way, 4> ways = {
       Way{reach_share, most_rings, FieldOptions().orders, ""},
       Way{0, 2, {2, 3}, "Two rings of the surroundings are followed: with more the fill would fold or run away"},
-      Way{0, 1, {2}, "Only the first ring of the surroundings is followed, as flat as possible: otherwise the fill would fold"}};
+      Way{0, 1, {2}, "Only the first ring of the surroundings is followed, as flat as possible: otherwise the fill would fold"},
+      Way{0, 0, of_rim_alone, "The fill follows its rim alone: with the surroundings it would fold or run away"}};
   const Connectivity& continued = options.continued ? *options.continued : around;
   for (const Way& way : ways) {
+    if (way.rings == 0 && best.surface) break;
     Disc disc = disc_around(mesh, continued, loops, way.reach * rim.diameter, way.rings);
-    if (disc.triangles.empty() && !options.continued) continue;
+    if (disc.triangles.empty() && way.rings > 0 && !options.continued) continue;
     const std::vector<Index> samples = spread_samples(disc, rim.edge);
     FieldOptions fields;
     fields.orders = disc.triangles.empty() ? of_rim_alone : way.orders;
     fields.unit = std::max(rim.edge, 1e-300);
     std::optional<Attempt> result = attempts(disc, rim, samples, fields, options);
-    if (!result) continue;
+    if (!result || (result->made.doubles_edges && !rough.doubles_edges)) continue;
     if (way.reach > 0) look_farther(mesh, continued, loops, rim, fields, options, disc, *result);
     average_models(disc, rim, *result);
-    const bool doubles = result->made.doubles_edges && !rough.doubles_edges;
-    if (doubles) continue;
     const Index folds = folded_edges(result->made.points, result->made.triangles, rim.beyond);
-    Index left = unfold(result->made.points, result->made.triangles, disc.rim, 0, rim.beyond);
-    if (left > rim.folds) left = unfold(result->made.points, result->made.triangles, disc.rim, rim.folds, rim.beyond);
-    if (left > rim.folds) continue;
+    const Index left = unfolded(rim, *result);
+    const bool is_long = disc.rim > long_rim;  // bending its thousands of triangles takes longer than all the rest
+    const bool prefers_second = !is_long && details_in(*result) > mostly_details && (left > rim.folds || way.reach == 0);
+    const bool bends_least = (prefers_second || (left > rim.folds && !is_long)) &&
+                             second_alone(with_two_rings(mesh, continued, loops, disc), rim, *result);
+    if (left > rim.folds && !bends_least) continue;
+    if (bends_least && !prefers_second && best.surface) continue;
     PlaneFill fill = completed(*result, rim, disc);
-    fill.plainer = way.sentence;
+    fill.plainer = bends_least ? least_bent_sentence : way.sentence;
     if (fill.plainer.empty() && left < folds) fill.plainer = mended;
-    if (folds <= rim.folds) return fill;
-    // A plainer way that need not be mended is nearer; else the plainest.
+    if (bends_least ? prefers_second : folds <= rim.folds) return fill;
+    // A plainer way that need not be mended is nearer, and where there is noise alone one that need not bend least; else the plainest.
     best = std::move(fill);
   }
   return best;

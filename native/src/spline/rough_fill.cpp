@@ -175,7 +175,7 @@ private:
     if (polygon.normals[k - 1].isZero()) rescore(score[count - 1], i, k - 1, k, normal_at(i, k - 1), worst_(i, k - 1));
     if (k - i == n - 1 && !polygon.normals[n - 1].isZero()) {
       const Eigen::Vector3d beyond = polygon.normals[n - 1];
-      for (Index j = 0; j < count; ++j) score[j] = std::min(score[j], rounded(signed_square(triangle(i, first + j, k), beyond)));
+      for (Index j = 0; j < count; ++j) score[j] = std::min(score[j], rounded(signed_square(i, first + j, k, beyond)));
     }
     const double best = std::min(score_.head(count).maxCoeff(), worst_(i, k));
     double least = std::numeric_limits<double>::infinity();
@@ -215,13 +215,21 @@ private:
   }
   void rescore(double& score, Index i, Index m, Index k, const Eigen::Vector3d& beyond, double worst) const {
     const bool alone = m - i == 1 && k - m == 1 && beyond.isZero();
-    score = std::min(alone ? 1.0 : rounded(signed_square(triangle(i, m, k), beyond)), worst);
+    const Eigen::Vector3d normal = triangle(i, m, k);
+    score = std::min(rounded(alone ? signed_square(i, m, k, normal.stableNormalized()) : signed_square(i, m, k, beyond)), worst);
   }
   static double rounded(double s) { return (s + rounder) - rounder; }
-  /// Of the cosine of the angle between a normal of any length and a unit normal; -1 for a triangle without a normal.
-  static double signed_square(const Eigen::Vector3d& normal, const Eigen::Vector3d& beyond) {
-    const double c = normal.dot(beyond), square = normal.squaredNorm();
-    return square > 0 ? std::clamp(c * std::abs(c) / square, -1.0, 1.0) : -1;
+  /// Of the cosine of the angle between a triangle's normal and a unit normal; towards -1 where the triangle has none, as in compare().
+  double signed_square(Index i, Index m, Index k, const Eigen::Vector3d& beyond) const {
+    const Eigen::Vector3d normal = triangle(i, m, k);
+    const double c = normal.dot(beyond), square = normal.squaredNorm(), lengths = edge_square(i, m) + edge_square(i, k);
+    const double least = std::min(square / (lengths * lengths * flat + std::numeric_limits<double>::min()), 1.0);
+    return std::clamp(c * std::abs(c) / (square + std::numeric_limits<double>::min()), -1.0, 1.0) * least - (1 - least);
+  }
+  double edge_square(Index i, Index k) const {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) sum += (x_[c][k] - x_[c][i]) * (x_[c][k] - x_[c][i]);
+    return sum;
   }
   Eigen::Vector3d triangle(Index i, Index m, Index k) const {
     const Eigen::Vector3d a(x_[0][i], x_[1][i], x_[2][i]), b(x_[0][m], x_[1][m], x_[2][m]), c(x_[0][k], x_[1][k], x_[2][k]);

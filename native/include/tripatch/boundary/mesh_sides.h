@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include "tripatch/boundary/local_mesh.h"
 #include "tripatch/boundary/side.h"
+#include "tripatch/estimate/local_mesh.h"
 
 namespace tripatch {
 

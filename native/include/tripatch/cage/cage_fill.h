@@ -27,9 +27,9 @@ public:
   /// Points of the fair cage; none for an exact rim of three sides.
   const SurfacePoints& points(std::size_t hole) const { return points_[hole]; }
 
-  /// To a patch for each hole, with more rows where the tolerance asks for them. fair: holes of other than three sides keep to the fairest
-  /// cage itself, as far as their rows are its.
-  void fit(std::vector<SurfacePtr> patches, bool fair = false);
+  /// To a patch for each hole, with more rows where the tolerance asks for them. fair: by hole, whether
+  /// it keeps to the fairest cage itself, as far as its rows are that one's.
+  void fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fair);
 
   /// The rest of a fill that has its patch: vertices, faces, what changes around them, and the numbers of the report, whose seam is
   /// the one between the limit surfaces.
@@ -40,7 +40,7 @@ public:
 private:
   std::unique_ptr<CageFit> lay_out(int rows);
   QuadLayout layout_of(std::size_t hole, int rows) const;
-  std::vector<std::optional<SurfacePoints>> points_to_follow(bool fair) const;
+  std::vector<std::optional<SurfacePoints>> points_to_follow(const std::vector<bool>& fair) const;
   std::vector<Index> numbering(std::size_t hole) const;
   void take_smooth_rims();
   void deliver(std::size_t hole, Fill& fill) const;
@@ -58,6 +58,7 @@ private:
   std::vector<double> tolerance_;
   std::vector<CageHole> laid_out_;
   int rows_ = 0;            ///< extra rows of quads of the present layout
+  bool cross_ = false;      ///< more of them would cross each other
   std::vector<char> open_;  ///< asks for another layout
   std::unique_ptr<CageFit> fit_;
   std::vector<CageSides> sides_, seams_;  ///< what the patch is made on, and what the fill is to be tangent to

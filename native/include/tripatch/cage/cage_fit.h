@@ -60,6 +60,8 @@ public:
   Points rim(std::size_t hole) const;
   /// Root mean square of the distances of the limit surface from the patch.
   double deviation_rms(std::size_t hole, const Surface& patch) const;
+  /// Faces of the cage's fill that cross themselves or are bent inwards: a corner of theirs turns against the others.
+  Index faces_crossed(std::size_t hole) const;
   CageMeasures measures(std::size_t hole, const Surface& patch) const;
 
 private:

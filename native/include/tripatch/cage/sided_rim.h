@@ -16,6 +16,7 @@ namespace tripatch {
 struct SidedRim {
   std::vector<Index> rim;
   std::vector<Index> corners;  ///< places in `rim`, increasing, the first 0
+  bool guessed = false;        ///< the rim shows no corners: four places were taken as such
 
   SidedRim() = default;
   SidedRim(const Hole& hole)  // NOLINT(google-explicit-constructor): a hole has a rim

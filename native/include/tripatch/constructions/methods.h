@@ -34,7 +34,8 @@ struct Method {
   SurfacePtr (*from_boundary)(const Boundary&, const MethodOptions&);
   /// From three surfaces over one triangle, surface i carries side i; none where it does not apply.
   SurfacePtr (*from_surfaces)(const std::array<SurfacePtr, 3>&, const MethodOptions&);
-  bool any_rim = false;  ///< takes rims with any number of corners, from the surroundings alone; else those with three
+  /// The fewest and the most sides of what it fills; {0, 0}: rims with any number of corners, from the surroundings alone.
+  std::array<int, 2> sides = {3, 3};
 };
 
 /// What `method` is called where the rim decides.

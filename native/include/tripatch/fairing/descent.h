@@ -47,7 +47,8 @@ private:
   double tension(const Eigen::VectorXd& x) const { return tense() ? tension_(x) : 0; }
   double energy(double variation, double quadric) const;
   double quadric_share(double variation, double quadric) const;
-  Quadratic weighted(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::VectorXd& y) const;
+  Quadratic weighted(const Model& m, const Eigen::VectorXd& x, const Eigen::VectorXd& third_slope, const Value& v,
+                     const Eigen::VectorXd& y) const;
 
   const EnergyProblem& problem_;
   const Quadratic& third_;

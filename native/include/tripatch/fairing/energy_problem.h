@@ -106,8 +106,8 @@ protected:
   RowMajor basis_;  // derivatives of the fields, 27 rows a node
 
 private:
-  std::array<Quadratic, 2> linearized(const std::vector<Derivatives>& all, const std::array<bool, 2>& wanted, Index from,
-                                      Index to) const;
+  std::array<RowMajor, 2> grams(const std::vector<Derivatives>& all, const std::array<bool, 2>& wanted, Index from,
+                                Index to) const;
 };
 
 }  // namespace tripatch

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 
+#include "tripatch/math/linear.h"
+
 namespace tripatch {
 
 /// sum of squares |A x + r|^2 = x' normal x + 2 x' gradient + constant.
@@ -12,7 +14,9 @@ struct Quadratic {
   Eigen::VectorXd gradient;
   double constant = 0;
 
-  double operator()(const Eigen::VectorXd& x) const { return std::max(0.0, x.dot(normal * x + 2 * gradient) + constant); }
+  double operator()(const Eigen::VectorXd& x) const {
+    return std::max(0.0, x.dot(symmetric_product(normal, x) + 2 * gradient) + constant);
+  }
   Quadratic& operator+=(const Quadratic& o) {
     normal += o.normal;
     gradient += o.gradient;

@@ -22,9 +22,7 @@ void check_finite(const Mesh& mesh, const Connectivity& around, const std::vecto
 /// Rim edges must have a length, rim vertices places of their own; all positions at the rim must be finite. Else a Refusal.
 void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
-constexpr std::size_t most_named = 8;  ///< vertices in a sentence: more are not read
-
-/// "1, 2 and 3".
-std::string listed(const std::vector<Index>& vertices);
+/// Refuses what may be meant of several rims: `told`, then the lowest vertex of each, then what to do.
+[[noreturn]] void refuse_several(const std::vector<std::vector<Index>>& rims, const std::string& told, const std::string& advice);
 
 }  // namespace tripatch

@@ -13,7 +13,8 @@ namespace tripatch {
 /// For each side between two corners (places in the rim, in rim order; two or more) the angle, degrees, at which the faces beside it
 /// meet the hole, 0 where a smooth fill may continue them. At a corner a smooth fill's tangent plane is that of the rim's own tangents,
 /// and of every side that it continues: a side whose faces lie in another plane at both of its corners is sharp. What coarse sides leave
-/// open counts for smooth: a side of one edge is never sharp, sides of two where all are.
+/// open counts for smooth: a side of one edge is sharp between three or more others of one edge where all of them stand upright, sides of
+/// two where all are.
 std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                                 std::span<const Index> places);
 

@@ -46,14 +46,21 @@ void add_gram(const RowMajor& a, RowMajor& c);
 void multiply_four(const double* a, Index k, const double* b, Index n, double* out, Index stride);
 /// out += a b for a (m, k), by rows, and three columns b (k, 3), by columns; out (m, 3) by rows.
 void add_product(const double* a, Index m, Index k, const double* b, double* out);
+/// out += a x for a (m, n), by rows.
+void add_product(const RowMajor& a, const VectorRef& x, double* out);
+/// a x for a symmetric a (n, n), all of which is there.
+Eigen::VectorXd symmetric_product(const Eigen::MatrixXd& a, const VectorRef& x);
+/// The symmetric matrix whose lower triangle is that of the first n rows and columns of a.
+Eigen::MatrixXd symmetric_of_lower(const RowMajor& a, Index n);
 
 /// Small systems of up to 24 unknowns, the rest of each row being zero: three registers of eight, or six of four.
 using RowsOf24 = Eigen::Matrix<double, Eigen::Dynamic, 24, Eigen::RowMajor>;
+using SquareOf24 = Eigen::Matrix<double, 24, 24, Eigen::RowMajor>;
 /// Orthogonal triangularization in place: the first n columns of a become those of r in a = q r, the others q' times themselves.
 void triangularize(RowsOf24& a, Index n);
 /// Of (r' r)^-1 the lower triangle, for the upper triangular r in the first n columns of n rows.
-RowsOf24 inverse_of_gram(const RowsOf24& r, Index n);
-void add_gram(const RowsOf24& a, RowsOf24& c);
+SquareOf24 inverse_of_gram(const RowsOf24& r, Index n);
+void add_gram(const RowsOf24& a, SquareOf24& c);
 
 /// (x, y) such that x a + y b is nearest to v; the shortest such where a and b are parallel or zero.
 Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v);

@@ -12,6 +12,8 @@ constexpr double tie = 2e-8;
 
 inline bool clearly_less(double a, double b) { return a < b && (std::isinf(b) || b - a > tie * std::abs(b)); }
 inline bool clearly_more(double a, double b) { return a > b && (std::isinf(a) || a - b > tie * std::abs(b)); }
+/// Not clearly less; false of what is no number.
+inline bool at_least(double a, double b) { return a >= b || b - a <= tie * std::abs(b); }
 
 /// With 16 binary digits: a key to sort by where equal numbers are to keep the order they have.
 inline double coarse(double x) {

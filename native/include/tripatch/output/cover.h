@@ -32,6 +32,6 @@ Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double
 
 /// Vertices, normals and faces of a fill that has its patch: faces of the mesh, of `vertices` vertices, whose rim is reused, or with
 /// a border (its points, from corner 0 on) a mesh of its own.
-void deliver(const Cover& cover, const Points& border, Index vertices, Fill& fill);
+void deliver(Cover cover, const Points& border, Index vertices, Fill& fill);
 
 }  // namespace tripatch

@@ -32,6 +32,7 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
 /// The place in the rim where its longest edge starts: the first of those that are equal to rounding.
 std::size_t longest_edge(const Mesh& mesh, const std::vector<Index>& rim);
 
-extern const char* const too_few_rows;  ///< the warning where the tolerance is out of reach
+extern const char* const too_few_rows;   ///< the warning where the tolerance is out of reach
+extern const char* const crossing_rows;  ///< that where the rows that it asks for turn quads over
 
 }  // namespace tripatch

@@ -30,6 +30,9 @@ struct PlaneTriangulation {
   bool doubles_edges = false;  ///< an inner edge that the mesh has already is left: it could not be halved
 };
 
+/// Makes a place inside a row that stays, and splits the triangles that it lies in. A row that lies there already is moved to the point.
+void insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3& point);
+
 /// How many triangles remesh() aims at: 2.3 to a squared edge length. Costs no more than the size of the polygon times some 200.
 double triangles_wanted(const PlanePolygon& polygon, std::optional<int> resolution);
 

@@ -34,6 +34,14 @@ using SurfacePtr = std::shared_ptr<const Surface>;
 /// Moves barycentric coordinates b (n x 3) to where the surface is nearest to points (n x 3): Gauss-Newton from where they are, kept
 /// in the triangle. Returns the distances.
 Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b);
+/// From a place (u, v) of a surface over a plane to a point, and Gauss-Newton's step from there to where the surface comes nearest to it;
+/// not finite where it has no tangents.
+struct Foot {
+  Vec3 off;
+  Vec2 step;
+};
+Foot foot_at(const Surface& surface, const Vec2& place, const Vec3& point);
+
 /// a + b, point by point.
 SurfacePtr sum(SurfacePtr a, SurfacePtr b);
 

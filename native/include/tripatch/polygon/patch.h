@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tripatch/choices.h"
+#include "tripatch/patch/through.h"
 #include "tripatch/polygon/fair.h"
-#include "tripatch/polygon/through.h"
 
 namespace tripatch {
 
@@ -27,7 +27,8 @@ struct Faired {
   std::string fairing;
   double energy_before = 0, energy_after = 0;
   Index folds = 0;
-  bool gave_up = false;  ///< no energy serves here: the patch is the plain one
+  std::vector<Vec2> met;  ///< places of the points that are met inside
+  bool gave_up = false;   ///< no energy serves here: the patch is the plain one
   std::vector<std::string> warnings;
 };
 

@@ -46,6 +46,9 @@ struct RoundPatch : Faired {
 /// options those by side have one value; inner points are not taken.
 RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options = {}, int order = 48);
 
+/// The same patch with the parameters of its side counted from another place of it.
+RoundPatch begun_at(RoundPatch made, double t);
+
 /// An energy of a surface over the disc, as energy() for a triangle.
 double round_energy(const Surface& surface, Fairing of);
 

@@ -17,9 +17,6 @@ struct PolygonQuadrature {
 };
 PolygonQuadrature polygon_quadrature(const PolygonDomain& domain, int nodes_per_direction);
 
-/// Gauss-Newton's step from a place in a plane domain to where the surface comes nearest to a point; not finite where it has no tangents.
-Vec2 step_toward(const Surface& surface, const Vec2& place, const Vec3& point);
-
 /// Derivatives of a surface at points (u, v, -).
 std::vector<Derivatives> plane_derivatives(const Surface& surface, const Points& uv);
 

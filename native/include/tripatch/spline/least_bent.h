@@ -1,20 +1,31 @@
-// Triangles that bend least, measured on themselves: the Gaussian field of order 2 in its Markov form, on the surface instead of the
-// plane (Lindgren, Rue and Lindstroem 2011; as a way to fill holes Botsch and Kobbelt 2004).
+// Triangles that bend least, or whose bending varies least, measured on themselves: Gaussian fields of order 2 and 3 in their Markov
+// form, on the surface instead of the plane (Lindgren, Rue and Lindstroem 2011; as a way to fill holes Botsch and Kobbelt 2004).
 #pragma once
 
 #include <array>
 #include <optional>
 #include <vector>
 
-#include "tripatch/types.h"
+#include "tripatch/spline/disc.h"
 
 namespace tripatch {
 
-/// Positions of the rows first .. first + count - 1 of points (n x 3) at which the integral of the squared Laplacian of the
-/// coordinates is least, by cotangents and areas of the triangles as they lie (Pinkall and Polthier 1993). All other rows stay. The
-/// triangles around every vertex that is joined to one of these rows must be given; more do not matter. Nothing where no numbers
-/// come of it.
+/// Positions of the rows first .. first + count - 1 of points (n x 3) at which the integral of the squared gradient of the coordinates
+/// (order 1), of their squared Laplacian (2) or of its squared gradient (3) is least, by cotangents and areas of the triangles as they
+/// lie (Pinkall and Polthier 1993). All other rows stay. The triangles around every vertex that so many edges as the order, less one,
+/// lead to from one of these rows must be given; more do not matter. Nothing where no numbers come of it.
 std::optional<Points> least_bent(const Points& points, const std::vector<std::array<Index, 3>>& triangles, Index first,
-                                 Index count);
+                                 Index count, int order = 2);
+
+/// The second model of a rough hole: triangles that bend least and whose bending varies least, which know of no plane.
+struct SecondModel {
+  Points vertices;  ///< the new ones: an average of the orders
+  Points apart;     ///< what these spread about it
+};
+
+/// Of a fill's points (the disc's rim first, then the new vertices) and triangles: positions of the new vertices by one or two orders.
+/// The disc has as many rings as the highest order less one, where there are so many. Nothing where no numbers come.
+std::optional<SecondModel> second_model(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+                                        const Disc& disc, const std::vector<int>& orders);
 
 }  // namespace tripatch

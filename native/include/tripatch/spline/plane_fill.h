@@ -2,7 +2,8 @@
 //   1. a rough fill and rings of surroundings are laid into the plane with little distortion;
 //   2. the samples get the parameters of their foot points on a smooth reference;
 //   3. a Gaussian field goes through them, or near them where they are noisy;
-//   4. the hole is triangulated in the plane, measured on the surface.
+//   4. what shall be met inside is added to it where it comes nearest;
+//   5. the hole is triangulated in the plane, measured on the surface.
 // A hole that is strongly curved is laid out a second time, with the fill instead of the rough one.
 #pragma once
 
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/patch/through.h"
 #include "tripatch/spline/field.h"
 
 namespace tripatch {
@@ -21,11 +23,13 @@ struct PlaneFillOptions {
   std::vector<std::array<Index, 2>> joined;
   /// What of the mesh is continued, where that is not all around; where nothing is, the loops alone are the samples.
   const Connectivity* continued = nullptr;
+  std::vector<Through> through = {};  ///< met exactly inside; each is a vertex of the triangles
+  Points planes = Points(0, 3);       ///< normals at the loops' vertices that the fill has there; no rows: what the samples say
 };
 
 struct PlaneFill {
   SurfacePtr surface;                      ///< empty: plain triangles, no surface over a plane
-  std::shared_ptr<const Field> field;      ///< the same, but for an average with a second model
+  std::shared_ptr<const Field> field;      ///< the same, but for an average with a second model, and points that are met inside
   PlanePoints rim_uv = PlanePoints(0, 2);  ///< of the loops' vertices, loop by loop
   Points vertices = Points(0, 3);          ///< the new ones
   PlanePoints uv = PlanePoints(0, 2);      ///< of these

@@ -14,4 +14,10 @@ namespace tripatch {
 Index unfold(Points& points, const std::vector<std::array<Index, 3>>& triangles, Index fixed, Index allowed,
              std::span<const FaceBeyond> beyond = {});
 
+/// Flips edges of folded triangles as long as fewer are folded then: an ear at the rim that folds back over the faces beyond is no
+/// matter of where vertices lie. No edge is made that is one of `joined` (rows) or in the triangles already. Where more than a few
+/// are folded nothing is done. Returns how many edges are folded then.
+Index flip_folded(const Points& points, std::vector<std::array<Index, 3>>& triangles,
+                  std::span<const std::array<Index, 2>> joined, Index allowed, std::span<const FaceBeyond> beyond = {});
+
 }  // namespace tripatch

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import words
 from .._types import Array
 from . import record
 from .keeper import Keeper
@@ -125,7 +126,7 @@ def _caption(place: int, line: dict[str, Any]) -> list[str]:
     name = line["input"] if len(line["input"]) <= 40 else "..." + line["input"][-37:]
     hole = f"{line['object']}, " if line["object"] else ""
     where = f"vertex {line['vertex']}, {line['edges']} edges" if line["vertex"] is not None else f"hole {line['hole']}"
-    said = f"faces meet at {line['crease_max']:.2g} deg" if line["crease_max"] is not None else line["method"]
+    said = f"faces meet at {words.degrees(line['crease_max'])}" if line["crease_max"] is not None else line["method"]
     folded = f", folded at {line['triangles_folded']}" if line["triangles_folded"] else ""
     return [f"{place}. {name}", f"{hole}{where}", said + folded]
 
@@ -150,8 +151,8 @@ def sheet(path: Path, holes: list[tuple[dict[str, Any], int]], settings: Setting
     draw.text((8, 8), f"The worst {len(holes)} of {total} seams", fill=_INK, font=ImageFont.load_default(15))
     for k, (line, _) in enumerate(holes):
         left, top = k % columns * _TILE + 8, head + k // columns * (_TILE + _TEXT) + _TILE + 1
-        for row, words in enumerate(_caption(k + 1, line)):
-            draw.text((left, top + 14 * row), words, fill=_INK, font=font)
+        for row, text in enumerate(_caption(k + 1, line)):
+            draw.text((left, top + 14 * row), text, fill=_INK, font=font)
     data = io.BytesIO()
     image.save(data, "PNG", optimize=True)
     path.write_bytes(data.getvalue())

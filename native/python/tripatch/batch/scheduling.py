@@ -90,7 +90,7 @@ def _client(workers: int | None, address: str | None) -> Any:
     }
     with dask.config.set(settings), _deaf_to_ctrl_c():
         cluster = distributed.LocalCluster(
-            n_workers=workers or max(1, distributed.system.CPU_COUNT),
+            n_workers=workers or max(1, dask.system.CPU_COUNT),
             threads_per_worker=1,
             processes=True,
             memory_limit=0,

@@ -1,7 +1,8 @@
-#include "tripatch/boundary/plane_fit.h"
+#include "tripatch/estimate/plane_fit.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 namespace tripatch {
@@ -66,20 +67,29 @@ private:
   std::vector<std::pair<double, Index>> rows_;
 };
 
-/// x to the power of k for k up to the degree of a fit.
-std::array<double, fit_degree + 1> powers_of(double x) {
-  std::array<double, fit_degree + 1> powers;
-  powers[0] = 1;
-  for (int d = 1; d <= fit_degree; ++d) powers[d] = powers[d - 1] * x;
-  return powers;
+/// The terms at (x, y).
+void set_terms(double x, double y, double* out) {
+  std::array<double, fit_degree + 1> xs, ys;  // powers
+  xs[0] = ys[0] = 1;
+  for (int d = 1; d <= fit_degree; ++d) {
+    xs[d] = xs[d - 1] * x;
+    ys[d] = ys[d - 1] * y;
+  }
+  [&]<std::size_t... K>(std::index_sequence<K...>) {  // unrolled: the plain loop costs twice as much
+    ((out[K] = term[K].over * (xs[term[K].i] * ys[term[K].j])), ...);
+  }(std::make_index_sequence<fit_terms>());
 }
+
+struct Coefficients {
+  Column mean, prior;  // as of PlaneFit
+};
 
 /// Orthogonal triangularization of the weighted rows above those of the prior, heaviest first (Powell and Reid 1969), one column at
 /// a time by Householder's reflections: `a`. The normal equations would square what the weights differ by, 1e7 and more where there is
 /// no noise, and leave to rounding what few points do not tell.
-PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w, RowsOf24& a,
-                      HeaviestFirst& order) {
-  PlaneFit r;
+Coefficients fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w, RowsOf24& a,
+                          HeaviestFirst& order) {
+  Coefficients r;
   for (int k = 0; k < fit_terms; ++k) r.prior[k] = 1 / components.term[term[k].i + term[k].j];
   r.prior[2] = 1 / (components.tilt + components.noise * s.faces_noise);
   r.prior[1] += 1 / (components.noise * s.slope_noise + components.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
@@ -98,10 +108,25 @@ PlaneFit fit_weighted(const Stencil& s, const VarianceComponents& components, co
     if (k == points + 2) a(row, fit_terms) = root * s.faces;
   }
   triangularize(a, fit_terms);
-  r.lower = a.topLeftCorner<fit_terms, fit_terms>().transpose();
-  r.mean = a.col(fit_terms).head<fit_terms>();
-  r.lower.triangularView<Eigen::Lower>().transpose().solveInPlace(r.mean);
+  for (int i = fit_terms - 1; i >= 0; --i) {
+    const double* const row = a.data() + 24 * i;
+    double left = row[fit_terms];
+    for (int j = i + 1; j < fit_terms; ++j) left -= row[j] * r.mean[j];
+    r.mean[i] = left / row[i];
+  }
   return r;
+}
+
+/// The x with lower x = a.
+Column whitened(const PlaneFit& fit, Column a) {
+  for (int k = 0; k < fit_terms; ++k) {
+    if (a[k] == 0) continue;
+    a[k] /= fit.lower(k, k);
+    const double entry = a[k];
+    const double* const column = fit.lower.data() + k * fit_terms;
+    for (int i = k + 1; i < fit_terms; ++i) a[i] -= entry * column[i];
+  }
+  return a;
 }
 
 /// What one stencil says of each component: a sum of squares, and the number of well-determined parameters that it is over.
@@ -123,13 +148,17 @@ struct Explained {
   }
 };
 
-Explained explain(const Stencil& s, const VarianceComponents& components, HeaviestFirst& order) {
+/// Room for rows that is used again and again.
+struct Room {
+  RowsOf24 triangular, noisy;
+};
+
+Explained explain(const Stencil& s, const VarianceComponents& components, HeaviestFirst& order, Room& room) {
   Explained e;
   const Eigen::ArrayXd v = components.noise + components.truncation * s.g.array(), part = components.noise / v,
                        w = s.share.array() / v;
-  RowsOf24 triangular;
-  const PlaneFit fit = fit_weighted(s, components, w, triangular, order);
-  const RowsOf24 covariance = inverse_of_gram(triangular, fit_terms);
+  const Coefficients fit = fit_weighted(s, components, w, room.triangular, order);
+  const SquareOf24 covariance = inverse_of_gram(room.triangular, fit_terms);
   for (int j = 0; j < fit_terms; ++j) {
     const int d = term[j].i + term[j].j;
     if (d == 1) continue;
@@ -139,9 +168,9 @@ Explained explain(const Stencil& s, const VarianceComponents& components, Heavie
   e.tilt = std::pow(fit.mean[2] - s.faces, 2);
   e.tilt_count = std::max(1 - covariance(2, 2) * fit.prior[2], least_count);
   // The points less the parameters that they determine: all, and those whose error is noise.
-  const RowsOf24 noisy_rows = (w * part).sqrt().matrix().asDiagonal() * s.rows;
-  RowsOf24 gram = RowsOf24::Zero(24, 24);
-  add_gram(noisy_rows, gram);
+  room.noisy = (w * part).sqrt().matrix().asDiagonal() * s.rows;
+  SquareOf24 gram = SquareOf24::Zero();
+  add_gram(room.noisy, gram);
   double noisy = 0;
   for (int k = 0; k < fit_terms; ++k) {
     noisy += 2 * covariance.row(k).head(k).dot(gram.row(k).head(k));
@@ -192,25 +221,36 @@ bool have_settled(const VarianceComponents& now, const VarianceComponents& befor
 }  // namespace
 
 void Stencil::set(const Vec3& place, Index k) {
-  const std::array<double, fit_degree + 1> x = powers_of(place[0]), y = powers_of(place[1]);
-  for (int c = 0; c < fit_terms; ++c) rows(k, c) = term[c].over * (x[term[c].i] * y[term[c].j]);
-  rows(k, fit_terms) = place[2];
+  double* const row = rows.data() + 24 * k;
+  set_terms(place[0], place[1], row);
+  row[fit_terms] = place[2];
+  std::fill(row + fit_terms + 1, row + 24, 0.0);
 }
 
 PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components) {
   RowsOf24 triangular;
   HeaviestFirst order;
-  return fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()), triangular,
-                      order);
+  const Coefficients fit =
+      fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()), triangular, order);
+  return {fit.mean, fit.prior, triangular.topLeftCorner<fit_terms, fit_terms>().transpose()};
+}
+
+FitVariances variances_of(const PlaneFit& fit) {
+  const std::array<Column, 3> half = {whitened(fit, Column::Unit(1)), whitened(fit, Column::Unit(2)),
+                                      whitened(fit, Column::Unit(5))};
+  FitVariances known;
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j) known.slopes(i, j) = half[i].dot(half[j]);
+  known.bend = half[2].squaredNorm();
+  return known;
 }
 
 double predicted_density(const PlaneFit& fit, const VarianceComponents& components, const Vec3& at, double share) {
   Column row;
-  const std::array<double, fit_degree + 1> x = powers_of(at[0]), y = powers_of(at[1]);
-  for (int k = 0; k < fit_terms; ++k) row[k] = term[k].over * (x[term[k].i] * y[term[k].j]);
+  set_terms(at[0], at[1], row.data());
   const double square = at.squaredNorm(), cube = square * square * square;
   const double own = components.noise + components.truncation * (cube * cube);
-  const double known = fit.lower.triangularView<Eigen::Lower>().solve(row).squaredNorm();
+  const double known = whitened(fit, row).squaredNorm();
   // of the sum of the weights at the point, what is left without it
   const double left = std::max(1 - share * known / own, 1e-9);
   const double off = (at[2] - row.dot(fit.mean)) / left, variance = own + known / left;
@@ -231,12 +271,13 @@ VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>
   components.truncation = std::pow(bend, 5) / 720 / 720;
   std::array<std::vector<HeaviestFirst>, 3> orders;
   for (int i = 0; i < 3; ++i) orders[i].resize(stencils[i].size());
+  Room room;
   bool all = false;  // every second stencil of a side tells nearly the same
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     Explained sum;
     for (int i = 0; i < 3; ++i)
       for (std::size_t k = all ? 0 : 1; k < stencils[i].size(); k += all ? 1 : 2)
-        sum += explain(stencils[i][k], components, orders[i][k]);
+        sum += explain(stencils[i][k], components, orders[i][k], room);
     const VarianceComponents before = std::exchange(components, components_of(sum, floors));
     const bool done = have_settled(components, before, radius, all ? settled : nearly);
     if (done && all) break;

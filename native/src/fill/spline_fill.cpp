@@ -1,4 +1,4 @@
-#include "tripatch/spline_fill.h"
+#include "tripatch/fill/spline_fill.h"
 
 #include <cmath>
 #include <numbers>
@@ -11,15 +11,10 @@
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/creased_fill.h"
 #include "tripatch/spline/plane_fill.h"
+#include "tripatch/spline/plane_patch.h"
 
 namespace tripatch {
 namespace {
-
-Points as_rows(const PlanePoints& uv) {
-  Points rows = Points::Zero(uv.rows(), 3);
-  rows.leftCols(2) = uv;
-  return rows;
-}
 
 /// Normals of a fill without a surface: those of its triangles, weighted by their angles.
 Points triangle_normals(const Points& points, const std::vector<std::array<Index, 3>>& triangles) {
@@ -104,11 +99,12 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   loops.insert(loops.end(), islands.begin(), islands.end());
   Fill fill;
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
-  PlaneFillOptions own = {options.resolution, {}, nullptr};
+  PlaneFillOptions own = {options.resolution, {}, nullptr, options.through};
   std::optional<PlaneFill> creased;
-  if (options.features && islands.empty())
+  if (options.features && islands.empty() && options.planes.rows() == 0)
     creased = fill_across_creases(mesh, around, rim, find_features(mesh, around, rim), own);
   own.continued = options.continued;
+  own.planes = options.planes;
   PlaneFill made = creased ? std::move(*creased) : fill_over_plane(mesh, around, loops, own);
 
   if (!creased) halve_doubled(mesh, around, fill.rim, made);
@@ -132,7 +128,7 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   fill.uv = std::move(made.uv);
   fill.rim_uv = std::move(made.rim_uv);
   fill.deviation = std::move(made.deviation);
-  fill.patch = made.surface;
+  if (made.surface) fill.patch = std::make_shared<PlanePatch>(made.surface, fill.rim_uv);
   if (made.surface) {
     fill.normals = std::move(made.normals);
     fill.rim_normals = creased ? made.rim_normals : made.surface->normals(as_rows(fill.rim_uv));
@@ -148,6 +144,8 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
 
   Report& report = fill.report;
   report.method = spline_method;
+  report.seam_angle_max_by_side = report.seam_angle_rms_by_side = std::vector<double>(made.surface ? 1 : 0, 0.0);
+  report.continuity = std::vector<std::string>(made.surface ? 1 : 0, "G1");  // its surroundings are samples of the surface
   report.surroundings_error = made.surroundings_error;
   report.rim_folded = made.rim_folds;
   report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces, faces_beyond(mesh, around, loops));

@@ -1,4 +1,4 @@
-#include "tripatch/boundary/local_mesh.h"
+#include "tripatch/estimate/local_mesh.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -86,6 +86,7 @@ int face_beside(const LocalMesh& w, int a, int b) {
 /// True for a vertex that was put on an edge between a and b and left there: straight between them, in faces that would be those of
 /// the edge without it (it has no other neighbors, or those of triangles that were cut in two). It lies on a chord of the surface.
 bool put_on_edge(const LocalMesh& w, int v) {
+  if (const std::size_t faces = w.part.faces_at(v).size(); faces != 1 && faces != 2 && faces != 4) return false;
   std::vector<std::array<int, 2>> beside;  // v's neighbors in each face, as they follow each other around it
   bool triangles = true;
   for (int f : w.part.faces_at(v)) {
@@ -99,10 +100,9 @@ bool put_on_edge(const LocalMesh& w, int v) {
     return p.dot(q) < 0 && p.cross(q).norm() <= straight * p.norm() * q.norm();
   };
   const std::size_t faces = beside.size();
-  if (faces == 0) return false;
   const auto [first, second] = beside[0];
   if (faces == 1 || (faces == 2 && beside[1][0] == second && beside[1][1] == first)) return between(first, second);
-  if (!triangles || (faces != 2 && faces != 4)) return false;
+  if (!triangles) return false;
   const auto starts = [&](int a) { return std::find_if(beside.begin(), beside.end(), [&](const auto& o) { return o[0] == a; }); };
   const auto ends = [&](int a) { return std::any_of(beside.begin(), beside.end(), [&](const auto& o) { return o[1] == a; }); };
   std::vector<int> around = {first};  // from the open end, where there is one
@@ -147,11 +147,10 @@ Reached reach(const LocalMesh& w) {
 /// The corner after c in face f.
 int after(const LocalMesh& w, int f, int c) { return c + 1 < w.part.offsets[f + 1] ? c + 1 : w.part.offsets[f]; }
 
-/// The faces beyond the edges of those reached, by corner, and how far they are turned against each other, radians.
-std::vector<double> find_across(LocalMesh& w, const Reached& reached) {
+/// The faces beyond the edges of those reached, by corner.
+void find_across(LocalMesh& w, const Reached& reached) {
   const Submesh& part = w.part;
   w.across.assign(part.corners.size(), -1);
-  std::vector<double> bend(part.corners.size(), 0);
   for (int f : reached.order)
     for (int c = part.offsets[f]; c < part.offsets[f + 1]; ++c) {
       const int a = part.corners[c], b = part.corners[after(w, f, c)];
@@ -159,14 +158,24 @@ std::vector<double> find_across(LocalMesh& w, const Reached& reached) {
         if (g == f || !reached.face[g] || w.across[c] >= 0) continue;
         if (std::find(part[g].begin(), part[g].end(), b) != part[g].end()) w.across[c] = g;
       }
-      if (w.across[c] >= 0) bend[c] = angle_between(w.area[f], w.area[w.across[c]]);
     }
-  return bend;
+}
+
+/// How far the faces at the edge at corner c of face f are turned against each other, radians; 0 where there is one.
+double bend_at(const LocalMesh& w, const std::vector<int>& across, int f, int c) {
+  return across[c] >= 0 ? angle_between(w.area[f], w.area[across[c]]) : 0;
+}
+
+/// Whether that is so little that the edge is never sharp, without an arc tangent: nearly always.
+bool is_flat(const LocalMesh& w, const std::vector<int>& across, int f, int c) {
+  static const double cosine = std::cos(0.99 * sharp_bend);
+  const int g = across[c];
+  return g < 0 || w.area[f].dot(w.area[g]) > cosine * w.twice_area[f] * w.twice_area[g];
 }
 
 /// The largest bend of the edges that run the way of the edge at corner c of face f, and do not touch it, within two faces of it; -1:
 /// there are none.
-double bend_near(const LocalMesh& w, const std::vector<int>& across, const std::vector<double>& bend, int f, int c) {
+double bend_near(const LocalMesh& w, const std::vector<int>& across, int f, int c) {
   const Submesh& part = w.part;
   const int a = part.corners[c], b = part.corners[after(w, f, c)];
   std::vector<int> around = {f, across[c]};
@@ -181,7 +190,8 @@ double bend_near(const LocalMesh& w, const std::vector<int>& across, const std::
       const int p = part.corners[d], q = part.corners[after(w, g, d)];
       if (p == a || p == b || q == a || q == b || across[d] < 0) continue;
       const Vec3 direction = w.position[q] - w.position[p];
-      if (std::abs(direction.dot(way)) > its_way * direction.norm() * way.norm()) others = std::max(others, bend[d]);
+      if (std::abs(direction.dot(way)) > its_way * direction.norm() * way.norm())
+        others = std::max(others, bend_at(w, across, g, d));
     }
   return others;
 }
@@ -189,16 +199,18 @@ double bend_near(const LocalMesh& w, const std::vector<int>& across, const std::
 /// Neighbors of the faces within the rings, without those beyond sharp edges.
 void find_neighbors(LocalMesh& w) {
   const Reached reached = reach(w);
-  const std::vector<double> bend = find_across(w, reached);
+  find_across(w, reached);
   w.on_chord.assign(w.position.size(), 0);
   for (std::size_t v = 0; v < w.position.size(); ++v) w.on_chord[v] = reached.vertex[v] && put_on_edge(w, static_cast<int>(v));
   for (int v : w.rim) w.on_chord[v] = 0;
   const std::vector<int> across = w.across;
   for (int f : reached.order)
     for (int c = w.part.offsets[f]; c < w.part.offsets[f + 1]; ++c) {
-      if (bend[c] <= sharp_bend) continue;
-      const double others = bend_near(w, across, bend, f, c);
-      if (others >= 0 && bend[c] > sharp_bend + over_others * others) w.across[c] = -1;
+      if (is_flat(w, across, f, c)) continue;
+      const double bend = bend_at(w, across, f, c);
+      if (bend <= sharp_bend) continue;
+      const double others = bend_near(w, across, f, c);
+      if (others >= 0 && bend > sharp_bend + over_others * others) w.across[c] = -1;
     }
 }
 

@@ -54,6 +54,8 @@ struct PolygonFill {
 /// Whether a fill from the surroundings as a whole, which states how well it is known, tells of another surface than the patch between
 /// the sides; diameter: of the hole.
 bool excluded_by(const Fill& patch, const Fill& spline, double diameter);
+/// Whether the spline misses planes along the rim by so many degrees which the sides of the patch know so many times better.
+bool misses_known_planes(const Fill& patch, const Fill& spline, double degrees, double times);
 
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options);

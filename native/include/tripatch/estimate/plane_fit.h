@@ -19,15 +19,16 @@ constexpr int fit_terms = 21;
 struct Stencil {
   Vec3 e1, e2, e3;           ///< along the rim, outward, normal
   double depth = 1;          ///< of a row of faces, in edges: y is over it
-  RowsOf24 rows;             ///< the terms at the places, and in column fit_terms the height
+  RowsOf24 rows;             ///< the terms at the places, in column fit_terms the height, then 0
   Eigen::VectorXd share, g;  ///< weight by place, radius^(2 degree + 2)
+  double distances = 0;      ///< of the places, their sum
   double faces = 0;          ///< slope across the rim of the faces beside it
   double faces_noise = 0;    ///< its variance over that of the noise
   double slope_noise = 1;    ///< of the rim's own direction: variance over that of the noise,
   int slope_order = 4;       ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
   double slope_truncation = 0;
 
-  /// Row k: of a place (x, y, height). The rest of rows is 0.
+  /// Row k: of a place (x, y, height).
   void set(const Vec3& place, Index k);
 };
 
@@ -49,6 +50,13 @@ struct PlaneFit {
 };
 
 PlaneFit fit_plane(const Stencil& stencil, const VarianceComponents& components);
+
+/// How well it is known.
+struct FitVariances {
+  Eigen::Matrix2d slopes;  ///< covariance of the slopes along and across
+  double bend;             ///< variance of the second derivative across
+};
+FitVariances variances_of(const PlaneFit& fit);
 
 /// Logarithm of the density that a fit predicts for a height over its frame: `at` is the point in it (x, y, height). share: how much the
 /// point counted in the fit, which is taken back (leave-one-out cross-validation).

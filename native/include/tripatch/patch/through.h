@@ -1,4 +1,4 @@
-// What a patch shall go through inside.
+// What a surface shall go through inside.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace tripatch {
 
-/// A point that the patch shall go through, scene units; its place in the domain is where the patch without it comes nearest.
+/// A point that the surface shall go through, scene units; its place in the domain is where the surface without it comes nearest.
 struct Through {
   Vec3 point = Vec3::Zero();
   std::optional<Vec3> normal;

@@ -6,6 +6,7 @@
 
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/output/fill_result.h"
+#include "tripatch/patch/through.h"
 
 namespace tripatch {
 
@@ -15,6 +16,8 @@ struct SplineFillOptions {
   bool features = true;           ///< creases that end at the rim on both sides of the hole are continued across it
   /// What of the mesh is continued, where that is not all around; none: `around`.
   const Connectivity* continued = nullptr;
+  std::vector<Through> through = {};  ///< met exactly inside
+  Points planes = Points(0, 3);       ///< normals at the rim's vertices that the fill has there; no rows: what is continued tells
 };
 
 /// The hole of a rim that check_topology and check_positions let pass, with the islands in it (further border loops). `around` knows

@@ -1,0 +1,51 @@
+// The planes along a side, each by the neighborhood that predicts best what is near.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tripatch/estimate/stencils.h"
+
+namespace tripatch {
+
+/// The plane at a rim vertex.
+struct VertexFit {
+  Vec3 normal;
+  Eigen::Matrix3d second;             ///< fundamental form
+  Eigen::Matrix<double, 3, 2> frame;  ///< along and across,
+  Eigen::Matrix2d covariance;         ///< in which the normal is known so well
+  double slope_variances;             ///< their sum
+  double bend_variance;               ///< of the second derivative across
+  std::vector<double> density;        ///< logarithms, of what is predicted for each of the vertices nearest to it without itself
+};
+
+/// What one side's fits tell besides its planes.
+struct SideFit {
+  std::array<VertexFit, 2> ends;
+  std::vector<double> slope_variances;  ///< by vertex
+  double turned = 0;                    ///< variance besides, at each
+  std::array<bool, 2> flat = {};        ///< at which end it goes over into a plane
+  double bend_variance = 0;             ///< of the second derivative across, mean over the side
+};
+
+/// The planes and second fundamental forms of side i, as one neighborhood has them.
+std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
+                                const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search);
+
+/// The vertices of side i that are nearest to each: in the faces at it, in front of the side.
+std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, SideSearch& search);
+
+/// Whether nothing is to be won by looking at less.
+bool are_known(const std::vector<VertexFit>& fits);
+
+/// Variance of the noise of the rim's vertices: that of the smoothest side, for a mesh has one noise, but corners may lie within a side: 0 where all are short.
+double roughness(const std::array<SideDraft, 3>& drafts);
+
+/// The mean of the normals of the faces at vertex k of a side, by their angles there.
+Vec3 mean_of_facets(const LocalMesh& w, const SideDraft& side, int k);
+
+/// The fits at each vertex of a side that are taken, of those by neighborhood, largest first: a smaller one where it predicts what is near
+/// better, the more so the less certain it is of its plane, or where the larger one is not plausible. rough: variance of the rim's vertices.
+SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fits, SideDraft& side, double rough);
+
+}  // namespace tripatch

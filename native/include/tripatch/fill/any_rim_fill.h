@@ -1,0 +1,24 @@
+// The path of any rim: the surface over a plane, as the options ask for it.
+#pragma once
+
+#include <string>
+
+#include "tripatch/fill/ground.h"
+#include "tripatch/output/fill_result.h"
+
+namespace tripatch {
+
+/// Options that a fill over a plane domain does not take, of those that are not as they come.
+std::string not_taken(const FillOptions& options);
+
+/// Whether somebody shapes the fill: then the patch is made wherever it lies well.
+bool is_shaped_by_hand(const FillOptions& options);
+
+/// reason: why this method.
+/// The spline of the rim alone with the normals that a patch has along it, where that patch knows the planes there but folds inside.
+Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOptions& options, const std::string& reason);
+
+Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
+                  const std::string& reason);
+
+}  // namespace tripatch

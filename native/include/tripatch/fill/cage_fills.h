@@ -1,0 +1,26 @@
+// The path of cages: holes whose surroundings overlap are fitted together.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "tripatch/cage/sided_rim.h"
+#include "tripatch/fill.h"
+#include "tripatch/fill/ground.h"
+
+namespace tripatch {
+
+/// Layouts, the fairest cages on them, patches between their sides, the cages fitted to these.
+std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options);
+
+/// For several holes: those whose surroundings overlap are fitted together. given: those of the rims that are no refusals.
+void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<SidedRim>>& given, const FillOptions& options,
+                         std::vector<std::variant<Fill, Refused>>& results);
+
+/// The rim of a cage's hole: of the corners that are given, else of three where they are found, else of those that its quads make or
+/// that are clear.
+SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners);
+
+}  // namespace tripatch

@@ -1,0 +1,58 @@
+// A mesh in which holes are filled, and the rim that is meant in it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "tripatch/hole/hole.h"
+#include "tripatch/mesh/connectivity.h"
+#include "tripatch/options.h"
+
+namespace tripatch {
+
+/// A mesh and who is beside whom in it, for one fill or for several.
+class Ground {
+public:
+  /// For one rim, or for all of the mesh where none is given.
+  Ground(const Mesh& mesh, const std::optional<std::vector<Index>>& rim, const FillOptions& options);
+  /// With the faces that are replaced.
+  const Connectivity& whole() const { return all_ ? *all_ : left; }
+  /// Whether the neighborhood of one rim is all that is known.
+  bool is_part() const { return is_part_; }
+
+  const Mesh& mesh;
+  Connectivity left;  ///< without the faces that are replaced
+
+private:
+  std::optional<Connectivity> all_;
+  bool is_part_;
+};
+
+/// Vertices of a rim; empty: it is round; none: they are to be found.
+using Corners = std::optional<std::vector<Index>>;
+
+/// The border through the first of the corners.
+std::vector<Index> loop_through(const Ground& ground, const std::vector<Index>& corners);
+/// The only hole of the mesh, of any rim; a Refusal that lists them where there are several.
+std::vector<Index> only_hole(const Ground& ground);
+/// The hole with three corners.
+Hole hole_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners);
+/// For a method that takes three sides only; a Refusal where another number of corners is given.
+std::optional<std::array<Index, 3>> three(const Corners& corners);
+
+std::vector<Index> at_places(const std::vector<Index>& loop, const std::vector<Index>& places);
+
+/// A rim from its first corner on, with the places of the corners.
+struct CorneredRim {
+  std::vector<Index> rim, places;
+};
+CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners);
+
+/// Numbers of corners that a patch over a polygon or a lens takes: not three.
+bool makes_polygon(const std::vector<Index>& corners);
+
+/// Per-side options have one value or as many as there are sides.
+void check_counts(const FillOptions& options, std::size_t sides);
+
+}  // namespace tripatch

@@ -1,0 +1,19 @@
+// The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
+#pragma once
+
+#include "tripatch/cage/sided_rim.h"
+#include "tripatch/fill/ground.h"
+#include "tripatch/output/fill_result.h"
+
+namespace tripatch {
+
+Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options);
+
+/// Angles by side of a hole with three corners, as of sharp_sides.
+std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole);
+
+/// What is said of every fill between corners, whatever it is made of.
+void complete_report(const SidedRim& hole, const FillOptions& options, const std::vector<double>& corner_mismatch_deg,
+                     Report& report);
+
+}  // namespace tripatch

@@ -1,0 +1,320 @@
+#include "tripatch/estimate/side_planes.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "tripatch/math/angle.h"
+
+namespace tripatch {
+
+namespace {
+
+constexpr double flat_enough = 5e-4;  ///< slope over the guess of a plane: no second fit
+constexpr double most_tilt = 0.2;     ///< slope that is handed on to the next vertex
+constexpr int pooled = 2;             ///< vertices to each side that are judged together
+/// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
+/// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
+constexpr double by_far = 2;
+constexpr double by_some = 0.5;      ///< without noise: a fifth; nothing where the other is as much less certain of its plane.
+constexpr double coarse_turn = 0.3;  ///< Radians an edge: not where a side, or the faces across it, turn by more
+/// Vertices to each side along the rim that a vertex is compared with.
+constexpr int most_compared = 3, least_compared = 2;
+/// Of the mean rim edge: a rim of a deviation of less has no noise; coarse meshes of 12 degrees an edge have 1e-3.
+constexpr double noisy_rim = 3e-3;
+/// Where there is none, a fit of r rings is known at best as well as noise like the rim's allows: its variance over the cube of r rows of
+/// faces, times this, of 1 to 30 tried on ten surfaces with noise of 0.1 to 3% of the edges the one that left the smallest errors.
+constexpr double known_by_ring = 10;
+/// Nor better than this part of what the faces near it lean by, over the square of r: a row of them tells a plane, not how the surface
+/// bends away.
+constexpr double known_by_lean = 0.25;
+constexpr double agrees = 5;  ///< standard deviations from a plane to facets that have nothing against them
+/// By how much a plane is off along the rim where a side turns by x radians an edge: this times x^3, as the ends of a spline through an
+/// arc are; 2.7 to 3.2 degrees on arcs of 70 to 120 degrees in two edges.
+constexpr double off_by_turn = 7.5 * M_PI / 180;
+constexpr int few_edges = 4;  ///< of a side; of more, fits see the turn themselves: less by the square of their number
+constexpr double bent = 5;    ///< degrees that a side turns by at least, for its faces to tell their plane
+constexpr double always_plausible =
+    0.02;  ///< sine of the angle by which a plane may always lean against the faces beside it, 1 degree
+constexpr double well_known =
+    0.05 * M_PI / 180;  ///< deviation of a plane, less than which nobody sees: nothing else is looked at
+
+/// The heights nearest to a rim vertex, which every neighborhood has to explain.
+std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, const std::vector<Share>& nearest,
+                              const Seen& seen, const PlaneFit& fit, const VarianceComponents& components) {
+  std::vector<double> all;
+  const Stencil& s = seen.stencil;
+  for (const auto& [v, counts] : nearest) {
+    if (v == side.vertex[k]) continue;
+    const Vec3 d = w.position[v] - side.position[k];
+    const auto place = std::find_if(seen.used.begin(), seen.used.end(), [v = v](const Share& u) { return u.first == v; });
+    all.push_back(counts * predicted_density(fit, components, {d.dot(s.e1), d.dot(s.e2) / s.depth, d.dot(s.e3)},
+                                             place == seen.used.end() ? 0 : place->second));
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
+                                const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search) {
+  SideDraft& side = drafts[i];
+  std::vector<VertexFit> result;
+  const int edges = side.edges();
+  double tilt = 0;  // of the plane found last against the faces beside the rim: most likely that of the next one too
+  Seen seen;
+  for (int k = 0; k <= edges; ++k) {
+    const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
+    side.guess[k] -= tilt * outward;
+    measure(w, drafts, i, k, near, search, seen);
+    PlaneFit fit = fit_plane(seen.stencil, components);
+    if (std::abs(fit.mean[2]) > flat_enough * seen.stencil.depth) {  // once more over the plane just found
+      side.guess[k] = seen.stencil.e3 - fit.mean[2] / seen.stencil.depth * seen.stencil.e2;
+      measure(w, drafts, i, k, near, search, seen);
+      fit = fit_plane(seen.stencil, components);
+    }
+    const Stencil& s = seen.stencil;
+    const Eigen::Vector2d over(1, 1 / s.depth);  // by what derivatives along and across are multiplied
+    const double fx = fit.mean[1], fy = fit.mean[2] / s.depth;
+    VertexFit at;
+    at.normal = (s.e3 - fx * s.e1 - fy * s.e2).normalized();
+    tilt = std::clamp(-at.normal.dot(outward) / at.normal.dot(faces), -most_tilt, most_tilt);
+    at.frame << s.e1, s.e2;
+    Eigen::Matrix2d hessian;
+    hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
+    hessian = over.asDiagonal() * hessian * over.asDiagonal();
+    at.second = at.frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * at.frame.transpose();
+    const FitVariances known = variances_of(fit);
+    at.covariance = over.asDiagonal() * known.slopes * over.asDiagonal();
+    at.slope_variances = at.covariance.trace();
+    at.bend_variance = known.bend * std::pow(over[1], 4);
+    at.density = densities(w, side, k, nearest[k], seen, fit, components);
+    result.push_back(std::move(at));
+  }
+  return result;
+}
+
+std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i,
+                                           SideSearch& search) {
+  std::vector<std::vector<Share>> nearest;
+  for (int k = 0; k <= drafts[i].edges(); ++k) {
+    Seen seen;
+    look(w, drafts, i, k, {1, false, false, false}, search, seen);
+    nearest.push_back(std::move(seen.used));
+  }
+  return nearest;
+}
+
+namespace {
+
+/// By how much the logarithm of the density of what is near vertex k of a side is higher by one fit than by another, for a vertex. Along
+/// the side neighbors are judged together, for a single vertex says little.
+double lead_of(const std::vector<VertexFit>& fit, const std::vector<VertexFit>& other, int k) {
+  double sum = 0, count = 0;
+  const int last = static_cast<int>(fit.size()) - 1;
+  for (int j = std::max(k - pooled, 0); j <= std::min(k + pooled, last); ++j)
+    for (std::size_t p = 0; p < fit[j].density.size(); ++p, ++count) sum += fit[j].density[p] - other[j].density[p];
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
+
+bool are_known(const std::vector<VertexFit>& fits) {
+  return std::all_of(fits.begin(), fits.end(), [](const VertexFit& f) { return f.slope_variances < well_known * well_known; });
+}
+
+namespace {
+
+/// Whether the faces beside a side lie in one plane, in which the side bends: then they are that plane, whatever lies behind them. Beside
+/// a straight side they may be a strip of any surface.
+bool lies_in_plane(const LocalMesh& w, const SideDraft& side) {
+  const Vec3 n = w.area[side.face[0]];
+  for (int f : side.face)
+    if (degrees_between(w.area[f], n) > coplanar) return false;
+  double turned = 0;
+  for (const Vec3& t : side.tangent) turned = std::max(turned, degrees_between(t, side.tangent[0]));
+  return turned > bent;
+}
+
+/// The plane of such faces.
+VertexFit plane_of(const LocalMesh& w, const SideDraft& side) {
+  VertexFit fit;
+  fit.normal = w.area[side.face[0]].normalized();
+  fit.second.setZero();
+  fit.slope_variances = std::pow(coplanar * M_PI / 180, 2);
+  fit.bend_variance = 0;
+  fit.frame.col(0) = fit.normal.unitOrthogonal();
+  fit.frame.col(1) = fit.normal.cross(fit.frame.col(0));
+  fit.covariance = fit.slope_variances * Eigen::Matrix2d::Identity();
+  return fit;
+}
+
+/// Sine of the angle by which a normal leans over a side's vertex, outwards or inwards, against the faces beside it.
+double lean(const SideDraft& side, int k, const Vec3& normal) {
+  return std::abs(normal.dot(side.tangent[k].cross(side.faces[k]))) / normal.norm();
+}
+
+/// By how much a plane at vertex k of a side may lean: twice as much as the faces beside the rim there and those within two steps from
+/// them do. Where rings of faces see nothing but what lies far off, as in a plane that is meshed with long triangles, fits may lean
+/// by anything.
+double most_lean(const LocalMesh& w, const SideDraft& side, int k) {
+  std::vector<int> near;
+  for (int e = std::max(k - pooled, 0); e < std::min(k + pooled, side.edges()); ++e) near.push_back(side.face[e]);
+  for (std::size_t at = 0, step = 0, end = near.size(); step < 2; ++step, end = near.size())
+    for (; at < end; ++at)
+      for (int c = w.part.offsets[near[at]]; c < w.part.offsets[near[at] + 1]; ++c)
+        if (w.across[c] >= 0 && std::find(near.begin(), near.end(), w.across[c]) == near.end()) near.push_back(w.across[c]);
+  double most = 0;
+  for (int f : near)
+    if (w.area[f].dot(side.faces[k]) > same_sheet * w.area[f].norm()) most = std::max(most, lean(side, k, w.area[f]));
+  return always_plausible + 2 * most;
+}
+
+/// Variance of a side's vertices, by what each differs from its next neighbors along the side, up to three to each side of it,
+/// interpolated. It is that of noise: what a smooth curve of edges that turn by x leaves is an edge times x^3 to x^5. Nothing where the
+/// side is too short to tell.
+std::optional<double> roughness(const SideDraft& side) {
+  const int last = side.edges(), reach = std::min(last / 2, most_compared);
+  if (reach < least_compared) return {};
+  double sum = 0;
+  for (int k = reach; k <= last - reach; ++k) {
+    Vec3 off = side.position[k];
+    double squares = 1;
+    for (int j = k - reach; j <= k + reach; ++j) {
+      if (j == k) continue;
+      double weight = 1;  // Lagrange's
+      for (int i = k - reach; i <= k + reach; ++i)
+        if (i != j && i != k) weight *= (side.t[k] - side.t[i]) / (side.t[j] - side.t[i]);
+      off -= weight * side.position[j];
+      squares += weight * weight;
+    }
+    off -= side.tangent[k] * side.tangent[k].dot(off);
+    sum += off.squaredNorm() / (2 * squares);
+  }
+  return sum / (last - 2 * reach + 1);
+}
+
+}  // namespace
+
+double roughness(const std::array<SideDraft, 3>& drafts) {
+  std::optional<double> least;
+  for (const SideDraft& side : drafts)
+    if (const std::optional<double> own = roughness(side)) least = std::min(*own, least.value_or(*own));
+  return least.value_or(0);
+}
+
+Vec3 mean_of_facets(const LocalMesh& w, const SideDraft& side, int k) {
+  const int v = side.vertex[k];
+  Vec3 sum = Vec3::Zero();
+  for (int f : w.part.faces_at(v)) {
+    const std::span<const int> face = w.part[f];
+    const std::size_t size = face.size(), c = std::find(face.begin(), face.end(), v) - face.begin();
+    const Vec3 a = w.position[face[(c + 1) % size]] - w.position[v], b = w.position[face[(c + size - 1) % size]] - w.position[v];
+    if (w.area[f].norm() > 0) sum += angle_between(a, b) * w.area[f].normalized();
+  }
+  return sum;
+}
+
+namespace {
+
+/// Radians by which a side turns about an inner vertex, out of its faces.
+double turn_at(const SideDraft& side, int k) {
+  const Vec3 before = (side.position[k] - side.position[k - 1]).normalized(),
+             after = (side.position[k + 1] - side.position[k]).normalized();
+  return std::abs((after - before).dot(side.faces[k]));
+}
+
+/// Whether a side turns by so much that polynomials of its heights say little.
+bool turns_coarsely(const SideDraft& side) {
+  double squares = 0;
+  for (int k = 1; k < side.edges(); ++k) squares += std::pow(turn_at(side, k), 2);
+  return squares > coarse_turn * coarse_turn * (side.edges() - 1);
+}
+
+/// The variance of a side's planes that is due to how far it turns from edge to edge, which no fit sees: few points on an arc look like
+/// those of a parabola. A side of one edge tells nothing of how it bends: what its planes differ by from the facets' mean.
+double turn_variance(const LocalMesh& w, const SideDraft& side) {
+  const int edges = side.edges();
+  double sum = 0;
+  if (edges == 1) {
+    for (int k : {0, 1}) {
+      const double differs = angle_between(mean_of_facets(w, side, k), side.normal[k]);
+      sum += differs * differs / 2;
+    }
+    return sum;
+  }
+  for (int k = 1; k < edges; ++k) sum += std::pow(turn_at(side, k), 6) / (edges - 1);
+  return sum * std::pow(off_by_turn * std::min(1.0, std::pow(double(few_edges) / edges, 2)), 2);
+}
+
+/// The facets' means at the inner vertices of a side, if each is as near to the plane taken there as that is known: then there is
+/// nothing against them, and beside strips of equal facets, as of cylinders and fillets, they are exact.
+std::vector<Vec3> facets_that_agree(const LocalMesh& w, const SideDraft& side, const std::vector<double>& variance) {
+  std::vector<Vec3> means;
+  for (int k = 1; k < side.edges(); ++k) {
+    const Vec3 mean = mean_of_facets(w, side, k).stableNormalized();
+    const double differs = (mean - side.normal[k]).norm();
+    if (!(differs <= always_plausible && differs <= agrees * std::sqrt(variance[k]))) return {};
+    means.push_back(mean);
+  }
+  return means;
+}
+
+}  // namespace
+
+SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fits, SideDraft& side, double rough) {
+  SideFit result;
+  const int edges = side.edges();
+  const bool is_plane = fits.size() > 1 && lies_in_plane(w, side);  // a single fit knows it by itself
+  const std::optional<VertexFit> plane = is_plane ? std::optional(plane_of(w, side)) : std::nullopt;
+  const bool noisy = rough > noisy_rim * noisy_rim, coarse = turns_coarsely(side);
+  std::vector<double> variances;  // of the planes taken
+  for (int k = 0; k <= edges; ++k) {
+    std::size_t best = 0;
+    const double most = most_lean(w, side, k);
+    const bool doubtful = noisy || coarse || most > 2 * coarse_turn;
+    const auto variance = [&](std::size_t f) {
+      const double by_noise = known_by_ring * rough / (side.depth * side.depth * std::pow(neighborhoods[f].rings, 3));
+      return std::max(fits[f][k].slope_variances, by_noise);
+    };
+    const auto doubt = [&](std::size_t f) {
+      const double by_lean = known_by_lean * 0.5 * (most - always_plausible) / std::pow(neighborhoods[f].rings, 2);
+      return std::max(variance(f), by_lean * by_lean);
+    };
+    const auto leans = [&](std::size_t f) {  // or may
+      return std::max(lean(side, k, fits[f][k].normal), std::sqrt(fits[f][k].slope_variances));
+    };
+    for (std::size_t f = 1; f < fits.size(); ++f) {
+      if (leans(best) > most && leans(f) < leans(best)) {
+        best = f;
+        continue;
+      }
+      if (leans(f) > most) continue;
+      const double less_certain = std::max(0.5 * std::log(doubt(f) / doubt(best)), doubtful ? 0 : -by_some);
+      if (lead_of(fits[f], fits[best], k) > (doubtful ? by_far : by_some) + less_certain) best = f;
+    }
+    const VertexFit& fit = plane ? *plane : fits[best][k];
+    side.normal.push_back(fit.normal);
+    side.second.push_back(fit.second);
+    variances.push_back(plane ? fit.slope_variances : variance(best));
+    result.bend_variance += fit.bend_variance / (edges + 1);
+    if (k == 0 || k == edges) result.ends[k == 0 ? 0 : 1] = fit;
+  }
+  if (!plane) {
+    const double turned = turn_variance(w, side);
+    result.slope_variances = variances;
+    result.turned = turned;
+    for (double& variance : variances) variance += turned;
+  } else {
+    result.slope_variances = variances;
+  }
+  if (!noisy && !plane) {
+    const std::vector<Vec3> means = facets_that_agree(w, side, variances);
+    std::copy(means.begin(), means.end(), side.normal.begin() + 1);
+  }
+  return result;
+}
+
+}  // namespace tripatch

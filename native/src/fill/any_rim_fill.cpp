@@ -1,0 +1,123 @@
+#include "tripatch/fill/any_rim_fill.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "tripatch/constructions/methods.h"
+#include "tripatch/fill/spline_fill.h"
+#include "tripatch/hole/corners.h"
+#include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/sharp_sides.h"
+#include "tripatch/polygon/domain.h"
+
+namespace tripatch {
+
+namespace {
+
+/// The spline, which does not continue what meets the hole at an angle. given: corners of the rim, in its order; none: as detected.
+Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, const std::vector<Index>& rim,
+                             const std::vector<Index>& given, SplineFillOptions options) {
+  std::vector<Index> places;
+  for (std::size_t k = 0; k < rim.size(); ++k)
+    if (std::find(given.begin(), given.end(), rim[k]) != given.end()) places.push_back(static_cast<Index>(k));
+  try {
+    if (given.empty()) places = detect_corners(ground.mesh, around, rim);
+  } catch (const Refusal&) {  // faces without area tell nothing
+  }
+  std::vector<double> angles;
+  if (places.size() >= 2 && places.size() <= static_cast<std::size_t>(most_sides))
+    angles = sharp_sides(ground.mesh, around, rim, places);
+  if (!any_sharp(angles)) return fill_with_spline(ground.mesh, around, rim, {}, options);
+  const std::vector<Index> beyond = not_continued(ground.mesh, around, rim, places, angles);
+  const Connectivity continued(ground.mesh, beyond);
+  options.continued = &continued;
+  Fill fill = fill_with_spline(ground.mesh, around, rim, {}, options);
+  const auto sharp = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
+  fill.report.warnings.push_back("The mesh meets the hole at an angle along " + std::to_string(sharp) + " of its " +
+                                 std::to_string(angles.size()) + " sides: the fill is not continued there");
+  return fill;
+}
+
+}  // namespace
+
+std::string not_taken(const FillOptions& options) {
+  std::string names;
+  const auto add = [&](bool given, const char* name) {
+    if (given) names += (names.empty() ? "" : ", ") + std::string(name);
+  };
+  const auto plain = [](SideContinuity c) { return c == SideContinuity::automatic || c == SideContinuity::g1; };
+  add(!std::all_of(options.continuity.begin(), options.continuity.end(), plain), "continuity");
+  add(options.fairing != Fairing::automatic, "fairing");
+  add(!options.bulge.are_all(1), "bulge");
+  add(options.tension > 0, "tension");
+  add(options.center.has_value(), "center");
+  add(options.center_offset != 0, "center_offset");
+  return names;
+}
+
+bool is_shaped_by_hand(const FillOptions& options) { return !options.through.empty() || !not_taken(options).empty(); }
+
+Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
+                  const std::string& reason) {
+  const std::string ignored = not_taken(options);
+  const bool insisted = options.method == spline_method;
+  if (insisted && !ignored.empty()) throw InvalidArgument(std::string(spline_method) + " does not take " + ignored);
+  if (options.surroundings == SurroundingsFrom::limit)
+    throw Refusal("Limit surroundings are read for holes with three corners only: " + reason, {});
+  std::vector<std::string> warnings;
+  const auto ordered = [&](const std::vector<Index>& loop) {
+    std::vector<Index> checked = check_topology(ground.left, loop);
+    std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
+    check_finite(ground.mesh, ground.left, checked);
+    try {
+      check_positions(ground.mesh, ground.left, checked);
+    } catch (const Refusal& refusal) {  // no hindrance to triangles
+      warnings.push_back(std::string(refusal.what()) + ": Merge by Distance may be what the mesh needs");
+    }
+    return checked;
+  };
+  std::vector<std::vector<Index>> islands;
+  for (const std::vector<Index>& island : options.islands) islands.push_back(ordered(island));
+  const SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features, nullptr, options.through};
+  // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
+  const std::optional<Connectivity> all =
+      ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
+  std::vector<Index> loop = ordered(rim), at;  // from the first corner on; the others as the rim meets them
+  if (corners && !corners->empty()) {
+    const auto first = std::find(loop.begin(), loop.end(), (*corners)[0]);
+    if (first != loop.end()) std::rotate(loop.begin(), first, loop.end());
+    for (Index v : loop)
+      if (std::find(corners->begin(), corners->end(), v) != corners->end()) at.push_back(v);
+    for (Index v : *corners)
+      if (std::find(loop.begin(), loop.end(), v) == loop.end())
+        throw Refusal("Corner vertex " + std::to_string(v) + " is not on the rim", {v});
+    if (at.size() != corners->size()) throw InvalidArgument("A corner is given twice");
+  }
+  const Connectivity& around = all ? *all : ground.left;
+  const bool looks_for_sharp =
+      islands.empty() && (!corners || !corners->empty()) && ignored.find("continuity") == std::string::npos;
+  Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)
+                              : fill_with_spline(ground.mesh, around, loop, islands, own);
+  fill.report.method_reason = reason;
+  fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
+  fill.report.corners = std::move(at);
+  if (!insisted && !ignored.empty())
+    fill.report.warnings.push_back("For " + ignored +
+                                   " smooth sides are needed, between which a patch lies without folds: not applied");
+  return fill;
+}
+
+Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOptions& options, const std::string& reason) {
+  std::vector<Index> all(static_cast<std::size_t>(ground.mesh.faces.size()));
+  std::iota(all.begin(), all.end(), Index(0));
+  const Connectivity nothing(ground.mesh, all);
+  SplineFillOptions own = {options.resolution, options.output == Output::quads, false, &nothing, options.through,
+                           patch.rim_normals};
+  Fill fill = fill_with_spline(ground.mesh, ground.left, patch.rim, {}, own);
+  fill.report.method_reason = reason;
+  fill.report.corners = patch.report.corners;
+  fill.report.surroundings_error = patch.report.surroundings_error;
+  return fill;
+}
+
+}  // namespace tripatch

@@ -1,0 +1,192 @@
+#include "tripatch/fill/automatic_fill.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/fill/polygon_fill.h"
+#include "tripatch/fill/triangle_fill.h"
+#include "tripatch/hole/clear_corners.h"
+#include "tripatch/hole/corners.h"
+#include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/angle.h"
+#include "tripatch/spline/features.h"
+
+namespace tripatch {
+
+namespace {
+
+/// Degrees between the tangent planes of two sides at a corner that nobody has given, from which on the surroundings are no one surface
+/// there: as far as twelve edges a side are from telling those of a smooth one (2 degrees), several times over.
+constexpr double one_surface = 10;
+
+/// Where a patch folds, a spline that misses the planes of its sides by so many degrees, known so many times better there, is made to keep
+/// them: between fillets of boxes and a prism that meet at cusps it is 2 to 10 times nearer then; where it missed them by 1 degree, 4 times
+/// farther.
+constexpr double far_off_planes = 2, worth_their_planes = 4;
+/// But where the planes are not known to so many degrees the mesh is rough, and the spline knows it.
+constexpr double well_known_planes = 1.5;
+
+/// The exact patch between two sides or four and more where they are smooth, else the surface over a plane. given: the corners are a person's.
+Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, bool given,
+                       const FillOptions& options) {
+  const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
+  check_counts(options, corners.size());
+  std::string reason;
+  std::optional<Fill> patch;
+  try {
+    const CorneredRim found = cornered(ground, rim, corners);
+    if (zigzag(ground.mesh, found.rim, found.places) > smooth_sides) return any_rim("the sides between the corners zigzag");
+    PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options);
+    made.fill.report.method_reason = "the rim has " + std::to_string(corners.size()) + " smooth sides";
+    const std::vector<std::string>& kept = made.fill.report.continuity;
+    const bool beside_sharp = std::find(kept.begin(), kept.end(), "Free") != kept.end();
+    if (!given && beside_sharp && corners.size() == 2 && !is_shaped_by_hand(options))
+      return any_rim("two sides that are not continued tell less than the rim as a whole");
+    if (!given && !beside_sharp && made.planes_apart_deg > one_surface)
+      return any_rim("the tangent planes of the " + std::to_string(corners.size()) + " sides differ at the corners");
+    if (!made.crumpled) {
+      if (is_shaped_by_hand(options) || beside_sharp) return std::move(made.fill);
+      Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
+                            " sides alone");
+      return excluded_by(made.fill, spline, diameter(ground.mesh, rim)) ? spline : std::move(made.fill);
+    }
+    reason = "a patch between " + std::to_string(corners.size()) + " corners would fold or crumple";
+    patch = std::move(made.fill);
+  } catch (const Refusal& refusal) {
+    reason = "no patch fits between " + std::to_string(corners.size()) + " sides: " + refusal.what();
+  }
+  Fill other = any_rim(reason);
+  if (patch && not_taken(options).empty() && patch->report.surroundings_error < well_known_planes &&
+      misses_known_planes(*patch, other, far_off_planes, worth_their_planes)) {
+    Fill planar = fill_with_planes_of(ground, *patch, options, reason);
+    if (planar.patch && planar.report.triangles_folded <= other.report.triangles_folded) return planar;
+  }
+  const bool better = !patch || other.report.triangles_folded <= patch->report.triangles_folded;
+  return better ? other : std::move(*patch);
+}
+
+/// The end of a prism of so few walls has a corner at every vertex: of more it may be a coarse tube.
+constexpr std::size_t most_walls = 6;
+
+/// The corners of a rim, as detected, where the mesh meets the hole at an angle between them: there the rim alone tells its sides.
+std::vector<Index> corners_between_sharp(const Ground& ground, const std::vector<Index>& rim) {
+  try {
+    std::vector<Index> places = detect_corners(ground.mesh, ground.left, rim);
+    if (places.empty() && rim.size() <= most_walls) {
+      places.resize(rim.size());
+      std::iota(places.begin(), places.end(), 0);
+    }
+    if (places.size() <= static_cast<std::size_t>(most_sides) && any_sharp(sharp_sides(ground.mesh, ground.left, rim, places)))
+      return at_places(rim, places);
+  } catch (const Refusal&) {  // faces without area
+  }
+  return {};
+}
+
+/// The patch over a disc where the rim is smooth all around, else the surface over a plane. rim: as new faces take it.
+Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options,
+                    const std::string& otherwise) {
+  const auto any_rim = [&](const std::string& reason) {
+    return fill_any_rim(ground, rim, std::vector<Index>(), options, reason);
+  };
+  if (!is_round(ground.mesh, ground.left, rim)) return any_rim(otherwise);
+  check_counts(options, 1);
+  try {
+    check_positions(ground.mesh, ground.left, rim);
+    PolygonFill made = fill_round(ground.mesh, ground.left, rim, options);
+    made.fill.report.method_reason =
+        made.of_revolution ? "the rim is round, and what surrounds it of revolution" : "the rim is round";
+    if (made.crumpled) return any_rim("a patch over the round rim would fold or crumple");
+    if (made.of_revolution || is_shaped_by_hand(options)) return std::move(made.fill);
+    Fill spline = any_rim("the surroundings as a whole tell of another surface than the round rim alone");
+    return excluded_by(made.fill, spline, diameter(ground.mesh, rim)) ? spline : std::move(made.fill);
+  } catch (const Refusal& refusal) {
+    return any_rim(std::string("no patch fits the round rim: ") + refusal.what());
+  }
+}
+
+/// The same between three sides, whose patch takes more: in Suzanne, holes of 10 to 16 edges, the spline was the nearer one from here on,
+/// 1.3 times in the geometric mean of nine, and neither was with less.
+constexpr double no_surface = 45;
+/// Of fewer edges no rim was looked at: they tell nothing of a surface but their planes.
+constexpr std::size_t least_edges_apart = 9;
+
+/// What a refusal says, as part of a sentence, without what to do about it, which a fill that was made does not ask for.
+std::string without_advice(std::string said) {
+  said = said.substr(0, said.find("; "));
+  said[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(said[0])));
+  return said;
+}
+
+/// Degrees between the tangent planes of three sides at their corners, the most.
+double planes_apart_at_corners(const SideList& sides) {
+  double most = 0;
+  for (int k = 0; k < 3; ++k) most = std::max(most, degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)));
+  return most;
+}
+
+}  // namespace
+
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+                          const FillOptions& options) {
+  const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
+  if (!options.islands.empty()) return any_rim("the hole has islands");
+  if (corners && corners->empty())
+    return fill_round_rim(ground, check_topology(ground.left, rim), options,
+                          "a round rim was asked for, and this one is not smooth");
+  const bool inner = !options.through.empty();  // the patch of three sides meets none: one over a polygon is made
+  if (corners && (makes_polygon(*corners) || (inner && corners->size() == 3)))
+    return fill_between_many(ground, rim, *corners, true, options);
+  if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
+  Hole hole;
+  std::vector<Index> checked = check_topology(ground.left, rim);
+  if (!corners)  // wherever the rim is begun, the same corners are found, in the same order
+    std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
+  check_finite(ground.mesh, ground.left, checked);
+  std::vector<Index> found;
+  if (!corners) found = at_places(checked, corners_between_sides(ground.mesh, ground.left, checked));
+  const auto creases_in = [&](const Connectivity& around) {
+    return !find_features(ground.mesh, around, checked).creases.empty();
+  };
+  if (options.features && creases_in(ground.left) &&
+      (!ground.is_part() || creases_in(Connectivity(ground.mesh, options.replaced))))
+    return any_rim("a crease of the surroundings goes on across the hole");
+  if (makes_polygon(found) || (inner && found.size() == 3)) return fill_between_many(ground, rim, found, false, options);
+  try {
+    hole = make_hole(ground.mesh, ground.left, rim, three(corners));
+  } catch (const Refusal& refusal) {
+    if (corners) throw;
+    const std::string otherwise = "no smooth sides were found: " + without_advice(refusal.what());
+    const std::vector<Index> sharp = corners_between_sharp(ground, checked);
+    if (sharp.empty()) return fill_round_rim(ground, checked, options, otherwise);
+    const bool sided = makes_polygon(sharp) && not_taken(options).empty();
+    return sided ? fill_between_many(ground, rim, sharp, false, options) : any_rim(otherwise);
+  }
+  check_counts(options, 3);
+  if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
+  std::string reason;
+  std::optional<Fill> patch;
+  bool apart = false;
+  try {
+    patch = fill_with_patch(ground, hole, options);
+    apart = !corners && hole.rim.size() >= least_edges_apart && not_taken(options).empty() &&
+            planes_apart_at_corners(patch->sides) > no_surface && !any_sharp(sharp_sides_of(ground, hole));
+    const bool folds = patch->report.folds > 0 || patch->report.triangles_folded > 0;
+    if (!folds && !apart) return std::move(*patch);
+    reason = folds ? "a patch between three corners would fold" : "the tangent planes of the three sides differ at the corners";
+  } catch (const Refusal& refusal) {
+    reason = std::string("no patch fits between three sides: ") + refusal.what();
+  }
+  Fill other = any_rim(reason);
+  const bool better = !patch || other.report.triangles_folded < patch->report.triangles_folded ||
+                      (other.report.triangles_folded == patch->report.triangles_folded && (patch->report.folds > 0 || apart));
+  return better ? other : std::move(*patch);
+}
+
+}  // namespace tripatch

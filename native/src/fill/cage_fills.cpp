@@ -1,0 +1,235 @@
+#include "tripatch/fill/cage_fills.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "tripatch/cage/cage_fill.h"
+#include "tripatch/fill/polygon_fill.h"
+#include "tripatch/fill/triangle_fill.h"
+#include "tripatch/hole/clear_corners.h"
+#include "tripatch/hole/rim_checks.h"
+#include "tripatch/math/angle.h"
+#include "tripatch/math/stopwatch.h"
+#include "tripatch/patch_from_sides.h"
+
+namespace tripatch {
+
+namespace {
+
+/// Edges of a rim that a face beside it is as long as, from which on it is a strip: twice the diagonal of two squares.
+constexpr double strip = 4;
+
+/// Whether the patch's own shape is asked for.
+bool is_shaped(const FillOptions& options) {
+  return options.tension > 0 || options.center || options.center_offset != 0 || !options.through.empty() ||
+         !options.bulge.are_all(1) ||
+         std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
+}
+
+std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options);
+
+/// Whether faces beside the hole are many times as long as its rim's edges, or its sides have an edge each, of which one split leaves
+/// no even way from side to side.
+bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
+  const Points vertices = ground.mesh.vertices(hole.rim, Eigen::all);
+  const Index n = vertices.rows();
+  if (n == 3) return true;
+  for (Index k = 0; k < n; ++k) {
+    const double edge = (vertices.row(k) - vertices.row((k + 1) % n)).norm();
+    for (const Connectivity::Corner c : ground.left.at(hole.rim[k]))
+      for (Index v : ground.mesh.faces[ground.left.face(c)])
+        if ((ground.mesh.vertices.row(v) - vertices.row(k)).norm() > strip * edge) return true;
+  }
+  return false;
+}
+
+/// A vertex on an edge of an odd rim leaves the face beside it an n-gon, whose limit goes no way along a strip as that of its neighbors
+/// does: beside long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
+std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
+                                                   const FillOptions& options, std::vector<Fill> fills) {
+  const auto folds = [](const Fill& fill) { return fill.report.folds + fill.report.triangles_folded; };
+  if (holes.size() != 1 || options.odd != Odd::split || holes[0].rim.size() % 2 == 0 || folds(fills[0]) == 0 ||
+      !may_fold_by_splitting(ground, holes[0]))
+    return fills;
+  FillOptions triangle = options;
+  triangle.odd = Odd::triangle;
+  std::vector<Fill> others = cages_together(ground, holes, triangle);
+  if (folds(others[0]) >= folds(fills[0])) return fills;
+  others[0].report.warnings.emplace_back(
+      "The rim is odd, and with an edge of it split the fill would fold: it has a triangle instead");
+  return others;
+}
+
+/// Corners that were guessed are a person's to choose, and no reason for a cage that folds.
+void tell_guessed(const SidedRim& hole, Report& report) {
+  if (!hole.guessed) return;
+  if (report.folds > 0 || report.triangles_folded > 0)
+    throw Refusal("Rim has no clear corners, and a cage between four of its vertices would fold; select two to twelve corners",
+                  at_places(hole.rim, hole.corners));
+  report.method_reason = "the rim has no clear corners: the cage lies between four of its vertices";
+}
+
+/// Rows that a tolerance has asked for may turn quads over where there is no room for them.
+std::vector<Fill> without_rows_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
+                                                  const FillOptions& options, std::vector<Fill> fills) {
+  const Report& report = fills[0].report;
+  if (holes.size() != 1 || options.resolution || report.rows == 0 || report.triangles_folded == 0) return fills;
+  FillOptions plain = options;
+  plain.resolution = 0;
+  std::vector<Fill> others = cages_together(ground, holes, plain);
+  if (others[0].report.triangles_folded >= report.triangles_folded) return fills;
+  others[0].report.warnings.emplace_back(crossing_rows);
+  return others;
+}
+
+std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+  CageOptions cage_options;
+  cage_options.rim = options.cage_rim;
+  CageFill cages(ground.mesh, ground.left, holes, options.subdivision, options.replaced, layout_options(options), cage_options);
+
+  // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
+  // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
+  // the patch's own shape is asked for, in the patch.
+  const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == Fairing::automatic;
+  const bool fair = automatic && !is_shaped(options), follows = fair && !exact;
+  FillOptions wanted = options;
+  if (automatic && exact && options.tension == 0) wanted.fairing.reset();
+  std::vector<Fill> fills(holes.size());
+  std::vector<SurfacePtr> patches;
+  for (std::size_t h = 0; h < holes.size(); ++h) {
+    // between other than three sides the patch is that of a smooth rim in any case
+    if (holes[h].is_triangle() && !options.through.empty())
+      throw Refusal("A cage of three sides meets no points inside", holes[h].rim);
+    MadePatch made = holes[h].is_triangle()
+                         ? patch_from_sides(three_sides(cages.sides(h)), wanted, follows ? &cages.points(h) : nullptr)
+                         : patch_over_polygon(cages.sides(h), cages.domain(h), options, fair ? &cages.points(h) : nullptr);
+    fills[h].patch = made.patch;
+    fills[h].report = std::move(made.report);
+    patches.push_back(std::move(made.patch));
+  }
+
+  // The rim's limit may run along its edges at very different rates, beside strips that are long beside them: a patch that folds in
+  // following the fairest cage there is worth nothing, and the cage is kept.
+  std::vector<bool> kept;
+  for (std::size_t h = 0; h < holes.size(); ++h)
+    kept.push_back(fair && (!holes[h].is_triangle() || (follows && fills[h].report.folds > 0)));
+  cages.fit(std::move(patches), kept);
+  for (std::size_t h = 0; h < holes.size(); ++h) {
+    cages.complete(h, fills[h]);
+    if (follows) cages.report_energies(h, fills[h].report);
+    if (kept[h]) fills[h].report.folds = 0;  // of a patch that the cage is not fitted to
+    complete_report(holes[h], options, {}, fills[h].report);
+  }
+  fills = with_triangle_if_that_folds_less(ground, holes, options, std::move(fills));
+  return without_rows_if_that_folds_less(ground, holes, options, std::move(fills));
+}
+
+}  // namespace
+
+std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+  std::vector<Fill> fills = cages_together(ground, holes, options);
+  for (std::size_t h = 0; h < holes.size(); ++h) tell_guessed(holes[h], fills[h].report);
+  return fills;
+}
+
+void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<SidedRim>>& given, const FillOptions& options,
+                         std::vector<std::variant<Fill, Refused>>& results) {
+  std::vector<SidedRim> holes;
+  std::vector<std::size_t> place;  // of each hole in the results
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    if (!given[k]) continue;
+    holes.push_back(*given[k]);
+    place.push_back(k);
+  }
+  for (const std::vector<std::size_t>& group : cage_groups(ground.left, holes)) {
+    std::vector<SidedRim> together;
+    for (std::size_t h : group) together.push_back(holes[h]);
+    const Stopwatch watch;
+    try {
+      std::vector<Fill> fills = fill_with_cages(ground, together, options);
+      for (std::size_t k = 0; k < group.size(); ++k) {
+        fills[k].report.seconds = watch.seconds() / static_cast<double>(group.size());
+        results[place[group[k]]] = std::move(fills[k]);
+      }
+    } catch (const Refusal& refusal) {
+      if (group.size() == 1) results[place[group[0]]] = refused(refusal);
+      for (std::size_t h = 0; group.size() > 1 && h < group.size(); ++h) {  // one of them stands in the way of the others
+        const Stopwatch own;
+        std::variant<Fill, Refused>& result = results[place[group[h]]];
+        try {
+          Fill alone = std::move(fill_with_cages(ground, {together[h]}, options)[0]);
+          alone.report.seconds = own.seconds();
+          result = std::move(alone);
+        } catch (const Refusal& alone) {
+          result = refused(alone);
+        }
+      }
+    }
+  }
+}
+
+namespace {
+
+/// How much less two choices of corners may turn for the one that begins first to be taken: far more than rounding, radians.
+constexpr double as_much_turn = 1e-6;
+
+/// Four vertices of a rim that shows no corners, as Grid Fill takes them: as many edges between opposite ones, or one more, where the rim
+/// turns most at them; none has one face only, about which no limit surface has a tangent plane. None of fewer than four edges.
+std::vector<Index> four_of(const Ground& ground, std::vector<Index> loop) {
+  const std::size_t n = loop.size();
+  if (n < 4) return {};
+  std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+  const auto at = [&](std::size_t k) -> Vec3 { return ground.mesh.vertices.row(loop[k % n]); };
+  std::vector<double> turn(n);
+  for (std::size_t k = 0; k < n; ++k)
+    turn[k] = ground.left.at(loop[k]).size() < 2 ? -INFINITY : angle_between(at(k) - at(k + n - 1), at(k + 1) - at(k));
+  const std::array<std::size_t, 4> steps = {0, (n + 2) / 4, n / 2, n / 2 + (n + 2) / 4};
+  std::optional<std::size_t> best;
+  double most = -INFINITY;
+  for (std::size_t k = 0; k < n; ++k) {
+    double sum = 0;
+    for (std::size_t step : steps) sum += turn[(k + step) % n];
+    if (sum > most + as_much_turn || (!best && std::isfinite(sum))) most = sum, best = k;
+  }
+  std::vector<Index> corners;
+  for (std::size_t step : steps)
+    if (best) corners.push_back(loop[(*best + step) % n]);
+  return corners;
+}
+
+}  // namespace
+
+SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+  if (corners && !corners->empty()) {
+    if (!makes_polygon(*corners)) return hole_of(ground, rim, corners);
+    CorneredRim found = cornered(ground, rim ? *rim : loop_through(ground, *corners), *corners);
+    SidedRim result;
+    result.rim = std::move(found.rim);
+    result.corners = std::move(found.places);
+    return result;
+  }
+  Refusal none("A cage needs corners: two to twelve", {});
+  if (!corners) {
+    try {
+      return hole_of(ground, rim, corners);
+    } catch (const Refusal& refusal) {
+      none = refusal;
+    }
+  }
+  const std::vector<Index> loop = check_topology(ground.left, rim ? *rim : only_hole(ground));
+  check_finite(ground.mesh, ground.left, loop);
+  if (!corners) {
+    std::vector<Index> places = corners_by_valence(ground.mesh, ground.left, loop);
+    if (places.empty()) places = corners_between_sides(ground.mesh, ground.left, loop);
+    const std::vector<Index> seen = at_places(loop, places);
+    if (makes_polygon(seen)) return cage_rim_of(ground, loop, seen);
+  }
+  const std::vector<Index> guess = four_of(ground, loop);
+  if (guess.empty()) throw none;
+  SidedRim result = cage_rim_of(ground, loop, guess);
+  result.guessed = true;
+  return result;
+}
+
+}  // namespace tripatch

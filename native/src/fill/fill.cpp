@@ -1,0 +1,241 @@
+#include "tripatch/fill.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tripatch/constructions/methods.h"
+#include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/fill/automatic_fill.h"
+#include "tripatch/fill/cage_fills.h"
+#include "tripatch/fill/ground.h"
+#include "tripatch/fill/polygon_fill.h"
+#include "tripatch/fill/triangle_fill.h"
+#include "tripatch/hole/clear_corners.h"
+#include "tripatch/hole/rim_checks.h"
+#include "tripatch/math/parallel.h"
+#include "tripatch/math/stopwatch.h"
+#include "tripatch/patch/moved_surface.h"
+#include "tripatch/polygon/round.h"
+#include "tripatch/polygon/surface.h"
+#include "tripatch/spline/plane_fill.h"
+#include "tripatch/spline/plane_patch.h"
+
+namespace tripatch {
+
+namespace {
+
+/// Sizes of what is filled that it lies away from the origin, from which on coordinates have lost more than they can spare: second
+/// differences of a rim of a hundred edges lose four digits more.
+constexpr double far_away = 1e3;
+
+/// Where computations are about: the middle of the rims, or of the mesh where none is given; nothing where that is near the origin.
+std::optional<Vec3> local_origin(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  const auto take = [&](Index v) {
+    const Vec3 p = mesh.vertices.row(v);
+    if (!p.allFinite()) return;  // named later on, where it matters
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  };
+  for (const std::vector<Index>& rim : rims)
+    for (Index v : rim)
+      if (v >= 0 && v < mesh.vertices.rows()) take(v);
+  if (rims.empty())
+    for (Index v = 0; v < mesh.vertices.rows(); ++v) take(v);
+  const Vec3 middle = 0.5 * (low + high);
+  if (!middle.allFinite() || middle.norm() <= far_away * (high - low).norm()) return {};
+  return middle;
+}
+
+/// A patch of the same kind elsewhere.
+SurfacePtr brought(const SurfacePtr& patch, const Vec3& by) {
+  if (const auto polygon = std::dynamic_pointer_cast<const OverPolygon>(patch))
+    return std::make_shared<OverPolygon>(polygon->domain(), moved(patch, by));
+  if (const auto plane = std::dynamic_pointer_cast<const PlanePatch>(patch))
+    return std::make_shared<PlanePatch>(moved(patch, by), plane->rim());
+  if (const auto round = std::dynamic_pointer_cast<const RoundSurface>(patch)) {
+    std::vector<Harmonic> terms = round->terms();
+    terms[0].row(0) += by.transpose();
+    return std::make_shared<RoundSurface>(std::move(terms));
+  }
+  return moved(patch, by);
+}
+
+/// A mesh about another origin, and the options of what is filled in it.
+struct Elsewhere {
+  Vec3 origin;
+  Points vertices;
+  FillOptions options;
+
+  Elsewhere(const Mesh& mesh, const FillOptions& given, const Vec3& about)
+      : origin(about), vertices(mesh.vertices.rowwise() - about.transpose()), options(given) {
+    if (options.center) *options.center -= origin;
+    for (Through& each : options.through) each.point -= origin;
+  }
+
+  void bring_back(Fill& fill) const {
+    fill.vertices.rowwise() += origin.transpose();
+    fill.moved_to.rowwise() += origin.transpose();
+    if (fill.patch) fill.patch = brought(fill.patch, origin);
+    for (Side& side : fill.sides) side.c = side.c + PiecewisePolynomial::constant(std::span<const double>(origin.data(), 3));
+  }
+};
+
+void check_options(const FillOptions& options) {
+  check(options);
+  const bool triangles = options.output == Output::triangles;
+  if (options.resolution && (*options.resolution < (triangles ? 1 : 0) || *options.resolution > (triangles ? 10000 : 100)))
+    throw InvalidArgument(triangles ? "resolution must be from 1 to 10000" : "resolution must be from 0 to 100");
+}
+
+/// The patch over a polygon or a disc, insisted on; nothing where the rim has three sides. Corners that are not given are detected.
+std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::optional<std::vector<Index>>& rim,
+                                         const Corners& corners, const FillOptions& options) {
+  const bool inner = !options.through.empty();
+  if (corners && !corners->empty() && !makes_polygon(*corners) && !inner) return {};
+  if (!corners && options.method != polygon_method && !inner) return {};
+  std::vector<Index> given = corners.value_or(std::vector<Index>());
+  std::vector<Index> loop = rim ? *rim : given.empty() ? only_hole(ground) : loop_through(ground, given);
+  loop = check_topology(ground.left, loop);
+  check_finite(ground.mesh, ground.left, loop);
+  if (!corners) {
+    given = at_places(loop, corners_between_sides(ground.mesh, ground.left, loop));
+    if ((given.size() == 3 && !inner) || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
+  }
+  check_counts(options, std::max<std::size_t>(given.size(), 1));
+  Fill fill;
+  if (given.empty()) {
+    check_positions(ground.mesh, ground.left, loop);
+    fill = std::move(fill_round(ground.mesh, ground.left, loop, options).fill);
+  } else {
+    const CorneredRim found = cornered(ground, loop, given);
+    fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
+  }
+  fill.report.method_reason = "it was asked for";
+  return fill;
+}
+
+Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+                   const FillOptions& options) {
+  const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
+  const bool automatic = options.method == automatic_method && of_mesh;
+  if (!automatic && options.method != spline_method) {
+    const bool polygon = options.method == polygon_method || options.method == patch_method;
+    if (polygon && of_mesh)
+      if (std::optional<Fill> fill = fill_with_many_sides(ground, rim, corners, options)) return std::move(*fill);
+    return fill_with_patch(ground, hole_of(ground, rim, corners), options);
+  }
+  const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
+  if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");
+  return fill_as_the_rim_asks(ground, loop, corners, options);
+}
+
+Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+                    const FillOptions& options) {
+  Fill fill = fill_as_asked(ground, rim, corners, options);
+  Report& report = fill.report;
+  if (report.triangles_folded > 0 && report.method != spline_method)
+    report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
+  return fill;
+}
+
+void check_for_holes(const FillOptions& options) {
+  check_options(options);
+  if (options.corners && options.corners->size() == 1)
+    throw InvalidArgument("corners must be two vertices of the rim or more, or none for a round rim; one is given");
+  if (options.method != automatic_method && !find_method(options.method).fills_holes)
+    throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
+  const bool meets = options.method == automatic_method || options.method == polygon_method || options.method == patch_method ||
+                     options.method == spline_method;
+  if (!options.through.empty() && (!meets || options.surroundings != SurroundingsFrom::mesh))
+    throw InvalidArgument("through is met by the methods auto, " + std::string(polygon_method) + " and " +
+                          std::string(spline_method) + ", beside surroundings that are a mesh");
+  if (options.method == spline_method && options.output == Output::cage)
+    throw InvalidArgument(std::string(spline_method) + " makes no cages; choose another method, or triangles or quads");
+}
+
+using Results = std::vector<std::variant<Fill, Refused>>;
+
+/// Before anything is refused that names them.
+void check_named(const Mesh& mesh, std::span<const std::vector<Index>> rims, const Corners& corners, const FillOptions& options) {
+  const Index n = mesh.vertices.rows();
+  for (const std::vector<Index>& rim : rims) check_vertices(rim, n, "Rim");
+  for (const std::vector<Index>& island : options.islands) check_vertices(island, n, "Island");
+  if (corners) check_vertices(*corners, n, "Corner");
+}
+
+}  // namespace
+
+Fill fill(const Mesh& mesh, const FillOptions& options) {
+  const Stopwatch watch;
+  check_for_holes(options);
+  const std::span<const std::vector<Index>> given =
+      options.rim ? std::span<const std::vector<Index>>(&*options.rim, 1) : std::span<const std::vector<Index>>();
+  check_named(mesh, given, options.corners, options);
+  if (const std::optional<Vec3> origin = local_origin(mesh, given)) {
+    const Elsewhere near(mesh, options, *origin);
+    Fill result = fill({near.vertices, mesh.faces}, near.options);
+    near.bring_back(result);
+    return result;
+  }
+  const Ground ground(mesh, options.rim, options);
+  Fill result = options.output == Output::cage
+                    ? std::move(fill_with_cages(ground, {cage_rim_of(ground, options.rim, options.corners)}, options)[0])
+                    : fill_by_method(ground, options.rim, options.corners, options);
+  result.report.seconds = watch.seconds();
+  return result;
+}
+
+std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
+                                                  const FillOptions& options,
+                                                  const std::vector<std::optional<std::vector<Index>>>& corners,
+                                                  const Progress& progress) {
+  if (options.center && rims.size() > 1)
+    throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
+  check_for_holes(options);
+  check_named(mesh, rims, {}, options);
+  for (const Corners& each : corners) check_named(mesh, {}, each, options);
+  Results results(rims.size());
+  if (rims.empty()) return results;
+  if (const std::optional<Vec3> origin = local_origin(mesh, rims)) {
+    const Elsewhere near(mesh, options, *origin);
+    results = fill_all({near.vertices, mesh.faces}, rims, near.options, corners, progress);
+    for (std::variant<Fill, Refused>& result : results)
+      if (Fill* fill = std::get_if<Fill>(&result)) near.bring_back(*fill);
+    return results;
+  }
+  std::optional<std::vector<Index>> only;
+  if (rims.size() == 1) only = rims[0];
+  const Ground ground(mesh, only, options);
+  const auto report_progress = [&](std::size_t done) {
+    if (progress) progress(done);
+  };
+  const auto corners_at = [&](std::size_t k) { return k < corners.size() ? corners[k] : Corners(); };
+  if (options.output == Output::cage) {
+    std::vector<std::optional<SidedRim>> holes(rims.size());
+    for (std::size_t k = 0; k < rims.size(); ++k) {
+      try {
+        holes[k] = cage_rim_of(ground, rims[k], corners_at(k));
+      } catch (const Refusal& refusal) {
+        results[k] = refused(refusal);
+      }
+    }
+    fill_all_with_cages(ground, holes, options, results);
+    report_progress(rims.size());
+    return results;
+  }
+  const auto fill_one = [&](std::size_t k) {
+    const Stopwatch watch;
+    try {
+      Fill fill = fill_by_method(ground, rims[k], corners_at(k), options);
+      fill.report.seconds = watch.seconds();
+      results[k] = std::move(fill);
+    } catch (const Refusal& refusal) {
+      results[k] = refused(refusal);
+    }
+  };
+  parallel_for_each(rims.size(), fill_one, report_progress);
+  return results;
+}
+
+}  // namespace tripatch

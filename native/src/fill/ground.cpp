@@ -1,0 +1,93 @@
+#include "tripatch/fill/ground.h"
+
+#include <algorithm>
+
+#include "tripatch/estimate/local_mesh.h"
+#include "tripatch/hole/outer_borders.h"
+#include "tripatch/hole/rim_checks.h"
+#include "tripatch/mesh/border_loops.h"
+#include "tripatch/polygon/domain.h"
+
+namespace tripatch {
+
+namespace {
+
+Connectivity around_rim(const Mesh& mesh, const std::optional<std::vector<Index>>& rim, const std::vector<Index>& replaced) {
+  return rim ? Connectivity::around(mesh, *rim, most_rings, replaced) : Connectivity(mesh, replaced);
+}
+
+}  // namespace
+
+Ground::Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options)
+    : mesh(given), left(around_rim(given, rim, options.replaced)), is_part_(rim.has_value()) {
+  if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim)) all_ = around_rim(given, rim, {});
+}
+
+std::optional<std::array<Index, 3>> three(const Corners& corners) {
+  if (!corners) return {};
+  if (corners->size() == 3) return std::array<Index, 3>{(*corners)[0], (*corners)[1], (*corners)[2]};
+  throw Refusal("This method fills between three corners; " + std::to_string(corners->size()) +
+                    " are given. The methods auto and polyharmonic_spline take any number",
+                *corners);
+}
+
+std::vector<Index> loop_through(const Ground& ground, const std::vector<Index>& corners) {
+  for (std::vector<Index>& loop : border_loops(ground.whole()))
+    if (!corners.empty() && std::find(loop.begin(), loop.end(), corners[0]) != loop.end()) return std::move(loop);
+  throw Refusal("The corner is not on the border of the mesh", corners);
+}
+
+std::vector<Index> only_hole(const Ground& ground) {
+  std::vector<std::vector<Index>> loops;
+  std::optional<Refusal> none;  // of the shortest
+  for (Border& border : borders_of(ground.mesh, ground.whole())) {
+    if (border.outer) continue;
+    try {
+      check_topology(ground.left, border.loop);
+      loops.push_back(std::move(border.loop));
+    } catch (const Refusal& refusal) {
+      if (!none) none = refusal;
+    }
+  }
+  if (loops.size() == 1) return loops[0];
+  if (loops.empty()) throw none.value_or(Refusal("No hole: the mesh has no border"));
+  refuse_several(loops, "The mesh has " + std::to_string(loops.size()) + " holes", "choose one, or fill all");
+}
+
+Hole hole_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+  if (rim) return make_hole(ground.mesh, ground.left, *rim, three(corners));
+  if (!corners) return find_hole(ground.mesh, ground.whole());
+  return make_hole(ground.mesh, ground.left, loop_through(ground, *corners), three(corners));
+}
+
+std::vector<Index> at_places(const std::vector<Index>& loop, const std::vector<Index>& places) {
+  std::vector<Index> vertices;
+  for (Index place : places) vertices.push_back(loop[place]);
+  return vertices;
+}
+
+CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners) {
+  CorneredRim out;
+  out.rim = check_topology(ground.left, rim);
+  check_finite(ground.mesh, ground.left, out.rim);
+  check_positions(ground.mesh, ground.left, out.rim);
+  for (Index v : corners)
+    if (std::find(out.rim.begin(), out.rim.end(), v) == out.rim.end())
+      throw Refusal("Corner vertex " + std::to_string(v) + " is not on the rim", {v});
+  std::rotate(out.rim.begin(), std::find(out.rim.begin(), out.rim.end(), corners[0]), out.rim.end());
+  for (std::size_t k = 0; k < out.rim.size(); ++k)
+    if (std::find(corners.begin(), corners.end(), out.rim[k]) != corners.end()) out.places.push_back(static_cast<Index>(k));
+  if (out.places.size() != corners.size()) throw InvalidArgument("A corner is given twice");
+  return out;
+}
+
+bool makes_polygon(const std::vector<Index>& corners) {
+  return corners.size() >= 2 && corners.size() != 3 && corners.size() <= static_cast<std::size_t>(most_sides);
+}
+
+void check_counts(const FillOptions& options, std::size_t sides) {
+  check_count(options.continuity, sides, "continuity");
+  check_count(options.bulge, sides, "bulge");
+}
+
+}  // namespace tripatch

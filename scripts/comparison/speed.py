@@ -1,0 +1,173 @@
+"""docs/speed.md: times beside CGAL's by density, how they grow, peak memory, and many holes in one mesh."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import tripatch
+
+from . import baselines, holes
+from .page import ROOT, Setting, compiler, provenance
+
+EDGES = (32, 100, 316, 1000)  # of a side: 1,000 to 1,000,000 triangles
+REPETITIONS = 7
+#: fairing -> (continuity of CGAL that does as much, times faster than it that are wanted at the first three densities)
+BESIDE = {"None": (1, (12, 100, 400)), "auto": (2, (6, 60, 600))}
+EXPONENT = 1.05
+BEYOND = 0.1, 64e6  # of input and output; bytes: the greater of them
+#: of 900 holes the cells, the holes along an edge, and seconds wanted by fairing; of 10,000 also the rate of two threads over one
+SIDE, MANY, WANTED_MANY, MORE, TWO_OVER_ONE = 6, (975, 30), {"auto": 4.0}, (1300, 100), 1.7
+POINTS = 1_000_000
+
+
+def module(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    loaded = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
+
+
+def alone(words: list, cores: int | None = None) -> dict:
+    """What a module of this folder prints, in a process of its own on all cores or on so many."""
+    some = sorted(os.sched_getaffinity(0))[:cores]
+    command = ["taskset", "-c", ",".join(map(str, some)), sys.executable, "-m", *map(str, words)]
+    folder = Path(__file__).resolve().parents[1]
+    run = subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder)
+    return json.loads(run.stdout)
+
+
+def of_cgal(program: str, folder: Path, edges: int, continuity: int, repetitions: int) -> list[float]:
+    given = folder / f"sphere-{edges}.txt"
+    baselines.write_hole(holes.sphere(edges), given)
+    command = [program, str(given), str(continuity), str(repetitions)]
+    return [float(word) for word in subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()[1:]]
+
+
+def exponent(made: list[dict]) -> float:
+    """Of the triangles in the time, by least squares of the logarithms."""
+    return float(np.polyfit(np.log([m["triangles"] for m in made]), np.log([min(m["seconds"]) for m in made]), 1)[0])
+
+
+def best(call, repetitions: int) -> list[float]:
+    seconds = []
+    for _ in range(repetitions):
+        start = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - start)
+    return seconds
+
+
+def ms(seconds: list[float]) -> str:
+    return f"{1e3 * min(seconds):.4g} | {1e3 * float(np.median(seconds)):.4g}"
+
+
+def yes(good: bool) -> str:
+    return "yes" if good else "**no**"
+
+
+def densities(setting: Setting) -> list[str]:
+    edges, repetitions = (EDGES[:2], 2) if setting.quick else (EDGES, REPETITIONS)
+    lines = [
+        "## A sphere octant by density",
+        "",
+        "Milliseconds, arrays in, arrays out; CGAL's refine and fair without the making of its data structure. Memory is the",
+        "peak of the first fill in a process of its own beyond its input and output, which are the MB before it.",
+        "",
+        "| filler | triangles | least | median | times CGAL | wanted | reached | MB in and out | MB beyond | reached |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    growth = [
+        "",
+        "| filler | time grows as triangles to the power of | the last two | wanted | reached |",
+        "|---|---|---|---|---|",
+    ]
+    for fairing, (continuity, wanted) in BESIDE.items():
+        made = []
+        for k, n in enumerate(edges):
+            made.append(alone(["comparison.one_fill", n, fairing, repetitions]))
+            theirs = of_cgal(setting.cgal, setting.cache, n, continuity, repetitions) if setting.cgal and k < len(wanted) else []
+            mine = made[-1]
+            ratio = min(theirs) / min(mine["seconds"]) if theirs else 0
+            against = f"{ratio:.1f} | {wanted[k]} | {yes(ratio >= wanted[k])}" if theirs else " | | "
+            both = mine["input"] + mine["output"]
+            small = yes(mine["beyond"] <= max(BEYOND[0] * both, BEYOND[1]))
+            memory = f"{both / 1e6:.1f} | {mine['beyond'] / 1e6:.1f} | {small}"
+            lines.append(f"| TriPatch, fairing {fairing} | {mine['triangles']} | {ms(mine['seconds'])} | {against} | {memory} |")
+            if theirs:
+                lines.append(f"| CGAL, continuity {continuity} | | {ms(theirs)} | | | | | | |")
+            print(lines[-2 if theirs else -1], flush=True)
+        last = exponent(made[-2:])
+        good = yes(max(exponent(made), last) <= EXPONENT)
+        growth.append(f"| TriPatch, fairing {fairing} | {exponent(made):.2f} | {last:.2f} | {EXPONENT} | {good} |")
+    return lines + growth
+
+
+def many_holes(setting: Setting) -> list[str]:
+    mesh = module(ROOT / "native" / "benchmarks" / "many_holes.py").mesh
+    cells, along = (195, 6) if setting.quick else MANY
+    vertices, faces, rims = mesh(cells, along, SIDE)
+    lines = [
+        "",
+        "## Many holes in one mesh",
+        "",
+        f"{len(rims)} holes of {3 * SIDE} edges in {len(faces)} triangles, seconds with {len(os.sched_getaffinity(0))} cores:",
+        "",
+        "| fairing | least | median | CPU | wanted | reached |",
+        "|---|---|---|---|---|---|",
+    ]
+    for fairing in BESIDE:
+        option = None if fairing == "None" else fairing
+        cpu = time.process_time()
+        seconds = best(lambda option=option: tripatch.fill_all(vertices, faces, rims, fairing=option), 3)
+        cpu = (time.process_time() - cpu) / 3
+        wanted = WANTED_MANY.get(fairing)
+        reached = f"{wanted} | {yes(min(seconds) <= wanted)}" if wanted else " | "
+        lines.append(f"| {fairing} | {min(seconds):.2f} | {float(np.median(seconds)):.2f} | {cpu:.2f} | {reached} |")
+        print(lines[-1], flush=True)
+    cells, along = (195, 6) if setting.quick else MORE
+    one, two = (alone(["comparison.all_holes", cells, along, SIDE], cores)["seconds"] for cores in (1, 2))
+    lines += [
+        "",
+        f"{along**2} holes in one mesh without fairing: {one:.1f} s on one core, {two:.1f} s on two, {one / two:.2f} times",
+    ]
+    lines[-1] += f" as fast (wanted {TWO_OVER_ONE}: {yes(one / two >= TWO_OVER_ONE)})."
+    print(lines[-1], flush=True)
+    return lines
+
+
+def points() -> list[str]:
+    hole = holes.sphere(32)
+    b = np.random.default_rng(0).dirichlet([1, 1, 1], POINTS)
+    lines = ["", f"## {POINTS:,} points", "", "Milliseconds, the least of several:", ""]
+    lines += ["| patch | positions | normals | copying both into new memory |", "|---|---|---|---|"]
+    for fairing in BESIDE:
+        fill = tripatch.fill(hole.vertices, hole.faces, rim=hole.rim, fairing=None if fairing == "None" else fairing)
+        evaluate, normal = fill.patch.evaluate, fill.patch.normal
+        both = evaluate(b), normal(b)
+        calls = (lambda f=evaluate: f(b), lambda f=normal: f(b), lambda arrays=both: [a.copy() for a in arrays])
+        times = " | ".join(f"{1e3 * min(best(call, REPETITIONS)):.0f}" for call in calls)
+        lines.append(f"| fairing {fairing} | {times} |")
+    return lines
+
+
+def write(setting: Setting) -> None:
+    load = os.getloadavg()[0]
+    lines = densities(setting) + many_holes(setting) + points()
+    head = [
+        "# Speed",
+        "",
+        provenance("vertices, faces, the rim and what the tables say; all else at its default", setting.quick),
+        f"Compiler: {compiler()}. Load of the machine at the start {load:.2f}, {os.cpu_count()} processors.",
+        "Batches are measured by `scripts/batch_figures.py`, single formulas by `native/benchmarks/evaluate.cpp` (Google",
+        "Benchmark), and instructions by `scripts/instructions`.",
+        "",
+    ]
+    (setting.docs / "speed.md").write_text("\n".join(head + lines) + "\n")
