@@ -16,6 +16,9 @@ using namespace tripatch;
 
 namespace {
 
+/// Of the larger of both: what a derivative that is given may differ from that of the curve. Differences of doubles are off by 1e-8.
+constexpr double same_derivative = 1e-5;
+
 /// A Python callable of t (k,) -> (k, 3) as a field of the side.
 PiecewisePolynomial sampled(const py::function& f, const char* name) {
   return PiecewisePolynomial::fit(
@@ -45,7 +48,7 @@ Side side_from_functions(const py::function& c, const py::function& dc, const py
     scale = std::max({scale, mine.norm(), theirs.norm()});
     off = std::max(off, (mine - theirs).norm());
   }
-  if (off > 1e-5 * scale) throw InvalidArgument("dc is not the derivative of c");
+  if (off > same_derivative * scale) throw InvalidArgument("dc is not the derivative of c");
   return side;
 }
 

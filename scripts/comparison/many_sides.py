@@ -15,7 +15,7 @@ N = 32
 SIDES = (4, 5, 6, 8)
 
 
-def rivals(setting: Setting, sides: int) -> dict:
+def of_baselines(setting: Setting, sides: int) -> dict:
     """libigl takes TriPatch's triangles and knows no planes; a surface of OpenCASCADE has four sides."""
     return {
         name: call
@@ -48,7 +48,7 @@ def table(setting: Setting) -> str:
             lines.append([kind])
             for sides in SIDES:
                 hole = holes.many_sided(name, sides, 8 if setting.quick else N, regular)
-                mine, method, theirs = measure(hole, rivals(setting, sides))
+                mine, method, theirs = measure(hole, of_baselines(setting, sides))
                 mark = " *" if method == "polyharmonic_spline" else ""
                 if not theirs:
                     lines[-1].append(short(mine) + mark)

@@ -1,4 +1,4 @@
-"""Holes of four to eight sides, filled: the domain with its lines, and these lines on the patch; quads in them; cages."""
+"""Holes of two to eight sides, filled: the domain with its lines, and these lines on the patch; quads in them; cages."""
 
 from __future__ import annotations
 
@@ -166,24 +166,32 @@ def refined(points, cells):
     return np.vstack([moved, on_edges, middle]), cells_now
 
 
-def draw(folder):
-    """Writes holes.png and quads.png into a folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    draw_quads(folder)
-    figure = plt.figure(figsize=(14, 6.6))
-    for column, (surface, n) in enumerate(((egg, 4), (saddle, 5), (egg, 6), (saddle, 8))):
-        vertices, faces, rim, corners = holed(surface, n)
+def lens(surface, per_side=12, rings=5, height=0.24):
+    """A mesh about a hole between two parabolas."""
+    t = np.arange(per_side) / per_side
+    low = np.stack([1.2 * t - 0.6, -4 * height * t * (1 - t)], -1)
+    rim = np.concatenate([low, -low])
+    plane = ((1 + 0.09 * np.arange(rings))[:, None, None] * rim).reshape(-1, 2)
+    m = len(rim)
+    a, b = (np.arange((rings - 1) * m).reshape(-1, m)[:, np.r_[s:m, 0:s]].ravel() for s in (0, 1))
+    return surface(*plane.T), np.stack([b, a, a + m, b + m], -1), list(range(m)), [0, per_side]
+
+
+def draw_holes(path, holes, width):
+    """The domain of each hole with the lines of its triangles, and these on the patch."""
+    figure = plt.figure(figsize=(width, 6.6))
+    for column, (vertices, faces, rim, corners) in enumerate(holes):
         fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, method="multi_sided")
         whole = np.vstack([vertices, fill.vertices])
-        flat = figure.add_subplot(2, 4, column + 1)
+        flat = figure.add_subplot(2, len(holes), column + 1)
         uv = np.vstack([fill.rim_uv, fill.uv])
         at = {v: k for k, v in enumerate(fill.rim)} | {len(vertices) + k: len(fill.rim) + k for k in range(len(fill.uv))}
         flat.triplot(*uv.T, triangles=[[at[v] for v in face] for face in fill.faces], color="0.6", linewidth=0.4)
-        flat.fill(*fill.patch.domain.T, fill=False, edgecolor="k", linewidth=1.5)
-        flat.set_title(f"{n} sides: the domain")
+        flat.fill(*fill.rim_uv.T, fill=False, edgecolor="k", linewidth=1.5)
+        flat.set_title(f"{len(corners)} sides: the domain")
         flat.set_aspect("equal")
         flat.set_axis_off()
-        solid = figure.add_subplot(2, 4, 5 + column, projection="3d")
+        solid = figure.add_subplot(2, len(holes), len(holes) + 1 + column, projection="3d")
         light = LightSource(315, 50)
         around = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
         for triangles, color in ((around, "0.8"), (np.array(fill.faces), "#d9a066")):
@@ -193,4 +201,13 @@ def draw(folder):
         solid.view_init(48, -60)
         solid.set_axis_off()
     figure.tight_layout()
-    figure.savefig(folder / "holes.png", dpi=90)
+    figure.savefig(path, dpi=90)
+
+
+def draw(folder):
+    """Writes holes.png, lens.png and quads.png into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    draw_quads(folder)
+    holes = [holed(surface, n) for surface, n in ((egg, 4), (saddle, 5), (egg, 6), (saddle, 8))]
+    draw_holes(folder / "holes.png", holes, 14)
+    draw_holes(folder / "lens.png", [lens(egg), lens(saddle)], 8)

@@ -255,6 +255,6 @@ def test_suzanne(addon):
     assert inside.sum() == 16 * 27
     for order, fairing in ((2, None), (3, "auto")):
         _, filled, areas = harmonic_fill(points, np.array(faces), inside, order)
-        rival = far(filled, areas)
-        print(f"FIGURE suzanne harmonic of order {order} rms {rival:.2e}")
-        assert distance[fairing] < rival
+        harmonic = far(filled, areas)
+        print(f"FIGURE suzanne harmonic of order {order} rms {harmonic:.2e}")
+        assert distance[fairing] < harmonic

@@ -74,7 +74,7 @@ def test_no_function_of_python_is_longer_than_a_screen(path):
 
 def rooms():
     found = defaultdict(list)
-    for path in SOURCES:
+    for path in [*SOURCES, *BINDINGS]:
         found[path.parent].append(path)
     return found.items()
 
@@ -97,7 +97,7 @@ def names(path):
 
 @pytest.mark.parametrize("room", [room for room, _ in rooms()], ids=lambda room: room.name)
 def test_names_in_a_room_are_unique(room):
-    """A wheel compiles each room as one source, in which every file sees the names of those before it."""
+    """A wheel compiles each room as one source, and the bindings, in which every file sees the names of those before it."""
     owners = defaultdict(set)
     for path in dict(rooms())[room]:
         for name in names(path):

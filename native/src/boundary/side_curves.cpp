@@ -16,7 +16,8 @@ constexpr double graph_from = 0.1;
 constexpr double least_across = 0.3;
 /// A bend up to this over the square of the spacing, for vertices that deviate by 1, is noise.
 constexpr double bent_by_noise = 15;
-/// That bend is replaced by this much less once: nearly its opposite, which wiggles least between points that must be met.
+/// That bend is replaced by this much less once: nearly its opposite, with which a curve through noisy vertices oscillates
+/// least between them.
 constexpr double against_noise = 1.9;
 
 PiecewisePolynomial spline(const std::vector<double>& t, const std::vector<Vec3>& values) {

@@ -1,5 +1,6 @@
 #include "tripatch/fill/polygon_fill.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>

@@ -39,6 +39,13 @@ struct PieceSide {
   Vec2 from = Vec2::Zero(), to = Vec2::Zero();
 };
 
+PieceSide of_rim(Index start, Index count) {
+  PieceSide side;
+  side.start = start;
+  side.count = count;
+  return side;
+}
+
 class Region {
 public:
   explicit Region(const PlanePoints& rim) : rim_(rim) {}
@@ -131,12 +138,12 @@ std::vector<PieceSide> sides_between(const std::vector<Index>& corners, Index ed
   std::vector<PieceSide> sides;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Index next = i + 1 < corners.size() ? corners[i + 1] : corners[0] + edges;
-    sides.push_back({corners[i], next - corners[i], false, false, {}, {}});
+    sides.push_back(of_rim(corners[i], next - corners[i]));
   }
   return sides;
 }
 
-PieceSide run(const PieceSide& side, Index from, Index to) { return {side.start + from, to - from, false, false, {}, {}}; }
+PieceSide run(const PieceSide& side, Index from, Index to) { return of_rim(side.start + from, to - from); }
 
 std::array<std::vector<PieceSide>, 2> pieces_of(const Region& region, const Plan& plan) {
   const std::size_t k = plan.sides.size();

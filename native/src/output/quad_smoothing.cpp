@@ -22,6 +22,8 @@ constexpr int sharp_power = 8;
 constexpr double spacing = 0.25;
 /// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little.
 constexpr double longest_step = 0.4;
+/// Of the larger eigenvalue of a Hessian: where the smaller one is less it becomes that share.
+constexpr double least_convex = 1e-3, made_convex = 0.1;
 constexpr int halvings = 6;         ///< of a Newton step that makes things worse, before it is left out
 constexpr int sweeps_a_metric = 5;  ///< between two evaluations of the surface, whose second order is good for small moves
 /// Of a mean corner's area: below it a corner counts as turned over and is pulled back by a smooth bound of that size.
@@ -235,8 +237,8 @@ private:
     hessian << 2 * sum.c[3], sum.c[4], sum.c[4], 2 * sum.c[5];
     // made positive: a saddle's step would lead uphill
     const double mean = 0.5 * hessian.trace(), spread = std::hypot(0.5 * (hessian(0, 0) - hessian(1, 1)), hessian(0, 1));
-    if (!(mean - spread > 1e-3 * (std::abs(mean) + spread)))
-      hessian.diagonal().array() += spread - mean + 0.1 * (std::abs(mean) + spread);
+    if (!(mean - spread > least_convex * (std::abs(mean) + spread)))
+      hessian.diagonal().array() += spread - mean + made_convex * (std::abs(mean) + spread);
     Eigen::Vector2d step = -hessian.inverse() * gradient;
     if (!step.allFinite()) return;
     double shortest = INFINITY;

@@ -13,6 +13,11 @@
 namespace tripatch {
 namespace {
 
+/// Of the size: ends of sides that are nearer are one point, as of three sides (boundary/side.cpp).
+constexpr double corners_meet = 1e-6;
+/// Degrees by which a rim turns back on itself: which way it turns there is rounding, and it counts as convex.
+constexpr double turned_back = 179;
+
 double size_of(const SideList& sides) {
   std::vector<Vec3> points;
   for (const Side& side : sides)
@@ -26,7 +31,7 @@ double size_of(const SideList& sides) {
 /// The turn of the rim between two directions about a normal, degrees, negative where the hole is not convex.
 double turn_about(const Vec3& before, const Vec3& after, const Vec3& normal) {
   const double turn = degrees_between(before, after);
-  return before.cross(after).dot(normal) < 0 && turn < 179 ? -turn : turn;
+  return before.cross(after).dot(normal) < 0 && turn < turned_back ? -turn : turn;
 }
 
 /// v as a combination of a and b.
@@ -82,7 +87,7 @@ SideList closed(SideList sides) {
   for (int k = 0; k < n; ++k) {
     const int before = (k + n - 1) % n;
     const Vec3 end = sides[before].c(1), start = sides[k].c(0);
-    if (!((end - start).norm() <= 1e-6 * size))
+    if (!((end - start).norm() <= corners_meet * size))
       throw Refusal("Sides " + std::to_string(before) + " and " + std::to_string(k) + " " +
                     gap_at_corner(k, (end - start).norm()));
     corner[k] = 0.5 * (end + start);

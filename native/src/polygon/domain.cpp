@@ -23,6 +23,10 @@ constexpr double most_turn = 2.6;
 constexpr double widest_corner = 1.8;
 /// A side of the domain is no shorter than this share of the hole's own: else the angles give way.
 constexpr double least_length = 0.4;
+/// Of the mean length: shorter sides of a hole are drawn as long, for their parameters would crowd. A choice.
+constexpr double shortest_side = 0.25;
+/// Sine of the turn of a corner from which on a polygon that is given is convex there: what turns less has no parameters to speak of.
+constexpr double straight_corner = 1e-3;
 
 /// Lengths as near to those given (relative) as closes a polygon with these turns.
 Eigen::VectorXd closing_lengths(const std::vector<double>& turns, const std::vector<double>& lengths) {
@@ -53,7 +57,7 @@ PolygonDomain::PolygonDomain(std::vector<Vec2> corners) : corners_(std::move(cor
   }
   for (int i = 0; i < n; ++i) {
     turn_.push_back(cross(inward(i - 1), inward(i)));
-    if (!(turn_.back() > 1e-3)) throw InvalidArgument("the domain must be convex, without straight angles");
+    if (!(turn_.back() > straight_corner)) throw InvalidArgument("the domain must be convex, without straight angles");
     reach_.push_back({inward(i - 1).dot(corner(i + 1) - corner(i)), inward(i + 1).dot(corner(i) - corner(i + 1))});
     radius_ = std::max(radius_, (corner(i) - center_).norm());
   }
@@ -112,8 +116,8 @@ PolygonDomain polygon_like(std::vector<double> turns, const std::vector<double>&
   const double equal = 2 * std::numbers::pi / static_cast<double>(n);
   double mean = 0;
   for (double l : given) mean += l / static_cast<double>(n);
-  std::vector<double> lengths;  // sides much shorter than others are drawn longer: their parameters would crowd
-  for (double l : given) lengths.push_back(std::max(l / mean, 0.25));
+  std::vector<double> lengths;
+  for (double l : given) lengths.push_back(std::max(l / mean, shortest_side));
   for (int round = 0; round < 60; ++round) {  // a whole turn, each within its bounds
     double sum = 0;
     for (double& t : turns) {

@@ -13,10 +13,14 @@ namespace {
 
 constexpr int energy_nodes = 8;    ///< a direction, where an energy is only measured
 constexpr double far_apart = 0.5;  ///< cosine: 60 degrees between neighbors of the grid (folds.cpp)
-constexpr double one_plane =
-    1;                          ///< degrees between the planes of two sides from which on every patch turns fast at their corner:
-constexpr double reach = 0.15;  ///< within this share of the radius neighbors are not compared
+/// Degrees between the planes of two sides from which on every patch turns fast at their corner: within that share of the radius
+/// neighbors are not compared.
+constexpr double one_plane = 1, reach = 0.15;
 constexpr int grid_rings = 16;
+/// Of the size: where inner points are farther from the patch than that the equations had no solution.
+constexpr double points_met = 1e-6;
+/// Of the larger of two curvatures, by which they may differ at a corner: as of three sides (fairing/curvature.cpp).
+constexpr double agreement_at_corner = 0.5;
 
 /// Vector multiples of the squared bubble times 1, x, y, ...: as many functions as there are conditions.
 class Lift final : public PolygonSurface {
@@ -169,7 +173,7 @@ SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, con
         for (int k = 1; k <= 2; ++k) add(k, *p.normal, 0);
     }
     const Eigen::MatrixXd x = least_squares(rows, right);
-    if (!x.allFinite() || (rows * x - right).norm() > 1e-6 * size)
+    if (!x.allFinite() || (rows * x - right).norm() > points_met * size)
       throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
     Points coefficients(count, 3);
     for (int c = 0; c < 3; ++c) coefficients.col(c) = x.col(0).segment(c * count, count);
@@ -242,7 +246,7 @@ std::vector<bool> curvature_agrees(const SideList& sides) {
   for (int k = 0; k < n; ++k) {
     // as the corner of a triangle between its sides 1, which ends there, and 2
     const Sides three = {sides[k], sides[(k + n - 1) % n], sides[k]};
-    corner[k] = curvature_mismatch(three)[0] <= 0.5;
+    corner[k] = curvature_mismatch(three)[0] <= agreement_at_corner;
   }
   for (int i = 0; i < n; ++i) agree[i] = corner[i] && corner[(i + 1) % n];
   return agree;

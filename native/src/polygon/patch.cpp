@@ -100,6 +100,7 @@ void measure_seam(PolygonPatch& made) {
 /// Where the patch comes nearest to a point: Gauss-Newton from the nearest place of a grid, kept off the border.
 Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3& point) {
   constexpr double least_share = 0.02;  // of the radius, from each side: what is added vanishes there
+  constexpr double least_step = 1e-3;   // of a Newton step: where less of it stays inside, the place is at the border
   const Points grid = polygon_grid(domain, 12);
   const Points at = patch.positions(grid);
   Index best = 0;
@@ -114,8 +115,8 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
     const Vec2 move = foot_at(patch, place, point).step;
     if (!move.allFinite()) break;
     double share = 1;
-    while (share > 1e-3 && !inside(place + share * move)) share /= 2;
-    if (share <= 1e-3) break;
+    while (share > least_step && !inside(place + share * move)) share /= 2;
+    if (share <= least_step) break;
     place += share * move;
   }
   while (!inside(place)) place += 0.1 * (domain.center() - place);

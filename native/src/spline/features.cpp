@@ -48,6 +48,9 @@ constexpr double same_face = 50 * one_degree;
 constexpr double same_angle = 3;
 /// Of the diameter: so near to a point go the lines of creases that meet there.
 constexpr double meeting_share = 0.15;
+/// Of the determinant of the sum of the projections along them, 0 for one direction: less, and lines are nearly parallel. Three lines
+/// within 1.1 degrees of one direction have that.
+constexpr double least_spread = 1e-2;
 /// A rim edge goes on along a crease where it leaves neither face by more than this, or than this times what the crease's own edges
 /// do, nor the crease's direction by more than 25 degrees.
 constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
@@ -313,7 +316,7 @@ private:
       sum += across;
       right += across * point(end.chain[0]);
     }
-    if (!clearly_more(sum.determinant(), 1e-2)) return {};  // their lines are nearly parallel
+    if (!clearly_more(sum.determinant(), least_spread)) return {};
     const Vec3 node = sum.ldlt().solve(right);
     for (const CreaseEnd& end : ends) {
       const Vec3 to = node - point(end.chain[0]);

@@ -23,6 +23,8 @@ constexpr double least_length = 1e-4;      // of that longest edge over the side
 constexpr double weight_of_filled = 1e-2;  // of a triangle that closes an inner hole, times its area: as good as free to deform
 constexpr double least_cotangent = 0.05;   // of the weights of Tutte's embedding, which must be positive
 constexpr int reweightings = 4;            // of Tutte's embedding
+constexpr double enough_gained = 0.99;     // of the energy before: a reweighting that leaves more is the last
+constexpr double as_promised = 1e-4;       // of what the slope promises a step has to gain (Armijo; the usual value)
 constexpr double to_barrier = 0.9;         // of the way to where the first triangle loses its area: as far as a step goes
 
 // ------------------------------------------------------------------------------------------------------- connectivity
@@ -286,7 +288,7 @@ public:
         found = energy(uv);
       }
       if (found < least) least = found, best = uv;
-      if (round > 0 && best && !(found < 0.99 * previous)) break;
+      if (round > 0 && best && !(found < enough_gained * previous)) break;
       previous = found;
       for (std::size_t t = 0; t < shapes_.size(); ++t)
         conductance[t] *= std::sqrt(std::max(std::abs(jacobian(t, uv).determinant()), 1e-12));
@@ -312,7 +314,7 @@ public:
       if (attempt == 40) return false;
       moved = uv + length * d;
       then = energy(moved);
-      if (then < now && then <= now + 1e-4 * length * slope) break;
+      if (then < now && then <= now + as_promised * length * slope) break;
     }
     // Where the indefinite parts that were left out are large, Newton's step is too short.
     while (length >= 1 && 2 * length <= limit) {

@@ -33,7 +33,7 @@ constexpr int most_rings = 40;
 /// there is nothing to average, and beyond details the surface is another.
 constexpr double least_noise = 0.003, noisy_reach_share = 0.5;
 /// Samples of the field: so many and the rim's. The time grows with their cube; with 240 at least the distances of 220 holes from
-/// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a rival's.
+/// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a baseline's.
 constexpr Index least_samples = 160, most_samples = 600;
 constexpr Index more_than_rim = 100;
 /// Where the fill's area exceeds that of the rough one by this factor the layout is repeated with the fill in it.

@@ -1,0 +1,110 @@
+// What decides between n sides, on both sides of each threshold.
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "test_surfaces.h"
+#include "tripatch/polygon/boundary.h"
+#include "tripatch/polygon/domain.h"
+#include "tripatch/polygon/joined.h"
+#include "tripatch/report/report.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+constexpr double whole = 2 * std::numbers::pi;
+
+PiecewisePolynomial line(const Vec3& a, const Vec3& b) {
+  const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
+  return PiecewisePolynomial::bezier(net, 3);
+}
+
+/// A straight side in the plane.
+Side straight(const Vec3& a, const Vec3& b) {
+  const Vec3 out = (b - a).cross(Vec3::UnitZ());
+  return {line(a, b), line(out, out), {}};
+}
+
+/// Whether domains of four sides are the same whose first turns are these (radians), the others alike.
+bool same_domain(double first, double second) {
+  const auto domain = [](double turn) {
+    const double other = (whole - std::clamp(turn, 0.2, 2.6)) / 3;
+    return polygon_like({turn, other, other, other}, {1, 1, 1, 1});
+  };
+  return (domain(first).corner(0) - domain(second).corner(0)).norm() < 1e-12;
+}
+
+bool same_lens(double first, double second) {
+  const auto height = [](double turn) { return lens_like({turn, turn}).height(); };
+  return height(first) == height(second);
+}
+
+}  // namespace
+
+TEST_CASE("corners of a domain turn by 0.2 to 2.6 radians, those of a lens by pi - 1.8 and more", "[thresholds]") {
+  CHECK(same_domain(0.15, 0.199));
+  CHECK_FALSE(same_domain(0.199, 0.203));
+  CHECK(same_domain(2.605, 2.7));
+  CHECK_FALSE(same_domain(2.57, 2.6));
+  const double widest = std::numbers::pi - 1.8;
+  CHECK(same_lens(0.9, widest - 0.001));
+  CHECK_FALSE(same_lens(widest, widest + 0.01));
+  CHECK(same_lens(2.605, 2.9));
+  CHECK_FALSE(same_lens(2.59, 2.6));
+}
+
+TEST_CASE("a polygon that is given turns at its corners by a thousandth", "[thresholds]") {
+  for (const double sine : {0.98e-3, 1.02e-3}) {
+    const auto made = [&] { return PolygonDomain({{-1, 0}, {0, -0.5 * sine}, {1, 0}, {0, 1}}); };
+    if (sine < 1e-3) {
+      CHECK_THROWS_WITH(made(), Catch::Contains("straight angles"));
+    } else {
+      CHECK_NOTHROW(made());
+    }
+  }
+}
+
+TEST_CASE("sides of a polygon meet whose ends are a millionth of the size apart", "[thresholds]") {
+  for (const double gap : {0.99e-6, 1.01e-6}) {
+    const std::array<Vec3, 4> p = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
+    SideList sides;
+    for (int i = 0; i < 4; ++i) sides.push_back(straight(p[i], p[(i + 1) % 4]));
+    sides[1] = moved_ends(sides[1], Vec3(0, 0, gap * std::sqrt(2.0)), Vec3::Zero());
+    if (gap < 1e-6) {
+      CHECK_NOTHROW(closed(sides));
+    } else {
+      CHECK_THROWS_WITH(closed(sides), Catch::Contains("do not meet at corner 1"));
+    }
+  }
+}
+
+TEST_CASE("pieces are one side that meet within a millionth of its length and ten degrees", "[thresholds]") {
+  const auto second = [](double degrees, double gap) {
+    const double a = degrees * M_PI / 180;
+    return straight(Vec3(1, 0, gap), Vec3(1 + std::cos(a), std::sin(a), gap));
+  };
+  const Side first = straight(Vec3(0, 0, 0), Vec3(1, 0, 0));
+  CHECK_NOTHROW(joined({first, second(9.9, 0)}, {}));
+  CHECK_THROWS_WITH(joined({first, second(10.1, 0)}, {}), Catch::Contains("they are two sides"));
+  CHECK_NOTHROW(joined({first, second(0, 2 * 0.99e-6)}, {}));
+  CHECK_THROWS_WITH(joined({first, second(0, 2 * 1.01e-6)}, {}), Catch::Contains("do not meet"));
+  // nor may their planes turn
+  Side turned = second(0, 0);
+  const auto across = [](double degrees) -> Vec3 {
+    return Eigen::AngleAxisd(degrees * M_PI / 180, Vec3::UnitX()) * Vec3(-Vec3::UnitY());
+  };
+  turned.r = line(across(9.9), across(9.9));
+  CHECK_NOTHROW(joined({first, turned}, {}));
+  turned.r = line(across(10.1), across(10.1));
+  CHECK_THROWS_WITH(joined({first, turned}, {}), Catch::Contains("they are two sides"));
+}
+
+TEST_CASE("two planes at a corner are told from one degree between them on", "[thresholds]") {
+  Report report;
+  const std::array<Index, 2> corners = {0, 1};
+  report_corners({5, 7, 9}, corners, {0.99, 1.01}, report);
+  REQUIRE(report.warnings.size() == 1);
+  CHECK_THAT(report.warnings[0], Catch::Contains("differ by 1 degrees at corner 1 (vertex 7)"));
+}
