@@ -99,10 +99,14 @@ class Outcome:
         return words.filled(self.reports, **told)
 
 
+#: Condition of an object's matrix from which on float32, in which Blender has it, leaves no digit of its inverse.
+SCALED_TO_NOTHING = 1e7
+
+
 def world_matrix(name, matrix):
     """The (4, 4) array of an object's matrix; UnusableError if it cannot be inverted."""
     world = np.array(matrix, dtype=np.float64)
-    if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < 1e7:
+    if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < SCALED_TO_NOTHING:
         raise UnusableError(f"{name} is scaled to nothing along an axis; apply or correct its scale")
     return world
 

@@ -13,6 +13,9 @@ from . import attributes, filling, layers, library, normals, selection, writebac
 from .library import np, tripatch
 from .selection import UnusableError
 
+# Of a triangle's area over its longest edge squared, below which it has none, as the library asks.
+_LEAST_AREA = 1e-12
+
 
 def _unit(vectors):
     """Vectors (k, 3) at length 1; those that have none, or cancelled, are zero."""
@@ -59,7 +62,7 @@ def _check_positions(faces, triangles, positions):
         raise UnusableError(f"The position of vertex {int(np.argmin(np.isfinite(positions).all(axis=1)))} is not finite")
     a, b, c = positions[triangles].transpose(1, 0, 2)
     longest = np.max([((b - a) ** 2).sum(axis=1), ((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1)], axis=0)
-    flat = np.linalg.norm(np.cross(b - a, c - a), axis=1) <= 1e-12 * longest
+    flat = np.linalg.norm(np.cross(b - a, c - a), axis=1) <= _LEAST_AREA * longest
     if flat.any():
         raise UnusableError(f"Face {faces[int(np.argmax(flat))].index} has no area")
 

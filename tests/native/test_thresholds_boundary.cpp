@@ -3,6 +3,9 @@
 #include "tripatch/boundary/normal_sides.h"
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/boundary/smoothed.h"
+#include "tripatch/options.h"
+#include "tripatch/patch_from_sides.h"
+#include "tripatch/smooth_triangles.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
@@ -121,4 +124,42 @@ TEST_CASE("sides of nine vertices and more are smoothed where their noise is sma
   CHECK(zigzag(10, 0.02) > 0.005);
   CHECK(zigzag(40, 0.15) > 0.01);
   CHECK(zigzag(40, 0.5) == 0);
+}
+
+TEST_CASE("nothing is asked for a million times the size of the hole away") {
+  const Sides sides = flat_sides();
+  const double size = check_sides(sides);
+  FillOptions options;
+  options.fairing = Fairing::thin_plate;
+  for (const double share : {0.999, 1.001}) {
+    const auto refused_where = [&](const FillOptions& asked, const std::string& said) {
+      if (share < 1) {
+        CHECK_NOTHROW(patch_from_sides(sides, asked));
+      } else {
+        CHECK_THROWS_WITH(patch_from_sides(sides, asked), Catch::Contains(said));
+      }
+    };
+    FillOptions bulging = options, offset = options, middle = options;
+    bulging.bulge = share * 1e6;
+    offset.center_offset = share * 1e6 * size;
+    middle.center = Vec3(sides[0].c(0) + share * 1e6 * size * Vec3::UnitZ());
+    refused_where(bulging, "less than a million");
+    refused_where(offset, "center_offset is more than a million times");
+    refused_where(middle, "center is more than a million times");
+  }
+}
+
+TEST_CASE("a triangle has an area from a million-millionth of its longest edge squared on") {
+  for (const double height : {0.9e-12, 1.1e-12}) {
+    const Points vertices = (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0.5, height, 0).finished();
+    Faces faces;
+    faces.add(std::array<Index, 3>{0, 1, 2});
+    std::string said;
+    try {
+      smooth_triangles({vertices, faces}, Points(Points::Zero(3, 3).rowwise() + Eigen::RowVector3d(0, 0, 1)), 2);
+    } catch (const Refusal& refusal) {
+      said = refusal.what();
+    }
+    CHECK((said == "Face 0 has no area") == (height < 1e-12));
+  }
 }

@@ -1,6 +1,8 @@
 // Which of two fills of a hole is taken, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "test_surfaces.h"
 #include "tripatch/boundary/mesh_sides.h"
@@ -44,32 +46,31 @@ struct Skirts {
   Faces faces;
   std::vector<Index> rim, corners;
 
-  Skirts(int sides, int edges, const std::function<double(double)>& degrees) {
-    constexpr int rows = 5;
-    const Index around = sides * edges, columns = sides * (edges + 1);
-    const double edge = 2 * std::sin(M_PI / sides) / edges;
-    vertices.resize(around + columns * rows, 3);
+  Skirts(const std::vector<int>& edges, const std::function<double(double)>& degrees) {
+    constexpr Index rows = 5;
+    const int sides = static_cast<int>(edges.size());
+    const Index around = std::accumulate(edges.begin(), edges.end(), Index{0});
+    vertices.resize(around + rows * (around + sides), 3);
     const auto corner = [&](int i) { return Vec3(std::cos(2 * M_PI * i / sides), std::sin(2 * M_PI * i / sides), 0); };
-    for (int i = 0; i < sides; ++i) {
-      corners.push_back(static_cast<Index>(i) * edges);
+    for (int i = 0, first = 0, next = static_cast<int>(around); i < sides; ++i) {
+      corners.push_back(first);
       const Vec3 way = corner(i + 1) - corner(i), out = way.cross(Vec3::UnitZ()).normalized();
-      for (int k = 0; k <= edges; ++k) {
-        const double t = static_cast<double>(k) / edges, a = degrees(t) * M_PI / 180;
+      const Index n = edges[i];
+      const auto vertex = [&](Index k, Index j) { return j == 0 ? (first + k) % around : next + k * rows + j - 1; };
+      for (Index k = 0; k <= n; ++k) {
+        const double t = static_cast<double>(k) / static_cast<double>(n), a = degrees(t) * M_PI / 180;
         const Vec3 p = corner(i) + t * way, down = std::cos(a) * out - std::sin(a) * Vec3::UnitZ();
-        if (k < edges) vertices.row(static_cast<Index>(i) * edges + k) = p;
-        for (int j = 1; j <= rows; ++j) vertices.row(vertex(i, k, j, edges, sides)) = p + edge * j * down;
+        if (k < n) rim.push_back(vertex(k, 0));
+        if (k < n) vertices.row(vertex(k, 0)) = p;
+        for (Index j = 1; j <= rows; ++j)
+          vertices.row(vertex(k, j)) = p + (static_cast<double>(j) / static_cast<double>(n)) * way.norm() * down;
       }
-      for (int k = 0; k < edges; ++k) {
-        rim.push_back(vertex(i, k, 0, edges, sides));
-        for (int j = 0; j < rows; ++j)
-          faces.add(std::array<Index, 4>{vertex(i, k + 1, j, edges, sides), vertex(i, k, j, edges, sides),
-                                         vertex(i, k, j + 1, edges, sides), vertex(i, k + 1, j + 1, edges, sides)});
-      }
+      for (Index k = 0; k < n; ++k)
+        for (Index j = 0; j < rows; ++j)
+          faces.add(std::array<Index, 4>{vertex(k + 1, j), vertex(k, j), vertex(k, j + 1), vertex(k + 1, j + 1)});
+      first += edges[i];
+      next += static_cast<int>(rows * (n + 1));
     }
-  }
-  static Index vertex(Index i, Index k, Index j, Index edges, Index sides) {
-    if (j == 0) return (i * edges + k) % (sides * edges);
-    return sides * edges + ((j - 1) * sides + i) * (edges + 1) + k;
   }
   Mesh mesh() const { return {vertices, faces}; }
   /// Whether it is filled by a surface for the reason that the planes of its sides differ.
@@ -94,7 +95,7 @@ std::array<double, 2> flip(double low, double high, const std::function<bool(dou
 }  // namespace
 
 TEST_CASE("between sides whose planes are ten degrees apart at the corners there is no one surface", "[thresholds]") {
-  const auto made = [](double degrees) { return Skirts(4, 8, [=](double) { return degrees; }); };
+  const auto made = [](double degrees) { return Skirts({8, 8, 8, 8}, [=](double) { return degrees; }); };
   const auto apart = [&](double degrees) {
     const Skirts hole = made(degrees);
     return fill_with_polygon(hole.mesh(), Connectivity(hole.mesh()), hole.rim, hole.corners, {}).planes_apart_deg;
@@ -105,53 +106,37 @@ TEST_CASE("between sides whose planes are ten degrees apart at the corners there
   CHECK(apart(above) < 10.1);
 }
 
+/// Degrees between the planes of three sides at their corners, the most.
+double planes_apart(const Skirts& hole) {
+  const Mesh mesh = hole.mesh();
+  const Connectivity around(mesh);
+  const Sides sides = mesh_sides(mesh, around, make_hole(mesh, around, hole.rim, std::nullopt)).sides;
+  double most = 0;
+  for (int k = 0; k < 3; ++k) most = std::max(most, degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)));
+  return most;
+}
+
 TEST_CASE("three sides whose planes are 45 degrees apart make no surface, where the rim has nine edges", "[thresholds]") {
   // each leans from its beginning to its end ever more: no side is sharp at both of its corners
-  const auto made = [](double degrees, int edges = 4) { return Skirts(3, edges, [=](double t) { return degrees * t; }); };
-  const auto apart = [&](double degrees) {
-    const Skirts hole = made(degrees);
-    const Mesh mesh = hole.mesh();
-    const Connectivity around(mesh);
-    const Sides sides = mesh_sides(mesh, around, make_hole(mesh, around, hole.rim, std::nullopt)).sides;
-    double most = 0;
-    for (int k = 0; k < 3; ++k)
-      most = std::max(most, degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)));
-    return most;
+  const auto made = [](double degrees, const std::vector<int>& edges = {4, 4, 4}) {
+    return Skirts(edges, [=](double t) { return degrees * t; });
   };
   const auto [below, above] = flip(20, 75, [&](double degrees) { return made(degrees).planes_differ(); });
-  CHECK(apart(below) <= 45);
-  CHECK(apart(above) > 45);
-  CHECK(apart(above) < 45.2);
-  CHECK(made(75, 3).planes_differ());
-  CHECK_FALSE(made(75, 2).planes_differ());
+  CHECK(planes_apart(made(below)) <= 45);
+  CHECK(planes_apart(made(above)) > 45);
+  CHECK(planes_apart(made(above)) < 45.2);
+  CHECK(made(75, {3, 3, 3}).planes_differ());
+  CHECK(planes_apart(made(75, {3, 3, 2})) > 50);
+  CHECK_FALSE(made(75, {3, 3, 2}).planes_differ());
 }
 
-TEST_CASE("a patch is excluded that lies four standard deviations from the spline", "[thresholds]") {
-  CHECK_FALSE(Two(0.0398, 0.01).spline_taken());
-  CHECK(Two(0.0402, 0.01).spline_taken());
-}
-
-TEST_CASE("a patch whose energy tells of a thousandth of the diameter is excluded by half a deviation", "[thresholds]") {
-  const double diameter = 2, said = 0.01;
-  for (const double apart : {0.0049, 0.0051, 0.03}) {
-    Two two(apart, said);
-    two.patch.report.energy_after = 0.99 * said / (1e-3 * diameter);
-    CHECK_FALSE(two.spline_taken(diameter));
-    two.patch.report.energy_after = 1.01 * said / (1e-3 * diameter);
-    CHECK(two.spline_taken(diameter) == (apart > 0.005));
-  }
-}
-
-TEST_CASE("a spline excludes no patch whose planes it misses by half a degree, where they are known twenty times better",
-          "[thresholds]") {
-  Two two(1, 0.01);
-  const auto taken = [&](double missed, double known) {
-    two.spline.report.surroundings_error = missed;
-    two.patch.report.surroundings_error = known;
-    return two.spline_taken();
+TEST_CASE("two sides that are known without noise keep planes of their own from five degrees on", "[thresholds]") {
+  const auto made = [](double degrees) { return Skirts({8, 8, 8}, [=](double) { return degrees; }); };
+  const auto [below, above] = flip(1, 5, [&](double degrees) { return planes_apart(made(degrees)) > 1; });
+  const auto between = [](double degrees) {  // planes that lean out by the same angle, in directions 120 degrees apart
+    const double sine = std::sin(degrees * M_PI / 180);
+    return std::acos(1 - 1.5 * sine * sine) * 180 / M_PI;
   };
-  CHECK(taken(0.49, 0));
-  CHECK_FALSE(taken(0.51, 0));
-  CHECK(taken(2, 0.101));
-  CHECK_FALSE(taken(2, 0.099));
+  CHECK(between(below) == Approx(5).epsilon(0.02));
+  CHECK(between(above) == Approx(5).epsilon(0.02));
 }

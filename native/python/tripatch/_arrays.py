@@ -84,11 +84,15 @@ def indices(value: Any, name: str) -> list[int]:
     return found
 
 
+#: What barycentric coordinates may be off by: sums and lattices of doubles are, by 1e-15.
+_OUTSIDE = 1e-9
+
+
 def barycentric(value: Any) -> Array:
     """(k, 3) rows inside the triangle that sum to 1; one row may be given flat."""
     a = np.asarray(value)
     b = points(a[None] if a.shape == (3,) else a, "b", finite=True)
-    off = (np.abs(b.sum(axis=1) - 1) > 1e-9) | (b.min(axis=1, initial=0) < -1e-9)
+    off = (np.abs(b.sum(axis=1) - 1) > _OUTSIDE) | (b.min(axis=1, initial=0) < -_OUTSIDE)
     if off.any():
         row = int(np.argmax(off))
         raise ValueError(f"b[{row}] is no point of the triangle: barycentric coordinates are from 0 to 1 and sum to 1")

@@ -20,6 +20,13 @@ from .errors import Refusal
 Way = tuple[float, float]  # along a curve, by its parameter
 _SHARP = np.cos(np.radians(25))  # a mesh's border turns by more than this at a corner
 _SMOOTH = 10  # degrees: pieces that meet within them are one side, as the library joins them
+_POINT = 1e-12  # of the coordinates: an edge of no more extent is a point; rounding of them makes 1e-15
+_LINE = 1e-9  # sine of the angle between derivatives that span no plane: a corner of a net that is drawn together
+_CLOSED = 1e-6  # of the extent: ends that are nearer are one place, as corners of the library's sides
+_DRAWN = 1e-7  # of a curve's parameter: a place so near to one that is drawn is that one
+_END = 1e-6  # of a curve's parameter: curves that cross so near to an end meet there
+_ROUNDED = 2e-7  # of a side's extent: an end is not moved by less, which is what float32 leaves of a coordinate
+_ALONG = 0.02  # sine of the angle between two curves that run along each other and do not cross
 
 
 def _nearest(among: Array, points: ArrayLike) -> Array:
@@ -75,12 +82,12 @@ class SurfaceEdge(Curve):
         dense = np.linspace(0, 1, max(257, 8 * edges + 1))
         self._dense, (c, along, across, _) = dense, side.evaluate(dense)
         self._positions, size = c, np.ptp(c, axis=0).max()
-        if not size > 1e-12 * np.abs(c).max(initial=0):
+        if not size > _POINT * np.abs(c).max(initial=0):
             raise Refusal(f"An edge of {name} is a single point")
         spanned = np.linalg.norm(np.cross(along, across), axis=1)
-        if not (spanned > 1e-9 * np.linalg.norm(along, axis=1) * np.linalg.norm(across, axis=1)).any():
+        if not (spanned > _LINE * np.linalg.norm(along, axis=1) * np.linalg.norm(across, axis=1)).any():
             raise Refusal(f"{name} is flat to a line along an edge: it has no tangent planes there")
-        self.closed = bool(np.linalg.norm(c[-1] - c[0]) < 1e-6 * size)
+        self.closed = bool(np.linalg.norm(c[-1] - c[0]) < _CLOSED * size)
         self.t = drawn[: edges + (not self.closed)]
         self.points = self.at(self.t)
 
@@ -103,7 +110,7 @@ class SurfaceEdge(Curve):
         # to the last bit where the place is one that is drawn, an end or the seam
         drawn = np.append(self.t, 1.0) if self.closed else self.t
         drawn = drawn[np.abs(t[:, None] - drawn).argmin(axis=1)]
-        t = np.where(np.abs(t - drawn) < 1e-7, drawn, t)
+        t = np.where(np.abs(t - drawn) < _DRAWN, drawn, t)
         distance = np.linalg.norm(self.at(t) - points, axis=1)
         return np.mod(t, 1.0) if self.closed else t, distance
 
@@ -218,7 +225,7 @@ class Loop:
         ends = [side.evaluate([0.0, 1.0])[0] for side, _ in made]
         for k, (side, t) in enumerate(made):
             start, end = 0.5 * (ends[k - 1][1] - ends[k][0]), 0.5 * (ends[(k + 1) % n][0] - ends[k][1])
-            if max(np.linalg.norm(start), np.linalg.norm(end)) > 2e-7 * np.ptp(ends[k], axis=0).max():
+            if max(np.linalg.norm(start), np.linalg.norm(end)) > _ROUNDED * np.ptp(ends[k], axis=0).max():
                 made[k] = (side._moved(start.tolist(), end.tolist()), t)
         return made
 
@@ -287,8 +294,8 @@ def _crossings(a: SurfaceEdge, b: SurfaceEdge) -> list[Joint]:
             x, y = (v % 1 if curve.closed else min(max(v, 0.0), 1.0) for curve, v in ((a, x + step[0]), (b, y + step[1])))
             if np.abs(step).max() < 1e-14:
                 break
-        inside = all(curve.closed or 1e-6 < v < 1 - 1e-6 for curve, v in ((a, x), (b, y)))
-        across = np.linalg.norm(np.cross(da, db)) > 0.02 * np.linalg.norm(da) * np.linalg.norm(db)
+        inside = all(curve.closed or _END < v < 1 - _END for curve, v in ((a, x), (b, y)))
+        across = np.linalg.norm(np.cross(da, db)) > _ALONG * np.linalg.norm(da) * np.linalg.norm(db)
         if inside and across:
             found.append(Joint(x, y, float(np.linalg.norm(pa - pb)), False))
     return found
