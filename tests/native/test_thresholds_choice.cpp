@@ -140,3 +140,15 @@ TEST_CASE("two sides that are known without noise keep planes of their own from 
   CHECK(between(below) == Approx(5).epsilon(0.02));
   CHECK(between(above) == Approx(5).epsilon(0.02));
 }
+
+TEST_CASE("a round rim has six edges", "[thresholds]") {
+  for (const int edges : {5, 6}) {
+    const Skirts hole(std::vector<int>(edges, 1), [](double) { return 0.0; });
+    const auto filled = [&] { fill_round(hole.mesh(), Connectivity(hole.mesh()), hole.rim, {}); };
+    if (edges < 6) {
+      CHECK_THROWS_WITH(filled(), "A round rim has six edges or more");
+    } else {
+      CHECK_NOTHROW(filled());
+    }
+  }
+}
