@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from mathutils import Vector
 from mathutils.kdtree import KDTree
@@ -83,7 +85,8 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
     fills = filling.fills(rims, arrays, options, subdivision=settings, level=subdivision.level_of(modifier))
     inverse = np.linalg.inv(matrix[:3, :3])
     outcome, vertices, faces, materials, smooth = filling.Outcome(), [], [], [], []
-    drawn = tree = None
+    drawn: Any = None
+    tree: Any = None
     count = missing = 0
     for rim, own, fill in zip(rims, named, fills, strict=True):
         if isinstance(fill, tripatch.Refusal):

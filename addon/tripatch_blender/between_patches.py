@@ -154,7 +154,7 @@ def _selected(context):
 class Between:
     """What a mesh between objects was made from."""
 
-    loop: object  # tripatch.between.Loop
+    loop: tripatch.between.Loop
     sides: list
     patch: object
 

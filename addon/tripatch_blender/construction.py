@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The options that concern a patch, as properties that operators share, rows of a panel, and arguments."""
 
+from typing import TYPE_CHECKING, Any
+
 from bpy.props import BoolProperty
 
 from . import filling, library, panel, properties
@@ -62,6 +64,10 @@ def plain(value):
 
 class Construction:
     """Mixed into operators."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...  # what the operator has, its properties among them
 
     sides = 3  # of the hole that was filled last
 

@@ -122,8 +122,8 @@ def corners_of(rim, loop, mesh, replaced, offset, any_rim):
         return None
     else:
         try:
-            many = tripatch.find_corners(*mesh, loop, replaced=replaced, any_number=True).tolist() if any_rim else []
-            corners = many or tripatch.find_corners(*mesh, loop, replaced=replaced).tolist()
+            many = tripatch.find_corners(mesh[0], mesh[1], loop, replaced=replaced, any_number=True).tolist() if any_rim else []
+            corners = many or tripatch.find_corners(mesh[0], mesh[1], loop, replaced=replaced).tolist()
         except tripatch.Refusal:
             if offset or not any_rim:
                 raise
@@ -210,7 +210,8 @@ def fills(rims, arrays, options, progress=None, **arguments):
     """
     positions, faces, replaced = arrays
     loops = [[v.index for v in rim.loop] for rim in rims]
-    results, corners = [None] * len(rims), {}
+    corners = {}
+    results: list[tripatch.Fill | tripatch.Refusal | None] = [None] * len(rims)
     given = options.arguments
     caged, any_rim = given.get("output") == "cage", given.get("method", "auto") in ANY_RIM
     whatever = any_rim and not caged and given.get("surroundings") != "limit"
@@ -261,7 +262,7 @@ def _shared_or_each(mesh, loops, corners, arguments, counts=None):
     if not _is_by_side(arguments):
         return waiting.fill_all(*mesh, loops, corners=corners, **arguments)
     counts = counts or [len(each) for each in corners]
-    results = [None] * len(loops)
+    results: list[tripatch.Fill | tripatch.Refusal | None] = [None] * len(loops)
     for count in set(counts):
         same = [k for k, each in enumerate(counts) if each == count]
         own = for_sides(arguments, count)

@@ -59,7 +59,7 @@ def group():
     link(start.outputs["Distance"], merge.inputs["Distance"])
     compared = [s for s in one.inputs if s.enabled]
     link(beside.outputs["Face Count"], compared[0])
-    compared[1].default_value = 1
+    compared[1].default_value = 1  # pyright: ignore[reportAttributeAccessIssue]
     link(one.outputs[0], next(s for s in border.inputs if s.enabled))
     link(next(s for s in border.outputs if s.enabled), merge.inputs["Selection"])
     link(merge.outputs[0], end.inputs[0])

@@ -15,7 +15,7 @@ except ImportError:
     missing = "TriPatch needs NumPy: install the package python3-numpy (apt install python3-numpy) and restart Blender"
 else:
     try:
-        import tripatch  # noqa: F401
+        import tripatch.options  # noqa: F401
         from tripatch import arguments, quality, words  # noqa: F401
     except ImportError as error:
         missing = f"TriPatch cannot load its library: {error}"

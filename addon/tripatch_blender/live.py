@@ -184,7 +184,7 @@ def find_rim(bm, settings):
         return loop, None if given is None else [loop[k] for k in given]
     was = np.array(settings["positions"], np.float64)
     extent = np.linalg.norm(np.ptp(was, axis=0))
-    best = (np.inf, None)
+    best: tuple = (np.inf, None)
     for border in selection.border_loops(selection.border_vertices(bm)):
         here = np.array([v.co for v in border], np.float64)
         apart = np.linalg.norm(was[:, None] - here, axis=2)

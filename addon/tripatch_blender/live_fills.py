@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live fills in the interface: apply, fill anew, and a list in the sidebar that says what could not be followed."""
 
+from typing import Any
+
 import bpy
 from bpy.props import StringProperty
 
@@ -25,7 +27,7 @@ def _meant(context, name):
 
 class _OfLiveFills:
     @classmethod
-    def poll(cls, context):
+    def poll(cls: Any, context):
         if library.missing or context.mode not in ("OBJECT", "EDIT_MESH"):
             cls.poll_message_set(library.missing or "Works in object mode and in edit mode")
             return False

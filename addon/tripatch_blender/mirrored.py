@@ -49,7 +49,7 @@ def _planes(ob):
         matrix = ob.matrix_world.inverted_safe() @ other.matrix_world if other else Matrix()
         for axis in range(3):
             if modifier.use_axis[axis]:
-                normal = matrix.to_3x3().inverted_safe().transposed().col[axis].normalized()
+                normal = matrix.to_3x3().inverted_safe().transposed().col[axis].normalized()  # pyright: ignore[reportIndexIssue]
                 yield _Plane(matrix.translation.copy(), normal, max(modifier.merge_threshold, 1e-6))
 
 

@@ -73,7 +73,7 @@ class _Scratch:
     def __enter__(self):
         self.bm.to_mesh(self.mesh)
         if hasattr(self.mesh, "use_auto_smooth"):  # to 4.0; the angle does not count where there are custom normals
-            self.mesh.use_auto_smooth = True
+            self.mesh.use_auto_smooth = True  # pyright: ignore[reportAttributeAccessIssue]
         return self
 
     def __exit__(self, *_):
@@ -86,7 +86,7 @@ class _Scratch:
         if hasattr(self.mesh, "corner_normals"):
             self.mesh.corner_normals.foreach_get("vector", values)
         else:
-            self.mesh.calc_normals_split()
+            self.mesh.calc_normals_split()  # pyright: ignore[reportAttributeAccessIssue] to 4.0
             self.mesh.loops.foreach_get("normal", values)
         return values.reshape(-1, 3).astype(np.float64)
 

@@ -2,6 +2,7 @@
 """The overlay that shows the quality of surfaces: its settings, what it draws, where it is switched on."""
 
 import traceback
+from typing import Any
 
 import blf
 import bpy
@@ -111,7 +112,7 @@ class _State:
     """Of the overlay while it is on."""
 
     def __init__(self):
-        self.shader = None
+        self.shader: Any = None
         self.handles, self.drawn, self.changed = [], {}, set()
 
     def on(self):
@@ -220,7 +221,7 @@ def _write(text, x, y, size=12.0, centered=False):
     if bpy.app.version >= (4, 0, 0):
         blf.size(0, size)
     else:
-        blf.size(0, int(size), 72)
+        blf.size(0, int(size), 72)  # pyright: ignore[reportCallIssue]
     if centered:
         x -= blf.dimensions(0, text)[0] / 2
     for dx, dy, light in ((-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0), (0, 0, 1)):
@@ -428,13 +429,13 @@ _classes = (TripatchOverlay, VIEW3D_PT_tripatch_quality)
 def register():
     for cls in _classes:
         bpy.utils.register_class(cls)
-    bpy.types.WindowManager.tripatch_overlay = PointerProperty(type=TripatchOverlay)
+    bpy.types.WindowManager.tripatch_overlay = PointerProperty(type=TripatchOverlay)  # pyright: ignore
     bpy.types.VIEW3D_PT_overlay.append(_draw_popover)
 
 
 def unregister():
     stop()
     bpy.types.VIEW3D_PT_overlay.remove(_draw_popover)
-    del bpy.types.WindowManager.tripatch_overlay
+    del bpy.types.WindowManager.tripatch_overlay  # pyright: ignore
     for cls in reversed(_classes):
         bpy.utils.unregister_class(cls)

@@ -56,7 +56,7 @@ def _loops(faces):
     return [[vertices[k] for k in loop] for loop in tripatch.find_holes([[number[v] for v in f.verts] for f in faces])]
 
 
-def border_loops(seeds):
+def border_loops(seeds) -> list:
     """The border loops of the mesh through the vertices `seeds`."""
     loops, done = [], set()
     for seed in _by_index(seeds):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field
+from typing import Any
 
 from . import filling, selection, writeback
 from .library import np, tripatch
@@ -57,8 +58,11 @@ class Shaping:
         if len(self.rim) > _MANY:
             self._nearest = self._rings(_FEW_RINGS)
         self._start_corners(rim)
-        self.fill = self.refusal = None
-        self.vertices = self.normals = self._triangles = None  # (k, 3) of the fill as it is shown; its faces
+        self.fill: tripatch.Fill | None = None
+        self.refusal: tripatch.Refusal | str | None = None
+        self.vertices: Any = None  # (k, 3) of the fill as it is shown
+        self.normals: Any = None
+        self._triangles: Any = None  # its faces
         self._filled = None  # what of the shape the surroundings were read for
         self._asked = None  # bulges and the middle of the last fill
         self._before = None

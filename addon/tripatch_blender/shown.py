@@ -112,6 +112,7 @@ def of_evaluated(ob, mesh, turn, settings):
     flat = triangles.ravel()
     made = Shown(vertices[flat], normals)
     colors = _surface_colors(made, mesh, vertices, triangles, settings)
+    bad = np.zeros(len(triangles), bool)
     if settings.folds:
         bad = quality.folded(vertices.astype(np.float64), triangles.astype(np.int64))
         made.told.append(f"{int(bad.sum())} folded triangles" if bad.any() else "No folds")

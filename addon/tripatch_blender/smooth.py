@@ -119,7 +119,7 @@ def _plan(ob, resolution, curve):
     return planned
 
 
-def _cut(edge, start, end, points):
+def _cut(edge, start, end, points) -> list:
     """Cuts an edge of the BMesh at these points (k, 3) from vertex `start` to `end`; all its faces take the new vertices."""
     made = []
     for k, point in enumerate(points):
@@ -158,13 +158,13 @@ def _write(planned):
     for a, b in planned.smooth.edges.tolist():
         start, end = old[a], old[b]
         edge, first = bm.edges.get((start, end)), len(vertices)
-        beside = {}
+        beside: dict = {}
         if custom is not None:
             beside = _neighbor_normals(custom, gone, start, end, edge, planned.normals, weights.edge)
         made = _cut(edge, start, end, points[first - len(old) : first - len(old) + cuts])
         attributes.blend_vertices(bm, [start, end], made, lambda values: weights.edge @ values[::2])
         vertices += made
-        for k, vertex in enumerate(made if beside else ()):
+        for k, vertex in enumerate(made if beside else []):
             for corner in vertex.link_loops:
                 if corner.face in beside:
                     own = beside[corner.face]

@@ -2,6 +2,7 @@
 """The tool of edit mode that shapes a hole by hand: what it shows, what mouse and keys do. What is done stands in shaping.py."""
 
 import traceback
+from typing import Any
 
 import bmesh
 import bpy
@@ -12,7 +13,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
 from . import library, overlay, shaping, shown, waiting
-from .library import np, quality
+from .library import np, quality, tripatch
 
 _COLOR = (0.16, 0.36, 0.62)
 _RIM = (1.0, 0.75, 0.2, 1.0)
@@ -23,9 +24,10 @@ class _State:
     """The hole that is being shaped."""
 
     def __init__(self):
-        self.shaping = None
-        self.handle = self.drawn = None
-        self.problem = ""
+        self.shaping: shaping.Shaping | None = None
+        self.handle: Any = None
+        self.drawn: Any = None
+        self.problem: tripatch.Refusal | str = ""
 
 
 _state = _State()
@@ -354,13 +356,13 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         gizmo = self.gizmos.new(VIEW3D_GT_tripatch_corner.bl_idname)
         gizmo.color, gizmo.alpha = (0.95, 0.3, 0.15), 0.9
         gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
-        gizmo.scale_basis, gizmo.use_draw_scale, gizmo.number = 8.0, False, k
+        gizmo.scale_basis, gizmo.use_draw_scale, gizmo.number = 8.0, False, k  # pyright: ignore[reportAttributeAccessIssue]
         return gizmo
 
     def _arrow(self, get, put, color):
         gizmo = self.gizmos.new("GIZMO_GT_arrow_3d")
         gizmo.target_set_handler("offset", get=get, set=put)
-        gizmo.draw_style, gizmo.use_draw_value = "BOX", True
+        gizmo.draw_style, gizmo.use_draw_value = "BOX", True  # pyright: ignore[reportAttributeAccessIssue]
         gizmo.color, gizmo.alpha = color, 0.8
         gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
         gizmo.scale_basis, gizmo.line_width = 0.9, 3.0
@@ -441,7 +443,7 @@ class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
     )
 
     def draw_settings(context, layout, _tool):  # noqa: N805  Blender calls it so
-        settings, made = context.window_manager.tripatch_tool, current()
+        settings, made = context.window_manager.tripatch_tool, current()  # pyright: ignore[reportAttributeAccessIssue]
         layout.prop(settings, "output")
         if made is None:
             layout.operator("mesh.shape_fill", text="Shape Selected Hole")
@@ -467,7 +469,7 @@ _HANDLERS = (("undo_post", _on_undo), ("redo_post", _on_undo), ("load_pre", _on_
 def register():
     for cls in _classes:
         bpy.utils.register_class(cls)
-    bpy.types.WindowManager.tripatch_tool = PointerProperty(type=TripatchTool)
+    bpy.types.WindowManager.tripatch_tool = PointerProperty(type=TripatchTool)  # pyright: ignore
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).append(function)
     if not bpy.app.background:
@@ -480,6 +482,6 @@ def unregister():
         bpy.utils.unregister_tool(TRIPATCH_TOOL_shape)
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)
-    del bpy.types.WindowManager.tripatch_tool
+    del bpy.types.WindowManager.tripatch_tool  # pyright: ignore
     for cls in reversed(_classes):
         bpy.utils.unregister_class(cls)

@@ -93,7 +93,7 @@ def _with_entries(draw, choose):
         if not state:
             _draw_at_end(self, context)
 
-    drawn.tripatch_draw = draw
+    drawn.tripatch_draw = draw  # pyright: ignore[reportFunctionMemberAccess]
     return drawn
 
 
@@ -150,7 +150,7 @@ def _propose_key():
 class TripatchPreferences(bpy.types.AddonPreferences):
     """The key, and where to read more"""
 
-    bl_idname = __package__
+    bl_idname = __package__ or ""
 
     def draw(self, context):
         layout = self.layout

@@ -17,6 +17,7 @@ import pickle
 import threading
 import time
 from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
 
 import bmesh
 import bpy
@@ -230,7 +231,7 @@ class _Again:
         global _again
         _again = self
         with bpy.context.temp_override(**_view()):
-            bpy.ops.wm.wait_for_fill("INVOKE_DEFAULT")
+            bpy.ops.wm.wait_for_fill("INVOKE_DEFAULT")  # pyright: ignore[reportAttributeAccessIssue]
 
     def finish(self):
         """When the thread is done and nothing waits any more."""
@@ -257,6 +258,10 @@ def _view():
 
 class Waiting:
     """Mixed into operators whose `perform` fills: called by hand they wait for what takes long."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...  # what the operator has, its `perform` among them
 
     def execute(self, context):
         found = _state(context)
