@@ -55,29 +55,32 @@ def edge_layers(bm):
                 yield kind, layer, blended
 
 
-def blend_vertices(bm, rim, inside, blend):
-    """Gives the new vertices `inside` the vertex data of the rim (vertices from corner 0 on)."""
+def blend_vertices(bm, rim, inside, blend, kept=()):
+    """Gives the new vertices `inside` the vertex data of the rim (vertices from corner 0 on).
+
+    kept: rows of those that were in the mesh before, which keep what they have; groups only where they have weights.
+    """
     ends = [v for pair in pairs(rim) for v in pair]
-    layers = bm.verts.layers
+    layers, new = bm.verts.layers, [k for k in range(len(inside)) if k not in kept]
     for kind, name, layer in _layers(layers, _VERTEX_LAYERS):
-        values = blend(np.array([read(v[layer], kind) for v in ends], dtype=np.float64))
-        for vertex, value in zip(inside, values.tolist(), strict=True):
-            write(vertex, layer, kind, value if name not in _ZERO else [0.0])
+        values = blend(np.array([read(v[layer], kind) for v in ends], dtype=np.float64)).tolist()
+        for k in new:
+            write(inside[k], layer, kind, values[k] if name not in _ZERO else [0.0])
     for kind in ("crease", "bevel_weight"):  # Blender 3
         for layer in getattr(layers, kind).values() if hasattr(layers, kind) else ():
-            for vertex in inside:
-                vertex[layer] = 0.0
+            for k in new:
+                inside[k][layer] = 0.0
     for layer in layers.deform.values():
         weights = [dict(v[layer].items()) for v in ends]
         groups = sorted({g for w in weights for g in w})
         if not groups:
             continue
-        values = blend(np.array([[w.get(g, 0.0) for g in groups] for w in weights], dtype=np.float64))
-        for vertex, value in zip(inside, values.tolist(), strict=True):
-            vertex[layer].clear()
-            for group, weight in zip(groups, value, strict=True):
+        values = blend(np.array([[w.get(g, 0.0) for g in groups] for w in weights], dtype=np.float64)).tolist()
+        for k in (*new, *(k for k in kept if not len(inside[k][layer]))):
+            inside[k][layer].clear()
+            for group, weight in zip(groups, values[k], strict=True):
                 if weight > 0:
-                    vertex[layer][group] = weight
+                    inside[k][layer][group] = weight
 
 
 def rim_faces(edges, replaced):

@@ -191,7 +191,7 @@ def _in_shape_key(bm, planned, name, in_key, world):
         if in_key.faces != fill.faces or (in_key.split_edges[0] != fill.split_edges[0]).any():
             in_key = tripatch.Refusal("its cage would have other faces", [])
     if isinstance(in_key, tripatch.Refusal):
-        planned.in_shape_keys[name] = _follow_rim(planned, bm.verts.layers.shape[name])
+        planned.in_shape_keys[name] = _moved_with_rim(planned, bm.verts.layers.shape[name])
         return [f"Shape key '{name}' follows its rim only: {words.refused(in_key)}"]
     if fill.uv is not None:
         planned.in_shape_keys[name] = own.points(_at_same_places(fill, in_key))
@@ -239,11 +239,11 @@ def fills(rims, arrays, options, progress=None, **arguments):
     return results
 
 
-def _through(mesh, loop, corners, inside, arguments, count):
-    """A tripatch.Fill or Refusal that goes through vertices."""
+def _through(mesh, loop, corners, inside, arguments, count, points=None):
+    """A tripatch.Fill or Refusal that goes through vertices. points: where they are, if not where the mesh has them."""
     if count:
         arguments = for_sides(arguments, count)
-    points = [mesh[0][v.index] for v in inside]
+    points = [mesh[0][v.index] for v in inside] if points is None else points
     try:
         return waiting.make(tripatch.fill, *mesh, rim=loop, corners=corners, through=points, **arguments)
     except tripatch.Refusal as refusal:
@@ -298,25 +298,37 @@ def _plans(bm, rims, there, world, keys, options, around, cage, progress):
             except tripatch.Refusal as refusal:
                 fill = refusal
         results.append((fill, []))
-    left = [k for k, (plan, _) in enumerate(results) if not isinstance(plan, tripatch.Refusal)]
-    loops = [[v.index for v in rims[k].loop] for k in left]
-    same = [results[k][0].fill.report.corners for k in left]
-    arguments = options.arguments | of_cage
-    methods = sorted({results[k][0].fill.report.method for k in left})
-    for name, shape in keys.items() if left else ():
-        *in_shape, arguments["replaced"] = shape.around(*rims)
-        for method in methods:  # what auto takes may differ from shape to shape
-            own = [i for i, k in enumerate(left) if results[k][0].fill.report.method == method]
-            there = [loops[i] for i in own], [same[i] for i in own]
-            made = _shared_or_each(in_shape, *there, arguments | {"method": method})
-            for i, fill in zip(own, made, strict=True):
-                planned, notes = results[left[i]]
-                notes += _in_shape_key(bm, planned, name, fill, world)
+    for name, shape in keys.items():
+        _plan_shape_key(bm, rims, results, name, shape, options.arguments | of_cage, world)
     return results
 
 
-def _follow_rim(planned, layer):
-    """New vertices in a shape in which no patch can be built: moved as the rim is."""
+def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
+    """Fills the same holes in another shape, and adds that to the plans and the notes on them."""
+    left = {k: plan for k, (plan, _) in enumerate(results) if not isinstance(plan, tripatch.Refusal)}
+    if not left:
+        return
+    *in_shape, arguments["replaced"] = shape.around(*rims)
+    loops = {k: [v.index for v in rims[k].loop] for k in left}
+    same = {k: plan.fill.report.corners for k, plan in left.items()}
+    method = {k: plan.fill.report.method for k, plan in left.items()}  # what auto takes may differ from shape to shape
+    made = {}
+    for k, plan in left.items():
+        if guides := writeback.guides_of(plan):
+            moved = _moved_with_rim(plan, bm.verts.layers.shape[name])[list(guides)]
+            points = moved @ world[:3, :3].T + world[:3, 3]
+            own = arguments | {"method": method[k]}
+            made[k] = _through(in_shape, loops[k], same[k], guides.values(), own, len(same[k]) or 1, points)
+    for each in sorted(set(method.values())):
+        own = [k for k in left if k not in made and method[k] == each]
+        there = [loops[k] for k in own], [same[k] for k in own]
+        made |= zip(own, _shared_or_each(in_shape, *there, arguments | {"method": each}), strict=True)
+    for k, plan in left.items():
+        results[k][1].extend(_in_shape_key(bm, plan, name, made[k], world))
+
+
+def _moved_with_rim(planned, layer):
+    """The new vertices, moved as the rim is in a shape."""
     moved = np.array([v[layer] - v.co for v in planned.loop])
     blend = tripatch.attribute_weights(planned.fill)
     ends = np.stack([moved, np.roll(moved, -1, axis=0)], axis=1).reshape(-1, 3)

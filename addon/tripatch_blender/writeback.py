@@ -14,6 +14,8 @@ from .selection import Rim, edges_of, pairs
 
 # Cosine of 0.5 degrees; Blender parts a fan of face corners by a sharp edge from 0.8 degrees on.
 SAME_NORMAL = 0.99996
+# Of the extent of a rim: Blender's positions have seven digits.
+_SAME_PLACE = 1e-5
 
 
 @dataclass
@@ -61,6 +63,28 @@ def sides(rim, corners):
     first = 1 if len(at) == 3 else 0
     starts = at[first:] + at[:first]
     return [range(a, b or len(rim)) for a, b in pairs(starts)]
+
+
+def guides_of(planned):
+    """The vertices without faces that the fill goes through and takes up: {its row among the new vertices: BMVert}."""
+    if planned.cage or not planned.rim.inside or not len(planned.positions):
+        return {}
+    found, places = {}, np.array([v.co for v in planned.loop], dtype=np.float64)
+    within = _SAME_PLACE * np.ptp(places, axis=0).max()
+    for vertex in planned.rim.inside:
+        apart = np.linalg.norm(planned.positions - np.array(vertex.co), axis=1)
+        row = int(apart.argmin())
+        if apart[row] <= within and row >= len(planned.fill.split_edges[1]):
+            found.setdefault(row, vertex)
+    return found
+
+
+def _take_up_edges(bm, guides, loop):
+    """Deletes the edges without faces between vertices that the fill has taken up: it has its own there."""
+    own = {*guides, *loop}
+    left = {e for v in guides for e in v.link_edges if e.is_wire and own.issuperset(e.verts)}
+    if left:  # the operator goes through all of the mesh
+        bmesh.ops.delete(bm, geom=list(left), context="EDGES_FACES")
 
 
 @dataclass
@@ -148,9 +172,13 @@ def _write_one(bm, planned, shading, custom):
     if rim.replaced:
         bmesh.ops.delete(bm, geom=list(rim.replaced), context="FACES")
     ends_at = [loop[(k + 1) // 2 % len(loop)] for k in range(2 * len(loop))]
+    guides = {row - rows.split: v for row, v in guides_of(planned).items()}
     # A vertex made from an example has no place in any shape key yet; one made without would pass for the first of the mesh.
-    inside = [bm.verts.new(co, ends_at[near]) for co, near in zip(positions.tolist(), nearest, strict=True)]
-    attributes.blend_vertices(bm, loop, inside, blend)
+    inside = [
+        guides.get(k) or bm.verts.new(co, ends_at[near])
+        for k, (co, near) in enumerate(zip(positions.tolist(), nearest, strict=True))
+    ]
+    attributes.blend_vertices(bm, loop, inside, blend, guides)
     for name, layer in bm.verts.layers.shape.items():
         shape = planned.in_shape_keys.get(name, planned.positions)[rows.split :]
         for vertex, co in zip(inside, shape.tolist(), strict=True):
@@ -179,6 +207,7 @@ def _write_one(bm, planned, shading, custom):
     if custom is not None:
         tangent = [planned.tangent[on_side[k]] if planned.tangent else True for k in range(len(loop))]
         _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)
+    _take_up_edges(bm, guides.values(), loop)
     _change_rim(bm, planned, {v: loop[k] for v, k in place.items()})
     if len(fill.feature_edges):
         everyone = [*loop, *inside]

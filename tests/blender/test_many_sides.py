@@ -112,7 +112,81 @@ def test_loose_vertices_and_edges_that_are_selected_are_met(corners, method):
     at = np.array([ob.data.vertices[v].co for p in new for v in p.vertices])
     for point in points:
         assert np.linalg.norm(at - point, axis=1).min() < 1e-6
-    assert len([v for v in ob.data.vertices if np.abs(points - np.array(v.co)).sum(axis=1).min() < 1e-6]) >= len(points)
+    assert len([v for v in ob.data.vertices if np.abs(points - np.array(v.co)).sum(axis=1).min() < 1e-6]) == len(points)
+    beside = {v for p in ob.data.polygons for v in p.vertices}
+    assert beside == set(range(len(ob.data.vertices))), "the loose vertices are those of the fill"
+    assert not any(edge.is_loose for edge in ob.data.edges)
+
+
+def with_guides(*points, edges=()):
+    """A hole of four corners with vertices in it, all selected: (object, BMesh, the vertices)."""
+    ob, _ = add_sectors(4)
+    add_inside(ob, points, edges)
+    (bm,) = scenes.edit(ob)
+    guides = [v for v in bm.verts if not v.link_faces]
+    scenes.select(bm, [*min(scenes.border_loops(bm), key=len), *guides])
+    return ob, bm, guides
+
+
+def test_a_loose_vertex_that_is_taken_up_keeps_what_it_has():
+    ob, bm, (guide,) = with_guides((0.02, 0, 0.1))
+    deform, number = bm.verts.layers.deform.verify(), bm.verts.layers.float.new("number")
+    for name in ("A", "B"):
+        ob.vertex_groups.new(name=name)
+    bm.verts.ensure_lookup_table()
+    (guide,) = [v for v in bm.verts if not v.link_faces]
+    for v in bm.verts:
+        v[number], v[deform][0] = 1.0, 1.0
+    guide[number] = 5.0
+    guide[deform].clear()
+    guide[deform][1] = 0.25
+    place = guide.co.copy()
+    assert smooth(resolution=6) == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(ob.data)
+    (taken,) = [v for v in bm.verts if (v.co - place).length < 1e-6]
+    assert taken.link_faces and taken.co == place and taken.select
+    assert taken[bm.verts.layers.float["number"]] == 5.0 and taken[bm.verts.layers.deform.active].items() == [(1, 0.25)]
+    others = [v for v in bm.verts if v is not taken]
+    assert all(abs(v[bm.verts.layers.float["number"]] - 1) < 1e-6 for v in others)
+
+
+def test_undoing_brings_back_the_loose_vertices_and_edges():
+    ob, _, _ = with_guides((0.12, 0.1, 0.06), (0.12, 0, 0.08), (0.12, -0.1, 0.06), edges=[(0, 1), (1, 2)])
+    scenes.undone_and_redone(ob.name, lambda: bpy.ops.mesh.fill_smooth("EXEC_DEFAULT", True, resolution=6))
+
+
+def test_a_loose_vertex_without_weights_takes_those_of_the_fill():
+    ob, bm, (guide,) = with_guides((0.02, 0, 0.1))
+    deform = bm.verts.layers.deform.verify()
+    ob.vertex_groups.new(name="A")
+    for v in bm.verts:
+        if v.link_faces:
+            v[deform][0] = 0.5
+    (place,) = [v.co.copy() for v in bm.verts if not v.link_faces]
+    assert smooth(resolution=6) == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(ob.data)
+    (taken,) = [v for v in bm.verts if (v.co - place).length < 1e-6]
+    assert taken[bm.verts.layers.deform.active][0] == pytest.approx(0.5)
+
+
+def test_the_shapes_of_a_hole_go_through_its_loose_vertices_too():
+    """What is moved with all of the mesh is moved with it in its own fill."""
+    ob, _ = add_sectors(4)
+    place = np.array([0.02, 0, 0.1])
+    add_inside(ob, [place])
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="Up")
+    for each in key.data:
+        each.co.z += 0.5
+    (bm,) = scenes.edit(ob)
+    ob.active_shape_key_index = 0
+    bm = bmesh.from_edit_mesh(ob.data)
+    scenes.select(bm, [*min(scenes.border_loops(bm), key=len), *[v for v in bm.verts if not v.link_faces]])
+    assert smooth(resolution=6) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    basis, up = (np.array([v.co for v in block.data]) for block in ob.data.shape_keys.key_blocks)
+    assert np.linalg.norm(basis - place, axis=1).min() < 1e-6
+    assert np.abs(up - basis - [0, 0, 0.5]).max() < 1e-4
 
 
 def test_a_loose_vertex_far_away_does_nothing():
