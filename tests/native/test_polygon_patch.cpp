@@ -8,6 +8,7 @@
 #include "test_surfaces.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/patch.h"
+#include "tripatch/polygon/space.h"
 
 using namespace tripatch;
 using tripatch::testing::degrees_between;
@@ -381,4 +382,21 @@ TEST_CASE("polygon patch: a derivative across that fades to rounding at a corner
     places.row(0).head<2>() = (1 - u) * made.domain.center() + u * made.domain.corner(2);
     CHECK(made.patch->positions(places).cwiseAbs().maxCoeff() < 2);
   }
+}
+
+TEST_CASE("polygon patch: what is kept for a domain is that of its own numbers") {
+  const std::vector<Vec2> square = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, wider = {{-1.5, -1}, {1.5, -1}, {1, 1}, {-1, 1}};
+  const PolygonDomain first(square), second(wider), flat = PolygonDomain::lens(2, 0.3), high = PolygonDomain::lens(2, 0.6);
+  const auto space = polygon_space(first, 4, 4, 3, 5);
+  CHECK(polygon_space(PolygonDomain(square), 4, 4, 3, 5) == space);
+  CHECK(polygon_space(second, 4, 4, 3, 5) != space);
+  CHECK(polygon_space(flat, 4, 4, 3, 5) != polygon_space(high, 4, 4, 3, 5));
+  CHECK(polygon_space(first, 5, 4, 3, 5) != space);
+  CHECK(polygon_space(first, 4, 5, 3, 5) != space);
+  CHECK(polygon_space(first, 4, 4, 4, 5) != space);
+  CHECK(polygon_space(first, 4, 4, 3, 6) != space);
+  const auto anew = polygon_space(first, 4, 4, 3, 5);
+  CHECK(anew != space);  // only the last few are kept
+  CHECK(anew->uv == space->uv);
+  CHECK(anew->combination == space->combination);
 }

@@ -42,8 +42,7 @@ CurvatureFollowing PolygonProblem::followed(const PolygonBase& base) const {
 
 PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes)
     : PolygonProblem(base, options,
-                     std::make_shared<const PolygonSpace>(base.boundary.domain, options.degree, options.second_cross,
-                                                          options.slopes, nodes)) {}
+                     polygon_space(base.boundary.domain, options.degree, options.second_cross, options.slopes, nodes)) {}
 
 PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, std::shared_ptr<const PolygonSpace> space)
     : EnergyProblem(*space, plane_derivatives(*base.patch, space->uv), options, base.boundary.size, space->combination.cols()),

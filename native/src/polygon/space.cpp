@@ -1,6 +1,8 @@
 #include "tripatch/polygon/space.h"
 
 #include <cmath>
+#include <deque>
+#include <mutex>
 
 #include "tripatch/math/quadrature.h"
 #include "tripatch/patch/side_weights.h"
@@ -77,6 +79,9 @@ PolygonQuadrature lens_quadrature(const PolygonDomain& domain, int nodes) {
   return result;
 }
 
+/// Those of one fill, on few nodes, on many and of a higher degree, and one more; some megabytes each.
+constexpr std::size_t kept_spaces = 4;
+
 }  // namespace
 
 PolygonQuadrature polygon_quadrature(const PolygonDomain& domain, int nodes) {
@@ -136,6 +141,29 @@ PolygonSpace::PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadra
     }
     along.second.push_back(second * combination);
   }
+}
+
+std::shared_ptr<const PolygonSpace> polygon_space(const PolygonDomain& domain, int degree, int second_cross, int slopes,
+                                                  int nodes) {
+  struct Kept {
+    std::vector<double> key;
+    std::shared_ptr<const PolygonSpace> space;
+  };
+  static std::mutex mutex;
+  static std::deque<Kept> last;  // the latest first
+  std::vector<double> key = {static_cast<double>(degree), static_cast<double>(second_cross), static_cast<double>(slopes),
+                             static_cast<double>(nodes), domain.height()};
+  for (int i = 0; i < domain.sides(); ++i) key.insert(key.end(), {domain.corner(i)[0], domain.corner(i)[1]});
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (const Kept& kept : last)
+      if (kept.key == key) return kept.space;
+  }
+  auto made = std::make_shared<const PolygonSpace>(domain, degree, second_cross, slopes, nodes);
+  const std::lock_guard<std::mutex> lock(mutex);
+  last.push_front({std::move(key), made});
+  if (last.size() > kept_spaces) last.pop_back();
+  return made;
 }
 
 SurfacePtr polygon_correction(const PolygonDomain& domain, std::vector<PiecewisePolynomial> slopes, int degree, int second_cross,

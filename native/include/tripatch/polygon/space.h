@@ -1,6 +1,7 @@
 // What a fairing adds to a patch over a polygon, and its derivatives at the nodes of a quadrature.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "tripatch/fairing/energy_problem.h"
@@ -62,6 +63,10 @@ struct PolygonSpace : NodeBasis {
 private:
   PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadrature, int degree, int second_cross, int slopes);
 };
+
+/// The space of these numbers. The last few are kept: a fill that somebody shapes is made over the same domain again and again.
+std::shared_ptr<const PolygonSpace> polygon_space(const PolygonDomain& domain, int degree, int second_cross, int slopes,
+                                                  int nodes);
 
 /// slopes: on each side what is added to the derivative along the inward normal; coefficients: of polygon_basis, one a row.
 SurfacePtr polygon_correction(const PolygonDomain& domain, std::vector<PiecewisePolynomial> slopes, int degree, int second_cross,
