@@ -23,6 +23,10 @@ LEAST_BULGE = 0.05
 _MANY = 72
 _FEW_RINGS = 2  # of the surroundings are looked at for it, and
 _COARSE = 12  # edges a side inside of such a preview
+# While an arrow is dragged, what is shown between fills that lie so near to each other, in bulge and in the middle's height over
+# the hole's size, is blended of them: each would take as long as any fill.
+_STEP_OF_BULGE, _STEP_OF_MIDDLE = 0.1, 0.05
+_MOST_KEPT = 32  # such fills
 
 
 @dataclass
@@ -33,6 +37,80 @@ class Shape:
     bulges: list = field(default_factory=list)  # for the part of the rim from each corner on; one where there are no corners
     middle: float = 0.0  # of the fill, along its normal, in scene units
     round: bool = False  # no corners are wanted
+
+
+class _Between:
+    """The exact patches between the sides of a fill, by bulges and the middle, as points at the places of the fill's vertices."""
+
+    def __init__(self, fill, shape, size):
+        """shape: (*bulges, middle), of the fill."""
+        self._sides, self._method, self._places = fill.sides, fill.report.method, writeback.parameters(fill)[1]
+        self._steps = [_STEP_OF_BULGE] * (len(shape) - 1) + [_STEP_OF_MIDDLE * size]
+        self._known, self._centers = {shape: (fill.vertices, fill.normals)}, {}
+
+    def at(self, shape):
+        """(vertices, normals): exact, or blended of two exact ones where what was asked for before is near. A ValueError where no
+        patch can be."""
+        if shape in self._known:
+            return self._known[shape]
+        near = [self._neighbors(shape, axis) for axis in range(len(shape))]
+        axis, pair = next(((axis, pair) for axis, pair in enumerate(near) if pair), (0, None))
+        if pair is None:
+            return self._exact(shape)
+        (low, first), (high, second) = ((value, self._exact(self._with(shape, axis, value))) for value in pair)
+        share = (shape[axis] - low) / (high - low)
+        vertices, normals = ((1 - share) * a + share * b for a, b in zip(first, second, strict=True))
+        return vertices, normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+
+    @staticmethod
+    def _with(shape, axis, value):
+        return (*shape[:axis], value, *shape[axis + 1 :])
+
+    def _neighbors(self, shape, axis):
+        """Two values along an axis, no farther apart than a step, between which the shape is, of which one is known at least."""
+        value, step = shape[axis], self._steps[axis]
+        known = [each[axis] for each in self._known if self._with(each, axis, value) == shape]
+        below = max((v for v in known if v < value), default=-np.inf)
+        above = min((v for v in known if v > value), default=np.inf)
+        if above - below <= 1.001 * step:
+            return below, above
+        if value - below <= step:
+            return below, below + step
+        if above - value <= step and (axis == len(shape) - 1 or above - step >= LEAST_BULGE):
+            return above - step, above
+        return None
+
+    def _exact(self, shape):
+        if shape not in self._known:
+            *bulges, middle = shape
+            given = {"bulge": _bulge(bulges)}
+            if middle:  # as center_offset, but the patch whose middle is moved is made once
+                point, normal = self._center(given["bulge"])
+                given["center"] = point + middle * normal
+            patch = self._patch(**given)
+            if not len(self._places):
+                return self._places, self._places
+            if len(self._known) >= _MOST_KEPT:
+                self._known.clear()
+            self._known[shape] = patch.evaluate(self._places), patch.normal(self._places)
+        return self._known[shape]
+
+    def _patch(self, **given):
+        return tripatch.patch(self._sides, method=self._method, fairing="auto", **given)
+
+    def _center(self, bulge):
+        """The middle of the patch of a bulge and its normal."""
+        if bulge not in self._centers:
+            patch = self._patch(bulge=bulge)
+            place = np.full((1, 3), 1 / 3) if len(self._sides) == 3 and not hasattr(patch, "domain") else None
+            place = patch.domain.mean(axis=0)[None] if place is None else place
+            self._centers = {bulge: (patch.evaluate(place)[0], patch.normal(place)[0])}
+        return self._centers[bulge]
+
+
+def _bulge(bulges):
+    """The option of tripatch.fill from the arrows, in the order of sides."""
+    return tuple(bulges) if len(bulges) > 2 and len(set(bulges)) > 1 else sum(bulges) / len(bulges)
 
 
 class Shaping:
@@ -64,6 +142,7 @@ class Shaping:
         self.normals: Any = None
         self._triangles: Any = None  # its faces
         self._filled = None  # what of the shape the surroundings were read for
+        self._between: _Between | None = None  # fills between its sides
         self._asked = None  # bulges and the middle of the last fill
         self._before = None
 
@@ -168,10 +247,7 @@ class Shaping:
 
     def options(self):
         """The arguments of tripatch.fill that the shape makes."""
-        bulges = self._by_side()
-        given = dict(self.arguments, center_offset=self.shape.middle)
-        given["bulge"] = tuple(bulges) if len(bulges) > 2 and len(set(bulges)) > 1 else sum(bulges) / len(bulges)
-        return given
+        return dict(self.arguments, center_offset=self.shape.middle, bulge=_bulge(self._by_side()))
 
     def corners(self):
         """Places of the corners, none on a round rim."""
@@ -181,7 +257,7 @@ class Shaping:
         """Fills, and keeps the fill or its refusal. quick: where only bulges and the middle have changed, from the sides that
         were read before; else coarser inside, without fairing where that is a step of its own."""
         given, faces = self.options(), self._faces
-        if quick and self._shape_anew(given):
+        if quick and self._shape_anew():
             return self.fill
         if quick:
             given, faces = self._quick(given), self._nearest
@@ -189,7 +265,9 @@ class Shaping:
             corners = [self._loop[k] for k in self.corners()]
             self.fill, self.refusal = tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), None
             self.vertices, self.normals, self._triangles = self.fill.vertices, self.fill.normals, None
-            self._filled = self._read_for() if self.fill.sides else None
+            self._filled = self._between = None
+            if self.fill.sides:
+                self._filled, self._between = self._read_for(), _Between(self.fill, self._asked_shape(), self.size)
             self._asked = given["bulge"], given["center_offset"]
         except (tripatch.Refusal, ValueError) as reason:
             self.refusal = str(reason)
@@ -198,19 +276,18 @@ class Shaping:
     def _read_for(self):
         return [*self.corners()], self.shape.round, dict(self.arguments)
 
-    def _shape_anew(self, given):
-        """The exact patch between the sides of the last fill, with other bulges or another middle, at the same places; whether
-        there is one. It is the patch that filling anew would make: reading the surroundings again is what takes long."""
+    def _asked_shape(self):
+        return (*self._by_side(), self.shape.middle)
+
+    def _shape_anew(self):
+        """The patch between the sides of the last fill, with other bulges or another middle, at the same places; whether there is
+        one. Reading the surroundings again is what takes long."""
         if self._filled is None or self._filled != self._read_for():
             return False
-        shape = {name: given[name] for name in ("bulge", "center_offset")}
         try:
-            patch = tripatch.patch(self.fill.sides, method=self.fill.report.method, fairing="auto", **shape)
+            self.vertices, self.normals = self._between.at(self._asked_shape())
         except ValueError:  # Refusal, InvalidArgument
             return False
-        inside = writeback.parameters(self.fill)[1]
-        if len(inside):
-            self.vertices, self.normals = patch.evaluate(inside), patch.normal(inside)
         self.refusal = None
         return True
 

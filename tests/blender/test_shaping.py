@@ -295,6 +295,39 @@ def test_while_corners_are_dragged_the_method_is_not_looked_for_again(shaping, m
     assert methods[-1] in ("auto", taken) and not made.refusal
 
 
+@pytest.mark.parametrize("make", [triangular_rim, square_rim, round_rim])
+@pytest.mark.parametrize("by_bulge", [True, False])
+def test_most_steps_of_a_drag_make_no_fill_and_show_what_lies_between_two(shaping, make, by_bulge, monkeypatch):
+    made = make(shaping)
+    made.preview()
+    put = (lambda v: made.set_bulge(0, 1 + v)) if by_bulge else (lambda v: made.set_middle(v * made.size))
+    patch, fill, count = shaping.tripatch.patch, shaping.tripatch.fill, []
+    put(0.5)
+    made.preview(quick=True)  # a spline is not shaped: then the patch is
+    put(0.0)
+    made.preview(quick=True)
+    monkeypatch.setattr(shaping.tripatch, "patch", lambda *a, **k: count.append(0) or patch(*a, **k))
+    monkeypatch.setattr(shaping.tripatch, "fill", lambda *a, **k: count.append(0) or fill(*a, **k))
+    shown = []
+    for step in range(1, 21):
+        put(0.01 * step)
+        made.preview(quick=True)
+        shown.append(made.vertices.copy())
+        assert not made.refusal
+    assert len(count) <= (3 if by_bulge else 6), "a fill for each of a few steps"
+    monkeypatch.undo()
+    knots = 10 if by_bulge else 5  # steps from one fill to the next
+    put(0.01 * 2 * knots)
+    other = make(shaping) if bpy.ops.object.mode_set(mode="OBJECT") else None
+    other.shape = made.shape
+    other.preview()
+    truth = other.fill.patch.evaluate(shaping.writeback.parameters(made.fill)[1])
+    assert np.abs(shown[2 * knots - 1] - truth).max() < 1e-5 * made.size
+    first, last = shown[knots - 1], shown[2 * knots - 1]
+    assert np.abs(shown[knots + 1] - ((1 - 2 / knots) * first + 2 / knots * last)).max() < 1e-6 * made.size
+    assert np.abs(shown[-1] - shown[0]).max() > 1e-2 * made.size
+
+
 def test_other_corners_are_read_anew(shaping):
     made = square_rim(shaping)
     made.preview()
