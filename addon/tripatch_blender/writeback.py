@@ -41,9 +41,10 @@ def obstacle(bm, planned):
     rim = {v.index: v for v in planned.loop}
     edges, count = {frozenset((a.index, b.index)) for a, b in pairs(planned.loop)}, planned.count
     for face in planned.fill.faces:
-        if sum(v < count for v in face) < 2:  # most
+        at_rim = [v for v in face if v < count]
+        if len(at_rim) < 2:  # most
             continue
-        if all(v < count for v in face) and (old := bm.faces.get([rim[v] for v in face])) and old not in planned.rim.replaced:
+        if len(at_rim) == len(face) and (old := bm.faces.get([rim[v] for v in face])) and old not in planned.rim.replaced:
             return f"There is a face between vertices {', '.join(map(str, face))} of the rim already"
         for a, b in pairs(face):
             if a < count and b < count and frozenset((a, b)) not in edges:
@@ -126,15 +127,17 @@ def _split_edges(bm, planned, custom):
     return rows
 
 
-def _model(at, around, looks, nearest_edge):
-    """The surrounding face that a new one is like: at the nearest rim edge that looks as this part of the fill.
+def _models(faces, around, looks, nearest_edge):
+    """The surrounding face that each new one is like: at the nearest rim edge that looks as this part of the fill.
 
-    at: places of the new face's vertices, those of the rim first; around: the face at each rim edge; nearest_edge: of each vertex
+    faces: of places of the new vertices, those of the rim first; around: the face at each rim edge; nearest_edge: of each vertex
     inside.
     """
-    inside = max(at) - len(around)
-    edge = nearest_edge[inside] if inside >= 0 else min(at)
-    return around[looks.edge_near(edge, looks.of_face(at))]
+    count = len(around)
+    edges = [nearest_edge[max(at) - count] if max(at) >= count else min(at) for at in faces]
+    if len(looks.kinds) == 1:
+        return [around[edge] for edge in edges]
+    return [around[looks.edge_near(edge, looks.of_face(at))] for edge, at in zip(edges, faces, strict=True)]
 
 
 def _continue_seams(new_faces, parts, loop):
@@ -162,13 +165,14 @@ def _write_one(bm, planned, shading, custom):
     blend = tripatch.attribute_weights(rows.parameters, at_inside)
     looks = attributes.Shares([(face.material_index, face.smooth) for face in around], blend)
     place = {v: k for k, v in enumerate(rows.numbers)}
-    faces = [[place[v] if v in place else len(loop) + v - planned.count - rows.split for v in face] for face in fill.faces]
+    first_inside = len(loop) - planned.count - rows.split
+    faces = [[place[v] if v in place else v + first_inside for v in face] for face in fill.faces]
     everywhere = np.vstack([np.array([v.co for v in loop], dtype=np.float64), positions])
     charts = attributes.uv_charts(bm, ends, blend, everywhere, faces) if ends else {}
 
     nearest = blend.nearest.tolist()
     nearest_edge = [end // 2 for end in nearest]
-    models = [_model(at, around, looks, nearest_edge) for at in faces]
+    models = _models(faces, around, looks, nearest_edge)
     if rim.replaced:
         bmesh.ops.delete(bm, geom=list(rim.replaced), context="FACES")
     ends_at = [loop[(k + 1) // 2 % len(loop)] for k in range(2 * len(loop))]
@@ -188,8 +192,10 @@ def _write_one(bm, planned, shading, custom):
     new_faces, corners = [], []
     for at, model in zip(faces, models, strict=True):
         made = bm.faces.new([loop[k] if k < len(loop) else inside[k - len(loop)] for k in at], model)
-        made.hide = False
-        made.smooth = model.smooth if shading == "neighbors" else shading == "smooth"
+        if made.hide:
+            made.hide = False
+        if shading != "neighbors":  # else as its model
+            made.smooth = shading == "smooth"
         made.normal_update()
         new_faces.append(made)
         if not with_corners:
@@ -211,10 +217,7 @@ def _write_one(bm, planned, shading, custom):
     _change_rim(bm, planned, {v: loop[k] for v, k in place.items()})
     if len(fill.feature_edges):
         everyone = [*loop, *inside]
-        at = [
-            [place[v] if v in place else len(loop) + v - planned.count - rows.split for v in e]
-            for e in fill.feature_edges.tolist()
-        ]
+        at = [[place[v] if v in place else v + first_inside for v in e] for e in fill.feature_edges.tolist()]
         features.mark(bm, [[everyone[k] for k in pair] for pair in at], loop, new_faces)
     return new_faces
 
