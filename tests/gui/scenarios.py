@@ -8,6 +8,7 @@ import bmesh
 import bpy
 import numpy as np
 from hands import clear, counts, last_operator, mesh, positions, rounded_corner, sheet
+from mathutils import Vector
 
 ADDON = "tripatch_blender"
 #: Over the 3D view, in every header of it.
@@ -235,6 +236,40 @@ def cage(w):
     assert last_operator().output == "cage" and last_operator().rows >= 0
     assert counts()[1] == 0 and _is_filled(before)
     assert all(len(f.verts) == 4 for f in mesh().faces if f.select)
+
+
+def points_inside(w):
+    """Loose vertices and an edge in a hole, selected with its rim, become the fill's own; undo brings them back."""
+    rounded_corner(w)
+    with w.override():
+        bm = mesh()
+        rim = [v for v in bm.verts if v.is_boundary]
+        middle = sum((v.co for v in rim), Vector()) / len(rim)
+        out = sum((v.normal for v in rim), Vector()).normalized()
+        along = (rim[0].co - middle).normalized() * 0.1
+        made = [bm.verts.new(middle + by * along + 0.35 * out) for by in (-1, 1)]
+        bm.edges.new(made)
+        for element in (*rim, *made, *(e for e in bm.edges if e.is_boundary or e.is_wire)):
+            element.select = True
+        bm.select_flush_mode()
+        bmesh.update_edit_mesh(bpy.context.object.data)
+        bpy.ops.ed.undo_push(message="Points")
+        places = [v.co.copy() for v in made]
+    before = counts()
+    yield
+    yield from w.picture("points-inside")
+    w.home()
+    w.press("F", ctrl=True, alt=True)
+    yield
+    yield
+    yield from w.picture("points-met")
+    bm = mesh()
+    assert not any(v.is_wire or not v.link_faces for v in bm.verts), "nothing is left loose"
+    assert all(any((v.co - place).length < 1e-6 for v in bm.verts) for place in places) and _is_filled(before)
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    assert counts() == before and sum(not v.link_faces for v in mesh().verts) == 2, "one undo step"
 
 
 def _tool(w):
@@ -580,6 +615,7 @@ ALL = [
     refusal_and_correction,
     repeated_elsewhere,
     replaced_region,
+    points_inside,
     cage,
     gizmos,
     tool_left,
