@@ -138,6 +138,25 @@ TEST_CASE("the ends of a crease see each other within 65 degrees", "[thresholds]
   }
 }
 
+TEST_CASE("a crease ends where it turns by 45 degrees", "[thresholds]") {
+  for (const double degrees : {44.5, 45.5}) {
+    const double slope = std::tan(degrees * M_PI / 180);
+    const Rings rings(radii(0.1, 8), [&](double x, double y) {  // turned two edges away from the rim
+      const Vec3 p = roof(x, y, 30);
+      return Vec3(p[0], p[1] + slope * std::max(std::abs(x) - 0.7, 0.0), p[2]);
+    });
+    CHECK(rings.features().creases.size() == (degrees < 45 ? 1 : 0));
+  }
+}
+
+TEST_CASE("a crease is followed over three quarters of the hole", "[thresholds]") {
+  for (const double step : {0.0745, 0.0755}) {
+    const Features found = Rings(radii(step, 14), [](double x, double y) { return roof(x, y, 30); }).features();
+    REQUIRE(found.creases.size() == 1);
+    CHECK(found.creases[0].ends[0].chain.size() == (step < 0.075 ? 12 : 11));
+  }
+}
+
 TEST_CASE("surroundings whose border is shorter than 0.7 of the rim close behind the hole", "[thresholds]") {
   for (const double last : {0.345, 0.355}) {
     const Rings tube({0.5, 0.4, 0.3, last}, [](double x, double y) { return Vec3(x, y, 0); });
