@@ -22,7 +22,7 @@ struct Hinge {
 
 }  // namespace
 
-TEST_CASE("an edge is folded where its triangles face more than 120 degrees apart") {
+TEST_CASE("an edge is folded where its triangles face more than 120 degrees apart", "[thresholds]") {
   for (double angle : {0.0, 60.0, 119.9, -119.9}) CHECK(Hinge(angle).folded() == 0);
   for (double angle : {120.1, 150.0, 180.0, -120.1}) CHECK(Hinge(angle).folded() == 1);
 }

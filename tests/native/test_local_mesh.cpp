@@ -58,13 +58,13 @@ bool is_sharp(const LocalMesh& w, Index i, Index k) {
 
 }  // namespace
 
-TEST_CASE("an edge is sharp that bends by more than 8 degrees, in a plane sheet") {
+TEST_CASE("an edge is sharp that bends by more than 8 degrees, in a plane sheet", "[thresholds]") {
   CHECK(!is_sharp(sheet(3, {{5, 7.9}}).local(), 1, 5));
   CHECK(is_sharp(sheet(3, {{5, 8.1}}).local(), 1, 5));
   CHECK(!is_sharp(sheet(3, {{5, 8.1}}).local(), 1, 4));
 }
 
-TEST_CASE("an edge is sharp that bends by 8 degrees and twice as much as those near it that run its way") {
+TEST_CASE("an edge is sharp that bends by 8 degrees and twice as much as those near it that run its way", "[thresholds]") {
   CHECK(is_sharp(sheet(3, {{4, 5.9}, {5, 20}, {6, 5.9}}).local(), 1, 5));
   CHECK(!is_sharp(sheet(3, {{4, 6.1}, {5, 20}, {6, 6.1}}).local(), 1, 5));
   // a cylinder bends everywhere
@@ -73,7 +73,8 @@ TEST_CASE("an edge is sharp that bends by 8 degrees and twice as much as those n
   CHECK(!is_sharp(sheet(3, all).local(), 1, 5));
 }
 
-TEST_CASE("a vertex put on an edge says nothing of the surface, as long as it is straight between the edge's ends") {
+TEST_CASE("a vertex put on an edge says nothing of the surface, as long as it is straight between the edge's ends",
+          "[thresholds]") {
   // the edge from (4, 5) to (4, 6) carries one more
   for (const double off : {0.8e-4, 1.2e-4}) {
     Sheet s = sheet(16, {});

@@ -42,7 +42,7 @@ std::vector<char> outer(const Model& m) {
 
 }  // namespace
 
-TEST_CASE("a border is outer that as a whole turns by a quarter of a circle the other way") {
+TEST_CASE("a border is outer that as a whole turns by a quarter of a circle the other way", "[thresholds]") {
   // The circle at angle a from the pole turns by 2 pi cos(a) as seen from the pole, here the other way: outer where cos(a) > 1/4.
   const double limit = std::acos(0.25) * 180 / M_PI;
   CHECK(outer(belt(10, limit - 1)) == std::vector<char>{0, 1});

@@ -31,7 +31,7 @@ Sides flat_sides() {
 
 }  // namespace
 
-TEST_CASE("sides meet whose ends are a millionth of the size apart") {
+TEST_CASE("sides meet whose ends are a millionth of the size apart", "[thresholds]") {
   for (const double gap : {0.99e-6, 1.01e-6}) {
     Sides sides = flat_sides();
     sides[0] = moved_ends(sides[0], Vec3::Zero(), gap * Vec3::UnitZ());
@@ -43,7 +43,7 @@ TEST_CASE("sides meet whose ends are a millionth of the size apart") {
   }
 }
 
-TEST_CASE("a side is closed whose ends are a millionth of its width apart") {
+TEST_CASE("a side is closed whose ends are a millionth of its width apart", "[thresholds]") {
   for (const double gap : {0.99e-6, 1.01e-6}) {
     const double width = std::sqrt(0.5);
     const std::array<double, 9> net = {0, 0, 0, 1, 1, 0, gap * width, 0, 0};
@@ -57,7 +57,7 @@ TEST_CASE("a side is closed whose ends are a millionth of its width apart") {
   }
 }
 
-TEST_CASE("surroundings have planes where what is across leaves the line of the side by a billionth") {
+TEST_CASE("surroundings have planes where what is across leaves the line of the side by a billionth", "[thresholds]") {
   RibbonOptions given;
   given.cross_boundary = CrossBoundary::given;
   for (const double sine : {0.9e-9, 1.1e-9}) {
@@ -72,7 +72,8 @@ TEST_CASE("surroundings have planes where what is across leaves the line of the 
   }
 }
 
-TEST_CASE("slopes that would lead backwards are a thousandth of what an equilateral patch has, and no other is that small") {
+TEST_CASE("slopes that would lead backwards are a thousandth of what an equilateral patch has, and no other is that small",
+          "[thresholds]") {
   Sides sides = flat_sides();
   const auto share = [&](const Boundary& boundary, int i, double t) {
     double alpha = 0;
@@ -86,7 +87,7 @@ TEST_CASE("slopes that would lead backwards are a thousandth of what an equilate
   CHECK(share(make_boundary(sides), 1, 1) > 0.1);
 }
 
-TEST_CASE("a normal that leaves the edge's line by more than a millionth makes a curve") {
+TEST_CASE("a normal that leaves the edge's line by more than a millionth makes a curve", "[thresholds]") {
   const Vec3 p = Vec3::Zero(), q = Vec3::UnitX();
   for (const double sine : {0.9e-6, 1.1e-6}) {
     const Vec3 normal(std::sqrt(1 - sine * sine), 0, sine);
@@ -106,7 +107,8 @@ TEST_CASE("a normal that leaves the edge's line by more than a millionth makes a
   }
 }
 
-TEST_CASE("sides of nine vertices and more are smoothed where their noise is small beside them, shorter ones are left alone") {
+TEST_CASE("sides of nine vertices and more are smoothed where their noise is small beside them, shorter ones are left alone",
+          "[thresholds]") {
   const auto zigzag = [](int vertices, double noise) {
     Sides sides = flat_sides();
     std::vector<PiecewisePolynomial> pieces;
@@ -126,7 +128,7 @@ TEST_CASE("sides of nine vertices and more are smoothed where their noise is sma
   CHECK(zigzag(40, 0.5) == 0);
 }
 
-TEST_CASE("nothing is asked for a million times the size of the hole away") {
+TEST_CASE("nothing is asked for a million times the size of the hole away", "[thresholds]") {
   const Sides sides = flat_sides();
   const double size = check_sides(sides);
   FillOptions options;
@@ -149,7 +151,7 @@ TEST_CASE("nothing is asked for a million times the size of the hole away") {
   }
 }
 
-TEST_CASE("a triangle has an area from a million-millionth of its longest edge squared on") {
+TEST_CASE("a triangle has an area from a million-millionth of its longest edge squared on", "[thresholds]") {
   for (const double height : {0.9e-12, 1.1e-12}) {
     const Points vertices = (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0.5, height, 0).finished();
     Faces faces;

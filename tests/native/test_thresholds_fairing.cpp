@@ -51,20 +51,21 @@ Sides flat_sides(double tilt_at_corner = 0) {
 
 }  // namespace
 
-TEST_CASE("neighbors fold whose normals are 60 degrees apart") {
+TEST_CASE("neighbors fold whose normals are 60 degrees apart", "[thresholds]") {
   const FoldCounter folds(flat_sides());
   CHECK(folds(Bent(0.5, 0)) == 0);
   CHECK(folds(Bent(0.5, 59.9)) == 0);
   CHECK(folds(Bent(0.5, 60.1)) > 50);
 }
 
-TEST_CASE("points fold whose normal is a right angle from the rim's") {
+TEST_CASE("points fold whose normal is a right angle from the rim's", "[thresholds]") {
   const FoldCounter folds(flat_sides());
   const Index of_neighbors = folds(Bent(0.5, 89.9));
   CHECK(folds(Bent(0.5, 90.1)) > of_neighbors + 500);
 }
 
-TEST_CASE("beside a corner whose planes are a degree apart neighbors are not compared, a seventh of the way in they are") {
+TEST_CASE("beside a corner whose planes are a degree apart neighbors are not compared, a seventh of the way in they are",
+          "[thresholds]") {
   for (const double tilt : {0.9, 1.1}) {
     const FoldCounter folds(flat_sides(tilt));
     CHECK((folds(Bent(0.9, 70)) > 0) == (tilt < 1));

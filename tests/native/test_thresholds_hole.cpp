@@ -5,7 +5,7 @@
 
 using namespace tripatch;
 
-TEST_CASE("a rim edge has a length from a hundred-millionth of a millionth of the rim's on") {
+TEST_CASE("a rim edge has a length from a hundred-millionth of a millionth of the rim's on", "[thresholds]") {
   for (const double part : {0.9e-14, 1.1e-14}) {
     const double length = part * (2 + std::sqrt(2.0));  // rim: a square less a corner that is nearly cut off
     const Points vertices = (Points(5, 3) << 0, 0, 0, 1, 0, 0, 1, 1, 0, 1 - length, 1, 0, 5, 5, 1).finished();
@@ -21,7 +21,7 @@ TEST_CASE("a rim edge has a length from a hundred-millionth of a millionth of th
   }
 }
 
-TEST_CASE("eight vertices are named in a sentence, of nine the first eight") {
+TEST_CASE("eight vertices are named in a sentence, of nine the first eight", "[thresholds]") {
   for (const Index turned : {4, 5}) {  // edges whose faces are turned against the others: two vertices each
     const Index n = 2 * turned;
     std::vector<Index> rim;

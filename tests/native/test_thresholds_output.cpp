@@ -33,7 +33,7 @@ double worst_shape(const TriangleMesh& mesh, const Points& x) {
 
 }  // namespace
 
-TEST_CASE("the regular grid is taken down to triangles of shape 0.1 in the domain") {
+TEST_CASE("the regular grid is taken down to triangles of shape 0.1 in the domain", "[thresholds]") {
   double worst_taken = 1, power = 1;
   for (; power < 4; power += 0.05) {  // side 0 is graded more and more, and the grid squeezed
     const TriangleMesh mesh = triangulate(graded(8, power), {}, flat);
@@ -46,12 +46,12 @@ TEST_CASE("the regular grid is taken down to triangles of shape 0.1 in the domai
   CHECK(worst_taken < 0.3);
 }
 
-TEST_CASE("a regular grid has up to a thousand edges a side") {
+TEST_CASE("a regular grid has up to a thousand edges a side", "[thresholds]") {
   CHECK(triangulate(graded(1000), {}, flat).triangles.size() == 1'000'000);
   CHECK(triangulate(graded(1001), {}, flat).triangles.size() < 400'000);  // 50,000, and what a thousand edges a side need to grow
 }
 
-TEST_CASE("a fill that follows its rim is coarser inside where it would have more than 50,000 triangles") {
+TEST_CASE("a fill that follows its rim is coarser inside where it would have more than 50,000 triangles", "[thresholds]") {
   // counts that differ by one have no regular grid; n edges a side ask for n^2 triangles
   const auto density = [](int n) {
     return static_cast<double>(triangulate(graded(n, 1, n + 1), {}, flat).triangles.size()) / (n * n);
@@ -61,7 +61,7 @@ TEST_CASE("a fill that follows its rim is coarser inside where it would have mor
   CHECK(above < 0.75);
 }
 
-TEST_CASE("a point lies on an edge of a plane domain to rounding of its angle") {
+TEST_CASE("a point lies on an edge of a plane domain to rounding of its angle", "[thresholds]") {
   const Values rim = (Values(4, 2) << 0, 0, 1, 0, 1, 1, 0, 1).finished();
   // 1 + cos is 8 h^2 at the height h over the middle of an edge of length 1
   const double height = std::sqrt(1e-14 / 8);
