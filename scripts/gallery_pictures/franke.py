@@ -9,6 +9,7 @@ from frankes_functions import DEGREE, FUNCTIONS, POINTS, errors, sides, surface,
 from .render import CLAY, Scene, save, save_figure, unit
 
 SLOPES = ("consistent", "given", "as_printed")
+METHODS = {name: about for name, about in tripatch.METHODS.items() if about.sides == (3, 3)}
 
 
 def number(x):
@@ -18,7 +19,7 @@ def number(x):
 def table(all_sides):
     """{(method, slopes, function): (max, rms)}; without slopes where they are not read."""
     figures = {}
-    for method, about in tripatch.METHODS.items():
+    for method, about in METHODS.items():
         for slopes in SLOPES if about.continuity != "G0" else SLOPES[:1]:
             for k, (f, given) in enumerate(zip(FUNCTIONS, all_sides, strict=True), 1):
                 e = errors(f, surface(given, method, slopes))
@@ -43,7 +44,7 @@ def page(figures):
     ]
     for title, which in (("Largest error", 0), ("Rms error", 1)):
         lines += [f"## {title}", "", "| method | slopes | F1 | F2 | F3 | F4 | F5 | F6 |", "|" + "---|" * 8]
-        for method, about in tripatch.METHODS.items():
+        for method, about in METHODS.items():
             for slopes in SLOPES:
                 if (method, slopes, 1) in figures:
                     cells = " | ".join(number(figures[method, slopes, k][which]) for k in range(1, 7))
