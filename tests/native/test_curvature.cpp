@@ -1,10 +1,12 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/curvature.h"
+#include "tripatch/fairing/curvature_following.h"
 #include "tripatch/fairing/fairing.h"
 
 using namespace tripatch;
@@ -143,4 +145,38 @@ TEST_CASE("a fairing that follows the curvature comes near to it") {
   const SurfacePtr patch = fair(base, base, options).patch;
   CHECK(curvature_jump(*patch, sides, {true, true, true}, 50, 0.1) < 0.1 * without);
   CHECK(seam_deg(*patch, sides) < 1e-5);
+}
+
+TEST_CASE("jumps of curvature change as their derivatives say") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  const auto drawn = [&](Index rows, Index columns) {
+    return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(rows, columns, [&](Index, Index) { return draw(random); }));
+  };
+  constexpr int inner = 2, slopes = 3, first = 3 * inner;
+  SideBasis basis({});
+  basis.slope = drawn(SideBasis::points, slopes);
+  basis.second = {drawn(SideBasis::points, inner), drawn(SideBasis::points, inner)};
+  FollowedSide side = {1, first, {0.7, 1.3}, 0.01, {}, {}, {}, {}, {}, {}};
+  for (int k = 0; k < SideBasis::points; ++k) {
+    side.form[k].n = Vec3(draw(random), draw(random), draw(random)).normalized();
+    side.form[k].r = Vec3::UnitX(), side.form[k].dc = Vec3::UnitY();
+    side.form[k].rr = draw(random), side.form[k].rc = draw(random), side.form[k].cc = draw(random);
+    side.alpha[k] = draw(random), side.beta[k] = draw(random), side.base[k] = draw(random), side.skew[k] = draw(random);
+    side.weight[k] = 1 + 0.5 * draw(random);
+  }
+  const CurvatureFollowing following(basis, {side}, 2, 1.7, 0.1);
+  Eigen::VectorXd x = drawn(first + 2 * slopes, 1);
+  RowMajor rows;
+  const Eigen::VectorXd value = following.jumps(x, &rows);
+  for (Index k = 0; k < x.size(); ++k) {
+    const double step = 1e-3, before = x[k];  // they are quadratic: differences are exact
+    x[k] = before + step;
+    const Eigen::VectorXd above = following.jumps(x, nullptr);
+    x[k] = before - step;
+    const Eigen::VectorXd slope = (above - following.jumps(x, nullptr)) / (2 * step);
+    x[k] = before;
+    CHECK((rows.col(k) - slope).norm() < 1e-9 * (1 + value.norm()));
+    CHECK(slope.norm() > 1e-3);
+  }
 }
