@@ -409,6 +409,15 @@ def test_the_sheet_shows_the_worst_first(tmp_path, capsys):
     assert angles == sorted(angles, reverse=True)
 
 
+def test_what_fails_in_the_process_is_told_as_what_it_is(tmp_path):
+    settings = Settings(str(tmp_path), str(tmp_path), {}, tripatch.__version__, "crop")
+    with keeper.Keeper(settings) as one:
+        with pytest.raises(keeper._Ended, match=r"TriPatch failed on it \(ValueError") as caught:
+            one.call("math", "sqrt", -1)
+        assert caught.value.status == record.CRASHED
+        assert one.call("math", "sqrt", 4) == 2  # it goes on
+
+
 def test_memory_of_one_file_is_no_more_than_it_needs(tmp_path):
     """What a journal keeps of a file does not grow with the mesh."""
     source = tmp_path / "in"

@@ -97,6 +97,19 @@ def test_a_side_of_each_of_many_in_any_order(n, beyond):
         assert tripatch.angles(patch.normal(at), side.evaluate(t)[3]).max() < 1e-4
 
 
+@pytest.mark.parametrize("long_first", [False, True])
+def test_of_two_edges_between_the_same_corners_the_shorter_is_taken(long_first):
+    objects, corners = many(5)
+    (a, b), out = corners[:2], corners[:2].mean(axis=0)
+    u, v = np.meshgrid(np.linspace(0, 1, 3), np.linspace(0, 1, 3), indexing="ij")
+    bow = a + u[..., None] * (b - a) + (0.4 * (u == 0.5) + v)[..., None] * (out + (0, 0, 0.1))
+    bowed = edges("A", tripatch.BezierRectangle(bow))
+    objects[0] = bowed + objects[0] if long_first else objects[0] + bowed
+    loop = between.find_loop(objects, 1e-3)
+    (curve,) = [c for c in loop.curves if c.name == "A"]
+    assert np.linalg.norm(np.diff(curve.at(np.linspace(0, 1, 65)), axis=0), axis=1).sum() < 1.001 * np.linalg.norm(b - a)
+
+
 def arched(sign, name="arch", high=0.4):
     """A sheet along a parabola from (-1, 0, 0) to (1, 0, 0), or back below it, and away from the other."""
     u, v = np.meshgrid(np.linspace(-1, 1, 3), np.linspace(0, 1, 3), indexing="ij")

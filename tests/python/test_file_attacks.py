@@ -298,3 +298,15 @@ def test_interrupted_the_file_that_was_there_stays(tmp_path):
         assert "Traceback" not in said or "import" in said
         assert path.read_bytes() == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["large.obj"]
+
+
+@pytest.mark.parametrize("letters, more", [("", 0), ("ST", 2), ("C", 4), ("N", 3), ("STCN", 9)])
+def test_binary_off_with_all_that_a_vertex_may_have(letters, more, tmp_path):
+    path = tmp_path / "a.off"
+    plain = binary_off(False, False)
+    at = plain.index(b"\n") + 13
+    rows = [plain[at + 12 * k : at + 12 * (k + 1)] + struct.pack(f"<{more}f", *range(more)) for k in range(6)]
+    path.write_bytes(letters.encode() + plain[:at] + b"".join(rows) + plain[at + 72 :])
+    read = files.read(path)
+    np.testing.assert_array_equal(read.vertices, OCTAHEDRON)
+    assert read.faces == SEVEN

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
 import io
 
 import numpy as np
 import pytest
+from tripatch import between
+from tripatch.arguments import reader
+from tripatch.batch import pictures
 from tripatch.batch.progress import Progress, duration
+from tripatch.batch.settings import Settings
+from tripatch.options import OPTIONS
 from tripatch.view import Canvas
 
 
@@ -37,12 +43,21 @@ def test_a_bar_is_as_full_as_the_run_and_fits_the_terminal(columns, monkeypatch)
         assert columns < 60
 
 
+class Lines(io.StringIO):
+    """What is written is there for others once it is flushed."""
+
+    there = ""
+
+    def flush(self):
+        self.there = self.getvalue()
+
+
 def test_lines_where_there_is_no_terminal():
-    stream = io.StringIO()
+    stream = Lines()
     progress = Progress(4, stream)
     progress.add(entries(4))
     progress.end()
-    assert stream.getvalue() == "tripatch: 4 of 4 files, 8 holes filled\n"
+    assert stream.there == "tripatch: 4 of 4 files, 8 holes filled\n"
 
 
 @pytest.mark.parametrize(
@@ -72,3 +87,55 @@ def test_what_is_nearer_hides_what_lies_behind():
         canvas.draw(triangles[order])
         upper = np.isin(canvas.triangle.reshape(100, 100), np.flatnonzero(np.array(order) >= 2))
         assert upper[27:73, 27:73].all() and upper.sum() == 46 * 46
+
+
+def test_the_seam_of_a_picture_is_what_fill_and_surroundings_share():
+    """Two triangles around a fill of two: one edge of each with the fill, and that between the fill's own faces is none."""
+    up, over = [0.0, 0, 1], [0.0, np.sin(np.radians(30)), np.cos(np.radians(30))]
+    crop = {"around": [[0, 1, 4], [2, 3, 5]], "fill": [[1, 0, 2], [0, 3, 2]]}
+    (a, b, degrees), second = pictures._seam(crop, np.array([up, up, over, up]))
+    assert (a, b) == (0, 1) and abs(degrees - 30) < 1e-9
+    assert second[:2] == (2, 3) and second[2] == 0
+
+
+def test_each_hole_has_a_place_of_its_own_on_the_sheet(tmp_path, monkeypatch):
+    """Six holes in two rows, each in one color: what is seen in the middle of each place."""
+    image = pytest.importorskip("PIL.Image")
+    colors = [(40 * k + 20, 0, 200 - 30 * k) for k in range(6)]
+    monkeypatch.setattr(pictures, "gathered", lambda holes, settings: list(colors))
+    monkeypatch.setattr(pictures, "tile", lambda crop, own, *_: own.paste(crop, (0, 0, *own.size)))
+    line = {
+        "input": "a.obj",
+        "object": "",
+        "vertex": 1,
+        "edges": 3,
+        "hole": 0,
+        "crease_max": 1.0,
+        "method": "",
+        "triangles_folded": 0,
+    }
+    assert pictures.sheet(tmp_path / "a.png", [(line, 0)] * 6, Settings("", "", {}, ""), 9)
+    picture = image.open(tmp_path / "a.png")
+    assert picture.size == (1200, 34 + 2 * 346)
+    for k, color in enumerate(colors):
+        middle = picture.getpixel((k % 4 * 300 + 150, 34 + k // 4 * 346 + 150))
+        assert np.abs(np.subtract(middle, color)).max() <= 2
+
+
+def test_pieces_of_one_curve_follow_each_other_only_apart_and_in_one_direction():
+    assert between._follow((0.0, 0.4), (0.4, 1.0)) and between._follow((0.9, 0.5), (0.5, 0.1))
+    assert not between._follow((0.0, 0.4), (1.0, 0.4))
+    assert not between._follow((0.0, 0.7), (0.3, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("pole_offset", "1", "'1' are no two numbers such as 0.1,0"),
+        ("center", "1,2", "'1,2' are no three numbers such as 0,0.5,1"),
+    ],
+)
+def test_how_many_numbers_an_option_wants_is_said(name, text, said):
+    with pytest.raises(argparse.ArgumentTypeError) as caught:
+        reader(OPTIONS[name])(text)
+    assert str(caught.value) == said

@@ -22,16 +22,8 @@ def indices(text: str) -> list[int]:
         raise argparse.ArgumentTypeError(f"{text!r} is no list of vertex indices such as 3,17,42") from None
 
 
-def _so_many_indices(option: Option) -> Callable[..., Any]:
-    def read(text: str) -> list[int]:
-        if text.lower() == "none":
-            return []
-        values = indices(text)
-        if option.count and len(values) != option.count:
-            raise argparse.ArgumentTypeError(f"{_COUNTS[option.count]} {option.name} are needed, not {len(values)}")
-        return values
-
-    return read
+def _indices_or_none(text: str) -> list[int]:
+    return [] if text.lower() == "none" else indices(text)
 
 
 def _by_side(kind: Callable[..., Any], word: str) -> Callable[..., Any]:
@@ -117,7 +109,7 @@ def reader(option: Option) -> Callable[..., Any]:
     elif option.kind == "points":
         read = _points
     elif option.kind == "indices":
-        read = _so_many_indices(option)
+        read = _indices_or_none
     elif option.by_side:
         read = _by_side(of_kind[option.kind], option.none.name if option.none else "")
     elif option.kind == "position" or option.count > 1:
