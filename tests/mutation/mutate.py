@@ -22,7 +22,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 TREE = ROOT / "build" / "mutation"
 EQUIVALENT = Path(__file__).with_name("equivalent.txt")
-SECONDS = 300  # for the tests of a mutant: one that takes longer is noticed
+# of the processor for the tests of a mutant: one that takes more is noticed, on a busy machine no sooner than on an idle one
+SECONDS = 300
 
 COMPARISONS = [(" < ", " >= "), (" > ", " <= "), (" <= ", " > "), (" >= ", " < "), (" == ", " != "), (" != ", " == ")]
 ARITHMETIC = [(" + ", " - "), (" - ", " + "), (" * ", " / "), (" / ", " * "), (" += ", " -= "), (" -= ", " += ")]
@@ -53,11 +54,13 @@ PYTHON = [
     (" is not None", " is None"),
 ]
 NUMBER = re.compile(r"(?<![\w.\"'])(\d+\.\d+(?:e-?\d+)?|\d+e-?\d+|[1-9]\d*)(?![\w.\"'])")
+ITERATION = re.compile(r"for _ in range\((?!1\))\d+\)|for \(int (it|step|round|pass) = 0; \w+ < (?!1\b)\d+;")
 
-#: Tests of the package's files; those of what is not named here run for all others.
+#: Tests of the package's files and folders; those of what is not named here run for all others.
 TESTS = {
     "arguments": ["test_cli", "test_options", "test_files"],
     "attributes": ["test_attributes"],
+    "batch/in_blender": ["test_batch_blender"],
     "batch": ["test_small_parts", "test_batch", "test_batch_farms"],
     "between": ["test_between"],
     "files": ["test_files", "test_file_attacks", "test_faults"],
@@ -102,6 +105,12 @@ def python_lines(text):
             yield number, code
 
 
+def other_number(code, value):
+    if ITERATION.search(code):
+        return "1"  # a step more of what has converged is seen by nobody
+    return str(int(value) + 1) if value.isdigit() else f"{3 * float(value):g}"
+
+
 def changes(text, python):
     """All mutants of a file: (line, what stands there, what is put there, column)."""
     found = []
@@ -112,8 +121,7 @@ def changes(text, python):
             found += [(number, old, new, m.start()) for m in re.finditer(re.escape(old), code) if outside(m.start())]
         for m in NUMBER.finditer(code):
             if outside(m.start()):
-                value = m.group()
-                found.append((number, value, str(int(value) + 1) if value.isdigit() else f"{3 * float(value):g}", m.start()))
+                found.append((number, m.group(), other_number(code, m.group()), m.start()))
     return found
 
 
@@ -122,19 +130,22 @@ def sources(python):
     return sorted(path for path in folder.rglob("*.py" if python else "*.cpp") if "__" not in path.stem)
 
 
-def drawn(python, count, seed, only):
-    """Mutants of all files."""
+def drawn(python, count, seed, only, again):
+    """Mutants of all files, or those that an earlier run has printed into the file `again`."""
     rng = random.Random(seed)
     known = {line.split(" # ")[0].strip() for line in EQUIVALENT.read_text().splitlines() if line.strip()}
-    pool = {}
+    pool = []
     for path in sources(python):
         name = str(path.relative_to(ROOT))
         if only and not re.search(only, name):
             continue
         text = (TREE / name).read_text()  # as it was copied, whatever happens to the sources meanwhile
-        pool[name] = [c for c in changes(text, python) if label(name, text, c) not in known]
-    all_of_them = [(name, change) for name, found in pool.items() for change in found]
-    return rng.sample(all_of_them, min(count, len(all_of_them)))
+        pool += [(name, change, label(name, text, change) in known) for change in changes(text, python)]
+    if again:
+        named = {line.rsplit("  (line ")[0] for line in again.read_text().splitlines()}
+        return [(name, change) for name, change, _ in pool if label(name, (TREE / name).read_text(), change) in named]
+    sample = rng.sample(pool, min(count, len(pool)))  # what becomes known later does not change which others are drawn
+    return [(name, change) for name, change, seen_by_nobody in sample if not seen_by_nobody]
 
 
 def label(name, text, change):
@@ -150,12 +161,14 @@ def changed(text, change):
 
 
 def run(command, seconds=None, **more):
-    """Whether it ends well; a command that takes too long does not."""
+    """Whether it ends well; a command that computes for too long does not, nor one that waits for ever."""
+    if seconds:
+        command = ["bash", "-c", f'ulimit -t {seconds}; exec "$@"', "bash", *command]
     with subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True, **more
     ) as process:
         try:
-            return process.wait(timeout=seconds) == 0
+            return process.wait(timeout=20 * seconds if seconds else None) == 0
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, 9)
             return False
@@ -211,8 +224,8 @@ class Python:
         self.environment = os.environ | {"PYTHONPATH": str(TREE / "native/python"), "PYTHONDONTWRITEBYTECODE": "1"}
 
     def noticed(self, name):
-        part = Path(name).relative_to("native/python/tripatch").parts[0].removesuffix(".py")
-        tests = TESTS.get(part, TESTS[""])
+        path = Path(name).relative_to("native/python/tripatch").with_suffix("")
+        tests = TESTS.get(path.as_posix()) or TESTS.get(path.parts[0]) or TESTS[""]
         paths = [ROOT / "tests/python" / f"{test}.py" for test in tests]
         pytest = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider"]
         stages = [paths] + ([[ROOT / "tests/python"]] if self.thorough else [])
@@ -225,13 +238,14 @@ def main():
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", help="pattern that paths of files contain")
+    parser.add_argument("--again", type=Path, help="what an earlier run has printed: those mutants only")
     parser.add_argument("--least", type=float, default=0, help="share that must be noticed, else the exit status is 1")
     parser.add_argument("--thorough", action="store_true")
     given = parser.parse_args()
     python = given.language == "python"
     bench = (Python if python else Cpp)(given.thorough)
     alive = noticed = 0
-    chosen = drawn(python, given.count, given.seed, given.only)
+    chosen = drawn(python, given.count, given.seed, given.only, given.again)
     texts = {name: (TREE / name).read_text() for name, _ in chosen}
     for number, (name, change) in enumerate(chosen):
         print(f"{number} of {len(chosen)}, {alive} alive", file=sys.stderr, flush=True)

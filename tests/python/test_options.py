@@ -112,6 +112,7 @@ def test_the_stubs_follow():
         {"subdivision": {"edge_creases": 3}, "output": "cage"},
         {"subdivision": {"edge_creases": ([[0, 1]], ["a"])}, "output": "cage"},
         {"subdivision": {"vertex_creases": ([2**63], [1])}, "output": "cage"},
+        {"subdivision": {"vertex_creases": ([0], [1.01])}, "output": "cage"},
     ],
     ids=str,
 )

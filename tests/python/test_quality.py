@@ -112,6 +112,19 @@ def test_highlight_lines_stay_and_zebra_moves_with_the_eye():
     assert quality.stripes(normals @ turn, (0, 0, 1), 8) == pytest.approx(quality.stripes(normals, (0, 0, 1), 8))
 
 
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_a_picture_has_the_lines_of_the_side_that_is_seen(inside_out):
+    tilt = quality.unit(np.array([0.3, 0.1, 1.0]))
+    across = np.stack([quality.unit(np.cross(tilt, [0, 1.0, 0])), np.zeros(3)])
+    across[1] = np.cross(tilt, across[0])
+    square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) @ across
+    face = [3, 2, 1, 0] if inside_out else [0, 1, 2, 3]
+    image, _ = view.picture(square, [face], "highlight", size=(40, 40), toward=(0, 0, 1), direction=(1, 0, 0), lines=3)
+    (stripe,) = quality.stripes(tilt[None], (1, 0, 0), 3)
+    assert abs(stripe - 0.5) > 0.05  # turned over it would be another
+    assert np.abs(image[20, 20] - 255 * (0.06 + 0.88 * np.clip(0.5 + 4 * (stripe - 0.5), 0, 1))).max() <= 2
+
+
 def read_png(path):
     """Our own unfiltered kind only."""
     data, at, body = path.read_bytes(), 8, b""
