@@ -58,11 +58,11 @@ ITERATION = re.compile(r"for _ in range\((?!1\))\d+\)|for \(int (it|step|round|p
 
 #: Tests of the package's files and folders; those of what is not named here run for all others.
 TESTS = {
-    "arguments": ["test_cli", "test_options", "test_files"],
+    "arguments": ["test_small_parts", "test_options", "test_cli", "test_files"],
     "attributes": ["test_attributes"],
     "batch/in_blender": ["test_batch_blender"],
     "batch": ["test_small_parts", "test_batch", "test_batch_farms"],
-    "between": ["test_between"],
+    "between": ["test_small_parts", "test_between"],
     "files": ["test_files", "test_file_attacks", "test_faults"],
     "patches": ["test_api", "test_blend", "test_polygon", "test_methods", "test_surfaces"],
     "quality": ["test_quality"],

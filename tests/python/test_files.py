@@ -169,6 +169,21 @@ def test_off_split_face(tmp_path):
     assert reread(out, "b.off", tmp_path).faces[1] == [1, 2, 6, 8, 5]
 
 
+@pytest.mark.parametrize("colors", [False, True])
+def test_off_binary_moved_vertices_and_split_face(colors, tmp_path):
+    order = ">" if colors else "<"  # Geomview's form, and pmp's
+    data = b"NOFF BINARY\n" + struct.pack(order + "3i", 8, 4, 0)
+    data += b"".join(struct.pack(order + "6f", *p, 0, 0, -1) for p in FRAME)
+    for k, q in enumerate(QUADS):
+        data += struct.pack(order + "5i", 4, *q) + (struct.pack(order + "i2f", 2, 0.5, k) if colors else b"")
+    moved = reread(filled(data, "a.off", tmp_path, [MOVED]), "b.off", tmp_path)
+    assert moved.vertices[5].tolist() == [2.5, 1, 0.125] and (moved.vertices[:5] == FRAME[:5]).all()
+    split = filled(data, "c.off", tmp_path, [SPLIT])
+    assert reread(split, "d.off", tmp_path).faces[1] == [1, 2, 6, 8, 5]
+    assert struct.pack(order + "6i", 5, 1, 2, 6, 8, 5) + (struct.pack(order + "i2f", 2, 0.5, 1) if colors else b"") in split
+    assert struct.pack(order + "3f", 0, 0, 1) in split  # the new vertex's normal
+
+
 @pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
 def test_ply_split_face(form, tmp_path):
     head = f"ply\nformat {form} 1.0\nelement vertex 8\nproperty double x\nproperty double y\nproperty double z\nelement face 4\n"

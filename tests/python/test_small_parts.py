@@ -7,6 +7,7 @@ import io
 
 import numpy as np
 import pytest
+import tripatch
 from tripatch import between
 from tripatch.arguments import reader
 from tripatch.batch import pictures
@@ -139,3 +140,23 @@ def test_how_many_numbers_an_option_wants_is_said(name, text, said):
     with pytest.raises(argparse.ArgumentTypeError) as caught:
         reader(OPTIONS[name])(text)
     assert str(caught.value) == said
+
+
+SHEET = tripatch.BezierRectangle([[[u, v, u * v] for v in (0.0, 1.0)] for u in (0.0, 1.0)])
+SIDE = tripatch.Side(SHEET, 0)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: tripatch.Side.from_functions(1, 2, 3), "must be functions of t"),
+        (lambda: SIDE.evaluate([[0.5]]), r"t must have shape \(k,\), not \(1, 1\)"),
+        (lambda: SIDE.evaluate([1.5]), r"t must lie in \[0, 1\]"),
+        (lambda: tripatch.BezierRectangle([[[0, 0, 0]], [[0, 0, 0], [1, 1, 1]]]), "its rows differ in length"),
+        (lambda: tripatch.fill([[0, 0, 0], [1, 0]], [[0, 1, 2]]), "its rows differ in length"),
+        (lambda: tripatch.fill(np.zeros((4, 3)), np.zeros((2, 3, 3), int)), r"must have shape \(m, 3\), \(m, 4\)"),
+    ],
+)
+def test_arguments_of_another_shape_are_refused_by_name(call, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        call()
