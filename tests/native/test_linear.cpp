@@ -90,3 +90,49 @@ TEST_CASE("coordinates in a frame of two vectors") {
   CHECK((in_frame(a, 2 * a, 5 * a) - Eigen::Vector2d(1, 2)).norm() < 1e-13);  // the shortest
   CHECK(in_frame(Vec3::Zero(), Vec3::Zero(), a).norm() == 0);
 }
+
+TEST_CASE("sums of weighted powers are where their places say") {
+  const Index points = 13;
+  RowsOf16 x = RowsOf16::Zero(points, 16), y = x;
+  const Eigen::VectorXd at = Eigen::VectorXd::Random(points), beside = Eigen::VectorXd::Random(points);
+  for (int d = 0; d <= 10; ++d) {
+    x.col(d) = at.array().pow(d);
+    y.col(d) = beside.array().pow(d);
+  }
+  const Eigen::VectorXd w = Eigen::VectorXd::Random(points), n = Eigen::VectorXd::Random(points),
+                        wz = Eigen::VectorXd::Random(points);
+  RowsOf32 room;
+  PowerSums sums;
+  sum_powers({x, y, w.data(), n.data(), wz.data()}, room, sums);
+  for (int i = 0; i <= 10; ++i)
+    for (int j = 0; i + j <= 10; ++j) {
+      CAPTURE(i, j);
+      const Eigen::VectorXd power = x.col(i).cwiseProduct(y.col(j));
+      CHECK(sums[place_of_w(i, j)] == Approx(w.dot(power)).margin(1e-13));
+      CHECK(sums[place_of_n(i, j)] == Approx(n.dot(power)).margin(1e-13));
+      if (i + j <= 5) CHECK(sums[place_of_wz(i, j)] == Approx(wz.dot(power)).margin(1e-13));
+    }
+}
+
+TEST_CASE("a symmetric matrix of up to 24 unknowns has a factor unless it is nearly singular") {
+  const Index n = 21;
+  const Eigen::MatrixXd rows = Eigen::MatrixXd::Random(40, n);
+  const Eigen::VectorXd right = Eigen::VectorXd::Random(n);
+  SquareOf24 a = SquareOf24::Zero();
+  a.topLeftCorner(n, n) = rows.transpose() * rows;
+  const Eigen::MatrixXd given = a.topLeftCorner(n, n);
+  a.col(n).head(n) = right;
+  REQUIRE(factor_symmetric(a, n, 1e-9));
+  const Eigen::MatrixXd r = a.topLeftCorner(n, n).triangularView<Eigen::Upper>();
+  CHECK((r.transpose() * r - given).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK((r.transpose() * a.col(n).head(n) - right).cwiseAbs().maxCoeff() < 1e-12);
+  const Eigen::MatrixXd inverse = inverse_of_gram(a, n).topLeftCorner(n, n).triangularView<Eigen::Lower>();
+  const Eigen::MatrixXd whole = inverse.selfadjointView<Eigen::Lower>();
+  CHECK((whole * given - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-11);
+
+  Eigen::MatrixXd fewer = rows;
+  fewer.col(17) = fewer.col(3) + 1e-6 * fewer.col(17);  // its diagonal element is left with 1e-12 of itself
+  a.setZero();
+  a.topLeftCorner(n, n) = fewer.transpose() * fewer;
+  CHECK_FALSE(factor_symmetric(a, n, 1e-9));
+}

@@ -20,6 +20,11 @@ constexpr double least_count = 1e-3;
 /// Of the squared curvature that the faces beside the rim show: the least variance of second derivatives.
 constexpr double bends_at_least = 0.3;
 
+/// Of a diagonal element of a normal matrix: with less left of it, rounding would count.
+constexpr double least_pivot = 1e-7;
+/// Of a fit, after which its coefficients are those of an orthogonal triangularization.
+constexpr int refinements = 2;
+
 /// The term of x^i y^j / (i! j!), so that the coefficients are the derivatives of the height.
 struct Term {
   int i, j;
@@ -32,40 +37,6 @@ constexpr std::array<Term, fit_terms> term = [] {
     for (int j = 0; j <= d; ++j, ++k) all[k] = {d - j, j, 1 / (factorial[d - j] * factorial[j])};
   return all;
 }();
-
-/// Weights of the rows of a fit, heaviest first, and which rows they are of. Between the fits of one stencil the order hardly changes:
-/// what is in it already is put right by insertion.
-class HeaviestFirst {
-public:
-  void sort(const Eigen::VectorXd& points, const PlaneFit::Column& prior) {
-    const Index n = points.size();
-    const auto weight = [&](Index k) { return k < n ? points[k] : prior[k - n]; };
-    const bool known = !rows_.empty();
-    if (!known) rows_.resize(n + fit_terms);
-    for (Index k = 0; k < n + fit_terms; ++k) {
-      if (!known) rows_[k].second = k;
-      rows_[k].first = -weight(rows_[k].second);
-    }
-    if (!known || !insert(8 * rows_.size())) std::sort(rows_.begin(), rows_.end());
-  }
-  const std::vector<std::pair<double, Index>>& rows() const { return rows_; }  ///< minus the weight, row
-
-private:
-  /// False where that takes more moves than `most`.
-  bool insert(std::size_t most) {
-    for (std::size_t k = 1, moves = 0; k < rows_.size(); ++k) {
-      const std::pair<double, Index> row = rows_[k];
-      std::size_t at = k;
-      for (; at > 0 && row < rows_[at - 1]; --at) rows_[at] = rows_[at - 1];
-      rows_[at] = row;
-      moves += k - at;
-      if (moves > most) return false;
-    }
-    return true;
-  }
-
-  std::vector<std::pair<double, Index>> rows_;
-};
 
 /// The terms at (x, y).
 void set_terms(double x, double y, double* out) {
@@ -80,41 +51,115 @@ void set_terms(double x, double y, double* out) {
   }(std::make_index_sequence<fit_terms>());
 }
 
-struct Coefficients {
-  Column mean, prior;  // as of PlaneFit
+/// Powers of a coordinate that products of two terms have.
+void set_powers(double x, double* out) {
+  out[0] = 1;
+  for (int d = 1; d <= 2 * fit_degree; ++d) out[d] = out[d - 1] * x;
+  std::fill(out + 2 * fit_degree + 1, out + 16, 0.0);
+}
+
+/// Where the sums for a product of two terms are.
+struct Places {
+  std::array<std::array<short, fit_terms>, fit_terms> w, n;
 };
+constexpr Places places = [] {
+  Places all{};
+  for (int k = 0; k < fit_terms; ++k)
+    for (int l = 0; l < fit_terms; ++l) {
+      const int i = term[k].i + term[l].i, j = term[k].j + term[l].j;
+      all.w[k][l] = static_cast<short>(place_of_w(i, j));
+      all.n[k][l] = static_cast<short>(place_of_n(i, j));
+    }
+  return all;
+}();
+
+Column prior_of(const Stencil& s, const VarianceComponents& components) {
+  Column prior;
+  for (int k = 0; k < fit_terms; ++k) prior[k] = 1 / components.term[term[k].i + term[k].j];
+  prior[2] = 1 / (components.tilt + components.noise * s.faces_noise);
+  prior[1] += 1 / (components.noise * s.slope_noise + components.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
+  return prior;
+}
 
 /// Orthogonal triangularization of the weighted rows above those of the prior, heaviest first (Powell and Reid 1969), one column at
-/// a time by Householder's reflections: `a`. The normal equations would square what the weights differ by, 1e7 and more where there is
+/// a time by Householder's reflections. Normal equations square what the weights differ by, 1e7 and more where there is
 /// no noise, and leave to rounding what few points do not tell.
-Coefficients fit_weighted(const Stencil& s, const VarianceComponents& components, const Eigen::VectorXd& w, RowsOf24& a,
-                          HeaviestFirst& order) {
-  Coefficients r;
-  for (int k = 0; k < fit_terms; ++k) r.prior[k] = 1 / components.term[term[k].i + term[k].j];
-  r.prior[2] = 1 / (components.tilt + components.noise * s.faces_noise);
-  r.prior[1] += 1 / (components.noise * s.slope_noise + components.term[s.slope_order] * s.slope_truncation * s.slope_truncation);
-  const Index points = w.size(), rows = points + fit_terms;
-  order.sort(w, r.prior);
-  a.resize(rows, Eigen::NoChange);
+void reflect(const Stencil& s, FitRoom& room) {
+  const Index points = s.share.size(), rows = points + fit_terms;
+  room.order.clear();
+  for (Index k = 0; k < rows; ++k) room.order.emplace_back(-(k < points ? room.weight[k] : room.prior[k - points]), k);
+  std::sort(room.order.begin(), room.order.end());
+  room.rows.resize(rows, Eigen::NoChange);
   for (Index row = 0; row < rows; ++row) {
-    const auto [minus_weight, k] = order.rows()[row];
+    const auto [minus_weight, k] = room.order[row];
     const double root = std::sqrt(-minus_weight);
     if (k < points) {
-      a.row(row) = root * s.rows.row(k);
+      room.rows.row(row) = root * s.rows.row(k);
       continue;
     }
-    a.row(row).setZero();
-    a(row, k - points) = root;
-    if (k == points + 2) a(row, fit_terms) = root * s.faces;
+    room.rows.row(row).setZero();
+    room.rows(row, k - points) = root;
+    if (k == points + 2) room.rows(row, fit_terms) = root * s.faces;
   }
-  triangularize(a, fit_terms);
+  triangularize(room.rows, fit_terms);
+  room.root.topRows<fit_terms>() = room.rows.topRows<fit_terms>();
+  for (int k = 0; k < fit_terms; ++k) room.root.col(k) /= term[k].over;
+}
+
+/// The sums over the points, and the root of the normal matrix that they make; false where that is left to rounding.
+bool take_root(const Stencil& s, FitRoom& room) {
+  room.weighted_height = room.weight.cwiseProduct(s.rows.col(fit_terms));
+  sum_powers({s.x, s.y, room.weight.data(), room.noisy.data(), room.weighted_height.data()}, room.powers, room.sums);
+  double* row = room.root.data();
+  for (int k = 0; k < fit_terms; ++k, row += 24) {
+    for (int l = k; l < fit_terms; ++l) row[l] = room.sums[places.w[k][l]];
+    row[fit_terms] = room.sums[place_of_wz(term[k].i, term[k].j)];
+    row[k] += room.prior[k] / (term[k].over * term[k].over);
+    row[fit_terms + 1] = row[fit_terms + 2] = 0;
+  }
+  room.root(2, fit_terms) += room.prior[2] * s.faces;
+  return factor_symmetric(room.root, fit_terms, least_pivot);
+}
+
+/// Of r x = the last column of the root, by terms.
+Column solved(const SquareOf24& root) {
+  Column x;
   for (int i = fit_terms - 1; i >= 0; --i) {
-    const double* const row = a.data() + 24 * i;
+    const double* const row = root.data() + 24 * i;
     double left = row[fit_terms];
-    for (int j = i + 1; j < fit_terms; ++j) left -= row[j] * r.mean[j];
-    r.mean[i] = left / row[i];
+    for (int j = i + 1; j < fit_terms; ++j) left -= row[j] * x[j];
+    x[i] = left / row[i];
   }
-  return r;
+  for (int k = 0; k < fit_terms; ++k) x[k] /= term[k].over;
+  return x;
+}
+
+/// Fitted less given heights.
+void set_residual(const Stencil& s, FitRoom& room) {
+  std::array<double, 24> x = {};
+  std::copy(room.mean.begin(), room.mean.end(), x.begin());
+  x[fit_terms] = -1;
+  room.residual.setZero();
+  add_product(s.rows, x.data(), room.residual.data());
+}
+
+/// Adds what the residuals of the rows themselves still ask for (corrected seminormal equations: Bjorck 1987).
+void correct(const Stencil& s, FitRoom& room) {
+  set_residual(s, room);
+  SquareOf24& root = room.root;
+  Column x = -room.prior.cwiseProduct(room.mean);
+  x[2] += room.prior[2] * s.faces;
+  Eigen::Matrix<double, 24, 1> sum = Eigen::Matrix<double, 24, 1>::Zero();
+  for (Index k = 0; k < room.residual.size(); ++k) sum -= room.weight[k] * room.residual[k] * s.rows.row(k).transpose();
+  x += sum.head<fit_terms>();
+  for (int k = 0; k < fit_terms; ++k) x[k] /= term[k].over;
+  for (int k = 0; k < fit_terms; ++k) {  // r' y = x
+    const double entry = x[k] /= root(k, k);
+    const double* const row = root.data() + 24 * k;
+    for (int i = k + 1; i < fit_terms; ++i) x[i] -= entry * row[i];
+  }
+  root.col(fit_terms).head<fit_terms>() = x;
+  room.mean += solved(root);
 }
 
 /// The x with lower x = a.
@@ -148,42 +193,49 @@ struct Explained {
   }
 };
 
-/// Room for rows that is used again and again.
-struct Room {
-  RowsOf24 triangular, noisy;
-};
-
-Explained explain(const Stencil& s, const VarianceComponents& components, HeaviestFirst& order, Room& room) {
+Explained explain(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
   Explained e;
-  const Eigen::ArrayXd v = components.noise + components.truncation * s.g.array(), part = components.noise / v,
-                       w = s.share.array() / v;
-  const Coefficients fit = fit_weighted(s, components, w, room.triangular, order);
-  const SquareOf24 covariance = inverse_of_gram(room.triangular, fit_terms);
+  const Index size = s.share.size();
+  room.resize(size);
+  double points = 0, noise_points = 0;
+  for (Index k = 0; k < size; ++k) {
+    const double v = components.noise + components.truncation * s.g[k], part = components.noise / v;
+    room.weight[k] = s.share[k] / v;
+    room.noisy[k] = room.weight[k] * part;
+    points += s.share[k];
+    noise_points += s.share[k] * part;
+  }
+  room.prior = prior_of(s, components);
+  if (!take_root(s, room)) reflect(s, room);
+  room.mean = solved(room.root);
+  const SquareOf24 covariance = inverse_of_gram(room.root, fit_terms);
+  Column variance;
+  for (int k = 0; k < fit_terms; ++k) variance[k] = covariance(k, k) / (term[k].over * term[k].over);
   for (int j = 0; j < fit_terms; ++j) {
     const int d = term[j].i + term[j].j;
     if (d == 1) continue;
-    e.sum[d] += fit.mean[j] * fit.mean[j];
-    e.count[d] += std::max(1 - covariance(j, j) / components.term[d], least_count);
+    e.sum[d] += room.mean[j] * room.mean[j];
+    e.count[d] += std::max(1 - variance[j] / components.term[d], least_count);
   }
-  e.tilt = std::pow(fit.mean[2] - s.faces, 2);
-  e.tilt_count = std::max(1 - covariance(2, 2) * fit.prior[2], least_count);
+  e.tilt = std::pow(room.mean[2] - s.faces, 2);
+  e.tilt_count = std::max(1 - variance[2] * room.prior[2], least_count);
   // The points less the parameters that they determine: all, and those whose error is noise.
-  room.noisy = (w * part).sqrt().matrix().asDiagonal() * s.rows;
-  SquareOf24 gram = SquareOf24::Zero();
-  add_gram(room.noisy, gram);
   double noisy = 0;
   for (int k = 0; k < fit_terms; ++k) {
-    noisy += 2 * covariance.row(k).head(k).dot(gram.row(k).head(k));
-    noisy += covariance(k, k) * gram(k, k);
+    double row = 0;
+    for (int l = 0; l < k; ++l) row += covariance(k, l) * room.sums[places.n[k][l]];
+    noisy += 2 * row + covariance(k, k) * room.sums[places.n[k][k]];
   }
-  const double points = s.share.sum(), noise_points = (s.share.array() * part).sum();
-  const double all = fit_terms - covariance.diagonal().head<fit_terms>().dot(fit.prior);
+  const double all = fit_terms - variance.dot(room.prior);
   e.noise_count = std::max(noise_points - noisy, least_count * noise_points);
   e.truncation_count = std::max(points - noise_points - (all - noisy), least_count * (points - noise_points));
-  const Eigen::ArrayXd square =
-      s.share.array() * (s.rows.col(fit_terms) - s.rows.leftCols<fit_terms>() * fit.mean).array().square();
-  e.noise = (part.square() * square).sum();
-  e.truncation = (s.g.array() > 0).select((1 - part).square() * square / s.g.array(), 0.0).sum();
+  set_residual(s, room);
+  for (Index k = 0; k < size; ++k) {
+    const double v = components.noise + components.truncation * s.g[k], part = components.noise / v;
+    const double square = s.share[k] * room.residual[k] * room.residual[k];
+    e.noise += part * part * square;
+    if (s.g[k] > 0) e.truncation += (1 - part) * (1 - part) * square / s.g[k];
+  }
   return e;
 }
 
@@ -220,19 +272,45 @@ bool have_settled(const VarianceComponents& now, const VarianceComponents& befor
 
 }  // namespace
 
+void Stencil::resize(Index places) {
+  rows.resize(places, Eigen::NoChange);
+  x.resize(places, Eigen::NoChange);
+  y.resize(places, Eigen::NoChange);
+  share.resize(places);
+  g.resize(places);
+}
+
 void Stencil::set(const Vec3& place, Index k) {
   double* const row = rows.data() + 24 * k;
   set_terms(place[0], place[1], row);
+  set_powers(place[0], x.data() + 16 * k);
+  set_powers(place[1], y.data() + 16 * k);
   row[fit_terms] = place[2];
   std::fill(row + fit_terms + 1, row + 24, 0.0);
 }
 
-PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components) {
-  RowsOf24 triangular;
-  HeaviestFirst order;
-  const Coefficients fit =
-      fit_weighted(s, components, s.share.array() / (components.noise + components.truncation * s.g.array()), triangular, order);
-  return {fit.mean, fit.prior, triangular.topLeftCorner<fit_terms, fit_terms>().transpose()};
+void FitRoom::resize(Index points) {
+  for (Eigen::VectorXd* v : {&weight, &noisy, &weighted_height, &residual}) v->resize(points);
+}
+
+PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
+  room.resize(s.share.size());
+  room.weight = s.share.array() / (components.noise + components.truncation * s.g.array());
+  room.noisy.setZero();
+  room.prior = prior_of(s, components);
+  room.normal_equations = take_root(s, room);
+  if (!room.normal_equations) reflect(s, room);
+  room.mean = solved(room.root);
+  PlaneFit fit = {room.mean, room.prior, Square::Zero()};
+  for (int i = 0; i < fit_terms; ++i)
+    for (int j = 0; j <= i; ++j) fit.lower(i, j) = room.root(j, i) * term[i].over;
+  return fit;
+}
+
+void refine(const Stencil& s, FitRoom& room, PlaneFit& fit) {
+  if (!room.normal_equations) return;
+  for (int pass = 0; pass < refinements; ++pass) correct(s, room);
+  fit.mean = room.mean;
 }
 
 FitVariances variances_of(const PlaneFit& fit) {
@@ -269,15 +347,12 @@ VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>
   components.noise = floors.noise();
   components.tilt = bend;
   components.truncation = std::pow(bend, 5) / 720 / 720;
-  std::array<std::vector<HeaviestFirst>, 3> orders;
-  for (int i = 0; i < 3; ++i) orders[i].resize(stencils[i].size());
-  Room room;
+  FitRoom room;
   bool all = false;  // every second stencil of a side tells nearly the same
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     Explained sum;
-    for (int i = 0; i < 3; ++i)
-      for (std::size_t k = all ? 0 : 1; k < stencils[i].size(); k += all ? 1 : 2)
-        sum += explain(stencils[i][k], components, orders[i][k], room);
+    for (const std::vector<Stencil>& side : stencils)
+      for (std::size_t k = all ? 0 : 1; k < side.size(); k += all ? 1 : 2) sum += explain(side[k], components, room);
     const VarianceComponents before = std::exchange(components, components_of(sum, floors));
     const bool done = have_settled(components, before, radius, all ? settled : nearly);
     if (done && all) break;

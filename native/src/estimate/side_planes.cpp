@@ -65,16 +65,18 @@ std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& co
   const int edges = side.edges();
   double tilt = 0;  // of the plane found last against the faces beside the rim: most likely that of the next one too
   Seen seen;
+  FitRoom room;
   for (int k = 0; k <= edges; ++k) {
     const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
     side.guess[k] -= tilt * outward;
     measure(w, drafts, i, k, near, search, seen);
-    PlaneFit fit = fit_plane(seen.stencil, components);
+    PlaneFit fit = fit_plane(seen.stencil, components, room);
     if (std::abs(fit.mean[2]) > flat_enough * seen.stencil.depth) {  // once more over the plane just found
       side.guess[k] = seen.stencil.e3 - fit.mean[2] / seen.stencil.depth * seen.stencil.e2;
       measure(w, drafts, i, k, near, search, seen);
-      fit = fit_plane(seen.stencil, components);
+      fit = fit_plane(seen.stencil, components, room);
     }
+    refine(seen.stencil, room, fit);
     const Stencil& s = seen.stencil;
     const Eigen::Vector2d over(1, 1 / s.depth);  // by what derivatives along and across are multiplied
     const double fx = fit.mean[1], fy = fit.mean[2] / s.depth;

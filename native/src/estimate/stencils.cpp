@@ -142,9 +142,7 @@ const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k,
 /// Places, heights and weights of the stencil's vertices about p.
 void set_rows(const LocalMesh& w, const std::vector<Share>& used, const Vec3& p, Stencil& s) {
   const Index size = static_cast<Index>(used.size());
-  s.rows.resize(size, Eigen::NoChange);
-  s.share.resize(size);
-  s.g.resize(size);
+  s.resize(size);
   s.distances = 0;
   for (Index j = 0; j < size; ++j) {
     const Vec3 d = w.position[used[j].first] - p;

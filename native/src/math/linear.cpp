@@ -133,6 +133,47 @@ TRIPATCH_INLINE void add_dots_with(const double* a, Index m, Index n, const doub
   }
 }
 
+/// Row i of a factor of 24 columns, from those above it, of which only the last `Columns` are looked at: a begins with them. False where
+/// the diagonal element is left with less than `least` of itself.
+template <class Registers, Index Columns>
+TRIPATCH_INLINE bool factor_row(double* a, Index i, double least) {
+  constexpr Index width = 24, from = width - Columns;
+  double* const row = a + i * width;
+  const double enough = least * row[i - from];
+  double taken[1][Columns];
+  Registers::product(a + i - from, 1, width, i, a, width, taken);
+  const double left = row[i - from] - taken[0][i - from], over = 1 / std::sqrt(left);
+  for (Index c = 0; c < Columns; ++c) row[c] = (row[c] - taken[0][c]) * over;
+  return left > enough;
+}
+
+template <class Registers>
+TRIPATCH_INLINE bool factor_symmetric_with(double* a, Index n, double least) {
+  for (Index i = 0; i < n; ++i) {
+    bool good = false;
+    switch (i / 8) {
+      case 0: good = factor_row<Registers, 24>(a, i, least); break;
+      case 1: good = factor_row<Registers, 16>(a + 8, i, least); break;
+      default: good = factor_row<Registers, 8>(a + 16, i, least); break;
+    }
+    if (!good) return false;
+  }
+  return true;
+}
+
+/// out (32, 16) = a' b for a (m, 32) and b (m, 16), the second half of its columns in the first eight rows only.
+template <class Registers>
+TRIPATCH_INLINE void sum_products_with(const double* a, Index m, const double* b, double* __restrict out) {
+  constexpr Index rows = Registers::rows, columns = 8, left = 32, right = 16;
+  double sum[rows][columns];
+  for (Index half = 0; half < right; half += columns)
+    for (Index i = 0; i < (half == 0 ? left : columns); i += rows) {
+      Registers::product(a + i, 1, left, m, b + half, right, sum);
+      for (Index p = 0; p < rows; ++p)
+        for (Index q = 0; q < columns; ++q) out[(i + p) * right + half + q] = sum[p][q];
+    }
+}
+
 /// m rows of 24: for each of the first n columns, fewer than 24, Householder's reflection that leaves of it what is above and its
 /// diagonal element. The rows are passed once a column: what reflects one makes the products that the next one asks for.
 template <class Registers>
@@ -166,6 +207,8 @@ struct Products {
   void (*multiply_four)(const double* a, Index k, const double* b, Index n, double* out, Index stride);  ///< n: eight or more
   void (*add_product_of_fours)(const double* a, Index m, Index k, const double* b, double* out);
   void (*add_dots)(const double* a, Index m, Index n, const double* x, double* out);
+  void (*sum_products)(const double* a, Index m, const double* b, double* out);
+  bool (*factor_symmetric)(double* a, Index n, double least);
 };
 
 #define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                           \
@@ -189,9 +232,15 @@ struct Products {
   machine void add_dots_##name(const double* a, Index m, Index n, const double* x, double* out) {                             \
     add_dots_with<Registers>(a, m, n, x, out);                                                                                \
   }                                                                                                                           \
+  machine void sum_products_##name(const double* a, Index m, const double* b, double* out) {                                  \
+    sum_products_with<Registers>(a, m, b, out);                                                                               \
+  }                                                                                                                           \
+  machine bool factor_symmetric_##name(double* a, Index n, double least) {                                                    \
+    return factor_symmetric_with<Registers>(a, n, least);                                                                     \
+  }                                                                                                                           \
   constexpr Products name = {reflect_columns_##name, add_gram_##name,      add_gram_of_triangle_##name,                       \
                              subtract_gram_##name,   multiply_four_##name, add_product_of_fours_##name,                       \
-                             add_dots_##name};
+                             add_dots_##name,        sum_products_##name,  factor_symmetric_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
@@ -306,6 +355,21 @@ TRIPATCH_FOR_EACH_MACHINE void invert_transposed(const double* __restrict r, Ind
     }
 }
 
+/// Rows of 32: the powers of x times w, n and wz, in the order of place_of_w and the others.
+TRIPATCH_FOR_EACH_MACHINE void set_weighted(const double* __restrict x, const double* w, const double* n, const double* wz,
+                                            Index m, double* __restrict out) {
+  for (Index k = 0; k < m; ++k, x += 16, out += 32) {
+    for (Index i = 0; i < 3; ++i) {
+      out[i] = w[k] * x[i];
+      out[3 + i] = n[k] * x[i];
+    }
+    for (Index i = 0; i < 8; ++i) out[8 + i] = w[k] * x[3 + i];
+    for (Index i = 0; i < 8; ++i) out[16 + i] = n[k] * x[3 + i];
+    for (Index i = 0; i < 8; ++i) out[24 + i] = wz[k] * x[i];
+    out[6] = out[7] = 0;
+  }
+}
+
 }  // namespace
 
 void add_product(const double* a, Index m, Index k, const double* b, double* out) {
@@ -314,6 +378,8 @@ void add_product(const double* a, Index m, Index k, const double* b, double* out
     for (Index x = 0; x < 3; ++x) fours[4 * j + x] = b[x * k + j];
   products.add_product_of_fours(a, m, k, fours.data(), out);
 }
+
+void add_product(const RowsOf24& a, const double* x, double* out) { products.add_dots(a.data(), a.rows(), 24, x, out); }
 
 void add_product(const RowMajor& a, const VectorRef& x, double* out) {
   products.add_dots(a.data(), a.rows(), a.cols(), x.data(), out);
@@ -349,14 +415,23 @@ void add_gram(const RowMajor& a, RowMajor& c) { products.add_gram(a.data(), a.ro
 
 void triangularize(RowsOf24& a, Index n) { products.reflect_columns(a.data(), a.rows(), n); }
 
-SquareOf24 inverse_of_gram(const RowsOf24& r, Index n) {
-  SquareOf24 half = SquareOf24::Zero(), all = SquareOf24::Zero();
+SquareOf24 inverse_of_gram(const SquareOf24& r, Index n) {
+  SquareOf24 half, all;
+  half.setZero();
+  all.setZero();
   invert_transposed(r.data(), n, half.data());
   products.add_gram_of_triangle(half.data(), n, 24, all.data());
   return all;
 }
 
-void add_gram(const RowsOf24& a, SquareOf24& c) { products.add_gram(a.data(), a.rows(), 24, c.data()); }
+bool factor_symmetric(SquareOf24& a, Index n, double least) { return products.factor_symmetric(a.data(), n, least); }
+
+void sum_powers(const WeightedPowers& of, RowsOf32& room, PowerSums& out) {
+  const Index m = of.x.rows();
+  if (room.rows() < m) room.resize(m, Eigen::NoChange);
+  set_weighted(of.x.data(), of.w, of.n, of.wz, m, room.data());
+  products.sum_products(room.data(), m, of.y.data(), out.data());
+}
 
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b) { return a.completeOrthogonalDecomposition().solve(b); }
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "tripatch/math/linear.h"
@@ -20,6 +21,7 @@ struct Stencil {
   Vec3 e1, e2, e3;           ///< along the rim, outward, normal
   double depth = 1;          ///< of a row of faces, in edges: y is over it
   RowsOf24 rows;             ///< the terms at the places, in column fit_terms the height, then 0
+  RowsOf16 x, y;             ///< powers of the coordinates from 0 to twice the degree, then 0
   Eigen::VectorXd share, g;  ///< weight by place, radius^(2 degree + 2)
   double distances = 0;      ///< of the places, their sum
   double faces = 0;          ///< slope across the rim of the faces beside it
@@ -28,6 +30,7 @@ struct Stencil {
   int slope_order = 4;       ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
   double slope_truncation = 0;
 
+  void resize(Index places);
   /// Row k: of a place (x, y, height).
   void set(const Vec3& place, Index k);
 };
@@ -49,7 +52,24 @@ struct PlaneFit {
   Square lower;        ///< a Cholesky factor of the inverse covariance, its diagonal of any sign
 };
 
-PlaneFit fit_plane(const Stencil& stencil, const VarianceComponents& components);
+/// Room for fits that is used again and again, and what the last one leaves in it.
+struct FitRoom {
+  Eigen::VectorXd weight, noisy, weighted_height, residual;
+  RowsOf32 powers;
+  PowerSums sums;
+  RowsOf24 rows;
+  std::vector<std::pair<double, Index>> order;
+  /// r of the weighted x^i y^j and their prior = q r, in column fit_terms the heights likewise.
+  SquareOf24 root = SquareOf24::Zero();
+  PlaneFit::Column prior, mean;   ///< of the terms
+  bool normal_equations = false;  ///< made the root, and know the mean to some digits only
+
+  void resize(Index points);
+};
+
+PlaneFit fit_plane(const Stencil& stencil, const VarianceComponents& components, FitRoom& room);
+/// The mean of a fit just made to its last digits.
+void refine(const Stencil& stencil, FitRoom& room, PlaneFit& fit);
 
 /// How well it is known.
 struct FitVariances {

@@ -2,6 +2,7 @@
 // here they are compiled once.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "tripatch/types.h"
@@ -39,6 +40,9 @@ Eigen::MatrixXd orthonormalization(const MatrixRef& a);
 /// Rows and columns of a matrix by their numbers.
 Eigen::MatrixXd submatrix(const MatrixRef& a, const std::vector<Index>& rows, const std::vector<Index>& columns);
 
+/// Small systems of up to 24 unknowns, the rest of each row being zero: three registers of eight, or six of four.
+using RowsOf24 = Eigen::Matrix<double, Eigen::Dynamic, 24, Eigen::RowMajor>;
+using SquareOf24 = Eigen::Matrix<double, 24, 24, Eigen::RowMajor>;
 /// Adds a' a to c, of which only the lower triangle is kept up, for a (m, n) and c (n, n).
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 void add_gram(const RowMajor& a, RowMajor& c);
@@ -47,20 +51,35 @@ void multiply_four(const double* a, Index k, const double* b, Index n, double* o
 /// out += a b for a (m, k), by rows, and three columns b (k, 3), by columns; out (m, 3) by rows.
 void add_product(const double* a, Index m, Index k, const double* b, double* out);
 /// out += a x for a (m, n), by rows.
+void add_product(const RowsOf24& a, const double* x, double* out);
 void add_product(const RowMajor& a, const VectorRef& x, double* out);
 /// a x for a symmetric a (n, n), all of which is there.
 Eigen::VectorXd symmetric_product(const Eigen::MatrixXd& a, const VectorRef& x);
 /// The symmetric matrix whose lower triangle is that of the first n rows and columns of a.
 Eigen::MatrixXd symmetric_of_lower(const RowMajor& a, Index n);
 
-/// Small systems of up to 24 unknowns, the rest of each row being zero: three registers of eight, or six of four.
-using RowsOf24 = Eigen::Matrix<double, Eigen::Dynamic, 24, Eigen::RowMajor>;
-using SquareOf24 = Eigen::Matrix<double, 24, 24, Eigen::RowMajor>;
 /// Orthogonal triangularization in place: the first n columns of a become those of r in a = q r, the others q' times themselves.
 void triangularize(RowsOf24& a, Index n);
-/// Of (r' r)^-1 the lower triangle, for the upper triangular r in the first n columns of n rows.
-SquareOf24 inverse_of_gram(const RowsOf24& r, Index n);
-void add_gram(const RowsOf24& a, SquareOf24& c);
+/// Of (r' r)^-1 the lower triangle, for the upper triangular r in the first n rows and columns.
+SquareOf24 inverse_of_gram(const SquareOf24& r, Index n);
+/// r of a = r' r in place of the upper triangle of the first n rows and columns of a, symmetric, of which that is read; the columns after
+/// them become r'^-1 times themselves, and what is below means nothing. False where a diagonal element is left with less than `least` of
+/// itself: rounding, as far as it counts.
+bool factor_symmetric(SquareOf24& a, Index n, double least);
+
+/// Sums of w x^i y^j and n x^i y^j for i + j <= 10 and of w z x^i y^j for i, j <= 5, over points with rows of powers (m, 16) from 0 to
+/// 10, then 0: where they are in `out` say the functions below. room: for what is summed up.
+using RowsOf16 = Eigen::Matrix<double, Eigen::Dynamic, 16, Eigen::RowMajor>;
+using RowsOf32 = Eigen::Matrix<double, Eigen::Dynamic, 32, Eigen::RowMajor>;
+struct WeightedPowers {
+  const RowsOf16 &x, &y;
+  const double *w, *n, *wz;
+};
+using PowerSums = std::array<double, 32 * 16>;
+constexpr int place_of_w(int i, int j) { return 16 * (i < 3 ? i : 5 + i) + j; }
+constexpr int place_of_n(int i, int j) { return 16 * (i < 3 ? 3 + i : 13 + i) + j; }
+constexpr int place_of_wz(int i, int j) { return 16 * (24 + i) + j; }
+void sum_powers(const WeightedPowers& of, RowsOf32& room, PowerSums& out);
 
 /// (x, y) such that x a + y b is nearest to v; the shortest such where a and b are parallel or zero.
 Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v);
