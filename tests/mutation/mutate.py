@@ -175,14 +175,18 @@ def run(command, seconds=None, **more):
 
 
 def copied(folders):
-    TREE.mkdir(parents=True, exist_ok=True)
+    """What has changed only: a file that a mutant has left is newer than what was compiled from the mutant, and stays so."""
     for name in folders:
-        there = TREE / name
-        if (ROOT / name).is_dir():
-            shutil.rmtree(there, ignore_errors=True)  # files keep their times, so that only what has changed is built again
-            shutil.copytree(ROOT / name, there, ignore=shutil.ignore_patterns("__pycache__"), symlinks=False)
-        else:
-            shutil.copy2(ROOT / name, there)
+        own = ROOT / name
+        files = [p for p in own.rglob("*") if p.is_file() and "__pycache__" not in p.parts] if own.is_dir() else [own]
+        wanted = {TREE / path.relative_to(ROOT): path for path in files}
+        for there, path in wanted.items():
+            if not there.is_file() or there.read_bytes() != path.read_bytes():
+                there.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, there)
+        for there in (TREE / name).rglob("*"):
+            if there.is_file() and there not in wanted:
+                there.unlink()
 
 
 class Cpp:
