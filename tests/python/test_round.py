@@ -187,6 +187,81 @@ def test_quads_in_a_round_rim_are_rings_about_a_grid(edges, profile):
     assert sum(len(f) == 3 for f in one.faces) >= edges % 2 and len(one.split_edges[0]) == 0
 
 
+def rim_end(radial, axial, bend):
+    """A round rim of radius 1; outwards the surroundings run in this direction, of length 1, and bend so along it."""
+
+    def around(radial, axial):
+        return lambda t: np.column_stack([radial * np.cos(2 * np.pi * t), radial * np.sin(2 * np.pi * t), axial + 0 * t])
+
+    def along(t):
+        return 2 * np.pi * np.column_stack([-np.sin(2 * np.pi * t), np.cos(2 * np.pi * t), 0 * t])
+
+    return tripatch.Side.from_functions(around(1, 0), along, around(radial, axial), q=around(0, bend))
+
+
+def end_of(slope, bend):
+    """The rim of a profile z(r) with these derivatives at r = 1."""
+    steep = np.hypot(1, slope)
+    return rim_end(1 / steep, slope / steep, bend / steep**2)
+
+
+def cone_end(angle):
+    """That of a cone whose lines make this angle with its axis: 0 a tube, below that a funnel."""
+    return rim_end(np.sin(np.radians(angle)), -np.cos(np.radians(angle)), 0)
+
+
+def height(patch):
+    return patch.evaluate(np.zeros((1, 2)))[0, 2]
+
+
+def cone(angle, edges, rings=4):
+    turn, step, a = 2 * np.pi * np.arange(edges) / edges, 2 * np.pi / edges, np.radians(angle)
+    rows = []
+    for j in range(rings + 1):
+        r = 1 + step * j * np.sin(a)
+        rows.append(np.column_stack([r * np.cos(turn), r * np.sin(turn), np.full(edges, -step * j * np.cos(a))]))
+    return np.concatenate(rows), revolved("tube", edges, rings)[1]
+
+
+def test_caps_of_cones_become_lower_evenly_as_the_cone_becomes_flatter():
+    heights = np.array([height(tripatch.patch([cone_end(a)], fairing="auto")) for a in range(-35, 86, 5)])
+    assert (np.diff(heights) < 0).all()
+    assert np.abs(np.diff(heights, 2)).max() < 0.1
+    assert 1 < heights[7] < 2 and heights[-1] < 0.1  # of a tube, of a cone that is nearly a disc
+
+
+@pytest.mark.parametrize("angle", [-20, 0, 5, 20, 40, 60])
+def test_caps_of_cones_hang_little_on_the_number_of_edges(angle):
+    exact = height(tripatch.patch([cone_end(angle)], fairing="auto"))
+    for edges in (12, 16, 24, 40, 48, 64):
+        vertices, faces = cone(angle, edges)
+        fill = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), method="multi_sided")
+        assert abs(height(fill.patch) / exact - 1) < 0.1, edges
+
+
+@pytest.mark.parametrize("angle", [-20, 0, 40])
+def test_the_curvature_of_a_cone_goes_on_in_its_cap(angle):
+    patch, rim = tripatch.patch([cone_end(angle)], fairing="auto"), np.array([[1.0, 0.0]])
+    _, first, second = patch.evaluate(rim, 2)
+    assert abs(second[0, 0] @ patch.normal(rim)[0]) / (first[0, 0] @ first[0, 0]) < 0.02  # that of a sphere: 0.6 to 1
+
+
+@pytest.mark.parametrize(
+    ("slope", "bend", "profile"),
+    [
+        (-2, -2, lambda r: 1 - r * r),
+        (-1 / 3**0.5, -4 / 27**0.5, lambda r: np.sqrt(4 - r * r) - 3**0.5),
+        (-(3**0.5), -12 / 27**0.5, lambda r: 3 * np.sqrt(4 - r * r) - 27**0.5),
+    ],
+    ids=["paraboloid", "sphere", "ellipsoid"],
+)
+def test_caps_of_blunt_quadrics_are_the_quadrics(slope, bend, profile):
+    points = tripatch.patch([end_of(slope, bend)], fairing="auto").evaluate(
+        np.column_stack([np.linspace(0, 1, 30), np.zeros(30)])
+    )
+    assert np.abs(points[:, 2] - profile(np.hypot(points[:, 0], points[:, 1]))).max() < 2e-3
+
+
 @pytest.mark.parametrize("edges", [12, 16, 24, 32, 40, 64])
 def test_the_cap_of_a_tube_is_about_as_high_as_wide(edges):
     """Caps have ever less energy the longer they are: descent must not follow that."""

@@ -5,6 +5,7 @@
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/polygon/revolved.h"
 #include "tripatch/polygon/round_problem.h"
 
 namespace tripatch {
@@ -151,13 +152,66 @@ std::vector<Harmonic> with_curvature(const std::vector<Harmonic>& terms, const S
   return sum_of(terms, {Harmonic::Zero(1, 3), Harmonic::Zero(1, 3), fourier(lacking, 2 * order + 4)});
 }
 
+/// The fairest among surfaces of revolution, where the base is one and neither slopes nor tension are a person's; false where that is
+/// not so, or what comes out would fold more than the base.
+bool made_of_revolution(RoundPatch& made, std::vector<Harmonic>& terms, const RoundBase& base, const FairingOptions& fairing) {
+  const bool geometric = fairing.energy == Fairing::automatic || fairing.energy == Fairing::minimum_variation;
+  if (!geometric || !base.slopes_free || base.position_only || fairing.tension > 0) return false;
+  const std::optional<Eigen::Matrix3d> axis = axis_of(base);
+  if (!axis) return false;
+  const std::optional<std::vector<Harmonic>> found = fairest_of_revolution(base, *axis, fairing.energy, fairing.curvature_jump);
+  if (!found) return false;
+  const RoundSurface before(base.terms), after(*found);
+  const double energy = round_energy(after, fairing.energy);
+  const Index folds = count_round_folds(after);
+  if (folds > made.folds || energy > hopeless) return false;
+  terms = *found;
+  made.fairing = name_of(fairing.energy);
+  made.energy_before = round_energy(before, fairing.energy);
+  made.energy_after = energy;
+  made.folds = folds;
+  made.of_revolution = true;
+  return true;
+}
+
+/// The fairest among all, as long as it does not fold more than the base.
+void made_fair(RoundPatch& made, std::vector<Harmonic>& terms, const RoundBase& base, const RoundBase& measured,
+               const FairingOptions& fairing) {
+  const Candidates<RoundProblem> found = is_quadratic(fairing.energy)
+                                             ? quadratic_candidates<RoundProblem>(measured, fairing, base.size)
+                                             : geometric_candidates<RoundProblem>(measured, fairing);
+  const std::optional<Eigen::Matrix3d> axis = axis_of(base);
+  made.fairing = name_of(fairing.energy);
+  made.energy_before = made.energy_after = std::isnan(found.before) ? 0 : found.before;
+  made.gave_up = found.beyond && made.folds == 0;
+  made.of_revolution = axis.has_value();
+  if (made.gave_up) {
+    made.warnings = {
+        "The surroundings vary too rapidly over the length of the hole to be continued fairly; the plain patch is used"};
+    return;
+  }
+  for (const Candidate& candidate : found.best_first) {
+    if (!(candidate.energy <= made.energy_before)) continue;
+    std::vector<Harmonic> now = sum_of(base.terms, found.problem->correction(candidate.x, base, axis));
+    now = terms_through(std::move(now), base.through, base.size);
+    const Index folds = count_round_folds(RoundSurface(now));
+    if (folds > made.folds) {
+      made.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
+      continue;
+    }
+    terms = std::move(now);
+    made.folds = folds;
+    made.energy_after = candidate.energy;
+    break;
+  }
+}
+
 RoundPatch round_made(const Side& side, const PolygonPatchOptions& options, const RoundAsked& asked, double size) {
   RoundPatch made;
   const RoundBase base = round_base(side, asked, size, asked.order);
   made.side = base.side;
   std::vector<Harmonic> terms = base.terms;
-  const auto fold_count = [](const std::vector<Harmonic>& of) { return count_round_folds(RoundSurface(of)); };
-  made.folds = fold_count(terms);
+  made.folds = count_round_folds(RoundSurface(terms));
   if (options.fairing) {
     FairingOptions fairing;
     fairing.energy = *options.fairing;
@@ -165,36 +219,12 @@ RoundPatch round_made(const Side& side, const PolygonPatchOptions& options, cons
     fairing.degree = 6;
     fairing.slopes = 5;  // constant, and two waves
     if (!asked.through.empty()) fairing.center = asked.through[0].point;
-    const RoundBase measured = round_base(side, asked, size, std::min(asked.order, measured_waves));
-    const Candidates<RoundProblem> found = is_quadratic(fairing.energy)
-                                               ? quadratic_candidates<RoundProblem>(measured, fairing, size)
-                                               : geometric_candidates<RoundProblem>(measured, fairing);
-    const std::optional<Eigen::Matrix3d> axis = axis_of(base);
-    made.fairing = name_of(fairing.energy);
-    made.energy_before = made.energy_after = std::isnan(found.before) ? 0 : found.before;
-    made.gave_up = found.beyond && made.folds == 0;
-    made.of_revolution = axis.has_value();
-    if (made.gave_up)
-      made.warnings = {
-          "The surroundings vary too rapidly over the length of the hole to be continued fairly; the plain patch is used"};
-    for (const Candidate& candidate : found.best_first) {
-      if (made.gave_up || !(candidate.energy <= made.energy_before)) continue;
-      std::vector<Harmonic> now = sum_of(base.terms, found.problem->correction(candidate.x, base, axis));
-      now = terms_through(std::move(now), asked.through, size);
-      const Index folds = fold_count(now);
-      if (folds > made.folds) {
-        made.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
-        continue;
-      }
-      terms = std::move(now);
-      made.folds = folds;
-      made.energy_after = candidate.energy;
-      break;
-    }
+    if (!made_of_revolution(made, terms, base, fairing))
+      made_fair(made, terms, base, round_base(side, asked, size, std::min(asked.order, measured_waves)), fairing);
   }
   if (asked.continuity == SideContinuity::g2) {
     terms = terms_through(with_curvature(terms, base.side, asked.order), asked.through, size);
-    made.folds = fold_count(terms);
+    made.folds = count_round_folds(RoundSurface(terms));
   }
   made.patch = std::make_shared<const RoundSurface>(std::move(terms));
   return made;

@@ -16,9 +16,9 @@ namespace tripatch {
 namespace {
 
 constexpr int round_orthonormal_nodes = 8;
-/// Slopes at the rim grow by no more than this. The end of a tube has caps with ever less energy the longer they are, for a cylinder is a
-/// quadric too: without a bound descent left the valley of caps about as high as wide for some numbers of edges, up to 1,900 diameters
-/// high. With 5 caps of tubes of 12 to 64 edges are 0.7 to 0.95 of the diameter high, with 4 some stay flat, with 6 some leave the valley.
+/// Slopes at the rim grow by no more than this. Near the end of a tube caps have ever less energy the longer they are, for a cylinder is a
+/// quadric too: without a bound descent left the valley of caps about as high as wide, up to 1,900 diameters high. Caps of revolution
+/// are found in another way (revolved.h).
 constexpr double most_slope = 5;
 /// Of the size: where inner points are farther from the patch than that the equations had no solution.
 constexpr double round_points_met = 1e-6;
