@@ -51,6 +51,8 @@ constexpr double most_fed_back = 0.75;
 /// longer than all the rest. Shorter ones are not: laid out, spheres under noise are twice as near.
 constexpr Index long_rim = 400;
 constexpr double most_leaning = 0.5;  // cosine
+/// And the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those of the rings.
+constexpr int edges_in_layouts = 20;
 /// Degrees of the reference. Of known surfaces with no noise, holes to half a ball: with degree 4 foot points are smooth enough that
 /// the field's distance from the truth falls to a hundredth of that over the layout; higher degrees follow the layout's noise, and
 /// noise of 2% of an edge. Scanned and modelled meshes have details: around 250 holes of them degree 6 is 5% nearer, 7 no more.
@@ -306,6 +308,16 @@ void meet(const std::vector<Through>& through, const PlaneFillOptions& options, 
     result.made.points.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
+PlanePolygon polygon_of(const Rim& rim, const PlanePoints& uv) {
+  PlanePolygon polygon;
+  polygon.uv = uv;
+  if (uv.allFinite()) polygon.triangles = domain_triangles(uv, rim);
+  polygon.points = rim.points;
+  polygon.rim = rim.points.rows();
+  polygon.joined = rim.surroundings.joined;
+  return polygon;
+}
+
 std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vector<Index>& samples, const FieldOptions& fields,
                                const PlaneFillOptions& options, const Attempt* before) {
   std::optional<PlanePoints> uv;
@@ -328,17 +340,12 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
     const Points rim_points = disc.points.topRows(disc.rim);
     result.rim_uv = uv->topRows(disc.rim);
     if (on_reference) result.rim_uv = reference.foot_points(result.rim_uv, rim_points);
-    PlanePolygon polygon;
-    polygon.uv = result.rim_uv;
-    polygon.triangles = result.rim_uv.allFinite() ? domain_triangles(result.rim_uv, rim) : Triangles();
+    PlanePolygon polygon = polygon_of(rim, result.rim_uv);
     if (polygon.triangles.empty()) continue;
     const PlanePoints parameters = on_reference ? reference.foot_points(laid, at) : laid;
     if (!parameters.allFinite()) continue;
     result.surface = result.field = std::make_shared<Field>(parameters, at, fields);
     if (!stay(looked_at(*result.field, result.rim_uv, polygon.triangles), rim)) return {};
-    polygon.points = rim.points;
-    polygon.rim = disc.rim;
-    polygon.joined = rim.surroundings.joined;
     result.made = remesh(polygon, options.resolution, *result.field);
     if (!rim.through.empty() || options.planes.rows() > 0) meet(rim.through, options, polygon, result);
     if (result.made.points.allFinite()) return result;
@@ -540,8 +547,11 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
                                 const PlaneFillOptions& options) {
   std::optional<Attempt> result;
   double area = rim.area, change = 0;
+  const bool coarse = disc.rim > long_rim && options.through.empty() && options.planes.rows() == 0 && !options.resolution;
+  PlaneFillOptions in_layouts = options;
+  if (coarse) in_layouts.resolution = edges_in_layouts;
   for (int round = 0; round < layouts; ++round) {
-    std::optional<Attempt> next = attempt(disc, rim, samples, fields, options, result ? &*result : nullptr);
+    std::optional<Attempt> next = attempt(disc, rim, samples, fields, in_layouts, result ? &*result : nullptr);
     if (!next || !stay(next->made.points, rim)) break;
     const double now = area_of(next->made.points, next->made.triangles);
     const bool as_good_as_it_gets = next->from_above || next->field->noise() > too_rough * rim.edge;
@@ -553,6 +563,9 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
     area = now;
     if (settled) break;
   }
+  if (!coarse || !result) return result;
+  result->made = remesh(polygon_of(rim, result->rim_uv), options.resolution, *result->field);
+  if (!result->made.points.allFinite() || !stay(result->made.points, rim)) return {};
   return result;
 }
 
