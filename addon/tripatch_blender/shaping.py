@@ -101,9 +101,8 @@ class _Between:
     def _center(self, bulge):
         """The middle of the patch of a bulge and its normal."""
         if bulge not in self._centers:
-            patch = self._patch(bulge=bulge)
-            place = np.full((1, 3), 1 / 3) if len(self._sides) == 3 and not hasattr(patch, "domain") else None
-            place = patch.domain.mean(axis=0)[None] if place is None else place
+            patch: Any = self._patch(bulge=bulge)
+            place = patch.domain.mean(axis=0)[None] if hasattr(patch, "domain") else np.full((1, 3), 1 / 3)
             self._centers = {bulge: (patch.evaluate(place)[0], patch.normal(place)[0])}
         return self._centers[bulge]
 

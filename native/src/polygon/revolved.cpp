@@ -11,6 +11,7 @@
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/math/smoothstep.h"
 #include "tripatch/math/ties.h"
 
 namespace tripatch {
@@ -53,11 +54,6 @@ double derivative_at(const Monomials& p, int order, double rho) {
     sum = sum * rho + factor;
   }
   return sum;
-}
-
-double smooth_step(double x, double from, double to) {
-  const double s = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return s * s * (3 - 2 * s);
 }
 
 /// Radius and height over the rim's radius, and what is wanted of them.
@@ -141,7 +137,7 @@ void Profile::want_curvature(const RoundBase& base, const Eigen::Matrix3d& frame
   const double unknown = deviations_of_mesh * base.side.curvature_error * radius_;
   tolerated_ = std::hypot(curvature_jump * std::sqrt(squares), std::min(unknown, most_unknown * std::sqrt(squares)));
   const double sure = std::copysign(std::max(std::abs(bend_) - base.side.curvature_error * radius_, 0.0), bend_);
-  quadric_counts_ = smooth_step(sure * parallel / squares, no_blunt_quadric, blunt_quadric);
+  quadric_counts_ = smoothstep((sure * parallel / squares - no_blunt_quadric) / (blunt_quadric - no_blunt_quadric));
 }
 
 Profile::Value Profile::at(const Eigen::VectorXd& y) const {
