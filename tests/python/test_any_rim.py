@@ -6,7 +6,9 @@ import itertools
 import numpy as np
 import pytest
 import tripatch
+from scipy.spatial import ConvexHull
 from shapes import corner_removed, cube_sphere, octant
+from tripatch import words
 
 
 def irregular(surface, n=24, seed=0, noise=0.0, cut=0.45, shape="round"):
@@ -185,8 +187,8 @@ def test_the_patch_is_evaluated_at_places_of_the_plane(noise):
 def test_the_seam_of_a_surface_for_any_rim_is_as_good_as_its_surroundings_are_known():
     vertices, faces = irregular(hill, noise=0.02)
     fill = tripatch.fill(vertices, faces, rim=inner_rim(faces), method="polyharmonic_spline")
-    known = tripatch.words.degrees(fill.report.surroundings_error)
-    assert tripatch.words.filled([fill.report]) == f"Filled 1 hole; seam within {known} (surroundings known to {known})"
+    known = words.degrees(fill.report.surroundings_error)
+    assert words.filled([fill.report]) == f"Filled 1 hole; seam within {known} (surroundings known to {known})"
     assert fill.report.continuity == ["G1"] and len(fill.report.seam_angle_max_by_side) == 1
 
 
@@ -338,3 +340,29 @@ def test_between_fillets_where_curvature_jumps_the_patch_is_taken_not_the_spline
         assert fill.report.method == "multi_sided"
         assert np.abs(np.hypot(np.hypot(x, y) - 0.3, z) - 0.3).max() < 5e-4
         assert fill.report.surroundings_error < 0.2
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_a_long_jagged_rim_that_leans_every_way_is_followed_and_not_filled_flat(noise):
+    """A cap of 60 degrees, gone from a ball of fine triangles: a flat fill would be a tenth of its width off."""
+    edge, lean = 0.0113, np.radians(60)
+    k = np.arange(int(4 * np.pi / (edge**2 * 0.866))) + 0.5
+    z, turn = 1 - 2 * k / len(k), np.pi * (1 + 5**0.5) * k
+    points = np.stack([np.cos(turn) * np.sqrt(1 - z * z), np.sin(turn) * np.sqrt(1 - z * z), z], axis=1)
+    points += edge * np.random.default_rng(3).uniform(-0.3, 0.3, points.shape)
+    points = points[np.abs(np.arccos(np.clip(points[:, 2], -1, 1)) - lean) < 30 * edge]
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    faces = ConvexHull(points).simplices
+    normals = np.cross(*(points[faces[:, j]] - points[faces[:, 0]] for j in (1, 2)))
+    inward = (normals * points[faces].mean(1)).sum(axis=1) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    at = np.arccos(np.clip(points[faces].mean(1)[:, 2], -1, 1))
+    faces = faces[(at > lean) & (at < lean + 25 * edge)]
+    points += edge * noise * np.random.default_rng(7).normal(size=points.shape)
+    upper = (loop for loop in tripatch.find_holes(faces) if points[loop, 2].mean() > np.cos(lean + 5 * edge))
+    rim = max(upper, key=len)
+    fill = tripatch.fill(points, faces, rim=rim)
+    assert len(rim) > 500 and fill.report.method == "polyharmonic_spline"
+    off = np.abs(np.linalg.norm(fill.vertices, axis=1) - 1)
+    assert np.sqrt((off**2).mean()) < 0.05 * 2 * np.sin(lean)
+    assert np.mean(off < 2 * fill.deviation) > 0.8, "what it says of how well it is known is so"
