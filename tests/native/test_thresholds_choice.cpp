@@ -29,7 +29,8 @@ struct Two {
     spline.uv = PlanePoints(n, 2);
     spline.vertices = patch.vertices = Points::Zero(n, 3);
     for (Index k = 0; k < n; ++k) {
-      const Vec2 at(0.2 * static_cast<double>(k % 5), 0.2 * static_cast<double>(k / 5));
+      const Index row = k / 5;
+      const Vec2 at(0.2 * static_cast<double>(k % 5), 0.2 * static_cast<double>(row));
       spline.uv.row(k) = at;
       spline.vertices.row(k).head<2>() = at;
       patch.vertices.row(k) << at[0] + 0.01, at[1], apart;
