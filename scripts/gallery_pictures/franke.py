@@ -2,14 +2,13 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-import tripatch
 from comparison.page import provenance
 from frankes_functions import DEGREE, FUNCTIONS, POINTS, errors, sides, surface, triangles
 
+from .methods import METHODS
 from .render import CLAY, Scene, save, save_figure, unit
 
 SLOPES = ("consistent", "given", "as_printed")
-METHODS = {name: about for name, about in tripatch.METHODS.items() if about.sides == (3, 3)}
 
 
 def number(x):

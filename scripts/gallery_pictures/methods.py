@@ -7,6 +7,8 @@ import tripatch
 
 from .render import CLAY, GREY, INK, Scene, of_rectangle, save
 
+#: Those that join three sides.
+METHODS = {name: about for name, about in tripatch.METHODS.items() if about.sides == (3, 3)}
 DEGREE = 6
 SPEEDS = (1.1, 0.8, 0.95)  # across the sides
 
@@ -43,7 +45,7 @@ def draw(folder):
     rectangles = surroundings()
     sides = [tripatch.Side(r, 0) for r in rectangles]
     view = (-90, 58)
-    for method in (name for name, about in tripatch.METHODS.items() if about.sides == (3, 3)):
+    for method in METHODS:
         patch = tripatch.patch(sides, method=method)
         plain, striped = Scene(*view), Scene(*view, stripes=20)
         for i, r in enumerate(rectangles):

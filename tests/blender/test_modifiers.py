@@ -115,32 +115,43 @@ def evaluated(ob):
     return bm
 
 
-@pytest.mark.parametrize("choice", ["nothing", "rim", "one vertex"])
-@pytest.mark.parametrize("output", ["triangles", "quads"])
-def test_half_of_a_hole_on_the_mirror_plane_is_filled_and_meets_its_image(output, choice):
-    ob = add_half()
+def filled_part(ob, output, choice, inward):
+    """Fills the part of a hole that mirror planes leave, chosen by nothing, its rim or its vertex of the largest `inward`; where
+    the new vertices are, which come after the old ones."""
     old, first = len(ob.data.vertices), [tuple(v.co) for v in ob.data.vertices]
     (bm,) = scenes.edit(ob)
     rim = [v for v in bm.verts if v.is_boundary and np.hypot(*v.co.xy) < 0.7]
     if choice == "rim":
         scenes.select(bm, rim)
     elif choice == "one vertex":
-        scenes.select(bm, [max(rim, key=lambda v: v.co.x)])
+        scenes.select(bm, [max(rim, key=inward)])
     assert smooth(output=output) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert not ob.data.validate(verbose=True)
     points = np.array([v.co for v in ob.data.vertices])
     assert [tuple(p) for p in points[:old].tolist()] == first and len(points) > old
-    new = points[old:]
-    assert new[:, 0].min() == 0 and (new[:, 0] == 0).sum() >= 2, "vertices on the plane, none beyond"
-    assert np.abs(new[:, 2] - height(new[:, 0], new[:, 1])).max() < 5e-3
-    assert sum(p.select for p in ob.data.polygons) == len([p for p in ob.data.polygons if p.index >= 0 and p.select])
+    return points[old:]
+
+
+def meets_its_images(ob, off_planes):
+    """The whole that the modifiers show is closed but for its border, and smooth where the images meet."""
     whole = evaluated(ob)
     loops = scenes.border_loops(whole)
     assert len(loops) == 1 and len(loops[0]) == 80, "only the outer border of the sheet is left"
-    middle = [e for e in whole.edges if all(abs(v.co.x) < 1e-6 and np.hypot(*v.co.xy) < 0.41 for v in e.verts)]
+    middle = [e for e in whole.edges if all(off_planes(v) < 1e-6 and np.hypot(*v.co.xy) < 0.41 for v in e.verts)]
     assert middle and all(len(e.link_faces) == 2 for e in middle)
     assert max(np.degrees(e.calc_face_angle()) for e in middle) < 8  # faces of this size: a smooth surface has that
+
+
+@pytest.mark.parametrize("choice", ["nothing", "rim", "one vertex"])
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_half_of_a_hole_on_the_mirror_plane_is_filled_and_meets_its_image(output, choice):
+    ob = add_half()
+    new = filled_part(ob, output, choice, lambda v: v.co.x)
+    assert new[:, 0].min() == 0 and (new[:, 0] == 0).sum() >= 2, "vertices on the plane, none beyond"
+    assert np.abs(new[:, 2] - height(new[:, 0], new[:, 1])).max() < 5e-3
+    assert sum(p.select for p in ob.data.polygons) == len([p for p in ob.data.polygons if p.index >= 0 and p.select])
+    meets_its_images(ob, lambda v: abs(v.co.x))
 
 
 def add_quarter(n=20, middle=(0.0, 0.0), objects=False, radius=0.42):
@@ -165,27 +176,10 @@ def add_quarter(n=20, middle=(0.0, 0.0), objects=False, radius=0.42):
 @pytest.mark.parametrize(("output", "two"), [("triangles", False), ("triangles", True), ("quads", False)])
 def test_a_quarter_of_a_hole_between_two_mirror_planes_is_filled_and_meets_its_images(output, two, choice):
     ob = add_quarter(objects=two)
-    old, first = len(ob.data.vertices), [tuple(v.co) for v in ob.data.vertices]
-    (bm,) = scenes.edit(ob)
-    rim = [v for v in bm.verts if v.is_boundary and np.hypot(*v.co.xy) < 0.7 and max(v.co.xy) < 0.9]
-    if choice == "rim":
-        scenes.select(bm, rim)
-    elif choice == "one vertex":
-        scenes.select(bm, [max(rim, key=lambda v: min(v.co.xy))])
-    assert smooth(output=output) == {"FINISHED"}
-    bpy.ops.object.mode_set(mode="OBJECT")
-    assert not ob.data.validate(verbose=True)
-    points = np.array([v.co for v in ob.data.vertices])
-    assert [tuple(p) for p in points[:old].tolist()] == first and len(points) > old
-    new = points[old:]
+    new = filled_part(ob, output, choice, lambda v: min(v.co.xy))
     assert new[:, :2].min() == 0 and np.abs(new[:, :2]).sum(axis=1).min() == 0, "a vertex on both planes, none beyond"
     assert np.abs(new[:, 2] - 0.4 * np.cos(1.2 * new[:, 0]) * np.cos(new[:, 1])).max() < 5e-3
-    whole = evaluated(ob)
-    loops = scenes.border_loops(whole)
-    assert len(loops) == 1 and len(loops[0]) == 80, "only the outer border of the sheet is left"
-    middle = [e for e in whole.edges if all(min(abs(v.co.x), abs(v.co.y)) < 1e-6 and v.co.xy.length < 0.41 for v in e.verts)]
-    assert middle and all(len(e.link_faces) == 2 for e in middle)
-    assert max(np.degrees(e.calc_face_angle()) for e in middle) < 8
+    meets_its_images(ob, lambda v: min(abs(v.co.x), abs(v.co.y)))
 
 
 @pytest.mark.parametrize("middle", [(0.0, 0.5), (0.5, 0.0), (0.5, 0.5)])

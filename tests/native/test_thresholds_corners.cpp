@@ -143,8 +143,7 @@ TEST_CASE("what turns beside a corner is part of it, up to 75 degrees", "[thresh
 }
 
 TEST_CASE("a rim has twelve corners at most that are told", "[thresholds]") {
-  const auto said = [](int corners) -> std::string {
-    const PlaneRim rim = straight({360.0 / corners}, corners, {8});
+  const auto said = [](const PlaneRim& rim) -> std::string {
     try {
       three_corners(rim.mesh(), Connectivity(rim.mesh()), rim.rim);
     } catch (const Refusal& refusal) {
@@ -152,17 +151,9 @@ TEST_CASE("a rim has twelve corners at most that are told", "[thresholds]") {
     }
     return "";
   };
-  CHECK(said(8) == "Rim has 8 corners; select three");
+  CHECK(said(straight({360.0 / 8}, 8, {8})) == "Rim has 8 corners; select three");
   // from ten on corners turn by less than 40 degrees; twelve are those of a star
-  const auto star = [](int points) -> std::string {
-    const PlaneRim rim = straight({360.0 / points + 60, -60}, points, {6, 6});
-    try {
-      three_corners(rim.mesh(), Connectivity(rim.mesh()), rim.rim);
-    } catch (const Refusal& refusal) {
-      return refusal.what();
-    }
-    return "";
-  };
-  CHECK(star(12) == "Rim has 12 corners; select three");
-  CHECK(star(13) == "Rim has more than 12 corners; select three");
+  const auto star = [](int points) { return straight({360.0 / points + 60, -60}, points, {6, 6}); };
+  CHECK(said(star(12)) == "Rim has 12 corners; select three");
+  CHECK(said(star(13)) == "Rim has more than 12 corners; select three");
 }

@@ -8,9 +8,6 @@
 namespace tripatch {
 namespace {
 
-/// Of the size: ends that are nearer count as one point, and are made one. What coordinates in single precision, as files and Blender
-/// have them, leave of a common point with some digits to spare.
-constexpr double sides_meet = 1e-6;
 /// Sine of the angle between two tangents up to which they span no plane, 2 degrees: at 100 edges a round rim turns by 3.6.
 constexpr double one_direction = 0.035;
 /// Places between the corners at which the planes of a side that is not continued are set.

@@ -122,10 +122,9 @@ std::array<double, 3> curvature_mismatch(const Sides& sides) {
 }
 
 std::array<bool, 3> curvature_agrees(const Sides& sides) {
-  constexpr double agreement = 0.5;
   const std::array<double, 3> mismatch = curvature_mismatch(sides);
   std::array<bool, 3> agree;
-  for (int i = 0; i < 3; ++i) agree[i] = mismatch[(i + 1) % 3] <= agreement && mismatch[(i + 2) % 3] <= agreement;
+  for (int i = 0; i < 3; ++i) agree[i] = mismatch[(i + 1) % 3] <= curvatures_agree && mismatch[(i + 2) % 3] <= curvatures_agree;
   return agree;
 }
 

@@ -9,9 +9,6 @@
 namespace tripatch {
 namespace {
 
-/// A mesh's curvature is known to the standard deviation Side::curvature_error; what lies within three of these costs little. Five let
-/// the holes of docs/fairness.md at n = 8 end an eighth farther from the truth (docs/notes/fairing.md, the jump of curvature).
-constexpr double deviations = 3;
 /// Points count like sin(pi t), so that the corners, where the sides' own data meet, do not decide, but not less than this there.
 constexpr double weight_at_corners = 0.05;
 
@@ -50,7 +47,7 @@ CurvatureFollowing::CurvatureFollowing(const SideBasis& basis, std::vector<Follo
     for (const SideForm& form : side.form) curvature += form.squared_norm() / points / of;
   const double tolerated = tolerance * std::sqrt(curvature + flat_curvature(size));
   for (FollowedSide& side : sides_) {
-    const double unit = std::hypot(tolerated, deviations * side.curvature_error);
+    const double unit = std::hypot(tolerated, tolerated_deviations * side.curvature_error);
     for (int k = 0; k < points; ++k)
       side.weight[k] *=
           std::sqrt((weight_at_corners + std::sin(std::numbers::pi * basis.t[k])) / (of * (weight_at_corners * points + sines))) /

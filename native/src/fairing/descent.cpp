@@ -19,10 +19,6 @@ constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that
 constexpr double regularization =
     1e-12;  // of the mean diagonal element: unknowns without rows stay put, others change by rounding
 
-/// The parameterization is free in the geometric energies. A little of the third-derivative energy settles it: a step may gain on it a
-/// tenth (relative) of what it loses. With less than 0.05 the minimizer depends on rounding and on the quadrature; with 0.2 to 0.3 the
-/// distance to the truth grows by a third to two thirds (holes of docs/fairness.md).
-constexpr double parameterization = 0.1;
 constexpr double least_share = 0.05;  // of one of two energies in the derivative: for less its model, half the work, is not made
 constexpr double no_energy = 1e-300;  // a logarithm's argument is not below
 
@@ -76,7 +72,7 @@ Merit::Value Merit::operator()(const Eigen::VectorXd& x) const {
   v.third = third_(x);
   v.energy = energy(v.variation, v.quadric) + tension(x);
   if (std::isfinite(v.energy)) {
-    v.log = std::log(std::max(v.energy, no_energy)) + parameterization * std::log(std::max(v.third, no_energy));
+    v.log = std::log(std::max(v.energy, no_energy)) + parameterization_counts * std::log(std::max(v.third, no_energy));
     if (problem_.following().any()) v.log += problem_.following().jumps(x, nullptr).squaredNorm();
   }
   return v;
@@ -103,8 +99,8 @@ Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen:
   if (!m.used[0]) share = 1;
   if (!m.used[1]) share = 0;
   Quadratic q;
-  q.normal = parameterization / third * third_.normal;
-  q.gradient = parameterization / third * third_slope;
+  q.normal = parameterization_counts / third * third_.normal;
+  q.gradient = parameterization_counts / third * third_slope;
   double part = 1;  // of the logarithm's derivative that is not tension's
   if (tense()) {
     const double bent = energy(variation, quadric), all = std::max(bent + tension(x + y), no_energy);

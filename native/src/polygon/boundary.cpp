@@ -7,14 +7,13 @@
 #include <string>
 
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/boundary/side.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {
 
-/// Of the size: ends of sides that are nearer are one point, as of three sides (boundary/side.cpp).
-constexpr double corners_meet = 1e-6;
 /// Degrees by which a rim turns back on itself: which way it turns there is rounding, and it counts as convex.
 constexpr double turned_back = 179;
 
@@ -87,7 +86,7 @@ SideList closed(SideList sides) {
   for (int k = 0; k < n; ++k) {
     const int before = (k + n - 1) % n;
     const Vec3 end = sides[before].c(1), start = sides[k].c(0);
-    if (!((end - start).norm() <= corners_meet * size))
+    if (!((end - start).norm() <= sides_meet * size))
       throw Refusal("Sides " + std::to_string(before) + " and " + std::to_string(k) + " " +
                     gap_at_corner(k, (end - start).norm()));
     corner[k] = 0.5 * (end + start);

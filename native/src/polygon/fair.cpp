@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "tripatch/fairing/candidates.h"
+#include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/patch/through.h"
 #include "tripatch/polygon/problem.h"
 
 namespace tripatch {
@@ -17,10 +19,6 @@ constexpr double far_apart = 0.5;  ///< cosine: 60 degrees between neighbors of 
 /// neighbors are not compared.
 constexpr double one_plane = 1, reach = 0.15;
 constexpr int grid_rings = 16;
-/// Of the size: where inner points are farther from the patch than that the equations had no solution.
-constexpr double points_met = 1e-6;
-/// Of the larger of two curvatures, by which they may differ at a corner: as of three sides (fairing/curvature.cpp).
-constexpr double agreement_at_corner = 0.5;
 
 /// Vector multiples of the squared bubble times 1, x, y, ...: as many functions as there are conditions.
 class Lift final : public PolygonSurface {
@@ -246,7 +244,7 @@ std::vector<bool> curvature_agrees(const SideList& sides) {
   for (int k = 0; k < n; ++k) {
     // as the corner of a triangle between its sides 1, which ends there, and 2
     const Sides three = {sides[k], sides[(k + n - 1) % n], sides[k]};
-    corner[k] = curvature_mismatch(three)[0] <= agreement_at_corner;
+    corner[k] = curvature_mismatch(three)[0] <= curvatures_agree;
   }
   for (int i = 0; i < n; ++i) agree[i] = corner[i] && corner[(i + 1) % n];
   return agree;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "tripatch/boundary/side.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/quadrature.h"
@@ -11,7 +12,6 @@
 namespace tripatch {
 namespace {
 
-constexpr double gap_is_rounding = 1e-6;  ///< of the length, as at corners
 /// Degrees between what is one side's: as at the seam of a round rim, several times what planes estimated from a mesh are off.
 constexpr double still_smooth = 10;
 constexpr int length_nodes = 12, newton_rounds = 6;
@@ -64,7 +64,7 @@ private:
 void check_joint(const Side& before, const Side& after, std::size_t k, double length) {
   const std::string which = "Pieces " + std::to_string(k) + " and " + std::to_string(k + 1) + " of a side ";
   const double gap = (after.c(0) - before.c(1)).norm();
-  if (!(gap <= gap_is_rounding * length)) throw Refusal(which + "do not meet: the gap is " + std::to_string(gap));
+  if (!(gap <= sides_meet * length)) throw Refusal(which + "do not meet: the gap is " + std::to_string(gap));
   const double turn = degrees_between(before.c.derivative_at(1), after.c.derivative_at(0)),
                plane = degrees_between(before.normal(1), after.normal(0));
   if (turn > still_smooth || plane > still_smooth)

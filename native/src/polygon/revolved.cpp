@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tripatch/fairing/curvature_following.h"
+#include "tripatch/fairing/descent.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/math/linear.h"
@@ -19,10 +21,7 @@ namespace {
 
 constexpr int profile_nodes = 24;
 constexpr int height_terms = 4, radius_terms = 3, profile_unknowns = 1 + height_terms + radius_terms;
-constexpr double farthest_slope = 5;      ///< as for all round rims (round_problem.cpp)
-constexpr double third_counts = 0.1;      ///< as descent's `parameterization`
-constexpr double first_counts = 1;        ///< with 0 heights of funnels' caps are left to the bound on slopes
-constexpr double deviations_of_mesh = 3;  ///< as for polygons (curvature_following.cpp)
+constexpr double first_counts = 1;  ///< with 0 heights of funnels' caps are left to the bound on slopes
 /// Product of the rim's two curvatures over the sum of their squares, half on spheres, nothing on cones and cylinders: below the first
 /// quadrics do not count, above the second they do.
 constexpr double no_blunt_quadric = 0.05, blunt_quadric = 0.15;
@@ -134,7 +133,7 @@ void Profile::want_curvature(const RoundBase& base, const Eigen::Matrix3d& frame
   const Vec2 normal = Vec2(-outward[1], outward[0]).normalized();
   bend_ = radius_ * normal.dot(Vec2(bend.row(1).dot(frame.col(0)), bend.row(0).dot(frame.col(2))));
   const double parallel = -normal[0], squares = bend_ * bend_ + parallel * parallel + flat_curvature(diameter_);
-  const double unknown = deviations_of_mesh * base.side.curvature_error * radius_;
+  const double unknown = tolerated_deviations * base.side.curvature_error * radius_;
   tolerated_ = std::hypot(curvature_jump * std::sqrt(squares), std::min(unknown, most_unknown * std::sqrt(squares)));
   const double sure = std::copysign(std::max(std::abs(bend_) - base.side.curvature_error * radius_, 0.0), bend_);
   quadric_counts_ = smoothstep((sure * parallel / squares - no_blunt_quadric) / (blunt_quadric - no_blunt_quadric));
@@ -143,7 +142,7 @@ void Profile::want_curvature(const RoundBase& base, const Eigen::Matrix3d& frame
 Profile::Value Profile::at(const Eigen::VectorXd& y) const {
   Value v;
   const double change = 1 + y[0];
-  if (!at_least(change, least_alpha_kept) || !at_least(farthest_slope, change)) return v;
+  if (!at_least(change, least_alpha_kept) || !at_least(most_slope, change)) return v;
   const Eigen::VectorXd all = map_.col(0) + map_.rightCols(profile_unknowns) * y;
   const Index nodes = static_cast<Index>(weight_.size());
   v.parts = {Eigen::VectorXd(2 * nodes), Eigen::VectorXd(3 * nodes), Eigen::VectorXd::Zero(1), Eigen::VectorXd(2 * nodes),
@@ -177,7 +176,7 @@ void Profile::weigh(Value& v) const {
   const double ratio = quadric_counts_ * quadric_ratio * v.squares[0] / std::max(v.squares[1], least);
   v.share = 1 - 1 / (1 + std::pow(ratio, 4));
   v.energy = v.squares[0] / std::pow(1 + std::pow(ratio, 4), 0.25);
-  v.log = std::log(std::max(v.energy, least)) + third_counts * std::log(std::max(v.squares[3], least)) +
+  v.log = std::log(std::max(v.energy, least)) + parameterization_counts * std::log(std::max(v.squares[3], least)) +
           first_counts * std::log(std::max(v.squares[4], least)) + v.squares[2];
 }
 
@@ -200,7 +199,7 @@ Eigen::VectorXd Profile::step(const Eigen::VectorXd& y, const Value& v, double d
       there.squares[p] = std::max({(v.parts[p] + slopes[p] * change).squaredNorm(), least_left * v.squares[p], least});
     weigh(there);
     const std::array<double, 5> weight = {(1 - there.share) / there.squares[0], there.share / there.squares[1], 1,
-                                          third_counts / there.squares[3], first_counts / there.squares[4]};
+                                          parameterization_counts / there.squares[3], first_counts / there.squares[4]};
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(profile_unknowns, profile_unknowns);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(profile_unknowns);
     for (int p = 0; p < 5; ++p) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tripatch/boundary/side.h"
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
@@ -11,8 +12,7 @@
 namespace tripatch {
 namespace {
 
-constexpr double closed_within = 1e-6;  ///< of the size: a gap that is rounding
-constexpr double smooth_within = 10;    ///< degrees between end and beginning: more is a corner
+constexpr double smooth_within = 10;  ///< degrees between end and beginning: more is a corner
 /// Energies are measured on a rim without shorter waves: third derivatives of what a mesh says of them are noise.
 constexpr int measured_waves = 12;
 constexpr int round_seam_samples = 200, round_fold_rings = 16, round_fold_angles = 64;
@@ -33,7 +33,7 @@ double rim_diameter(const PiecewisePolynomial& c) {
 
 void check_round(const Side& side, double size) {
   if (!(size > 0)) throw Refusal("The side has no length");
-  if ((side.c(1) - side.c(0)).norm() > closed_within * size)
+  if ((side.c(1) - side.c(0)).norm() > sides_meet * size)
     throw Refusal("A single side is the rim of a round hole: its end must be its beginning");
   if (degrees_between(side.c.derivative_at(1), side.c.derivative_at(0)) > smooth_within ||
       degrees_between(side.normal(1), side.normal(0)) > smooth_within)

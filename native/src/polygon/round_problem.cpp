@@ -11,17 +11,12 @@
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/patch/through.h"
 
 namespace tripatch {
 namespace {
 
 constexpr int round_orthonormal_nodes = 8;
-/// Slopes at the rim grow by no more than this. Near the end of a tube caps have ever less energy the longer they are, for a cylinder is a
-/// quadric too: without a bound descent left the valley of caps about as high as wide, up to 1,900 diameters high. Caps of revolution
-/// are found in another way (revolved.h).
-constexpr double most_slope = 5;
-/// Of the size: where inner points are farther from the patch than that the equations had no solution.
-constexpr double round_points_met = 1e-6;
 
 /// (1 - r^2)^2 times (1 - r^2)^j Re z^k and Im z^k, by rising degree 2 j + k.
 template <int N>
@@ -153,7 +148,7 @@ std::vector<Harmonic> terms_through(std::vector<Harmonic> terms, const std::vect
   }
   for (int round = 0; round < 2; ++round) {  // a second time for the last digits
     const Eigen::MatrixXd lacking = wanted - conditions_on(RoundSurface(terms), points), x = least_squares(rows, lacking);
-    if (!x.allFinite() || (rows * x - lacking).norm() > round_points_met * size)
+    if (!x.allFinite() || (rows * x - lacking).norm() > points_met * size)
       throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
     Points coefficients(count, 3);
     for (int c = 0; c < 3; ++c) coefficients.col(c) = x.col(0).segment(c * count, count);

@@ -86,7 +86,10 @@ PiecewisePolynomial fit_between_vertices(const Side& side, double tolerance, con
 /// 0 where the sides continue one surface, about 1 where fillets meet.
 std::array<double, 3> curvature_mismatch(const Sides& sides);
 
-/// The sides that have a q and agree with their neighbors at both corners, to half of the curvature: a mesh knows it no better there.
+/// To half of the curvature: a mesh knows it no better at corners.
+constexpr double curvatures_agree = 0.5;
+
+/// The sides that have a q and agree with their neighbors at both corners.
 std::array<bool, 3> curvature_agrees(const Sides& sides);
 
 /// `patch`, which keeps G1 to the sides marked, plus what makes it meet their curvature: 1/2 b_i^2 (cubic side weight) times what the
