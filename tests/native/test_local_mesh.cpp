@@ -101,6 +101,41 @@ TEST_CASE("a vertex put on an edge says nothing of the surface, as long as it is
   }
 }
 
+TEST_CASE("edges run the same way within 45 degrees", "[thresholds]") {
+  // faces bent by 20 degrees along a column and by 7 along rows that cross it at such an angle: 8 and twice 7 are more than 20
+  for (const double cosine : {0.69, 0.71}) {
+    const double sine = std::sqrt(1 - cosine * cosine), bend = 7 * M_PI / 180;
+    Sheet s = sheet(3, {{5, std::atan(sine * std::tan(20 * M_PI / 180)) * 180 / M_PI}});
+    Vec3 way = Vec3::Zero();
+    for (Index i = 0; i <= 3; ++i) {
+      for (Index k = 0; k <= columns; ++k)
+        s.vertices.row(at(i, k)) += way.transpose() - Eigen::RowVector3d(0, static_cast<double>(i), 0);
+      way += i == 0 ? Vec3(cosine, sine, 0) : Vec3(cosine, sine * std::cos(bend), sine * std::sin(bend));
+    }
+    CHECK(is_sharp(s.local(), 1, 5) == (cosine < 0.7));
+  }
+}
+
+TEST_CASE(
+    "a rim edge has a length from a million-millionth of the rim's extent on, a face an area from that part of its square on",
+    "[thresholds]") {
+  for (const double part : {0.9e-12, 1.1e-12}) {
+    Sheet s = sheet(3, {});  // a hole of two squares
+    s.vertices(at(1, 8), 0) = 7 + part * std::sqrt(5.0);
+    if (part < 1e-12) {
+      CHECK_THROWS_WITH(s.local(), Catch::Contains("has no length"));
+    } else {
+      CHECK_NOTHROW(s.local());
+    }
+    s = sheet(3, {});
+    for (const Index k : {3, 4}) s.vertices(at(3, k), 1) = 2 + part / 2;
+    const LocalMesh w = s.local();
+    int none = 0;
+    for (const double area : w.twice_area) none += area == 0;
+    CHECK(none == (part < 1e-12 ? 1 : 0));
+  }
+}
+
 TEST_CASE("a local mesh is as large as the rings around its hole, not as the mesh") {
   const LocalMesh w = sheet(16, {}).local();
   // seven rings around a hole of 2 x 2 cells
