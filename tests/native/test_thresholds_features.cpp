@@ -1,63 +1,12 @@
 // Which creases go on across a hole, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 
-#include "tripatch/math/angle.h"
-#include "tripatch/mesh/vertex_normals.h"
+#include "test_rings.h"
 #include "tripatch/spline/disc.h"
-#include "tripatch/spline/features.h"
 
 using namespace tripatch;
-
-namespace {
-
-/// Rings of triangles around a round hole in the plane, lifted; spokes 0 and n / 2 lie along x. The rim is the first ring.
-struct Rings {
-  static constexpr Index n = 24;
-  Points vertices;
-  Faces faces;
-  std::vector<Index> rim;
-
-  Rings(const std::vector<double>& radii, const std::function<Vec3(double, double)>& lift) {
-    const Index rows = static_cast<Index>(radii.size());
-    vertices.resize(rows * n, 3);
-    for (Index j = 0; j < rows; ++j)
-      for (Index k = 0; k < n; ++k) {
-        const double a = 2 * M_PI * static_cast<double>(k) / n, y = k % (n / 2) == 0 ? 0 : radii[j] * std::sin(a);
-        vertices.row(j * n + k) = lift(radii[j] * std::cos(a), y);
-      }
-    for (Index k = 0; k < n; ++k) rim.push_back(k);
-    for (Index j = 0; j + 1 < rows; ++j)
-      for (Index k = 0; k < n; ++k) {
-        const Index a = j * n + k, b = j * n + (k + 1) % n;
-        faces.add(std::array<Index, 3>{b, a, a + n});
-        faces.add(std::array<Index, 3>{b, a + n, b + n});
-      }
-  }
-  Mesh mesh() const { return {vertices, faces}; }
-  Features features() const { return find_features(mesh(), Connectivity(mesh()), rim); }
-  /// Degrees between the faces at the edge of spoke 0 from ring j on.
-  double bend(Index j) const {
-    const Connectivity around(mesh());
-    const auto normal = [&](Index a, Index b) { return area_vector(mesh(), around.face(*around.edge(a, b))); };
-    return degrees_between(normal(j * n, j * n + n), normal(j * n + n, j * n));
-  }
-};
-
-/// Two planes that meet in the x axis, each so many degrees below the horizontal.
-Vec3 roof(double x, double y, double degrees) {
-  const double a = degrees * M_PI / 180;
-  return {x, std::cos(a) * y, -std::sin(a) * std::abs(y)};
-}
-
-std::vector<double> radii(double step, int rings) {
-  std::vector<double> all;
-  for (int j = 0; j <= rings; ++j) all.push_back(0.5 + step * j);
-  return all;
-}
-
-}  // namespace
+using namespace tripatch::testing;
 
 TEST_CASE("a crease bends by 25 degrees", "[thresholds]") {
   const auto creases = [](double degrees) {
