@@ -152,3 +152,12 @@ TEST_CASE("a patch without area gives finite numbers") {
   CHECK(report.seam_angle_max == 90);
   CHECK(count_folds(Flat(0, 0), sides) == 65 * 66 / 2 - 3);
 }
+
+TEST_CASE("a corner has one plane up to a millionth of a degree, and beside one of two a hundredth of the side is left out",
+          "[thresholds]") {
+  for (const double degrees : {0.9e-6, 1.1e-6}) {
+    Report report;
+    measure_seam(Flat(), flat_sides({{{degrees * degree, 0}, {0, 0}, {0, 0}}}), report);
+    CHECK(report.seam_angle_max == Approx(degrees < 1e-6 ? degrees : 0.99 * degrees).epsilon(1e-6));
+  }
+}

@@ -96,7 +96,7 @@ TEST_CASE("sides are smooth whose edges turn to and fro by a fifth", "[threshold
     const PlaneRim rim(turns, 4);
     const std::vector<Index> corners = {0, 10, 20, 30};
     CHECK(zigzag(rim.mesh(), rim.rim, corners) == Approx(off).epsilon(0.005));
-    CHECK(rim.clear().size() == (off < smooth_sides ? 4 : 0));
+    CHECK(rim.clear().size() == (off < 0.2 ? 4 : 0));
   }
 }
 
@@ -156,4 +156,29 @@ TEST_CASE("a rim has twelve corners at most that are told", "[thresholds]") {
   const auto star = [](int points) { return straight({360.0 / points + 60, -60}, points, {6, 6}); };
   CHECK(said(star(12)) == "Rim has 12 corners; select three");
   CHECK(said(star(13)) == "Rim has more than 12 corners; select three");
+}
+
+TEST_CASE("what turns two vertices beside a clear corner is compared with it, what turns three beside is not", "[thresholds]") {
+  const auto pair_at = [](int place) {
+    std::vector<double> turns(12, 0.0);
+    turns[0] = 80;
+    turns[place] = turns[place + 1] = 50;
+    return PlaneRim(turns, 2).clear();
+  };
+  CHECK(pair_at(2).empty());
+  CHECK(pair_at(3) == std::vector<Index>{0, 12});
+}
+
+TEST_CASE("a round rim has eight edges", "[thresholds]") {
+  CHECK_FALSE(bowed(2, 110, 2).round());  // of six
+  CHECK(bowed(2, 100, 3).round());
+}
+
+TEST_CASE("of two turns that differ by less than a millionth of a radian the one at the lower vertex is the corner",
+          "[thresholds]") {
+  for (const double lead : {0.9e-6, 1.1e-6}) {  // over a window half of what the turns differ by
+    const double off = lead * 180 / M_PI;
+    const PlaneRim rim({60 - off, 60 + off, 0, 0}, 3, {0.5, 0.5, 3.5, 3.5});
+    CHECK(rim.detected() == (lead < 1e-6 ? std::vector<Index>{0, 4, 8} : std::vector<Index>{1, 5, 9}));
+  }
 }

@@ -1,0 +1,121 @@
+// What decides about curves of sides and slopes across them, on both sides of each threshold.
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tripatch/boundary/ribbon.h"
+#include "tripatch/boundary/side_curves.h"
+
+using namespace tripatch;
+
+namespace {
+
+constexpr double one_degree = M_PI / 180;
+
+PiecewisePolynomial curve(const std::vector<Vec3>& net) {
+  std::vector<double> flat;
+  for (const Vec3& p : net) flat.insert(flat.end(), p.begin(), p.end());
+  return PiecewisePolynomial::bezier(flat, 3);
+}
+
+/// Sides in one plane that turn by so many degrees at corner 0, with tangents of such a length there.
+Sides turning(double degrees, double tangent) {
+  const double a = degrees * one_degree;
+  const Vec3 at = Vec3::Zero(), next(1, 1, 0), before(-1, 1, 0), in = tangent * Vec3::UnitX(),
+             out = tangent * Vec3(std::cos(a), std::sin(a), 0);
+  Sides sides;
+  sides[1].c = curve({before, at - in / 2, at});
+  sides[2].c = curve({at, at + out / 2, next});
+  sides[0].c = curve({next, before});
+  for (Side& side : sides) {
+    const Vec3 r0 = side.c.derivative_at(0).cross(Vec3::UnitZ()).normalized(),
+               r1 = side.c.derivative_at(1).cross(Vec3::UnitZ()).normalized();
+    side.r = curve({r0, r1});
+  }
+  return sides;
+}
+
+/// A side of one edge or more along x in the plane z = 0.
+SideDraft straight(double from, double to, int edges) {
+  SideDraft side;
+  for (int k = 0; k <= edges; ++k) {
+    side.vertex.push_back(k);
+    side.t.push_back(static_cast<double>(k) / edges);
+    side.position.emplace_back(from + (to - from) * side.t.back(), 0, 0);
+    side.normal.push_back(Vec3::UnitZ());
+    side.second.push_back(Eigen::Matrix3d::Zero());
+  }
+  side.point = side.position;
+  side.length = std::abs(to - from);
+  return side;
+}
+
+}  // namespace
+
+TEST_CASE("two tangents span the plane of a corner from two degrees between them on", "[thresholds]") {
+  for (const double sine : {0.0345, 0.0355}) {
+    const Vec3 along(std::sqrt(1 - sine * sine), 0.5 * sine, std::sqrt(0.75) * sine), across = Vec3::UnitX().cross(along);
+    std::vector<Side> sides(3);
+    const Vec3 next(1, 0.5, 0), before(-1, 0.5, 0);
+    sides[0].c = curve({before, Vec3(-0.5, 0, 0), Vec3::Zero()});
+    sides[1].c = curve({Vec3::Zero(), 0.5 * along, next});
+    sides[2].c = curve({next, before});
+    for (Side& side : sides) side.r = curve({Vec3::UnitZ(), Vec3::UnitZ()});
+    const Vec3 normal = told_by_rim(sides, {false, false, false})[1].normal(0);
+    CHECK((normal.cross(across.normalized()).norm() < 1e-9) == (sine > 0.035));
+  }
+}
+
+TEST_CASE("a slope across is none below 1e-10 of the patch's height, and a tangent has no direction below 1e-12",
+          "[thresholds]") {
+  const Vec3 tau(1, 1, 0);
+  for (const double part : {0.9e-10, 1.1e-10})
+    CHECK((corner_slope(part * 2 * Vec3::UnitX(), Vec3::UnitY(), tau, 2, 0).alpha > 0) == (part > 1e-10));
+  for (const double part : {0.9e-12, 1.1e-12}) {  // along tau: what is across it is nothing of tau
+    const CornerSlope slope = corner_slope(Vec3::UnitX(), part * 2 * Vec3(1, 1, 0) / std::sqrt(2.0), tau, 2, 0);
+    CHECK((slope.alpha < 0.5) == (part > 1e-12));
+  }
+}
+
+TEST_CASE("corners where the rim turns by five degrees take all of the floor, from 25 on none", "[thresholds]") {
+  CHECK(floor_share(4.9) == 1);
+  CHECK(floor_share(5.5) < 1);
+  CHECK(floor_share(24.5) > 0);
+  CHECK(floor_share(25.1) == 0);
+}
+
+TEST_CASE("and all of it where the tangents span a tenth of what the chords do, from 0.4 on none", "[thresholds]") {
+  for (const double opening : {0.095, 0.12, 0.395, 0.405}) {
+    const double sine = std::sin(4 * one_degree), chords = 2;  // of (1, 1) and (1, -1)
+    const Sides sides = turning(4, std::sqrt(opening * chords / sine));
+    const Boundary boundary = make_boundary(sides);
+    REQUIRE(boundary.turn_deg[0] == Approx(4));
+    CHECK((boundary.inward[0].norm() > 0) == (opening < 0.4));
+    double length = 0, alpha = 0;
+    for (const Side& side : sides) length += arc_length(side.c) / 3;
+    const Vec3 c0 = sides[2].c.derivative_at(0), tau = sides[1].c.derivative_at(1) + 0.5 * c0;
+    boundary.ribbons[2].alpha.taylor(0, 0, &alpha);
+    const double whole = corner_slope(sides[2].r(0), c0, tau, std::sqrt(0.75) * length, 1).alpha;
+    CHECK((std::abs(alpha - whole) < 1e-9 * whole) == (opening < 0.1));
+  }
+}
+
+TEST_CASE("a cross derivative leads across the rim by 0.3 of itself", "[thresholds]") {
+  // three sides on one line: what their ends would lead to is all along it
+  const std::array<SideDraft, 3> drafts = {straight(3, -3, 1), straight(-3, 0, 1), straight(0, 3, 1)};
+  const Vec3 r = side_curves(drafts, 1, 0)[2].r(0);
+  CHECK(r[0] / -r[1] == Approx(1 / 0.3));
+}
+
+TEST_CASE("a curve through noisy vertices bends against the noise 0.9 times as much, and half of 1.9 where noise makes its bend",
+          "[thresholds]") {
+  const auto bend = [](double noise) {
+    std::array<SideDraft, 3> drafts = {straight(3, -3, 1), straight(-3, 0, 1), straight(0, 3, 8)};
+    for (int k = 0; k <= 8; ++k) drafts[2].position[k][2] = drafts[2].point[k][2] = k % 2 ? 0.01 : -0.01;
+    return side_curves(drafts, 1, noise)[2].c.derivative_at(0.375, 2)[2];
+  };
+  const double h = 1.0 / 8, natural = -12 * 0.01 / (h * h);  // of the two Hermite pieces, flat at their ends
+  CHECK(std::abs(bend(0)) < 1e-9);                           // the surface does not bend
+  CHECK(bend(1e6) == Approx(1.9 * natural).epsilon(1e-6));
+  CHECK(bend(std::pow(natural * h * h / 15, 2)) == Approx(0.95 * natural));
+}
