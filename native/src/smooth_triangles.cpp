@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <unordered_map>
 
@@ -17,7 +18,6 @@ using Triangle = std::array<Index, 3>;
 
 /// Of a triangle's area over its longest edge squared, below which it has none: rounding of its corners alone makes up to 1e-15.
 constexpr double least_area = 1e-12;
-constexpr double rounded = 1e-9;  ///< what the length of a unit normal may differ from 1
 
 std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   std::vector<Triangle> triangles(mesh.faces.size());
@@ -106,12 +106,12 @@ void take_normals(const Points& given, bool estimated, const Lattice& lattice, P
     if (!used[v]) continue;
     const std::string name = std::to_string(v);
     if (!given.row(v).allFinite()) throw Refusal("The normal of vertex " + name + " is not finite", {v});
-    const Vec3 unit = given.row(v).transpose().stableNormalized();
-    if (!(std::abs(unit.norm() - 1) < rounded))  // zero or too small to be scaled
+    const Vec3 normal = given.row(v);
+    if (!(normal.stableNorm() >= std::numeric_limits<double>::min()))
       throw Refusal(estimated ? "The normals of the faces around vertex " + name + " cancel: give its normal"
                               : "The normal of vertex " + name + " is zero",
                     {v});
-    normals.row(v) = unit;
+    normals.row(v) = normal.stableNormalized();
   }
 }
 

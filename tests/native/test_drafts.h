@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "tripatch/estimate/stencils.h"
+#include "tripatch/estimate/side_planes.h"
 
 namespace tripatch::testing {
 
@@ -63,5 +63,29 @@ private:
   int rings_;
   Index width_;
 };
+
+/// A plane that leans outwards over the side, known so well, which predicts what is near with such a density.
+inline VertexFit leaning(double sine, double variance, double density) {
+  VertexFit fit;
+  fit.normal = Vec3(0, -sine, std::sqrt(1 - sine * sine));
+  fit.second.setZero();
+  fit.frame << Vec3::UnitX(), Vec3::UnitY();
+  fit.covariance = 0.5 * variance * Eigen::Matrix2d::Identity();
+  fit.slope_variances = variance;
+  fit.bend_variance = 0;
+  fit.density = {density};
+  return fit;
+}
+
+using Fits = std::vector<std::vector<VertexFit>>;
+
+/// The same at all vertices of a side, for each neighborhood.
+inline Fits along(const FlatDrafts& flat, const std::vector<VertexFit>& each) {
+  Fits fits;
+  for (const VertexFit& fit : each) fits.emplace_back(flat.drafts[2].vertex.size(), fit);
+  return fits;
+}
+
+constexpr double certain = 1e-6, rather = 1e-4;  // variances
 
 }  // namespace tripatch::testing

@@ -12,19 +12,20 @@
 
 namespace tripatch::testing {
 
-/// Rings of triangles around a round hole in the plane, lifted; spokes 0 and n / 2 lie along x. The rim is the first ring.
+/// Rings of triangles around a round hole in the plane, lifted; of n spokes, 0 and n / 2 lie along x. The rim is the first ring.
 struct Rings {
-  static constexpr Index n = 24;
+  Index n;
   Points vertices;
   Faces faces;
   std::vector<Index> rim;
 
-  Rings(const std::vector<double>& radii, const std::function<Vec3(double, double)>& lift) {
+  Rings(const std::vector<double>& radii, const std::function<Vec3(double, double)>& lift, Index spokes = 24) : n(spokes) {
     const Index rows = static_cast<Index>(radii.size());
     vertices.resize(rows * n, 3);
     for (Index j = 0; j < rows; ++j)
       for (Index k = 0; k < n; ++k) {
-        const double a = 2 * M_PI * static_cast<double>(k) / n, y = k % (n / 2) == 0 ? 0 : radii[j] * std::sin(a);
+        const double a = 2 * M_PI * static_cast<double>(k) / static_cast<double>(n),
+                     y = k % (n / 2) == 0 ? 0 : radii[j] * std::sin(a);
         vertices.row(j * n + k) = lift(radii[j] * std::cos(a), y);
       }
     for (Index k = 0; k < n; ++k) rim.push_back(k);

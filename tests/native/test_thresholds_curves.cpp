@@ -2,7 +2,9 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
+#include "tripatch/boundary/normal_sides.h"
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/boundary/side_curves.h"
 
@@ -118,4 +120,46 @@ TEST_CASE("a curve through noisy vertices bends against the noise 0.9 times as m
   CHECK(std::abs(bend(0)) < 1e-9);                           // the surface does not bend
   CHECK(bend(1e6) == Approx(1.9 * natural).epsilon(1e-6));
   CHECK(bend(std::pow(natural * h * h / 15, 2)) == Approx(0.95 * natural));
+}
+
+TEST_CASE("a side that is not continued turns over sixteen places, and the length of a curve is that of 32 chords",
+          "[thresholds]") {
+  std::vector<Side> sides(3);
+  sides[0].c = curve({Vec3(1, 0, 0), Vec3(0, 1, 0)});
+  sides[1].c = curve({Vec3(0, 1, 0), Vec3(0, 0, 1)});
+  sides[2].c = curve({Vec3(0, 0, 1), Vec3(1, 0, 0)});
+  for (Side& side : sides) side.r = curve({Vec3::UnitZ(), Vec3::UnitZ()});
+  CHECK(told_by_rim(sides, {false, false, false})[1].r.pieces() == 16);
+  const PiecewisePolynomial quarter = PiecewisePolynomial::fit(
+      [](std::span<const double> t, std::span<double> out) {
+        for (std::size_t k = 0; k < t.size(); ++k)
+          Vec3::Map(&out[3 * k]) = Vec3(std::cos(t[k] * M_PI / 2), std::sin(t[k] * M_PI / 2), 0);
+      },
+      3);
+  CHECK(arc_length(quarter) == Approx(64 * std::sin(M_PI / 128)).epsilon(1e-9));
+}
+
+TEST_CASE("between normals that are 120 degrees apart the derivative across is four times that of their mean, and no more",
+          "[thresholds]") {
+  for (const double degrees : {110.0, 118.0, 122.0, 130.0}) {
+    const double half = degrees * one_degree / 2;
+    const Vec3 p = Vec3::Zero(), q = Vec3::UnitX();
+    const Vec3 np(0, std::sin(half), std::cos(half)), nq(0, -std::sin(half), std::cos(half));
+    const Side side = side_from_normals(p, np, q, nq, NormalCurve::smits);
+    CHECK(side.r(0.5).norm() == Approx(std::min(1 / std::pow(std::cos(half), 2), 4.0) * std::cos(half)));
+  }
+}
+
+TEST_CASE("a normal is none that is shorter than normal numbers are", "[thresholds]") {
+  const double least = std::numeric_limits<double>::min();
+  for (const double length : {0.9 * least, 1.1 * least}) {
+    const auto made = [&] {
+      side_from_normals(Vec3::Zero(), length * Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitZ(), NormalCurve::smits);
+    };
+    if (length < least) {
+      CHECK_THROWS_WITH(made(), "The normal is zero");
+    } else {
+      CHECK_NOTHROW(made());
+    }
+  }
 }

@@ -12,30 +12,6 @@ namespace {
 
 constexpr double one_degree = M_PI / 180;
 
-/// A plane that leans outwards over the side, known so well, which predicts what is near with such a density.
-VertexFit leaning(double sine, double variance, double density) {
-  VertexFit fit;
-  fit.normal = Vec3(0, -sine, std::sqrt(1 - sine * sine));
-  fit.second.setZero();
-  fit.frame << Vec3::UnitX(), Vec3::UnitY();
-  fit.covariance = 0.5 * variance * Eigen::Matrix2d::Identity();
-  fit.slope_variances = variance;
-  fit.bend_variance = 0;
-  fit.density = {density};
-  return fit;
-}
-
-using Fits = std::vector<std::vector<VertexFit>>;
-
-/// The same at all vertices of a side, for each neighborhood.
-Fits along(const FlatDrafts& flat, const std::vector<VertexFit>& each) {
-  Fits fits;
-  for (const VertexFit& fit : each) fits.emplace_back(flat.drafts[2].vertex.size(), fit);
-  return fits;
-}
-
-constexpr double certain = 1e-6, rather = 1e-4;  // variances
-
 /// Whether the second of two neighborhoods of six rings is taken where it is so much likelier. Both planes may be there.
 bool second_taken(FlatDrafts& flat, double likelier, double rough = 0) {
   SideDraft side = flat.side();
@@ -99,17 +75,6 @@ TEST_CASE("a plane leans by a fiftieth, and by twice what the faces near it do, 
     }
 }
 
-TEST_CASE("r rings tell a plane no better than ten times the rim's variance over their cube", "[thresholds]") {
-  FlatDrafts flat(4);
-  for (const double depth : {1.0, 2.0}) {
-    SideDraft side = flat.side();
-    side.depth = depth;
-    const double rough = 1e-5;
-    const SideFit fit = choose(flat.w, along(flat, {leaning(0, 1e-12, 0)}), side, rough);
-    CHECK(fit.slope_variances[2] == Approx(10 * rough / (216 * depth * depth)));
-  }
-}
-
 TEST_CASE("nor better than by a quarter of what the faces lean by, over the square of the rings", "[thresholds]") {
   // faces lean by 0.1: two rings tell a plane to 0.00625. Against one that is known to half of that they have to predict better by
   // the logarithm of 2 more.
@@ -145,22 +110,6 @@ TEST_CASE("the facets' mean is taken within five standard deviations of the plan
   }
 }
 
-TEST_CASE("planes are off by 7.5 degrees times the cube of the turn, of more than four edges by less", "[thresholds]") {
-  for (const int edges : {2, 4, 5, 8}) {
-    FlatDrafts flat(edges);
-    const double turn = 0.2;
-    Vec3 p = Vec3::Zero();
-    for (int k = 0; k <= edges; ++k) {
-      flat.side().position[k] = p;
-      flat.side().faces[k] = Vec3(std::sin((k - 0.5) * turn), 0, std::cos((k - 0.5) * turn));
-      p += Vec3(std::cos(k * turn), 0, -std::sin(k * turn));
-    }
-    SideDraft side = flat.side();
-    const double off = 7.5 * one_degree * std::pow(2 * std::sin(turn / 2), 3) * std::min(1.0, 16.0 / (edges * edges));
-    CHECK(choose(flat.w, along(flat, {leaning(0, rather, 0)}), side, 0).turned == Approx(off * off));
-  }
-}
-
 TEST_CASE("faces in one plane are the plane of a side that turns by five degrees, to a thousandth of a degree", "[thresholds]") {
   for (const auto& [turn, apart, is_plane] :
        {std::tuple(4.9, 0.0, false), {5.1, 0.0, true}, {30.0, 0.98e-3, true}, {30.0, 1.02e-3, false}}) {
@@ -171,26 +120,4 @@ TEST_CASE("faces in one plane are the plane of a side that turns by five degrees
     const SideFit fit = choose(flat.w, along(flat, {leaning(0.01, certain, 0), leaning(0.01, certain, 0)}), side, 0);
     CHECK((fit.ends[0].normal[1] == 0) == is_plane);
   }
-}
-
-TEST_CASE("a plane known to a twentieth of a degree is known", "[thresholds]") {
-  CHECK(are_known({leaning(0, std::pow(0.0495 * one_degree, 2), 0)}));
-  CHECK_FALSE(are_known({leaning(0, std::pow(0.0505 * one_degree, 2), 0)}));
-}
-
-TEST_CASE("a rim is as rough as it differs from the quintic through three vertices on either side, of four edges from the cubic",
-          "[thresholds]") {
-  const auto rough = [](int edges, int degree) {
-    FlatDrafts flat(edges);
-    SideDraft& side = flat.side();
-    for (int k = 0; k <= edges; ++k) side.position[k][2] = std::pow(side.t[k], degree);
-    flat.drafts[0] = flat.drafts[1] = side;
-    return roughness(flat.drafts);
-  };
-  CHECK(rough(3, 4) == 0);  // two vertices on either side are too few
-  CHECK(rough(4, 3) < 1e-24);
-  CHECK(rough(4, 4) > 1e-8);
-  CHECK(rough(6, 5) < 1e-24);
-  CHECK(rough(6, 6) > 1e-12);
-  CHECK(rough(8, 6) > 1e-12);  // no more than three on either side
 }

@@ -15,6 +15,7 @@ constexpr double sides_tolerance = 1e-13;  ///< of a side's polynomials, of thei
 constexpr double parallel = 1e-6;          ///< sine of the angle between derivatives that make no tangent plane
 constexpr double beside_it = 1e-4;         ///< of an edge: how far from such a place the normal is read
 constexpr double flat = 1e-6;              ///< of a side's length: a derivative at its end that is none
+constexpr double beside_break = 1e-9;      ///< of the parameter: where the directions before and behind a break are read
 constexpr double kink = 0.1;  ///< degrees between two pieces of the rim's curve: it has a kink, of which a warning tells
 
 struct FaceEdge {
@@ -143,7 +144,7 @@ LimitSides limit_sides(const Mesh& cage, const Connectivity& whole, const Connec
     for (int e = 1; e < edges; ++e) {
       const double t = static_cast<double>(e) / edges;
       // exactly at the break the piece behind it counts
-      if (degrees_between(c.derivative_at(t - 1e-9), c.derivative_at(t + 1e-9)) > kink)
+      if (degrees_between(c.derivative_at(t - beside_break), c.derivative_at(t + beside_break)) > kink)
         result.warnings.push_back("The limit rim has a kink inside side " + std::to_string(i) + " at vertex " +
                                   std::to_string(rim[e]));
     }

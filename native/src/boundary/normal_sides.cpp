@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace tripatch {
@@ -19,10 +20,16 @@ PiecewisePolynomial field(const Series<Degree>& a) {
   return {{0.0, 1.0}, Degree, 3, std::move(coefficients)};
 }
 
+/// Radians: below, theta / sin(theta) is 1 + theta^2 / 6 to the last bit, for what is left out is 7 theta^4 / 360.
+constexpr double small_angle = 1e-4;
+/// In the middle of an edge the derivative across is at most so many times what the mean of the end normals makes it: reached where these
+/// are 120 degrees apart. A choice, for between opposite normals there is no bound.
+constexpr double most_bulge = 4;
+
 /// theta / sin(theta) for the angle between a chord and a tangent: the arc of a circle over its chord.
 double arc_over_chord(double sine) {
   const double theta = std::asin(std::min(std::abs(sine), 1.0));
-  return theta < 1e-4 ? 1 + theta * theta / 6 : theta / std::sin(theta);
+  return theta < small_angle ? 1 + theta * theta / 6 : theta / std::sin(theta);
 }
 
 template <int Degree>
@@ -30,7 +37,7 @@ Side make_side(const Series<Degree>& c, const Vec3& mean, const Vec3& difference
   // r = c' x m for the mixed normal m = mean + u difference: then r x c' is m less its part along c', up to |c'|^2. Its length is
   // free; divided by |m|^2 (1 at the ends; here the parabola through the middle) it is right for spheres to a higher order: rms on
   // icospheres falls to a third, and on saddles, waves, tori and cylinders it does not rise.
-  const double bulge = std::min(1 / mean.squaredNorm(), 4.0) - 1;
+  const double bulge = std::min(1 / mean.squaredNorm(), most_bulge) - 1;
   Series<Degree + 2> r;
   r.fill(Vec3::Zero());
   for (int k = 1; k <= Degree; ++k) {
@@ -45,16 +52,14 @@ Side make_side(const Series<Degree>& c, const Vec3& mean, const Vec3& difference
 
 bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); }
 
-constexpr double unit_length = 1e-9;  ///< what a normal's length may differ from 1 once it is divided by it: else it had none
 /// Of the edge's length: what is left of it in a vertex's plane, and of the derivative across. Below, directions have fewer than the
 /// ten digits that the seams of smoothed triangles are tested to.
 constexpr double along_normal = 1e-6;
 
 Vec3 unit_normal(const Vec3& n, Index vertex) {
-  const Vec3 unit = n.stableNormalized();
   if (!n.allFinite()) throw Refusal("The normal is not finite", {vertex});
-  if (!(std::abs(unit.norm() - 1) < unit_length)) throw Refusal("The normal is zero", {vertex});
-  return unit;
+  if (!(n.stableNorm() >= std::numeric_limits<double>::min())) throw Refusal("The normal is zero", {vertex});
+  return n.stableNormalized();
 }
 
 }  // namespace

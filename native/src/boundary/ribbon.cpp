@@ -16,10 +16,19 @@ namespace {
 /// 1 up to `low`, 0 from `high` on, smooth in between.
 double fading(double x, double low, double high) { return smoothstep((high - x) / (high - low)); }
 
+/// Degrees that a rim turns by at a corner: up to the first it is smooth there and takes all of the floor, from the second on none. A round
+/// rim between three sides turns by 4 where it has 90 edges; sides of the ten test holes turn by no more than 27 where they have no corner.
+constexpr double smooth_turn = 5, corner_turn = 25;
+/// Of what the two tangents at a corner span over what the chords do, 1 for straight sides, 0 on a round rim: up to the first all of the
+/// floor is taken, from the second on none. A choice between the two.
+constexpr double round_opening = 0.1, straight_opening = 0.4;
+
 /// How much of the floor a triangle's corner takes. A triangle may be obtuse and turn little and still be an affine image of a plain
 /// one, which has to keep its alpha (Theorem 2): what `opening` tells apart, the area that the two tangents span over that of the
 /// chords: 1 for straight sides, 0 on a round rim.
-double triangle_floor_share(double turn_deg, double opening) { return floor_share(turn_deg) * fading(opening, 0.1, 0.4); }
+double triangle_floor_share(double turn_deg, double opening) {
+  return floor_share(turn_deg) * fading(opening, round_opening, straight_opening);
+}
 
 /// max(a, b) with a corner rounded over a width of b / 2; a itself where b is 0.
 double smooth_max(double a, double b) { return 0.5 * (a + b + std::sqrt((a - b) * (a - b) + 0.25 * b * b)); }
@@ -77,7 +86,7 @@ PiecewisePolynomial printed_beta(const Side& side, const PiecewisePolynomial& al
 
 }  // namespace
 
-double floor_share(double turn_deg) { return fading(turn_deg, 5, 25); }
+double floor_share(double turn_deg) { return fading(turn_deg, smooth_turn, corner_turn); }
 
 CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share) {
   const double rn = r.norm();

@@ -19,6 +19,14 @@ constexpr double least_noise = 1e-7;  ///< of the stencil radius, as a deviation
 constexpr double least_count = 1e-3;
 /// Of the squared curvature that the faces beside the rim show: the least variance of second derivatives.
 constexpr double bends_at_least = 0.3;
+/// Of the variance that a term of one degree more would have at least: so little is left out of a plane.
+constexpr double least_truncation = 1e-6;
+/// Of the squared curvature that the faces show: the least variance of the slope across the rim against the faces beside it.
+constexpr double least_tilt = 1e-4;
+/// Of the squared curvature of a circle as large as the stencils: what the iteration starts from at least, for it cannot grow from nothing.
+constexpr double least_start = 0.01;
+/// Of the variance of the noise: a term that makes heights of less is not seen, and whether it has settled does not matter.
+constexpr double unseen_share = 0.1;
 
 /// Of a diagonal element of a normal matrix: with less left of it, rounding would count.
 constexpr double least_pivot = 1e-7;
@@ -253,10 +261,10 @@ VarianceComponents components_of(const Explained& all, const Floors& floors) {
   const auto ratio = [](double above, double below) { return below > 0 ? above / below : 0; };
   VarianceComponents c;
   c.noise = std::max(ratio(all.noise, all.noise_count), floors.noise());
-  c.truncation = std::max(ratio(all.truncation, all.truncation_count), 1e-6 * floors.term(fit_degree + 1));
+  c.truncation = std::max(ratio(all.truncation, all.truncation_count), least_truncation * floors.term(fit_degree + 1));
   for (int d = 2; d <= fit_degree; ++d) c.term[d] = std::max(ratio(all.sum[d], all.count[d]), floors.term(d));
   c.term[2] = std::max(c.term[2], floors.least_bend);
-  c.tilt = std::max(ratio(all.tilt, all.tilt_count), 1e-4 * floors.bend);
+  c.tilt = std::max(ratio(all.tilt, all.tilt_count), least_tilt * floors.bend);
   return c;
 }
 
@@ -264,7 +272,7 @@ bool have_settled(const VarianceComponents& now, const VarianceComponents& befor
   const auto same = [=](double a, double b) { return std::abs(a - b) <= enough * b; };
   bool done = same(now.noise, before.noise) && same(now.truncation, before.truncation);
   for (int d = 2; d <= fit_degree; ++d) {
-    const double unseen = 0.1 * now.noise / std::pow(radius, 2 * d);  // makes heights less than the noise
+    const double unseen = unseen_share * now.noise / std::pow(radius, 2 * d);
     done = done && same(now.term[d] + unseen, before.term[d] + unseen);
   }
   return done;
@@ -340,7 +348,7 @@ double predicted_density(const PlaneFit& fit, const VarianceComponents& componen
 /// vertices are far, as beside a bevel of long strips, that is all there is to know them by, and its likeliest size is next to
 /// nothing. Starts from no noise, so that coarse but clean meshes are not smoothed.
 VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>& stencils, double radius, double bend) {
-  const Floors floors = {radius, std::max(bend, 0.01 / (radius * radius)), bends_at_least * bend};
+  const Floors floors = {radius, std::max(bend, least_start / (radius * radius)), bends_at_least * bend};
   bend = floors.bend;
   VarianceComponents components;
   components.term = {1, 100, bend, bend * bend, std::pow(bend, 3), std::pow(bend, 4)};

@@ -13,10 +13,12 @@ constexpr double same_plane = 1e-6;     ///< degrees between the planes of two s
 constexpr double beside_corner = 0.01;  ///< of a side: what is left out beside a corner that has two
 /// Degrees between the tangent planes of two sides at their corner from which on a person is told.
 constexpr double corner_mismatch_warned = 1;
+/// Degrees: from here on a sentence has three digits instead of two, for 99.6 of two are 1e+02.
+constexpr double three_digits = 99.5;
 
 std::string degrees(double angle) {
   std::ostringstream text;
-  text.precision(angle < 99.5 ? 2 : 3);
+  text.precision(angle < three_digits ? 2 : 3);
   text << angle << " degrees";
   return text.str();
 }

@@ -27,6 +27,13 @@ constexpr Index most_crease_edges = 2000;
 /// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there, and whether those have a
 /// triangulation is chance.
 constexpr double grazing = 1e-4;
+/// Of the rim's length: an edge at a crease's end counts as that long, so that the number of new points stays a number.
+constexpr double least_size = 1e-6;
+/// Sizes at a crease's two ends that differ by this share are one: the number of edges between them has its limit there.
+constexpr double one_size = 1e-6;
+/// Of the vertices' norm: where a hinged surface differs by more from its parts, their domains overlap, and they are laid in a row, a half
+/// of their width apart.
+constexpr double same_points = 1e-6;
 /// A point nearer to a crease than this share of its edges is meant to lie on it.
 constexpr double on_crease = 0.05;
 
@@ -64,7 +71,7 @@ private:
   /// How long edges are at a place of the rim.
   double size(Index place) const {
     const Index r = static_cast<Index>(rim_.size());
-    return even_ > 0 ? even_ : std::max((edge(place) + edge(place + r - 1)) / 2, 1e-6 * around_);
+    return even_ > 0 ? even_ : std::max((edge(place) + edge(place + r - 1)) / 2, least_size * around_);
   }
 
   Points chain(const CreaseEnd& end, bool towards) const {
@@ -78,14 +85,14 @@ private:
   VertexLoop points_along(Index from, Index to, const CreaseCurve& curve, double before, double after, Index least) {
     // edges of linearly growing length: their number is the integral of 1 / size
     const double ratio = after / before;
-    const double edges = curve.length() / before * (std::abs(ratio - 1) < 1e-6 ? 1 : std::log(ratio) / (ratio - 1));
+    const double edges = curve.length() / before * (std::abs(ratio - 1) < one_size ? 1 : std::log(ratio) / (ratio - 1));
     const Index count = std::clamp<Index>(static_cast<Index>(std::llround((1 - tie) * edges)), least, most_crease_edges);
     VertexLoop line = {from};
     if (count > 1) {
       Eigen::VectorXd shares(count - 1);
       for (Index k = 1; k < count; ++k) {
         const double t = static_cast<double>(k) / static_cast<double>(count);
-        shares[k - 1] = std::abs(ratio - 1) < 1e-6 ? t : (std::pow(ratio, t) - 1) / (ratio - 1);
+        shares[k - 1] = std::abs(ratio - 1) < one_size ? t : (std::pow(ratio, t) - 1) / (ratio - 1);
       }
       const Points p = curve.at(shares);
       const Eigen::VectorXd s = curve.deviation(shares);
@@ -395,7 +402,8 @@ private:
       const Index inner = count_ - r - division_.added();
       Points at = Points::Zero(inner, 3);
       at.leftCols(2) = out.uv.bottomRows(inner);
-      if (inner == 0 || (out.surface->positions(at) - out.vertices.bottomRows(inner)).norm() < 1e-6 * out.vertices.norm()) return;
+      if (inner == 0 || (out.surface->positions(at) - out.vertices.bottomRows(inner)).norm() < same_points * out.vertices.norm())
+        return;
       motions = motions_in_a_row(fills_);
     }
   }

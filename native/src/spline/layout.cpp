@@ -22,10 +22,16 @@ constexpr double least_height = 1e-3;      // of a triangle's longest edge; flat
 constexpr double least_length = 1e-4;      // of that longest edge over the side of the mean triangle
 constexpr double weight_of_filled = 1e-2;  // of a triangle that closes an inner hole, times its area: as good as free to deform
 constexpr double least_cotangent = 0.05;   // of the weights of Tutte's embedding, which must be positive
-constexpr int reweightings = 4;            // of Tutte's embedding
-constexpr double enough_gained = 0.99;     // of the energy before: a reweighting that leaves more is the last
-constexpr double as_promised = 1e-4;       // of what the slope promises a step has to gain (Armijo; the usual value)
-constexpr double to_barrier = 0.9;         // of the way to where the first triangle loses its area: as far as a step goes
+constexpr double least_border_edge =
+    1e-2;  // of the mean one: shorter ones have that on the circle of the embedding, where none has no length
+constexpr int reweightings = 4;         // of Tutte's embedding
+constexpr double least_shrunk = 1e-12;  // over its area, that of a triangle as it comes out: weights are made anew by no less
+constexpr double enough_gained = 0.99;  // of the energy before: a reweighting that leaves more is the last
+constexpr double as_promised = 1e-4;    // of what the slope promises a step has to gain (Armijo; the usual value)
+constexpr int halvings = 40;            // of a step, until it gains what it has to: after so many it is rounding
+constexpr double free_motions =
+    1e-9;  // of the mean diagonal element of the Hessian, for the energy does not see where the whole lies
+constexpr double to_barrier = 0.9;  // of the way to where the first triangle loses its area: as far as a step goes
 
 // ------------------------------------------------------------------------------------------------------- connectivity
 
@@ -291,7 +297,7 @@ public:
       if (round > 0 && best && !(found < enough_gained * previous)) break;
       previous = found;
       for (std::size_t t = 0; t < shapes_.size(); ++t)
-        conductance[t] *= std::sqrt(std::max(std::abs(jacobian(t, uv).determinant()), 1e-12));
+        conductance[t] *= std::sqrt(std::max(std::abs(jacobian(t, uv).determinant()), least_shrunk));
     }
     return best;
   }
@@ -311,7 +317,7 @@ public:
     double length = std::min(1.0, limit), then = now;
     PlanePoints moved;
     for (int attempt = 0;; ++attempt, length *= 0.5) {
-      if (attempt == 40) return false;
+      if (attempt == halvings) return false;
       moved = uv + length * d;
       then = energy(moved);
       if (then < now && then <= now + as_promised * length * slope) break;
@@ -345,7 +351,7 @@ private:
     std::vector<double> length(n);
     for (std::size_t k = 0; k < n; ++k) length[k] = (x[disc_.border[(k + 1) % n]] - x[disc_.border[k]]).norm();
     const double all = std::accumulate(length.begin(), length.end(), 0.0);
-    for (double& l : length) l = std::max(l, 1e-2 * all / static_cast<double>(n));
+    for (double& l : length) l = std::max(l, least_border_edge * all / static_cast<double>(n));
     const double sum = std::accumulate(length.begin(), length.end(), 0.0);
     const double turn = sum > 0 ? 2 * EIGEN_PI / sum : 0;
     double along = 0;
@@ -461,7 +467,7 @@ private:
     }
     double trace = 0;
     for (int c = 0; c < 2 * n_; ++c) trace += values[hessian_.outerIndexPtr()[c]];
-    const double shift = 1e-9 * trace / (2 * n_);  // the energy does not see where the whole lies and how it is turned
+    const double shift = free_motions * trace / (2 * n_);
     for (int c = 0; c < 2 * n_; ++c) values[hessian_.outerIndexPtr()[c]] += shift;
   }
 

@@ -63,16 +63,9 @@ constexpr int stiff_degree = 4;
 constexpr int free_degree = 6;
 /// Details: what a polynomial of the higher degree leaves, over an edge.
 constexpr double detail = 0.05;
-/// Rough surroundings lie off any layout by what their details stretch: the field is averaged with a second model, which bends the
-/// triangles themselves least, or varies their bending least, and knows of no plane. So much of it where the noise decides the order
-/// altogether (Field::roughness) and details are much more than noise. Chosen on 218 holes of 37 meshes.
-constexpr double share_of_second = 0.9;
-/// And so much where there is little noise, but the likeliest order is lower than that of any known surface with noise up to 2% of an
-/// edge (3.6). Chosen on 50 such holes.
-constexpr double share_of_second_where_creased = 0.25, order_where_creased = 3.5, steepness_of_order = 24;
 /// Of details_in(): from here on the second model is nearer than a field through fewer rings.
 constexpr double mostly_details = 0.2;
-/// Below this share it is not worth its time.
+/// Below this share of the second model it is not worth its time.
 constexpr double least_share_of_second = 0.1;
 /// The field that carries the difference over all of the hole: its order, and of how many points at most it is made.
 constexpr double order_of_difference = 2.5;
@@ -356,20 +349,7 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
   return {};
 }
 
-/// 0: where all that the reference leaves is noise, to 1.
-double details_in(const Attempt& result) {
-  const double noise = result.field->noise() / std::max(result.left_by_reference, 1e-300);
-  return std::pow(1 - std::min(std::pow(noise, 4), 1.0), 2);
-}
-
-/// So much of the second model as the surroundings are rough with details, not with noise alone: that the field has averaged, and the
-/// second model would meet it.
-double share_of_details(const Attempt& result) {
-  const Field& field = *result.field;
-  const double creased = 1 / (1 + std::pow(field.mean_order() / order_where_creased, steepness_of_order));
-  return share_of_second * field.roughness() * details_in(result) +
-         share_of_second_where_creased * (1 - field.roughness()) * creased;
-}
+double details_in(const Attempt& result) { return share_of_details(result.field->noise(), result.left_by_reference); }
 
 /// The new vertices so far between the field's and the second model's as the share says, the surface with them. False, and as it was,
 /// where that leaves the rim's neighborhood.
@@ -398,7 +378,7 @@ bool take_second(const Rim& rim, const SecondModel& second, double share, Attemp
 
 /// The average with the second model where the surroundings are rough. As it was where that leaves the rim or folds more.
 void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
-  const double share = share_of_details(result);
+  const double share = share_of_second(result.field->roughness(), details_in(result), result.field->mean_order());
   const Index r = disc.rim, added = result.made.points.rows() - r;
   if (share < least_share_of_second || added == 0 || r > long_rim || disc.triangles.empty() || result.met) return;
   const std::optional<SecondModel> second = second_model(result.made.points, result.made.triangles, disc, {2, 3});
@@ -498,7 +478,7 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   const double near_rim = deviation.tail(inside.rows()).norm() / std::sqrt(static_cast<double>(inside.rows()));
   fill.deviation = with_layout_errors(deviation.head(added), near_rim, result.fed_back);
   if (result.second) {  // and the spread of the models about their average
-    const double share = std::min(result.share_of_second, share_of_second);
+    const double share = std::min(result.share_of_second, most_of_second);
     const Points way = result.second->vertices - result.field->positions(as_rows(fill.uv));
     const Eigen::VectorXd between = way.cwiseProduct(fill.normals).rowwise().sum();
     const Eigen::VectorXd apart = result.second->apart.cwiseProduct(fill.normals).rowwise().sum();

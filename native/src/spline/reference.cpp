@@ -18,6 +18,12 @@ namespace {
 constexpr int steps = 8;
 /// What the curvature leaves of the squared distance's own bend, at least: steps are no longer than five of Gauss and Newton's.
 constexpr double least_bend = 0.2;
+/// Of the plane's extent: no step is longer, for the polynomial is known no farther around.
+constexpr double longest_step = 0.1;
+/// Of the squares of two tangents, by their determinant: less, and they are one line to rounding, and a sample stays where it is.
+constexpr double one_line_of_tangents = 1e-12;
+/// Of the plane's extent: a step that is shorter is rounding, and the last.
+constexpr double last_step = 1e-14;
 
 int size_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
@@ -73,13 +79,13 @@ Reference::Jet2 Reference::jet_at(const Eigen::RowVector2d& point) const {
 /// bends upwards: a point between two feet leaves the middle in doubling steps, and not, as by Gauss and Newton's, the faster the
 /// farther off it lies, so that rounding would choose its foot.
 PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) const {
-  const double longest = 0.1 * size_;  // of a step
+  const double longest = longest_step * size_;
   for (Index k = 0; k < points.rows(); ++k)
     for (int step = 0; step < steps; ++step) {
       const Jet2 jet = jet_at(points.row(k));
       const Eigen::Matrix<double, 2, 3> tangents = jet.middleRows<2>(1);
       const Eigen::Matrix2d gram = tangents * tangents.transpose();
-      if (!(gram.determinant() > 1e-12 * gram.squaredNorm())) break;
+      if (!(gram.determinant() > one_line_of_tangents * gram.squaredNorm())) break;
       const Eigen::Vector3d off = (samples.row(k) - jet.row(0)).transpose();
       Eigen::Matrix2d bend;
       bend << jet.row(3) * off, jet.row(4) * off, jet.row(4) * off, jet.row(5) * off;
@@ -92,7 +98,7 @@ PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) co
       Eigen::Vector2d move = root.matrixU().solve(modes.eigenvectors() * slope.cwiseQuotient(left));
       if (move.norm() > longest) move *= longest / move.norm();
       points.row(k) += move.transpose();
-      if (move.norm() < 1e-14 * size_) break;
+      if (move.norm() < last_step * size_) break;
     }
   return points;
 }

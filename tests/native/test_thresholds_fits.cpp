@@ -1,0 +1,131 @@
+// What decides about fits to what is known, on both sides of each threshold.
+#include <Eigen/QR>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "test_drafts.h"
+#include "tripatch/estimate/plane_fit.h"
+#include "tripatch/spline/crease_curve.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+/// What is seen from a vertex of a side in a sheet over so many rings, with heights of its own.
+template <class F>
+Stencil stencil(int rings, const F& height) {
+  FlatDrafts flat(6);
+  SideSearch search(flat.w, flat.drafts, 2);
+  Seen seen;
+  measure(flat.w, flat.drafts, 2, 3, {rings, false, true, false}, search, seen);
+  Stencil& s = seen.stencil;
+  for (Index k = 0; k < s.share.size(); ++k) s.rows(k, fit_terms) = height(s.rows(k, 1), s.rows(k, 2));
+  return s;
+}
+
+/// The normal matrix of a fit.
+struct Normal {
+  Eigen::MatrixXd matrix;
+  Normal(const Stencil& s, const VarianceComponents& components, const PlaneFit& fit) {
+    const Eigen::MatrixXd rows = s.rows.leftCols(fit_terms);
+    const Eigen::VectorXd weight = s.share.array() / (components.noise + components.truncation * s.g.array());
+    matrix = rows.transpose() * weight.asDiagonal() * rows;
+    matrix.diagonal() += fit.prior;
+  }
+  /// The least of what elimination leaves of a diagonal element.
+  double least_pivot() const {
+    Eigen::MatrixXd a = matrix;
+    double least = 1;
+    for (Index i = 0; i < a.rows(); ++i) {
+      least = std::min(least, a(i, i) / matrix(i, i));
+      const Eigen::VectorXd column = a.col(i) / a(i, i);
+      a -= column * a.row(i);
+    }
+    return least;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("normal equations are taken where elimination leaves a ten-millionth of each diagonal element", "[thresholds]") {
+  const Stencil s = stencil(2, [](double x, double y) { return 0.1 * std::sin(x + y); });
+  FitRoom room;
+  VarianceComponents components;
+  double low = 1, high = 1e12;  // of the variances of the terms: what few points do not tell
+  const auto taken = [&](double variance) {
+    components.term = {1, 100, variance, variance, variance, variance};
+    return fit_plane(s, components, room), room.normal_equations;
+  };
+  REQUIRE(taken(low));
+  REQUIRE_FALSE(taken(high));
+  while (high > 1.001 * low) (taken(std::sqrt(low * high)) ? low : high) = std::sqrt(low * high);
+  taken(low);
+  CHECK(Normal(s, components, fit_plane(s, components, room)).least_pivot() == Approx(1e-7).epsilon(0.02));
+}
+
+TEST_CASE("a fit that is refined is that of an orthogonal triangularization to its last digits") {
+  const Stencil s = stencil(2, [](double x, double y) { return 0.1 * std::sin(x + y) + 0.03 * std::cos(2 * x * y); });
+  VarianceComponents components;
+  components.noise = 1e-8;
+  FitRoom room;
+  double variance = 1;  // as large as normal equations take it
+  for (PlaneFit fit; fit = fit_plane(s, components, room), room.normal_equations; variance *= 1.1)
+    components.term = {1, 100, variance, variance, variance, variance};
+  variance /= 1.3;
+  components.term = {1, 100, variance, variance, variance, variance};
+  PlaneFit fit = fit_plane(s, components, room);
+  refine(s, room, fit);
+  using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const Index n = s.share.size();
+  Long rows = Long::Zero(n + fit_terms, fit_terms), right = Long::Zero(n + fit_terms, 1);
+  for (Index k = 0; k < n; ++k) {
+    const long double root = std::sqrt(s.share[k] / (components.noise + components.truncation * s.g[k]));
+    rows.row(k) = root * s.rows.row(k).head<fit_terms>().cast<long double>();
+    right(k) = root * s.rows(k, fit_terms);
+  }
+  for (Index k = 0; k < fit_terms; ++k) rows(n + k, k) = std::sqrt(static_cast<long double>(fit.prior[k]));
+  right(n + 2) = rows(n + 2, 2) * s.faces;
+  const Long exact = rows.householderQr().solve(right);
+  double off = 0;
+  for (Index k = 0; k < fit_terms; ++k) off = std::max(off, static_cast<double>(std::abs(fit.mean[k] - exact(k))));
+  CHECK(off < 1e-11 * fit.mean.norm());
+}
+
+TEST_CASE("surroundings that lie in a plane have the least variances that there are", "[thresholds]") {
+  const std::vector<Stencil> flat(3, stencil(4, [](double, double) { return 0.0; }));
+  for (const double bend : {0.0, 0.5}) {  // squared curvature that the faces show
+    const double radius = 2, noise = std::pow(1e-7 * radius, 2);
+    const VarianceComponents c = estimate_components({flat, flat, flat}, radius, bend);
+    CHECK(c.noise == Approx(noise));
+    CHECK(c.term[2] == Approx(std::max(noise / std::pow(radius, 4), 0.3 * bend)));
+    CHECK(c.term[3] == Approx(noise / std::pow(radius, 6)));
+    CHECK(c.truncation == Approx(1e-6 * noise / std::pow(radius, 12)));
+    CHECK(c.tilt == Approx(1e-4 * std::max(bend, 0.01 / (radius * radius))));
+  }
+}
+
+namespace {
+
+Points arc(double from, double to, int n) {
+  Points p(n, 3);
+  for (int k = 0; k < n; ++k) {
+    const double a = from + (to - from) * k / std::max(n - 1, 1);
+    p.row(k) << std::cos(a), std::sin(a), 0;
+  }
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("the curve of a crease is of order 2 to 5, and its gap as long as 64 chords of it", "[thresholds]") {
+  const CreaseCurve smooth(arc(-1.2, -0.5, 9), arc(0.5, 1.2, 9), 0.1);
+  CHECK(smooth.order() == 5);
+  CHECK(CreaseCurve(arc(-0.7, -0.5, 2), arc(0.5, 1.2, 1), 0.1).order() == 2);
+  const auto chords = [&](int n) {
+    const Points p = smooth.at(Eigen::VectorXd::LinSpaced(n + 1, 0, 1));
+    return (p.bottomRows(n) - p.topRows(n)).rowwise().norm().sum();
+  };
+  CHECK(chords(640) - chords(64) > 5e-6);
+  CHECK(smooth.length() == Approx(chords(64)).epsilon(3e-6));
+}

@@ -1,0 +1,124 @@
+// What decides about a fill over a plane, on both sides of each threshold.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "test_rings.h"
+#include "tripatch/spline/creased_fill.h"
+#include "tripatch/spline/least_bent.h"
+#include "tripatch/spline/plane_fill.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+Vec3 flat(double x, double y) { return {x, y, 0}; }
+
+PlaneFill filled(const Rings& rings, const PlaneFillOptions& options = {}) {
+  return fill_over_plane(rings.mesh(), Connectivity(rings.mesh()), {rings.rim}, options);
+}
+
+PlaneFillOptions coarse_inside() {
+  PlaneFillOptions options;
+  options.resolution = 4;
+  return options;
+}
+
+Index samples(const PlaneFill& fill) { return fill.field->parts()[0].weights.rows(); }
+
+/// The same numbers on every machine, -1 to 1.
+double random_at(double x, double y) {
+  const double k = std::sin(12.9898 * std::round(1e6 * x) + 78.233 * std::round(1e6 * y)) * 43758.5453;
+  return 2 * (k - std::floor(k)) - 1;
+}
+
+}  // namespace
+
+TEST_CASE("surroundings are followed over a quarter of the hole's diameter, and forty rings", "[thresholds]") {
+  CHECK(filled(Rings(radii(0.0505, 12), flat)).rings == 5);
+  CHECK(filled(Rings(radii(0.0495, 12), flat)).rings == 6);
+  CHECK(filled(Rings(radii(0.0052, 60), flat), coarse_inside()).rings == 40);
+}
+
+TEST_CASE("a field has a hundred samples more than the rim has vertices, 160 at least and 600 at most", "[thresholds]") {
+  CHECK(samples(filled(Rings(radii(0.05, 12), flat))) == 144);  // all there are
+  CHECK(samples(filled(Rings(radii(0.02, 20), flat))) == 160);
+  CHECK(samples(filled(Rings(radii(0.02, 20), flat, 90), coarse_inside())) == 190);
+  CHECK(samples(filled(Rings(radii(0.1, 4), flat, 520), coarse_inside())) == 600);
+}
+
+TEST_CASE("where noise is 0.003 to 0.03 edges the surroundings are followed twice as far", "[thresholds]") {
+  double least = 1, most = 0, below = 0, above = 1;  // noise, over an edge, where they are and where they are not
+  for (int k = 0; k < 14; ++k) {
+    const double size = (k < 7 ? 6.2e-4 : 6.6e-3) * std::pow(1.03, k % 7);
+    const Rings rings(radii(0.05, 14), [=](double x, double y) { return Vec3(x, y, size * random_at(x, y)); });
+    const PlaneFill fill = filled(rings);
+    const double noise = fill.field->noise() / (rings.vertices.row(0) - rings.vertices.row(1)).norm();
+    if (fill.rings == 10) {
+      least = std::min(least, noise);
+      most = std::max(most, noise);
+    } else {
+      (noise < 0.01 ? below : above) = noise < 0.01 ? std::max(below, noise) : std::min(above, noise);
+    }
+  }
+  // what is looked at twice as far has nearly the same noise
+  CHECK((below < 0.003 && below > 0.0028 && least < 0.0032));
+  CHECK((above > 0.03 && above < 0.032 && most > 0.028));
+}
+
+namespace {
+
+/// Whether the places of a rim are its points seen from above.
+bool seen_from_above(const Rings& rings) {
+  const PlaneFill fill = filled(rings, coarse_inside());
+  double off = 0;
+  for (Index k = 0; k < rings.n; k += 7) {
+    const double here = (rings.vertices.row(k) - rings.vertices.row(3)).head<2>().norm();
+    off = std::max(off, std::abs((fill.rim_uv.row(k) - fill.rim_uv.row(3)).norm() - here));
+  }
+  return off < 1e-9;
+}
+
+}  // namespace
+
+TEST_CASE("rims of more than 400 edges are seen from above where nothing leans by more than 60 degrees", "[thresholds]") {
+  const auto cone = [](double degrees) {
+    const double slope = std::tan(degrees * M_PI / 180);
+    return [=](double x, double y) { return Vec3(x, y, -slope * std::hypot(x, y)); };
+  };
+  CHECK_FALSE(seen_from_above(Rings(radii(0.2, 2), cone(30), 400)));
+  CHECK(seen_from_above(Rings(radii(0.2, 2), cone(30), 402)));
+  CHECK(seen_from_above(Rings(radii(0.2, 2), cone(59.5), 402)));
+  CHECK_FALSE(seen_from_above(Rings(radii(0.2, 2), cone(60.5), 402)));
+}
+
+TEST_CASE("the second model is nine tenths of a fill where all is rough, a quarter where orders are low", "[thresholds]") {
+  CHECK(share_of_details(1, 2) == Approx(std::pow(1 - 1.0 / 16, 2)));
+  CHECK(share_of_details(3, 2) == 0);
+  CHECK(share_of_second(1, 0.5, 5) == Approx(0.45));
+  CHECK(share_of_second(0, 0, 2) == Approx(0.25).epsilon(1e-5));
+  CHECK(share_of_second(0, 0, 3.5) == Approx(0.125));
+  CHECK(share_of_second(0, 0, 5) < 1e-4);
+  CHECK(share_of_second(0, 0, 3.5 * 1.1) == Approx(0.25 / (1 + std::pow(1.1, 24))));
+}
+
+TEST_CASE("a crease does not run where a point inside lies within a twentieth of its edge", "[thresholds]") {
+  const Rings rings(radii(0.1, 8), [](double x, double y) { return roof(x, y, 30); });
+  const auto across = [&](const Rings& r, const PlaneFillOptions& options) {
+    return fill_across_creases(r.mesh(), Connectivity(r.mesh()), r.rim, r.features(), options);
+  };
+  const PlaneFill plain = *across(rings, {});
+  double edge = 0;  // over the middle
+  for (const auto& [a, b] : plain.creases) {
+    const auto at = [&](Index v) -> Vec3 {
+      return v < rings.n ? Vec3(rings.vertices.row(v)) : Vec3(plain.vertices.row(v - rings.n));
+    };
+    if (at(a)[0] * at(b)[0] <= 1e-9) edge = std::max(edge, (at(a) - at(b)).norm());
+  }
+  REQUIRE(edge > 0.05);
+  for (const double share : {0.049, 0.051}) {
+    PlaneFillOptions options;
+    options.through = {{roof(0.01, share * edge, 30), {}}};
+    CHECK(across(rings, options).has_value() == (share > 0.05));
+  }
+}
