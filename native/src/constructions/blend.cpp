@@ -5,12 +5,6 @@
 #include "tripatch/boundary/side.h"
 
 namespace tripatch {
-namespace {
-
-constexpr double surfaces_meet = 1e-6;  // of the size: the largest gap between surfaces at a corner, as between sides
-
-}  // namespace
-
 std::vector<double> feet(const double* b, Index n, int i, const Vec3& direction) {
   std::vector<double> f(3 * n);
   for (Index k = 0; k < n; ++k)
@@ -32,7 +26,7 @@ std::array<Vec3, 3> common_corners(const std::array<SurfacePtr, 3>& surfaces) {
   for (int k = 0; k < 3; ++k) {
     const int a = (k + 1) % 3, b = (k + 2) % 3;  // the two surfaces that carry the sides at corner k
     const double gap = (at[a].row(k) - at[b].row(k)).norm();
-    if (!(gap <= surfaces_meet * size))
+    if (!(gap <= sides_meet * size))
       throw InvalidArgument("surfaces " + std::to_string(a) + " and " + std::to_string(b) + " " + gap_at_corner(k, gap));
     corners[k] = at[a].row(k);
   }

@@ -20,7 +20,6 @@ constexpr double regularization =
     1e-12;  // of the mean diagonal element: unknowns without rows stay put, others change by rounding
 
 constexpr double least_share = 0.05;  // of one of two energies in the derivative: for less its model, half the work, is not made
-constexpr double no_energy = 1e-300;  // a logarithm's argument is not below
 
 constexpr double enough = 1e-2;  // relative gain: the step that gains less is the last
 constexpr double none =
@@ -90,7 +89,6 @@ Merit::Model Merit::linearized(const Eigen::VectorXd& x, const Value& v) const {
 /// The model of the logarithm about x, its parts weighed by their values at x + y; the constant is not set.
 Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen::VectorXd& third_slope, const Value& v,
                           const Eigen::VectorXd& y) const {
-  constexpr double least_left = 1e-3;  // of a part, by its model: no step takes more away than that says
   const auto value = [&](int which, double now) {
     return m.used[which] ? std::max(m.variation[which](y), least_left * now) : now;
   };

@@ -4,21 +4,12 @@
 #include "tripatch/math/triangular_grid.h"
 
 namespace tripatch {
-namespace {
-
-constexpr double far_apart = 0.5;  // cosine: 60 degrees, neighbors on a hemisphere are 3 apart
-/// Beside a corner or kink whose planes differ by this much every patch turns fast: neighbors nearer to it than `reach` (in barycentric
-/// coordinates: ten rows of the grid) are not compared.
-constexpr double one_plane = 1;  // degree
-constexpr double reach = 0.15;
-
-}  // namespace
-
 FoldCounter::FoldCounter(const Sides& sides) : rim_(sides) {
-  for (int k = 0; k < 3; ++k) clear_[k] = degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)) < one_plane;
+  for (int k = 0; k < 3; ++k)
+    clear_[k] = degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)) < folds_one_plane;
   for (int i = 0; i < 3; ++i)
     for (double t : kinks_of(sides[i])) {
-      if (planes_apart(sides[i], t) < one_plane) continue;
+      if (planes_apart(sides[i], t) < folds_one_plane) continue;
       creases_.emplace_back(Eigen::RowVector3d::Zero());
       creases_.back()[(i + 1) % 3] = 1 - t;
       creases_.back()[(i + 2) % 3] = t;
@@ -30,11 +21,11 @@ FoldCounter::FoldCounter(const Kinks& kinks, const std::array<bool, 3>& tangent)
   tangent_ = tangent;
 }
 
-bool FoldCounter::beside_crease(const Eigen::RowVector3d& b) const {
+bool FoldCounter::near_crease(const Eigen::RowVector3d& b) const {
   for (int k = 0; k < 3; ++k)
-    if (!clear_[k] && b[k] > 1 - reach) return true;
+    if (!clear_[k] && b[k] > 1 - beside_crease) return true;
   for (const Eigen::RowVector3d& crease : creases_)
-    if ((b - crease).cwiseAbs().maxCoeff() < reach) return true;
+    if ((b - crease).cwiseAbs().maxCoeff() < beside_crease) return true;
   return false;
 }
 
@@ -48,7 +39,7 @@ Index FoldCounter::operator()(const Surface& patch) const {
   }
   TriangularGrid{fold_grid_rows}.for_edges([&](Index a, Index c) {
     const Vec3 p = normals.row(a), q = normals.row(c);
-    folds += p.dot(q) <= far_apart && p.norm() > 0 && q.norm() > 0 && !beside_crease(b.row(a));
+    folds += p.dot(q) <= folded_apart && p.norm() > 0 && q.norm() > 0 && !near_crease(b.row(a));
   });
   return folds;
 }

@@ -6,13 +6,6 @@
 #include "tripatch/patch/side_weights.h"
 
 namespace tripatch {
-namespace {
-
-constexpr double along = 0.1;            // what a distance along the surface counts beside one across it
-constexpr double least_diagonal = 1e-6;  // of the mean diagonal element: points may be fewer than unknowns
-
-}  // namespace
-
 SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOptions& options) {
   const Sides& sides = base.sides;
   const Boundary& boundary = base.boundary;
@@ -50,7 +43,8 @@ SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOp
       const std::vector<Jet<0>> basis = scalar_basis(at, options.degree, options.second_cross);
       const std::array<Jet<0>, 3> weights = side_weights(at);
       const Vec3 normal = points.normals.row(k);
-      const Eigen::Matrix3d across = along * Eigen::Matrix3d::Identity() + (1 - along) * normal * normal.transpose();
+      const Eigen::Matrix3d across =
+          follow_along * Eigen::Matrix3d::Identity() + (1 - follow_along) * normal * normal.transpose();
       for (Index s = 0; s < inner; ++s) rows.block<3, 3>(3 * k, 3 * s) = boundary.size * basis[s].value() * across;
       for (int i = 0; i < 3; ++i) {
         const Jet<0> t = ray_parameter(at, i);
@@ -71,7 +65,7 @@ SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOp
     for (const Index m : {unknowns, 3 * inner}) {
       Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(m, m);
       normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(m).transpose());
-      normal.diagonal().array() += least_diagonal * normal.trace() / static_cast<double>(m);
+      normal.diagonal().array() += follow_least_diagonal * normal.trace() / static_cast<double>(m);
       x.setZero();
       x.head(m) = constrained_quadratic_minimum(normal, -rows.leftCols(m).transpose() * right, Eigen::MatrixXd(0, m));
       if (keeps_alpha(x)) break;

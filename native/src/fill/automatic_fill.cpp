@@ -62,8 +62,7 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     reason = "no patch fits between " + std::to_string(corners.size()) + " sides: " + refusal.what();
   }
   Fill other = any_rim(reason);
-  if (patch && not_taken(options).empty() && patch->report.surroundings_error < well_known_planes &&
-      misses_known_planes(*patch, other, far_off_planes, worth_their_planes)) {
+  if (patch && not_taken(options).empty() && keeps_better_planes(*patch, other)) {
     Fill planar = fill_with_planes_of(ground, *patch, options, reason);
     if (planar.patch && planar.report.triangles_folded <= other.report.triangles_folded) return planar;
   }
@@ -132,6 +131,11 @@ double planes_apart_at_corners(const SideList& sides) {
 }
 
 }  // namespace
+
+bool keeps_better_planes(const Fill& patch, const Fill& spline) {
+  return patch.report.surroundings_error < well_known_planes &&
+         misses_known_planes(patch, spline, far_off_planes, worth_their_planes);
+}
 
 Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
@@ -81,11 +82,15 @@ struct Elsewhere {
   }
 };
 
+/// Extra rows of quads that may be asked for: a bound against slips of the hand, far beyond what any fill has room for.
+constexpr int most_rows = 100;
+
 void check_options(const FillOptions& options) {
   check(options);
   const bool triangles = options.output == Output::triangles;
-  if (options.resolution && (*options.resolution < (triangles ? 1 : 0) || *options.resolution > (triangles ? 10000 : 100)))
-    throw InvalidArgument(triangles ? "resolution must be from 1 to 10000" : "resolution must be from 0 to 100");
+  if (options.resolution && triangles && *options.resolution < 1) throw InvalidArgument("resolution must be from 1 to 10000");
+  if (options.resolution && !triangles && *options.resolution > most_rows)
+    throw InvalidArgument("resolution must be from 0 to " + std::to_string(most_rows));
 }
 
 /// The patch over a polygon or a disc, insisted on; nothing where the rim has three sides. Corners that are not given are detected.

@@ -7,21 +7,11 @@ namespace tripatch {
 namespace {
 
 constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
-constexpr double same_edge = 1e-9;  ///< as same_length of three sides: far above rounding
 
 Points surface_rows(const PlanePoints& uv) {
   Points rows = Points::Zero(uv.rows(), 3);
   rows.leftCols(2) = uv;
   return rows;
-}
-
-Index longest_edge_of(const Points& loop) {
-  const Index n = loop.rows();
-  const auto length = [&](Index k) { return (loop.row(k) - loop.row((k + 1) % n)).norm(); };
-  Index place = 0;
-  for (Index k = 1; k < n; ++k)
-    if (length(k) > (1 + same_edge) * length(place)) place = k;
-  return place;
 }
 
 /// The largest distance of the quads' middles from the patch.
@@ -70,7 +60,7 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
   Points border = points;
   for (Index k = 0; k < given.rows(); ++k) cover.rim_rows.push_back(k);
   if (given.rows() % 2 == 1 && options.split_odd) {
-    const Index place = longest_edge_of(points), n = given.rows(), next = (place + 1) % n;
+    const Index place = static_cast<Index>(longest_edge(points)), n = given.rows(), next = (place + 1) % n;
     cover.split = {place, next};
     cover.rim_rows.insert(cover.rim_rows.begin() + place + 1, -1);
     rim.resize(n + 1, 2);

@@ -32,13 +32,13 @@ double deviation(const Cover& cover, const Surface& patch) {
 const char* const crossing_rows = "With the rows that the tolerance asks for the cage would fold: it has none";
 const char* const too_few_rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand";
 
-std::size_t longest_edge(const Mesh& mesh, const std::vector<Index>& rim) {
-  const std::size_t n = rim.size();
-  const auto length = [&](std::size_t k) { return (mesh.vertices.row(rim[k]) - mesh.vertices.row(rim[(k + 1) % n])).norm(); };
-  std::size_t place = 0;
-  for (std::size_t k = 1; k < n; ++k)
+std::size_t longest_edge(const PointsRef& rim) {
+  const Index n = rim.rows();
+  const auto length = [&](Index k) { return (rim.row(k) - rim.row((k + 1) % n)).norm(); };
+  Index place = 0;
+  for (Index k = 1; k < n; ++k)
     if (length(k) > (1 + same_length) * length(place)) place = k;
-  return place;
+  return static_cast<std::size_t>(place);
 }
 
 Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vector<double>, 3> parameters, const Surface& patch,

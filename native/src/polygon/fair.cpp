@@ -6,6 +6,7 @@
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/folds.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/polygon/problem.h"
@@ -13,12 +14,8 @@
 namespace tripatch {
 namespace {
 
-constexpr int energy_nodes = 8;    ///< a direction, where an energy is only measured
-constexpr double far_apart = 0.5;  ///< cosine: 60 degrees between neighbors of the grid (folds.cpp)
-/// Degrees between the planes of two sides from which on every patch turns fast at their corner: within that share of the radius
-/// neighbors are not compared.
-constexpr double one_plane = 1, reach = 0.15;
-constexpr int grid_rings = 16;
+constexpr int energy_nodes = 8;  ///< a direction, where an energy is only measured
+constexpr int grid_rings = 16;   ///< on which folds are counted: a choice
 
 /// Vector multiples of the squared bubble times 1, x, y, ...: as many functions as there are conditions.
 class Lift final : public PolygonSurface {
@@ -188,10 +185,10 @@ Index count_polygon_folds(const Surface& patch, const PolygonDomain& domain, con
   std::vector<bool> clear;
   for (int k = 0; k < n; ++k) {
     const Vec3 a = sides[domain.wrap(k - 1)].normal(1), b = sides[k].normal(0);
-    clear.push_back(std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI < one_plane);
+    clear.push_back(std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI < folds_one_plane);
   }
-  const auto beside_crease = [&](const Vec2& p) {
-    const int k = domain.corner_at(p, reach);
+  const auto near_crease = [&](const Vec2& p) {
+    const int k = domain.corner_at(p, beside_crease);
     return k >= 0 && !clear[k];
   };
   Index folds = 0;
@@ -201,7 +198,7 @@ Index count_polygon_folds(const Surface& patch, const PolygonDomain& domain, con
   }
   for (const auto& [a, b] : edges) {
     const Vec3 p = normals.row(a), q = normals.row(b);
-    folds += p.dot(q) <= far_apart && p.norm() > 0 && q.norm() > 0 && !beside_crease(uv.row(a).head<2>());
+    folds += p.dot(q) <= folded_apart && p.norm() > 0 && q.norm() > 0 && !near_crease(uv.row(a).head<2>());
   }
   return folds;
 }

@@ -10,8 +10,6 @@
 namespace tripatch {
 namespace {
 
-constexpr double along_weight = 0.1;        ///< as of three sides: what a distance along the surface counts beside one across it
-constexpr double least_of_diagonal = 1e-6;  ///< of its mean: points may be fewer than unknowns
 constexpr int newton_steps = 4;
 constexpr int follow_degree = 6, follow_second_cross = 4;  ///< more than the points of the coarsest layouts can tell apart
 
@@ -51,12 +49,12 @@ SurfacePtr follow_over_polygon(const SurfacePtr& plain, const PolygonDomain& dom
       if (domain.corner_at(place, 1e-6) >= 0) continue;  // side weights are 0/0 there, and nothing is added
       const std::vector<Jet<0>> basis = polygon_basis<0>(domain, domain.place(u, v), u, v, follow_degree, follow_second_cross);
       const Vec3 up = points.normals.row(k);
-      const Eigen::Matrix3d across = along_weight * Eigen::Matrix3d::Identity() + (1 - along_weight) * up * up.transpose();
+      const Eigen::Matrix3d across = follow_along * Eigen::Matrix3d::Identity() + (1 - follow_along) * up * up.transpose();
       for (Index s = 0; s < unknowns; ++s) rows.block<3, 3>(0, 3 * s) = size * basis[s].value() * across;
       normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
       right += rows.transpose() * (across * missing.row(k).transpose());
     }
-    normal.diagonal().array() += least_of_diagonal * normal.trace() / static_cast<double>(3 * unknowns);
+    normal.diagonal().array() += follow_least_diagonal * normal.trace() / static_cast<double>(3 * unknowns);
     const Eigen::VectorXd x = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
     if (!x.allFinite()) return patch;
     const Points coefficients = size * Eigen::Map<const Points>(x.data(), unknowns, 3);

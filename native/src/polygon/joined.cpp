@@ -12,8 +12,6 @@
 namespace tripatch {
 namespace {
 
-/// Degrees between what is one side's: as at the seam of a round rim, several times what planes estimated from a mesh are off.
-constexpr double still_smooth = 10;
 constexpr int length_nodes = 12, newton_rounds = 6;
 
 /// Arc length along a part of a curve on which it is a polynomial.

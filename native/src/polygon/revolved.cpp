@@ -22,8 +22,7 @@ namespace {
 constexpr int profile_nodes = 24;
 constexpr int height_terms = 4, radius_terms = 3, profile_unknowns = 1 + height_terms + radius_terms;
 constexpr double first_counts = 1;  ///< with 0 heights of funnels' caps are left to the bound on slopes
-/// Product of the rim's two curvatures over the sum of their squares, half on spheres, nothing on cones and cylinders: below the first
-/// quadrics do not count, above the second they do.
+/// Below the first of these ratios (see quadrics_count) quadrics do not count, above the second they do.
 constexpr double no_blunt_quadric = 0.05, blunt_quadric = 0.15;
 /// What a mesh does not know of the curvature counts as this share of it at most, or spheres would do for cones.
 constexpr double most_unknown = 0.05;
@@ -136,7 +135,7 @@ void Profile::want_curvature(const RoundBase& base, const Eigen::Matrix3d& frame
   const double unknown = tolerated_deviations * base.side.curvature_error * radius_;
   tolerated_ = std::hypot(curvature_jump * std::sqrt(squares), std::min(unknown, most_unknown * std::sqrt(squares)));
   const double sure = std::copysign(std::max(std::abs(bend_) - base.side.curvature_error * radius_, 0.0), bend_);
-  quadric_counts_ = smoothstep((sure * parallel / squares - no_blunt_quadric) / (blunt_quadric - no_blunt_quadric));
+  quadric_counts_ = quadrics_count(sure * parallel / squares);
 }
 
 Profile::Value Profile::at(const Eigen::VectorXd& y) const {
@@ -172,12 +171,11 @@ Profile::Value Profile::at(const Eigen::VectorXd& y) const {
 }
 
 void Profile::weigh(Value& v) const {
-  constexpr double least = 1e-300;
-  const double ratio = quadric_counts_ * quadric_ratio * v.squares[0] / std::max(v.squares[1], least);
+  const double ratio = quadric_counts_ * quadric_ratio * v.squares[0] / std::max(v.squares[1], no_energy);
   v.share = 1 - 1 / (1 + std::pow(ratio, 4));
   v.energy = v.squares[0] / std::pow(1 + std::pow(ratio, 4), 0.25);
-  v.log = std::log(std::max(v.energy, least)) + parameterization_counts * std::log(std::max(v.squares[3], least)) +
-          first_counts * std::log(std::max(v.squares[4], least)) + v.squares[2];
+  v.log = std::log(std::max(v.energy, no_energy)) + parameterization_counts * std::log(std::max(v.squares[3], no_energy)) +
+          first_counts * std::log(std::max(v.squares[4], no_energy)) + v.squares[2];
 }
 
 /// Gauss-Newton's, the logarithms' parts weighed by their values where the step leads, as Merit::step.
@@ -193,10 +191,9 @@ Eigen::VectorXd Profile::step(const Eigen::VectorXd& y, const Value& v, double d
   }
   Eigen::VectorXd change = Eigen::VectorXd::Zero(profile_unknowns);
   for (int round = 0; round < 4; ++round) {
-    constexpr double least_left = 1e-3, least = 1e-300;
     Value there = v;
     for (int p : {0, 1, 3, 4})
-      there.squares[p] = std::max({(v.parts[p] + slopes[p] * change).squaredNorm(), least_left * v.squares[p], least});
+      there.squares[p] = std::max({(v.parts[p] + slopes[p] * change).squaredNorm(), least_left * v.squares[p], no_energy});
     weigh(there);
     const std::array<double, 5> weight = {(1 - there.share) / there.squares[0], there.share / there.squares[1], 1,
                                           parameterization_counts / there.squares[3], first_counts / there.squares[4]};
@@ -227,6 +224,8 @@ std::vector<Harmonic> Profile::terms(const Eigen::VectorXd& y, const RoundBase& 
 }
 
 }  // namespace
+
+double quadrics_count(double ratio) { return smoothstep((ratio - no_blunt_quadric) / (blunt_quadric - no_blunt_quadric)); }
 
 std::optional<std::vector<Harmonic>> fairest_of_revolution(const RoundBase& base, const Eigen::Matrix3d& frame, Fairing energy,
                                                            double curvature_jump) {

@@ -4,19 +4,19 @@
 
 #include "tripatch/boundary/side.h"
 #include "tripatch/fairing/candidates.h"
+#include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/revolved.h"
 #include "tripatch/polygon/round_problem.h"
 
 namespace tripatch {
 namespace {
 
-constexpr double smooth_within = 10;  ///< degrees between end and beginning: more is a corner
 /// Energies are measured on a rim without shorter waves: third derivatives of what a mesh says of them are noise.
 constexpr int measured_waves = 12;
 constexpr int round_seam_samples = 200, round_fold_rings = 16, round_fold_angles = 64;
-constexpr double neighbors_apart = 0.5;  ///< cosine, as for polygons
 constexpr int energy_nodes_round = 8;
 /// Surroundings that are of revolution to this share of the size get a fill that is: a descent along a flat valley would enlarge what
 /// rounding and the mesh have left of unevenness a thousand times.
@@ -35,8 +35,8 @@ void check_round(const Side& side, double size) {
   if (!(size > 0)) throw Refusal("The side has no length");
   if ((side.c(1) - side.c(0)).norm() > sides_meet * size)
     throw Refusal("A single side is the rim of a round hole: its end must be its beginning");
-  if (degrees_between(side.c.derivative_at(1), side.c.derivative_at(0)) > smooth_within ||
-      degrees_between(side.normal(1), side.normal(0)) > smooth_within)
+  if (degrees_between(side.c.derivative_at(1), side.c.derivative_at(0)) > still_smooth ||
+      degrees_between(side.normal(1), side.normal(0)) > still_smooth)
     throw Refusal("A round rim has no corner; this one has one where it begins");
 }
 
@@ -126,8 +126,8 @@ Index count_round_folds(const Surface& patch) {
     for (Index k = 0; k < round_fold_angles; ++k) {
       const Vec3 own = normals.row(ring * round_fold_angles + k);
       const Vec3 next = normals.row(ring * round_fold_angles + (k + 1) % round_fold_angles);
-      folds += own.dot(next) <= neighbors_apart;
-      if (ring > 0) folds += own.dot(normals.row((ring - 1) * round_fold_angles + k)) <= neighbors_apart;
+      folds += own.dot(next) <= folded_apart;
+      if (ring > 0) folds += own.dot(normals.row((ring - 1) * round_fold_angles + k)) <= folded_apart;
     }
   return folds;
 }
@@ -164,7 +164,7 @@ bool made_of_revolution(RoundPatch& made, std::vector<Harmonic>& terms, const Ro
   const RoundSurface before(base.terms), after(*found);
   const double energy = round_energy(after, fairing.energy);
   const Index folds = count_round_folds(after);
-  if (folds > made.folds || energy > hopeless) return false;
+  if (folds > made.folds || beyond_energies(energy, false)) return false;
   terms = *found;
   made.fairing = name_of(fairing.energy);
   made.energy_before = round_energy(before, fairing.energy);

@@ -19,6 +19,8 @@ constexpr double hopeless = 5e3;
 /// The same where the curvature along all sides is known well enough to be followed: Franke's hole from the chart's own sides, at 1e4, comes
 /// to 8.3e-3 of the truth, plain 2.0e-2.
 constexpr double hopeless_even_so = 2e4;
+/// Whether the least energy that was found is one of those. followed: the curvature along all sides is.
+inline bool beyond_energies(double least, bool followed) { return least > (followed ? hopeless_even_so : hopeless); }
 
 /// Where the energy on all nodes is above that on a few by more than this (and the surface is rich), the patch oscillates between the few.
 /// With it Franke's hole came to 9.3e-3 of the truth instead of 1.4e-2.
@@ -102,8 +104,7 @@ Candidates<Problem> geometric_candidates(const Base& base, const FairingOptions&
   if (last > 0) take(early, early_value);
   take(first, merit(first));
   const double least = out.best_first.empty() ? before.energy : out.best_first[0].energy;
-  const double bound = problem.following().all() ? hopeless_even_so : hopeless;
-  out.beyond = least > bound && !problem.controlled() && problem.meets_planes();
+  out.beyond = beyond_energies(least, problem.following().all()) && !problem.controlled() && problem.meets_planes();
   return out;
 }
 

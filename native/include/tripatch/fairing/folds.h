@@ -10,11 +10,18 @@
 
 namespace tripatch {
 
-/// Folds on a 64 x 64 grid: points with (P_1 x P_2) . n <= 0, n the side-weight blend of the rim's normals, and neighbors whose
-/// normals are 60 degrees or more apart, but for the neighborhood of corners and kinks whose planes differ.
-/// Edges of that grid on a side: neighbors on a hemisphere are 3 degrees apart.
+/// Edges, on a side, of the grid on which folds of a triangle are counted: neighbors on a hemisphere are 3 degrees apart.
 constexpr Index fold_grid_rows = 64;
+/// Neighbors of a grid fold whose normals have this cosine or less: 60 degrees, twenty times what those on a hemisphere are apart.
+constexpr double folded_apart = 0.5;
+/// Degrees between two planes, at a corner or kink, from which on every patch turns fast beside it: neighbors nearer to it than
+/// `beside_crease` are not compared.
+constexpr double folds_one_plane = 1;
+/// In barycentric coordinates (ten rows of that grid), or of a polygon's radius.
+constexpr double beside_crease = 0.15;
 
+/// Folds on a grid: points with (P_1 x P_2) . n <= 0, n the side-weight blend of the rim's normals, and neighbors whose normals are far
+/// apart, but for the neighborhood of corners and kinks whose planes differ.
 class FoldCounter {
 public:
   /// Of patches between these sides.
@@ -25,7 +32,7 @@ public:
   Index operator()(const Surface& patch) const;
 
 private:
-  bool beside_crease(const Eigen::RowVector3d& b) const;
+  bool near_crease(const Eigen::RowVector3d& b) const;
 
   const Kinks* kinks_ = nullptr;
   std::array<bool, 3> tangent_ = {};

@@ -10,6 +10,11 @@ struct SurfacePoints {
   Points barycentric = Points(0, 3), points = Points(0, 3), normals = Points(0, 3);
 };
 
+/// What a distance along the surface counts beside one across it: where on a surface a point lies matters little, but must be held.
+constexpr double follow_along = 0.1;
+/// Of the mean diagonal element of the normal equations, added to it: points may be fewer than unknowns.
+constexpr double follow_least_diagonal = 1e-6;
+
 /// Of the patches that differ from `base` in the terms above the one that is nearest to the points, by least squares: distances along
 /// the surface count a tenth. Of `options` the numbers of coefficients and slopes_free are read.
 SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOptions& options = {});

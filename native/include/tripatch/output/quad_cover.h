@@ -29,8 +29,11 @@ struct LayoutOptions {
 Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vector<double>, 3> parameters, const Surface& patch,
                        const LayoutOptions& options, bool own_rim);
 
-/// The place in the rim where its longest edge starts: the first of those that are equal to rounding.
-std::size_t longest_edge(const Mesh& mesh, const std::vector<Index>& rim);
+/// The place in a rim where its longest edge starts: the first of those that are equal to rounding.
+std::size_t longest_edge(const PointsRef& rim);
+inline std::size_t longest_edge(const Mesh& mesh, const std::vector<Index>& rim) {
+  return longest_edge(Points(mesh.vertices(rim, Eigen::all)));
+}
 
 extern const char* const too_few_rows;   ///< the warning where the tolerance is out of reach
 extern const char* const crossing_rows;  ///< that where the rows that it asks for turn quads over

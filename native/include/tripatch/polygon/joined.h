@@ -7,6 +7,10 @@
 
 namespace tripatch {
 
+/// Degrees by which tangents and planes may differ where pieces are one side, and where a round rim's end meets its beginning: several
+/// times what planes estimated from a mesh are off.
+constexpr double still_smooth = 10;
+
 struct JoinedSide {
   Side side;
   std::vector<double> parameters;  ///< of all pieces, on the whole: those of their ends once

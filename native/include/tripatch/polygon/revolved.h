@@ -10,6 +10,10 @@
 
 namespace tripatch {
 
+/// How much the quadric energy counts, from nothing to 1. ratio: product of the rim's two curvatures over the sum of their squares, half on
+/// spheres, nothing on cones and cylinders.
+double quadrics_count(double ratio);
+
 /// The terms of the fairest patch of revolution over `base`, whose rim and slopes are of revolution about the axis of `frame` (see
 /// of_revolution), with a tangent plane and free slopes; none where descent finds nothing that does not cross its axis. energy:
 /// automatic or minimum_variation. curvature_jump: of FairingOptions.
