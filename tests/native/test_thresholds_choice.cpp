@@ -15,31 +15,6 @@ using namespace tripatch::testing;
 
 namespace {
 
-/// A spline over a plane that states to be so well known, and a patch that lies so far above it.
-struct Two {
-  Fill patch, spline;
-  Two(double apart, double said) {
-    constexpr Index n = 25;
-    spline.patch = formula_surface([](const auto& b) {
-      using J = std::decay_t<decltype(b[0])>;
-      JetPoint<J::order> p;
-      p.x = {b[0], b[1], J(0.0)};
-      return p;
-    });
-    spline.uv = PlanePoints(n, 2);
-    spline.vertices = patch.vertices = Points::Zero(n, 3);
-    for (Index k = 0; k < n; ++k) {
-      const Index row = k / 5;
-      const Vec2 at(0.2 * static_cast<double>(k % 5), 0.2 * static_cast<double>(row));
-      spline.uv.row(k) = at;
-      spline.vertices.row(k).head<2>() = at;
-      patch.vertices.row(k) << at[0] + 0.01, at[1], apart;
-    }
-    spline.deviation = Eigen::VectorXd::Constant(n, said);
-  }
-  bool spline_taken(double diameter = 1) const { return excluded_by(patch, spline, diameter); }
-};
-
 /// A flat hole with so many corners and edges a side, each side with five rows of squares beyond it that share nothing with the others'
 /// but the rim. degrees(t): how far they lean downwards along a side.
 struct Skirts {

@@ -1,0 +1,148 @@
+// What decides over polygons and discs, on both sides of each threshold; corners of domains are in test_thresholds_polygon.
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "test_surfaces.h"
+#include "tripatch/polygon/patch.h"
+#include "tripatch/polygon/revolved.h"
+#include "tripatch/polygon/round.h"
+#include "tripatch/polygon/round_problem.h"
+#include "tripatch/polygon/space.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+constexpr double whole = 2 * std::numbers::pi;
+
+PiecewisePolynomial line(const Vec3& a, const Vec3& b) {
+  const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
+  return PiecewisePolynomial::bezier(net, 3);
+}
+Side straight(const Vec3& a, const Vec3& b) {
+  const Vec3 out = (b - a).cross(Vec3::UnitZ());
+  return {line(a, b), line(out, out), {}};
+}
+Vec3 turned(const Vec3& v, const Vec3& axis, double degrees) {
+  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()) * v;
+}
+
+/// A square of side 1 in the plane.
+SideList square() {
+  const std::array<Vec3, 4> p = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
+  SideList sides;
+  for (int i = 0; i < 4; ++i) sides.push_back(straight(p[i], p[(i + 1) % 4]));
+  return sides;
+}
+
+PolygonPatchOptions plain() {
+  PolygonPatchOptions options;
+  options.fairing.reset();
+  return options;
+}
+
+/// A unit circle with a wave of two periods so high, its surroundings leaning down by an angle (degrees).
+Side circle(double wave, double degrees) {
+  const auto field = [](const auto& f) {
+    return PiecewisePolynomial::fit(
+        [&](std::span<const double> t, std::span<double> out) {
+          for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = f(whole * t[k]);
+        },
+        3);
+  };
+  const double lean = degrees * std::numbers::pi / 180;
+  return {field([&](double a) { return Vec3(std::cos(a), std::sin(a), wave * std::cos(2 * a)); }),
+          field([&](double a) { return Vec3(std::cos(lean) * std::cos(a), std::cos(lean) * std::sin(a), -std::sin(lean)); }),
+          {}};
+}
+
+}  // namespace
+
+TEST_CASE("a side of a domain is drawn as long as a quarter of the mean at least", "[thresholds]") {
+  for (const double given : {0.15, 0.17, 0.19}) {  // two opposite sides of a hexagon that closes as it is
+    const PolygonDomain d = polygon_like(std::vector<double>(6, whole / 6), {1, 1, given, 1, 1, given});
+    const double drawn = (d.corner(3) - d.corner(2)).norm() / (d.corner(1) - d.corner(0)).norm(), mean = (4 + 2 * given) / 6;
+    CHECK(drawn == Approx(std::max(given, 0.25 * mean)).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("angles of a domain give way where a side would be drawn shorter than 0.4 of its length", "[thresholds]") {
+  // between right angles the nearest lengths to 1 and L are both L (L + 1) / (L^2 + 1): 0.4 L at L = 3
+  for (const double longer : {2.95, 3.05}) {
+    const PolygonDomain d = polygon_like(std::vector<double>(4, whole / 4), {1, 1, longer, 1});
+    const double ratio = (d.corner(3) - d.corner(2)).norm() / (d.corner(2) - d.corner(1)).norm();
+    CHECK((std::abs(ratio - 1) < 1e-9) == (longer > 3));  // all lengths are 1 then
+  }
+}
+
+TEST_CASE("a rim that turns back by 179 degrees turns either way and counts as convex", "[thresholds]") {
+  for (const double degrees : {178.9, 179.1}) {
+    const Vec3 back = turned(Vec3::UnitX(), Vec3::UnitZ(), -degrees), p = Vec3(1, 0, 0), q = p + 0.5 * back;
+    const SideList sides = {straight(Vec3::Zero(), p), straight(p, q), straight(q, Vec3(0, 1, 0)),
+                            straight(Vec3(0, 1, 0), Vec3::Zero())};
+    CHECK(polygon_boundary(sides).turn_deg[1] == Approx(degrees < 179 ? -degrees : degrees));
+  }
+}
+
+TEST_CASE("a patch has two to twelve sides", "[thresholds]") {
+  const auto ring = [](int n) {
+    const auto corner = [&](int k) { return Vec3(std::cos(whole * k / n), std::sin(whole * k / n), 0); };
+    SideList sides;
+    for (int k = 0; k < n; ++k) sides.push_back(straight(corner(k), corner(k + 1 == n ? 0 : k + 1)));
+    return sides;
+  };
+  CHECK_NOTHROW(polygon_patch(ring(12), plain()));
+  CHECK_THROWS_AS(polygon_patch(ring(13), plain()), InvalidArgument);
+}
+
+TEST_CASE("the last four spaces are kept", "[thresholds]") {
+  const auto space = [](int k) {
+    return polygon_space(polygon_like(std::vector<double>(4, whole / 4), {1, 1, 1, 1}), k, 0, 1, 2);
+  };
+  std::vector<std::shared_ptr<const PolygonSpace>> made;
+  for (int k = 0; k < 4; ++k) made.push_back(space(k));
+  CHECK(space(0) == made[0]);
+  space(4);
+  CHECK(space(1) == made[1]);
+  CHECK(space(0) != made[0]);
+}
+
+TEST_CASE("the seam is measured at a corner whose planes are a millionth of a degree apart, else beside it", "[thresholds]") {
+  for (const double degrees : {0.9e-6, 1.1e-6}) {
+    SideList sides = square();
+    const Vec3 out = sides[1].r(0);
+    sides[1].r = line(turned(out, Vec3::UnitY(), degrees), out);
+    const PolygonPatch made = polygon_patch(sides, plain());
+    CHECK((std::max(made.seam_angle_max[0], made.seam_angle_max[1]) > 1e-7) == (degrees < 1e-6));
+  }
+}
+
+TEST_CASE("quadrics count where a rim's curvatures are between a twentieth and three of a sphere's", "[thresholds]") {
+  CHECK(quadrics_count(0.0499) == 0);
+  CHECK(quadrics_count(0.0501) > 0);
+  CHECK(quadrics_count(0.1) == Approx(0.5));
+  CHECK(quadrics_count(0.1499) < 1);
+  CHECK(quadrics_count(0.1501) == 1);
+}
+
+TEST_CASE("surroundings are of revolution to a millionth of the size", "[thresholds]") {
+  CHECK(round_patch(circle(2 * 0.97e-6, 0), {}, 8).of_revolution);
+  CHECK_FALSE(round_patch(circle(2 * 1.03e-6, 0), {}, 8).of_revolution);
+}
+
+TEST_CASE("slopes at a round rim grow to five times what they are at most, and shrink to a tenth", "[thresholds]") {
+  RoundBase base;
+  base.side = circle(0, 40);
+  base.size = 2;
+  base.terms = {fourier([&](double t) { return base.side.c(t); }, 2), Harmonic::Zero(9, 3)};
+  FairingOptions options;
+  options.degree = 2;
+  options.slopes = 1;
+  const RoundProblem problem(base, options, 4);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.count());
+  x[problem.scalars()] = 1 / base.size;  // alpha grows by 1
+  CHECK(base.alpha + problem.reach(x) == Approx(5));
+  CHECK(base.alpha - problem.reach(-x) == Approx(0.1));
+}

@@ -1,0 +1,94 @@
+// What decides on places, edges and faces around a cage, on both sides of each threshold.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "test_cages.h"
+#include "tripatch/boundary/limit_surface.h"
+#include "tripatch/cage/cage_layout.h"
+#include "tripatch/cage/cage_samples.h"
+#include "tripatch/cage/closed_cage.h"
+#include "tripatch/cage/limit_mesh.h"
+#include "tripatch/output/quad_cover.h"
+#include "tripatch/output/remesh.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+/// A square of two triangles, and how many it has with a vertex put in.
+std::vector<std::array<Index, 3>> with_row(const Eigen::RowVector2d& at) {
+  PlanePolygon square;
+  square.uv.resize(4, 2);
+  square.uv << 0, 0, 1, 0, 1, 1, 0, 1;
+  square.points = Points::Zero(4, 3);
+  square.points.leftCols<2>() = square.uv;
+  square.rim = 4;
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  insert_row(square, at, Vec3(at[0], at[1], 0));
+  return square.triangles;
+}
+
+}  // namespace
+
+TEST_CASE("a place is on an edge or a vertex that is a millionth of the domain away", "[thresholds]") {
+  CHECK(with_row({0.5, 0.97e-6}).size() == 3);  // the triangle is halved
+  CHECK(with_row({0.5, 1.03e-6}).size() == 4);
+  CHECK(with_row({0.97e-6, 0}).size() == 2);  // the vertex that is there
+  CHECK(with_row({1.03e-6, 0}).size() > 2);
+}
+
+TEST_CASE("a rim is split at the first of the edges that are longest to a billionth", "[thresholds]") {
+  Points square(4, 3);
+  for (const double longer : {0.97e-9, 1.03e-9}) {
+    square << 0, 0, 0, 1, 0, 0, 1, 1 + longer, 0, 0, 1, 0;
+    CHECK(longest_edge(square) == (longer < 1e-9 ? 0 : 1));
+  }
+}
+
+namespace {
+
+/// Rings around a hole of one vertex with the first ring's faces so many times as long across the rim as its edges, sampled.
+HoleSamples sampled(double times) {
+  CubeCorner corner(4, 1, [](double, double) { return 0.0; });
+  std::vector<char> on_rim(corner.vertices.rows(), 0);
+  for (Index v : corner.hole.rim) on_rim[v] = 1;
+  for (Index v = 0; v < corner.vertices.rows(); ++v) {  // everything beyond the rim moves away from it, in its own direction
+    if (on_rim[v] || corner.vertices.row(v).norm() < 1e-9) continue;
+    double nearest = INFINITY;
+    Vec3 foot;
+    for (Index r : corner.hole.rim)
+      if (const double d = (corner.vertices.row(v) - corner.vertices.row(r)).norm(); d < nearest) {
+        nearest = d;
+        foot = corner.vertices.row(r);
+      }
+    corner.vertices.row(v) = foot + times * (Vec3(corner.vertices.row(v)) - foot);
+  }
+  const Mesh given = corner.mesh();
+  CageHole hole = {corner.hole, cage_layout(corner.hole, corner.vertices, false, 0, {0, 0})};
+  const ClosedCage closed = close_holes(given, {hole}, {});
+  const Connectivity whole(closed.mesh());
+  const auto rings = rings_around(closed, whole, hole.hole);
+  Subdivision settings;
+  settings.quality = stencil_quality;
+  const LimitSurface was(given, settings), limit(closed.mesh(), settings);
+  std::vector<Index> free;
+  for (Index v = closed.first_vertex.front(); v < closed.first_vertex.back(); ++v) free.push_back(v);
+  const CageSystem system(closed.vertices, free);
+  return sample_hole({given, closed, was, limit, system, false}, hole, closed.first_face[0], rings, false, 1);
+}
+
+}  // namespace
+
+TEST_CASE("faces around a cage are strips from two and a half times the fill's own on, and for certain at twice that",
+          "[thresholds]") {
+  const auto least = [](double times) {
+    double least = 1;
+    for (const SampledFace& face : sampled(times).outside) least = std::min(least, face.along);
+    return least;
+  };
+  CHECK(least(2.49) == 1);
+  CHECK(least(2.51) < 1);
+  CHECK(least(4.99) > 0);
+  CHECK(least(5.01) == 0);
+}
