@@ -31,6 +31,9 @@ class _Type:
     domains: tuple  # where it has to stand aside
 
 
+# Length of a blend of quaternions that point against each other: less is what float32 leaves of a sum of ones, and no direction.
+_CANCELLED = 1e-6
+
 _CORNER, _POINT = ("CORNER",), ("POINT",)
 _ALL = ("POINT", "EDGE", "FACE", "CORNER")
 _TYPES = {
@@ -110,7 +113,7 @@ def _normalized(values, given):
     row = np.dtype((np.void, 4 * values.itemsize))
     old = np.isin(values.view(row).ravel(), np.ascontiguousarray(given, values.dtype).view(row).ravel())
     length = np.linalg.norm(values, axis=1, keepdims=True)
-    return np.where(old[:, None] | (length < 1e-6), values, values / np.maximum(length, 1e-6)).astype(np.float32)
+    return np.where(old[:, None] | (length < _CANCELLED), values, values / np.maximum(length, _CANCELLED)).astype(np.float32)
 
 
 @contextmanager

@@ -19,6 +19,8 @@ from . import selection
 _NEAR = 0.25
 # Cosine of the angle of two mirror planes: below it they are perpendicular, and one maps the other on itself.
 _PERPENDICULAR = 1e-4
+# Scene units: vertices that a cut puts on a mirror plane are as near, and a Mirror that merges nothing still has them on it.
+_ON = 1e-6
 _NONE = frozenset()
 
 
@@ -50,7 +52,7 @@ def _planes(ob):
         for axis in range(3):
             if modifier.use_axis[axis]:
                 normal = matrix.to_3x3().inverted_safe().transposed().col[axis].normalized()  # pyright: ignore[reportIndexIssue]
-                yield _Plane(matrix.translation.copy(), normal, max(modifier.merge_threshold, 1e-6))
+                yield _Plane(matrix.translation.copy(), normal, max(modifier.merge_threshold, _ON))
 
 
 def is_joined(ob, rim):
@@ -218,7 +220,7 @@ def _cut(bm, faces, plane, side, old):
     new_edges = {e for e in edges if any(v in inside for v in e.verts) or not e.is_boundary}
     count = {len(f.verts) for f in faces}
     geometry = [*faces, *new_edges, *{v for f in faces for v in f.verts}]
-    made = bmesh.ops.bisect_plane(bm, geom=geometry, dist=1e-6, plane_co=plane.point, plane_no=plane.normal)
+    made = bmesh.ops.bisect_plane(bm, geom=geometry, dist=_ON, plane_co=plane.point, plane_no=plane.normal)
     for element in made["geom_cut"]:
         if isinstance(element, bmesh.types.BMVert):
             element.co = plane.on(element.co)
