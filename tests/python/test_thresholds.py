@@ -33,9 +33,10 @@ def turned(degrees):
 
 
 def test_an_edge_without_extent_is_a_point_to_a_million_millionth_of_its_coordinates():
-    place = np.array([100.0, 0, 0])
-    assert refused(place, place + (0, 0.97e-10, 0), (1, 0, 0))
-    assert not refused(place, place + (0, 1.03e-10, 0), (1, 0, 0))
+    whole = edge((1, 0, 0), (1, 1, 0)).side
+    with pytest.raises(tripatch.Refusal, match="single point"):
+        between.SurfaceEdge("A", whole.part(0.0, 0.97e-12), 8, True)
+    between.SurfaceEdge("A", whole.part(0.0, 1.03e-12), 8, True)
 
 
 def test_derivatives_span_a_plane_from_a_sine_of_a_billionth_on():

@@ -14,6 +14,9 @@ from ._native import Patch, Report, Side, SzilvasiNagyPatch
 from ._types import Array, ArrayLike
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 
+#: Of the extent of a patch: ends that are no farther apart differ by rounding, which a curve leaves at 1e-15 of its coordinates.
+_ROUNDING = 1e-12
+
 
 def _joined(sides: Sequence[Side | Sequence[Side]]) -> tuple[Side, ...]:
     """Sides of several pieces made one each; ends of neighbors are where they were."""
@@ -27,7 +30,7 @@ def _closed(sides: Sequence[Side], tolerance: float) -> tuple[Side, ...]:
     size = np.linalg.norm(gaps, axis=1)
     gaps[size > tolerance] = 0  # refused later on, with the place
     largest = 0.5 * np.linalg.norm(gaps, axis=1).max()
-    if largest <= 1e-12 * np.ptp(starts, axis=0).max():  # rounding
+    if largest <= _ROUNDING * np.ptp(starts, axis=0).max():
         return tuple(sides)
     warnings.warn(f"The ends of the sides were moved together, by {largest:.2g} at most", stacklevel=3)
     moves = zip(sides, np.roll(-0.5 * gaps, 1, axis=0), 0.5 * gaps)

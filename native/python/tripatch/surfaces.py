@@ -108,10 +108,14 @@ _init_with(NurbsSurface, _nurbs)
 _init_with(Side, _side)
 
 
+#: What three numbers that sum to 0 may sum to, of the largest: thirds and their like leave 1e-16.
+_SUM = 1e-12
+
+
 def _derivative(self: BezierTriangle, direction: ArrayLike) -> BezierTriangle:
     """The derivative in a direction (d0, d1, d2) of the domain, summing to 0: a Bezier triangle of one degree less."""
     d = _numbers(direction, "direction", 1)
-    if d.shape != (3,) or abs(d.sum()) > 1e-12 * np.abs(d).max(initial=0):
+    if d.shape != (3,) or abs(d.sum()) > _SUM * np.abs(d).max(initial=0):
         raise ValueError("direction must be three numbers that sum to 0")
     return self._derivative(d.tolist())
 
