@@ -1,4 +1,5 @@
 // Which way a fill goes, and what may be asked of it, on both sides of each threshold.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -6,6 +7,8 @@
 #include "tripatch/fill.h"
 #include "tripatch/fill/cage_fills.h"
 #include "tripatch/fill/ground.h"
+#include "tripatch/fill/polygon_fill.h"
+#include "tripatch/polygon/round.h"
 
 using namespace tripatch;
 
@@ -94,4 +97,26 @@ TEST_CASE("of four corners that a cage guesses those are taken that begin first,
     CHECK(first == 0);
     CHECK((found.rim[found.corners[0]] % 3 == 1) == (more > 1e-6));
   }
+}
+
+TEST_CASE("a round rim has as many waves as edges, 48 at most", "[thresholds]") {
+  for (const Index edges : {40, 47, 49, 60}) {
+    const Rings hole(edges, 4, dome);
+    const Mesh mesh = hole.mesh();
+    const PolygonFill made = fill_round(mesh, Connectivity(mesh), hole.rim, {});
+    const auto patch = std::dynamic_pointer_cast<const RoundSurface>(made.fill.patch);
+    REQUIRE(patch);
+    CHECK(patch->terms()[0].rows() == 2 * std::min<Index>(edges, 48) + 1);
+  }
+}
+
+TEST_CASE("a round rim of few vertices is the circle through them", "[thresholds]") {
+  // a wave to four vertices is taken for what it is; a spline alone is off by 4e-4 of the diameter
+  const Rings hole(12, 4, [](double angle, Index ring) -> Vec3 {
+    const double lean = 0.5 + 0.1 * static_cast<double>(ring);
+    return {std::sin(lean) * std::cos(angle), std::sin(lean) * std::sin(angle), std::cos(lean)};
+  });
+  const Mesh mesh = hole.mesh();
+  const Side side = fill_round(mesh, Connectivity(mesh), hole.rim, {}).fill.sides[0];
+  for (int k = 0; k < 50; ++k) CHECK(side.c(k / 50.0).head<2>().norm() == Approx(std::sin(0.5)).epsilon(1e-9));
 }
