@@ -1,0 +1,128 @@
+// Which layout and which model a fill over a plane takes, on both sides of each threshold.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "test_rings.h"
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/disc.h"
+#include "tripatch/spline/layout.h"
+#include "tripatch/spline/least_bent.h"
+#include "tripatch/spline/plane_fill.h"
+#include "tripatch/spline/reference.h"
+#include "tripatch/spline/rough_fill.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+double area(const Points& p, const std::vector<std::array<Index, 3>>& triangles) {
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles) sum += Vec3(p.row(b) - p.row(a)).cross(Vec3(p.row(c) - p.row(a))).norm() / 2;
+  return sum;
+}
+
+/// A hole of few vertices around, all of which are samples; and the first layout of it.
+struct FirstLayout {
+  PlaneFill fill;
+  double edge, rough_area, area_of_fill;
+  Disc disc;
+  Points points;
+  PlanePoints laid;  // of them
+  Index rim;
+
+  explicit FirstLayout(const Rings& rings) : rim(rings.n) {
+    const Connectivity around(rings.mesh());
+    fill = fill_over_plane(rings.mesh(), around, {rings.rim});
+    disc = disc_around(rings.mesh(), around, {rings.rim}, 0.25 * diameter(rings.mesh(), rings.rim), 40);
+    points = disc.points;
+    RimSurroundings beyond;
+    beyond.normals.resize(rim, 3);
+    for (const FaceBeyond& face : faces_beyond_rows(rings.mesh(), around, {rings.rim}))
+      beyond.normals.row(face.from) = face.normal;
+    for (Index k = 0; k < rim; ++k) beyond.joined.push_back({std::min(k, (k + 1) % rim), std::max(k, (k + 1) % rim)});
+    std::vector<std::array<Index, 3>> triangles = rough_fill(points.topRows(rim), beyond).triangles;
+    rough_area = area(points, triangles);
+    triangles.insert(triangles.end(), disc.triangles.begin(), disc.triangles.end());
+    PlaneLayoutOptions options;
+    options.tolerance = 1e-3;
+    laid = lay_out(points, triangles, options)->uv;
+    Points all(rim + fill.vertices.rows(), 3);
+    all << points.topRows(rim), fill.vertices;
+    area_of_fill = area(all, fill.triangles);
+    edge = (points.row(0) - points.row(1)).norm();
+  }
+  /// What polynomials of a degree leave of the samples, over an edge.
+  double left_by(int degree) const { return Reference(laid, points, degree).distance_across() / edge; }
+  /// Whether the rim lies where it has its feet on that of a degree.
+  bool is_on(int degree) const {
+    return (Reference(laid, points, degree).foot_points(laid.topRows(rim), points.topRows(rim)) - fill.rim_uv).norm() < 1e-7;
+  }
+  /// The new vertices between the field and the second model, whose difference is a field of order 2.5.
+  Points averaged(double share) const {
+    const Index added = fill.vertices.rows();
+    Points of_field(rim + added, 3);
+    PlanePoints uv(rim + added, 2);
+    uv << fill.rim_uv, fill.uv;
+    of_field << points.topRows(rim), fill.field->positions(as_rows(fill.uv));
+    Points other = of_field;
+    other.bottomRows(added) = second_model(of_field, fill.triangles, disc, {2, 3})->vertices;
+    FieldOptions options;
+    options.orders = {2.5};
+    options.unit = edge;
+    const Field difference(uv, share * (other - fill.field->positions(as_rows(uv))), options);
+    return of_field.bottomRows(added) + difference.positions(as_rows(fill.uv));
+  }
+};
+
+double random_at(double x, double y) {
+  const double k = std::sin(12.9898 * std::round(1e6 * x) + 78.233 * std::round(1e6 * y)) * 43758.5453;
+  return 2 * (k - std::floor(k)) - 1;
+}
+
+}  // namespace
+
+TEST_CASE("a fill is laid out again whose area is 1.05 times that of the rim's triangles", "[thresholds]") {
+  double below = 1, above = 2;
+  for (double height = 0.114; height < 0.12; height *= 1.01) {  // of the top above the rim, on a ball
+    const double radius = (0.25 + height * height) / (2 * height);
+    const FirstLayout one(Rings(radii(0.05, 5), [=](double x, double y) {
+      const double angle = std::hypot(x, y) / radius, r = std::max(std::hypot(x, y), 1e-9);
+      return Vec3(radius * std::sin(angle) * x / r, radius * std::sin(angle) * y / r, radius * std::cos(angle));
+    }));
+    const double share = one.area_of_fill / one.rough_area;
+    CHECK(one.is_on(4) == (share < 1.05));
+    (one.is_on(4) ? below : above) = one.is_on(4) ? std::max(below, share) : std::min(above, share);
+  }
+  CHECK(below > 1.045);
+  CHECK(above < 1.055);
+}
+
+TEST_CASE("a reference is of degree 4, of 6 where that leaves a twentieth of an edge", "[thresholds]") {
+  double below = 0, above = 1;
+  for (double size = 0.012; size < 0.0135; size *= 1.02) {
+    const FirstLayout one(Rings(radii(0.05, 5), [=](double x, double y) { return Vec3(x, y, size * random_at(x, y)); }));
+    const double left = one.left_by(6);
+    CHECK(one.is_on(left > 0.05 ? 6 : 4));
+    (left < 0.05 ? below : above) = left < 0.05 ? std::max(below, left) : std::min(above, left);
+  }
+  CHECK(below > 0.048);
+  CHECK(above < 0.052);
+}
+
+TEST_CASE("the second model is taken from a tenth of it on", "[thresholds]") {
+  double below = 0, above = 1;
+  for (double size = 0.0098; size < 0.0115; size *= 1.02) {
+    const FirstLayout one(Rings(radii(0.05, 5), [=](double x, double y) { return Vec3(x, y, size * random_at(x, y)); }));
+    const Field& field = *one.fill.field;
+    const double left = one.left_by(one.left_by(6) > 0.05 ? 6 : 4) * one.edge;
+    const double share = share_of_second(field.roughness(), share_of_details(field.noise(), left), field.mean_order());
+    const bool taken = one.fill.surface.get() != one.fill.field.get();
+    CHECK(taken == (share >= 0.1));
+    if (taken) CHECK((one.averaged(share) - one.fill.vertices).norm() < 1e-9 * one.fill.vertices.norm());
+    (taken ? above : below) = taken ? std::min(above, share) : std::max(below, share);
+  }
+  CHECK(below > 0.09);
+  CHECK(above < 0.11);
+}
