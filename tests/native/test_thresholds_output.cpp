@@ -4,6 +4,7 @@
 
 #include "tripatch/output/attribute_weights.h"
 #include "tripatch/output/domain_mesh.h"
+#include "tripatch/output/regular_grid.h"
 #include "tripatch/output/triangulate.h"
 #include "tripatch/patch/bezier_triangle.h"
 
@@ -33,17 +34,66 @@ double worst_shape(const TriangleMesh& mesh, const Points& x) {
 
 }  // namespace
 
-TEST_CASE("the regular grid is taken down to triangles of shape 0.1 in the domain", "[thresholds]") {
-  double worst_taken = 1, power = 1;
-  for (; power < 4; power += 0.05) {  // side 0 is graded more and more, and the grid squeezed
-    const TriangleMesh mesh = triangulate(graded(8, power), {}, flat);
-    const double worst = worst_shape(mesh, mesh.barycentric);
-    if (mesh.triangles.size() != 64) break;  // remeshed: any number
-    worst_taken = std::min(worst_taken, worst);
+namespace {
+
+/// The equilateral triangle over a domain that is projected such that its points come nearer to corner 2 by so many times.
+class Projected final : public Surface {
+public:
+  explicit Projected(double times) : times_(times) {}
+  void evaluate(const double* b, Index n, int, double* out) const override {  // positions only
+    for (Index k = 0; k < n; ++k, b += 3, out += 3) {
+      const double last = b[2] / times_, sum = b[0] + b[1] + last;
+      out[0] = (b[1] + 0.5 * last) / sum, out[1] = std::sqrt(0.75) * last / sum, out[2] = 0;
+    }
   }
-  CHECK(power < 4);
-  CHECK(worst_taken >= 0.1);
-  CHECK(worst_taken < 0.3);
+
+private:
+  double times_;
+};
+
+/// Of n edges a side at these parameters; none where it squeezes its triangles.
+std::optional<TriangleMesh> grid_of(const std::array<std::vector<double>, 3>& parameters, const Surface& surface) {
+  const Index n = static_cast<Index>(parameters[0].size()) - 1;
+  Points rim = Points::Zero(3 * n, 3);
+  for (Index k = 0; k < 3 * n; ++k) {
+    const Index from = k / n, side = (from + 2) % 3;
+    rim(k, from) = 1 - parameters[side][k % n], rim(k, (from + 1) % 3) = parameters[side][k % n];
+  }
+  return regular_grid(parameters, rim, surface);
+}
+
+}  // namespace
+
+TEST_CASE("the regular grid is taken down to triangles of shape 0.2 in space", "[thresholds]") {
+  std::vector<double> even;
+  for (int k = 0; k <= 6; ++k) even.push_back(k / 6.0);
+  for (const double wanted : {0.195, 0.205}) {
+    const double height = (1 - std::sqrt(1 - wanted * wanted)) / wanted;  // an equilateral triangle so high: 2 h / (1 + h^2)
+    const BezierTriangle flat((Points(3, 3) << 0, 0, 0, 1, 0, 0, 0.5, std::sqrt(0.75) * height, 0).finished());
+    CHECK(grid_of({even, even, even}, flat).has_value() == (wanted > 0.2));
+  }
+}
+
+TEST_CASE("and to triangles of shape 0.1 in the domain, where the patch stretches them back", "[thresholds]") {
+  const auto grid = [](double times) {
+    std::array<std::vector<double>, 3> parameters;
+    for (int k = 0; k <= 6; ++k) {
+      const double t = k / 6.0, nearer = times * t / (times * t + 1 - t), farther = t / (t + times * (1 - t));
+      parameters[0].push_back(nearer), parameters[1].push_back(farther), parameters[2].push_back(t);
+    }
+    return grid_of(parameters, Projected(times));
+  };
+  double low = 1, high = 100;
+  REQUIRE(grid(low));
+  REQUIRE_FALSE(grid(high));
+  while (high > 1.001 * low) {
+    const double middle = std::sqrt(low * high);
+    (grid(middle) ? low : high) = middle;
+  }
+  const TriangleMesh last = *grid(low);
+  const double worst = worst_shape(last, last.barycentric);
+  CHECK(worst >= 0.1);
+  CHECK(worst < 0.105);
 }
 
 TEST_CASE("a regular grid has up to a thousand edges a side", "[thresholds]") {

@@ -10,9 +10,7 @@
 #include "tripatch/cage/limit_mesh.h"
 #include "tripatch/output/polygon_layout.h"
 #include "tripatch/output/quad_cover.h"
-#include "tripatch/output/regular_grid.h"
 #include "tripatch/output/remesh.h"
-#include "tripatch/patch/bezier_triangle.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
@@ -94,19 +92,6 @@ TEST_CASE("faces around a cage are strips from two and a half times the fill's o
   CHECK(least(2.51) < 1);
   CHECK(least(4.99) > 0);
   CHECK(least(5.01) == 0);
-}
-
-TEST_CASE("the regular grid is taken down to triangles of shape 0.2 in space", "[thresholds]") {
-  constexpr Index n = 6;
-  std::vector<double> even;
-  for (Index k = 0; k <= n; ++k) even.push_back(static_cast<double>(k) / n);
-  Points rim = Points::Zero(3 * n, 3);
-  for (Index k = 0; k < 3 * n; ++k) rim(k, k / n) = 1 - even[k % n], rim(k, (k / n + 1) % 3) = even[k % n];
-  for (const double wanted : {0.195, 0.205}) {
-    const double height = (1 - std::sqrt(1 - wanted * wanted)) / wanted;  // an equilateral triangle so high: 2 h / (1 + h^2)
-    const BezierTriangle flat((Points(3, 3) << 0, 0, 0, 1, 0, 0, 0.5, std::sqrt(0.75) * height, 0).finished());
-    CHECK(regular_grid({even, even, even}, rim, flat).has_value() == (wanted > 0.2));
-  }
 }
 
 TEST_CASE("a round rim of 120 edges gets a ring of quads to twenty edges, and in them a grid", "[thresholds]") {

@@ -149,6 +149,7 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   return BezierTriangle(std::move(net));
 }
 
+/// Of the curve through a side's rim vertices: through even ones of more it would swing between them (Runge).
 constexpr int max_side_degree = 12;
 
 /// Bernstein polynomials of a degree at parameters t, one a column.

@@ -34,7 +34,7 @@ public:
   /// The four lowest of the local minima; the middle alone where the energy is flat (the three surfaces agree): nothing to choose.
   std::vector<Vector3> starts() const {
     constexpr int n = scan_nodes, m = n / 2;
-    constexpr std::size_t most = 4;
+    constexpr std::size_t most = 4;  // descents
     std::vector<std::pair<double, std::array<int, 3>>> lowest;
     for (int a = 0; a < n; ++a)
       for (int b = 0; b < n; ++b)
@@ -114,7 +114,7 @@ Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eige
 
 /// Newton's method, kept inside the bounds.
 std::vector<SzilvasiNagy::Step> descend(const ShapeEnergy& energy, Vector3 x, double tiny) {
-  constexpr int steps = 50;
+  constexpr int steps = 50;          // at most
   constexpr double shortest = 1e-6;  // part of a step
   constexpr double gain = 1e-14;     // relative: the step that gains less is the last
   Eigen::VectorXd f = total(energy, x);

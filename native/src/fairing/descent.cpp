@@ -123,7 +123,7 @@ Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen:
 
 Eigen::VectorXd Merit::step(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::MatrixXd& metric,
                             double damping) const {
-  constexpr int rounds = 4;
+  constexpr int rounds = 4;     // of weighting, at most
   constexpr double near = 0.1;  // where another round changes so little (relative), it is the last
   const Eigen::VectorXd third_slope = symmetric_product(third_.normal, x) + third_.gradient;
   Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());

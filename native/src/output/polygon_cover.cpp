@@ -6,6 +6,7 @@
 namespace tripatch {
 namespace {
 
+/// Over all vertices inside: on the surface, then for the least angle. Choices.
 constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
 
 Points surface_rows(const PlanePoints& uv) {

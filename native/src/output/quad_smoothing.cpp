@@ -19,7 +19,7 @@ namespace {
 constexpr int distortion_power = 3;
 /// In the end the least angle leads: (1 / sin)^2 counts with this power (of two), and beside it how even the spacing is.
 constexpr int sharp_power = 8;
-constexpr double spacing = 0.25;
+constexpr double spacing = 0.25;  ///< weight of the evenness, a choice
 /// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little.
 constexpr double longest_step = 0.4;
 /// Of the larger eigenvalue of a Hessian: where the smaller one is less it becomes that share.

@@ -102,7 +102,7 @@ double weighed_energy(const std::vector<Derivatives>& all, const std::vector<dou
 }
 
 double polygon_size(const Surface& surface, const PolygonDomain& domain) {
-  constexpr int a_side = 16;
+  constexpr int a_side = 16;  // places
   Points uv = Points::Zero(static_cast<Index>(a_side) * domain.sides(), 3);
   for (Index k = 0; k < uv.rows(); ++k)
     uv.row(k).head<2>() = domain.on_side(static_cast<int>(k) / a_side, static_cast<double>(k % a_side) / a_side);

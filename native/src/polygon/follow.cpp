@@ -10,7 +10,7 @@
 namespace tripatch {
 namespace {
 
-constexpr int newton_steps = 4;
+constexpr int newton_steps = 4;                            ///< from where the patch was about to pass the points: a choice
 constexpr int follow_degree = 6, follow_second_cross = 4;  ///< more than the points of the coarsest layouts can tell apart
 
 }  // namespace

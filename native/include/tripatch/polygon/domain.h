@@ -20,6 +20,7 @@
 
 namespace tripatch {
 
+/// Sides that a polygon has at most: those of a regular one turn by 30 degrees, and parameters crowd the more the more there are. A choice.
 constexpr int most_sides = 12;
 
 /// A point of a polygon seen from all its sides and corners.

@@ -1,13 +1,11 @@
-// What decides over polygons and discs, on both sides of each threshold; corners of domains are in test_thresholds_polygon.
+// What decides over polygons, on both sides of each threshold; corners of domains are in test_thresholds_polygon.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
 #include "test_surfaces.h"
+#include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/patch.h"
-#include "tripatch/polygon/revolved.h"
-#include "tripatch/polygon/round.h"
-#include "tripatch/polygon/round_problem.h"
 #include "tripatch/polygon/space.h"
 
 using namespace tripatch;
@@ -41,21 +39,6 @@ PolygonPatchOptions plain() {
   PolygonPatchOptions options;
   options.fairing.reset();
   return options;
-}
-
-/// A unit circle with a wave of two periods so high, its surroundings leaning down by an angle (degrees).
-Side circle(double wave, double degrees) {
-  const auto field = [](const auto& f) {
-    return PiecewisePolynomial::fit(
-        [&](std::span<const double> t, std::span<double> out) {
-          for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = f(whole * t[k]);
-        },
-        3);
-  };
-  const double lean = degrees * std::numbers::pi / 180;
-  return {field([&](double a) { return Vec3(std::cos(a), std::sin(a), wave * std::cos(2 * a)); }),
-          field([&](double a) { return Vec3(std::cos(lean) * std::cos(a), std::cos(lean) * std::sin(a), -std::sin(lean)); }),
-          {}};
 }
 
 }  // namespace
@@ -119,30 +102,20 @@ TEST_CASE("the seam is measured at a corner whose planes are a millionth of a de
   }
 }
 
-TEST_CASE("quadrics count where a rim's curvatures are between a twentieth and three of a sphere's", "[thresholds]") {
-  CHECK(quadrics_count(0.0499) == 0);
-  CHECK(quadrics_count(0.0501) > 0);
-  CHECK(quadrics_count(0.1) == Approx(0.5));
-  CHECK(quadrics_count(0.1499) < 1);
-  CHECK(quadrics_count(0.1501) == 1);
-}
-
-TEST_CASE("surroundings are of revolution to a millionth of the size", "[thresholds]") {
-  CHECK(round_patch(circle(2 * 0.97e-6, 0), {}, 8).of_revolution);
-  CHECK_FALSE(round_patch(circle(2 * 1.03e-6, 0), {}, 8).of_revolution);
-}
-
-TEST_CASE("slopes at a round rim grow to five times what they are at most, and shrink to a tenth", "[thresholds]") {
-  RoundBase base;
-  base.side = circle(0, 40);
-  base.size = 2;
-  base.terms = {fourier([&](double t) { return base.side.c(t); }, 2), Harmonic::Zero(9, 3)};
-  FairingOptions options;
-  options.degree = 2;
-  options.slopes = 1;
-  const RoundProblem problem(base, options, 4);
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.count());
-  x[problem.scalars()] = 1 / base.size;  // alpha grows by 1
-  CHECK(base.alpha + problem.reach(x) == Approx(5));
-  CHECK(base.alpha - problem.reach(-x) == Approx(0.1));
+TEST_CASE("pieces that are joined are run through at an even speed, to 2e-10", "[thresholds]") {
+  const auto piece = [](double from, double to) {  // of a cubic whose speed grows fivefold
+    const auto field = [&](const auto& f) {
+      return PiecewisePolynomial::fit(
+          [&](std::span<const double> t, std::span<double> out) {
+            for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = f(from + (to - from) * t[k]);
+          },
+          3);
+    };
+    return Side{field([](double x) { return Vec3(x * x * x + 0.2 * x, x * x, 0.3 * std::sin(4 * x)); }),
+                field([](double x) { return Vec3(2 * x, -3 * x * x - 0.2, 0); }),
+                {}};
+  };
+  const Side whole = joined({piece(0, 0.5), piece(0.5, 1.3)}).side;
+  const double speed = whole.c.derivative_at(0).norm();
+  for (int k = 0; k <= 200; ++k) CHECK(whole.c.derivative_at(k / 200.0).norm() == Approx(speed).epsilon(2e-10));
 }

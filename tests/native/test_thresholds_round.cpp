@@ -1,0 +1,73 @@
+// What decides over discs, on both sides of each threshold; ends that meet are in test_thresholds_inputs.
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "test_surfaces.h"
+#include "tripatch/polygon/revolved.h"
+#include "tripatch/polygon/round.h"
+#include "tripatch/polygon/round_problem.h"
+
+using namespace tripatch;
+
+namespace {
+
+constexpr double whole = 2 * std::numbers::pi;
+
+/// A unit circle with a wave of two periods so high, its surroundings leaning down by an angle (degrees).
+Side circle(double wave, double degrees) {
+  const auto field = [](const auto& f) {
+    return PiecewisePolynomial::fit(
+        [&](std::span<const double> t, std::span<double> out) {
+          for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = f(whole * t[k]);
+        },
+        3);
+  };
+  const double lean = degrees * std::numbers::pi / 180;
+  return {field([&](double a) { return Vec3(std::cos(a), std::sin(a), wave * std::cos(2 * a)); }),
+          field([&](double a) { return Vec3(std::cos(lean) * std::cos(a), std::cos(lean) * std::sin(a), -std::sin(lean)); }),
+          {}};
+}
+
+}  // namespace
+
+TEST_CASE("quadrics count where a rim's curvatures are between a twentieth and three of a sphere's", "[thresholds]") {
+  CHECK(quadrics_count(0.0499) == 0);
+  CHECK(quadrics_count(0.0501) > 0);
+  CHECK(quadrics_count(0.1) == Approx(0.5));
+  CHECK(quadrics_count(0.1499) < 1);
+  CHECK(quadrics_count(0.1501) == 1);
+}
+
+TEST_CASE("surroundings are of revolution to a millionth of the size", "[thresholds]") {
+  CHECK(round_patch(circle(2 * 0.97e-6, 0), {}, 8).of_revolution);
+  CHECK_FALSE(round_patch(circle(2 * 1.03e-6, 0), {}, 8).of_revolution);
+}
+
+TEST_CASE("slopes at a round rim grow to five times what they are at most, and shrink to a tenth", "[thresholds]") {
+  RoundBase base;
+  base.side = circle(0, 40);
+  base.size = 2;
+  base.terms = {fourier([&](double t) { return base.side.c(t); }, 2), Harmonic::Zero(9, 3)};
+  FairingOptions options;
+  options.degree = 2;
+  options.slopes = 1;
+  const RoundProblem problem(base, options, 4);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.count());
+  x[problem.scalars()] = 1 / base.size;  // alpha grows by 1
+  CHECK(base.alpha + problem.reach(x) == Approx(5));
+  CHECK(base.alpha - problem.reach(-x) == Approx(0.1));
+}
+
+TEST_CASE("caps between the surroundings of a sphere are the sphere's to 5e-8 of the radius", "[thresholds]") {
+  for (const double degrees : {20, 60, 85})
+    for (const bool bends : {false, true}) {
+      Side side = circle(0, degrees);
+      const double sine = std::sin(degrees * std::numbers::pi / 180);
+      if (bends)
+        side.q = (-sine * sine) * side.c +
+                 PiecewisePolynomial::constant(std::array<double, 3>{0, 0, -sine * std::cos(degrees * std::numbers::pi / 180)});
+      const RoundPatch made = round_patch(side, {}, 12);
+      CHECK(std::abs(made.patch->positions(Points::Zero(1, 3))(0, 2) - std::tan(degrees * std::numbers::pi / 360)) < 5e-8);
+    }
+}
