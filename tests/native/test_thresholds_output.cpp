@@ -124,3 +124,30 @@ TEST_CASE("a point lies on an edge of a plane domain to rounding of its angle", 
     CHECK(terms[0] == Approx(0.5).epsilon(1e-6));
   }
 }
+
+namespace {
+
+/// So crumpled that edges stay too long however often they are split.
+class Crumpled final : public Surface {
+public:
+  void evaluate(const double* b, Index n, int, double* out) const override {  // positions only
+    for (Index k = 0; k < n; ++k, b += 3, out += 3) {
+      const double bubble = 27 * b[0] * b[1] * b[2];
+      out[0] = b[1] + 0.5 * b[2], out[1] = std::sqrt(0.75) * b[2];
+      out[2] = 1e4 * bubble * std::sin(6000 * b[1]) * std::cos(6000 * b[2]);
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a crumpled surface gets five triangles to a squared edge of its rim, and twenty times what a resolution asks for",
+          "[thresholds]") {
+  const Parameters rim = graded(6, 1, 7);  // 20 edges
+  const double by_rim = static_cast<double>(triangulate(rim, {}, Crumpled()).triangles.size()),
+               by_resolution = static_cast<double>(triangulate(rim, 4, Crumpled()).triangles.size());
+  CHECK(by_rim <= 5 * 20 * 20);
+  CHECK(by_rim > 0.9 * 5 * 20 * 20);
+  CHECK(by_resolution <= 20 * (2 * 4 * 4 + 20));
+  CHECK(by_resolution > 0.9 * 20 * (2 * 4 * 4 + 20));
+}

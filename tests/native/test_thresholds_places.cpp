@@ -106,3 +106,25 @@ TEST_CASE("a round rim of 120 edges gets a ring of quads to twenty edges, and in
     CHECK(inside > n * n / 16 - n);
   }
 }
+
+TEST_CASE("a crumpled surface gets eight times as many triangles as its sizes and its rim say", "[thresholds]") {
+  class Rough final : public Surface {
+  public:
+    void evaluate(const double* b, Index n, int, double* out) const override {  // positions only
+      for (Index k = 0; k < n; ++k, b += 3, out += 3)
+        out[0] = b[0], out[1] = b[1], out[2] = 20 * std::sin(4000 * b[0]) * std::cos(4000 * b[1]);
+    }
+  };
+  constexpr Index n = 40;
+  PlanePolygon disc;
+  disc.uv = Eigen::Matrix<double, n + 1, 2>::Zero();
+  for (Index k = 0; k < n; ++k) {
+    disc.uv.row(k) << std::cos(2 * M_PI * static_cast<double>(k) / n), std::sin(2 * M_PI * static_cast<double>(k) / n);
+    disc.triangles.push_back({k, (k + 1) % n, n});
+  }
+  disc.points = Points::Zero(n + 1, 3);
+  disc.points.leftCols<2>() = disc.uv;
+  disc.rim = n;
+  const double made = static_cast<double>(remesh(disc, {}, Rough()).triangles.size());
+  CHECK(made == Approx(8 * (triangles_wanted(disc, {}) + n)).epsilon(0.01));
+}
