@@ -124,3 +124,12 @@ TEST_CASE("boundary curves meet to a billionth of the size, and an edge is as lo
     }
   }
 }
+
+TEST_CASE("surfaces that are joined meet at their corners to a millionth of their size", "[thresholds]") {
+  const auto triangle = [](double up) {
+    return std::make_shared<BezierTriangle>((Points(3, 3) << 0, 0, up, 2, 0, up, 0, 1, up).finished());
+  };
+  const double size = std::sqrt(5.0);
+  CHECK_NOTHROW(common_corners({triangle(0), triangle(0.97e-6 * size), triangle(0)}));
+  CHECK_THROWS_AS(common_corners({triangle(0), triangle(1.03e-6 * size), triangle(0)}), InvalidArgument);
+}
