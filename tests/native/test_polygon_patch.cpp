@@ -48,6 +48,25 @@ JetPoint<N> plane_at(const Jet<N>& x, const Jet<N>& y) {
 }
 const Known plane = {plane_at<2>, [](const Vec3& p) { return std::abs(p[2]); }};
 
+/// A torus of radius 1 and a tube of radius 1 / Tenth by the tangents of half the angles round the axis and the tube.
+template <int N, int Tenth>
+JetPoint<N> torus_at(const Jet<N>& x, const Jet<N>& y) {
+  const Jet<N> round = reciprocal(1.0 + x * x), over = reciprocal(1.0 + y * y);
+  const Jet<N> radius = 1.0 + (1.0 / Tenth) * ((1.0 - y * y) * over);
+  JetPoint<N> p;
+  p.x = {radius * ((1.0 - x * x) * round), radius * (2.0 * (x * round)), (2.0 / Tenth) * (y * over)};
+  return p;
+}
+template <int Tenth>
+const Known torus = {torus_at<2, Tenth>,
+                     [](const Vec3& p) { return std::abs(std::hypot(std::hypot(p[0], p[1]) - 1, p[2]) - 1.0 / Tenth); }};
+
+/// The corners of a strip of it: so many degrees round the axis and the tube.
+std::vector<Vec2> strip_of_torus(double round, double over) {
+  const double x = std::tan(round * std::numbers::pi / 720), y = std::tan(over * std::numbers::pi / 360);
+  return {Vec2(-x, 0), Vec2(x, 0), Vec2(x, y), Vec2(-x, y)};
+}
+
 /// A side of a known surface along a parabola between two places of its plane, so high to the right of the line between them, its
 /// surroundings as they are.
 Side side_between(const Known& known, const Vec2& from, const Vec2& to, double high = 0) {
@@ -210,6 +229,27 @@ TEST_CASE("polygon patch: a fair patch in a sphere is the sphere's") {
     CAPTURE(n);
     CHECK(largest_distance(polygon_patch(sides_between(sphere, ring(n))), sphere) < 1e-4);
   }
+}
+
+TEST_CASE("polygon patch: a fillet, a strip of a torus, is made round") {
+  // the energy of quadrics has a deep valley beside that of round sections: conics of revolution as far off as 3e-4
+  CHECK(largest_distance(polygon_patch(sides_between(torus<10>, strip_of_torus(45, 60))), torus<10>) < 5e-6);
+  CHECK(largest_distance(polygon_patch(sides_between(torus<10>, strip_of_torus(90, 60))), torus<10>) < 5e-6);
+  CHECK(largest_distance(polygon_patch(sides_between(torus<20>, strip_of_torus(90, 90))), torus<20>) < 1e-5);
+  // so long and narrow that fewer nodes see waves between them
+  const PolygonPatch narrow = polygon_patch(sides_between(torus<50>, strip_of_torus(200, 90)));
+  CHECK_FALSE(narrow.gave_up);
+  CHECK(largest_distance(narrow, torus<50>) < 2e-6);
+}
+
+TEST_CASE("polygon patch: four sides are a strip from three times as long as wide on", "[thresholds]") {
+  const auto off = [](const Known& known, double round, double over, double ratio) {
+    PolygonPatchOptions options;
+    options.domain = PolygonDomain({Vec2(0, 0), Vec2(ratio, 0), Vec2(ratio, 1), Vec2(0, 1)});
+    return largest_distance(polygon_patch(sides_between(known, strip_of_torus(round, over)), options), known);
+  };
+  CHECK(off(torus<10>, 90, 30, 3.05) < 0.1 * off(torus<10>, 90, 30, 2.95));
+  CHECK(off(torus<50>, 200, 90, 3.05) < 0.1 * off(torus<50>, 200, 90, 2.95));
 }
 
 TEST_CASE("polygon patch: plain patches come nearer with the fourth power of the hole's size") {

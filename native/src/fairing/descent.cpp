@@ -180,11 +180,19 @@ Quadratic tension_of(const EnergyProblem& problem) {
   return tension;
 }
 
-Merit merit_of(const EnergyProblem& problem, const Quadratic& third) {
+namespace {
+
+Merit merit_by(const EnergyProblem& problem, const Quadratic& third, Fairing energy) {
   Quadratic tension = tension_of(problem);
   if (problem.options().tension > 0)  // less its minimum, so that it pulls gradually where the energy alone would reach zero
     tension.constant -= tension(constrained_quadratic_minimum(tension.normal, tension.gradient, problem.held()));
-  return {problem, third, std::move(tension), problem.options().energy};
+  return {problem, third, std::move(tension), energy};
+}
+
+}  // namespace
+
+Merit merit_of(const EnergyProblem& problem, const Quadratic& third) {
+  return merit_by(problem, third, problem.options().energy);
 }
 
 Descent descent(const EnergyProblem& problem, const Quadratic& third) {
@@ -197,6 +205,19 @@ Descent descent(const EnergyProblem& problem, const Quadratic& third) {
   if (const Merit::Value unchanged = merit(none); !(d.value.log < unchanged.log)) d.x = none, d.value = unchanged;
   d.iterations = descend(merit, third.normal, d.x, d.value, problem.options().iterations);
   return d;
+}
+
+Descent lower_by_variation(const EnergyProblem& problem, const Quadratic& third, Descent first) {
+  if (problem.options().energy != Fairing::automatic) return first;
+  const int iterations = problem.options().iterations;
+  const Merit variation = merit_by(problem, third, Fairing::minimum_variation), merit = merit_of(problem, third);
+  Descent other = first;
+  other.x = first.first;
+  other.value = variation(other.x);
+  other.iterations += descend(variation, third.normal, other.x, other.value, iterations);
+  other.value = merit(other.x);
+  other.iterations += descend(merit, third.normal, other.x, other.value, iterations);
+  return other.value.log < first.value.log ? other : first;
 }
 
 }  // namespace tripatch

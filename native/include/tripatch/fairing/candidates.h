@@ -66,6 +66,8 @@ struct Descent {
 };
 
 Descent descent(const EnergyProblem& problem, const Quadratic& third);
+/// The same by way of the least variation, where that ends lower than `first` has.
+Descent lower_by_variation(const EnergyProblem& problem, const Quadratic& third, Descent first);
 
 /// With few nodes and unknowns first: the last steps are those of the exact energy.
 template <class Problem, class Base>
@@ -74,6 +76,7 @@ Candidates<Problem> geometric_candidates(const Base& base, const FairingOptions&
   const Problem rough(base, low, low.rough_nodes);
   Quadratic third = rough.quadratic(3);
   Descent d = descent(rough, third);
+  if (low.both_valleys && d.value.energy > low.rich) d = lower_by_variation(rough, third, std::move(d));
   out.iterations = d.iterations;
   FairingOptions options = low;
   if (d.value.energy > low.rich) options.degree = std::max(low.degree, low.high_degree);

@@ -22,14 +22,17 @@ struct FairingOptions {
   /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, automatic (see energy.h):
   /// geometric, by damped Gauss-Newton from the third-derivative solution.
   Fairing energy = Fairing::automatic;
-  int degree = 4;        ///< of the interior term's polynomial
-  int high_degree = 8;   ///< the same for the last steps, two of them, where a geometric energy stays above `rich`
-  double rich = 1;       ///< and what is that: a surface with features of its own
-  int second_cross = 4;  ///< coefficients of the second cross derivative of each side
-  int slopes = 4;        ///< coefficients of each of alpha and beta on each side
-  int nodes = 8;         ///< of the quadrature, per direction
-  int rough_nodes = 5;   ///< of the one that Gauss-Newton begins with
-  int iterations = 8;    ///< of Gauss-Newton with that, at most; one or two follow with `nodes`
+  int degree = 4;       ///< of the interior term's polynomial
+  int high_degree = 8;  ///< the same for the last steps, two of them, where a geometric energy stays above `rich`
+  double rich = 1;      ///< and what is that: a surface with features of its own
+  /// Where the automatic energy of such a surface ends in the quadrics' valley, the other one, of least variation, is gone into too, and
+  /// the deeper one is taken.
+  bool both_valleys = false;
+  int second_cross = 4;                                  ///< coefficients of the second cross derivative of each side
+  int slopes = 4;                                        ///< coefficients of each of alpha and beta on each side
+  int nodes = 8;                                         ///< of the quadrature, per direction
+  int rough_nodes = 5;                                   ///< of the one that Gauss-Newton begins with
+  int iterations = 8;                                    ///< of Gauss-Newton with that, at most; one or two follow with `nodes`
   std::array<bool, 3> slopes_free = {true, true, true};  ///< false: alpha and beta of that side stay as they are
   /// Sides whose tangent planes are not asked for: the derivative across is free in all directions.
   std::array<bool, 3> position_only = {false, false, false};
