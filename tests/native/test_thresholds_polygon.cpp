@@ -7,6 +7,7 @@
 #include "tripatch/polygon/boundary.h"
 #include "tripatch/polygon/domain.h"
 #include "tripatch/polygon/joined.h"
+#include "tripatch/polygon/round.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;
@@ -41,7 +42,23 @@ bool same_lens(double first, double second) {
   return height(first) == height(second);
 }
 
+/// A circle whose surroundings fall away by 0.3, and by so much more and less twice round it.
+Side circle(double uneven) {
+  Harmonic curve = Harmonic::Zero(3, 3), across = Harmonic::Zero(5, 3);
+  curve.topLeftCorner<3, 2>() << 0, 0, 1, 0, 0, 1;
+  across.topRows<3>() = curve;
+  across(0, 2) = -0.3;
+  across(3, 2) = uneven;
+  return {around_circle(curve), around_circle(across), {}};
+}
+
 }  // namespace
+
+TEST_CASE("slopes are of revolution that are uneven by less than a ten-thousandth of the size", "[thresholds]") {
+  CHECK(round_patch(circle(0)).of_revolution);
+  CHECK(round_patch(circle(3.9e-4)).of_revolution);
+  CHECK_FALSE(round_patch(circle(4.7e-4)).of_revolution);
+}
 
 TEST_CASE("corners of a domain turn by 0.2 to 2.6 radians, those of a lens by pi - 1.8 and more", "[thresholds]") {
   CHECK(same_domain(0.15, 0.199));

@@ -224,10 +224,11 @@ def cone(angle, edges, rings=4):
 
 
 def test_caps_of_cones_become_lower_evenly_as_the_cone_becomes_flatter():
-    heights = np.array([height(tripatch.patch([cone_end(a)], fairing="auto")) for a in range(-35, 86, 5)])
+    angles = list(range(-55, 86, 5))
+    heights = np.array([height(tripatch.patch([cone_end(a)], fairing="auto")) for a in angles])
     assert (np.diff(heights) < 0).all()
     assert np.abs(np.diff(heights, 2)).max() < 0.1
-    assert 1 < heights[7] < 2 and heights[-1] < 0.1  # of a tube, of a cone that is nearly a disc
+    assert 1 < heights[angles.index(0)] < 2 and heights[-1] < 0.1  # of a tube, of a cone that is nearly a disc
 
 
 @pytest.mark.parametrize("angle", [-20, 0, 5, 20, 40, 60])
@@ -237,6 +238,35 @@ def test_caps_of_cones_hang_little_on_the_number_of_edges(angle):
         vertices, faces = cone(angle, edges)
         fill = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), method="multi_sided")
         assert abs(height(fill.patch) / exact - 1) < 0.1, edges
+
+
+@pytest.mark.parametrize("edges", [33, 34, 35])
+def test_the_cap_of_a_cone_is_of_revolution_though_its_slopes_are_read_unevenly(edges):
+    vertices, faces = cone(60, edges)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), method="multi_sided")
+    assert abs(height(fill.patch) / height(tripatch.patch([cone_end(60)], fairing="auto")) - 1) < 0.05
+
+
+def quadric_cap_error(profile, edges):
+    """Over the diameter, of the cap in a hole of radius 1 about the axis."""
+    turn, step = 2 * np.pi * np.arange(edges) / edges, 2 * np.pi / edges
+    rows = [np.column_stack([r * np.cos(turn), r * np.sin(turn), np.full(edges, profile(r))]) for r in 1 + step * np.arange(5)]
+    fill = tripatch.fill(np.concatenate(rows), revolved("tube", edges)[1], rim=np.arange(edges), corners=(), method="multi_sided")
+    return np.abs(fill.vertices[:, 2] - profile(np.hypot(*fill.vertices[:, :2].T))).max() / 2
+
+
+@pytest.mark.parametrize(("edges", "near"), [(16, 2e-5), (24, 1e-6), (64, 1e-7)])
+def test_the_cap_of_a_shallow_paraboloid_is_not_a_spheres(edges, near):
+    assert quadric_cap_error(lambda r: -0.1 * r * r, edges) < near  # the sphere's: 5e-4
+
+
+@pytest.mark.parametrize(
+    ("profile", "near"),
+    [(lambda r: -0.35 * r * r, 2.2e-3), (lambda r: 2 * np.sqrt(12 - r * r), 5e-4)],
+    ids=["paraboloid", "ellipsoid"],
+)
+def test_what_sixteen_edges_do_not_know_of_a_blunt_quadric_does_not_bend_its_cap(profile, near):
+    assert quadric_cap_error(profile, 16) < near
 
 
 @pytest.mark.parametrize("angle", [-20, 0, 40])

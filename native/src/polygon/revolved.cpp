@@ -26,8 +26,12 @@ constexpr int height_terms = 4, radius_terms = 3, profile_unknowns = 1 + height_
 constexpr double first_counts = 1;  ///< with 0 heights of funnels' caps are left to the bound on slopes
 /// Below the first of these ratios (see quadrics_count) quadrics do not count, above the second they do.
 constexpr double no_blunt_quadric = 0.05, blunt_quadric = 0.15;
-/// What a mesh does not know of the curvature counts as this share of it at most, or spheres would do for cones.
-constexpr double most_unknown = 0.05;
+/// What a mesh does not know of the curvature counts as this share of it at most, or spheres would do for cones; or as that share of the
+/// meridian's own, of which a cone has none. Of blunt quadrics with rims of 12 and 16 edges caps come up to ten times as near so.
+constexpr double most_unknown = 0.05, most_unknown_of_bend = 0.2;
+/// Of the jump that sides of other patches are followed to: a rim is all that is known here, and its curvature is met. With the whole of it a
+/// shallow cap is a sphere's, which has no variation at all, and funnels' caps below -35 degrees jump from one valley to another.
+constexpr double jump_share = 0.3;
 constexpr double difference_step = 1e-5;  ///< of unknowns, over the radius: residuals are smooth, and exact to 1e-10 so
 /// Where descent ends: at an energy that is none (a hundred times as much leaves caps of spheres 1e-7 of the radius off, this 3e-8), after
 /// so many steps (30 do on spheres, to 2e-8), or with a step that gains less (a hundred times as much changes no cap by 1e-9).
@@ -137,7 +141,8 @@ void Profile::want_curvature(const RoundBase& base, const Eigen::Matrix3d& frame
   bend_ = radius_ * normal.dot(Vec2(bend.row(1).dot(frame.col(0)), bend.row(0).dot(frame.col(2))));
   const double parallel = -normal[0], squares = bend_ * bend_ + parallel * parallel + flat_curvature(diameter_);
   const double unknown = tolerated_deviations * base.side.curvature_error * radius_;
-  tolerated_ = std::hypot(curvature_jump * std::sqrt(squares), std::min(unknown, most_unknown * std::sqrt(squares)));
+  const double most = std::max(most_unknown * std::sqrt(squares), most_unknown_of_bend * std::abs(bend_));
+  tolerated_ = std::hypot(jump_share * curvature_jump * std::sqrt(squares), std::min(unknown, most));
   const double sure = std::copysign(std::max(std::abs(bend_) - base.side.curvature_error * radius_, 0.0), bend_);
   quadric_counts_ = quadrics_count(sure * parallel / squares);
 }
