@@ -1,15 +1,21 @@
 #include "tripatch/fill/spline_fill.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <tuple>
 
 #include "tripatch/constructions/methods.h"
+#include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/mesh/canonical_part.h"
+#include "tripatch/mesh/submesh.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
+#include "tripatch/patch/moved_surface.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/creased_fill.h"
+#include "tripatch/spline/disc.h"
 #include "tripatch/spline/plane_fill.h"
 #include "tripatch/spline/plane_patch.h"
 
@@ -91,17 +97,15 @@ void halve_doubled(const Mesh& mesh, const Connectivity& around, const std::vect
   made.vertices = stacked(made.vertices, middle);
 }
 
-}  // namespace
-
-Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                      const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options) {
-  std::vector<std::vector<Index>> loops = {rim};
-  loops.insert(loops.end(), islands.begin(), islands.end());
+/// The fill of a part of a mesh. loops: of its border, the rim first.
+Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
+                  const SplineFillOptions& options) {
+  const std::vector<Index>& rim = loops[0];
   Fill fill;
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
   PlaneFillOptions own = {options.resolution, {}, nullptr, options.through};
   std::optional<PlaneFill> creased;
-  if (options.features && islands.empty() && options.planes.rows() == 0)
+  if (options.features && loops.size() == 1 && options.planes.rows() == 0)
     creased = fill_across_creases(mesh, around, rim, find_features(mesh, around, rim), own);
   own.continued = options.continued;
   own.planes = options.planes;
@@ -152,6 +156,104 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   if (!made.plainer.empty()) report.warnings.push_back(made.plainer);
   return fill;
+}
+
+/// Faces that a fill may look at: as far as creases are followed, and so many rings more as there are neighbors of neighbors looked at.
+constexpr double farthest_reach = 0.75;
+constexpr int farthest_rings = 40, rings_beyond = 3;
+
+std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
+                                   const Connectivity* continued) {
+  double length = 0;
+  for (const std::vector<Index>& loop : loops) length = std::max(length, diameter(mesh, loop));
+  std::vector<Index> vertices = disc_around(mesh, around, loops, farthest_reach * length, farthest_rings).vertices;
+  if (continued) {
+    const Disc more = disc_around(mesh, *continued, loops, farthest_reach * length, farthest_rings);
+    vertices.insert(vertices.end(), more.vertices.begin(), more.vertices.end());
+  }
+  return rings_around(around, vertices, rings_beyond).all_faces();
+}
+
+bool has_face(const Connectivity& mesh, Index face) {
+  const std::span<const Connectivity::Corner> at = mesh.at(mesh.faces()[face][0]);
+  return std::any_of(at.begin(), at.end(), [&](Connectivity::Corner c) { return mesh.face(c) == face; });
+}
+
+void mirror(Points& points) { points.col(0) *= -1; }
+
+/// The options of a fill in a part.
+SplineFillOptions in_part(const CanonicalPart& part, const SplineFillOptions& options) {
+  SplineFillOptions own = options;
+  own.continued = nullptr;
+  if (options.planes.rows() > 0) own.planes = options.planes(part.row, Eigen::all);
+  if (!part.mirrored) return own;
+  mirror(own.planes);
+  for (Through& met : own.through) {
+    met.point[0] *= -1;
+    if (met.normal) (*met.normal)[0] *= -1;
+  }
+  return own;
+}
+
+/// A fill of a part as one of the mesh.
+void bring_back(const CanonicalPart& part, const Mesh& mesh, const std::vector<std::vector<Index>>& loops, Fill& fill) {
+  const Index n = mesh.vertices.rows(), own = part.vertices.rows();
+  const auto number = [&](Index v) { return v < own ? part.vertex[v] : n + v - own; };
+  Faces faces;
+  for (Index f = 0; f < fill.faces.size(); ++f) {
+    std::vector<Index> face;
+    for (Index v : fill.faces[f]) face.push_back(number(v));
+    if (part.mirrored) std::reverse(face.begin(), face.end());
+    faces.add(face);
+  }
+  fill.faces = std::move(faces);
+  for (auto& [a, b] : fill.feature_edges) a = number(a), b = number(b);
+  fill.rim.clear();
+  for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
+  const PlanePoints uv = fill.rim_uv;
+  const Points normals = fill.rim_normals;
+  for (Index k = 0; k < uv.rows(); ++k) {
+    fill.rim_uv.row(part.row[k]) = uv.row(k);
+    fill.rim_normals.row(part.row[k]) = normals.row(k);
+  }
+  if (part.mirrored) {
+    mirror(fill.vertices);
+    mirror(fill.normals);
+    mirror(fill.rim_normals);
+    fill.uv.col(1) *= -1;
+    fill.rim_uv.col(1) *= -1;
+  }
+  if (const auto* plane = dynamic_cast<const PlanePatch*>(fill.patch.get()))
+    fill.patch = std::make_shared<PlanePatch>(part.mirrored ? mirrored(plane->surface()) : plane->surface(), fill.rim_uv);
+}
+
+}  // namespace
+
+Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                      const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options) {
+  std::vector<std::vector<Index>> loops = {rim};
+  loops.insert(loops.end(), islands.begin(), islands.end());
+  const CanonicalPart part = canonical_part(mesh, around, loops, faces_looked_at(mesh, around, loops, options.continued));
+  const Mesh own{part.vertices, part.faces};
+  const Connectivity known(own);
+  SplineFillOptions there = in_part(part, options);
+  std::optional<Connectivity> continued;
+  if (options.continued) {
+    std::vector<Index> others;
+    for (std::size_t f = 0; f < part.face.size(); ++f)
+      if (!has_face(*options.continued, part.face[f])) others.push_back(static_cast<Index>(f));
+    continued.emplace(own, others);
+    there.continued = &*continued;
+  }
+  try {
+    Fill fill = fill_in_part(own, known, part.loops, there);
+    bring_back(part, mesh, loops, fill);
+    return fill;
+  } catch (const Refusal& refusal) {
+    std::vector<Index> where;
+    for (Index v : refusal.where()) where.push_back(part.vertex.at(static_cast<std::size_t>(v)));
+    throw Refusal(refusal.what(), where);
+  }
 }
 
 }  // namespace tripatch

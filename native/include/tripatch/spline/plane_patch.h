@@ -13,6 +13,7 @@ public:
   void evaluate(const double* b, Index n, int order, double* out) const override { surface_->evaluate(b, n, order, out); }
   /// Places of the rim's vertices, of islands those after them.
   const PlanePoints& rim() const { return rim_; }
+  const SurfacePtr& surface() const { return surface_; }
 
 private:
   SurfacePtr surface_;
