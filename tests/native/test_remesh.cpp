@@ -283,3 +283,19 @@ TEST_CASE("a remeshed polygon is the same moved and scaled, and every time") {
   CHECK_THROWS_AS(remesh(bad, {}, surface), InvalidArgument);
   CHECK_THROWS_AS(remesh(p, 0, surface), InvalidArgument);
 }
+
+TEST_CASE("a domain that is not as large as what lies over it gets the triangles of one that is") {
+  const Graph surface(wave);
+  const PlanePolygon p = polygon({circle(40)}, surface);
+  const PlaneTriangulation m = remesh(p, {}, surface);
+  for (const double unit : {1e-3, 1.0 / 64, 64.0, 1e4}) {
+    const Graph there([&](double u, double v) { return Vec3(wave(unit * u, unit * v)); });
+    PlanePolygon small = p;
+    small.uv /= unit;
+    small.unit = unit;
+    const PlaneTriangulation same = remesh(small, {}, there);
+    INFO(unit << ": " << same.triangles.size() << " triangles for " << m.triangles.size());
+    CHECK(same.triangles == m.triangles);
+    CHECK(triangles_wanted(small, {}) == Approx(triangles_wanted(p, {})));
+  }
+}

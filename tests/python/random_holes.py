@@ -106,6 +106,43 @@ def closed_mesh(rng, shape=None, spoil=None):
     return points, faces, f"{shape}, {spoil}"
 
 
+def wavy_hole(rng, sides, rings=5):
+    """A hole with smooth sides in a wavy surface of quads, or a round one (0); its rim comes first."""
+    if sides == 0:
+        count = int(rng.integers(8, 30))
+        angle = (np.arange(count) + rng.uniform(-0.15, 0.15, count)) * 2 * np.pi / count
+        rim = np.stack([np.cos(angle), 0.9 * np.sin(angle)], axis=1)
+    else:
+        angle = (np.arange(sides) + rng.uniform(-0.2, 0.2, sides)) * 2 * np.pi / sides
+        corners = np.stack([np.cos(angle), np.sin(angle)], axis=1) * rng.uniform(0.8, 1.2, (sides, 1))
+        rim = []
+        for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+            count, bend = int(rng.integers(3, 10)), rng.uniform(0.25, 0.5) if sides == 2 else rng.uniform(-0.1, 0.1)
+            t = np.arange(count)[:, None] / count
+            rim.append(a + t * (b - a) + 4 * bend * t * (1 - t) * [b[1] - a[1], a[0] - b[0]])
+        rim = np.concatenate(rim)
+    count = len(rim)
+    away = 1 + np.arange(rings + 1)[:, None, None] * 2 * np.pi / count
+    plane = (rim.mean(axis=0) + away * (rim - rim.mean(axis=0))).reshape(-1, 2)
+    height = 0.15 * np.sin(plane @ rng.normal(0, 0.8, (2, 3)) + rng.uniform(0, 6, 3)).sum(axis=1)
+    at = np.arange(count)
+    ring = np.stack([at, at + count, np.roll(at, -1) + count, np.roll(at, -1)], axis=1)
+    return np.column_stack([plane, height]), np.concatenate([ring + k * count for k in range(rings)]).tolist()
+
+
+def as_seen(points, faces, look, rng):
+    """The mesh in a mirror, or its vertices and faces numbered in another order; and the number that each vertex has there."""
+    number = np.arange(len(points))
+    if look == "mirrored":
+        return points * [-1, 1, 1], [face[::-1] for face in faces], number
+    if look == "relabelled":
+        number = rng.permutation(len(points))
+        faces = [[int(number[v]) for v in np.roll(face, int(rng.integers(len(face))))] for face in faces]
+        rng.shuffle(faces)
+        return points[np.argsort(number)], faces, number
+    return points, faces, number
+
+
 def directed(faces):
     return Counter((int(a), int(b)) for face in faces for a, b in zip(face, [*face[1:], face[0]]))
 

@@ -1,11 +1,12 @@
-"""A fill does not hang on round-off: the mesh turned, moved, scaled, or its rim given otherwise, it is the same fill."""
+"""A fill does not hang on round-off, nor on how a mesh is written down: turned, moved, scaled, numbered otherwise, seen in a mirror, or
+its rim given otherwise, it is the same fill."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 import tripatch
-from random_holes import closed_mesh, hole_size, ring_mesh, turned, with_hole
+from random_holes import as_seen, closed_mesh, hole_size, icosphere, ring_mesh, turned, wavy_hole, with_hole
 from shapes import cube, cube_sphere
 
 
@@ -101,3 +102,104 @@ def test_random_holes(seed):
             continue
         found = changes(points, left, rim, seed)
         assert max(found.values()) < 1e-7, found
+
+
+def changes_as_written(points, faces, rim, seed, **options):
+    """How far the fill as a set of points is from those of the mesh numbered otherwise, and in a mirror, over the hole's size."""
+    rng = np.random.default_rng(seed)
+    fill = tripatch.fill(points, faces, rim=rim, **options)
+    found = {}
+    for look, back in (("relabelled", [1, 1, 1]), ("mirrored", [-1, 1, 1])):
+        there, others, number = as_seen(points, faces, look, rng)
+        other = tripatch.fill(there, others, rim=np.roll(number[rim], int(rng.integers(len(rim)))), **options)
+        assert other.report.method == fill.report.method, look
+        assert len(other.vertices) == len(fill.vertices), look
+        gaps = np.linalg.norm((other.vertices * back)[:, None] - fill.vertices[None], axis=2)
+        found[look] = max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) / hole_size(points, rim) if gaps.size else 0
+        check_parts(fill, other, number, np.array(back))
+    return found
+
+
+def check_parts(fill, other, number, back):
+    """What belongs to the rim's vertices goes with them, and so do faces and normals with the new ones."""
+    place = {int(v): k for k, v in enumerate(other.rim)}
+    order = [place[int(number[v])] for v in fill.rim]
+    assert np.abs(other.rim_normals[order] * back - fill.rim_normals).max() < 1e-5
+    assert len(other.faces) == len(fill.faces)
+    if len(fill.vertices):
+        gaps = np.linalg.norm((other.vertices * back)[:, None] - fill.vertices[None], axis=2)
+        nearest = gaps.argmin(axis=0)
+        assert np.abs(other.normals[nearest] * back - fill.normals).max() < 1e-5
+        if fill.deviation is not None:
+            assert np.allclose(other.deviation[nearest], fill.deviation, rtol=1e-3)
+        if fill.patch is not None and fill.uv is not None and len(fill.uv):
+            here, there = fill.patch.evaluate(fill.uv, 2), other.patch.evaluate(other.uv[nearest], 2)
+            size = hole_size(fill.vertices, range(len(fill.vertices))) + np.abs(fill.vertices).max()
+            assert np.abs(there[0] * back - here[0]).max() < 1e-6 * size
+            assert np.abs(other.patch.normal(other.uv[nearest]) * back - fill.patch.normal(fill.uv)).max() < 1e-5
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_however_a_mesh_is_numbered_and_in_a_mirror_it_is_the_same_fill(seed):
+    rng = np.random.default_rng(40_000 + seed)
+    points, faces, _ = closed_mesh(rng, ("icosphere", "honeycomb", "ring", "quads")[seed % 4], "bumps")
+    points = points + 0.02 * np.linalg.norm(points[faces[0][0]] - points[faces[0][1]]) * rng.normal(size=points.shape)
+    left = with_hole(faces, rng, 0.1 * rng.random())
+    rim = max(tripatch.find_holes(left), key=len)
+    found = changes_as_written(points, left, rim, seed, method=("auto", "polyharmonic_spline")[seed // 4 % 2])
+    assert max(found.values()) < 1e-7, found
+
+
+@pytest.mark.parametrize("sides", [0, 2, 3, 4, 5])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_between_smooth_sides_it_is_the_same_fill_too(sides, seed):
+    rng = np.random.default_rng(100 * sides + seed)
+    points, faces = wavy_hole(rng, sides)
+    rim = max(tripatch.find_holes(faces), key=lambda loop: 0 in loop)
+    method = "side_vertex" if sides == 3 else "multi_sided"
+    found = changes_as_written(points, faces, rim, seed, method=method)
+    assert max(found.values()) < 1e-7, found
+
+
+@pytest.mark.parametrize("sides", [0, 4])
+def test_triangles_between_sides_are_the_same_at_any_scale(sides):
+    rng = np.random.default_rng(sides)
+    points, faces = wavy_hole(rng, sides)
+    rim = max(tripatch.find_holes(faces), key=lambda loop: 0 in loop)
+    fill = tripatch.fill(points, faces, rim=rim, method="multi_sided")
+    assert len(fill.vertices)
+    for factor in (1e-3, 3.1, 1e4):
+        there = tripatch.fill(factor * points, faces, rim=rim, method="multi_sided")
+        assert len(there.vertices) == len(fill.vertices)
+        assert np.abs(there.vertices / factor - fill.vertices).max() < 1e-7 * hole_size(points, rim)
+
+
+def test_a_crease_across_a_hole_is_the_same_however_the_mesh_is_written():
+    rng = np.random.default_rng(7)
+    points, faces = cube(6)
+    points = points * [1, 1.3, 0.8] + 0.003 * rng.normal(size=points.shape)
+    gone = np.linalg.norm(points[np.array(faces)].mean(axis=1) - [1, 0.2, 0.8], axis=1) < 0.45
+    left = [face for face, out in zip(faces, gone) if not out]
+    rim = tripatch.find_holes(left)[0]
+    assert len(tripatch.fill(points, left, rim=rim).feature_edges)
+    found = changes_as_written(points, left, rim, 3)
+    assert max(found.values()) < 1e-7, found
+
+
+def test_where_a_hole_is_its_own_image_fills_are_alike_but_for_that():
+    """An even mesh leaves no way to tell the vertices of its hole apart: which is the first is up to their numbers."""
+    points, faces = icosphere(2)
+    near = points @ points[0] > 0.75
+    left = [face for face in faces if not near[face].all()]
+    rim = tripatch.find_holes(left)[0]
+    fill = tripatch.fill(points, left, rim=rim)
+    rng = np.random.default_rng(1)
+    for look in ("relabelled", "mirrored"):
+        there, others, number = as_seen(points, left, look, rng)
+        other = tripatch.fill(there, others, rim=number[rim])
+        off = [
+            np.sort(np.linalg.norm(f.vertices - p[r].mean(axis=0), axis=1))
+            for f, p, r in ((fill, points, rim), (other, there, number[rim]))
+        ]
+        assert np.abs(off[0] - off[1]).max() < 1e-7
+        assert other.report.deviation_max == pytest.approx(fill.report.deviation_max, rel=1e-4)

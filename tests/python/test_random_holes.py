@@ -9,7 +9,7 @@ import pytest
 import tripatch
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_holes import SHAPES, closed_mesh, directed, hole_size, is_manifold, turned, with_hole
+from random_holes import SHAPES, as_seen, closed_mesh, directed, hole_size, is_manifold, turned, with_hole
 
 EXAMPLES = int(os.environ.get("TRIPATCH_EXAMPLES", "30"))
 SPOILT = ["none", "triangles", "noise", "stretched", "bumps"]
@@ -65,19 +65,6 @@ def test_the_filled_mesh_is_closed_and_oriented(hole, output, method):
     together = directed(whole + added)
     assert max(together.values()) == 1
     assert all((b, a) in together for a, b in together), "no border is left"
-
-
-def as_seen(points, faces, look, rng):
-    """The mesh in a mirror, or its vertices and faces numbered in another order; and the number that each vertex has there."""
-    number = np.arange(len(points))
-    if look == "mirrored":
-        return points * [-1, 1, 1], [face[::-1] for face in faces], number
-    if look == "relabelled":
-        number = rng.permutation(len(points))
-        faces = [[int(number[v]) for v in face] for face in faces]
-        rng.shuffle(faces)
-        return points[np.argsort(number)], faces, number
-    return points, faces, number
 
 
 LOOKS = ["as it is", "mirrored", "relabelled"]

@@ -61,12 +61,13 @@ std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, 
 std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
                                 const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search) {
   SideDraft& side = drafts[i];
-  std::vector<VertexFit> result;
   const int edges = side.edges();
+  std::vector<VertexFit> result(edges + 1);
   double tilt = 0;  // of the plane found last against the faces beside the rim: most likely that of the next one too
   Seen seen;
   FitRoom room;
-  for (int k = 0; k <= edges; ++k) {
+  for (int j = 0; j <= edges; ++j) {
+    const int k = side.looked_at(j);
     const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
     side.guess[k] -= tilt * outward;
     measure(w, drafts, i, k, near, search, seen);
@@ -93,7 +94,7 @@ std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& co
     at.slope_variances = at.covariance.trace();
     at.bend_variance = known.bend * std::pow(over[1], 4);
     at.density = densities(w, side, k, nearest[k], seen, fit, components);
-    result.push_back(std::move(at));
+    result[k] = std::move(at);
   }
   return result;
 }

@@ -107,20 +107,22 @@ const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k,
   take(side.face[std::max(k - 1, 0)]);
   take(side.face[std::min(k, side.edges() - 1)]);
   for (int ring = 0; ring < near.rings && static_cast<int>(used.size()) < enough_points && !front.empty(); ++ring) {
-    for (int v : front)
-      for (bool more = true; more;) {
-        more = false;
+    for (bool more = true; more;) {  // until none is left that is connected: in whatever order they are looked at
+      bool taken = false, left = false;
+      for (int v : front)
         for (int f : w.part.faces_at(v)) {
           if (std::abs(marks.face[f]) == marks.now) continue;
           if (!is_of_sheet(f)) {
             marks.face[f] = -marks.now;
-            continue;
+          } else if (connected(f)) {
+            take(f);
+            taken = true;
+          } else {
+            left = true;
           }
-          if (!connected(f)) continue;
-          take(f);
-          more = true;
         }
-      }
+      more = taken && left;
+    }
     std::swap(front, next);
     next.clear();
   }

@@ -8,12 +8,14 @@
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/beginning.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/remesh.h"
+#include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/follow.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/report/folded_triangles.h"
@@ -45,37 +47,86 @@ PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vecto
   return uv;
 }
 
-/// The polygon in triangles about its center, or these in pairs as quads where they are good ones. met: places that become vertices.
+/// Length of a closed polygon, its vertices by row.
+double length_around(const Eigen::MatrixXd& p) {
+  double sum = 0;
+  for (Index k = 0; k < p.rows(); ++k) sum += (p.row(k) - p.row((k + 1) % p.rows())).norm();
+  return sum;
+}
+
+/// A rim with its places in a domain from where its geometry begins it, in a mirror where it is walked backwards there: what is chosen
+/// among equals does not hang on how the rim is given.
+struct WalkedRim {
+  WalkedRim(const Vec2& center, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
+            const std::vector<Index>& corners) {
+    Beginnings beginnings(rim, {}, corners);
+    beginnings.compare_along();
+    if (!beginnings.decided()) beginnings.compare_with(patch.positions(as_rows((rim_uv.rowwise() + center.transpose()) / 2)));
+    const Beginning first = beginnings.left()[0];
+    mirrored = first.backwards;
+    const Index r = rim.rows();
+    for (Index k = 0; k < r; ++k) row.push_back((first.place + (mirrored ? r - k : k)) % r);
+  }
+
+  std::vector<Index> row;  // that is given, of each in the walk
+  bool mirrored;
+};
+
+/// The polygon in triangles about its center, or these in pairs as quads where they are good ones. corners: rows of the rim, none: any may
+/// be one. met: places that become vertices.
 PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
-                        std::vector<std::array<Index, 2>> joined, std::optional<int> resolution,
-                        const std::vector<Vec2>& met = {}, bool paired = false) {
+                        const std::vector<Index>& corners, std::vector<std::array<Index, 2>> joined,
+                        std::optional<int> resolution, const std::vector<Vec2>& met = {}, bool paired = false) {
   const Index r = rim_uv.rows();
+  const WalkedRim walk(center, patch, rim_uv, rim, corners);
+  const SurfacePtr given(SurfacePtr(), &patch), surface = walk.mirrored ? mirrored(given) : given;
+  const Vec2 turn(1, walk.mirrored ? -1 : 1);
   PlanePolygon polygon;
   polygon.uv.resize(r + 1, 2);
-  polygon.uv << rim_uv, center.transpose();
-  Points middle = Points::Zero(1, 3);
-  middle.row(0).head<2>() = center;
+  polygon.uv << rim_uv(walk.row, Eigen::all), center.transpose();
+  polygon.uv.col(1) *= turn[1];
   polygon.points.resize(r + 1, 3);
-  polygon.points << rim, patch.positions(middle);
+  polygon.points << rim(walk.row, Eigen::all), surface->positions(as_rows(polygon.uv.bottomRows(1)));
+  if (walk.mirrored) polygon.points.topRows(r).col(0) *= -1;
   polygon.rim = r;
   polygon.sides = sides;
+  polygon.unit = length_around(rim) / std::max(length_around(rim_uv), 1e-300);
   for (Index k = 0; k < r; ++k) polygon.triangles.push_back({k, (k + 1) % r, r});
+  std::vector<Index> place(r);  // in the walk
+  for (Index k = 0; k < r; ++k) place[walk.row[k]] = k;
+  for (auto& [a, b] : joined) a = place[a], b = place[b];
   polygon.joined = std::move(joined);
-  for (const Vec2& place : met) {
-    middle.row(0).head<2>() = place;
-    insert_row(polygon, place, Vec3(patch.positions(middle).row(0)));
+  for (const Vec2& there : met) {
+    const PlanePoints own = there.cwiseProduct(turn).transpose();
+    insert_row(polygon, own, Vec3(surface->positions(as_rows(own)).row(0)));
   }
-  PlaneTriangulation triangulated = remesh(polygon, resolution, patch);
+  PlaneTriangulation made = remesh(polygon, resolution, *surface);
   PlaneCover cover;
-  cover.uv = triangulated.uv;
+  cover.uv = made.uv;
+  cover.uv.col(1) *= turn[1];
+  cover.uv.topRows(r) = rim_uv;
   cover.rim = r;
   for (Index k = 0; k < r; ++k) cover.rim_rows.push_back(k);
-  if (paired) {
-    cover.faces = pair_quads(triangulated.points, triangulated.triangles);
-    return cover;
+  Faces faces;
+  if (paired)
+    faces = pair_quads(made.points, made.triangles);
+  else
+    for (const std::array<Index, 3>& t : made.triangles) faces.add(t);
+  for (Index f = 0; f < faces.size(); ++f) {
+    std::vector<Index> face;
+    for (Index v : faces[f]) face.push_back(v < r ? walk.row[v] : v);
+    if (walk.mirrored) std::reverse(face.begin(), face.end());
+    cover.faces.add(face);
   }
-  for (const std::array<Index, 3>& t : triangulated.triangles) cover.faces.add(t);
   return cover;
+}
+
+/// Where the sides of a polygon begin in its rim.
+std::vector<Index> corner_rows(const std::vector<std::vector<double>>& parameters) {
+  std::vector<Index> rows = {0};
+  for (std::size_t i = 0; i + 1 < parameters.size(); ++i)
+    rows.push_back(rows.back() + static_cast<Index>(parameters[i].size()) - 1);
+  return rows;
 }
 
 /// How many quads the fill wants at the corners, where all faces around are quads.
@@ -195,31 +246,64 @@ bool excluded_by(const Fill& patch, const Fill& spline, double diameter) {
   return apart > (unknown ? they_agree : clearly_off) * said;
 }
 
+namespace {
+
+/// Sides that are read together as those of a hole of three corners, which begins at a corner of the polygon.
+struct ReadTogether {
+  Index corner;
+  std::vector<std::array<Index, 2>> sides;  // of the hole, of the polygon
+};
+
+/// By twos around the polygon from where its geometry begins it: however it is given, the same are read together.
+std::vector<ReadTogether> read_together(Index n, const Beginning& begin, Index corner) {
+  std::vector<ReadTogether> out;
+  const auto at = [&](Index k) { return (corner + k + 2 * n) % n; };
+  if (n == 2) return {{0, {{2, 0}}}, {1, {{2, 1}}}};
+  for (Index k = 0; k < n; k += 2) {
+    const bool both = k + 1 < n;
+    if (!begin.backwards) {
+      out.push_back({at(k), {{2, at(k)}}});
+      if (both) out.back().sides.push_back({0, at(k + 1)});
+    } else {
+      out.push_back({at(-k - 2), {{0, at(-k - 1)}}});
+      if (both) out.back().sides.push_back({2, at(-k - 2)});
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
 MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                          const std::vector<Index>& corners, const std::vector<bool>& alone) {
   const Index n = static_cast<Index>(corners.size()), edges = static_cast<Index>(rim.size());
   MeshPolygon out;
+  out.sides.resize(n);
+  out.parameters.resize(n);
+  Beginnings beginnings(mesh.vertices(rim, Eigen::all), {}, corners);
+  beginnings.compare_along();
+  const Beginning begin = beginnings.left()[0];
+  const Index first = std::find(corners.begin(), corners.end(), begin.place) - corners.begin();
   double squares = 0, counted = 0;  // of the errors of the sides, by their vertices
-  for (Index k = 0; k < n; k += n == 2 ? 1 : 2) {
+  for (const ReadTogether& together : read_together(n, begin, first)) {
     // a hole of three corners: k, the next and the one after it, of which the third side is read for its beginning and end only; of a
     // lens the third corner is in the middle of the other side
     Hole hole;
-    const Index start = corners[k], second = (corners[(k + 1) % n] - start + edges) % edges;
+    const Index k = together.corner, start = corners[k], second = (corners[(k + 1) % n] - start + edges) % edges;
     Index third = (corners[(k + 2) % n] - start + edges) % edges;
-    if (n == 2) third = (second + edges) / 2;
-    if (third == second) throw Refusal("A side of a hole with two corners has two edges or more", {rim[start]});
+    if (n == 2) third = (second + edges + (begin.backwards ? 1 : 0)) / 2;
+    if (third == second || third == edges) throw Refusal("A side of a hole with two corners has two edges or more", {rim[start]});
     for (Index j = 0; j < edges; ++j) hole.rim.push_back(rim[(start + j) % edges]);
     hole.corners = {0, second, third};
     if (!alone.empty())
       hole.alone = {alone[(k + 1) % n], alone[n == 2 ? 1 - k : (k + 2) % n] || alone[(k + n - 1) % n], alone[k]};
     MeshSides three = mesh_sides(mesh, around, hole);
-    const bool both = k + 1 < n && n > 2;
-    for (int i : both ? std::vector<int>{2, 0} : std::vector<int>{2}) {
+    for (const auto& [i, side] : together.sides) {
       const double vertices = static_cast<double>(three.parameters[i].size());
       squares += vertices * std::pow(three.side_error[i], 2);
-      counted += alone.empty() || !alone[out.sides.size()] ? vertices : 0;
-      out.sides.push_back(upright(std::move(three.sides[i])));
-      out.parameters.push_back(std::move(three.parameters[i]));
+      counted += alone.empty() || !alone[side] ? vertices : 0;
+      out.sides[side] = upright(std::move(three.sides[i]));
+      out.parameters[side] = std::move(three.parameters[i]);
     }
   }
   out.surroundings_error = counted > 0 ? std::sqrt(squares / counted) : 0;
@@ -247,8 +331,8 @@ PolygonPatchOptions polygon_options(const FillOptions& options) {
 PolygonTriangles triangulate_polygon(const PolygonSurface& patch, const std::vector<std::vector<double>>& parameters,
                                      std::optional<int> resolution) {
   const PlanePoints rim = rim_places(patch.domain(), parameters);
-  PlaneCover cover =
-      triangles_of(patch.domain().center(), patch.domain().sides(), patch, rim, patch.positions(as_rows(rim)), {}, resolution);
+  PlaneCover cover = triangles_of(patch.domain().center(), patch.domain().sides(), patch, rim, patch.positions(as_rows(rim)),
+                                  corner_rows(parameters), {}, resolution);
   return {std::move(cover.uv), std::move(cover.faces)};
 }
 
@@ -256,7 +340,7 @@ PolygonTriangles triangulate_disc(const Surface& patch, const std::vector<double
   PlanePoints rim(static_cast<Index>(parameters.size()) - 1, 2);
   for (Index k = 0; k < rim.rows(); ++k) rim.row(k) = on_circle(parameters[k]);
   if (rim.rows() < 3) throw InvalidArgument("a round rim has three edges or more");
-  PlaneCover cover = triangles_of(Vec2::Zero(), 3, patch, rim, patch.positions(as_rows(rim)), {}, resolution);
+  PlaneCover cover = triangles_of(Vec2::Zero(), 3, patch, rim, patch.positions(as_rows(rim)), {}, {}, resolution);
   return {std::move(cover.uv), std::move(cover.faces)};
 }
 
@@ -312,7 +396,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   const PlaneCover cover = options.output == Output::quads
                                ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
                                                           layout_options(options))
-                               : triangles_of(made.domain.center(), made.domain.sides(), *made.patch, rim_uv, points,
+                               : triangles_of(made.domain.center(), made.domain.sides(), *made.patch, rim_uv, points, corners,
                                               joined_rows(around, rim), options.resolution, made.met);
   fill.rim = rim;
   fill.rim_uv = rim_uv;
@@ -385,7 +469,8 @@ struct RoundRim {
   double surroundings_error = 0;
 };
 
-RoundRim round_rim(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+/// backwards: what is read together, and where it begins, as of the same rim in a mirror.
+RoundRim round_rim(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, bool backwards) {
   const Index n = static_cast<Index>(rim.size());
   std::vector<SideForm> seen(n);
   RoundRim out;
@@ -393,13 +478,17 @@ RoundRim round_rim(const Mesh& mesh, const Connectivity& around, const std::vect
   for (Index p = 0; p < ways; ++p) {
     // the vertices from `first` on in the middle of the side from corner 0 to 1
     const Index first = p * n / ways, last = (p + 1) * n / ways, before = (third - (last - first)) / 2;
+    const Index corner = backwards ? before - first - third : first - before;
     Hole hole;
-    for (Index j = 0; j < n; ++j) hole.rim.push_back(rim[(first - before + j + n) % n]);
-    hole.corners = {0, third, 2 * n / 3};
+    for (Index j = 0; j < n; ++j) hole.rim.push_back(rim[(corner + j + 2 * n) % n]);
+    hole.corners = {0, third, backwards ? third + n - 2 * n / 3 : 2 * n / 3};
     const MeshSides three = mesh_sides(mesh, around, hole);
     out.surroundings_error = std::max(out.surroundings_error, three.surroundings_error);
     out.side.curvature_error = std::max(out.side.curvature_error, three.sides[2].curvature_error);
-    for (Index k = first; k < last; ++k) seen[k] = side_form(three.sides[2], three.parameters[2][before + k - first]);
+    for (Index k = first; k < last; ++k) {
+      const Index place = before + k - first;  // from corner 0 on, in a mirror from corner 1 back
+      seen[backwards ? (n - k) % n : k] = side_form(three.sides[2], three.parameters[2][backwards ? third - place : place]);
+    }
   }
   std::vector<Vec3> position, across, bend;
   double length = 0;
@@ -425,27 +514,30 @@ RoundRim round_rim(const Mesh& mesh, const Connectivity& around, const std::vect
 /// leans, of the vertices from it on, each counting less. Equal ones lie alike, unless only what bends farther off differs.
 constexpr double lean_counts = 0.37;
 
-/// Where a round rim is begun, whatever vertex it is given from: what closing splines and nodes of quadratures differ by is enlarged by
-/// flat valleys of the energy.
-Index own_beginning(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+/// Where a round rim is begun, and which way it goes, whatever vertex it is given from: what closing splines and nodes of quadratures
+/// differ by is enlarged by flat valleys of the energy.
+Beginning own_beginning(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   const Index n = static_cast<Index>(rim.size());
   const Points points = mesh.vertices(rim, Eigen::all);
   const Vec3 middle = points.colwise().mean();
   const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, {rim});
-  std::vector<double> own;
+  std::vector<double> before, after;  // of the edges beside each vertex
   for (Index k = 0; k < n; ++k) {
     const Vec3 from = Vec3(points.row(k)) - middle;
-    own.push_back(from.norm() + lean_counts * from.dot(beyond[k].normal.stableNormalized()));
+    after.push_back(from.norm() + lean_counts * from.dot(beyond[k].normal.stableNormalized()));
+    before.push_back(from.norm() + lean_counts * from.dot(beyond[(k + n - 1) % n].normal.stableNormalized()));
   }
-  Index best = 0;
+  Beginning best;
   double most = 0;
-  for (Index k = 0; k < n; ++k) {
-    double sum = 0;
-    for (Index j = 0; j < n; ++j) sum += own[(k + j) % n] / static_cast<double>(1 + j);
-    if (k > 0 && !clearly_more(sum, most)) continue;
-    most = sum;
-    best = k;
-  }
+  for (const bool backwards : {false, true})
+    for (Index k = 0; k < n; ++k) {
+      double sum = 0;
+      for (Index j = 0; j < n; ++j)
+        sum += (backwards ? before[(k - j + n) % n] : after[(k + j) % n]) / static_cast<double>(1 + j);
+      if ((k > 0 || backwards) && !clearly_more(sum, most)) continue;
+      most = sum;
+      best = {k, backwards};
+    }
   return best;
 }
 
@@ -457,10 +549,10 @@ constexpr int most_waves = 48;
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options) {
   const Index r = static_cast<Index>(rim.size());
   if (r < least_round) throw Refusal("A round rim has six edges or more", rim);
-  const Index first = own_beginning(mesh, around, rim);
+  const auto [first, backwards] = own_beginning(mesh, around, rim);
   std::vector<Index> own = rim;
   std::rotate(own.begin(), own.begin() + first, own.end());
-  const RoundRim known = round_rim(mesh, around, own);
+  const RoundRim known = round_rim(mesh, around, own, backwards);
   const double begin = known.t[(r - first) % r];  // of the rim as it is given
   const RoundPatch made =
       begun_at(round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, most_waves))), begin);
@@ -478,9 +570,10 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   fill.patch = made.patch;
   fill.sides = {made.side};
   const bool quads = options.output == Output::quads, even = r % 2 == 0 || options.odd == Odd::split;
-  const PlaneCover cover = quads && even ? cover_polygon_with_quads(rim_uv, points, {}, *made.patch, layout_options(options))
-                                         : triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, joined_rows(around, rim),
-                                                        quads ? std::nullopt : options.resolution, made.met, quads);
+  const PlaneCover cover = quads && even
+                               ? cover_polygon_with_quads(rim_uv, points, {}, *made.patch, layout_options(options))
+                               : triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, {}, joined_rows(around, rim),
+                                              quads ? std::nullopt : options.resolution, made.met, quads);
   deliver(cover, mesh.vertices.rows(), fill);
   Report& report = fill.report;
   report_layout(cover, mesh.vertices.rows(), report);

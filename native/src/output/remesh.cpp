@@ -70,15 +70,16 @@ public:
     const Vec2 low = p.uv.colwise().minCoeff(), high = p.uv.colwise().maxCoeff();
     middle_ = (low + high) / 2;
     scale_ = std::max((high - low).maxCoeff() / 2, 1e-300);
+    space_ = scale_ * p.unit;
     for (Index k = 0; k < n; ++k) {
       const auto& [a, b] = border_[k];
       const double length = (p.points.row(a) - p.points.row(b)).norm();
       edge_.push_back(length);
       const Vec2 at = ((p.uv.row(a) + p.uv.row(b)) / 2 - middle_.transpose()) / scale_;
-      const auto share = length / scale_ + 1e-20;
+      const auto share = length / space_ + 1e-20;
       u_[k / run] += share * at[0];
       v_[k / run] += share * at[1];
-      log_size_[k / run] += share * std::log(std::max(length / scale_, 1e-20));
+      log_size_[k / run] += share * std::log(std::max(length / space_, 1e-20));
       weight_[k / run] += share;
     }
     u_ /= weight_;
@@ -86,14 +87,14 @@ public:
     log_size_ /= weight_;
     soft_ = 0.25 * weight_.square();
     around_ = std::accumulate(edge_.begin(), edge_.end(), 0.0);
-    if (resolution) log_size_.setConstant(std::log(std::max(around_ / (p.sides * *resolution) / scale_, 1e-20)));
+    if (resolution) log_size_.setConstant(std::log(std::max(around_ / (p.sides * *resolution) / space_, 1e-20)));
   }
 
-  /// uv in the polygon's own units.
+  /// In space; uv in the polygon's own units.
   double at(const Vec2& uv) const {
     const double u = (uv[0] - middle_[0]) / scale_, v = (uv[1] - middle_[1]) / scale_;
     work_ = weight_ / ((u_ - u).square() + (v_ - v).square() + soft_);
-    return scale_ * std::exp((work_ * log_size_).sum() / work_.sum());
+    return space_ * std::exp((work_ * log_size_).sum() / work_.sum());
   }
 
   /// How many triangles of these sizes cover the polygon, each of its triangles looked at in places enough.
@@ -101,7 +102,8 @@ public:
     double count = 0;
     for (const auto& t : p.triangles) {
       const Vec2 a = p.uv.row(t[0]), b = Vec2(p.uv.row(t[1])) - a, c = Vec2(p.uv.row(t[2])) - a;
-      const double twice = b[0] * c[1] - b[1] * c[0], longest = std::max({b.norm(), c.norm(), (b - c).norm()});
+      const double twice = (b[0] * c[1] - b[1] * c[0]) * p.unit * p.unit;
+      const double longest = std::max({b.norm(), c.norm(), (b - c).norm()}) * p.unit;
       const int parts = static_cast<int>(std::clamp(std::ceil(longest / (2 * at(a + (b + c) / 3))), 1.0, 6.0));
       for (int i = 0; i < parts; ++i)
         for (int j = 0; i + j < parts; ++j)
@@ -121,10 +123,10 @@ public:
 
 private:
   std::vector<Pair> border_;
-  std::vector<double> edge_;  // lengths in space
-  double around_ = 0, scale_ = 1;
+  std::vector<double> edge_;                   // lengths in space
+  double around_ = 0, scale_ = 1, space_ = 1;  // half the domain's size, and what it is in space
   Vec2 middle_;
-  Eigen::ArrayXd u_, v_, weight_, log_size_, soft_;  // of runs of edges, in units of scale_
+  Eigen::ArrayXd u_, v_, weight_, log_size_, soft_;  // of runs of edges, in units of scale_, or of space_
   mutable Eigen::ArrayXd work_;
 };
 

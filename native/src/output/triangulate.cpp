@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "tripatch/math/beginning.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/math/triangular_grid.h"
@@ -330,6 +331,68 @@ private:
   std::vector<std::uint8_t> side_;               // bit i: on side i
 };
 
+/// The corners of a triangle in another order, that of its geometry: what is chosen among equals does not hang on which is the first.
+class CornerOrder {
+public:
+  CornerOrder(const Parameters& parameters, const Points& rim, const Surface& patch) : n_(rim.rows()) {
+    std::vector<Index> corner = {0};
+    for (int side : {2, 0}) corner.push_back(corner.back() + static_cast<Index>(parameters[side].size()) - 1);
+    Beginnings beginnings(patch.positions(rim), {}, corner);
+    beginnings.compare_along();
+    if (!beginnings.decided())
+      beginnings.compare_with(
+          patch.positions((Points(4, 3) << 0.6, 0.2, 0.2, 0.2, 0.6, 0.2, 0.2, 0.2, 0.6, 0.4, 0.3, 0.3).finished()));
+    first_ = beginnings.left()[0];
+    const int start = static_cast<int>(std::find(corner.begin(), corner.end(), first_.place) - corner.begin());
+    for (int i = 0; i < 3; ++i) {
+      corner_[i] = (start + (first_.backwards ? 3 - i : i)) % 3;
+      parameters_[i] = parameters[corner_[i]];
+      if (!first_.backwards) continue;
+      std::reverse(parameters_[i].begin(), parameters_[i].end());
+      for (double& t : parameters_[i]) t = 1 - t;
+    }
+  }
+
+  const Parameters& parameters() const { return parameters_; }
+  /// From places in this order to those in the given one.
+  Points given(const PointsRef& b) const {
+    Points out(b.rows(), 3);
+    for (int i = 0; i < 3; ++i) out.col(corner_[i]) = b.col(i);
+    return out;
+  }
+  /// The same of a mesh; rim: the coordinates of its rim in the given order.
+  TriangleMesh given(TriangleMesh mesh, const Points& rim) const {
+    mesh.barycentric = given(mesh.barycentric);
+    mesh.barycentric.topRows(n_) = rim;
+    for (std::array<Index, 3>& t : mesh.triangles) {
+      for (Index& v : t)
+        if (v < n_) v = (first_.place + (first_.backwards ? n_ - v : v)) % n_;
+      if (first_.backwards) std::swap(t[1], t[2]);
+    }
+    return mesh;
+  }
+
+private:
+  Index n_;
+  Beginning first_;
+  std::array<int, 3> corner_{};  // that is given, of each in this order
+  Parameters parameters_;
+};
+
+/// A patch whose corners are taken in another order. Positions only.
+class Reordered final : public Surface {
+public:
+  Reordered(const Surface& patch, const CornerOrder& order) : patch_(patch), order_(order) {}
+  void evaluate(const double* b, Index n, int, double* out) const override {
+    const Points there = order_.given(Eigen::Map<const Points>(b, n, 3));
+    patch_.evaluate(there.data(), n, 0, out);
+  }
+
+private:
+  const Surface& patch_;
+  const CornerOrder& order_;
+};
+
 }  // namespace
 
 TriangleMesh triangulate(const Parameters& parameters, std::optional<int> resolution, const Surface& patch) {
@@ -341,7 +404,9 @@ TriangleMesh triangulate(const Parameters& parameters, std::optional<int> resolu
   if (equal && n <= largest_regular && (!resolution || *resolution == n)) {
     if (auto mesh = regular_grid(parameters, rim, patch)) return *std::move(mesh);
   }
-  return Remesher(parameters, rim, resolution, patch).run();
+  const CornerOrder order(parameters, rim, patch);
+  const Reordered reordered(patch, order);
+  return order.given(Remesher(order.parameters(), rim_coordinates(order.parameters()), resolution, reordered).run(), rim);
 }
 
 }  // namespace tripatch

@@ -13,8 +13,9 @@ struct SideDraft {
   std::vector<int> vertex;  ///< of the local mesh
   std::vector<int> face;    ///< beside the edges
   std::vector<double> t;
-  double length = 0;  ///< of the chords
-  double depth = 1;   ///< of the faces beside the rim, across it, over the edges that they have on it
+  double length = 0;      ///< of the chords
+  bool from_end = false;  ///< looked at from its end on, by its geometry: in a mirror it is the same
+  double depth = 1;       ///< of the faces beside the rim, across it, over the edges that they have on it
   std::vector<Vec3> position;
   std::vector<Vec3> point;              ///< the same in scene units
   std::vector<Vec3> tangent;            ///< unit, of the curve through the positions alone
@@ -24,6 +25,8 @@ struct SideDraft {
   std::vector<Eigen::Matrix3d> second;  ///< second fundamental form, of tangent vectors
 
   int edges() const { return static_cast<int>(vertex.size()) - 1; }
+  /// The j-th vertex that is looked at.
+  int looked_at(int j) const { return from_end ? edges() - j : j; }
 };
 
 }  // namespace tripatch

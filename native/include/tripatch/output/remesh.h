@@ -16,6 +16,7 @@ struct PlanePolygon {
   Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> uv;  ///< n x 2
   Points points;  ///< n x 3: where these vertices are in space, whatever the surface says
   Index rim = 0;
+  double unit = 1;                              ///< how long in space what has length 1 in the plane is, about
   int sides = 3;                                ///< for which edges a side are counted
   std::vector<std::array<Index, 3>> triangles;  ///< cover it once, all positively oriented in (u, v), every row in one at least
   std::vector<std::array<Index, 2>> creases;    ///< edges of these triangles that stay; halved where they are too long
