@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
+from random_holes import directed, icosphere
 from shapes import corner_removed, cube_sphere
 from tripatch import _arrays, _native, options
 
@@ -227,3 +228,63 @@ def test_scales_that_mirror():
         other = plain.sides[int(np.argmin(gaps))]
         assert min(gaps) < 1e-12 and np.abs(other.evaluate(1 - t)[3] * (-1, 1, 1) - n).max() < 1e-9, i
     assert image.report.seam_angle_max < 1e-5
+
+
+def test_beside_a_cage_of_smooth_triangles_the_patch_that_bends_least_takes_the_place_of_one_that_folds():
+    """The limit's slopes ripple along the border of a cage of triangles."""
+    vertices, faces = icosphere(3)
+    left = faces[4**3 :]  # without the first of the icosahedron's
+    rim = tripatch.find_holes(left)[0]
+    corners = [int(v) for v in rim if v < 12]
+    folded = tripatch.fill(vertices, left, corners=corners, surroundings="limit", fairing=None)
+    assert folded.report.folds > 0, "what is asked for is done, and said"
+    fill = tripatch.fill(vertices, left, corners=corners, surroundings="limit")
+    assert fill.report.folds == fill.report.triangles_folded == 0
+    assert any("bends least" in warning for warning in fill.report.warnings)
+    assert fill.report.seam_angle_max < 1e-5
+    assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < 0.01
+
+
+def jagged_hole():
+    """Of a bumpy ball of uneven triangles, three rings around a vertex taken out: no side of the rim is smooth."""
+    rng = np.random.default_rng(4)
+    vertices, faces = icosphere(3)
+    edge = np.linalg.norm(vertices[faces[0][0]] - vertices[faces[0][1]])
+    vertices = vertices * (1 + 0.1 * np.sin(vertices @ [3, 1, -2]))[:, None] + 0.2 * edge * rng.normal(size=vertices.shape)
+    gone = {300}
+    for _ in range(2):
+        gone |= {v for face in faces if gone & set(face) for v in face}
+    left = [face for face in faces if not gone & set(face)]
+    return vertices, left, tripatch.find_holes(left)[0]
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_where_a_patch_on_the_limit_folds_its_points_are_followed(output):
+    vertices, faces, rim = jagged_hole()
+    corners = [int(rim[k * len(rim) // 3]) for k in range(3)]
+    settings = {"corners": corners, "surroundings": "limit", "level": 2, "output": output}
+    assert tripatch.fill(vertices, faces, fairing="thin_plate", **settings).report.folds > 0
+    fill = tripatch.fill(vertices, faces, **settings)
+    assert fill.report.method == "polyharmonic_spline" and fill.report.triangles_folded == 0
+    assert any("its slopes estimated" in warning for warning in fill.report.warnings)
+    assert fill.report.corners == corners or set(fill.report.corners) == set(corners)
+    # a mesh of its own, whose border is that of the limit
+    n = len(vertices)
+    assert min(min(face) for face in fill.faces) == n and max(max(face) for face in fill.faces) == n + len(fill.vertices) - 1
+    edges = directed(fill.faces)
+    border = {a - n for a, b in edges if (b, a) not in edges}
+    assert border == {int(v) for v in fill.border} and len(border) == 4 * len(rim)
+    patch = tripatch.fill(vertices, faces, fairing="thin_plate", **settings)
+    assert np.abs(fill.vertices[fill.border] - patch.vertices[patch.border]).max() < 1e-9
+    assert len(fill.rim) == len(fill.rim_normals) == len(fill.rim_uv) == len(rim)
+    assert len(fill.normals) == len(fill.uv) == len(fill.deviation) == len(fill.vertices)
+    ahead = np.linalg.norm(fill.patch.evaluate(fill.uv) - fill.vertices, axis=1)
+    assert ahead.max() < 0.02 * np.linalg.norm(np.ptp(vertices[rim], axis=0))
+
+
+def test_a_patch_that_was_asked_for_is_made_though_it_folds():
+    vertices, faces, rim = jagged_hole()
+    corners = [int(rim[k * len(rim) // 3]) for k in range(3)]
+    fill = tripatch.fill(vertices, faces, corners=corners, surroundings="limit", method="side_vertex")
+    assert fill.report.method == "side_vertex" and fill.report.folds > 0
+    assert any("folds over itself" in warning for warning in fill.report.warnings)

@@ -409,6 +409,11 @@ RefinedCage refine_cage(const Mesh& cage, const Connectivity& connectivity, cons
     primvars.Interpolate(level, points, next);
     points = std::move(next);
   }
+  if (settings.use_limit_surface) {
+    std::vector<Vertex> limit(points.size());
+    primvars.Limit(points, limit);
+    points = std::move(limit);
+  }
   RefinedCage refined;
   const far::TopologyLevel last = refiner.GetLevel(settings.level);
   refined.vertices.resize(static_cast<Index>(points.size()), 3);

@@ -1,10 +1,14 @@
 #include "tripatch/fill/triangle_fill.h"
 
 #include <algorithm>
+#include <numeric>
+#include <optional>
 
 #include "tripatch/boundary/surroundings.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/polygon_fill.h"
+#include "tripatch/fill/spline_fill.h"
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
@@ -29,6 +33,87 @@ std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole) {
   return {from_first[1], from_first[2], from_first[0]};  // side 2 begins at corner 0
 }
 
+namespace {
+
+/// The patch; beside a limit surface, whose slopes ripple from vertex to vertex of a cage of triangles, that which bends least where the
+/// fairest one folds: no surface of another kind can take its place there.
+MadePatch patch_without_folds(const Sides& sides, const FillOptions& options) {
+  MadePatch made = patch_from_sides(sides, options);
+  if (options.surroundings == SurroundingsFrom::mesh || options.fairing != Fairing::automatic || made.report.folds == 0)
+    return made;
+  FillOptions least = options;
+  least.fairing = Fairing::thin_plate;
+  MadePatch other = patch_from_sides(sides, least);
+  if (other.report.folds >= made.report.folds) return made;
+  other.report.warnings.emplace_back("The fairest patch would fold over itself; the one that bends least is used");
+  return other;
+}
+
+/// The limit surface around a hole as a mesh of the points that a Subdivision modifier makes, and the rim in it.
+struct FineCage {
+  RefinedCage refined;
+  std::vector<Index> rim;
+};
+
+FineCage fine_cage(const Ground& ground, const Hole& hole, const Subdivision& settings, const Points& border) {
+  FineCage out{refine_cage(ground.mesh, ground.left, settings, hole.rim), {}};
+  for (const std::vector<Index>& edge : out.refined.along_rim) out.rim.insert(out.rim.end(), edge.begin(), edge.end());
+  for (std::size_t k = 0; k < out.rim.size(); ++k) out.refined.vertices.row(out.rim[k]) = border.row(static_cast<Index>(k));
+  return out;
+}
+
+template <class M>
+M below(const M& a, const M& b) {
+  M both(a.rows() + b.rows(), a.cols());
+  both << a, b;
+  return both;
+}
+
+/// The surface of those points over a plane, as a mesh of its own as beside any limit surface; nothing where it folds too.
+std::optional<Fill> fill_over_points(const Ground& ground, const Hole& hole, const FillOptions& options,
+                                     const Surroundings& surroundings) {
+  const FineCage fine = fine_cage(ground, hole, options.subdivision, surroundings.border);
+  const Mesh own{fine.refined.vertices, fine.refined.faces};
+  SplineFillOptions how;
+  how.quads = options.output == Output::quads;
+  if (!how.quads) how.resolution = options.resolution;
+  Fill fill = fill_with_spline(own, Connectivity(own), fine.rim, {}, how);
+  if (!fill.patch || fill.report.triangles_folded > fill.report.rim_folded) return {};
+  const Index n = ground.mesh.vertices.rows(), there = own.vertices.rows(), b = surroundings.border.rows();
+  std::vector<Index> place(there, -1);
+  for (Index k = 0; k < b; ++k) place[fine.rim[k]] = k;
+  const auto number = [&](Index v) { return n + (v < there ? place[v] : b + v - there); };
+  for (Index& v : fill.faces.corners) v = number(v);
+  for (auto& [from, to] : fill.feature_edges) from = number(from), to = number(to);
+  fill.border.resize(b);
+  std::iota(fill.border.begin(), fill.border.end(), Index{0});
+  fill.vertices = below(surroundings.border, fill.vertices);
+  fill.normals = below(fill.rim_normals, fill.normals);
+  fill.uv = below(fill.rim_uv, fill.uv);
+  fill.deviation = below(Eigen::VectorXd(Eigen::VectorXd::Zero(b)), fill.deviation);
+  std::vector<Index> corner;  // the cage's own vertices among the border's
+  for (Index k = 0; k < b; k += b / static_cast<Index>(hole.rim.size())) corner.push_back(k);
+  fill.rim = hole.rim;
+  fill.rim_normals = Points(fill.rim_normals(corner, Eigen::all));
+  fill.rim_uv = PlanePoints(fill.rim_uv(corner, Eigen::all));
+  Report& report = fill.report;
+  report.method_reason = "a patch between three corners would fold";
+  report.corners.clear();
+  for (Index k : hole.corners) report.corners.push_back(hole.rim[k]);
+  report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
+  report.warnings.emplace_back(
+      "A patch that keeps the planes of the limit surface would fold: the fill follows its points around, its slopes estimated");
+  return fill;
+}
+
+/// Beside a limit surface, where nothing was asked for that only a patch has.
+bool may_follow_points(const FillOptions& options) {
+  return options.surroundings == SurroundingsFrom::limit && options.method == automatic_method && options.replaced.empty() &&
+         options.subdivision.use_limit_surface && !is_shaped_by_hand(options);
+}
+
+}  // namespace
+
 Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options) {
   check_counts(options, 3);
   const Mesh& mesh = ground.mesh;
@@ -43,7 +128,9 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   const Surroundings surroundings = surroundings_of(
       mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
 
-  MadePatch made = patch_from_sides(surroundings.sides, own);
+  MadePatch made = patch_without_folds(surroundings.sides, own);
+  if (made.report.folds > 0 && may_follow_points(options))
+    if (std::optional<Fill> other = fill_over_points(ground, hole, options, surroundings)) return std::move(*other);
   Fill fill;
   fill.patch = std::move(made.patch);
   fill.report = std::move(made.report);

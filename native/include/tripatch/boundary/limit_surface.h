@@ -72,7 +72,7 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-/// The cage refined `settings.level` times, without limit: vertices, faces, and for every vertex of the rim (cage vertices) the
+/// The cage refined `settings.level` times, on its limit where the settings say so: vertices, faces, and for every vertex of the rim (cage vertices) the
 /// refined vertices from it (included) to the next (excluded).
 struct RefinedCage {
   Points vertices;
