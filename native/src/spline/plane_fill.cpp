@@ -36,12 +36,14 @@ constexpr double least_noise = 0.003, noisy_reach_share = 0.5;
 /// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a baseline's.
 constexpr Index least_samples = 160, most_samples = 600;
 constexpr Index more_than_rim = 100;
-/// Where the fill's area exceeds that of the rough one by this factor the layout is repeated with the fill in it.
+/// Where the fill's area exceeds that of the rough one by this factor the layout is repeated with the fill in it. Of 84 holes of scanned and
+/// modelled meshes 7 are, and without it all are 2.3% farther in the mean; always repeated, 1.2%.
 constexpr double strongly_curved = 1.05;
+/// Layouts, at most: none of those 84 holes asks for more.
 constexpr int layouts = 3;
 /// Where the noise is this share of an edge, or more, the fill is not known well enough to be worth it (as in field.cpp).
 constexpr double too_rough = 0.03;
-/// Of a step's share of the layout's energy: foot points do not see the rest.
+/// Of a step's share of the layout's energy: foot points do not see the rest. Twice and half of it move 84 fills by less than 0.5%.
 constexpr double layout_tolerance = 1e-3;
 /// The layout of a strongly curved hole is that of its fill: what the fill errs, the layout errs, and with it the next fill. Where a
 /// layout changes the area by this share of what the one before changed it, errors add up to 1 / (1 - share) of themselves; of more
@@ -61,18 +63,20 @@ constexpr int layouts_of_long = 8;
 /// noise of 2% of an edge. Scanned and modelled meshes have details: around 250 holes of them degree 6 is 5% nearer, 7 no more.
 constexpr int stiff_degree = 4;
 constexpr int free_degree = 6;
-/// Details: what a polynomial of the higher degree leaves, over an edge.
+/// Details: what a polynomial of the higher degree leaves, over an edge. With twice as much 84 holes are 0.7% farther, with half 0.8% nearer.
 constexpr double detail = 0.05;
 /// Of details_in(): from here on the second model is nearer than a field through fewer rings.
 constexpr double mostly_details = 0.2;
-/// Below this share of the second model it is not worth its time.
+/// Below this share of the second model it is not worth its time: half and twice of it change 8 of 84 fills, all together by less than 1%.
 constexpr double least_share_of_second = 0.1;
-/// The field that carries the difference over all of the hole: its order, and of how many points at most it is made.
+/// The field that carries the difference over all of the hole: its order, and of how many points at most it is made; of half as many
+/// 7 of 84 fills change, by 0.1% together.
 constexpr double order_of_difference = 2.5;
 constexpr Index points_of_difference = 240;
-/// Places at the rim where the slope's deviation is looked at.
+/// Places at the rim where the slope's deviation is looked at: it is a mean over them.
 constexpr Index slopes = 24;
-/// Farther from the rim than this share of the hole's diameter a fill has left its neighborhood.
+/// Farther from the rim than this share of the hole's diameter a fill has left its neighborhood. A bound for what runs away: between half
+/// and twice of it not one of 84 fills changes.
 constexpr double farthest = 1.0;
 
 /// The rim as it is, and what is known beside it.
