@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "options.h"
+#include "tripatch/boundary/poles.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fill.h"
@@ -49,7 +50,7 @@ Side side_from_functions(const py::function& c, const py::function& dc, const py
     off = std::max(off, (mine - theirs).norm());
   }
   if (off > same_derivative * scale) throw InvalidArgument("dc is not the derivative of c");
-  return side;
+  return without_poles(std::move(side));
 }
 
 py::tuple evaluate_side(const Side& side, const Array& t) {

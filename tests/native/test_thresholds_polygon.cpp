@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "test_surfaces.h"
+#include "tripatch/boundary/poles.h"
 #include "tripatch/polygon/boundary.h"
 #include "tripatch/polygon/domain.h"
 #include "tripatch/polygon/joined.h"
@@ -70,6 +71,38 @@ TEST_CASE("corners of a domain turn by 0.2 to 2.6 radians, those of a lens by pi
   CHECK_FALSE(same_lens(widest, widest + 0.01));
   CHECK(same_lens(2.605, 2.9));
   CHECK_FALSE(same_lens(2.59, 2.6));
+}
+
+TEST_CASE("planes have a pole at an end that turn by two degrees in the last piece, and ten times as much as before",
+          "[thresholds]") {
+  // planes about a straight side that turn evenly by `before` degrees a piece, and by `last` in the last one
+  const auto mended = [](double last, double before, bool at_start) {
+    const auto turned = [&](double t) {
+      const double pieces = 256 * (at_start ? t : 1 - t), degree = std::numbers::pi / 180;
+      const double angle = degree * (before * pieces + (pieces < 1 ? (last - before) * (pieces - 1) : 0));
+      return Vec3(0, -std::cos(angle), std::sin(angle));
+    };
+    Side side = straight(Vec3::Zero(), Vec3::UnitX());
+    side.r = PiecewisePolynomial::fit(
+        [&](std::span<const double> t, std::span<double> out) {
+          for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = turned(t[k]);
+        },
+        3);
+    const Side after = without_poles(side);
+    const double end = at_start ? 0 : 1;
+    const bool same = (after.r(end) - side.r(end)).norm() == 0;
+    // continued as evenly as it turned
+    const Vec3 even(0, -1, 0);
+    if (!same) CHECK((after.r(end) - even).norm() < 2e-4);  // to the third power of the angle
+    CHECK((after.r(0.5) - side.r(0.5)).norm() < 1e-12);
+    return !same;
+  };
+  for (const bool at_start : {false, true}) {
+    CHECK(mended(2.05, 0.1, at_start));
+    CHECK_FALSE(mended(1.95, 0.1, at_start));
+    CHECK(mended(30, 2.9, at_start));
+    CHECK_FALSE(mended(30, 3.1, at_start));
+  }
 }
 
 TEST_CASE("a polygon that is given turns at its corners by a thousandth", "[thresholds]") {
