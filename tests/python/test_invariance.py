@@ -1,5 +1,5 @@
-"""A fill does not hang on round-off, nor on how a mesh is written: turned, moved, scaled, numbered otherwise, in a mirror, or its rim
-given otherwise, it is the same fill."""
+"""A fill does not hang on round-off, nor on how a mesh is written: turned, moved, scaled, numbered otherwise, in a mirror,
+or its rim given otherwise, it is the same fill."""
 
 from __future__ import annotations
 
