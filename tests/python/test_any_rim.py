@@ -342,6 +342,27 @@ def test_between_fillets_where_curvature_jumps_the_patch_is_taken_not_the_spline
         assert fill.report.surroundings_error < 0.2
 
 
+@pytest.mark.parametrize("seed", [0, 3])
+def test_half_a_ball_without_noise_is_filled_from_many_of_its_points(seed):
+    """The likeliest surface of the rim's and a hundred more is 0.0014 of the width off."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(1500) + 0.5
+    z, turn = 1 - 2 * k / len(k), np.pi * (1 + 5**0.5) * k
+    points = np.stack([np.cos(turn) * np.sqrt(1 - z * z), np.sin(turn) * np.sqrt(1 - z * z), z], axis=1)
+    points += rng.uniform(-0.3, 0.3, points.shape) * 0.6 * np.sqrt(4 * np.pi / len(k))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    faces = ConvexHull(points).simplices
+    normals = np.cross(*(points[faces[:, j]] - points[faces[:, 0]] for j in (1, 2)))
+    inward = (normals * points[faces].mean(1)).sum(axis=1) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    up = rng.normal(size=3)
+    faces = faces[points[faces].mean(1) @ up < 0.1 * np.linalg.norm(up)]
+    fill = tripatch.fill(points, faces, rim=max(tripatch.find_holes(faces), key=len))
+    assert fill.report.method == "polyharmonic_spline"
+    off = np.abs(np.linalg.norm(fill.vertices, axis=1) - 1)
+    assert np.sqrt((off**2).mean()) < 0.0007 * 2
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_a_long_jagged_rim_that_leans_every_way_is_followed_and_not_filled_flat(noise):
     """A cap of 60 degrees, gone from a ball of fine triangles: a flat fill would be a tenth of its width off."""
