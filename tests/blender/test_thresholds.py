@@ -4,8 +4,11 @@ import importlib
 import math
 from types import SimpleNamespace
 
+import bmesh
+import bpy
 import numpy as np
 import pytest
+import scenes
 from mathutils import Matrix, Vector
 from mathutils.kdtree import KDTree
 
@@ -126,3 +129,111 @@ def test_a_vertex_is_on_a_mirror_plane_as_near_as_the_mirror_merges_and_to_a_mil
     modifier.merge_threshold = 0.01
     (plane,) = part("mirrored")._planes(ob)
     assert plane.within == 0.01
+
+
+def test_a_vertex_of_a_fill_is_put_on_a_mirror_plane_that_is_nearer_than_a_quarter_of_an_edge(part):
+    plane = part("mirrored")._Plane(Vector((0, 0, 0)), Vector((1, 0, 0)), 1e-6)
+    for share, put in ((0.245, True), (0.255, False)):
+        bm = bmesh.new()
+        rim = [bm.verts.new(co) for co in ((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))]
+        inside = bm.verts.new((0, 0, 0))
+        faces = [bm.faces.new((rim[k - 1], rim[k], inside)) for k in range(4)]
+        for _ in range(10):  # the mean length depends on where it lies
+            inside.co.x = share * sum(e.calc_length() for e in bm.edges) / len(bm.edges)
+        kept = part("mirrored")._cut(bm, faces, plane, 1, set(rim))
+        assert kept and (inside.co.x == 0) == put
+        bm.free()
+
+
+def test_maps_of_a_uv_layer_are_parted_where_they_differ_by_a_ten_thousandth_of_their_extent(part):
+    attributes, selection = part("attributes"), part("selection")
+    for apart, parted in ((0.97e-4, False), (1.03e-4, True)):
+        bm = bmesh.new()
+        points, faces = scenes.ring()
+        vertices = [bm.verts.new(co) for co in points]
+        layer = bm.loops.layers.uv.new("UV")
+        for k, face in enumerate(faces):
+            for corner in bm.faces.new([vertices[v] for v in face]).loops:  # over the rim, which comes first, one unit wide
+                corner[layer].uv = corner.vert.co.x + (apart if k < 12 else 0), corner.vert.co.y
+        rim = vertices[:24]
+        edges = selection.edges_of(bm, rim)
+        ends = attributes.rim_loops(edges, attributes.rim_faces(edges, ()))
+        found = attributes.uv_charts(bm, ends, lambda values: values[:0], points[:24], [list(range(24))])
+        assert (list(found) == ["UV"]) == parted
+        bm.free()
+
+
+def border_of_the_whole(ob):
+    """Of an object as it is shown: how many edges have a face on one side only."""
+    evaluated = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    bm = bmesh.new()
+    bm.from_mesh(evaluated.to_mesh())
+    evaluated.to_mesh_clear()
+    count = sum(e.is_boundary for e in bm.edges)
+    bm.free()
+    return count
+
+
+def test_a_live_fill_is_joined_to_the_mesh_across_a_thousandth_of_the_shortest_edge(addon):
+    ob = scenes.add_hole(scenes.flat)
+    scenes.edit(ob)
+    assert bpy.ops.mesh.fill_three_sided(keep_live=True) == {"FINISHED"}
+    fill = bpy.data.objects["Hole Fill"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    closed = border_of_the_whole(ob)
+    at_rim = fill.data.vertices[0]
+    assert any((at_rim.co - v.co).length == 0 for v in ob.data.vertices)
+    for share, joined in ((0.97e-3, True), (1.03e-3, False)):
+        at_rim.co.z = share / 12  # all of the rim's edges are as long
+        fill.data.update()
+        assert (border_of_the_whole(ob) == closed) == joined
+
+
+def test_a_click_means_a_rim_that_is_sixty_pixels_away(part):
+    bm = bmesh.new()
+    bm.from_mesh(scenes.add_mesh(*scenes.ring()).data)
+    for pixels, meant in ((59, True), (61, False)):
+        rim = part("shaping").rims_at(bm, lambda v: (100, 200), (100, 200 + pixels))
+        assert (rim is not None) == meant
+    bm.free()
+
+
+def test_an_arrow_goes_down_to_a_bulge_of_a_twentieth(part):
+    shaping = part("shaping")
+    shaped = SimpleNamespace(shape=shaping.Shape(bulges=[1.0]))
+    for value, taken in ((0.051, 0.051), (0.049, 0.05)):
+        shaping.Shaping.set_bulge(shaped, 0, value)
+        assert shaped.shape.bulges == [taken]
+    between = object.__new__(shaping._Between)
+    between._steps = [0.1, 0.05]
+    for known, blended in ((0.151, True), (0.149, False)):  # with one a step below, which must be a bulge too
+        between._known = {(known, 0.0): None}
+        assert (between._neighbors((0.1, 0.0), 0) is not None) == blended
+
+
+def test_a_preview_is_coarser_inside_of_more_than_72_rim_vertices(part, monkeypatch):
+    shaping = part("shaping")
+    seen = []
+
+    def fill(positions, faces, **given):
+        seen.append((len(faces), given.get("resolution")))
+        raise ValueError
+
+    monkeypatch.setattr(shaping.tripatch, "fill", fill)
+    for count in (72, 73):
+        points, faces = scenes.ring(count)
+        for ring in range(1, 5):  # more of the same around it
+            points = np.vstack([points, points[count : 2 * count] * (1 + ring)])
+            faces += [[v + ring * count for v in face] for face in faces[:count]]
+        ob = scenes.add_mesh(points, faces)
+        (bm,) = scenes.edit(ob)
+        bm.verts.ensure_lookup_table()
+        scenes.select_rim(bm, [bm.verts[k] for k in range(count)])
+        made = shaping.from_selection(ob, bm)
+        seen.clear()
+        made.preview(quick=True)
+        made.preview()
+        quick, whole = seen
+        assert whole[1] is None
+        assert quick == ((2 * count, 12) if count > 72 else whole)
+        bpy.ops.object.mode_set(mode="OBJECT")
