@@ -12,8 +12,7 @@
 namespace tripatch {
 namespace {
 
-constexpr std::size_t most_layout_corners = 12;  ///< that get one quad each: as many as a patch has sides
-constexpr std::size_t subsets_tried = 10;        ///< choices of corners for which the integers are sought
+constexpr std::size_t subsets_tried = 10;  ///< choices of corners for which the integers are sought
 /// With each number of corners, embedded, smoothed and measured: of a rim of few edges more, as there it costs little.
 constexpr std::size_t layouts_tried = 2, layouts_of_many_tried = 1;
 constexpr Index many_edges = 100;                          ///< of a rim: from there on one layout is tried; a choice
@@ -363,8 +362,7 @@ std::vector<Choice> choices_of(const Region& region, const std::vector<RimCorner
       choice.cost += cost[k][chosen ? 0 : 1];
       if (corners[k].quads > 0) choice.irregular += std::abs(corners[k].quads - (chosen ? 1 : 2));
     }
-    if (choice.corners.size() == 1 || choice.corners.size() > most_layout_corners)
-      continue;  // one would leave a pole of valence 1 inside
+    if (choice.corners.size() == 1) continue;  // it would leave a pole of valence 1 inside
     choice.cost += wrong_valence * choice.irregular + pole_expected * std::abs(static_cast<double>(choice.corners.size()) - 4);
     choices.push_back(std::move(choice));
   }
@@ -384,8 +382,8 @@ PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>&
   const Region region(rim);
   std::vector<Choice> choices = choices_of(region, corners);
   std::vector<Plan> plans;
-  std::array<bool, most_layout_corners + 1> seen =
-      {};  // the best of each number of corners is tried in any case; three take any counts
+  // the best of each number of corners is tried in any case; three take any counts
+  std::vector<bool> seen(corners.size() + 1);
   for (std::size_t c = 0; c < choices.size(); ++c) {
     const bool first = !seen[choices[c].corners.size()];
     seen[choices[c].corners.size()] = true;
@@ -405,7 +403,7 @@ PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>&
     return polygon_layout(rim, more, rows);
   }
   std::stable_sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return a.cost < b.cost; });
-  std::array<std::size_t, most_layout_corners + 1> tried = {};
+  std::vector<std::size_t> tried(corners.size() + 1);
   std::optional<PlaneLayout> best;
   double best_score = 0;
   for (const Plan& plan : plans) {
