@@ -128,3 +128,24 @@ TEST_CASE("a round rim has six edges", "[thresholds]") {
     }
   }
 }
+
+TEST_CASE("the open end of a prism of up to six walls has a corner at every one of them", "[thresholds]") {
+  for (Index walls = 4; walls <= 8; ++walls) {
+    constexpr Index rings = 4;
+    Points vertices((rings + 1) * walls, 3);
+    Faces faces;
+    for (Index j = 0; j <= rings; ++j)
+      for (Index k = 0; k < walls; ++k) {
+        const double angle = 2 * M_PI * static_cast<double>(k) / static_cast<double>(walls);
+        vertices.row(j * walls + k) << std::cos(angle), std::sin(angle), -static_cast<double>(j);
+        const Index next = (k + 1) % walls;
+        if (j < rings)
+          faces.add(std::array<Index, 4>{j * walls + next, j * walls + k, (j + 1) * walls + k, (j + 1) * walls + next});
+      }
+    FillOptions options;
+    options.rim.emplace(walls);
+    std::iota(options.rim->begin(), options.rim->end(), 0);
+    CAPTURE(walls);
+    CHECK(fill({vertices, faces}, options).report.corners.size() == (walls <= 6 ? walls : 0));
+  }
+}

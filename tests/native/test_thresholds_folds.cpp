@@ -80,3 +80,11 @@ TEST_CASE("energies above 5,000 tell nothing of a surface, and above 20,000 wher
   CHECK_FALSE(beyond_energies(19999, true));
   CHECK(beyond_energies(20001, true));
 }
+
+TEST_CASE("a patch oscillates between nodes whose energy on all is a quarter above that on a few, if it is rich",
+          "[thresholds]") {
+  CHECK_FALSE(oscillates(2.49, 2, 1));
+  CHECK(oscillates(2.51, 2, 1));
+  CHECK_FALSE(oscillates(0.99, 0.1, 1));
+  CHECK(oscillates(1.01, 0.1, 1));
+}

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "tripatch/fill.h"
 #include "tripatch/fill/cage_fills.h"
@@ -119,4 +120,67 @@ TEST_CASE("a round rim of few vertices is the circle through them", "[thresholds
   const Mesh mesh = hole.mesh();
   const Side side = fill_round(mesh, Connectivity(mesh), hole.rim, {}).fill.sides[0];
   for (int k = 0; k < 50; ++k) CHECK(side.c(k / 50.0).head<2>().norm() == Approx(std::sin(0.5)).epsilon(1e-9));
+}
+
+TEST_CASE(
+    "where faces beside a cage's hole are four times as long as its edges, or it has three, splitting one may fold the fill",
+    "[thresholds]") {
+  const auto may_fold = [](Index n, double times) {
+    const double edge = 2 * std::sin(M_PI / static_cast<double>(n));
+    // the farther corner of the face beside an edge is so many times as far as the other end of that
+    const auto apart = [&](double radius) {
+      return (Vec3(radius * std::cos(2 * M_PI / n), radius * std::sin(2 * M_PI / n), 0) - Vec3::UnitX()).norm();
+    };
+    double low = 1, high = 20;
+    for (int k = 0; k < 60; ++k) (apart((low + high) / 2) < times * edge ? low : high) = (low + high) / 2;
+    const Rings hole(n, 1, [&](double angle, Index ring) -> Vec3 {
+      return Vec3(std::cos(angle), std::sin(angle), 0) * (ring == 0 ? 1 : low);
+    });
+    SidedRim rim;
+    rim.rim = hole.rim;
+    const Mesh mesh = hole.mesh();
+    return may_fold_by_splitting(Ground(mesh, hole.rim, {}), rim);
+  };
+  CHECK_FALSE(may_fold(9, 3.95));
+  CHECK(may_fold(9, 4.05));
+  CHECK_FALSE(may_fold(4, 1.5));
+  CHECK(may_fold(3, 1.5));
+}
+
+TEST_CASE("a cage's report warns of poles of more than five quads", "[thresholds]") {
+  for (const int valence : {4, 5, 6}) {
+    // so many blocks of quads around a point, of which the first quad of each is missing
+    constexpr int size = 4;
+    std::vector<Vec3> points;
+    std::map<std::array<int, 3>, Index> number;
+    const auto at = [&](int block, int i, int j) {
+      if (i == 0 && j > 0) block = (block + 1) % valence, std::swap(i, j);  // of two blocks
+      const auto [found, is_new] = number.try_emplace({block, i, j}, static_cast<Index>(points.size()));
+      const auto way = [&](int b) { return Vec3(std::cos(2 * M_PI * b / valence), std::sin(2 * M_PI * b / valence), 0); };
+      if (is_new) points.push_back(i * way(block) + j * way(block + 1));
+      return found->second;
+    };
+    Faces faces;
+    for (int block = 0; block < valence; ++block)
+      for (int i = 0; i < size; ++i)
+        for (int j = 0; j < size; ++j)
+          if (i > 0 || j > 0)
+            faces.add(std::array<Index, 4>{at(block, i, j), at(block, i + 1, j), at(block, i + 1, j + 1), at(block, i, j + 1)});
+    Points vertices(static_cast<Index>(points.size()), 3);
+    for (Index k = 0; k < vertices.rows(); ++k) vertices.row(k) = points[k];
+    FillOptions options;
+    options.output = Output::cage;
+    options.rim.emplace();
+    for (int block = 0; block < valence; ++block) {
+      options.rim->push_back(at(block, 1, 1));
+      options.rim->push_back(at(block, 0, 1));
+    }
+    std::reverse(options.rim->begin(), options.rim->end());
+    const Fill made = fill({vertices, faces}, options);
+    REQUIRE(made.report.poles.size() == (valence == 4 ? 0 : 1));
+    if (valence != 4) CHECK(made.report.poles[0][1] == valence);
+    const auto& warnings = made.report.warnings;
+    CHECK(std::any_of(warnings.begin(), warnings.end(),
+                      [](const std::string& said) { return said.find("Pole of valence 6") == 0; }) == (valence == 6));
+  }
 }

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "test_surfaces.h"
+#include "tripatch/fairing/curvature_following.h"
 #include "tripatch/polygon/revolved.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/round_problem.h"
@@ -70,4 +71,22 @@ TEST_CASE("caps between the surroundings of a sphere are the sphere's to 5e-8 of
       const RoundPatch made = round_patch(side, {}, 12);
       CHECK(std::abs(made.patch->positions(Points::Zero(1, 3))(0, 2) - std::tan(degrees * std::numbers::pi / 360)) < 5e-8);
     }
+}
+
+TEST_CASE("what is not known of the curvature at a round rim is tolerated up to a twentieth of it, or a fifth of the meridian's",
+          "[thresholds]") {
+  const double degrees = 40, parallel = std::sin(degrees * std::numbers::pi / 180), flat = 9e-4 / 4;
+  for (const double bend : {0.0, 2.0}) {  // of the meridian; in between no error is both known and without consequence
+    const auto cap = [&](double unknown) {
+      Side side = circle(0, degrees);
+      const double sine = std::sin(degrees * std::numbers::pi / 180), cosine = std::cos(degrees * std::numbers::pi / 180);
+      side.q = PiecewisePolynomial::constant(std::array<double, 3>{0, 0, -bend * cosine}) - (bend * sine) * side.c;
+      side.curvature_error = unknown / tolerated_deviations;
+      return round_patch(side, {}, 12).patch->positions(Points::Zero(1, 3))(0, 2);
+    };
+    const double most = std::max(0.05 * std::sqrt(bend * bend + parallel * parallel + flat), 0.2 * bend);
+    CAPTURE(bend, cap(0), cap(0.9 * most), cap(0.98 * most), cap(1.02 * most), cap(1.2 * most));
+    CHECK(cap(0.9 * most) != cap(0.98 * most));
+    CHECK(cap(1.02 * most) == cap(1.2 * most));
+  }
 }

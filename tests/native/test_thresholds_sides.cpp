@@ -119,3 +119,36 @@ TEST_CASE("pieces that are joined are run through at an even speed, to 2e-10", "
   const double speed = whole.c.derivative_at(0).norm();
   for (int k = 0; k <= 200; ++k) CHECK(whole.c.derivative_at(k / 200.0).norm() == Approx(speed).epsilon(2e-10));
 }
+
+TEST_CASE("four sides are a strip where one is three times as long as another: its patch has more unknowns, and less energy",
+          "[thresholds]") {
+  const auto height = [](double x, double y) { return 0.1 * x * x * x - 0.2 * x * x - 0.4 * y * y + 0.1 * x * y; };
+  const auto slope = [](double x, double y) { return Vec2(0.3 * x * x - 0.4 * x + 0.1 * y, -0.8 * y + 0.1 * x); };
+  const auto rectangle = [](double length) {
+    return std::array{Vec2(-length / 2, -0.5), Vec2(length / 2, -0.5), Vec2(length / 2, 0.5), Vec2(-length / 2, 0.5)};
+  };
+  SideList sides;
+  for (int i = 0; i < 4; ++i) {
+    const Vec2 a = rectangle(3)[i], b = rectangle(3)[(i + 1) % 4], way = (b - a).normalized(), out(way[1], -way[0]);
+    const auto field = [&](const auto& f) {
+      return PiecewisePolynomial::fit(
+          [&](std::span<const double> t, std::span<double> values) {
+            for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&values[3 * k]) = f(Vec2(a + t[k] * (b - a)));
+          },
+          3);
+    };
+    sides.push_back({field([&](const Vec2& p) { return Vec3(p[0], p[1], height(p[0], p[1])); }),
+                     field([&](const Vec2& p) { return Vec3(out[0], out[1], out.dot(slope(p[0], p[1]))); }),
+                     {}});
+  }
+  const auto energy = [&](double length) {
+    const auto corners = rectangle(length);
+    PolygonPatchOptions options;
+    options.domain = PolygonDomain({corners.begin(), corners.end()});
+    return polygon_patch(sides, options).energy_after;
+  };
+  const double no_strip = energy(2.98), strip = energy(3.02);
+  CHECK(no_strip > energy(2.94));
+  CHECK(strip < no_strip);
+  CHECK(strip < energy(3.06));
+}

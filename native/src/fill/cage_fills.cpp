@@ -29,21 +29,6 @@ bool is_shaped(const FillOptions& options) {
 
 std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options);
 
-/// Whether faces beside the hole are many times as long as its rim's edges, or its sides have an edge each, of which one split leaves
-/// no even way from side to side.
-bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
-  const Points vertices = ground.mesh.vertices(hole.rim, Eigen::all);
-  const Index n = vertices.rows();
-  if (n == 3) return true;
-  for (Index k = 0; k < n; ++k) {
-    const double edge = (vertices.row(k) - vertices.row((k + 1) % n)).norm();
-    for (const Connectivity::Corner c : ground.left.at(hole.rim[k]))
-      for (Index v : ground.mesh.faces[ground.left.face(c)])
-        if ((ground.mesh.vertices.row(v) - vertices.row(k)).norm() > strip * edge) return true;
-  }
-  return false;
-}
-
 /// A vertex on an edge of an odd rim leaves the face beside it an n-gon, whose limit goes no way along a strip as that of its neighbors
 /// does: beside long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
 std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
@@ -126,6 +111,19 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
 }
 
 }  // namespace
+
+bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
+  const Points vertices = ground.mesh.vertices(hole.rim, Eigen::all);
+  const Index n = vertices.rows();
+  if (n == 3) return true;
+  for (Index k = 0; k < n; ++k) {
+    const double edge = (vertices.row(k) - vertices.row((k + 1) % n)).norm();
+    for (const Connectivity::Corner c : ground.left.at(hole.rim[k]))
+      for (Index v : ground.mesh.faces[ground.left.face(c)])
+        if ((ground.mesh.vertices.row(v) - vertices.row(k)).norm() > strip * edge) return true;
+  }
+  return false;
+}
 
 std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
   std::vector<Fill> fills = cages_together(ground, holes, options);
