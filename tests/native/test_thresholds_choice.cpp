@@ -129,23 +129,23 @@ TEST_CASE("a round rim has six edges", "[thresholds]") {
   }
 }
 
-TEST_CASE("the open end of a prism of up to six walls has a corner at every one of them", "[thresholds]") {
-  for (Index walls = 4; walls <= 8; ++walls) {
-    constexpr Index rings = 4;
-    Points vertices((rings + 1) * walls, 3);
+TEST_CASE("the open end of an uneven prism of up to six walls has a corner at every one of them", "[thresholds]") {
+  for (const Index walls : {5, 6, 7}) {  // of even ones corners are found as such
+    Points vertices(2 * walls, 3);
     Faces faces;
-    for (Index j = 0; j <= rings; ++j)
-      for (Index k = 0; k < walls; ++k) {
-        const double angle = 2 * M_PI * static_cast<double>(k) / static_cast<double>(walls);
-        vertices.row(j * walls + k) << std::cos(angle), std::sin(angle), -static_cast<double>(j);
-        const Index next = (k + 1) % walls;
-        if (j < rings)
-          faces.add(std::array<Index, 4>{j * walls + next, j * walls + k, (j + 1) * walls + k, (j + 1) * walls + next});
-      }
     FillOptions options;
-    options.rim.emplace(walls);
-    std::iota(options.rim->begin(), options.rim->end(), 0);
+    options.rim.emplace();
+    for (Index k = 0; k < walls; ++k) {
+      const double place = static_cast<double>(k),
+                   angle = 2 * M_PI * (place + 0.35 * std::sin(3 * place + 3)) / static_cast<double>(walls);
+      const Vec3 corner = (1 + 0.4 * std::cos(5 * place + 6)) * Vec3(std::cos(angle), std::sin(angle), 0);
+      vertices.row(k) = corner;
+      vertices.row(walls + k) = corner - Vec3::UnitZ();
+      const Index next = (k + 1) % walls;
+      faces.add(std::array<Index, 4>{next, k, walls + k, walls + next});
+      options.rim->push_back(k);
+    }
     CAPTURE(walls);
-    CHECK(fill({vertices, faces}, options).report.corners.size() == (walls <= 6 ? walls : 0));
+    CHECK(fill({vertices, faces}, options).report.corners.size() == static_cast<std::size_t>(walls <= 6 ? walls : 0));
   }
 }
