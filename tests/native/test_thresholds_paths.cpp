@@ -43,24 +43,29 @@ Vec3 dome(double angle, Index ring) {
   const double lean = 0.5 + 0.1 * static_cast<double>(ring);
   return {std::sin(lean) * std::cos(angle), 0.8 * std::sin(lean) * std::sin(angle), 0.7 * std::cos(lean)};
 }
+Vec3 uneven_dome(double angle, Index ring) {
+  return (1 + 0.05 * std::cos(angle) + 0.03 * std::sin(2 * angle)) * dome(angle, ring);
+}
 
 }  // namespace
 
 TEST_CASE("a hole lies far from the origin that is a thousand times its size away", "[thresholds]") {
-  // there a fill is made about its middle: what is lost is a rounding of its place
-  const Rings near(60, 4, dome);
-  const Fill about_origin = near.filled();
-  Vec3 low = near.vertices.topRows(60).colwise().minCoeff(), high = near.vertices.topRows(60).colwise().maxCoeff();
-  const double size = (high - low).norm();
+  // there a fill is made about its middle, and moved with it: what is lost is a rounding of its place
+  Rings hole(60, 4, uneven_dome);                                      // an even one is filled from any of four places on
+  hole.vertices = (0x1p30 * hole.vertices).array().round() * 0x1p-30;  // moved without rounding
+  const Vec3 low = hole.vertices.topRows(60).colwise().minCoeff(), high = hole.vertices.topRows(60).colwise().maxCoeff();
   for (const double sizes : {980.0, 1020.0}) {
-    const Vec3 away = std::round(sizes * size) * Vec3::UnitX() - 0.5 * (low + high);
-    Rings there = near;
-    there.vertices.rowwise() += away.transpose();
-    const Fill made = there.filled();
-    REQUIRE(made.vertices.rows() == about_origin.vertices.rows());
-    const double off = ((made.vertices.rowwise() - away.transpose()) - about_origin.vertices).cwiseAbs().maxCoeff();
-    CAPTURE(sizes, off);
-    CHECK((off < 5e-13) == (sizes > 1000));
+    const Vec3 away = std::round(sizes * (high - low).norm()) * Vec3::UnitX() - 0.5 * (low + high), farther = 4 * Vec3::UnitX();
+    const auto filled_at = [&](const Vec3& place) {
+      Rings there = hole;
+      there.vertices.rowwise() += place.transpose();
+      return there.filled();
+    };
+    const Fill near = filled_at(away), far = filled_at(away + farther);
+    REQUIRE(near.vertices.rows() == far.vertices.rows());
+    const double off = ((far.vertices.rowwise() - farther.transpose()) - near.vertices).cwiseAbs().maxCoeff();
+    CAPTURE(sizes, std::log10(off));
+    CHECK((off < 3e-13) == (sizes > 1000));
   }
 }
 

@@ -60,7 +60,7 @@ TEST_CASE("slopes at a round rim grow to five times what they are at most, and s
   CHECK(base.alpha - problem.reach(-x) == Approx(0.1));
 }
 
-TEST_CASE("caps between the surroundings of a sphere are the sphere's to 5e-8 of the radius", "[thresholds]") {
+TEST_CASE("caps between the surroundings of a sphere are the sphere's to 8e-8 of the radius", "[thresholds]") {
   for (const double degrees : {20, 60, 85})
     for (const bool bends : {false, true}) {
       Side side = circle(0, degrees);
@@ -69,7 +69,7 @@ TEST_CASE("caps between the surroundings of a sphere are the sphere's to 5e-8 of
         side.q = (-sine * sine) * side.c +
                  PiecewisePolynomial::constant(std::array<double, 3>{0, 0, -sine * std::cos(degrees * std::numbers::pi / 180)});
       const RoundPatch made = round_patch(side, {}, 12);
-      CHECK(std::abs(made.patch->positions(Points::Zero(1, 3))(0, 2) - std::tan(degrees * std::numbers::pi / 360)) < 5e-8);
+      CHECK(std::abs(made.patch->positions(Points::Zero(1, 3))(0, 2) - std::tan(degrees * std::numbers::pi / 360)) < 8e-8);
     }
 }
 
