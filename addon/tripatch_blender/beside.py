@@ -29,14 +29,21 @@ def _read_off(border, drawn, tree):
     return points, missing
 
 
-def _models(rim, fill):
-    """For each side the face of the surroundings whose material and shading its new faces take."""
+def _models(rim, fill, first):
+    """For each new face that of the surroundings whose material and shading it takes: of the side next to it.
+
+    first: number of the first new vertex.
+    """
     vertex = {v.index: v for v in rim.loop}
     loop = [vertex[v] for v in fill.rim.tolist()]
     bm_edges = [next(e for e in a.link_edges if e.other_vert(a) == b) for a, b in selection.pairs(loop)]
     sides = writeback.sides(fill.rim.tolist(), fill.report.corners)
     on_side = {k: i for i, places in enumerate(sides) for k in places}
-    return attributes.model_faces(attributes.rim_faces(bm_edges, rim.replaced), on_side)
+    models = attributes.model_faces(attributes.rim_faces(bm_edges, rim.replaced), on_side)
+    if fill.uv is None:
+        return [models[int(np.argmin(fill.barycentric[np.array(face) - first].sum(axis=0)))] for face in fill.faces]
+    ends = tripatch.attribute_weights(fill.rim_uv, fill.uv).nearest.tolist()
+    return [models[on_side[ends[max(face) - first] // 2]] for face in fill.faces]
 
 
 def _new_object(ob, vertices, faces, materials, smooth):
@@ -101,10 +108,8 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         points = (fill.vertices - matrix[:3, 3]) @ inverse.T
         points[fill.border], lost = _read_off(points[fill.border], drawn, tree)
         missing += lost
-        models = _models(rim, fill)
         first = len(arrays[0])  # of the fill's own vertices
-        for face in fill.faces:
-            model = models[int(np.argmin(fill.barycentric[np.array(face) - first].sum(axis=0)))]
+        for face, model in zip(fill.faces, _models(rim, fill, first), strict=True):
             faces.append([v - first + count for v in face])
             materials.append(model.material_index)
             smooth.append(model.smooth if options.shading == "neighbors" else options.shading == "smooth")
