@@ -577,12 +577,14 @@ void look_farther(const Mesh& mesh, const Connectivity& around, const std::vecto
   disc = std::move(wide);
 }
 
-/// A strongly curved surface without noise, from more samples: the layout is that of the try before, with its fill.
+/// A strongly curved surface without noise, from more samples: the layout is that of the try before, with its fill. Not where it meets points
+/// inside, which curve it and of which the samples know nothing, nor where it would fold more.
 void look_closer(const Disc& disc, const Rim& rim, const FieldOptions& fields, const PlaneFillOptions& options, Attempt& result) {
-  if (result.fed_back == 0 || disc.rim > long_rim) return;
+  if (result.fed_back == 0 || disc.rim > long_rim || result.met) return;
   if (!(result.field->noise() < least_noise * rim.edge)) return;
+  const auto folds = [&](const Attempt& each) { return folded_edges(each.made.points, each.made.triangles, rim.beyond); };
   std::optional<Attempt> next = attempt(disc, rim, spread_samples(disc, rim.edge, more_where_clear), fields, options, &result);
-  if (!next || !stay(next->made.points, rim)) return;
+  if (!next || !stay(next->made.points, rim) || folds(*next) > folds(result)) return;
   next->fed_back = result.fed_back;
   result = std::move(*next);
 }
