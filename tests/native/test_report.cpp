@@ -1,12 +1,13 @@
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 #include <cmath>
 
+#include "test_surfaces.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/folds.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;
+using namespace tripatch::testing;
 
 namespace {
 
@@ -27,11 +28,6 @@ public:
 private:
   double push_, size_;
 };
-
-PiecewisePolynomial line(const Vec3& a, const Vec3& b) {
-  const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
-  return PiecewisePolynomial::bezier(net, 3);
-}
 
 /// The sides of the flat triangle, their surroundings raised by these slopes at the start and the end of each side.
 Sides flat_sides(const std::array<std::array<double, 2>, 3>& slope) {

@@ -6,9 +6,11 @@
 #include <random>
 #include <set>
 
+#include "test_triangles.h"
 #include "tripatch/spline/rough_fill.h"
 
 using namespace tripatch;
+using namespace tripatch::testing;
 
 namespace {
 
@@ -57,13 +59,6 @@ double area(const Points& x, const RoughFill& fill) {
   return sum;
 }
 
-bool has_edge(const RoughFill& fill, Index a, Index b) {
-  for (const auto& t : fill.triangles)
-    for (int k = 0; k < 3; ++k)
-      if ((t[k] == a && t[(k + 1) % 3] == b) || (t[k] == b && t[(k + 1) % 3] == a)) return true;
-  return false;
-}
-
 }  // namespace
 
 TEST_CASE("a rough fill of a plane polygon covers it once, convex or not") {
@@ -97,11 +92,11 @@ TEST_CASE("a straight run of rim vertices makes no triangle without area where a
 TEST_CASE("the faces around decide which way a fill bends") {
   Points x(4, 3);  // over 1-3 it bends by 23 degrees, over 0-2 by 53
   x << -1, 0, 0, 0, -0.4, 0.2, 1, 0, 0, 0, 0.4, 0.2;
-  CHECK(has_edge(rough_fill(x), 1, 3));
+  CHECK(has_edge(rough_fill(x).triangles, 1, 3));
   RimSurroundings steep;  // 34 degrees off the triangles over 0-2, 61 off the others
   steep.normals.resize(4, 3);
   for (int k = 0; k < 4; ++k) steep.normals.row(k) = Vec3(0, k < 2 ? std::sqrt(3.0) / 2 : -std::sqrt(3.0) / 2, 0.5);
-  CHECK(has_edge(rough_fill(x, steep), 0, 2));
+  CHECK(has_edge(rough_fill(x, steep).triangles, 0, 2));
 }
 
 TEST_CASE("the area decides where angles cannot: a quadrilateral takes the smaller of two bends") {
@@ -118,7 +113,7 @@ TEST_CASE("edges that the mesh has already are not made again") {
   RimSurroundings rim;
   rim.joined = {{2, 0}, {0, 1}};  // a rim edge among them says nothing
   RoughFill fill = rough_fill(x, rim);
-  CHECK(has_edge(fill, 1, 3));
+  CHECK(has_edge(fill.triangles, 1, 3));
   CHECK_FALSE(fill.doubles_edges);
   rim.joined = {{0, 2}, {3, 1}};
   fill = rough_fill(x, rim);

@@ -34,6 +34,16 @@ Points random_net(int n, unsigned seed, double size, const std::array<Vec3, 3>& 
   return net;
 }
 
+PiecewisePolynomial line(const Vec3& a, const Vec3& b) {
+  const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
+  return PiecewisePolynomial::bezier(net, 3);
+}
+
+Side straight(const Vec3& a, const Vec3& b) {
+  const Vec3 out = (b - a).cross(Vec3::UnitZ());
+  return {line(a, b), line(out, out), {}};
+}
+
 std::array<double, 3> on_side(int i, double t) {
   std::array<double, 3> b;
   b[i] = 0;

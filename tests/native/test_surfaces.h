@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "tripatch/boundary/ribbon.h"
@@ -42,6 +43,15 @@ const std::array<Vec3, 3> plain_corners = {Vec3(0.1, 0, 0.05), Vec3(1.2, 0.3, -0
 Points random_net(int n, unsigned seed, double size = 0.15, const std::array<Vec3, 3>& corners = plain_corners);
 
 std::array<double, 3> on_side(int i, double t);
+
+/// A whole turn, in radians.
+constexpr double whole = 2 * std::numbers::pi;
+
+/// From one value to another at even speed.
+PiecewisePolynomial line(const Vec3& a, const Vec3& b);
+
+/// A straight side whose surroundings lie in the plane z = 0, as it does.
+Side straight(const Vec3& a, const Vec3& b);
 
 /// Position and derivative in a direction of the domain.
 void sample(const Surface& surface, const double* b, const Vec3& v, Vec3& position, Vec3& derivative);

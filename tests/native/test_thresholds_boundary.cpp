@@ -12,11 +12,6 @@ using namespace tripatch::testing;
 
 namespace {
 
-PiecewisePolynomial line(const Vec3& a, const Vec3& b) {
-  const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
-  return PiecewisePolynomial::bezier(net, 3);
-}
-
 const std::array<Vec3, 3> corners = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, std::sqrt(0.75), 0)};
 
 /// The equilateral triangle in its plane.

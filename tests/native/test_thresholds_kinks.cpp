@@ -12,11 +12,6 @@ using namespace tripatch::testing;
 
 namespace {
 
-PiecewisePolynomial line(const Vec3& a, const Vec3& b) {
-  const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
-  return PiecewisePolynomial::bezier(net, 3);
-}
-
 /// A straight side whose derivative across jumps at these parameters.
 Side jumping(const std::vector<double>& at) {
   std::vector<PiecewisePolynomial> pieces;

@@ -3,22 +3,16 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "test_triangles.h"
 #include "tripatch/spline/disc.h"
 #include "tripatch/spline/layout.h"
 #include "tripatch/spline/least_bent.h"
 #include "tripatch/spline/rough_fill.h"
 
 using namespace tripatch;
+using namespace tripatch::testing;
 
 namespace {
-
-using Triangles = std::vector<std::array<Index, 3>>;
-
-bool has_edge(const Triangles& triangles, Index a, Index b) {
-  for (const std::array<Index, 3>& t : triangles)
-    if (std::count(t.begin(), t.end(), a) && std::count(t.begin(), t.end(), b)) return true;
-  return false;
-}
 
 Points circle(Index n) {
   Points p(n, 3);

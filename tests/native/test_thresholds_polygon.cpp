@@ -16,19 +16,6 @@ using namespace tripatch::testing;
 
 namespace {
 
-constexpr double whole = 2 * std::numbers::pi;
-
-PiecewisePolynomial line(const Vec3& a, const Vec3& b) {
-  const std::array<double, 6> net = {a[0], a[1], a[2], b[0], b[1], b[2]};
-  return PiecewisePolynomial::bezier(net, 3);
-}
-
-/// A straight side in the plane.
-Side straight(const Vec3& a, const Vec3& b) {
-  const Vec3 out = (b - a).cross(Vec3::UnitZ());
-  return {line(a, b), line(out, out), {}};
-}
-
 /// Whether domains of four sides are the same whose first turns are these (radians), the others alike.
 bool same_domain(double first, double second) {
   const auto domain = [](double turn) {

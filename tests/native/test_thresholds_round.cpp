@@ -10,10 +10,9 @@
 #include "tripatch/polygon/round_problem.h"
 
 using namespace tripatch;
+using namespace tripatch::testing;
 
 namespace {
-
-constexpr double whole = 2 * std::numbers::pi;
 
 /// A unit circle with a wave of two periods so high, its surroundings leaning down by an angle (degrees).
 Side circle(double wave, double degrees) {

@@ -2,22 +2,12 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "test_triangles.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/unfold.h"
 
 using namespace tripatch;
-
-namespace {
-
-using Triangles = std::vector<std::array<Index, 3>>;
-
-bool has_edge(const Triangles& triangles, Index a, Index b) {
-  for (const std::array<Index, 3>& t : triangles)
-    if (std::count(t.begin(), t.end(), a) && std::count(t.begin(), t.end(), b)) return true;
-  return false;
-}
-
-}  // namespace
+using namespace tripatch::testing;
 
 TEST_CASE("a flip leaves no triangle flatter than a fiftieth of its longest edge", "[thresholds]") {
   for (const double share : {0.0195, 0.0205}) {

@@ -40,6 +40,16 @@ FairingBase waves() {
   return base;
 }
 
+/// What a descent is led by over the waves.
+struct OverWaves {
+  FairingBase base = waves();
+  FairingOptions options;
+  FairingProblem problem{base, options, 5};
+  Quadratic third = problem.quadratic(3);
+  Merit merit = merit_of(problem, third);
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(problem.count());
+};
+
 }  // namespace
 
 TEST_CASE("the soft minimum of two energies is that of the first and ten times the second", "[thresholds]") {
@@ -49,27 +59,19 @@ TEST_CASE("the soft minimum of two energies is that of the first and ten times t
 }
 
 TEST_CASE("a tenth of the third derivatives' logarithm is added to an energy's", "[thresholds]") {
-  const FairingBase base = waves();
-  const FairingOptions options;
-  const FairingProblem problem(base, options, 5);
-  const Quadratic third = problem.quadratic(3);
-  const Merit merit = merit_of(problem, third);
-  const Merit::Value v = merit(Eigen::VectorXd::Zero(problem.count()));
+  const OverWaves d;
+  const Merit::Value v = d.merit(d.start);
   REQUIRE(v.third > 0);
   REQUIRE(std::abs(std::log(v.third)) > 0.1);
   CHECK(v.log == Approx(std::log(v.energy) + 0.1 * std::log(v.third)).epsilon(1e-12));
 }
 
 TEST_CASE("descent ends with the first step that gains less than a hundredth", "[thresholds]") {
-  const FairingBase base = waves();
-  const FairingOptions options;
-  const FairingProblem problem(base, options, 5);
-  const Quadratic third = problem.quadratic(3);
-  const Merit merit = merit_of(problem, third);
+  const OverWaves d;
   const auto after = [&](int steps) {  // how many were made, and where they led
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.count());
-    Merit::Value value = merit(x);
-    const int made = descend(merit, third.normal, x, value, steps);
+    Eigen::VectorXd x = d.start;
+    Merit::Value value = d.merit(x);
+    const int made = descend(d.merit, d.third.normal, x, value, steps);
     return std::pair(made, value.log);
   };
   const int last = after(100).first;

@@ -5,9 +5,6 @@
 #include <sstream>
 #include <string>
 
-#include "tripatch/boundary/poles.h"
-#include "tripatch/math/angle.h"
-
 namespace tripatch {
 namespace {
 
@@ -15,25 +12,6 @@ namespace {
 constexpr double one_direction = 0.035;
 /// Places between the corners at which the planes of a side that is not continued are set.
 constexpr int turned_places = 16;
-
-/// The last piece of a side, as a share of it, in which a pole of its surroundings is rounding: kernels put corners into poles to 1e-7,
-/// and of the normals that they give there those within 1e-4 were off by more than 0.1 degrees.
-constexpr double beside_pole = 1.0 / 256;
-/// Degrees by which planes turn in that piece, and how many times as much as in the one before, where it is a pole: less is a bend.
-constexpr double turned_at_pole = 2, jump_at_pole = 10;
-
-/// The field with the piece beside its start continued from what follows, by the parabola through three places.
-PiecewisePolynomial continued_to_start(const PiecewisePolynomial& f) {
-  if (f.empty()) return f;
-  const double h = beside_pole;
-  const Vec3 first = f(h), second = f(2 * h), third = f(3 * h), start = 3 * first - 3 * second + third,
-             middle = 1.875 * first - 1.25 * second + 0.375 * third;
-  std::array<double, 9> net;
-  Vec3::Map(net.data()) = start;
-  Vec3::Map(net.data() + 3) = 2 * middle - 0.5 * (start + first);
-  Vec3::Map(net.data() + 6) = first;
-  return PiecewisePolynomial::joined({PiecewisePolynomial::bezier(net, 3), f.part(h, 1)}, {h, 1 - h});
-}
 
 /// Twice the area that the chords of the rim enclose, as a vector: which way it is seen from outside where nothing else tells.
 Vec3 area_vector(const std::vector<Side>& sides) {
@@ -93,22 +71,6 @@ Side piece_of(const Side& side, double from, double to) {
     return to < from ? piece.reversed() : piece;
   };
   return {field(side.c), field(side.r), field(side.q)};
-}
-
-Side without_poles(Side side) {
-  for (const bool end : {false, true}) {
-    const auto normal = [&](int pieces) { return side.normal(end ? 1 - pieces * beside_pole : pieces * beside_pole); };
-    const std::array<Vec3, 3> n = {normal(0), normal(1), normal(2)};
-    if (!(n[0].norm() > 0 && n[1].norm() > 0)) continue;  // no plane: the corner has that of the other side
-    const double last = degrees_between(n[0], n[1]), before = degrees_between(n[1], n[2]);
-    if (!(last > turned_at_pole && last > jump_at_pole * before)) continue;
-    const auto mended = [&](const PiecewisePolynomial& f) {
-      return end ? continued_to_start(f.reversed()).reversed() : continued_to_start(f);
-    };
-    side.r = mended(side.r);
-    if (!side.q.empty()) side.q = mended(side.q);
-  }
-  return side;
 }
 
 Side moved_ends(Side side, const Vec3& start, const Vec3& end) {

@@ -47,13 +47,6 @@ PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vecto
   return uv;
 }
 
-/// Length of a closed polygon, its vertices by row.
-double length_around(const Eigen::MatrixXd& p) {
-  double sum = 0;
-  for (Index k = 0; k < p.rows(); ++k) sum += (p.row(k) - p.row((k + 1) % p.rows())).norm();
-  return sum;
-}
-
 /// A rim with its places in a domain from where its geometry begins it, in a mirror where it is walked backwards there: what is chosen
 /// among equals does not hang on how the rim is given.
 struct WalkedRim {
@@ -65,7 +58,7 @@ struct WalkedRim {
     const Beginning first = beginnings.left()[0];
     mirrored = first.backwards;
     const Index r = rim.rows();
-    for (Index k = 0; k < r; ++k) row.push_back((first.place + (mirrored ? r - k : k)) % r);
+    for (Index k = 0; k < r; ++k) row.push_back(first.at(k, r));
   }
 
   std::vector<Index> row;  // that is given, of each in the walk

@@ -8,6 +8,7 @@
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/mesh/canonical_part.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/output/doubled_edges.h"
@@ -66,12 +67,6 @@ PlanePoints amid_rim(const PlanePoints& rim_uv, Index added, const std::vector<s
         count[v - r] += 1;
       }
   return count.cwiseMax(1).cwiseInverse().asDiagonal() * sum;
-}
-
-Eigen::MatrixXd stacked(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  Eigen::MatrixXd both(a.rows() + b.rows(), a.cols());
-  both << a, b;
-  return both;
 }
 
 /// No edge of the mesh is doubled: where the rim leaves no other way, the fill's has a vertex in its middle.

@@ -10,6 +10,7 @@
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/spline_fill.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
@@ -62,13 +63,6 @@ FineCage fine_cage(const Ground& ground, const Hole& hole, const Subdivision& se
   return out;
 }
 
-template <class M>
-M below(const M& a, const M& b) {
-  M both(a.rows() + b.rows(), a.cols());
-  both << a, b;
-  return both;
-}
-
 /// The surface of those points over a plane, as a mesh of its own as beside any limit surface; nothing where it folds too.
 std::optional<Fill> fill_over_points(const Ground& ground, const Hole& hole, const FillOptions& options,
                                      const Surroundings& surroundings) {
@@ -87,10 +81,10 @@ std::optional<Fill> fill_over_points(const Ground& ground, const Hole& hole, con
   for (auto& [from, to] : fill.feature_edges) from = number(from), to = number(to);
   fill.border.resize(b);
   std::iota(fill.border.begin(), fill.border.end(), Index{0});
-  fill.vertices = below(surroundings.border, fill.vertices);
-  fill.normals = below(fill.rim_normals, fill.normals);
-  fill.uv = below(fill.rim_uv, fill.uv);
-  fill.deviation = below(Eigen::VectorXd(Eigen::VectorXd::Zero(b)), fill.deviation);
+  fill.vertices = stacked(surroundings.border, fill.vertices);
+  fill.normals = stacked(fill.rim_normals, fill.normals);
+  fill.uv = stacked(fill.rim_uv, fill.uv);
+  fill.deviation = stacked(Eigen::VectorXd(Eigen::VectorXd::Zero(b)), fill.deviation);
   std::vector<Index> corner;  // the cage's own vertices among the border's
   for (Index k = 0; k < b; k += b / static_cast<Index>(hole.rim.size())) corner.push_back(k);
   fill.rim = hole.rim;

@@ -33,7 +33,7 @@ Beginnings::Beginnings(Points loop, std::optional<bool> backwards, const std::ve
     for (Index k = 0; k < size() && places.empty(); ++k) left_.push_back({k, way});
     for (Index k : places) left_.push_back({k, way});
   }
-  for (Index k = 0; k < size(); ++k) length_ += (at(k + 1) - at(k)).norm();
+  length_ = length_around(loop_);
 }
 
 /// Leaves those of the largest sum.

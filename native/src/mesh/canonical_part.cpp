@@ -16,13 +16,6 @@ using RimLoop = std::vector<Index>;
 /// Rings whose vertices are looked at where the rim alone does not tell its beginnings apart, before all that is known is.
 constexpr int near_rings = 2;
 
-double length_of(const Mesh& mesh, const RimLoop& loop) {
-  double sum = 0;
-  for (std::size_t k = 0; k < loop.size(); ++k)
-    sum += (mesh.vertices.row(loop[k]) - mesh.vertices.row(loop[(k + 1) % loop.size()])).norm();
-  return sum;
-}
-
 /// Gives out numbers from the loops on, the faces around each vertex in the order in which they follow each other.
 class Walk {
 public:
@@ -151,7 +144,7 @@ CanonicalPart canonical_part(const Mesh& mesh, const Connectivity& around, const
   std::vector<std::size_t> order(loops.size());  // islands by their length
   std::iota(order.begin(), order.end(), 0);
   std::vector<double> length;
-  for (const RimLoop& loop : loops) length.push_back(coarse(length_of(mesh, loop)));
+  for (const RimLoop& loop : loops) length.push_back(coarse(length_around(Points(mesh.vertices(loop, Eigen::all)))));
   std::stable_sort(order.begin() + 1, order.end(), [&](std::size_t a, std::size_t b) { return length[a] > length[b]; });
   std::vector<Index> before(loops.size(), 0);
   for (std::size_t k = 0; k + 1 < loops.size(); ++k) before[k + 1] = before[k] + static_cast<Index>(loops[k].size());
@@ -162,7 +155,7 @@ CanonicalPart canonical_part(const Mesh& mesh, const Connectivity& around, const
     const Index n = static_cast<Index>(loops[l].size());
     walked.emplace_back();
     for (Index k = 0; k < n; ++k) {
-      const Index place = (begun[l].place + (part.mirrored ? n - k : k)) % n;
+      const Index place = begun[l].at(k, n);
       part.row.push_back(before[l] + place);
       walked.back().push_back(copy.numbers.find(loops[l][place]));
     }

@@ -1,6 +1,7 @@
-// Two ways. Equal counts and a well-behaved patch: the regular grid. Otherwise: isotropic remeshing with a size field (Botsch and Kobbelt 2004, "A remeshing approach to multiresolution
-// modeling"; size-weighted smoothing as in Dunyach et al. 2013, "Adaptive remeshing for real-time mesh deformation") that starts
-// from the one triangle of the corners and works in the parameter triangle with lengths, angles and sizes measured in space.
+// Two ways. Equal counts and a well-behaved patch: the regular grid. Otherwise: isotropic remeshing with a size field (Botsch and
+// Kobbelt 2004, "A remeshing approach to multiresolution modeling"; size-weighted smoothing as in Dunyach et al. 2013, "Adaptive
+// remeshing for real-time mesh deformation") that starts from the one triangle of the corners and works in the parameter triangle with
+// lengths, angles and sizes measured in space.
 // Every step (split, flip, collapse, move) keeps every triangle positively oriented in the parameter triangle, so the result is a
 // triangulation of it, hence watertight and manifold, whatever the patch does in space.
 #include "tripatch/output/triangulate.h"
@@ -343,9 +344,9 @@ public:
       beginnings.compare_with(
           patch.positions((Points(4, 3) << 0.6, 0.2, 0.2, 0.2, 0.6, 0.2, 0.2, 0.2, 0.6, 0.4, 0.3, 0.3).finished()));
     first_ = beginnings.left()[0];
-    const int start = static_cast<int>(std::find(corner.begin(), corner.end(), first_.place) - corner.begin());
+    const Index start = std::find(corner.begin(), corner.end(), first_.place) - corner.begin();
     for (int i = 0; i < 3; ++i) {
-      corner_[i] = (start + (first_.backwards ? 3 - i : i)) % 3;
+      corner_[i] = static_cast<int>(Beginning{start, first_.backwards}.at(i, 3));
       parameters_[i] = parameters[corner_[i]];
       if (!first_.backwards) continue;
       std::reverse(parameters_[i].begin(), parameters_[i].end());
@@ -366,7 +367,7 @@ public:
     mesh.barycentric.topRows(n_) = rim;
     for (std::array<Index, 3>& t : mesh.triangles) {
       for (Index& v : t)
-        if (v < n_) v = (first_.place + (first_.backwards ? n_ - v : v)) % n_;
+        if (v < n_) v = first_.at(v, n_);
       if (first_.backwards) std::swap(t[1], t[2]);
     }
     return mesh;

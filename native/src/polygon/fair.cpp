@@ -7,6 +7,7 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/folds.h"
+#include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/polygon/problem.h"
@@ -185,7 +186,7 @@ Index count_polygon_folds(const Surface& patch, const PolygonDomain& domain, con
   std::vector<bool> clear;
   for (int k = 0; k < n; ++k) {
     const Vec3 a = sides[domain.wrap(k - 1)].normal(1), b = sides[k].normal(0);
-    clear.push_back(std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI < folds_one_plane);
+    clear.push_back(degrees_between(a, b) < folds_one_plane);
   }
   const auto near_crease = [&](const Vec2& p) {
     const int k = domain.corner_at(p, beside_crease);

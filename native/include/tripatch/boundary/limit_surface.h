@@ -72,8 +72,8 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-/// The cage refined `settings.level` times, on its limit where the settings say so: vertices, faces, and for every vertex of the rim (cage vertices) the
-/// refined vertices from it (included) to the next (excluded).
+/// The cage refined `settings.level` times, on its limit where the settings say so: vertices, faces, and for every vertex of the rim
+/// (cage vertices) the refined vertices from it (included) to the next (excluded).
 struct RefinedCage {
   Points vertices;
   Faces faces;

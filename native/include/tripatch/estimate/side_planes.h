@@ -38,7 +38,8 @@ std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<
 /// Whether nothing is to be won by looking at less.
 bool are_known(const std::vector<VertexFit>& fits);
 
-/// Variance of the noise of the rim's vertices: that of the smoothest side, for a mesh has one noise, but corners may lie within a side: 0 where all are short.
+/// Variance of the noise of the rim's vertices: that of the smoothest side, for a mesh has one noise, but corners may lie within a
+/// side: 0 where all are short.
 double roughness(const std::array<SideDraft, 3>& drafts);
 
 /// The mean of the normals of the faces at vertex k of a side, by their angles there.

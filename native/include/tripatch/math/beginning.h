@@ -12,7 +12,17 @@ namespace tripatch {
 struct Beginning {
   Index place = 0;
   bool backwards = false;
+  /// The k-th place, from 0 to n, of a walk of n that begins so.
+  Index at(Index k, Index n) const { return (place + (backwards ? n - k : k)) % n; }
 };
+
+/// Length of a closed polygon, its vertices by row.
+template <class M>
+double length_around(const M& loop) {
+  double sum = 0;
+  for (Index k = 0; k < loop.rows(); ++k) sum += (loop.row(k) - loop.row((k + 1) % loop.rows())).norm();
+  return sum;
+}
 
 /// Ways to walk a closed polygon, of which comparisons leave the best: those that are alike, but for rounding.
 class Beginnings {

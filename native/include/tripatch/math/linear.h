@@ -40,6 +40,14 @@ Eigen::MatrixXd orthonormalization(const MatrixRef& a);
 /// Rows and columns of a matrix by their numbers.
 Eigen::MatrixXd submatrix(const MatrixRef& a, const std::vector<Index>& rows, const std::vector<Index>& columns);
 
+/// The rows of b below those of a, of as many columns.
+template <class M>
+M stacked(const M& a, const M& b) {
+  M both(a.rows() + b.rows(), a.cols());
+  both << a, b;
+  return both;
+}
+
 /// Small systems of up to 24 unknowns, the rest of each row being zero: three registers of eight, or six of four.
 using RowsOf24 = Eigen::Matrix<double, Eigen::Dynamic, 24, Eigen::RowMajor>;
 using SquareOf24 = Eigen::Matrix<double, 24, 24, Eigen::RowMajor>;

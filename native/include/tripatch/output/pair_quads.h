@@ -16,7 +16,8 @@ struct PairQuadsOptions {
 
 /// Joins triangles by twos into quads where these are good: the best pairs first, then triangles left over change partners where
 /// that makes one pair more. No edge of `kept` (pairs of rows of the points) goes. Returns quads and the triangles left, each in
-/// the place of its first triangle, with its direction; quads begin at an end of the edge that is gone. points: n x 3. The same input gives the same faces.
+/// the place of its first triangle, with its direction; quads begin at an end of the edge that is gone. points: n x 3. The same input
+/// gives the same faces.
 Faces pair_quads(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
                  const PairQuadsOptions& options = {}, const std::vector<std::array<Index, 2>>& kept = {});
 

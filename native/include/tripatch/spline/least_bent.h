@@ -22,9 +22,9 @@ double share_of_details(double noise, double left_by_reference);
 
 /// At most so much of a fill is its second model. Chosen on 218 holes of 37 meshes.
 constexpr double most_of_second = 0.9;
-/// How much of a fill is the second model. Rough surroundings lie off any layout by what their details stretch; this one bends the triangles
-/// themselves least, or varies their bending least, and knows of no plane: the most where the noise decides the order altogether (Field::roughness) and details are much
-/// more than noise; some where there is little noise, but the likeliest order is low.
+/// How much of a fill is the second model. Rough surroundings lie off any layout by what their details stretch; this one bends the
+/// triangles themselves least, or varies their bending least, and knows of no plane: the most where the noise decides the order
+/// altogether (Field::roughness) and details are much more than noise; some where there is little noise, but the likeliest order is low.
 double share_of_second(double roughness, double details, double mean_order);
 
 /// The second model of a rough hole: triangles that bend least and whose bending varies least, which know of no plane.
