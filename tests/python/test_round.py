@@ -240,6 +240,24 @@ def test_caps_of_cones_hang_little_on_the_number_of_edges(angle):
         assert abs(height(fill.patch) / exact - 1) < 0.1, edges
 
 
+@pytest.mark.parametrize("edges", [12, 16, 36])
+@pytest.mark.parametrize(
+    ("profile", "near"),  # of exact sides
+    [(lambda r: -0.7 * r * r, 1e-7), (lambda r: 2 * np.sqrt(12 - r * r), 5e-5), (lambda r: 0.5 * np.sqrt(6 - r * r), 5e-5)],
+    ids=["paraboloid", "ellipsoid", "flat ellipsoid"],
+)
+def test_caps_of_quadrics_are_the_quadrics_however_coarse_and_uneven_the_rings(profile, near, edges):
+    turn, rng = 2 * np.pi * np.arange(edges) / edges, np.random.default_rng(1)
+    radii = 1 + np.cumsum([0, 0.1, 0.25, 0.15])
+    rows = [np.column_stack([r * np.cos(turn), r * np.sin(turn), np.full(edges, profile(r))]) for r in radii]
+    faces = np.array(revolved("tube", edges, rings=3)[1])
+    triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+    fill = tripatch.fill(np.concatenate(rows), rng.permutation(triangles), rim=np.arange(edges), corners=(), method="multi_sided")
+    r = np.hypot(*fill.vertices[:, :2].T)
+    assert np.abs(fill.vertices[:, 2] - profile(r)).max() < near
+    assert fill.report.surroundings_error < 1e-6
+
+
 @pytest.mark.parametrize("edges", [33, 34, 35])
 def test_the_cap_of_a_cone_is_of_revolution_though_its_slopes_are_read_unevenly(edges):
     vertices, faces = cone(60, edges)

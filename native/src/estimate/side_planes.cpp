@@ -40,8 +40,6 @@ constexpr int few_edges = 4;  ///< of a side; of more, fits see the turn themsel
 constexpr double bent = 5;    ///< degrees that a side turns by at least, for its faces to tell their plane; 0%, 0%
 constexpr double always_plausible =
     0.02;  ///< sine of the angle by which a plane may always lean against the faces beside it, 1 degree
-constexpr double well_known =
-    0.05 * M_PI / 180;  ///< deviation of a plane, less than which nobody sees: nothing else is looked at
 
 /// The heights nearest to a rim vertex, which every neighborhood has to explain.
 std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, const std::vector<Share>& nearest,

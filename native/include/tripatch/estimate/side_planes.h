@@ -2,11 +2,15 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "tripatch/estimate/stencils.h"
 
 namespace tripatch {
+
+constexpr double well_known =
+    0.05 * M_PI / 180;  ///< deviation of a plane, less than which nobody sees: nothing else is looked at
 
 /// The plane at a rim vertex.
 struct VertexFit {
