@@ -661,25 +661,80 @@ TEST_CASE("beside a bevel of two segments and more, where it ends in planes, the
     }
 }
 
-TEST_CASE("where a bevel of few segments turns unevenly the reported error is of the size of the true one") {
-  for (int segments : {2, 3, 4})
-    for (double length : {0.5, 3.0}) {
-      TestMesh box = rounded_box(segments, length);
-      const Vec3 stretch(1, 1, 1.3);
-      box.vertices *= stretch.asDiagonal();
-      const MeshSides sides = box.sides();
-      double squares = 0, count = 0;
-      for (int i = 0; i < 3; ++i)
-        for (double t : sides.parameters[i]) {
-          const Vec3 p = sides.sides[i].c(t);
-          squares += std::pow(degrees_between(sides.sides[i].normal(t), p.cwiseQuotient(stretch.cwiseProduct(stretch))), 2);
-          ++count;
-        }
-      const double error = std::sqrt(squares / count);
-      CAPTURE(segments, length, error);
-      CHECK(sides.surroundings_error > error / 2.5);
-      CHECK(sides.surroundings_error < error * 2.5);
+namespace {
+
+/// rounded_box() with sections that are superellipses of an exponent, those of circles 2, and stretched.
+TestMesh bevelled_box(int segments, double length, double exponent, const Vec3& stretch) {
+  TestMesh box = rounded_box(segments, length);
+  for (Index k = 0; k < box.vertices.rows(); ++k)
+    for (int x = 0; x < 3; ++x)
+      if (const double at = box.vertices(k, x); at > 0) box.vertices(k, x) = at < 1e-9 ? 0 : std::pow(at, 2 / exponent);
+  box.vertices *= stretch.asDiagonal();
+  return box;
+}
+
+/// Root mean square angle, degrees, of the planes at the rim's vertices against its own.
+double off_bevel(const MeshSides& sides, double exponent, const Vec3& stretch) {
+  double squares = 0, count = 0;
+  for (int i = 0; i < 3; ++i)
+    for (double t : sides.parameters[i]) {
+      const Vec3 p = sides.sides[i].c(t).cwiseQuotient(stretch).cwiseAbs();
+      const Vec3 normal = p.array().pow(exponent - 1).matrix().cwiseQuotient(stretch);
+      squares += std::pow(degrees_between(sides.sides[i].normal(t), normal), 2);
+      ++count;
     }
+  return std::sqrt(squares / count);
+}
+
+}  // namespace
+
+TEST_CASE("beside a bevel of two segments and more with different widths the planes are exact") {
+  for (const Vec3& stretch : {Vec3(1, 1, 1.3), Vec3(1, 2, 0.7)})
+    for (int segments : {2, 3, 4})
+      for (double length : {0.43, 0.5, 3.0}) {
+        const MeshSides sides = bevelled_box(segments, length, 2, stretch).sides();
+        CAPTURE(segments, length, stretch);
+        CHECK(off_bevel(sides, 2, stretch) < 1e-4);
+        CHECK(sides.surroundings_error < 1e-2);
+      }
+}
+
+TEST_CASE("beside a bevel of few segments with another section the reported error is of the size of the true one") {
+  const Vec3 stretch(1, 1.4, 0.8);
+  for (int segments : {3, 4})
+    for (double exponent : {1.5, 1.8, 2.3, 2.9})
+      for (double length : {0.43, 3.0}) {
+        const MeshSides sides = bevelled_box(segments, length, exponent, stretch).sides();
+        const double error = off_bevel(sides, exponent, stretch);
+        CAPTURE(segments, exponent, length, error);
+        CHECK(sides.surroundings_error > error / 1.6);
+        CHECK(sides.surroundings_error < error * 3.6);
+      }
+}
+
+TEST_CASE("a bevel of two segments leaves the plane beside it smoothly, may do so, or has an edge there", "[thresholds]") {
+  const auto said = [](double exponent) { return bevelled_box(2, 1, exponent, Vec3::Ones()).sides().surroundings_error; };
+  const auto leans = [](double of_turn) {  // exponent at which the outer faces lean by this much of the turn in the middle
+    const double lean = M_PI / 2 * of_turn / (1 + 2 * of_turn);
+    return std::log(0.5) / std::log(1 / (1 + std::tan(lean)));
+  };
+  CHECK(said(leans(0.76)) > 2 * said(leans(0.74)));
+  CHECK(said(leans(1.98)) > 2 * said(leans(2.02)));
+}
+
+TEST_CASE("sides that leave a plane by less than a thousandth of their chord are flat arcs", "[thresholds]") {
+  // of the plane through its ends along which it is flattest the first inner vertex lies half of it
+  const auto off = [](double by) {
+    TestMesh box = bevelled_box(3, 1, 2.6, Vec3::Ones());
+    for (const Index corner : box.hole.corners) {
+      const Index v = box.hole.rim[corner + 1];
+      for (int x = 0; x < 3; ++x)
+        if (box.vertices(v, x) == 0) box.vertices(v, x) = by;
+    }
+    return off_bevel(box.sides(), 2.6, Vec3::Ones());
+  };
+  CHECK(off(1.9e-3 * std::sqrt(2)) == Approx(off(0)).epsilon(0.1));
+  CHECK_FALSE(off(2.1e-3 * std::sqrt(2)) == Approx(off(0)).epsilon(0.1));
 }
 
 TEST_CASE("beside strips of equal facets the planes are those of the facets' mean, which is exact there") {

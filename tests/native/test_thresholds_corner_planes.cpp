@@ -71,11 +71,10 @@ struct FlatCorner {
 
 }  // namespace
 
-TEST_CASE(
-    "a plane begins behind a corner where its face is half an edge wide and it leans by a quarter to three quarters of a turn",
-    "[thresholds]") {
-  CHECK_FALSE(FlatCorner(10, 20, 0.2475).fits[2].flat[1]);
-  CHECK(FlatCorner(10, 20, 0.2525).fits[2].flat[1]);
+TEST_CASE("a plane begins behind a corner where its face is 0.3 edges wide and it leans by a quarter to three quarters of a turn",
+          "[thresholds]") {
+  CHECK_FALSE(FlatCorner(10, 20, 0.0891).fits[2].flat[1]);
+  CHECK(FlatCorner(10, 20, 0.0909).fits[2].flat[1]);
   CHECK_FALSE(FlatCorner(4.95, 20).fits[2].flat[1]);
   CHECK(FlatCorner(5.05, 20).fits[2].flat[1]);
   CHECK(FlatCorner(14.95, 20).fits[2].flat[1]);

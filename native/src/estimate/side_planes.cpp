@@ -20,8 +20,7 @@ constexpr int pooled = 2;             ///< vertices to each side that are judged
 /// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
 /// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
 constexpr double by_far = 2;
-constexpr double by_some = 0.5;      ///< without noise: a fifth; nothing where the other is as much less certain of its plane.
-constexpr double coarse_turn = 0.3;  ///< Radians an edge: not where a side, or the faces across it, turn by more; -1%, 4%
+constexpr double by_some = 0.5;  ///< without noise: a fifth; nothing where the other is as much less certain of its plane.
 /// Vertices to each side along the rim that a vertex is compared with.
 constexpr int most_compared = 3, least_compared = 2;
 /// Of the mean rim edge: a rim of a deviation of less has no noise; coarse meshes of 12 degrees an edge have 1e-3.
