@@ -440,3 +440,53 @@ TEST_CASE("polygon patch: what is kept for a domain is that of its own numbers")
   CHECK(anew->uv == space->uv);
   CHECK(anew->combination == space->combination);
 }
+
+TEST_CASE("polygon patch: one that is kept is taken where nothing has changed, and nowhere else") {
+  const SideList known = sides_between(saddle, ring(4));
+  const auto patch_of = [](const SideList& sides, const PolygonPatchOptions& options) {
+    const PolygonPatch made = polygon_patch(sides, options);
+    return made.patch->positions(polygon_grid(made.domain, 6));
+  };
+  const auto forget = [&] {
+    for (double tension : {0.11, 0.12, 0.13, 0.14, 0.15}) {
+      PolygonPatchOptions other;
+      other.tension = tension;
+      patch_of(known, other);
+    }
+  };
+  std::vector<std::pair<SideList, PolygonPatchOptions>> variants(1, {known, {}});
+  const auto vary = [&](auto&& change) {
+    variants.push_back(variants[0]);
+    change(variants.back().first, variants.back().second);
+  };
+  vary([](SideList& s, auto&) { s[0].q = {}; });
+  vary([](SideList& s, auto&) { s[1].r = 1.25 * s[1].r; });
+  vary([](SideList& s, auto&) { s[0].q = 2 * s[0].q; });
+  vary([](auto&, PolygonPatchOptions& o) { o.continuity = {SideContinuity::g0}; });
+  vary([](auto&, PolygonPatchOptions& o) { o.continuity = {SideContinuity::free}; });
+  vary([](auto&, PolygonPatchOptions& o) { o.continuity = {SideContinuity::g2}; });
+  vary([](auto&, PolygonPatchOptions& o) { o.bulge = {1, 1, 1.25, 1}; });
+  vary([](auto&, PolygonPatchOptions& o) { o.fairing.reset(); });
+  vary([](auto&, PolygonPatchOptions& o) { o.fairing = Fairing::thin_plate; });
+  vary([](auto&, PolygonPatchOptions& o) { o.tension = 0.5; });
+  vary([](auto&, PolygonPatchOptions& o) { o.center = Vec3(0.01, 0, 0.02); });
+  vary([](auto&, PolygonPatchOptions& o) { o.center_offset = 0.0625; });
+  vary([](auto&, PolygonPatchOptions& o) { o.through = {{Vec3(0.2, 0.1, 0.02), {}}}; });
+  vary([](auto&, PolygonPatchOptions& o) { o.through = {{Vec3(0.2, 0.1, 0.02), Vec3(0.1, 0, 1)}}; });
+  vary([&](auto&, PolygonPatchOptions& o) {
+    std::vector<Vec2> corners = ring(4);
+    corners[0] *= 1.25;
+    o.domain = PolygonDomain(corners);
+  });
+  for (std::size_t k = 0; k < variants.size(); ++k) {
+    CAPTURE(k);
+    const auto& [sides, options] = variants[k];
+    forget();
+    const Points fresh = patch_of(sides, options);
+    forget();
+    const Points first = patch_of(known, {}), after = patch_of(sides, options);
+    CHECK(after == fresh);
+    CHECK(patch_of(sides, options) == fresh);
+    if (k > 1) CHECK(first != fresh);  // the first is itself; without q curvature is not followed
+  }
+}

@@ -7,6 +7,7 @@
 
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/kept.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/polygon/space.h"
 
@@ -186,6 +187,35 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
   return made;
 }
 
+/// Made while one hole is shaped: as it is, with its middle elsewhere, and both as they were before. A choice.
+constexpr std::size_t kept_patches = 4;
+
+/// made_with, which depends on nothing else than this key: a fill that somebody shapes has the same patch with other faces, and the
+/// same patch whose middle is moved.
+PolygonPatch made_or_kept(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
+                          const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
+  static Kept<PolygonPatch> last(kept_patches);
+  Key key;
+  for (const Side& side : sides) {
+    for (const PiecewisePolynomial& field : {side.c, side.r, side.q}) key.add(field);
+    key.add(side.rim);
+    key.add(side.curvature_error);
+  }
+  for (const std::vector<bool>& flags : {asked.tangent, asked.free, asked.exact, asked.automatic}) key.add(flags);
+  key.add(bulge);
+  key.add(options.fairing ? static_cast<double>(*options.fairing) : -1.0);
+  key.add(options.tension);
+  key.add(options.domain ? options.domain->height() : -1.0);
+  for (int i = 0; options.domain && i < options.domain->sides(); ++i) key.add(options.domain->corner(i));
+  for (const InnerPoint& point : through) {
+    key.add(point.uv);
+    key.add(point.point);
+    key.add(point.normal);
+  }
+  if (const auto kept = last.find(key)) return *kept;
+  return *last.keep(std::move(key), std::make_shared<const PolygonPatch>(made_with(sides, options, asked, bulge, through)));
+}
+
 }  // namespace
 
 PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& options) {
@@ -198,7 +228,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
   const Vec2 center = (options.domain ? *options.domain : polygon_boundary(sides).domain).center();
   std::vector<InnerPoint> through;
   if (options.center) through.push_back({center, *options.center, {}});
-  PolygonPatch made = made_with(sides, options, wanted, bulge, through);
+  PolygonPatch made = made_or_kept(sides, options, wanted, bulge, through);
   if (options.center_offset != 0 || !options.through.empty()) {
     if (options.center_offset != 0) {
       Points middle = Points::Zero(1, 3);
@@ -208,7 +238,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
     }
     for (const Through& t : options.through)
       through.push_back({nearest_place(*made.patch, made.domain, t.point), t.point, t.normal});
-    made = made_with(sides, options, wanted, bulge, through);
+    made = made_or_kept(sides, options, wanted, bulge, through);
     for (std::size_t k = through.size() - options.through.size(); k < through.size(); ++k) made.met.push_back(through[k].uv);
   }
   made.patch = std::make_shared<OverPolygon>(made.domain, made.patch);

@@ -72,18 +72,14 @@ std::vector<PiecewisePolynomial> PolygonProblem::directions_of(const SideList& s
 /// The derivatives, at all nodes, of what the free slopes of side i add.
 void PolygonProblem::add_slopes(int i, const std::vector<PiecewisePolynomial>& directions) {
   if (directions.empty()) return;
-  const PolygonDomain& d = of_.boundary.domain;
+  const int n = of_.boundary.domain.sides();
   for (Index k = 0; k < space_->uv.rows(); ++k) {
-    const Place<3> place = d.place(Jet<3>::linear(space_->uv(k, 0), 1, 0), Jet<3>::linear(space_->uv(k, 1), 0, 1));
-    const Jet<3> kernel = place.phi[i] * place.side[i];
+    const PolygonSpace::Slope& slope = space_->slopes[static_cast<std::size_t>(k * n + i)];
     for (std::size_t f = 0; f < directions.size(); ++f) {
-      const JetPoint<3> field = kernel * compose(directions[f], place.t[i]);
+      const JetPoint<3> field = slope.kernel * compose(directions[f], slope.t);
       for (int m = 0; m < options_.slopes; ++m) {
-        std::array<double, 4> series;
-        space_->slope_functions[m].taylor(place.t[i].value(), 3, series.data());
-        const Jet<3> function = compose<3>(series.data(), 1, place.t[i]);
         Derivatives all;
-        for (int x = 0; x < 3; ++x) all.col(x) = derivatives_of(function * field.x[x]);
+        for (int x = 0; x < 3; ++x) all.col(x) = derivatives_of(slope.functions[m] * field.x[x]);
         basis_.block<27, 1>(27 * k, slopes_.first[i] + static_cast<Index>(f) * options_.slopes + m) =
             Eigen::Map<const Eigen::Matrix<double, 27, 1>>(all.data());
       }

@@ -1,9 +1,8 @@
 #include "tripatch/polygon/space.h"
 
 #include <cmath>
-#include <deque>
-#include <mutex>
 
+#include "tripatch/math/kept.h"
 #include "tripatch/math/quadrature.h"
 #include "tripatch/patch/side_weights.h"
 
@@ -130,6 +129,18 @@ PolygonSpace::PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadra
       uv(std::move(quadrature.uv)),
       slope_functions(tripatch::slope_functions(slopes)),
       along(slope_functions) {
+  for (Index k = 0; k < uv.rows(); ++k) {
+    const Place<3> place = domain.place(Jet<3>::linear(uv(k, 0), 1, 0), Jet<3>::linear(uv(k, 1), 0, 1));
+    for (int i = 0; i < domain.sides(); ++i) {
+      Slope slope{place.phi[i] * place.side[i], place.t[i], {}};
+      for (const PiecewisePolynomial& function : slope_functions) {
+        std::array<double, 4> series;
+        function.taylor(slope.t.value(), 3, series.data());
+        slope.functions.push_back(compose<3>(series.data(), 1, slope.t));
+      }
+      this->slopes.push_back(std::move(slope));
+    }
+  }
   const Index count = combination.cols();
   for (int i = 0; i < domain.sides(); ++i) {
     Eigen::MatrixXd second(SideBasis::points, count);
@@ -145,25 +156,13 @@ PolygonSpace::PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadra
 
 std::shared_ptr<const PolygonSpace> polygon_space(const PolygonDomain& domain, int degree, int second_cross, int slopes,
                                                   int nodes) {
-  struct Kept {
-    std::vector<double> key;
-    std::shared_ptr<const PolygonSpace> space;
-  };
-  static std::mutex mutex;
-  static std::deque<Kept> last;  // the latest first
-  std::vector<double> key = {static_cast<double>(degree), static_cast<double>(second_cross), static_cast<double>(slopes),
-                             static_cast<double>(nodes), domain.height()};
-  for (int i = 0; i < domain.sides(); ++i) key.insert(key.end(), {domain.corner(i)[0], domain.corner(i)[1]});
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    for (const Kept& kept : last)
-      if (kept.key == key) return kept.space;
-  }
-  auto made = std::make_shared<const PolygonSpace>(domain, degree, second_cross, slopes, nodes);
-  const std::lock_guard<std::mutex> lock(mutex);
-  last.push_front({std::move(key), made});
-  if (last.size() > kept_spaces) last.pop_back();
-  return made;
+  static Kept<PolygonSpace> last(kept_spaces);
+  Key key;
+  for (int number : {degree, second_cross, slopes, nodes}) key.add(number);
+  key.add(domain.height());
+  for (int i = 0; i < domain.sides(); ++i) key.add(domain.corner(i));
+  if (auto kept = last.find(key)) return kept;
+  return last.keep(std::move(key), std::make_shared<const PolygonSpace>(domain, degree, second_cross, slopes, nodes));
 }
 
 SurfacePtr polygon_correction(const PolygonDomain& domain, std::vector<PiecewisePolynomial> slopes, int degree, int second_cross,

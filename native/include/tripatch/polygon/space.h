@@ -56,9 +56,16 @@ std::vector<Jet<N>> polygon_basis(const PolygonDomain& domain, const Place<N>& p
 struct PolygonSpace : NodeBasis {
   PolygonSpace(const PolygonDomain& domain, int degree, int second_cross, int slopes, int nodes);
 
+  /// What adds to the slope along a side at a node: `kernel` times a direction at `t` times a slope function.
+  struct Slope {
+    Jet<3> kernel, t;
+    std::vector<Jet<3>> functions;  ///< the slope functions at t
+  };
+
   Points uv;
   std::vector<PiecewisePolynomial> slope_functions;
   SideBasis along;
+  std::vector<Slope> slopes;  ///< node by node, side by side
 
 private:
   PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadrature, int degree, int second_cross, int slopes);
