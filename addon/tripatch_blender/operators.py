@@ -359,7 +359,7 @@ class FillSmooth(Construction, waiting.Waiting):
         bm.verts.index_update()
         bm.faces.index_update()
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
-        selected = selection.Selected(bm)
+        selected = selection.Selected(bm, mesh)
         options = self._options()
         everything = not selected.vertices or selected.is_all(bm)
         halved, new_faces = filling.Outcome(), []

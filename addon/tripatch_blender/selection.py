@@ -179,12 +179,38 @@ def show(context, concerned):
         bmesh.update_edit_mesh(ob.data, loop_triangles=False, destructive=False)
 
 
+#: Vertices that were selected the last time, by mesh: a slider of the last operator undoes it and runs it again with the same. Of
+#: more than this many it takes no less time to look at each than to look for them.
+_MOST_REMEMBERED = 10_000
+_remembered: dict[str, list[int]] = {}
+
+
+def _selected_vertices(bm, mesh):
+    """In the order of the mesh. Blender counts them: those of the last time need not be looked for where they still are all."""
+    if mesh.total_vert_sel == 0:
+        return []
+    last = _remembered.get(mesh.name, [])
+    if len(last) == mesh.total_vert_sel and last[-1] < len(bm.verts):
+        bm.verts.ensure_lookup_table()
+        vertices = [bm.verts[k] for k in last]
+        if all(v.select for v in vertices):
+            return vertices
+    return list(compress(bm.verts, map(attrgetter("select"), bm.verts)))
+
+
 class Selected:
     """What is selected in a BMesh, in the order of the mesh. A selected edge or face has selected vertices, so that only these
     are looked for in all of a large mesh."""
 
-    def __init__(self, bm):
-        self.vertices = list(compress(bm.verts, map(attrgetter("select"), bm.verts)))
+    def __init__(self, bm, mesh=None):
+        """mesh: that the BMesh is of, its indices up to date: where it is known, what was selected is remembered."""
+        if mesh is None:
+            self.vertices = list(compress(bm.verts, map(attrgetter("select"), bm.verts)))
+        else:
+            self.vertices = _selected_vertices(bm, mesh)
+            _remembered.clear()
+            if len(self.vertices) <= _MOST_REMEMBERED:
+                _remembered[mesh.name] = [v.index for v in self.vertices]
         self.edges = _by_index({e for v in self.vertices for e in v.link_edges if e.select})
         self.faces = _by_index({f for e in self.edges for f in e.link_faces if f.select})
 
@@ -200,7 +226,24 @@ class Selected:
         bm.select_history.clear()
         for face in faces:
             face.select = True
-        bm.select_flush_mode()
+        _flush(bm, faces)
+
+
+def _flush(bm, faces):
+    """Selects what goes with the vertices or edges of these faces, where nothing else is selected: select_flush_mode without
+    going through all of the mesh."""
+    if "VERT" in bm.select_mode:
+        edges = {e for f in faces for v in f.verts for e in v.link_edges}
+        for edge in edges:
+            if not (edge.select or edge.hide) and all(v.select for v in edge.verts):
+                edge.select = True
+        for face in {f for e in edges for f in e.link_faces}:
+            if not (face.select or face.hide) and all(v.select for v in face.verts):
+                face.select = True
+    elif "EDGE" in bm.select_mode:
+        for face in {f for own in faces for e in own.edges for f in e.link_faces}:
+            if not (face.select or face.hide) and all(e.select for e in face.edges):
+                face.select = True
 
 
 def _are_corners(given):

@@ -2,6 +2,7 @@
 
 import sys
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -391,3 +392,80 @@ def test_an_active_vertex_does_not_hinder_a_rim_without_three_corners():
     assert fill() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert len(scenes.border_loops(scenes.checked(ob))) == 1
+
+
+@pytest.mark.parametrize("mode", [("VERT",), ("EDGE",), ("FACE",), ("VERT", "FACE"), ("EDGE", "FACE")])
+def test_the_new_selection_is_as_blender_would_flush_it(addon, mode):
+    """Between two strips of new faces lies an old one that has no other vertices: selected with them by vertices, and by edges
+    where it has no other edges."""
+    selection = sys.modules[f"{addon.__name__}.selection"]
+    found = []
+    for flush in (False, True):
+        points = np.array([(i, j, 0) for j in range(4) for i in range(6)], float)
+        faces = [[6 * j + i, 6 * j + i + 1, 6 * j + i + 7, 6 * j + i + 6] for j in range(3) for i in range(5)]
+        ob = scenes.add_mesh(points, faces)
+        (bm,) = scenes.edit(ob)
+        bm.faces.ensure_lookup_table()
+        bm.faces[2].hide = True
+        for k in (10, 11):
+            bm.faces[k].select = True
+        bm.select_mode = set(mode)
+        bm.select_flush_mode()
+        new = [bm.faces[k] for k in (0, 1, 3, 5, 7, 8)]
+        if flush:
+            for element in (*bm.faces, *bm.edges, *bm.verts):
+                element.select = False
+            for face in new:
+                face.select = True
+            bm.select_flush_mode()
+        else:
+            selection.Selected(bm).replace(bm, new)
+        selected = [[e.index for e in all_of if e.select] for all_of in (bm.verts, bm.edges, bm.faces)]
+        found.append((selected, ob.data.total_vert_sel))
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert found[0] == found[1]
+
+
+def filled_and_undone(**options):
+    """Positions after a fill, as bytes, and its vertices; the mesh is as it was again."""
+    assert bpy.ops.mesh.fill_smooth("EXEC_DEFAULT", True, **options) == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(bpy.context.object.data)
+    positions = np.array([v.co for v in bm.verts], np.float32).tobytes()
+    vertices = {v.index for v in bm.verts if v.select}
+    bpy.ops.ed.undo()
+    return positions, vertices
+
+
+def test_the_selection_of_the_last_time_is_not_taken_for_another():
+    """What is selected is remembered from run to run: another rim of as many vertices in the same mesh is another."""
+    scenes.edit(scenes.add_hole(size=16, holes=((2, 2, 3), (7, 2, 3))))
+    for which in (0, 1, 0):
+        bm = bmesh.from_edit_mesh(bpy.context.object.data)
+        bpy.ops.mesh.select_all(action="DESELECT")
+        loop = [loop for loop in scenes.border_loops(bm) if len(loop) == 9][which]
+        scenes.select_rim(bm, loop)
+        rim = {v.index for v in loop}
+        bpy.ops.ed.undo_push(message="selected")
+        for _ in range(2):
+            assert rim <= filled_and_undone()[1]
+
+
+def test_a_slider_gives_what_a_first_run_gives():
+    """Undone and run again with another value, with what is kept from step to step, the mesh is that of a first run."""
+    plain = {"bulge": 1.0, "center_offset": 0.0, "resolution": 0, "tension": 0.0}  # Blender takes those of the last run
+    steps = [plain | step for step in ({}, {"bulge": 1.25}, {"center_offset": 0.02}, {}, {"resolution": 6}, {"tension": 0.5})]
+
+    def start():
+        if bpy.context.mode == "EDIT_MESH":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        (bm,) = scenes.edit(scenes.add_mesh(*scenes.square_hole()))
+        scenes.select_rim(bm, scenes.border_loops(bm)[0])
+        bpy.ops.ed.undo_push(message="before")
+
+    first = []
+    for step in steps:
+        start()
+        first.append(filled_and_undone(**step)[0])
+    start()
+    assert [filled_and_undone(**step)[0] for step in steps] == first
+    assert len(set(first)) == 5
