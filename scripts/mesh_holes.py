@@ -1,16 +1,18 @@
 """Fills holes in all meshes of a folder and says how that went: the meshes' own, and patches of faces taken out at random.
 
 A table: filled, refused and why, the worst time and the worst seam, fills that fold or cross themselves. Ends with 1 where one
-came out wrong: an edge of three faces, or numbers that are not finite.
+came out wrong: an edge of three faces, or numbers that are not finite. Ctrl-C ends it with the table of what was done.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import io
 import sys
 import time
 from collections import Counter
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -143,36 +145,36 @@ def table(rows):
     return 1 if wrong else 0
 
 
+NAMES = "mesh cut edges result method faces folded rim_folded crossing seam seconds reason".split()
+
+
+def all_rows(paths, holes, rng):
+    """Rows of all meshes, in any order: what has been done when it is stopped is a sample of all. Each mesh has as many holes."""
+    done = 0
+    for k, place in enumerate(rng.permutation(len(paths))):
+        path = paths[place]
+        try:
+            for row in holes_of(path, rng, max(1, (holes - done) // (len(paths) - k))):
+                done += 1
+                yield row
+        except (ValueError, OSError) as error:
+            print(f"{path.name}: {error}", file=sys.stderr)
+
+
 def main():
     given = arguments()
     paths = sorted(path for path in given.folder.rglob("*") if path.suffix.lower() in KINDS)
-    rng = np.random.default_rng(given.seed)
     rows = []
-    for k, path in enumerate(paths):
-        share = max(1, (given.holes - len(rows)) // (len(paths) - k))
+    with given.csv.open("w", newline="") if given.csv else nullcontext(io.StringIO()) as file:
+        writer = csv.DictWriter(file, NAMES)
+        writer.writeheader()
         try:
-            rows += holes_of(path, rng, share)
-        except (ValueError, OSError) as error:
-            print(f"{path.name}: {error}", file=sys.stderr)
-    if given.csv:
-        names = [
-            "mesh",
-            "cut",
-            "edges",
-            "result",
-            "method",
-            "faces",
-            "folded",
-            "rim_folded",
-            "crossing",
-            "seam",
-            "seconds",
-            "reason",
-        ]
-        with given.csv.open("w", newline="") as file:
-            writer = csv.DictWriter(file, names)
-            writer.writeheader()
-            writer.writerows(rows)
+            for row in all_rows(paths, given.holes, np.random.default_rng(given.seed)):
+                rows.append(row)
+                writer.writerow(row)
+                file.flush()
+        except KeyboardInterrupt:
+            print("stopped", file=sys.stderr)
     return table(rows)
 
 
