@@ -95,7 +95,8 @@ def add_inside(ob, points, edges=()):
 
 @pytest.mark.parametrize("method", ["auto", "polyharmonic_spline"])
 @pytest.mark.parametrize("corners", [False, True])
-def test_loose_vertices_and_edges_that_are_selected_are_met(corners, method):
+@pytest.mark.parametrize("output", [{"resolution": 24}, {"output": "quads", "rows": 3}], ids=["triangles", "quads"])
+def test_loose_vertices_and_edges_that_are_selected_are_met(output, corners, method):
     ob, at = add_sectors(4)
     points = np.array([(0, 0, 0.12), (0.12, 0.1, 0.06), (0.12, 0, 0.08), (0.12, -0.1, 0.06)])
     add_inside(ob, points, [(1, 2), (2, 3)])
@@ -105,7 +106,7 @@ def test_loose_vertices_and_edges_that_are_selected_are_met(corners, method):
     loose = [v for v in bm.verts if not v.link_faces]
     rim = [bm.verts[v] for v in at] if corners else min(scenes.border_loops(bm), key=len)
     scenes.select(bm, [*rim, *loose])
-    assert smooth(resolution=24, method=method) == {"FINISHED"}
+    assert smooth(**output, method=method) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     new = list(ob.data.polygons)[before:]
     assert new and not ob.data.validate(verbose=True)

@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "test_surfaces.h"
+#include "tripatch/output/polygon_cover.h"
+#include "tripatch/output/quad_smoothing.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/patch.h"
 #include "tripatch/polygon/space.h"
@@ -489,4 +491,37 @@ TEST_CASE("polygon patch: one that is kept is taken where nothing has changed, a
     CHECK(patch_of(sides, options) == fresh);
     if (k > 1) CHECK(first != fresh);  // the first is itself; without q curvature is not followed
   }
+}
+
+TEST_CASE("polygon patch: vertices of quads go to places inside as long as no quad turns over") {
+  const PolygonPatch made = polygon_patch(sides_between(plane, ring(4)), plain);
+  constexpr int edges = 6;
+  PlanePoints rim(4 * edges, 2);
+  std::vector<RimCorner> corners;
+  for (int i = 0; i < 4; ++i) {
+    corners.push_back({i * edges, 1});
+    for (int k = 0; k < edges; ++k) rim.row(i * edges + k) = made.domain.on_side(i, static_cast<double>(k) / edges);
+  }
+  Points uv = Points::Zero(rim.rows(), 3);
+  uv.leftCols(2) = rim;
+  const Points border = made.patch->positions(uv);
+  LayoutOptions options;
+  options.rows = 0;
+  const Vec2 out = (made.domain.on_side(0, 0.5) - made.domain.center()) / 3, middle = made.domain.center();
+  double least = 1;
+  bool refused = false;
+  for (double share = 0.8; share > 0; share -= 0.01) {  // of an edge, between two places
+    const PlaneCover cover = cover_polygon_with_quads(rim, border, corners, *made.patch, options, {middle, middle + share * out});
+    const bool met = cover.warnings.empty();
+    for (const Vec2& place : {middle, Vec2(middle + share * out)})
+      CHECK((!met || ((cover.uv.rowwise() - place.transpose()).rowwise().norm().array() < 1e-15).any()));
+    refused = refused || !met;
+    if (!met) continue;
+    Points at = Points::Zero(cover.uv.rows(), 3);
+    at.leftCols(2) = cover.uv;
+    at = made.patch->positions(at);
+    least = std::min(least, quad_quality(at, cover.faces).least);
+  }
+  CHECK(refused);
+  CHECK(least > 0.25);
 }

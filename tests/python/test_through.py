@@ -50,6 +50,47 @@ def test_points_normals_and_curves_inside_are_met(name):
     assert tripatch.angles(met(fill.patch, slanted[0])[1][None], slanted[1:] / np.linalg.norm(slanted[1])).max() < 1e-7
 
 
+def nearest_vertices(fill, points):
+    return np.array([np.linalg.norm(fill.vertices - point, axis=1).argmin() for point in points])
+
+
+@pytest.mark.parametrize("name", HOLES)
+@pytest.mark.parametrize("count", [1, 4])
+def test_quads_of_a_patch_between_sides_have_vertices_there(name, count):
+    vertices, faces, corners, edges = HOLES[name]
+    options = {"rim": np.arange(edges), "corners": corners, "output": "quads", "resolution": 2}
+    size = np.ptp(vertices[:edges], axis=0).max()
+    plain = tripatch.fill(vertices, faces, **options, through=[vertices[:edges].mean(axis=0) + [0, 0, 0.1 * size]])
+    order = np.linalg.norm(plain.vertices - plain.vertices.mean(axis=0), axis=1).argsort()[: 8 * count : 8]
+    apart = np.linalg.norm(plain.vertices[order, None] - plain.vertices, axis=2)
+    nearest = plain.vertices[apart.argsort(axis=1)[:, 1]]
+    points = 0.7 * plain.vertices[order] + 0.3 * nearest  # between the vertices that the quads have
+    fill = tripatch.fill(vertices, faces, **options, through=list(points))
+    assert fill.report.method == "multi_sided" and {len(face) for face in fill.faces} == {4}
+    at = nearest_vertices(fill, points)
+    assert len(set(at)) == count and np.abs(fill.vertices[at] - points).max() < 1e-12 * size
+    assert not any("points inside" in warning for warning in fill.report.warnings)
+    assert fill.report.triangles_folded == 0
+    uv = np.vstack([np.zeros((len(vertices), 2)), fill.uv])
+    uv[fill.rim] = fill.rim_uv
+    corners_of_faces = uv[np.array(fill.faces)]
+    ahead, back = (np.roll(corners_of_faces, by, axis=1) - corners_of_faces for by in (-1, 1))
+    assert (ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]).min() > 0, "a quad is turned over"
+
+
+def test_a_point_that_would_turn_a_quad_over_stays_without_a_vertex():
+    """Three in a small part of one quad: the surface meets them, and the quads stay as good as they are."""
+    vertices, faces, corners, edges = HOLES["five"]
+    options = {"rim": np.arange(edges), "corners": corners, "output": "quads", "resolution": 0}
+    plain = tripatch.fill(vertices, faces, **options, through=[(0, 0, 1.2)])
+    close = [(0, 0, 1.2), (0.002, 0, 1.2), (0.001, 0.0015, 1.2)]
+    fill = tripatch.fill(vertices, faces, **options, through=close)
+    assert any("no vertices of them lie there" in warning for warning in fill.report.warnings)
+    assert len(fill.faces) == len(plain.faces) and fill.report.triangles_folded == 0
+    for point in close:
+        assert met(fill.patch, np.array(point))[0] < 1e-12
+
+
 def test_points_far_from_the_origin_and_options_by_side_of_three():
     vertices, faces, corners, edges = HOLES["three"]
     tip = np.array([0.02, 0.01, 1.05])
@@ -67,10 +108,6 @@ def test_between_three_sides():
     corners = np.array([(0, 0, 0), (1, 0, 0), (0.3, 0.9, 0)])
     patch = tripatch.patch(flat_sides(corners), fairing="auto", through=[(0.4, 0.3, 0.1)])
     assert met(patch, np.array([0.4, 0.3, 0.1]))[0] < 1e-12
-
-
-def nearest_vertices(fill, points):
-    return np.array([np.linalg.norm(fill.vertices - point, axis=1).argmin() for point in points])
 
 
 @pytest.mark.parametrize("noise", [0, 0.05], ids=["smooth", "rough"])

@@ -391,7 +391,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
   const PlaneCover cover = options.output == Output::quads
                                ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
-                                                          layout_options(options))
+                                                          layout_options(options), made.met)
                                : triangles_of(made.domain.center(), made.domain.sides(), *made.patch, rim_uv, points, corners,
                                               joined_rows(around, rim), options.resolution, made.met);
   fill.rim = rim;
@@ -608,7 +608,7 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   fill.sides = {made.side};
   const bool quads = options.output == Output::quads, even = r % 2 == 0 || options.odd == Odd::split;
   const PlaneCover cover = quads && even
-                               ? cover_polygon_with_quads(rim_uv, points, {}, *made.patch, layout_options(options))
+                               ? cover_polygon_with_quads(rim_uv, points, {}, *made.patch, layout_options(options), made.met)
                                : triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, {}, joined_rows(around, rim),
                                               quads ? std::nullopt : options.resolution, made.met, quads);
   deliver(cover, mesh.vertices.rows(), fill);

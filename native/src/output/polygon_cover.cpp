@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace tripatch {
 namespace {
@@ -35,13 +36,36 @@ Points on_surface(const PlaneLayout& layout, const Surface& patch, const Points&
   return vertices;
 }
 
-/// Smooths on the surface, as far as that helps the least angle. Returns the vertices.
-Points smoothed(PlaneLayout& layout, const Surface& patch, const Points& border) {
+/// The vertices inside that are nearest to these places, the nearest of all first, each with its place; fewer where there are too few.
+std::vector<std::pair<Index, Vec2>> nearest_inside(const PlaneLayout& layout, std::vector<Vec2> places) {
+  std::vector<std::pair<Index, Vec2>> found;
+  std::vector<bool> taken(static_cast<std::size_t>(layout.uv.rows()), false);
+  while (!places.empty() && static_cast<Index>(found.size()) < layout.uv.rows() - layout.rim) {
+    double least = INFINITY;
+    Index vertex = 0;
+    std::size_t place = 0;
+    for (Index v = layout.rim; v < layout.uv.rows(); ++v)
+      for (std::size_t k = 0; k < places.size() && !taken[v]; ++k) {
+        const double apart = (layout.uv.row(v).transpose() - places[k]).norm();
+        if (!(apart < least)) continue;
+        least = apart;
+        vertex = v;
+        place = k;
+      }
+    found.emplace_back(vertex, places[place]);
+    taken[vertex] = true;
+    places.erase(places.begin() + static_cast<std::ptrdiff_t>(place));
+  }
+  return found;
+}
+
+/// Smooths on the surface, as far as that helps the least angle. Returns the vertices. held: those inside that stay.
+Points smoothed(PlaneLayout& layout, const Surface& patch, const Points& border, const std::vector<Index>& held = {}) {
   Points best = on_surface(layout, patch, border);
   double least = quad_quality(best, layout.faces).least;
   for (const auto& [sweeps, sharpening] : {std::array<int, 2>{sweeps_on_surface, 0}, {0, sweeps_of_angles}}) {
     PlaneLayout trial = layout;
-    smooth_quads(trial, sweeps, sharpening, &patch, &border);
+    smooth_quads(trial, sweeps, sharpening, &patch, &border, held);
     Points there = on_surface(trial, patch, border);
     const double now = quad_quality(there, layout.faces).least;
     if (!(now >= least)) continue;
@@ -52,10 +76,38 @@ Points smoothed(PlaneLayout& layout, const Surface& patch, const Points& border)
   return best;
 }
 
+/// The sine of the least angle of a quad with which vertices are still moved to places that are asked for. Of two places nearer and nearer
+/// to each other in a square of quads it is 0.38 or more, or quads are stuck, turned over or nearly (0.03): nothing lies between.
+constexpr double least_sine = 0.17;
+
+/// Vertices go to their places in so many steps, each followed by so many sweeps over the others: no quad need turn over on the way.
+constexpr int steps_to_places = 5, sweeps_on_the_way = 3;
+
+/// The same with vertices at these places; nothing where there are too few, or a quad would turn over.
+std::optional<Points> smoothed_at(PlaneLayout& layout, const Surface& patch, const Points& border,
+                                  const std::vector<Vec2>& places) {
+  const auto found = nearest_inside(layout, places);
+  if (found.size() < places.size()) return {};
+  std::vector<Index> held;
+  for (const auto& [v, place] : found) held.push_back(v);
+  PlaneLayout trial = layout;
+  for (int step = 1; step <= steps_to_places; ++step) {
+    for (const auto& [v, place] : found) {
+      const Vec2 start = layout.uv.row(v);
+      trial.uv.row(v) = step == steps_to_places ? place : Vec2(start + step * (place - start) / steps_to_places);
+    }
+    smooth_quads(trial, sweeps_on_the_way, 0, &patch, &border, held);
+  }
+  Points vertices = smoothed(trial, patch, border, held);
+  if (!(quad_quality(vertices, trial.faces).least >= least_sine)) return {};
+  layout = std::move(trial);
+  return vertices;
+}
+
 }  // namespace
 
 PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& points, std::vector<RimCorner> corners,
-                                    const Surface& patch, const LayoutOptions& options) {
+                                    const Surface& patch, const LayoutOptions& options, const std::vector<Vec2>& met) {
   PlaneCover cover;
   PlanePoints rim = given;
   Points border = points;
@@ -75,10 +127,15 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
   cover.rim = rim.rows();
   // rows along the rim put two quads into each corner: none is added that is not asked for
   const int first = options.rows.value_or(0), last = options.rows || !options.tolerance ? first : most_extra_rows;
-  bool near = false;
-  for (int rows = first; rows <= last && !near; ++rows) {
+  bool near = false, meets = met.empty();
+  for (int rows = first; rows <= last && !(near && meets); ++rows) {
     PlaneLayout layout = polygon_layout(rim, corners, rows);
     Points vertices = smoothed(layout, patch, border);
+    if (!met.empty()) {
+      std::optional<Points> at = smoothed_at(layout, patch, border, met);
+      meets = at.has_value();
+      if (meets) vertices = std::move(*at);
+    }
     near = first == last || middle_deviation(layout, vertices, patch) <= *options.tolerance;
     cover.uv = std::move(layout.uv);
     cover.faces = std::move(layout.faces);
@@ -86,6 +143,7 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
     cover.rows = rows;
   }
   if (!near) cover.warnings.emplace_back(too_few_rows);
+  if (!meets) cover.warnings.emplace_back("The points inside lie on the quads' surface, but no vertices of them lie there");
   return cover;
 }
 

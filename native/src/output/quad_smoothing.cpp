@@ -100,8 +100,9 @@ Jet<2> root_of(const Jet<2>& x) { return sqrt(x); }
 /// Moves vertices one after the other.
 class Smoother {
 public:
-  Smoother(PlaneLayout& layout, const Surface* surface, const Points* border)
-      : layout_(layout), surface_(surface), border_(border), at_(layout.uv.rows()) {
+  Smoother(PlaneLayout& layout, const Surface* surface, const Points* border, const std::vector<Index>& held)
+      : layout_(layout), surface_(surface), border_(border), at_(layout.uv.rows()), held_(layout.uv.rows(), false) {
+    for (Index v : held) held_[v] = true;
     read_surface();
     const RowWidths widths(layout.faces, layout.rim, positions());
     for (Index f = 0; f < layout.faces.size(); ++f) {
@@ -124,7 +125,8 @@ public:
       for (const Corner& corner : corners_)
         if (area(corner) < least_area) bound_ = least_area;
       sharp_ = sweep >= sweeps && bound_ == 0;
-      for (Index v = layout_.rim; v < layout_.uv.rows(); ++v) move(v);
+      for (Index v = layout_.rim; v < layout_.uv.rows(); ++v)
+        if (!held_[v]) move(v);
     }
   }
 
@@ -260,6 +262,7 @@ private:
   const Surface* surface_;
   const Points* border_;
   std::vector<std::vector<Index>> at_;
+  std::vector<bool> held_;
   std::vector<Corner> corners_;
   std::vector<Taylor> taylor_;
   std::vector<Vec3> normal_, x_;
@@ -323,8 +326,9 @@ void embed(PlaneLayout& layout) {
   layout.uv = rows.leftCols(2);
 }
 
-void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening, const Surface* surface, const Points* border) {
-  if (layout.uv.rows() > layout.rim) Smoother(layout, surface, border).run(sweeps, sharpening);
+void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening, const Surface* surface, const Points* border,
+                  const std::vector<Index>& held) {
+  if (layout.uv.rows() > layout.rim) Smoother(layout, surface, border, held).run(sweeps, sharpening);
 }
 
 }  // namespace tripatch

@@ -23,8 +23,9 @@ struct PlaneCover {
   std::vector<std::string> warnings;
 };
 
-/// rim: places in a convex domain and `points` in space, a row each; corners: as polygon_layout takes them.
+/// rim: places in a convex domain and `points` in space, a row each; corners: as polygon_layout takes them. met: places inside that
+/// become vertices, as far as no quad is turned over by that; a warning else.
 PlaneCover cover_polygon_with_quads(const PlanePoints& rim, const Points& points, std::vector<RimCorner> corners,
-                                    const Surface& patch, const LayoutOptions& options);
+                                    const Surface& patch, const LayoutOptions& options, const std::vector<Vec2>& met = {});
 
 }  // namespace tripatch

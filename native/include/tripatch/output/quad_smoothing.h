@@ -32,8 +32,8 @@ void spread_inside(const Faces& faces, Index rim, Points& rows);
 
 /// Moves the inside vertices towards quads whose corners are right angles and whose sides are as the rows' ends on the rim, by Newton
 /// steps of one vertex after the other; then sweeps in which the least angle leads. surface: in the metric of that over the domain;
-/// none: in the plane. border: where the rim is in space (rim x 3), with a surface.
+/// none: in the plane. border: where the rim is in space (rim x 3), with a surface. held: inside vertices that stay.
 void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening = 0, const Surface* surface = nullptr,
-                  const Points* border = nullptr);
+                  const Points* border = nullptr, const std::vector<Index>& held = {});
 
 }  // namespace tripatch
