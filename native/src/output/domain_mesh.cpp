@@ -175,12 +175,13 @@ void DomainMesh::collapse_short() {
       const Triangle& f = triangles_[t];
       const int k = corner_of(t, v), w = f.v[(k + 1) % 3];
       const double ratio = length(v, w) / (too_short * std::min(size_[v], size_[w]));
-      if (coarse(ratio) < 1) edges.push_back({v, w, ratio});
+      if (ratio >= 1) continue;
+      if (const double key = coarse(ratio); key < 1) edges.push_back({v, w, key});
     }
   }
   std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
     check_interruption();
-    return coarse(p.excess) < coarse(q.excess);
+    return p.excess < q.excess;
   });
   for (const Edge& e : edges) collapse(e.triangle, e.k);
 }

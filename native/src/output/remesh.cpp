@@ -261,13 +261,13 @@ private:
         const double excess = inner ? length(a, b) / (too_long * size_of_edge(a, b)) : 0;
         if (is_joined(a, b))
           edges.push_back({t, k, std::numeric_limits<double>::infinity()});
-        else if (coarse(excess) > 1)
-          edges.push_back({t, k, excess});
+        else if (const double key = sorted_by(excess); key > 1)
+          edges.push_back({t, k, key});
       }
     }
     std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
       check_interruption();
-      return coarse(p.excess) > coarse(q.excess);
+      return p.excess > q.excess;
     });
     if (inner) edges.resize(std::min(edges.size(), static_cast<std::size_t>((most_ - alive) / 2) + 1));
     return split(edges);

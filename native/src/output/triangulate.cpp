@@ -211,16 +211,16 @@ private:
         const int a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3];
         if (f.n[k] < 0) {
           const int between = rim_vertices_between(a, b);
-          if (between) edges.push_back({t, k, static_cast<double>(between + 1)});
+          if (between) edges.push_back({t, k, coarse(between + 1)});
         } else if (inner && t < f.n[k]) {
-          const double excess = length(a, b) / (too_long * size_of_edge(a, b));
-          if (coarse(excess) > 1) edges.push_back({t, k, excess});
+          const double key = sorted_by(length(a, b) / (too_long * size_of_edge(a, b)));
+          if (key > 1) edges.push_back({t, k, key});
         }
       }
     }
     std::stable_sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
       check_interruption();
-      return coarse(p.excess) > coarse(q.excess);
+      return p.excess > q.excess;
     });
     std::vector<char> taken(triangles_.size(), 0);
     std::vector<Edge> chosen;

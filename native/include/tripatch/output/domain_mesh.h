@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "tripatch/math/ties.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -40,8 +41,10 @@ protected:
   };
   struct Edge {
     int triangle, k;
-    double excess;
+    double excess;  // coarse: what edges are sorted by
   };
+  /// Of an edge that may be split: coarse, 1 or less where it is not too long.
+  static double sorted_by(double excess) { return excess > 1 ? coarse(excess) : 1; }
 
   explicit DomainMesh(int rim) : rim_(rim) {}
 
