@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tripatch/math/interruption.h"
 
@@ -40,56 +41,20 @@ constexpr double order_error = 0.5;
 constexpr double least_share = 0.02;
 /// Distance from a sample, in normalised coordinates, at which derivatives are taken that have no limit there.
 constexpr double least_distance = 1e-7;
-/// Points whose distances from some hundred samples stay in the cache.
-constexpr Index block = 64;
 
-/// r^(2m-2), with a logarithm where the exponent is even; free polynomials up to degree m - 1 rounded down.
-int exponent(double order) { return static_cast<int>(std::lround(2 * order - 2)); }
-int degree(double order) { return static_cast<int>(std::floor(order - 1 + 1e-9)); }
-int polynomials(double order) { return (degree(order) + 1) * (degree(order) + 2) / 2; }
-double sign_of(int e) { return (e % 2 == 0 ? (e / 2 + 1) : (e + 1) / 2) % 2 == 0 ? 1 : -1; }
-
-/// Monomials up to the order's degree at points, n x q; their derivatives by one of the coordinates.
-MatrixXd monomials(const PlanePoints& c, double order, int axis = -1) {
-  const int d = degree(order);
+/// Monomials up to the order's degree at points, n x q.
+MatrixXd monomials(const PlanePoints& c, double order) {
+  const int d = free_degree_of(order);
   MatrixXd u = MatrixXd::Ones(c.rows(), d + 1), v = u;
   for (int k = 1; k <= d; ++k) {
     u.col(k) = u.col(k - 1).cwiseProduct(c.col(0));
     v.col(k) = v.col(k - 1).cwiseProduct(c.col(1));
   }
-  if (axis >= 0) {
-    MatrixXd& along = axis == 0 ? u : v;
-    for (int k = d; k > 0; --k) along.col(k) = k * along.col(k - 1);
-    along.col(0).setZero();
-  }
-  MatrixXd out(c.rows(), polynomials(order));
+  MatrixXd out(c.rows(), free_polynomials(order));
   int column = 0;
   for (int i = 0; i <= d; ++i)
     for (int j = 0; i + j <= d; ++j, ++column) out.col(column) = u.col(i).cwiseProduct(v.col(j));
   return out;
-}
-
-ArrayXXd power(const ArrayXXd& x, int exponent) {
-  ArrayXXd p = ArrayXXd::Ones(x.rows(), x.cols());
-  for (int k = 0; k < exponent; ++k) p *= x;
-  return p;
-}
-
-/// Of squared distances, with the limit 0 at 0.
-MatrixXd kernel_of(double order, const MatrixXd& squared) {
-  const int e = exponent(order);
-  const ArrayXXd s = squared.array();
-  if (e % 2 == 1) return (sign_of(e) * power(s, e / 2) * s.sqrt()).matrix();
-  return (0.5 * sign_of(e) * power(s, e / 2) * s.max(std::numeric_limits<double>::min()).log()).matrix();
-}
-
-/// Twice its derivative by the squared distance: its gradient over the way from the sample.
-MatrixXd kernel_slope(double order, const MatrixXd& squared) {
-  const int e = exponent(order);
-  const ArrayXXd s = squared.array().max(least_distance * least_distance);
-  if (e % 2 == 1)
-    return (e == 1 ? ArrayXXd(sign_of(e) / s.sqrt()) : ArrayXXd(e * sign_of(e) * power(s, e / 2 - 1) * s.sqrt())).matrix();
-  return (sign_of(e) * power(s, e / 2 - 1) * (e / 2 * s.log() + 1)).matrix();
 }
 
 MatrixXd squared_distances(const PlanePoints& a, const PlanePoints& b) {
@@ -102,7 +67,7 @@ MatrixXd squared_distances(const PlanePoints& a, const PlanePoints& b) {
 /// are given the kernel's mean variance in it, so that it is definite, and stay apart from contrasts.
 struct Contrasts {
   Contrasts(const PlanePoints& c, const MatrixXd& squared, double order)
-      : q(polynomials(order)), kernel(kernel_of(order, squared)) {
+      : q(free_polynomials(order)), kernel(polyharmonic_kernel(order, squared)) {
     const Eigen::HouseholderQR<MatrixXd> qr(monomials(c, order));
     basis = qr.householderQ() * MatrixXd::Identity(c.rows(), q);
     triangle = qr.matrixQR().topLeftCorner(q, q).triangularView<Eigen::Upper>();
@@ -112,15 +77,19 @@ struct Contrasts {
     unit = trace / static_cast<double>(c.rows() - q);
     turned -= 0.5 * basis * (within + unit * MatrixXd::Identity(q, q));
     inner = kernel;
-    inner.triangularView<Eigen::Lower>() -= basis * turned.transpose();
-    inner.triangularView<Eigen::Lower>() -= turned * basis.transpose();
+    MatrixXd left(c.rows(), 2 * q), right(c.rows(), 2 * q);
+    left << basis, turned;
+    right << turned, basis;
+    inner.triangularView<Eigen::Lower>() -= left * right.transpose();
   }
   /// Without their polynomial part.
   MatrixXd of(const MatrixXd& samples) const { return samples - basis * (basis.transpose() * samples); }
-  Eigen::LLT<MatrixXd> factor(double nugget) const {
-    MatrixXd sum = inner;
-    sum.diagonal().array() += nugget;
-    return Eigen::LLT<MatrixXd>(sum);
+  Eigen::LLT<MatrixXd> factor(double nugget) {
+    const VectorXd diagonal = inner.diagonal();
+    inner.diagonal().array() += nugget;
+    Eigen::LLT<MatrixXd> made(inner);
+    inner.diagonal() = diagonal;
+    return made;
   }
 
   Index q;
@@ -136,30 +105,51 @@ struct Likelihood {
   double variance = 0;  // of the kernel's unit
 };
 
+/// Samples by the coordinates in which the matrix is tridiagonal: its reflections one after the other, for there are few columns.
+MatrixXd turned_by(const Eigen::Tridiagonalization<MatrixXd>& decomposed, MatrixXd samples) {
+  const auto coefficients = decomposed.householderCoefficients();
+  const MatrixXd& vectors = decomposed.packedMatrix();
+  for (Index k = 0; k < coefficients.size(); ++k) {
+    auto rows = samples.bottomRows(samples.rows() - k - 1);
+    const auto beyond = vectors.col(k).tail(rows.rows() - 1);
+    for (Index c = 0; c < samples.cols(); ++c) {
+      auto column = rows.col(c);
+      const double share = coefficients[k] * (column[0] + beyond.dot(column.tail(beyond.size())));
+      column[0] -= share;
+      column.tail(beyond.size()) -= share * beyond;
+    }
+  }
+  return samples;
+}
+
+/// The logarithm of so many pivots is taken at once: between a nugget of rounding and one that is all noise they are numbers.
+constexpr Index logarithm_of = 4;
+
 /// The restricted likelihood of one order at its best nugget: samples vary in one direction, across the surface. The contrasts'
 /// kernel is made tridiagonal once, after which a nugget costs no more than its samples.
 Likelihood likelihood_of(const Contrasts& contrasts, const MatrixXd& samples) {
   const Eigen::Tridiagonalization<MatrixXd> decomposed(contrasts.inner);
   const VectorXd diagonal = decomposed.diagonal(), beside = decomposed.subDiagonal();
-  MatrixXd z = contrasts.of(samples);
-  z.applyOnTheLeft(decomposed.matrixQ().adjoint());
-  const Index n = z.rows(), free = n - contrasts.q;
+  const Eigen::Matrix3Xd z = turned_by(decomposed, contrasts.of(samples)).transpose();
+  const Index n = z.cols(), free = n - contrasts.q;
   Likelihood best;
   for (double decade = lowest_nugget; decade <= highest_nugget; decade += nugget_step) {
     const double nugget = std::pow(10.0, decade) * contrasts.unit;
     double pivot = diagonal[0] + nugget;
-    double logarithms = std::log(pivot) - static_cast<double>(contrasts.q) * std::log(contrasts.unit + nugget);
-    Eigen::RowVectorXd y = z.row(0);
+    double pivots = pivot, logarithms = -static_cast<double>(contrasts.q) * std::log(contrasts.unit + nugget);
+    Eigen::Vector3d y = z.col(0);
     double squares = y.squaredNorm() / pivot;
     bool definite = pivot > 0;
     for (Index k = 1; k < n && definite; ++k) {
       const double l = beside[k - 1] / pivot;
-      y = z.row(k) - l * y;
+      y = z.col(k) - l * y;
       pivot = diagonal[k] + nugget - l * beside[k - 1];
       definite = pivot > 0;
-      logarithms += std::log(pivot);
+      pivots *= pivot;
+      if (k % logarithm_of == 0) logarithms += std::log(std::exchange(pivots, 1));
       squares += y.squaredNorm() / pivot;
     }
+    logarithms += std::log(pivots);
     if (!definite) continue;
     const double variance = std::max(squares / static_cast<double>(free), 1e-300);
     const double logarithm = -0.5 * static_cast<double>(free) * std::log(variance) - 0.5 * logarithms;
@@ -189,7 +179,11 @@ Field::Field(const PlanePoints& points, const Points& samples, const FieldOption
   }
   choose(at, values, options);
   const MatrixXd squared = squared_distances(points_, points_);
-  for (Part& part : parts_) fit(part, squared, local);
+  sum_.emplace(points_);
+  for (Part& part : parts_) {
+    fit(part, squared, local);
+    sum_->add(part.order, part.share, part.weights, part.polynomial);
+  }
 }
 
 PlanePoints Field::normalised(const PlanePoints& points) const { return (points.rowwise() - middle_) / size_; }
@@ -200,8 +194,8 @@ void Field::choose(const PlanePoints& few, const Points& samples, const FieldOpt
   std::vector<Likelihood> found;
   std::vector<double> orders;
   for (double order : options.orders) {
-    if (order != options.orders.front() && polynomials(order) > n / 3) continue;
-    if (polynomials(order) >= n) continue;
+    if (order != options.orders.front() && free_polynomials(order) > n / 3) continue;
+    if (free_polynomials(order) >= n) continue;
     orders.push_back(order);
     found.push_back(likelihood_of(Contrasts(few, squared, order), y));
   }
@@ -247,7 +241,7 @@ void Field::hedge(double unit) {
 }
 
 void Field::fit(Part& part, const MatrixXd& squared, const Points& samples) const {
-  const Contrasts contrasts(points_, squared, part.order);
+  Contrasts contrasts(points_, squared, part.order);
   const MatrixXd z = contrasts.of(samples);
   double& nugget = part.used_nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * contrasts.unit);
   Eigen::LLT<MatrixXd> factor = contrasts.factor(nugget);
@@ -257,32 +251,10 @@ void Field::fit(Part& part, const MatrixXd& squared, const Points& samples) cons
                                                                             (samples - contrasts.kernel * part.weights));
 }
 
-void Field::evaluate_block(const PlanePoints& at, int order, double* out) const {
-  const Index count = at.rows();
-  const MatrixXd squared = squared_distances(at, points_);
-  for (const Part& part : parts_) {
-    const Points p = kernel_of(part.order, squared) * part.weights + monomials(at, part.order) * part.polynomial;
-    const Index stride = order == 0 ? 3 : 9;
-    for (Index k = 0; k < count; ++k)
-      for (int axis = 0; axis < 3; ++axis) out[stride * k + axis] += part.share * p(k, axis);
-    if (order == 0) continue;
-    const MatrixXd slope = kernel_slope(part.order, squared);
-    const Points sum = slope * part.weights;
-    for (int by = 0; by < 2; ++by) {
-      // the way from each sample to each point, times the slope: the point's part and the sample's part apart
-      const Points from = slope * points_.col(by).asDiagonal() * part.weights;
-      Points d = monomials(at, part.order, by) * part.polynomial - from;
-      d += at.col(by).asDiagonal() * sum;
-      for (Index k = 0; k < count; ++k)
-        for (int axis = 0; axis < 3; ++axis) out[9 * k + 3 * (by + 1) + axis] += part.share / size_ * d(k, axis);
-    }
-  }
-}
-
 template <int N>
 void Field::jets(const Part& part, const double* rows, Index n, double* out) const {
-  const int e = exponent(part.order);
-  const double sign = e % 2 == 0 ? 0.5 * sign_of(e) : sign_of(e), half = 0.5 * e, step = 1 / size_;
+  const int e = polyharmonic_exponent(part.order);
+  const double sign = polyharmonic_factor(e), half = 0.5 * e, step = 1 / size_;
   for (Index k = 0; k < n; ++k) {
     const Eigen::RowVector2d at = (Eigen::RowVector2d(rows[3 * k], rows[3 * k + 1]) - middle_) / size_;
     JetPoint<N> sum;
@@ -308,9 +280,9 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
     const Jet<N> u = Jet<N>::linear(at[0], step, 0), v = Jet<N>::linear(at[1], 0, step);
     int row = 0;
     Jet<N> ui(1.0);
-    for (int i = 0; i <= degree(part.order); ++i, ui = ui * u) {
+    for (int i = 0; i <= free_degree_of(part.order); ++i, ui = ui * u) {
       Jet<N> term = ui;
-      for (int j = 0; i + j <= degree(part.order); ++j, ++row, term = term * v)
+      for (int j = 0; i + j <= free_degree_of(part.order); ++j, ++row, term = term * v)
         for (int axis = 0; axis < 3; ++axis) sum.x[axis] += part.polynomial(row, axis) * term;
     }
     for (int c = 0; c < Jet<N>::size; ++c)
@@ -319,22 +291,26 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
 }
 
 void Field::evaluate(const double* b, Index n, int order, double* out) const {
-  std::fill_n(out, n * jet_size(std::clamp(order, 0, max_order)) * 3, 0.0);
   const Index stride = jet_size(order) * 3;
   if (order < 2) {
-    for (Index from = 0; from < n; from += block) {
-      check_interruption();
-      const Index count = std::min(block, n - from);
-      PlanePoints at(count, 2);
-      for (Index k = 0; k < count; ++k) at.row(k) << b[3 * (from + k)], b[3 * (from + k) + 1];
-      evaluate_block(normalised(at), order, out + stride * from);
-    }
+    const PlanePoints at = normalised(Eigen::Map<const Points>(b, n, 3).leftCols<2>());
+    sum_->evaluate(at, order == 1, out);
+    if (order == 1)
+      for (Index k = 0; k < n; ++k)
+        for (int c = 3; c < 9; ++c) out[9 * k + c] /= size_;
   } else {
+    std::fill_n(out, n * jet_size(std::min(order, max_order)) * 3, 0.0);
     for (const Part& part : parts_)
       with_order<2, max_order>(order, [&](auto constant) { jets<constant.value>(part, b, n, out); });
   }
   for (Index k = 0; k < n; ++k)
     for (int axis = 0; axis < 3; ++axis) out[k * stride + axis] += origin_[axis];
+}
+
+PolyharmonicSum Field::alone(const Part& part) const {
+  PolyharmonicSum sum(points_);
+  sum.add(part.order, 1, part.weights, part.polynomial);
+  return sum;
 }
 
 VectorXd Field::deviation(const PlanePoints& points, const Points& directions) const {
@@ -347,24 +323,18 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
   const MatrixXd squared = squared_distances(some, some), apart = squared_distances(some, at);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const Part& part = parts_[p];
-    const Contrasts contrasts(some, squared, part.order);
+    Contrasts contrasts(some, squared, part.order);
     const Eigen::LLT<MatrixXd> factor = contrasts.factor(part.used_nugget);
-    const MatrixXd free = monomials(at, part.order), kernel = kernel_of(part.order, apart);
+    const MatrixXd free = monomials(at, part.order), kernel = polyharmonic_kernel(part.order, apart);
     // the polynomial through the samples that is nearest, and the contrast of a point with it
-    const MatrixXd nearest =
-        contrasts.basis * contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
-    const MatrixXd among = contrasts.kernel * nearest + part.used_nugget * nearest;
+    const MatrixXd own_share = contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
+    const MatrixXd nearest = contrasts.basis * own_share;
+    const MatrixXd among = (contrasts.kernel * contrasts.basis + part.used_nugget * contrasts.basis) * own_share;
     const VectorXd own = nearest.cwiseProduct(among - 2 * kernel).colwise().sum().transpose();
     const MatrixXd known = factor.matrixL().solve(contrasts.of(kernel - among));
     const VectorXd left = (own - known.colwise().squaredNorm().transpose()).cwiseMax(0);
     variance += part.share * part.variance * left;
-    for (Index k = 0; k < at.rows(); k += block) {
-      check_interruption();
-      const Index count = std::min(block, at.rows() - k);
-      const Points position = kernel_of(part.order, squared_distances(at.middleRows(k, count), points_)) * part.weights +
-                              free.middleRows(k, count) * part.polynomial;
-      each.col(static_cast<Index>(p)).segment(k, count) = position.cwiseProduct(directions.middleRows(k, count)).rowwise().sum();
-    }
+    each.col(static_cast<Index>(p)) = alone(part).values(at).cwiseProduct(directions).rowwise().sum();
   }
   VectorXd mean = VectorXd::Zero(at.rows());
   for (std::size_t p = 0; p < parts_.size(); ++p) mean += parts_[p].share * each.col(static_cast<Index>(p));
@@ -382,16 +352,17 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
 
 Points Field::by_another_order(const Part& part, const PlanePoints& some, const PlanePoints& at) const {
   const double order = part.order > 2.5 ? std::max(2.5, part.order - 2) : 3.5;
-  if (polynomials(order) >= some.rows()) return Points(0, 3);
-  const Points samples =
-      kernel_of(part.order, squared_distances(some, points_)) * part.weights + monomials(some, part.order) * part.polynomial;
-  const Contrasts contrasts(some, squared_distances(some, some), order);
+  if (free_polynomials(order) >= some.rows()) return Points(0, 3);
+  const Points samples = alone(part).values(some);
+  Contrasts contrasts(some, squared_distances(some, some), order);
   const Eigen::LLT<MatrixXd> factor = contrasts.factor(std::pow(10.0, lowest_nugget + 1) * contrasts.unit);
   if (factor.info() != Eigen::Success) return Points(0, 3);
   const MatrixXd weights = contrasts.of(factor.solve(contrasts.of(samples)));
   const MatrixXd polynomial = contrasts.triangle.triangularView<Eigen::Upper>().solve(contrasts.basis.transpose() *
                                                                                       (samples - contrasts.kernel * weights));
-  return kernel_of(order, squared_distances(at, some)) * weights + monomials(at, order) * polynomial;
+  PolyharmonicSum other(some);
+  other.add(order, 1, weights, polynomial);
+  return other.values(at);
 }
 
 }  // namespace tripatch

@@ -6,9 +6,11 @@
 //     nearly as likely are averaged.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "tripatch/math/plane.h"
+#include "tripatch/math/polyharmonic.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
@@ -61,7 +63,7 @@ private:
   /// Where there is one part: the surface of the order next to it through `some` of its points, at others; no rows where there is none.
   /// All normalised.
   Points by_another_order(const Part& part, const PlanePoints& some, const PlanePoints& at) const;
-  void evaluate_block(const PlanePoints& at, int order, double* out) const;
+  PolyharmonicSum alone(const Part& part) const;
   template <int N>
   void jets(const Part& part, const double* rows, Index n, double* out) const;
 
@@ -70,6 +72,7 @@ private:
   double size_ = 1;
   PlanePoints points_;  // normalised
   std::vector<Part> parts_;
+  std::optional<PolyharmonicSum> sum_;  // of the parts, by normalised coordinates
   double noise_ = 0, roughness_ = 0, mean_order_ = 0, likelihood_ = 0;
 };
 

@@ -1,0 +1,58 @@
+// Polyharmonic kernels r^(2m-2), with a logarithm where the exponent is even, around points of a plane, and sums of them.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "tripatch/math/plane.h"
+
+namespace tripatch {
+
+/// The exponent of a kernel of order m, twice which is a whole number; the degree of the polynomials that are free beside it, and how many.
+int polyharmonic_exponent(double order);
+/// What the power of the distance, with the logarithm of its square where the exponent is even, is taken times: then it is definite among
+/// contrasts.
+double polyharmonic_factor(int exponent);
+int free_degree_of(double order);
+int free_polynomials(double order);
+
+/// Of squared distances, with the limit 0 at 0.
+Eigen::MatrixXd polyharmonic_kernel(double order, const Eigen::MatrixXd& squared);
+
+/// Kernels of some orders around the same centers, and polynomials: values in space over a plane. Four points are taken at a time.
+class PolyharmonicSum {
+public:
+  explicit PolyharmonicSum(const PlanePoints& centers) : centers_(centers) {}
+
+  /// weights: a row for each center; polynomial: a row for each u^i v^j, i + j up to the order's degree, j the faster.
+  void add(double order, double share, const Eigen::MatrixXd& weights, const Eigen::MatrixXd& polynomial);
+
+  /// Values at n places, 3 numbers each; with slopes 9: those by u and by v after them.
+  void evaluate(const PlanePoints& at, bool slopes, double* out) const;
+  Points values(const PlanePoints& at) const;
+
+private:
+  struct Term {
+    int exponent;
+    int step;        // powers of the squared distance more than of the term before
+    Points weights;  // times share and sign
+  };
+  template <class Values>
+  std::array<Values, 3> polynomials_at(const Values& x, const Values& y, std::array<Values, 3>* by_u = nullptr,
+                                       std::array<Values, 3>* by_v = nullptr) const;
+  template <class Values, class First>
+  void add_terms(const std::vector<Term>& terms, const Values& x, const Values& y, const First& first,
+                 std::array<Values, 3>& sum) const;
+  template <int Lanes>
+  void values_at(const PlanePoints& at, Index first, double* out) const;
+  template <int Lanes>
+  void slopes_at(const PlanePoints& at, Index first, double* out) const;
+
+  PlanePoints centers_;
+  std::vector<Term> odd_, even_;  // by their exponents
+  int degree_ = -1;
+  Points polynomial_;  // of that degree
+};
+
+}  // namespace tripatch

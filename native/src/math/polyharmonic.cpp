@@ -1,0 +1,189 @@
+#include "tripatch/math/polyharmonic.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tripatch/math/interruption.h"
+
+namespace tripatch {
+namespace {
+
+/// Distance from a center at which derivatives are taken that have no limit there.
+constexpr double beside_center = 1e-7;
+constexpr double least_square = std::numeric_limits<double>::min();
+
+/// Of u^i v^j among monomials up to a degree.
+int monomial_row(int degree, int i, int j) { return i * (degree + 1) - i * (i - 1) / 2 + j; }
+
+template <int Lanes>
+using Lane = Eigen::Array<double, Lanes, 1>;
+
+/// Coordinates of so many places from one on; beyond the last it again.
+template <int Lanes>
+std::array<Lane<Lanes>, 2> lanes_of(const PlanePoints& at, Index first) {
+  std::array<Lane<Lanes>, 2> out;
+  for (Index k = 0; k < Lanes; ++k)
+    for (int axis = 0; axis < 2; ++axis) out[axis][k] = at(std::min(first + k, at.rows() - 1), axis);
+  return out;
+}
+
+}  // namespace
+
+int polyharmonic_exponent(double order) { return static_cast<int>(std::lround(2 * order - 2)); }
+double polyharmonic_factor(int e) {
+  const int turns = e % 2 == 0 ? e / 2 + 1 : (e + 1) / 2;
+  return (e % 2 == 0 ? 0.5 : 1) * (turns % 2 == 0 ? 1 : -1);
+}
+int free_degree_of(double order) { return static_cast<int>(std::floor(order - 1 + 1e-9)); }
+int free_polynomials(double order) { return (free_degree_of(order) + 1) * (free_degree_of(order) + 2) / 2; }
+
+Eigen::MatrixXd polyharmonic_kernel(double order, const Eigen::MatrixXd& squared) {
+  const int e = polyharmonic_exponent(order);
+  Eigen::MatrixXd kernel(squared.rows(), squared.cols());
+  if (e % 2 == 1)
+    kernel = (polyharmonic_factor(e) * squared.array().sqrt()).matrix();
+  else
+    kernel = (polyharmonic_factor(e) * squared.array().max(least_square).log()).matrix();
+  for (int k = 0; k < e / 2; ++k) kernel.array() *= squared.array();
+  return kernel;
+}
+
+void PolyharmonicSum::add(double order, double share, const Eigen::MatrixXd& weights, const Eigen::MatrixXd& polynomial) {
+  const int e = polyharmonic_exponent(order), d = free_degree_of(order);
+  std::vector<Term>& terms = e % 2 == 1 ? odd_ : even_;
+  terms.push_back({e, 0, share * polyharmonic_factor(e) * weights});
+  std::sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) { return a.exponent < b.exponent; });
+  for (int power = 0; Term& term : terms) {
+    term.step = term.exponent / 2 - power;
+    power += term.step;
+  }
+  if (d > degree_) {
+    Points larger = Points::Zero((d + 1) * (d + 2) / 2, 3);
+    for (int i = 0; i <= degree_; ++i)
+      for (int j = 0; i + j <= degree_; ++j) larger.row(monomial_row(d, i, j)) = polynomial_.row(monomial_row(degree_, i, j));
+    polynomial_ = std::move(larger);
+    degree_ = d;
+  }
+  for (int i = 0; i <= d; ++i)
+    for (int j = 0; i + j <= d; ++j)
+      polynomial_.row(monomial_row(degree_, i, j)) += share * polynomial.row(monomial_row(d, i, j));
+}
+
+template <int Lanes>
+void PolyharmonicSum::values_at(const PlanePoints& at, Index first, double* out) const {
+  using Values = Lane<Lanes>;
+  const auto [x, y] = lanes_of<Lanes>(at, first);
+  std::array<Values, 3> sum = polynomials_at<Values>(x, y);
+  if (!odd_.empty()) add_terms(odd_, x, y, [](const Values& square) { return Values(square.sqrt()); }, sum);
+  if (!even_.empty()) add_terms(even_, x, y, [](const Values& square) { return Values(square.max(least_square).log()); }, sum);
+  const Index count = std::min<Index>(Lanes, at.rows() - first);
+  for (Index k = 0; k < count; ++k)
+    for (int axis = 0; axis < 3; ++axis) out[3 * (first + k) + axis] = sum[axis][k];
+}
+
+/// first: the lowest kernel, but for its power of the squared distance.
+template <class Values, class First>
+void PolyharmonicSum::add_terms(const std::vector<Term>& terms, const Values& x, const Values& y, const First& first,
+                                std::array<Values, 3>& sum) const {
+  Values a = sum[0], b = sum[1], c = sum[2];  // in registers
+  const double* center = centers_.data();
+  for (Index i = 0; i < centers_.rows(); ++i, center += 2) {
+    const Values dx = x - center[0], dy = y - center[1], square = dx * dx + dy * dy;
+    Values kernel = first(square);
+    for (const Term& term : terms) {
+      for (int k = 0; k < term.step; ++k) kernel *= square;
+      const double* const w = term.weights.data() + 3 * i;
+      a += w[0] * kernel;
+      b += w[1] * kernel;
+      c += w[2] * kernel;
+    }
+  }
+  sum = {a, b, c};
+}
+
+template <int Lanes>
+void PolyharmonicSum::slopes_at(const PlanePoints& at, Index first, double* out) const {
+  using Values = Lane<Lanes>;
+  const auto [x, y] = lanes_of<Lanes>(at, first);
+  std::array<Values, 3> sum, by_u, by_v;
+  sum = polynomials_at<Values>(x, y, &by_u, &by_v);
+  const double* const c = centers_.data();
+  for (Index i = 0; i < centers_.rows(); ++i) {
+    const Values dx = x - c[2 * i], dy = y - c[2 * i + 1], square = dx * dx + dy * dy;
+    const Values apart = square.max(beside_center * beside_center);
+    // slope: of the kernel, over the way from the center
+    const auto add = [&](const Term& term, const Values& kernel, const Values& slope) {
+      const double* const w = term.weights.data() + 3 * i;
+      const Values u = slope * dx, v = slope * dy;
+      for (int axis = 0; axis < 3; ++axis) {
+        sum[axis] += w[axis] * kernel;
+        by_u[axis] += w[axis] * u;
+        by_v[axis] += w[axis] * v;
+      }
+    };
+    const auto times = [](Values x, const Values& factor, int power) {
+      for (int k = 0; k < power; ++k) x *= factor;
+      return x;
+    };
+    for (const Term& term : odd_) {
+      const int e = term.exponent;
+      const Values root = apart.sqrt();
+      add(term, times(square.sqrt(), square, e / 2), e == 1 ? Values(root.inverse()) : Values(e * times(root, apart, e / 2 - 1)));
+    }
+    for (const Term& term : even_) {
+      const int half = term.exponent / 2;
+      const Values slope = times(half * apart.log() + 1, apart, half - 1);
+      add(term, times(square.max(least_square).log(), square, half), 2 * slope);
+    }
+  }
+  const Index count = std::min<Index>(Lanes, at.rows() - first);
+  for (Index k = 0; k < count; ++k)
+    for (int axis = 0; axis < 3; ++axis) {
+      out[9 * (first + k) + axis] = sum[axis][k];
+      out[9 * (first + k) + 3 + axis] = by_u[axis][k];
+      out[9 * (first + k) + 6 + axis] = by_v[axis][k];
+    }
+}
+
+/// By u, of polynomials by v; with their derivatives where there is room for them.
+template <class Values>
+std::array<Values, 3> PolyharmonicSum::polynomials_at(const Values& x, const Values& y, std::array<Values, 3>* by_u,
+                                                      std::array<Values, 3>* by_v) const {
+  std::array<Values, 3> sum;
+  for (int axis = 0; axis < 3; ++axis) {
+    sum[axis].setZero();
+    if (by_u) (*by_u)[axis].setZero();
+    if (by_v) (*by_v)[axis].setZero();
+    for (int i = degree_; i >= 0; --i) {
+      Values own = Values::Zero(), slope = Values::Zero();
+      for (int j = degree_ - i; j >= 0; --j) {
+        if (by_v) slope = slope * y + own;
+        own = own * y + polynomial_(monomial_row(degree_, i, j), axis);
+      }
+      if (by_u) (*by_u)[axis] = (*by_u)[axis] * x + sum[axis];
+      if (by_v) (*by_v)[axis] = (*by_v)[axis] * x + slope;
+      sum[axis] = sum[axis] * x + own;
+    }
+  }
+  return sum;
+}
+
+void PolyharmonicSum::evaluate(const PlanePoints& at, bool slopes, double* out) const {
+  constexpr int four = 4, two = 2;  // as many as registers hold
+  for (Index k = 0; k < at.rows(); k += slopes ? two : four) {
+    check_interruption();
+    if (slopes)
+      slopes_at<two>(at, k, out);
+    else
+      values_at<four>(at, k, out);
+  }
+}
+
+Points PolyharmonicSum::values(const PlanePoints& at) const {
+  Points out(at.rows(), 3);
+  evaluate(at, false, out.data());
+  return out;
+}
+
+}  // namespace tripatch

@@ -1,0 +1,64 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tripatch/math/polyharmonic.h"
+
+using namespace tripatch;
+
+namespace {
+
+double kernel(double order, double r) {
+  const int e = polyharmonic_exponent(order);
+  const double power = r > 0 ? std::pow(r, e) : 0;
+  return polyharmonic_factor(e) * (e % 2 == 0 ? (r > 0 ? 2 * power * std::log(r) : 0) : power);
+}
+
+PlanePoints spiral(Index n, double turn) {
+  PlanePoints out(n, 2);
+  for (Index k = 0; k < n; ++k) {
+    const double t = turn * static_cast<double>(k), r = 0.1 + 0.9 * static_cast<double>(k) / static_cast<double>(n);
+    out.row(k) << r * std::cos(t), r * std::sin(t);
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("A sum of polyharmonic kernels and polynomials is what its formula says, each place by itself", "[field]") {
+  const PlanePoints centers = spiral(23, 2.4);
+  PlanePoints at(27, 2);
+  at << spiral(26, 1.1), centers.row(7);  // one of them at a center
+  PolyharmonicSum sum(centers);
+  Points expected = Points::Zero(at.rows(), 3);
+  double share = 0.3;
+  for (const double order : {5.5, 2.5, 3.0, 3.5, 2.0}) {
+    const Index q = free_polynomials(order);
+    const Eigen::MatrixXd weights = (Eigen::MatrixXd::Ones(23, 3) * order + Eigen::MatrixXd::Random(23, 3)) / 10;
+    const Eigen::MatrixXd polynomial = Eigen::MatrixXd::Random(q, 3);
+    sum.add(order, share, weights, polynomial);
+    for (Index k = 0; k < at.rows(); ++k) {
+      for (Index i = 0; i < 23; ++i)
+        expected.row(k) += share * kernel(order, (at.row(k) - centers.row(i)).norm()) * weights.row(i);
+      Index row = 0;
+      for (int i = 0; i <= free_degree_of(order); ++i)
+        for (int j = 0; i + j <= free_degree_of(order); ++j)
+          expected.row(k) += share * std::pow(at(k, 0), i) * std::pow(at(k, 1), j) * polynomial.row(row++);
+    }
+    share += 0.1;
+  }
+  const Points found = sum.values(at);
+  CHECK((found - expected).cwiseAbs().maxCoeff() < 1e-12);
+  for (Index k = 0; k < at.rows(); ++k) CHECK(sum.values(at.row(k)).row(0) == found.row(k));
+
+  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(at.rows(), 9);
+  sum.evaluate(at, true, jets.data());
+  CHECK((jets.leftCols<3>() - expected).cwiseAbs().maxCoeff() < 1e-12);
+  const double h = 1e-5;
+  for (int axis = 0; axis < 2; ++axis) {
+    PlanePoints low = at, high = at;
+    low.col(axis).array() -= h;
+    high.col(axis).array() += h;
+    const Points slope = (sum.values(high) - sum.values(low)) / (2 * h);
+    CHECK((jets.middleCols<3>(3 + 3 * axis) - slope).cwiseAbs().maxCoeff() < 1e-6);
+  }
+}
