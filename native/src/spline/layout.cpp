@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 
+#include "tripatch/math/block_ldlt.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/ties.h"
 
@@ -315,9 +316,8 @@ public:
   /// One step of Newton's method; false where nothing is gained.
   bool step(PlanePoints& uv, double& now) {
     assemble(uv);
-    solver_.factorize(hessian_);
-    if (solver_.info() != Eigen::Success) return false;
-    const Eigen::VectorXd way = -solver_.solve(gradient_);
+    if (!hessian_.factorize()) return false;
+    const Eigen::VectorXd way = -hessian_.solve(gradient_);
     PlanePoints d(n_, 2);
     for (int v = 0; v < n_; ++v) d.row(v) = way.segment<2>(2 * rank_[v]);
     hold_still(uv, d);
@@ -371,7 +371,7 @@ private:
     }
   }
 
-  /// An order of elimination for the vertices, and the pattern of the Hessian in it: 2 x 2 blocks below the diagonal.
+  /// An order of elimination for the vertices, and the pattern of the Hessian in it: a 2 x 2 block for each edge.
   void order() {
     std::vector<std::array<int, 2>> pairs;
     std::vector<Eigen::Triplet<double>> ones;
@@ -388,29 +388,16 @@ private:
     Eigen::AMDOrdering<int>()(pattern, inverse);
     rank_.resize(n_);
     for (int k = 0; k < n_; ++k) rank_[inverse.indices()[k]] = k;
-    std::vector<std::vector<int>> below(n_);
+    std::vector<std::vector<int>> before(n_);
     for (int c = 0; c < n_; ++c)
       for (Sparse::InnerIterator it(pattern, c); it; ++it)
-        if (rank_[it.row()] > rank_[c]) below[rank_[c]].push_back(rank_[static_cast<int>(it.row())]);
-    std::vector<int> start(2 * n_ + 1, 0), rows;
-    for (int c = 0; c < n_; ++c) {
-      std::sort(below[c].begin(), below[c].end());
-      for (int half = 0; half < 2; ++half) {
-        start[2 * c + half] = static_cast<int>(rows.size());
-        for (int p = half; p < 2; ++p) rows.push_back(2 * c + p);
-        for (int r : below[c])
-          for (int p = 0; p < 2; ++p) rows.push_back(2 * r + p);
-      }
-    }
-    start[2 * n_] = static_cast<int>(rows.size());
-    const std::vector<double> zeros(rows.size(), 0);
-    hessian_ = Eigen::Map<const Sparse>(2 * n_, 2 * n_, static_cast<Index>(rows.size()), start.data(), rows.data(), zeros.data());
-    solver_.analyzePattern(hessian_);
+        if (const int k = rank_[c], other = rank_[static_cast<int>(it.row())]; other < k) before[k].push_back(other);
+    for (std::vector<int>& columns : before) std::sort(columns.begin(), columns.end());
+    hessian_ = BlockLdlt(before);
     for (const Triangle& t : disc_.triangles)
       for (int k = 0; k < 3; ++k) {
-        const int p = rank_[t[k]], q = rank_[t[(k + 1) % 3]], low = std::min(p, q), high = std::max(p, q);
-        const auto j = std::lower_bound(below[low].begin(), below[low].end(), high) - below[low].begin();
-        block_.push_back({start[2 * low] + 2 + 2 * static_cast<int>(j), start[2 * low + 1] + 1 + 2 * static_cast<int>(j)});
+        const int p = rank_[t[k]], q = rank_[t[(k + 1) % 3]];
+        block_.push_back(hessian_.place(std::max(p, q), std::min(p, q)));
       }
   }
 
@@ -453,8 +440,7 @@ private:
   }
 
   void assemble(const PlanePoints& uv) {
-    double* const values = hessian_.valuePtr();
-    std::fill_n(values, hessian_.nonZeros(), 0.0);
+    hessian_.clear();
     gradient_.setZero(2 * n_);
     for (std::size_t t = 0; t < shapes_.size(); ++t) {
       Eigen::Matrix<double, 6, 6> H;
@@ -463,22 +449,18 @@ private:
       for (int k = 0; k < 3; ++k) {
         const int p = rank_[disc_.triangles[t][k]], next = (k + 1) % 3, q = rank_[disc_.triangles[t][next]];
         gradient_.segment<2>(2 * p) += g.segment<2>(2 * k);
-        const int* const start = hessian_.outerIndexPtr();
-        values[start[2 * p]] += H(2 * k, 2 * k);
-        values[start[2 * p] + 1] += H(2 * k + 1, 2 * k);
-        values[start[2 * p + 1]] += H(2 * k + 1, 2 * k + 1);
-        const auto [first, second] = block_[3 * t + k];
+        Eigen::Map<Matrix2>(hessian_.diagonal(p)) += H.block<2, 2>(2 * k, 2 * k);
         const int high = p > q ? k : next, low = p > q ? next : k;
-        for (int r = 0; r < 2; ++r) {
-          values[first + r] += H(2 * high + r, 2 * low);
-          values[second + r] += H(2 * high + r, 2 * low + 1);
-        }
+        Eigen::Map<Matrix2>(hessian_.block(block_[3 * t + k])) += H.block<2, 2>(2 * high, 2 * low);
       }
     }
     double trace = 0;
-    for (int c = 0; c < 2 * n_; ++c) trace += values[hessian_.outerIndexPtr()[c]];
+    for (int v = 0; v < n_; ++v) trace += hessian_.diagonal(v)[0] + hessian_.diagonal(v)[3];
     const double shift = free_motions * trace / (2 * n_);
-    for (int c = 0; c < 2 * n_; ++c) values[hessian_.outerIndexPtr()[c]] += shift;
+    for (int v = 0; v < n_; ++v) {
+      hessian_.diagonal(v)[0] += shift;
+      hessian_.diagonal(v)[3] += shift;
+    }
   }
 
   /// One triangle's gradient and the definite part of its Hessian by (u, v) of its corners. The eigenmatrices of the second
@@ -533,12 +515,11 @@ private:
   int n_;
   double scale_ = 1, area_ = 0;
   std::vector<Shape> shapes_;
-  std::vector<double> angle_;              // of the border's vertices on the circle
-  std::vector<int> rank_;                  // of each vertex in the order of elimination
-  std::vector<std::array<int, 2>> block_;  // of each triangle's edges in the Hessian: where the columns' entries begin
-  Sparse hessian_;                         // lower half
+  std::vector<double> angle_;  // of the border's vertices on the circle
+  std::vector<int> rank_;      // of each vertex in the order of elimination
+  std::vector<int> block_;     // of each triangle's edges in the Hessian
+  BlockLdlt hessian_;
   Eigen::VectorXd gradient_;
-  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver_;
 };
 
 /// The caller's start by the disc's vertices, with those added in the middle of their loops.

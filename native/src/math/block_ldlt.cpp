@@ -1,0 +1,117 @@
+// As T. Davis's LDL ("Algorithm 849: a concise sparse Cholesky factorization package", 2005), row by row, with blocks for numbers.
+#include "tripatch/math/block_ldlt.h"
+
+#include <algorithm>
+
+namespace tripatch {
+namespace {
+
+using Column = Eigen::Map<Eigen::Vector2d, Eigen::Aligned16>;
+using KnownColumn = Eigen::Map<const Eigen::Vector2d, Eigen::Aligned16>;
+
+/// y -= x times the transpose of l.
+void subtract_product(double* y, const Eigen::Vector2d& x0, const Eigen::Vector2d& x1, const double* l) {
+  Column(y) -= x0 * l[0] + x1 * l[2];
+  Column(y + 2) -= x0 * l[1] + x1 * l[3];
+}
+
+/// Of a symmetric block; false where it has no inverse.
+bool invert(const double* d, double* inverse) {
+  const double determinant = d[0] * d[3] - d[1] * d[1];
+  if (determinant == 0) return false;
+  inverse[0] = d[3] / determinant;
+  inverse[1] = inverse[2] = -d[1] / determinant;
+  inverse[3] = d[0] / determinant;
+  return true;
+}
+
+}  // namespace
+
+BlockLdlt::BlockLdlt(const std::vector<std::vector<int>>& before) : parent_(before.size(), -1) {
+  const int n = rows();
+  std::vector<int> marked(n, -1), count(n, 0);
+  row_start_ = {0};
+  for (int k = 0; k < n; ++k) {
+    marked[k] = k;
+    for (int c : before[k]) {
+      columns_.push_back(c);
+      for (int i = c; marked[i] != k; i = parent_[i]) {
+        if (parent_[i] < 0) parent_[i] = k;
+        ++count[i];
+        marked[i] = k;
+      }
+    }
+    row_start_.push_back(static_cast<int>(columns_.size()));
+  }
+  start_ = {0};
+  for (int k = 0; k < n; ++k) start_.push_back(start_.back() + count[k]);
+  rows_.resize(start_.back());
+  factor_.resize(4 * rows_.size());
+  inverse_.resize(4 * static_cast<std::size_t>(n));
+  own_.resize(inverse_.size());
+  beside_.resize(4 * columns_.size());
+}
+
+int BlockLdlt::place(int k, int c) const {
+  const auto from = columns_.begin() + row_start_[k];
+  return static_cast<int>(std::lower_bound(from, columns_.begin() + row_start_[k + 1], c) - columns_.begin());
+}
+
+void BlockLdlt::clear() {
+  std::fill(own_.begin(), own_.end(), 0.0);
+  std::fill(beside_.begin(), beside_.end(), 0.0);
+}
+
+bool BlockLdlt::factorize() {
+  const int n = rows();
+  std::vector<int> marked(n, -1), pattern(n), path(n), filled(start_.begin(), start_.end() - 1);
+  std::vector<double> row(4 * static_cast<std::size_t>(n), 0.0);  // L D, of one row
+  for (int k = 0; k < n; ++k) {
+    int top = n;  // pattern[top..]: columns of row k of the factor, each before those that it changes
+    marked[k] = k;
+    for (int at = row_start_[k]; at < row_start_[k + 1]; ++at) {
+      int length = 0;
+      for (int i = columns_[at]; marked[i] != k; i = parent_[i]) {
+        path[length++] = i;
+        marked[i] = k;
+      }
+      while (length > 0) pattern[--top] = path[--length];
+      std::copy_n(beside_.data() + 4 * at, 4, row.data() + 4 * columns_[at]);
+    }
+    Eigen::Matrix2d pivot = Eigen::Map<const Eigen::Matrix2d>(own_.data() + 4 * k);
+    for (; top < n; ++top) {
+      const int i = pattern[top];
+      double* const y = row.data() + 4 * i;
+      const Eigen::Vector2d y0 = KnownColumn(y), y1 = KnownColumn(y + 2);
+      std::fill_n(y, 4, 0.0);
+      int p = start_[i];
+      for (const int end = filled[i]; p < end; ++p) subtract_product(row.data() + 4 * rows_[p], y0, y1, factor_.data() + 4 * p);
+      const double* const inverse = inverse_.data() + 4 * i;
+      double* const l = factor_.data() + 4 * p;
+      Column first(l), second(l + 2);
+      first = y0 * inverse[0] + y1 * inverse[1];
+      second = y0 * inverse[2] + y1 * inverse[3];
+      subtract_product(pivot.data(), y0, y1, l);
+      rows_[p] = k;
+      ++filled[i];
+    }
+    if (!invert(pivot.data(), inverse_.data() + 4 * k)) return false;
+  }
+  return true;
+}
+
+Eigen::VectorXd BlockLdlt::solve(Eigen::VectorXd x) const {
+  const int n = rows();
+  const auto factor = [&](int p) { return Eigen::Map<const Eigen::Matrix2d>(factor_.data() + 4 * p); };
+  for (int k = 0; k < n; ++k)
+    for (int p = start_[k]; p < start_[k + 1]; ++p)
+      x.segment<2>(2 * rows_[p]) -= factor(p) * Eigen::Vector2d(x.segment<2>(2 * k));
+  for (int k = n; k-- > 0;) {
+    Eigen::Vector2d own = Eigen::Map<const Eigen::Matrix2d>(inverse_.data() + 4 * k) * Eigen::Vector2d(x.segment<2>(2 * k));
+    for (int p = start_[k]; p < start_[k + 1]; ++p) own -= factor(p).transpose() * x.segment<2>(2 * rows_[p]);
+    x.segment<2>(2 * k) = own;
+  }
+  return x;
+}
+
+}  // namespace tripatch
