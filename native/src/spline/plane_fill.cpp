@@ -216,10 +216,10 @@ bool stay(const Points& points, const Rim& rim) {
   const Index r = rim.points.rows(), step = std::max<Index>(1, r / 200);
   const double most = farthest * farthest * rim.diameter * rim.diameter;
   for (Index k = 0; k < points.rows(); ++k) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (Index j = 0; j < r; j += step) nearest = std::min(nearest, (points.row(k) - rim.points.row(j)).squaredNorm());
-    for (const Through& met : rim.through) nearest = std::min(nearest, (Vec3(points.row(k)) - met.point).squaredNorm());
-    if (!(nearest <= most)) return false;
+    bool near = false;
+    for (Index j = 0; j < r && !near; j += step) near = (points.row(k) - rim.points.row(j)).squaredNorm() <= most;
+    for (const Through& met : rim.through) near = near || (Vec3(points.row(k)) - met.point).squaredNorm() <= most;
+    if (!near) return false;
   }
   return true;
 }
@@ -268,6 +268,7 @@ struct Attempt {
   PlanePoints met_uv = PlanePoints(0, 2);
   PlanePoints rim_uv;
   PlaneTriangulation made;
+  Points on_field = Points(0, 3);  // its vertices before any is moved, those of the rim where they are
   bool from_above = false;
   double left_by_reference = 0;  // scene units
   std::optional<SecondModel> second;
@@ -350,6 +351,7 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
     result.surface = result.field = std::make_shared<Field>(parameters, at, fields);
     if (!stay(looked_at(*result.field, result.rim_uv, polygon.triangles), rim)) return {};
     result.made = remesh(polygon, options.resolution, *result.field);
+    result.on_field = result.made.points;
     if (!rim.through.empty() || options.planes.rows() > 0) meet(rim.through, options, polygon, result);
     if (result.made.points.allFinite()) return result;
   }
@@ -368,15 +370,19 @@ bool take_second(const Rim& rim, const SecondModel& second, double share, Attemp
   Points other = result.made.points;
   other.bottomRows(added) = second.vertices;
   const PlanePoints places = rows_of(PlanePoints(result.made.uv), rows);
-  const Points difference = share * (rows_of(other, rows) - result.field->positions(as_rows(places)));
+  Points known = rows_of(result.on_field, rows);
+  const Index of_rim = (all - added + stride - 1) / stride;
+  known.topRows(of_rim) = result.field->positions(as_rows(places.topRows(of_rim)));
+  const Points difference = share * (rows_of(other, rows) - known);
   FieldOptions fields;
   fields.orders = {order_of_difference};
   fields.unit = std::max(rim.edge, 1e-300);
-  const SurfacePtr average = sum(result.field, std::make_shared<Field>(places, difference, fields));
+  const SurfacePtr change = std::make_shared<Field>(places, difference, fields);
   Points points = result.made.points;
-  points.bottomRows(added) = average->positions(as_rows(PlanePoints(result.made.uv.bottomRows(added))));
+  points.bottomRows(added) =
+      result.on_field.bottomRows(added) + change->positions(as_rows(PlanePoints(result.made.uv.bottomRows(added))));
   if (!points.allFinite() || !stay(points, rim)) return false;
-  result.surface = average;
+  result.surface = sum(result.field, change);
   result.made.points = std::move(points);
   result.second = second;
   result.share_of_second = share;
@@ -399,6 +405,7 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
 
 /// Moves vertices of folded edges, and flips edges, until none is folded, or no more than of the rim's own; returns how many are.
 Index unfolded(const Rim& rim, Attempt& result) {
+  if (folded_edges(result.made.points, result.made.triangles, rim.beyond) == 0) return 0;
   const Index r = rim.points.rows();
   PlaneTriangulation& made = result.made;
   for (const Index allowed : {Index{0}, rim.folds}) {
@@ -486,7 +493,7 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   fill.deviation = with_layout_errors(deviation.head(added), near_rim, result.fed_back);
   if (result.second) {  // and the spread of the models about their average
     const double share = std::min(result.share_of_second, most_of_second);
-    const Points way = result.second->vertices - result.field->positions(as_rows(fill.uv));
+    const Points way = result.second->vertices - result.on_field.bottomRows(added);
     const Eigen::VectorXd between = way.cwiseProduct(fill.normals).rowwise().sum();
     const Eigen::VectorXd apart = result.second->apart.cwiseProduct(fill.normals).rowwise().sum();
     fill.deviation =
@@ -555,6 +562,7 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
   }
   if (!is_long || !result) return result;
   result->made = remesh(polygon_of(rim, result->rim_uv), options.resolution, *result->field);
+  result->on_field = result->made.points;
   if (!result->made.points.allFinite() || !stay(result->made.points, rim)) return {};
   return result;
 }

@@ -38,8 +38,11 @@ Reference::Reference(const PlanePoints& points, const Points& samples, int degre
   for (Index k = 0; k < points.rows(); ++k) {
     const Eigen::RowVector2d x = (points.row(k) - middle_) / size_;
     int column = 0;
-    for (int i = 0; i <= degree_; ++i)
-      for (int j = 0; i + j <= degree_; ++j) monomials(k, column++) = std::pow(x[0], i) * std::pow(x[1], j);
+    double power = 1;
+    for (int i = 0; i <= degree_; ++i, power *= x[0]) {
+      double term = power;
+      for (int j = 0; i + j <= degree_; ++j, term *= x[1]) monomials(k, column++) = term;
+    }
   }
   coefficients_ = least_squares(monomials, samples);
   const Points left = monomials * coefficients_ - samples;
@@ -52,26 +55,30 @@ Reference::Reference(const PlanePoints& points, const Points& samples, int degre
   distance_across_ = std::sqrt(across / static_cast<double>(points.rows()));
 }
 
+/// By u, of polynomials by v that are its coefficients.
 Reference::Jet2 Reference::jet_at(const Eigen::RowVector2d& point) const {
+  using Row = Eigen::RowVector3d;
   const Eigen::RowVector2d x = (point - middle_) / size_;
-  std::array<std::array<std::array<double, highest_degree + 1>, 3>, 2> power{};  // of each coordinate, and its two derivatives
-  for (int axis = 0; axis < 2; ++axis) {
-    auto& [own, first, second] = power[axis];
-    own[0] = 1;
-    for (int k = 1; k <= highest_degree; ++k) {
-      own[k] = own[k - 1] * x[axis];
-      first[k] = k * own[k - 1] / size_;
-      second[k] = k * first[k - 1] / size_;
+  std::array<Row, 6> sum;  // itself, by u, by v, by uu / 2, by uv, by vv / 2
+  sum.fill(Row::Zero());
+  Index row = coefficients_.rows();
+  for (int i = degree_; i >= 0; --i) {
+    Row own = Row::Zero(), by_v = own, by_vv = own;
+    for (int j = degree_ - i; j >= 0; --j) {
+      by_vv = by_vv * x[1] + by_v;
+      by_v = by_v * x[1] + own;
+      own = own * x[1] + coefficients_.row(--row);
     }
+    sum[3] = sum[3] * x[0] + sum[1];
+    sum[4] = sum[4] * x[0] + sum[2];
+    sum[1] = sum[1] * x[0] + sum[0];
+    sum[2] = sum[2] * x[0] + by_v;
+    sum[5] = sum[5] * x[0] + by_vv;
+    sum[0] = sum[0] * x[0] + own;
   }
-  Jet2 out = Jet2::Zero();
-  int row = 0;
-  for (int i = 0; i <= degree_; ++i)
-    for (int j = 0; i + j <= degree_; ++j, ++row) {
-      const auto term = [&](int by_u, int by_v) { return power[0][by_u][i] * power[1][by_v][j]; };
-      const Eigen::Matrix<double, 6, 1> terms{term(0, 0), term(1, 0), term(0, 1), term(2, 0), term(1, 1), term(0, 2)};
-      out += terms * coefficients_.row(row);
-    }
+  Jet2 out;
+  out << sum[0], sum[1] / size_, sum[2] / size_, 2 * sum[3] / (size_ * size_), sum[4] / (size_ * size_),
+      2 * sum[5] / (size_ * size_);
   return out;
 }
 
@@ -88,7 +95,8 @@ PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) co
       if (!(gram.determinant() > one_line_of_tangents * gram.squaredNorm())) break;
       const Eigen::Vector3d off = (samples.row(k) - jet.row(0)).transpose();
       Eigen::Matrix2d bend;
-      bend << jet.row(3) * off, jet.row(4) * off, jet.row(4) * off, jet.row(5) * off;
+      const Eigen::Vector3d second = jet.bottomRows<3>() * off;
+      bend << second[0], second[1], second[1], second[2];
       const Eigen::LLT<Eigen::Matrix2d> root(gram);  // to coordinates in which the surface is measured truly
       const auto lower = root.matrixL();
       const Eigen::Matrix2d half = lower.solve(bend), own = lower.solve(half.transpose());
