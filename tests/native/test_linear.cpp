@@ -1,3 +1,4 @@
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
 #include "tripatch/math/linear.h"
@@ -135,4 +136,41 @@ TEST_CASE("a symmetric matrix of up to 24 unknowns has a factor unless it is nea
   a.setZero();
   a.topLeftCorner(n, n) = fewer.transpose() * fewer;
   CHECK_FALSE(factor_symmetric(a, n, 1e-9));
+}
+
+TEST_CASE("a symmetric matrix becomes tridiagonal with the same solutions and determinant, whatever the size") {
+  for (const Index n : {1, 2, 3, 5, 8, 31, 64}) {
+    CAPTURE(n);
+    const Eigen::MatrixXd half = Eigen::MatrixXd::Random(n, n), given = Eigen::MatrixXd::Random(n, 3);
+    const Eigen::MatrixXd a = half * half.transpose() + Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd lower = a.triangularView<Eigen::Lower>(), b = given;
+    const auto [diagonal, beside] = tridiagonalize(lower, b);
+    REQUIRE(beside.size() == n - 1);
+    Eigen::MatrixXd made = diagonal.asDiagonal();
+    made.diagonal(1) = made.diagonal(-1) = beside;
+    CHECK(b.colwise().norm().isApprox(given.colwise().norm(), 1e-13));
+    CHECK((b.transpose() * made * b).isApprox(given.transpose() * a * given, 1e-12));
+    CHECK((b.transpose() * made.ldlt().solve(b)).isApprox(given.transpose() * a.ldlt().solve(given), 1e-10));
+    CHECK(made.determinant() == Approx(a.determinant()).epsilon(1e-10));
+  }
+  Eigen::MatrixXd plain = Eigen::Vector4d(3, -1, 2, 5).asDiagonal(), b = Eigen::MatrixXd::Identity(4, 4);
+  const auto [diagonal, beside] = tridiagonalize(plain, b);  // nothing to be reflected
+  CHECK(diagonal == Eigen::Vector4d(3, -1, 2, 5));
+  CHECK(beside.isZero(0));
+  CHECK(b.isIdentity(0));
+}
+
+TEST_CASE("Cholesky's factor is made in the lower triangle, and none of what is not definite") {
+  for (const Index n : {1, 2, 15, 16, 17, 50}) {
+    CAPTURE(n);
+    const Eigen::MatrixXd half = Eigen::MatrixXd::Random(n, n);
+    const Eigen::MatrixXd a = half * half.transpose() + Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd lower = a;
+    REQUIRE(factor_cholesky(lower));
+    const Eigen::MatrixXd factor = lower.triangularView<Eigen::Lower>();
+    CHECK((factor * factor.transpose()).isApprox(a, 1e-13));
+    Eigen::MatrixXd indefinite = a;
+    indefinite(n - 1, n - 1) = -1;
+    CHECK_FALSE(factor_cholesky(indefinite));
+  }
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "tripatch/math/machines.h"
+
 namespace tripatch {
 namespace {
 
@@ -14,6 +16,30 @@ void subtract_product(double* y, const Eigen::Vector2d& x0, const Eigen::Vector2
   Column(y) -= x0 * l[0] + x1 * l[2];
   Column(y + 2) -= x0 * l[1] + x1 * l[3];
 }
+
+/// The same for all blocks l of a column of the factor; rows: of y.
+void subtract_products(double* y, const Eigen::Vector2d& x0, const Eigen::Vector2d& x1, const double* l, const int* rows,
+                       int count) {
+  for (int p = 0; p < count; ++p) subtract_product(y + 4 * rows[p], x0, x1, l + 4 * p);
+}
+
+#ifdef TRIPATCH_PACKS
+TRIPATCH_PACKED void subtract_packed(double* y, const Eigen::Vector2d& x0, const Eigen::Vector2d& x1, const double* l,
+                                     const int* rows, int count) {
+  typedef long long Places __attribute__((vector_size(8 * lanes)));
+  const Pack first = {x0[0], x0[1], x0[0], x0[1]}, second = {x1[0], x1[1], x1[0], x1[1]};
+  for (int p = 0; p < count; ++p) {
+    const Pack block = loaded(l + 4 * p);
+    double* const to = y + 4 * rows[p];
+    store(loaded(to) -
+              (first * __builtin_shuffle(block, Places{0, 0, 1, 1}) + second * __builtin_shuffle(block, Places{2, 2, 3, 3})),
+          to);
+  }
+}
+const auto subtract = __builtin_cpu_supports("avx2") ? subtract_packed : subtract_products;
+#else
+constexpr auto subtract = subtract_products;
+#endif
 
 /// Of a symmetric block; false where it has no inverse.
 bool invert(const double* d, double* inverse) {
@@ -84,8 +110,8 @@ bool BlockLdlt::factorize() {
       double* const y = row.data() + 4 * i;
       const Eigen::Vector2d y0 = KnownColumn(y), y1 = KnownColumn(y + 2);
       std::fill_n(y, 4, 0.0);
-      int p = start_[i];
-      for (const int end = filled[i]; p < end; ++p) subtract_product(row.data() + 4 * rows_[p], y0, y1, factor_.data() + 4 * p);
+      const int p = filled[i];
+      subtract(row.data(), y0, y1, factor_.data() + 4 * start_[i], rows_.data() + start_[i], p - start_[i]);
       const double* const inverse = inverse_.data() + 4 * i;
       double* const l = factor_.data() + 4 * p;
       Column first(l), second(l + 2);

@@ -329,17 +329,47 @@ TRIPATCH_FOR_EACH_MACHINE bool factor_panel(double* __restrict a, Index n, Index
   return true;
 }
 
-/// The lower Cholesky factor of a symmetric matrix in its own lower triangle, by columns: Eigen's takes twice the time, for it is
-/// compiled for every machine. Above stays what was there. False where the matrix is not positive definite.
-bool factor_cholesky(Eigen::MatrixXd& a) {
-  const Index n = a.rows();  // columns of the lower factor are rows of the upper one
-  for (Index from = 0; from < n; from += panel) {
-    const Index to = std::min(n, from + panel);
-    if (!factor_panel(a.data(), n, from, to)) return false;
-    // what these rows of the factor take away from those below
-    products.subtract_gram(a.data() + from * n, to - from, n, to, a.data());
+/// Householder's reflections one after the other (Golub and Van Loan, "Matrix computations", 8.3.1), in one pass over the matrix each: what
+/// a reflection takes away is taken away where the next one's product is made. v, w, x, p: vectors of n; a row of b is n long.
+struct Reflecting {
+  double* __restrict a;
+  Index n;
+  double* __restrict v;  // the matrix lacks v w' + w v'
+  double* __restrict w;
+  double* __restrict x;  // the next v
+  double* __restrict p;  // the matrix times it
+};
+
+/// What is lacking of the part of column j below its diagonal is taken away, and the column's share of p made.
+TRIPATCH_FOR_EACH_MACHINE void reflect_column(const Reflecting& r, Index j) {
+  constexpr Index width = 4;
+  const double vj = r.v[j], wj = r.w[j], xj = r.x[j];
+  double* const __restrict a = r.a + j * r.n;
+  const double* const __restrict v = r.v;
+  const double* const __restrict w = r.w;
+  const double* const __restrict x = r.x;
+  double* const __restrict p = r.p;
+  a[j] -= 2 * vj * wj;
+  double own = a[j] * xj;
+  Index i = j + 1;
+#ifdef __GNUC__
+  typedef double Four __attribute__((vector_size(8 * width), aligned(8), may_alias));
+  const auto at = [](const double* from) -> const Four& { return *reinterpret_cast<const Four*>(from); };
+  Four sum = {};
+  for (; i + width <= r.n; i += width) {
+    const Four left = at(a + i) - at(v + i) * wj - at(w + i) * vj;
+    *reinterpret_cast<Four*>(a + i) = left;
+    *reinterpret_cast<Four*>(p + i) += left * xj;
+    sum += left * at(x + i);
   }
-  return true;
+  own += (sum[0] + sum[2]) + (sum[1] + sum[3]);
+#endif
+  for (; i < r.n; ++i) {
+    a[i] -= v[i] * wj + w[i] * vj;
+    p[i] += a[i] * xj;
+    own += a[i] * x[i];
+  }
+  p[j] += own;
 }
 
 /// half: the inverse of the transpose of r, both with rows of 24, half given as 0: it is a lower triangle.
@@ -371,6 +401,51 @@ TRIPATCH_FOR_EACH_MACHINE void set_weighted(const double* __restrict x, const do
 }
 
 }  // namespace
+
+/// By columns: Eigen's takes twice the time, for it is compiled for every machine.
+bool factor_cholesky(Eigen::MatrixXd& a) {
+  const Index n = a.rows();  // columns of the lower factor are rows of the upper one
+  for (Index from = 0; from < n; from += panel) {
+    const Index to = std::min(n, from + panel);
+    if (!factor_panel(a.data(), n, from, to)) return false;
+    // what these rows of the factor take away from those below
+    products.subtract_gram(a.data() + from * n, to - from, n, to, a.data());
+  }
+  return true;
+}
+
+Tridiagonal tridiagonalize(Eigen::MatrixXd& a, Eigen::MatrixXd& b) {
+  const Index n = a.rows();
+  Tridiagonal out{Eigen::VectorXd(n), Eigen::VectorXd(n - 1)};
+  Eigen::VectorXd v = Eigen::VectorXd::Zero(n), w = v, x(n), p(n);
+  for (Index k = 0; k + 1 < n; ++k) {
+    const Index left = n - k - 1;
+    auto column = a.col(k).tail(left + 1);
+    column -= v.tail(left + 1) * w[k] + w.tail(left + 1) * v[k];
+    out.diagonal[k] = column[0];
+    const double head = column[1], beyond = column.tail(left - 1).squaredNorm();
+    double share = 0;
+    out.beside[k] = head;
+    x.tail(left).setZero();
+    x[k + 1] = 1;
+    if (beyond > std::numeric_limits<double>::min()) {
+      const double end = head > 0 ? -std::sqrt(head * head + beyond) : std::sqrt(head * head + beyond);
+      out.beside[k] = end;
+      x.tail(left - 1) = column.tail(left - 1) / (head - end);
+      share = (end - head) / end;
+    }
+    p.tail(left).setZero();
+    const Reflecting reflecting{a.data(), n, v.data(), w.data(), x.data(), p.data()};
+    for (Index j = k + 1; j < n; ++j) reflect_column(reflecting, j);
+    p.tail(left) *= share;
+    p.tail(left) -= share / 2 * p.tail(left).dot(x.tail(left)) * x.tail(left);
+    v.tail(left) = x.tail(left);
+    w.tail(left) = p.tail(left);
+    for (Index c = 0; c < b.cols(); ++c) b.col(c).tail(left) -= share * x.tail(left).dot(b.col(c).tail(left)) * x.tail(left);
+  }
+  out.diagonal[n - 1] = a(n - 1, n - 1) - 2 * v[n - 1] * w[n - 1];
+  return out;
+}
 
 void add_product(const double* a, Index m, Index k, const double* b, double* out) {
   std::vector<double> fours(4 * k);

@@ -1,14 +1,12 @@
 #include "tripatch/spline/field.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "tripatch/math/interruption.h"
+#include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {
@@ -84,12 +82,22 @@ struct Contrasts {
   }
   /// Without their polynomial part.
   MatrixXd of(const MatrixXd& samples) const { return samples - basis * (basis.transpose() * samples); }
-  Eigen::LLT<MatrixXd> factor(double nugget) {
-    const VectorXd diagonal = inner.diagonal();
-    inner.diagonal().array() += nugget;
-    Eigen::LLT<MatrixXd> made(inner);
-    inner.diagonal() = diagonal;
-    return made;
+  /// The lower Cholesky factor of what is among contrasts with noise; false where it is not definite.
+  bool factor(double nugget, MatrixXd& lower) const {
+    lower = inner;
+    lower.diagonal().array() += nugget;
+    return factor_cholesky(lower);
+  }
+  /// The weights of the kernel with samples.
+  MatrixXd weights(const MatrixXd& lower, const MatrixXd& samples) const {
+    MatrixXd x = of(samples);
+    lower.triangularView<Eigen::Lower>().solveInPlace(x);
+    lower.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+    return of(x);
+  }
+  /// The polynomial beside the weights.
+  MatrixXd polynomial(const MatrixXd& weights, const MatrixXd& samples) const {
+    return triangle.triangularView<Eigen::Upper>().solve(basis.transpose() * (samples - kernel * weights));
   }
 
   Index q;
@@ -105,32 +113,15 @@ struct Likelihood {
   double variance = 0;  // of the kernel's unit
 };
 
-/// Samples by the coordinates in which the matrix is tridiagonal: its reflections one after the other, for there are few columns.
-MatrixXd turned_by(const Eigen::Tridiagonalization<MatrixXd>& decomposed, MatrixXd samples) {
-  const auto coefficients = decomposed.householderCoefficients();
-  const MatrixXd& vectors = decomposed.packedMatrix();
-  for (Index k = 0; k < coefficients.size(); ++k) {
-    auto rows = samples.bottomRows(samples.rows() - k - 1);
-    const auto beyond = vectors.col(k).tail(rows.rows() - 1);
-    for (Index c = 0; c < samples.cols(); ++c) {
-      auto column = rows.col(c);
-      const double share = coefficients[k] * (column[0] + beyond.dot(column.tail(beyond.size())));
-      column[0] -= share;
-      column.tail(beyond.size()) -= share * beyond;
-    }
-  }
-  return samples;
-}
-
 /// The logarithm of so many pivots is taken at once: between a nugget of rounding and one that is all noise they are numbers.
 constexpr Index logarithm_of = 4;
 
 /// The restricted likelihood of one order at its best nugget: samples vary in one direction, across the surface. The contrasts'
 /// kernel is made tridiagonal once, after which a nugget costs no more than its samples.
-Likelihood likelihood_of(const Contrasts& contrasts, const MatrixXd& samples) {
-  const Eigen::Tridiagonalization<MatrixXd> decomposed(contrasts.inner);
-  const VectorXd diagonal = decomposed.diagonal(), beside = decomposed.subDiagonal();
-  const Eigen::Matrix3Xd z = turned_by(decomposed, contrasts.of(samples)).transpose();
+Likelihood likelihood_of(Contrasts contrasts, const MatrixXd& samples) {
+  MatrixXd turned = contrasts.of(samples);
+  const auto [diagonal, beside] = tridiagonalize(contrasts.inner, turned);
+  const Eigen::Matrix3Xd z = turned.transpose();
   const Index n = z.cols(), free = n - contrasts.q;
   Likelihood best;
   for (double decade = lowest_nugget; decade <= highest_nugget; decade += nugget_step) {
@@ -241,14 +232,12 @@ void Field::hedge(double unit) {
 }
 
 void Field::fit(Part& part, const MatrixXd& squared, const Points& samples) const {
-  Contrasts contrasts(points_, squared, part.order);
-  const MatrixXd z = contrasts.of(samples);
+  const Contrasts contrasts(points_, squared, part.order);
   double& nugget = part.used_nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * contrasts.unit);
-  Eigen::LLT<MatrixXd> factor = contrasts.factor(nugget);
-  while (factor.info() != Eigen::Success && nugget < contrasts.unit) factor = contrasts.factor(nugget *= 10);
-  part.weights = contrasts.of(factor.solve(z));
-  part.polynomial = contrasts.triangle.triangularView<Eigen::Upper>().solve(contrasts.basis.transpose() *
-                                                                            (samples - contrasts.kernel * part.weights));
+  MatrixXd lower;
+  while (!contrasts.factor(nugget, lower) && nugget < contrasts.unit) nugget *= 10;
+  part.weights = contrasts.weights(lower, samples);
+  part.polynomial = contrasts.polynomial(part.weights, samples);
 }
 
 template <int N>
@@ -321,17 +310,18 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
   VectorXd variance = VectorXd::Zero(points.rows());
   MatrixXd each(points.rows(), static_cast<Index>(parts_.size()));
   const MatrixXd squared = squared_distances(some, some), apart = squared_distances(some, at);
+  MatrixXd lower;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const Part& part = parts_[p];
-    Contrasts contrasts(some, squared, part.order);
-    const Eigen::LLT<MatrixXd> factor = contrasts.factor(part.used_nugget);
+    const Contrasts contrasts(some, squared, part.order);
+    contrasts.factor(part.used_nugget, lower);
     const MatrixXd free = monomials(at, part.order), kernel = polyharmonic_kernel(part.order, apart);
     // the polynomial through the samples that is nearest, and the contrast of a point with it
     const MatrixXd own_share = contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
     const MatrixXd nearest = contrasts.basis * own_share;
     const MatrixXd among = (contrasts.kernel * contrasts.basis + part.used_nugget * contrasts.basis) * own_share;
     const VectorXd own = nearest.cwiseProduct(among - 2 * kernel).colwise().sum().transpose();
-    const MatrixXd known = factor.matrixL().solve(contrasts.of(kernel - among));
+    const MatrixXd known = lower.triangularView<Eigen::Lower>().solve(contrasts.of(kernel - among));
     const VectorXd left = (own - known.colwise().squaredNorm().transpose()).cwiseMax(0);
     variance += part.share * part.variance * left;
     each.col(static_cast<Index>(p)) = alone(part).values(at).cwiseProduct(directions).rowwise().sum();
@@ -354,14 +344,12 @@ Points Field::by_another_order(const Part& part, const PlanePoints& some, const 
   const double order = part.order > 2.5 ? std::max(2.5, part.order - 2) : 3.5;
   if (free_polynomials(order) >= some.rows()) return Points(0, 3);
   const Points samples = alone(part).values(some);
-  Contrasts contrasts(some, squared_distances(some, some), order);
-  const Eigen::LLT<MatrixXd> factor = contrasts.factor(std::pow(10.0, lowest_nugget + 1) * contrasts.unit);
-  if (factor.info() != Eigen::Success) return Points(0, 3);
-  const MatrixXd weights = contrasts.of(factor.solve(contrasts.of(samples)));
-  const MatrixXd polynomial = contrasts.triangle.triangularView<Eigen::Upper>().solve(contrasts.basis.transpose() *
-                                                                                      (samples - contrasts.kernel * weights));
+  const Contrasts contrasts(some, squared_distances(some, some), order);
+  MatrixXd lower;
+  if (!contrasts.factor(std::pow(10.0, lowest_nugget + 1) * contrasts.unit, lower)) return Points(0, 3);
+  const MatrixXd weights = contrasts.weights(lower, samples);
   PolyharmonicSum other(some);
-  other.add(order, 1, weights, polynomial);
+  other.add(order, 1, weights, contrasts.polynomial(weights, samples));
   return other.values(at);
 }
 

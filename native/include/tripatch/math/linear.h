@@ -30,6 +30,17 @@ Eigen::VectorXd constrained_quadratic_minimum(const MatrixRef& a, const VectorRe
 /// The x with a x = b, for a symmetric a (n, n), of which the lower triangle is read, and b (n, k).
 Eigen::MatrixXd solve_symmetric(const MatrixRef& a, const MatrixRef& b);
 
+/// The lower Cholesky factor of a symmetric matrix in its own lower triangle, which is read. Above stays what was there. False where the
+/// matrix is not positive definite.
+bool factor_cholesky(Eigen::MatrixXd& a);
+
+/// q' a q, of which the diagonal and what lies beside it is not zero, for a symmetric a (n, n), n from 1 on, of which the lower triangle
+/// is read and overwritten; b (n, k) becomes q' b. q is orthonormal.
+struct Tridiagonal {
+  Eigen::VectorXd diagonal, beside;
+};
+Tridiagonal tridiagonalize(Eigen::MatrixXd& a, Eigen::MatrixXd& b);
+
 /// The x with r x = b, for an upper triangular r (n, n) and b (n, k).
 Eigen::MatrixXd solve_upper_triangular(const MatrixRef& r, const MatrixRef& b);
 

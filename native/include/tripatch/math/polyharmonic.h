@@ -20,7 +20,7 @@ int free_polynomials(double order);
 /// Of squared distances, with the limit 0 at 0.
 Eigen::MatrixXd polyharmonic_kernel(double order, const Eigen::MatrixXd& squared);
 
-/// Kernels of some orders around the same centers, and polynomials: values in space over a plane. Four points are taken at a time.
+/// Kernels of some orders around the same centers, and polynomials: values in space over a plane. Some points are taken at a time.
 class PolyharmonicSum {
 public:
   explicit PolyharmonicSum(const PlanePoints& centers) : centers_(centers) {}
@@ -41,6 +41,9 @@ private:
   template <class Values>
   std::array<Values, 3> polynomials_at(const Values& x, const Values& y, std::array<Values, 3>* by_u = nullptr,
                                        std::array<Values, 3>* by_v = nullptr) const;
+  template <int Lanes>
+  using Lane = Eigen::Array<double, Lanes, 1>;
+  void add_odd_terms(const Lane<8>& x, const Lane<8>& y, std::array<Lane<8>, 3>& sum) const;
   template <class Values, class First>
   void add_terms(const std::vector<Term>& terms, const Values& x, const Values& y, const First& first,
                  std::array<Values, 3>& sum) const;

@@ -9,15 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "tripatch/math/machines.h"
 #include "tripatch/patch/surface.h"
-
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__)
-#if __GNUC__ >= 12
-#define TRIPATCH_PACKS
-#define TRIPATCH_PACKED __attribute__((target("avx2")))
-#define TRIPATCH_PACKED_INLINE __attribute__((target("avx2"), always_inline)) inline
-#endif
-#endif
 
 namespace tripatch {
 
@@ -30,11 +23,6 @@ inline int nearest_vertex(const double* b) {
 }
 
 #ifdef TRIPATCH_PACKS
-
-constexpr Index lanes = 4;
-typedef double Pack __attribute__((vector_size(8 * lanes)));
-
-TRIPATCH_PACKED_INLINE Pack all_lanes(double s) { return Pack{s, s, s, s}; }
 
 template <int N>
 struct PackJet {
