@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "tripatch/boundary/mesh_sides.h"
@@ -207,22 +208,29 @@ bool complete(const Mesh& mesh, const Connectivity& around, double surroundings_
 
 /// Root mean square distance of some of the points from a surface over a plane, by Gauss-Newton from the places of other points of it.
 double distance_from(const Surface& surface, const Points& known, const PlanePoints& places, const Points& points) {
-  const Index step = std::max<Index>(1, points.rows() / compared_points);
-  double squares = 0;
-  Index count = 0;
-  for (Index k = 0; k < points.rows(); k += step, ++count) {
+  const Index step = std::max<Index>(1, points.rows() / compared_points), count = (points.rows() + step - 1) / step;
+  Points at = Points::Zero(count, 3);
+  std::vector<double> best(count);
+  std::vector<char> stopped(count, 0);
+  for (Index k = 0; k < count; ++k) {
     Index nearest = 0;
-    double best = (known.rowwise() - points.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
-    Vec2 at = places.row(nearest);
-    for (int round = 0; round < 5; ++round) {
-      const Foot foot = foot_at(surface, at, points.row(k));
-      best = std::min(best, foot.off.squaredNorm());
-      if (!foot.step.allFinite()) break;
-      at += foot.step;
-    }
-    squares += best;
+    best[k] = (known.rowwise() - points.row(k * step)).rowwise().squaredNorm().minCoeff(&nearest);
+    at.row(k).head<2>() = places.row(nearest);
   }
-  return std::sqrt(squares / static_cast<double>(std::max<Index>(count, 1)));
+  std::vector<double> jets(9 * count);
+  for (int round = 0; round < 5; ++round) {
+    surface.evaluate(at.data(), count, 1, jets.data());
+    for (Index k = 0; k < count; ++k) {
+      if (stopped[k]) continue;
+      const double* const jet = jets.data() + 9 * k;
+      const Vec3 off = Vec3(points.row(k * step)) - Vec3::Map(jet);
+      best[k] = std::min(best[k], off.squaredNorm());
+      const Vec2 way = in_frame(Vec3::Map(jet + 3), Vec3::Map(jet + 6), off);
+      stopped[k] = !way.allFinite();
+      if (!stopped[k]) at.row(k).head<2>() += way;
+    }
+  }
+  return std::sqrt(std::accumulate(best.begin(), best.end(), 0.0) / static_cast<double>(std::max<Index>(count, 1)));
 }
 
 }  // namespace

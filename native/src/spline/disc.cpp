@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
@@ -105,8 +106,12 @@ private:
 
   /// Where the faces taken touch at a vertex only, those between them are taken too: a border that touches itself is none of a disc.
   void mend_pinches(std::vector<Index>& faces) {
+    Numbering seen;
+    std::vector<std::size_t> taken_when_seen;  // faces
     for (std::size_t k = 0; k < faces.size(); ++k)
       for (Index v : mesh_.faces[faces[k]]) {
+        if (seen.add(v)) taken_when_seen.push_back(0);
+        if (std::exchange(taken_when_seen[seen.find(v)], faces.size()) == faces.size()) continue;  // nothing has changed since
         if (row_.find(v) >= 0 && row_.find(v) < disc_.rim) continue;
         int starts = 0, here = 0;
         for (Connectivity::Corner c : around_.at(v)) {
