@@ -387,3 +387,19 @@ def test_a_long_jagged_rim_that_leans_every_way_is_followed_and_not_filled_flat(
     off = np.abs(np.linalg.norm(fill.vertices, axis=1) - 1)
     assert np.sqrt((off**2).mean()) < 0.05 * 2 * np.sin(lean)
     assert np.mean(off < 2 * fill.deviation) > 0.8, "what it says of how well it is known is so"
+
+
+@pytest.mark.parametrize("gap", [1e-7, 1e-6, 1e-5])
+def test_a_slit_whose_edges_lie_on_each_other_is_closed(gap):
+    """A plate with a tube in it that is joined to it but for one vertex: what lies around the slit is laid out on a line."""
+    n, angle = 12, np.arange(12) * np.pi / 6
+    circle = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    points = np.vstack([circle, 6 * circle, circle - [0, 0, 2], circle[3] - [0, 0, gap]])
+    faces = []
+    for i, j in zip(range(n), np.roll(range(n), -1).tolist(), strict=True):
+        a, b = ((36 if v == 3 else v) for v in (i, j))  # of the tube
+        faces += [[i, n + i, n + j], [i, n + j, j], [2 * n + i, a, b], [2 * n + i, b, 2 * n + j]]
+    rim = next(loop for loop in tripatch.find_holes(faces) if 36 in loop)
+    assert len(rim) == 4
+    fill = tripatch.fill(points, faces, rim=rim)
+    assert len(fill.faces) == 2 and not len(fill.vertices)

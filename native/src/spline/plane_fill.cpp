@@ -348,7 +348,11 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
     if (polygon.triangles.empty()) continue;
     const PlanePoints parameters = on_reference ? reference.foot_points(laid, at) : laid;
     if (!parameters.allFinite()) continue;
-    result.surface = result.field = std::make_shared<Field>(parameters, at, fields);
+    try {
+      result.surface = result.field = std::make_shared<Field>(parameters, at, fields);
+    } catch (const InvalidArgument&) {  // places on a line, as of a slit whose two edges lie on each other
+      continue;
+    }
     if (!stay(looked_at(*result.field, result.rim_uv, polygon.triangles), rim)) return {};
     result.made = remesh(polygon, options.resolution, *result.field);
     result.on_field = result.made.points;
