@@ -202,3 +202,27 @@ def test_the_surface_of_all_parts_is_one_patch():
             ahead, behind = fill.patch.evaluate(at + way, 1), fill.patch.evaluate(at - way, 1)
             np.testing.assert_allclose((ahead[0] - behind[0]) / (2 * step), slopes[:, axis], atol=1e-6)
             np.testing.assert_allclose((ahead[1][:, 0] - behind[1][:, 0]) / (2 * step), second[:, axis], atol=1e-3)
+
+
+@pytest.mark.parametrize("short", [0.3, 1e-2, 1e-4])
+def test_a_crease_has_no_more_edges_than_the_rim_however_short_those_at_its_ends_are(short):
+    """It had up to two thousand, and the parts beside it tens of thousands of triangles: most of a minute."""
+    vertices, faces = creased(roof(60)[0])
+    rim = inner_rim(faces)
+    ends = [v for v in rim if abs(vertices[v, 1]) < 1e-9 and abs(vertices[v, 2]) < 1e-9]
+    assert len(ends) == 2
+    for end in ends:
+        for a, b in list(zip(rim, np.roll(rim, -1), strict=True)):
+            if end not in (a, b):
+                continue
+            other = b if a == end else a
+            vertices = np.vstack([vertices, vertices[end] + short * (vertices[other] - vertices[end])])
+            for face in faces:
+                for k in range(len(face)):
+                    if {face[k - 1], face[k]} == {a, b}:
+                        face.insert(k, len(vertices) - 1)
+                        break
+    rim = inner_rim(faces)
+    fill = tripatch.fill(vertices, faces, rim=rim)
+    assert 0 < len(fill.feature_edges) <= len(rim)
+    assert len(fill.faces) < len(rim) ** 2

@@ -21,8 +21,11 @@ using EdgeKey = std::array<Index, 2>;
 
 /// Vertices of a crease that its curve is fitted to, on either side: farther ones tell nothing of the hole.
 constexpr Index most_of_chain = 24;
-/// Of new edges along a crease.
+/// Of new edges along a crease where a resolution asks for them.
 constexpr Index most_crease_edges = 2000;
+/// New edges along a crease for each of the rim's else: the crease is no longer than half of the rim, and where the edges at its ends are much
+/// shorter than the others the parts beside it had 60,000 triangles, of a rim of 65 edges.
+constexpr Index crease_edges_a_rim_edge = 1;
 
 /// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there, and whether those have a
 /// triangulation is chance.
@@ -86,7 +89,9 @@ private:
     // edges of linearly growing length: their number is the integral of 1 / size
     const double ratio = after / before;
     const double edges = curve.length() / before * (std::abs(ratio - 1) < one_size ? 1 : std::log(ratio) / (ratio - 1));
-    const Index count = std::clamp<Index>(static_cast<Index>(std::llround((1 - tie) * edges)), least, most_crease_edges);
+    const Index asked = static_cast<Index>(std::llround(std::min((1 - tie) * edges, 1e9)));
+    const Index most = even_ > 0 ? most_crease_edges : crease_edges_a_rim_edge * static_cast<Index>(rim_.size());
+    const Index count = std::max(least, std::min(asked, most));
     VertexLoop line = {from};
     if (count > 1) {
       Eigen::VectorXd shares(count - 1);
