@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import csv
 import io
+import re
 import sys
 import time
 from collections import Counter
@@ -87,7 +88,9 @@ def of_fill(vertices, fill, before):
     triangles = np.array([[f[0], f[k], f[k + 1]] for f in fill.faces for k in range(1, len(f) - 1)])
     row = {"result": "WRONG" if wrong else "filled", "method": fill.report.method, "faces": len(fill.faces)}
     row |= {"folded": fill.report.triangles_folded, "rim_folded": fill.report.rim_folded}
-    row |= {"seam": fill.report.seam_angle_max, "crossing": "", "reason": fill.report.method_reason}
+    # not along sides that are left free, as those where the mesh meets the hole at an angle are
+    tangent = [a for a, c in zip(fill.report.seam_angle_max_by_side, fill.report.continuity) if c in ("G1", "G2")]
+    row |= {"seam": max(tangent, default=0), "crossing": "", "reason": fill.report.method_reason}
     if len(triangles) <= MOST_CROSSED:
         row["crossing"] = int(crosses(np.concatenate([vertices, fill.vertices]), triangles))
     return row
@@ -129,7 +132,9 @@ def table(rows):
     tried = [row["crossing"] for row in filled if row["crossing"] != ""]
     folded, more = sum(row["folded"] > 0 for row in filled), sum(row["folded"] > row["rim_folded"] for row in filled)
     print(f" ({folded} of them with folds, {more} with more than their rims; {sum(tried)} of {len(tried)} cross themselves)")
-    for reason, count in Counter(row["reason"] for row in rows if row["result"] == "refused").most_common():
+    # sentences but for their numbers
+    refused = [re.sub(r"[\d., ]*\d( and \d+)?", " N", row["reason"]) for row in rows if row["result"] == "refused"]
+    for reason, count in Counter(refused).most_common():
         print(f"  {count} refused: {reason}")
     if filled:
         slowest = max(rows, key=lambda row: row["seconds"])
