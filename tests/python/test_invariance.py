@@ -3,11 +3,17 @@ or its rim given otherwise, it is the same fill."""
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 import tripatch
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from random_holes import as_seen, closed_mesh, hole_size, icosphere, ring_mesh, turned, wavy_hole, with_hole
 from shapes import cube, cube_sphere
+
+EXAMPLES = int(os.environ.get("TRIPATCH_EXAMPLES", "30"))
 
 
 def moves(points, size, seed):
@@ -159,6 +165,66 @@ def test_between_smooth_sides_it_is_the_same_fill_too(sides, seed):
     method = "side_vertex" if sides == 3 else "multi_sided"
     found = changes_as_written(points, faces, rim, seed, method=method)
     assert max(found.values()) < 1e-7, found
+
+
+def uneven_hole(seed):
+    """A mesh with a hole between smooth sides or in a closed mesh, without two vertices that are alike; and the hole's rim."""
+    rng = np.random.default_rng(seed)
+    if seed % 2:
+        points, left = wavy_hole(rng, (0, 2, 3, 4, 5, 6)[seed // 2 % 6])
+        points = points + 1e-3 * rng.normal(size=points.shape)
+    else:
+        points, faces, _ = closed_mesh(rng, spoil="noise")
+        left = with_hole(faces, rng, 0.15 * rng.random())
+    loops = tripatch.find_holes(left)
+    rim = max(loops, key=lambda loop: 0 in loop) if seed % 2 else max(loops, key=len)
+    return points, left, rim
+
+
+@settings(max_examples=EXAMPLES // 2, deadline=None, derandomize=EXAMPLES == 30)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["relabelled", "mirrored", "turned", "scaled and moved", "far away"]))
+def test_quads_are_the_same_however_a_mesh_is_written_and_wherever_it_is(seed, look):
+    change_of_vertices(seed, look, "quads")
+
+
+@settings(max_examples=EXAMPLES // 2, deadline=None, derandomize=EXAMPLES == 30)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["relabelled", "mirrored", "turned", "scaled and moved"]))
+def test_cages_are_the_same_however_a_mesh_is_written_and_wherever_it_is(seed, look):
+    change_of_vertices(seed, look, "cage")
+
+
+def change_of_vertices(seed, look, output):
+    points, faces, rim = uneven_hole(seed)
+    if len(rim) > 50:
+        return
+    rng, size = np.random.default_rng(seed), hole_size(points, rim)
+    options = {"output": output, "odd": "triangle" if output == "cage" else "split"}  # of which a mirror moves three sides
+    if look in ("relabelled", "mirrored"):
+        there, others, number = as_seen(points, faces, look, rng)
+        begun = np.roll(number[rim], int(rng.integers(len(rim))))
+        back = np.array([-1, 1, 1]) if look == "mirrored" else 1
+        returned = lambda v: v * back  # noqa: E731
+    else:
+        there, returned = moves(points, size, seed)[look]
+        others, begun = faces, rim
+    fill, other = (filled(*given, **options) for given in ((points, faces, rim), (there, others, begun)))
+    assert isinstance(other, tripatch.Refusal) == isinstance(fill, tripatch.Refusal)
+    if isinstance(fill, tripatch.Refusal) or fill.report.triangles_folded:
+        return
+    assert other.report.method == fill.report.method
+    assert len(other.vertices) == len(fill.vertices) and len(other.faces) == len(fill.faces)
+    if not len(fill.vertices):
+        return
+    gaps = np.linalg.norm(returned(other.vertices)[:, None] - fill.vertices, axis=2)
+    change = max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) / size
+    assert change < (1e-7 if EXAMPLES == 30 else 1e-2)
+
+
+def filled(points, faces, rim, **options):
+    try:
+        return tripatch.fill(points, faces, rim=rim, **options)
+    except tripatch.Refusal as refusal:
+        return refusal
 
 
 @pytest.mark.parametrize("sides", [0, 4])

@@ -15,7 +15,7 @@ namespace {
 constexpr double nothing = 1e-9;  ///< energies (no units) below which there is no more to gain
 /// Squared weight, over the hole's size squared, that keeps what shall not move where it is; that of the energies is about 1.
 constexpr double pinned = 1e10;
-/// Levenberg and Marquardt's damping, relative to the diagonal: at first, and what a step changes it by.
+/// Levenberg and Marquardt's damping, relative to the diagonal (over a vertex, its mean): at first, and what a step changes it by.
 constexpr double first_damping = 1e-6, damping_factor = 10;
 constexpr int attempts = 6;  ///< at a step, each more damped: the last a hundred thousand times
 /// Rounds in which the weights of the logarithms, one over their values where the step leads, settle.

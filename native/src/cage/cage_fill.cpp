@@ -99,7 +99,7 @@ void CageFill::take_smooth_rims() {
 
 QuadLayout CageFill::layout_of(std::size_t h, int rows) const {
   const SidedRim& rim = split_.holes[h];
-  if (!rim.is_triangle()) return polygon_cage_layout(rim, domains_[h], left_, rows);
+  if (!rim.is_triangle()) return polygon_cage_layout(rim, split_.vertices, domains_[h], left_, rows);
   return cage_layout(rim.hole(), split_.vertices, split_.settings.loop, rows, layout_options_.pole_offset);
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/beginning.h"
 #include "tripatch/polygon/follow.h"
 
 namespace tripatch {
@@ -46,23 +47,44 @@ PolygonDomain cage_domain(const SidedRim& rim, const Points& vertices, const Con
   return rim.sides() == 2 ? lens_like(turns) : polygon_like(turns, lengths);
 }
 
-QuadLayout polygon_cage_layout(const SidedRim& rim, const PolygonDomain& domain, const Connectivity& left, int rows) {
-  PlanePoints places(static_cast<Index>(rim.rim.size()), 2);
+QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, const PolygonDomain& domain, const Connectivity& left,
+                               int rows) {
+  const Index r = static_cast<Index>(rim.rim.size());
+  PlanePoints places(r, 2);
+  std::vector<int> quads(static_cast<std::size_t>(r), -1);  // at corners
   Index row = 0;
-  std::vector<RimCorner> corners;
   for (int i = 0; i < rim.sides(); ++i) {
     const Index edges = static_cast<Index>(rim.side(i).size()) - 1;
     const std::ptrdiff_t faces = static_cast<std::ptrdiff_t>(left.at(rim.rim[rim.corners[i]]).size());
-    corners.push_back({row, static_cast<int>(std::max<std::ptrdiff_t>(1, 4 - faces))});
+    quads[row] = static_cast<int>(std::max<std::ptrdiff_t>(1, 4 - faces));
     for (Index k = 0; k < edges; ++k) places.row(row++) = domain.on_side(i, static_cast<double>(k) / static_cast<double>(edges));
   }
-  PlaneLayout plane = polygon_layout(places, corners, rows);
+  // from where the rim's geometry begins it, as seen in a mirror where it goes backwards: which of equal layouts is taken hangs on that
+  Beginnings beginnings(vertices(rim.rim, Eigen::all), {}, rim.corners);
+  beginnings.compare_along();
+  const Beginning first = beginnings.left()[0];
+  const auto given = [&](Index k) { return (first.place + (first.backwards ? r - k : k)) % r; };
+  PlanePoints walked(r, 2);
+  std::vector<RimCorner> corners;
+  for (Index k = 0; k < r; ++k) {
+    walked.row(k) = places.row(given(k));
+    if (quads[given(k)] >= 0) corners.push_back({k, quads[given(k)]});
+  }
+  const double turn = first.backwards ? -1 : 1;
+  walked.col(1) *= turn;
+  const PlaneLayout plane = polygon_layout(walked, corners, rows);
   QuadLayout layout;
   layout.barycentric = Points::Zero(plane.uv.rows(), 3);
-  layout.barycentric.leftCols(2) = plane.uv;
+  for (Index k = 0; k < plane.uv.rows(); ++k)
+    layout.barycentric.row(k < r ? given(k) : k).head<2>() << plane.uv(k, 0), turn * plane.uv(k, 1);
   layout.rim = plane.rim;
-  layout.faces = std::move(plane.faces);
-  layout.poles = std::move(plane.poles);
+  for (Index f = 0; f < plane.faces.size(); ++f) {
+    std::vector<Index> face;
+    for (Index v : plane.faces[f]) face.push_back(v < r ? given(v) : v);
+    if (first.backwards) std::reverse(face.begin(), face.end());
+    layout.faces.add(face);
+  }
+  layout.poles = plane.poles;
   layout.in_plane = true;
   return layout;
 }

@@ -118,6 +118,44 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
   return cover;
 }
 
+/// Quads from where the rim's geometry begins it, as of triangles_of. corners: as polygon_layout takes them.
+PlaneCover quads_of(const Vec2& center, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
+                    const std::vector<RimCorner>& corners, const LayoutOptions& options, const std::vector<Vec2>& met) {
+  const Index r = rim_uv.rows();
+  std::vector<Index> places;
+  for (const RimCorner& corner : corners) places.push_back(corner.place);
+  const WalkedRim walk(center, patch, rim_uv, rim, places);
+  const SurfacePtr given(SurfacePtr(), &patch), surface = walk.mirrored ? mirrored(given) : given;
+  const Vec2 turn(1, walk.mirrored ? -1 : 1);
+  PlanePoints uv = rim_uv(walk.row, Eigen::all);
+  uv.col(1) *= turn[1];
+  Points points = rim(walk.row, Eigen::all);
+  if (walk.mirrored) points.col(0) *= -1;
+  std::vector<RimCorner> walked;
+  for (Index k = 0; k < r; ++k)
+    for (const RimCorner& corner : corners)
+      if (corner.place == walk.row[k]) walked.push_back({k, corner.quads});
+  std::vector<Vec2> there;
+  for (const Vec2& place : met) there.push_back(place.cwiseProduct(turn));
+  PlaneCover cover = cover_polygon_with_quads(uv, points, walked, *surface, options, there);
+  cover.uv.col(1) *= turn[1];
+  for (Index& row : cover.rim_rows) row = row < 0 ? row : walk.row[row];
+  if (cover.split) {
+    auto& [a, b] = *cover.split;
+    a = walk.row[a], b = walk.row[b];
+    if (walk.mirrored) std::swap(a, b);
+  }
+  if (!walk.mirrored) return cover;
+  Faces faces;
+  for (Index f = 0; f < cover.faces.size(); ++f) {
+    std::vector<Index> face(cover.faces[f].begin(), cover.faces[f].end());
+    std::reverse(face.begin(), face.end());
+    faces.add(face);
+  }
+  cover.faces = std::move(faces);
+  return cover;
+}
+
 /// Where the sides of a polygon begin in its rim.
 std::vector<Index> corner_rows(const std::vector<std::vector<double>>& parameters) {
   std::vector<Index> rows = {0};
@@ -398,8 +436,8 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   Points points(r, 3);
   for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
   const PlaneCover cover = options.output == Output::quads
-                               ? cover_polygon_with_quads(rim_uv, points, rim_corners(mesh, around, rim, corners), *made.patch,
-                                                          layout_options(options), made.met)
+                               ? quads_of(made.domain.center(), *made.patch, rim_uv, points,
+                                          rim_corners(mesh, around, rim, corners), layout_options(options), made.met)
                                : triangles_of(made.domain.center(), made.domain.sides(), *made.patch, rim_uv, points, corners,
                                               joined_rows(around, rim), options.resolution, made.met);
   fill.rim = rim;
@@ -599,14 +637,15 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   std::rotate(own.begin(), own.begin() + first, own.end());
   const RoundRim known = round_rim(mesh, around, own, backwards);
   const double begin = known.t[(r - first) % r];  // of the rim as it is given
-  const RoundPatch made =
-      begun_at(round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, most_waves))), begin);
+  const RoundPatch as_known = round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, most_waves)));
+  const RoundPatch made = begun_at(as_known, begin);
   PolygonFill result;
   Fill& fill = result.fill;
-  PlanePoints rim_uv(r, 2);
+  PlanePoints rim_uv(r, 2), known_uv(r, 2);
   Points points(r, 3);
   for (Index k = 0; k < r; ++k) {
     rim_uv.row(k) = on_circle(known.t[(k - first + r) % r] - begin);
+    known_uv.row(k) = on_circle(known.t[(k - first + r) % r]);
     points.row(k) = mesh.vertices.row(rim[k]);
   }
   fill.rim = rim;
@@ -615,10 +654,15 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   fill.patch = made.patch;
   fill.sides = {made.side};
   const bool quads = options.output == Output::quads, even = r % 2 == 0 || options.odd == Odd::split;
-  const PlaneCover cover = quads && even
-                               ? cover_polygon_with_quads(rim_uv, points, {}, *made.patch, layout_options(options), made.met)
-                               : triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, {}, joined_rows(around, rim),
-                                              quads ? std::nullopt : options.resolution, made.met, quads);
+  PlaneCover cover;
+  if (quads && even) {  // laid out where the geometry begins, which of many equal layouts is taken hangs on it
+    cover = quads_of(Vec2::Zero(), *as_known.patch, known_uv, points, {}, layout_options(options), as_known.met);
+    const Vec2 turn = on_circle(begin);
+    cover.uv *= (Eigen::Matrix2d() << turn[0], -turn[1], turn[1], turn[0]).finished();
+  } else {
+    cover = triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, {}, joined_rows(around, rim),
+                         quads ? std::nullopt : options.resolution, made.met, quads);
+  }
   deliver(cover, mesh.vertices.rows(), fill);
   Report& report = fill.report;
   report_layout(cover, mesh.vertices.rows(), report);

@@ -43,7 +43,8 @@ PolygonDomain cage_domain(const SidedRim& rim, const Points& vertices, const Con
 
 /// The layout of a hole of other than three sides, its coordinates (u, v, 0) in the domain, where each edge of a side takes an equal
 /// share of it, as of the limit rim. Corners get as many quads as they lack to four.
-QuadLayout polygon_cage_layout(const SidedRim& rim, const PolygonDomain& domain, const Connectivity& left, int rows);
+QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, const PolygonDomain& domain, const Connectivity& left,
+                               int rows);
 
 /// Coordinates where a patch is nearest to points: over a triangle or a polygon, from where they are. Returns the distances.
 Eigen::VectorXd nearest_on(const Surface& patch, const Points& points, Points& coordinates);
