@@ -60,6 +60,13 @@ Fill filled(std::optional<Fairing> fairing) {
   return fill(waves().mesh(), options);
 }
 
+void spline() {
+  FillOptions options;
+  options.rim = waves().rim;
+  options.method = "polyharmonic_spline";
+  fill(waves().mesh(), options);
+}
+
 void normals() {
   static const SurfacePtr patch = filled(Fairing::automatic).patch;
   constexpr Index rows = 140;  // of a grid of some 10,000 points
@@ -80,6 +87,7 @@ const std::map<std::string, std::function<void()>> paths = {
     {"surroundings", [] { mesh_sides(waves().mesh(), around(), make_hole(waves().mesh(), around(), waves().rim, {})); }},
     {"fill without fairing", [] { filled({}); }},
     {"fill", [] { filled(Fairing::automatic); }},
+    {"spline", spline},
     {"normals", normals},
     {"borders", borders}};
 
