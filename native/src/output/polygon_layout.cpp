@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "tripatch/math/ties.h"
 #include "tripatch/output/quad_builder.h"
 
 namespace tripatch {
@@ -366,7 +367,8 @@ std::vector<Choice> choices_of(const Region& region, const std::vector<RimCorner
     choice.cost += wrong_valence * choice.irregular + pole_expected * std::abs(static_cast<double>(choice.corners.size()) - 4);
     choices.push_back(std::move(choice));
   }
-  std::stable_sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) { return a.cost < b.cost; });
+  std::stable_sort(choices.begin(), choices.end(),
+                   [](const Choice& a, const Choice& b) { return coarse(a.cost) < coarse(b.cost); });
   return choices;
 }
 
@@ -402,7 +404,7 @@ PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>&
                 {longer ? corners[0].place + first / 2 : (corners[1].place + edges + corners[0].place) / 2, 1});
     return polygon_layout(rim, more, rows);
   }
-  std::stable_sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return a.cost < b.cost; });
+  std::stable_sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return coarse(a.cost) < coarse(b.cost); });
   std::vector<std::size_t> tried(corners.size() + 1);
   std::optional<PlaneLayout> best;
   double best_score = 0;
@@ -414,7 +416,7 @@ PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>&
     const QuadQuality quality = quad_quality(rows_of(layout.uv), layout.faces);
     const double irregular = static_cast<double>(layout.poles.size()) + plan.irregular,
                  score = quality.least + mean_weight * quality.mean - pole_price * irregular;
-    if (best && score <= best_score) continue;
+    if (best && !clearly_more(score, best_score)) continue;
     best = std::move(layout);
     best_score = score;
   }
