@@ -11,6 +11,7 @@
 
 #include "tripatch/boundary/side_curves.h"
 #include "tripatch/estimate/corner_planes.h"
+#include "tripatch/estimate/side_cylinder.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/smoothstep.h"
@@ -130,6 +131,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
         by_neighborhood.push_back(fit_side(w, own, guessed, static_cast<int>(i), near, nearest, searches[i]));
       }
       fits[i] = choose(w, by_neighborhood, drafts[i], rough);
+      take_cylinder(w, fits[i], drafts[i]);
     }
   });
   take_flat_corners(w, fits, hole.alone, drafts);

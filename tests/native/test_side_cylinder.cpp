@@ -1,0 +1,83 @@
+// Planes of sides whose faces have their vertices on a cylinder, and on both sides of what decides whether they have.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "test_drafts.h"
+#include "tripatch/estimate/side_cylinder.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+constexpr double radius = 5;
+
+/// Beside side 2 the sheet is bent about the y axis, outwards up; the side is moved along it by so much times the square of the place.
+struct Bent {
+  explicit Bent(int edges, double slant, double depth = 10) : flat(edges) {
+    for (Vec3& p : flat.w.position) {
+      const double angle = p[0] / radius, along = p[1] + (p[1] > -0.5 ? slant * p[0] * p[0] : 0);
+      p = Vec3(radius * std::sin(angle), along, radius * std::cos(angle) - radius);
+    }
+    flat.side().depth = depth;
+    fit.slope_variances.assign(flat.side().vertex.size(), 1.0);
+    flat.side().normal = flat.side().faces;
+    flat.side().second.assign(flat.side().vertex.size(), Eigen::Matrix3d::Zero());
+    for (std::size_t k = 0; k < flat.side().vertex.size(); ++k) flat.side().position[k] = flat.w.position[flat.side().vertex[k]];
+    fit.bend_variance = 1;
+  }
+  bool taken() {
+    for (std::size_t f = 0; f < flat.w.area.size(); ++f) {
+      const std::span<const int> face = flat.w.part[static_cast<int>(f)];
+      const auto at = [&](int c) { return flat.w.position[face[c]]; };
+      flat.w.area[f] = (at(2) - at(0)).cross(at(3) - at(1));
+    }
+    take_cylinder(flat.w, fit, flat.side());
+    return fit.slope_variances[1] < 1;
+  }
+  FlatDrafts flat;
+  SideFit fit;
+};
+
+}  // namespace
+
+TEST_CASE("planes and curvature of a side that runs aslant on a cylinder are the cylinder's") {
+  Bent bent(6, 0.1);
+  REQUIRE(bent.taken());
+  const SideDraft& side = bent.flat.side();
+  for (int k = 0; k <= 6; ++k) {
+    const Vec3 normal(std::sin(k / radius), 0, std::cos(k / radius)), around(std::cos(k / radius), 0, -std::sin(k / radius));
+    CHECK((side.normal[k] - normal).norm() < 1e-9);
+    CHECK(std::abs(around.dot(side.second[k] * around) + 1 / radius) < 1e-9);
+    CHECK(side.second[k].col(1).norm() < 1e-9);
+  }
+  CHECK(bent.fit.turned == 0);
+  CHECK(std::sqrt(bent.fit.slope_variances[3]) < 1e-4);
+}
+
+TEST_CASE("eight vertices tell a cylinder", "[thresholds]") {
+  CHECK(Bent(3, 0.3).taken());
+  CHECK_FALSE(Bent(2, 0.5, 10).taken());
+}
+
+TEST_CASE("two rows of vertices tell a cylinder where they are five edges apart", "[thresholds]") {
+  CHECK_FALSE(Bent(6, 0, 4.95).taken());
+  CHECK(Bent(6, 0, 5.05).taken());
+}
+
+TEST_CASE("vertices lie off a cylinder by a thousandth of what they lie off a plane", "[thresholds]") {
+  const auto within = [](double off) {
+    Bent bent(6, 0);
+    bent.flat.w.position[bent.flat.local(3, -1)][2] += off;
+    return bent.taken();
+  };
+  CHECK(within(1.7e-3));  // of a height of 0.3 in 14 vertices
+  CHECK_FALSE(within(1.8e-3));
+}
+
+TEST_CASE("a side that is known is left as it is") {
+  Bent bent(6, 0.1);
+  bent.fit.slope_variances.assign(7, std::pow(0.9 * well_known, 2));
+  bent.taken();
+  CHECK(bent.flat.side().normal[3] == Vec3::UnitZ());
+}
