@@ -92,14 +92,28 @@ TEST_CASE("rims of more than 400 edges are seen from above where nothing leans b
   CHECK_FALSE(seen_from_above(Rings(radii(0.2, 2), cone(60.5), 402)));
 }
 
-TEST_CASE("the second model is nine tenths of a fill where all is rough, a quarter where orders are low", "[thresholds]") {
+TEST_CASE(
+    "the second model is 0.45 of a fill where it is rough, 0.8 where far rough, a quarter where orders are low or details faint",
+    "[thresholds]") {
   CHECK(share_of_details(1, 2) == Approx(std::pow(1 - 1.0 / 16, 2)));
   CHECK(share_of_details(3, 2) == 0);
-  CHECK(share_of_second(1, 0.5, 5) == Approx(0.45));
-  CHECK(share_of_second(0, 0, 2) == Approx(0.25).epsilon(1e-5));
-  CHECK(share_of_second(0, 0, 3.5) == Approx(0.125));
-  CHECK(share_of_second(0, 0, 5) < 1e-4);
-  CHECK(share_of_second(0, 0, 3.5 * 1.1) == Approx(0.25 / (1 + std::pow(1.1, 24))));
+  const auto share = [](double noise, double roughness, double details, double order, bool strongly_curved = false) {
+    return share_of_second({noise, roughness, details, order, strongly_curved});
+  };
+  CHECK(share(0, 1, 0.5, 5) == Approx(0.225));
+  CHECK(share(0, 0, 0, 2) == Approx(0.25).epsilon(1e-5));
+  CHECK(share(0, 0, 0, 3.5) == Approx(0.125));
+  CHECK(share(0, 0, 0, 5) < 1e-4);
+  CHECK(share(0, 0, 0, 3.5 * 1.1) == Approx(0.25 / (1 + std::pow(1.1, 24))));
+  CHECK(share(0.15, 1, 0, 5) == Approx(0.4));
+  CHECK(share(0.3, 1, 0, 5) == Approx(0.8 * 16 / 17));
+  CHECK(share(0.15, 1, 1, 5) == Approx((0.45 + 0.8) / 2));
+  CHECK(share(10, 1, 1, 5) == Approx(0.8));
+  CHECK(share(0.005, 0, 1, 6) == Approx(0.125).epsilon(2e-3));
+  CHECK(share(0.012, 0, 1, 6) == Approx(0.25 * 12 / 17 / 2).epsilon(2e-3));
+  CHECK(share(0.02, 0, 1, 6) < 0.01);
+  CHECK(share(0.005, 0, 0, 6) < 1e-5);
+  CHECK(share(0.005, 0, 1, 6, true) < 1e-5);
 }
 
 TEST_CASE("a crease does not run where a point inside lies within a twentieth of its edge", "[thresholds]") {

@@ -55,9 +55,15 @@ struct FirstLayout {
   }
   /// What polynomials of a degree leave of the samples, over an edge.
   double left_by(int degree) const { return Reference(laid, points, degree).distance_across() / edge; }
-  /// Whether the rim lies where it has its feet on that of a degree.
-  bool is_on(int degree) const {
-    return (Reference(laid, points, degree).foot_points(laid.topRows(rim), points.topRows(rim)) - fill.rim_uv).norm() < 1e-7;
+  /// Whether the rim lies where it has its feet on references of degrees, each through the feet on the one before.
+  bool is_on(const std::vector<int>& degrees) const {
+    PlanePoints at = laid, of_rim = laid.topRows(rim);
+    for (int degree : degrees) {
+      const Reference reference(at, points, degree);
+      of_rim = reference.foot_points(of_rim, points.topRows(rim));
+      at = reference.foot_points(at, points);
+    }
+    return (of_rim - fill.rim_uv).norm() < 1e-7;
   }
   /// The new vertices between the field and the second model, whose difference is a field of order 2.5.
   Points averaged(double share) const {
@@ -92,8 +98,8 @@ TEST_CASE("a fill is laid out again whose area is 1.05 times that of the rim's t
       return Vec3(radius * std::sin(angle) * x / r, radius * std::sin(angle) * y / r, radius * std::cos(angle));
     }));
     const double share = one.area_of_fill / one.rough_area;
-    CHECK(one.is_on(4) == (share < 1.05));
-    (one.is_on(4) ? below : above) = one.is_on(4) ? std::max(below, share) : std::min(above, share);
+    CHECK(one.is_on({4}) == (share < 1.05));
+    (one.is_on({4}) ? below : above) = one.is_on({4}) ? std::max(below, share) : std::min(above, share);
   }
   CHECK(below > 1.045);
   CHECK(above < 1.055);
@@ -104,11 +110,20 @@ TEST_CASE("a reference is of degree 4, of 6 where that leaves a twentieth of an 
   for (double size = 0.012; size < 0.0135; size *= 1.02) {
     const FirstLayout one(Rings(radii(0.05, 5), [=](double x, double y) { return Vec3(x, y, size * random_at(x, y)); }));
     const double left = one.left_by(6);
-    CHECK(one.is_on(left > 0.05 ? 6 : 4));
+    CHECK(one.is_on(left > 0.05 ? std::vector<int>{6, 6, 6, 5} : std::vector<int>{4}));
     (left < 0.05 ? below : above) = left < 0.05 ? std::max(below, left) : std::min(above, left);
   }
   CHECK(below > 0.048);
   CHECK(above < 0.052);
+}
+
+TEST_CASE("further references follow where there are three rings", "[thresholds]") {
+  const auto rough = [](double x, double y) { return Vec3(x, y, 0.03 * random_at(x, y)); };
+  const FirstLayout two(Rings(radii(0.12, 2), rough)), three(Rings(radii(0.12, 3), rough));
+  REQUIRE(two.disc.rings == 2);
+  REQUIRE(three.disc.rings == 3);
+  CHECK(two.is_on({6}));
+  CHECK(three.is_on({6, 6, 6, 5}));
 }
 
 TEST_CASE("the second model is taken from a tenth of it on", "[thresholds]") {
@@ -117,7 +132,8 @@ TEST_CASE("the second model is taken from a tenth of it on", "[thresholds]") {
     const FirstLayout one(Rings(radii(0.05, 5), [=](double x, double y) { return Vec3(x, y, size * random_at(x, y)); }));
     const Field& field = *one.fill.field;
     const double left = one.left_by(one.left_by(6) > 0.05 ? 6 : 4) * one.edge;
-    const double share = share_of_second(field.roughness(), share_of_details(field.noise(), left), field.mean_order());
+    const double share = share_of_second(
+        {field.noise() / one.edge, field.roughness(), share_of_details(field.noise(), left), field.mean_order(), false});
     const bool taken = one.fill.surface.get() != one.fill.field.get();
     CHECK(taken == (share >= 0.1));
     if (taken) CHECK((one.averaged(share) - one.fill.vertices).norm() < 1e-9 * one.fill.vertices.norm());

@@ -20,12 +20,22 @@ std::optional<Points> least_bent(const Points& points, const std::vector<std::ar
 /// How much of what a smooth reference leaves of the samples is details of the surface: 0 where all is noise, to 1 where none is.
 double share_of_details(double noise, double left_by_reference);
 
-/// At most so much of a fill is its second model. Chosen on 218 holes of 37 meshes.
-constexpr double most_of_second = 0.9;
+/// What tells how much of a fill is the second model.
+struct FieldFindings {
+  double noise = 0;      ///< over an edge
+  double roughness = 0;  ///< Field::roughness
+  double details = 0;    ///< share_of_details
+  double mean_order = 0;
+  bool strongly_curved = false;
+};
+
+/// At most so much of a fill is its second model. Chosen on 216 holes of 25 meshes.
+constexpr double most_of_second = 0.8;
 /// How much of a fill is the second model. Rough surroundings lie off any layout by what their details stretch; this one bends the
-/// triangles themselves least, or varies their bending least, and knows of no plane: the most where the noise decides the order
-/// altogether (Field::roughness) and details are much more than noise; some where there is little noise, but the likeliest order is low.
-double share_of_second(double roughness, double details, double mean_order);
+/// triangles themselves least, or varies their bending least, and knows of no plane: the most where what reads as noise is a seventh of
+/// an edge and more; half where the noise decides the order altogether and details are much more than noise; some where there is little noise, but the
+/// likeliest order is low, or details are faint.
+double share_of_second(const FieldFindings& findings);
 
 /// The second model of a rough hole: triangles that bend least and whose bending varies least, which know of no plane.
 struct SecondModel {
