@@ -12,6 +12,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+import bmesh
 import bpy
 
 from .library import np
@@ -46,8 +47,9 @@ _TYPES = {
     "FLOAT2": _Type(2, "FLOAT_VECTOR", 1, 3, "vector", _POINT),
 }
 _FIELDS = {"FLOAT_VECTOR": "vector", "INT": "value"}
-if bpy.app.version < (3, 5):  # UV maps became attributes then, and BMesh has layers of booleans
+if bpy.app.version < (3, 5):  # UV maps became attributes then
     _TYPES["FLOAT2"] = _Type(2, "FLOAT_VECTOR", 1, 3, "vector", _POINT + _CORNER)
+if not hasattr(bmesh.types.BMLayerAccessLoop, "bool"):  # BMesh has layers of booleans after 4.3
     _TYPES["BOOLEAN"] = _Type(1, "INT", 1, 1, "value", _CORNER)
 
 

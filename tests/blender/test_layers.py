@@ -28,7 +28,7 @@ def give(mesh, kind, domain):
     count, width = len(layer.data), WIDTH.get(kind, 1)
     if kind == "STRING":
         for k, item in enumerate(layer.data):
-            item.value = f"s{k}".encode() if bpy.app.version >= (4, 5) else f"s{k}"
+            item.value = f"s{k}".encode() if isinstance(item.value, bytes) else f"s{k}"
         return
     whole = np.arange(count * width)
     values = {"BOOLEAN": whole % 2 == 0, "INT8": whole % 120, "INT": whole}.get(kind)
