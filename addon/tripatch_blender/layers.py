@@ -111,9 +111,10 @@ def _restore(mesh, replaced):
 
 
 def _normalized(values, given):
-    """Blended quaternions at length 1; those that the mesh had keep their bits."""
+    """Blended quaternions at length 1; those that the mesh had keep theirs."""
     row = np.dtype((np.void, 4 * values.itemsize))
-    old = np.isin(values.view(row).ravel(), np.ascontiguousarray(given, values.dtype).view(row).ravel())
+    # plus zero: Blender 5.1 makes 0 of -0
+    old = np.isin((values + 0).view(row).ravel(), (np.ascontiguousarray(given, values.dtype) + 0).view(row).ravel())
     length = np.linalg.norm(values, axis=1, keepdims=True)
     return np.where(old[:, None] | (length < _CANCELLED), values, values / np.maximum(length, _CANCELLED)).astype(np.float32)
 

@@ -309,7 +309,9 @@ def test_without_numpy_one_sentence_names_the_package(tmp_path):
     done = blender(tmp_path / "in.blend", "--out", str(tmp_path / "out.blend"), setup=hide)
     assert done.returncode == 1, done.stdout + done.stderr
     assert "python3-numpy" in done.stderr
-    assert "Traceback" not in done.stdout + done.stderr
+    # Blender 5.1 has add-ons of its own that want it
+    frames = [line for line in (done.stdout + done.stderr).splitlines() if line.startswith('  File "')]
+    assert not any("tripatch_blender" in line or "fill_holes.py" in line for line in frames)
 
 
 @pytest.mark.skipif(bpy.app.version < (4, 2), reason="blender --command came with 4.2")
