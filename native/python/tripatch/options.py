@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import inspect
 import numbers
-import re
 import textwrap
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -272,14 +271,10 @@ def takes_options(function: Function) -> Function:
     rows = [option for option in of(name) if option.name not in own.parameters]
     parameters = [inspect.Parameter(option.name, keyword, default=option.default) for option in rows]
     vars(function)["__signature__"] = own.replace(parameters=[*kept, *parameters])
-    text = function.__doc__ or ""
-    indent = re.search(r"^ *(?=\*\*options: see OPTIONS\.)", text, re.MULTILINE)
-    if indent:  # how far depends on the Python: from 3.13 on docstrings are dedented
-        lines = [
-            textwrap.fill(
-                f"{option.name}: {described(option)}.", 130, initial_indent=indent[0], subsequent_indent=indent[0] + " " * 4
-            )
-            for option in rows
-        ]
-        function.__doc__ = text.replace(f"{indent[0]}**options: see OPTIONS.", "\n".join(lines))
+    lines = [
+        textwrap.fill(f"{option.name}: {described(option)}.", 126, initial_indent=" " * 4, subsequent_indent=" " * 8)
+        for option in rows
+    ]
+    text = inspect.cleandoc(function.__doc__ or "")  # Python 3.13 does so itself
+    function.__doc__ = text.replace("    **options: see OPTIONS.", "\n".join(lines))
     return function

@@ -63,7 +63,7 @@ QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, cons
   Beginnings beginnings(vertices(rim.rim, Eigen::all), {}, rim.corners);
   beginnings.compare_along();
   const Beginning first = beginnings.left()[0];
-  const auto given = [&](Index k) { return (first.place + (first.backwards ? r - k : k)) % r; };
+  const auto given = [&](Index k) { return first.at(k, r); };
   PlanePoints walked(r, 2);
   std::vector<RimCorner> corners;
   for (Index k = 0; k < r; ++k) {

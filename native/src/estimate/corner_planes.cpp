@@ -88,8 +88,10 @@ public:
   }
 
   /// Radians between its edges at an inner vertex, and of its first or last one against the plane behind it.
-  double turn(int k) const { return between(way_[k - 1], way_[k]); }
-  double lean(bool end) const { return end ? between(way_.back(), shape_.col(1)) : between(-shape_.col(0), way_.front()); }
+  double turn(int k) const { return angle_in_plane(way_[k - 1], way_[k]); }
+  double lean(bool end) const {
+    return end ? angle_in_plane(way_.back(), shape_.col(1)) : angle_in_plane(-shape_.col(0), way_.front());
+  }
 
   /// The direction at an inner vertex of the conic through it that leaves both planes: with places a, b along the legs and c = 1 - a - b all
   /// these conics are c^2 = k a b. Turned by so much, as it is seen.
@@ -100,8 +102,6 @@ public:
   }
 
 private:
-  static double between(const Vec2& a, const Vec2& b) { return std::abs(std::atan2(a[0] * b[1] - a[1] * b[0], a.dot(b))); }
-
   Vec3 apex_;
   Eigen::Matrix<double, 3, 2> legs_;
   Eigen::Matrix<double, 2, 3> back_;

@@ -7,8 +7,9 @@
 #include <numbers>
 #include <utility>
 
+#include "tripatch/estimate/circle.h"
 #include "tripatch/estimate/stencils.h"
-#include "tripatch/math/linear.h"
+#include "tripatch/math/angle.h"
 
 namespace tripatch {
 namespace {
@@ -44,16 +45,11 @@ std::optional<RimCircle> circle_of(const LocalMesh& w) {
   for (Index k = 0; k < n; ++k) area += (at(k) - middle).cross(at(k + 1) - middle);
   circle.axis = area.stableNormalized();
   circle.start = (at(0) - middle - circle.axis * circle.axis.dot(at(0) - middle)).normalized();
-  const Vec3 other = circle.axis.cross(circle.start);
-  Eigen::MatrixXd a(n, 3), b(n, 1);  // |p|^2 = 2 c . p + (radius^2 - |c|^2)
-  for (Index k = 0; k < n; ++k) {
-    const Vec3 d = at(k) - middle;
-    a.row(k) << 2 * d.dot(circle.start), 2 * d.dot(other), 1;
-    b(k, 0) = a.row(k).head<2>().squaredNorm() / 4;
-  }
-  const Eigen::MatrixXd x = least_squares(a, b);
-  circle.center = middle + x(0, 0) * circle.start + x(1, 0) * other;
-  circle.radius = std::sqrt(x(2, 0) + x.topRows<2>().squaredNorm());
+  std::vector<Vec3> points;
+  for (int v : w.rim) points.push_back(w.position[v]);
+  const Circle seen = circle_along(points, middle, circle.start, circle.axis.cross(circle.start));
+  circle.center = seen.center;
+  circle.radius = seen.radius;
   circle.start = (at(0) - circle.center).normalized();
   double most = 0;
   for (Index k = 0; k < n; ++k) {
@@ -184,8 +180,6 @@ MeridianReading read_by(const Conic& conic, const std::vector<OnMeridian>& point
   return out;
 }
 
-double angle_from(const Vec2& a, const Vec2& b) { return std::abs(std::atan2(a[0] * b[1] - a[1] * b[0], a.dot(b))); }
-
 /// What points apart by so much tell best.
 MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian>& all, double apart) {
   std::vector<OnMeridian> points;
@@ -205,8 +199,8 @@ MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian
     if (count >= least_on_meridian && taken.valid && before[c].valid) {
       const MeridianReading& other = now[1 - c];
       const double counts = other.valid && other.left > 0 ? taken.left / other.left : 0;
-      taken.slope_deviation = std::max({taken.slope_deviation, angle_from(taken.along, before[c].along),
-                                        counts > 0 ? counts * angle_from(taken.along, other.along) : 0});
+      taken.slope_deviation = std::max({taken.slope_deviation, angle_in_plane(taken.along, before[c].along),
+                                        counts > 0 ? counts * angle_in_plane(taken.along, other.along) : 0});
       taken.curvature_deviation = std::max({taken.curvature_deviation, std::abs(taken.curvature - before[c].curvature),
                                             counts > 0 ? counts * std::abs(taken.curvature - other.curvature) : 0});
       if (!best.valid || taken.curvature_deviation < best.curvature_deviation) best = taken;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "tripatch/estimate/circle.h"
 #include "tripatch/math/linear.h"
 
 namespace tripatch {
@@ -59,15 +60,9 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
   Cylinder c;
   c.axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(turns).eigenvectors().col(0);
   Vec3 u = c.axis.unitOrthogonal(), v = c.axis.cross(u);
-  Eigen::MatrixXd a(n, 3), b(n, 1);  // the circle through what is seen along it
-  for (Index k = 0; k < n; ++k) {
-    const Vec3 d = points[k] - middle;
-    a.row(k) << 2 * d.dot(u), 2 * d.dot(v), 1;
-    b(k, 0) = a.row(k).head<2>().squaredNorm() / 4;
-  }
-  const Eigen::MatrixXd circle = least_squares(a, b);
-  c.point = middle + circle(0, 0) * u + circle(1, 0) * v;
-  c.radius = std::sqrt(std::max(circle(2, 0) + circle.topRows<2>().squaredNorm(), 0.0));
+  const Circle circle = circle_along(points, middle, u, v);
+  c.point = circle.center;
+  c.radius = circle.radius;
   for (int step = 0; step < most_cylinder_steps; ++step) {
     u = c.axis.unitOrthogonal();
     v = c.axis.cross(u);

@@ -60,13 +60,24 @@ struct WalkedRim {
     beginnings.compare_along();
     if (!beginnings.decided()) beginnings.compare_with(patch.positions(as_rows((rim_uv.rowwise() + center.transpose()) / 2)));
     const Beginning first = beginnings.left()[0];
-    mirrored = first.backwards;
+    is_mirrored = first.backwards;
+    turn = Vec2(1, is_mirrored ? -1 : 1);
+    const SurfacePtr given(SurfacePtr(), &patch);
+    surface = is_mirrored ? mirrored(given) : given;
     const Index r = rim.rows();
     for (Index k = 0; k < r; ++k) row.push_back(first.at(k, r));
+    uv = rim_uv(row, Eigen::all);
+    uv.col(1) *= turn[1];
+    points = rim(row, Eigen::all);
+    if (is_mirrored) points.col(0) *= -1;
   }
 
   std::vector<Index> row;  // that is given, of each in the walk
-  bool mirrored;
+  bool is_mirrored;
+  Vec2 turn;           // what places are times in the walk
+  SurfacePtr surface;  // as the walk sees it: not longer than the patch
+  PlanePoints uv;
+  Points points;
 };
 
 /// The polygon in triangles about its center, or these in pairs as quads where they are good ones. corners: rows of the rim, none: any may
@@ -76,15 +87,11 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
                         std::optional<int> resolution, const std::vector<Vec2>& met = {}, bool paired = false) {
   const Index r = rim_uv.rows();
   const WalkedRim walk(center, patch, rim_uv, rim, corners);
-  const SurfacePtr given(SurfacePtr(), &patch), surface = walk.mirrored ? mirrored(given) : given;
-  const Vec2 turn(1, walk.mirrored ? -1 : 1);
   PlanePolygon polygon;
   polygon.uv.resize(r + 1, 2);
-  polygon.uv << rim_uv(walk.row, Eigen::all), center.transpose();
-  polygon.uv.col(1) *= turn[1];
+  polygon.uv << walk.uv, center.cwiseProduct(walk.turn).transpose();
   polygon.points.resize(r + 1, 3);
-  polygon.points << rim(walk.row, Eigen::all), surface->positions(as_rows(polygon.uv.bottomRows(1)));
-  if (walk.mirrored) polygon.points.topRows(r).col(0) *= -1;
+  polygon.points << walk.points, walk.surface->positions(as_rows(polygon.uv.bottomRows(1)));
   polygon.rim = r;
   polygon.sides = sides;
   polygon.unit = length_around(rim) / std::max(length_around(rim_uv), 1e-300);
@@ -94,13 +101,13 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
   for (auto& [a, b] : joined) a = place[a], b = place[b];
   polygon.joined = std::move(joined);
   for (const Vec2& there : met) {
-    const PlanePoints own = there.cwiseProduct(turn).transpose();
-    insert_row(polygon, own, Vec3(surface->positions(as_rows(own)).row(0)));
+    const PlanePoints own = there.cwiseProduct(walk.turn).transpose();
+    insert_row(polygon, own, Vec3(walk.surface->positions(as_rows(own)).row(0)));
   }
-  PlaneTriangulation made = remesh(polygon, resolution, *surface);
+  PlaneTriangulation made = remesh(polygon, resolution, *walk.surface);
   PlaneCover cover;
   cover.uv = made.uv;
-  cover.uv.col(1) *= turn[1];
+  cover.uv.col(1) *= walk.turn[1];
   cover.uv.topRows(r) = rim_uv;
   cover.rim = r;
   for (Index k = 0; k < r; ++k) cover.rim_rows.push_back(k);
@@ -112,7 +119,7 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
   for (Index f = 0; f < faces.size(); ++f) {
     std::vector<Index> face;
     for (Index v : faces[f]) face.push_back(v < r ? walk.row[v] : v);
-    if (walk.mirrored) std::reverse(face.begin(), face.end());
+    if (walk.is_mirrored) std::reverse(face.begin(), face.end());
     cover.faces.add(face);
   }
   return cover;
@@ -125,27 +132,21 @@ PlaneCover quads_of(const Vec2& center, const Surface& patch, const PlanePoints&
   std::vector<Index> places;
   for (const RimCorner& corner : corners) places.push_back(corner.place);
   const WalkedRim walk(center, patch, rim_uv, rim, places);
-  const SurfacePtr given(SurfacePtr(), &patch), surface = walk.mirrored ? mirrored(given) : given;
-  const Vec2 turn(1, walk.mirrored ? -1 : 1);
-  PlanePoints uv = rim_uv(walk.row, Eigen::all);
-  uv.col(1) *= turn[1];
-  Points points = rim(walk.row, Eigen::all);
-  if (walk.mirrored) points.col(0) *= -1;
   std::vector<RimCorner> walked;
   for (Index k = 0; k < r; ++k)
     for (const RimCorner& corner : corners)
       if (corner.place == walk.row[k]) walked.push_back({k, corner.quads});
   std::vector<Vec2> there;
-  for (const Vec2& place : met) there.push_back(place.cwiseProduct(turn));
-  PlaneCover cover = cover_polygon_with_quads(uv, points, walked, *surface, options, there);
-  cover.uv.col(1) *= turn[1];
+  for (const Vec2& place : met) there.push_back(place.cwiseProduct(walk.turn));
+  PlaneCover cover = cover_polygon_with_quads(walk.uv, walk.points, walked, *walk.surface, options, there);
+  cover.uv.col(1) *= walk.turn[1];
   for (Index& row : cover.rim_rows) row = row < 0 ? row : walk.row[row];
   if (cover.split) {
     auto& [a, b] = *cover.split;
     a = walk.row[a], b = walk.row[b];
-    if (walk.mirrored) std::swap(a, b);
+    if (walk.is_mirrored) std::swap(a, b);
   }
-  if (!walk.mirrored) return cover;
+  if (!walk.is_mirrored) return cover;
   Faces faces;
   for (Index f = 0; f < cover.faces.size(); ++f) {
     std::vector<Index> face(cover.faces[f].begin(), cover.faces[f].end());

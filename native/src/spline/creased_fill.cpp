@@ -23,8 +23,8 @@ using EdgeKey = std::array<Index, 2>;
 constexpr Index most_of_chain = 24;
 /// Of new edges along a crease where a resolution asks for them.
 constexpr Index most_crease_edges = 2000;
-/// New edges along a crease for each of the rim's else: the crease is no longer than half of the rim, and where the edges at its ends are much
-/// shorter than the others the parts beside it had 60,000 triangles, of a rim of 65 edges.
+/// New edges along a crease for each of the rim's else: the crease is no longer than half of the rim, and where the edges at its ends are
+/// much shorter than the others the parts beside it had 60,000 triangles, of a rim of 65 edges.
 constexpr Index crease_edges_a_rim_edge = 1;
 
 /// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there, and whether those have a
