@@ -79,3 +79,12 @@ TEST_CASE("a limit rim has a kink where its pieces turn by a tenth of a degree",
     CHECK(told == (degrees > 0.1));
   }
 }
+
+TEST_CASE("two derivatives span a plane from a millionth between them on", "[thresholds]") {
+  for (const double sine : {0.99e-6, 1.01e-6}) {
+    LimitJet jet;
+    jet.pu = Vec3(3, 0, 0);
+    jet.pv = -0.2 * Vec3(std::sqrt(1 - sine * sine), 0, sine);
+    CHECK(spans_plane(jet) == (sine > 1e-6));
+  }
+}

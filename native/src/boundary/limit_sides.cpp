@@ -12,7 +12,7 @@ namespace tripatch {
 namespace {
 
 constexpr double sides_tolerance = 1e-13;  ///< of a side's polynomials, of their largest value: a thousand times the rounding
-constexpr double parallel = 1e-6;          ///< sine of the angle between derivatives that make no tangent plane
+constexpr double parallel = 1e-6;          ///< sine of the angle between derivatives that span no plane, see spans_plane
 constexpr double beside_it = 1e-4;         ///< of an edge: how far from such a place the normal is read
 constexpr double flat = 1e-6;              ///< of a side's length: a derivative at its end that is none
 constexpr double beside_break = 1e-9;      ///< of the parameter: where the directions before and behind a break are read
@@ -32,8 +32,7 @@ FaceEdge face_beside(const Connectivity& around, Index a, Index b) {
 
 /// Normal of the limit surface; at a place where its two derivatives are parallel, the one beside it.
 Vec3 unit_normal(const LimitSurface& surface, const FaceEdge& place, double t, const LimitJet& jet) {
-  const Vec3 n = jet.pu.cross(jet.pv);
-  if (n.norm() > parallel * jet.pu.norm() * jet.pv.norm()) return n.normalized();
+  if (spans_plane(jet)) return jet.pu.cross(jet.pv).normalized();
   LimitJet beside;
   const double inside = t < 0.5 ? t + beside_it : t - beside_it;
   surface.evaluate_edge(place.face, place.edge, {&inside, 1}, {&beside, 1});
@@ -81,6 +80,8 @@ void check_ends(const Side& side, const std::vector<Index>& along) {
 }
 
 }  // namespace
+
+bool spans_plane(const LimitJet& jet) { return jet.pu.cross(jet.pv).norm() > parallel * jet.pu.norm() * jet.pv.norm(); }
 
 Side side_on(const LimitSurface& surface, const Connectivity& around, const std::vector<Index>& rim, double tolerance) {
   const int edges = static_cast<int>(rim.size()) - 1;

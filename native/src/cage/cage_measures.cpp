@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/boundary/limit_sides.h"
 #include "tripatch/cage/cage_fit.h"
 #include "tripatch/cage/limit_mesh.h"
 #include "tripatch/math/angle.h"
@@ -11,15 +12,10 @@ namespace tripatch {
 namespace {
 
 constexpr int folds_level = 3;  ///< of the limit surface whose folds are counted: 8 x 8 quads a face, as Fill.limit gives them
-/// Sine of the angle between a face's derivatives below which it has no tangent plane there: where a quad's two edges run into one
-/// line, as in the corner of a smooth rim.
-constexpr double no_plane = 1e-3;
 
 double root_mean_square(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
-
-bool has_plane(const LimitJet& jet) { return jet.pu.cross(jet.pv).norm() > no_plane * jet.pu.norm() * jet.pv.norm(); }
 
 }  // namespace
 
@@ -76,8 +72,9 @@ void CageFit::measure_rim(std::size_t h, CageMeasures& measures) const {
       limit_.evaluate_edge(mine.face, mine.edge, t, in);
       limit_.evaluate_edge(theirs.face, theirs.edge, reversed, out);
       for (std::size_t k = 0; k < t.size(); ++k)
-        measures.seam_angles[i].push_back(
-            has_plane(in[k]) && has_plane(out[k]) ? degrees_between(in[k].pu.cross(in[k].pv), out[k].pu.cross(out[k].pv)) : -1);
+        measures.seam_angles[i].push_back(spans_plane(in[k]) && spans_plane(out[k])
+                                              ? degrees_between(in[k].pu.cross(in[k].pv), out[k].pu.cross(out[k].pv))
+                                              : -1);
     }
     const FaceEdge first = edges_.at({side[1], side[0]});
     LimitJet now, before;

@@ -22,6 +22,10 @@ struct LimitSides {
 LimitSides limit_sides(const Mesh& cage, const Connectivity& whole, const Connectivity& around, const Hole& hole,
                        const Subdivision& settings);
 
+/// Whether the derivatives at a place span a tangent plane: the sine between them is more than a millionth. In the cages of the tests it is
+/// 1e-12 or less at corners of smooth rims, where a quad's two edges run into one line, and 1e-5 or more wherever else sides are read.
+bool spans_plane(const LimitJet& jet);
+
 /// The side along these vertices of the rim, from a corner to the next one.
 Side side_on(const LimitSurface& surface, const Connectivity& around, const std::vector<Index>& along, double tolerance);
 /// The sides alone, on a limit surface of the cage that is at hand. tolerance: of their polynomials, of their largest value.
