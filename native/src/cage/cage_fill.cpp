@@ -10,7 +10,8 @@
 namespace tripatch {
 namespace {
 
-/// The largest valences of poles in most layouts of quads and triangles; only those beyond are worth a warning.
+/// The largest valences of poles in most layouts of quads and triangles; only those beyond are worth a warning. Between three sides of 3 to
+/// 14 edges, none twice as long as another, 113 of 194 layouts of triangles have none beyond, and all of quads a single one of 3.
 constexpr Index ordinary_quad_pole = 5, ordinary_triangle_pole = 7;
 
 /// Border edges at a vertex; two where one border passes.

@@ -16,7 +16,8 @@ namespace {
 constexpr double sides_tolerance = 1e-7;
 
 /// A few new vertices cannot hold the surroundings where these slide along long faces: then they leave their place for a spike, and what
-/// was to be made fair is bent more than before. There the surroundings may move so many times as far, so many times at most.
+/// was to be made fair is bent more than before. There the surroundings may move so many times as far, so many times at most. Of 23 cages
+/// between bevels of one to ten segments three ask for it, once; with two or eight times as far their limit is the same to 1e-3.
 constexpr double widening = 4;
 constexpr int most_widenings = 3;
 
