@@ -128,3 +128,22 @@ TEST_CASE("a crumpled surface gets eight times as many triangles as its sizes an
   const double made = static_cast<double>(remesh(disc, {}, Rough()).triangles.size());
   CHECK(made == Approx(8 * (triangles_wanted(disc, {}) + n)).epsilon(0.01));
 }
+
+TEST_CASE("of rims of up to a hundred edges two layouts are tried", "[thresholds]") {
+  // the second is the better one here: it has one pole, the first has two
+  const std::vector<Vec2> corner = {{1.07, 0.25}, {0.02, 0.81}, {-1.09, 0.55}, {-0.93, -0.17}, {-0.16, -0.60}, {0.95, -0.57}};
+  for (const Index n : {98, 100, 102, 104}) {
+    double around = 0;
+    for (std::size_t i = 0; i < 6; ++i) around += (corner[(i + 1) % 6] - corner[i]).norm();
+    PlanePoints rim(n, 2);
+    std::vector<RimCorner> corners;
+    Index row = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const Vec2 way = corner[(i + 1) % 6] - corner[i];
+      const Index edges = i == 5 ? n - row : std::lround(static_cast<double>(n) * way.norm() / around);
+      corners.push_back({row, 0});
+      for (Index j = 0; j < edges; ++j) rim.row(row++) = corner[i] + way * static_cast<double>(j) / static_cast<double>(edges);
+    }
+    CHECK(polygon_layout(rim, corners).poles.size() == (n > 100 ? 2 : 1));
+  }
+}

@@ -16,7 +16,9 @@ namespace {
 constexpr std::size_t subsets_tried = 10;  ///< choices of corners for which the integers are sought
 /// With each number of corners, embedded, smoothed and measured: of a rim of few edges more, as there it costs little.
 constexpr std::size_t layouts_tried = 2, layouts_of_many_tried = 1;
-constexpr Index many_edges = 100;                          ///< of a rim: from there on one layout is tried; a choice
+/// Of a rim: of more one layout is tried. Of 60 outlines of three to eight sides in 100 edges nine take the second, whose least scaled
+/// Jacobian is 0.05 higher in their mean; it costs as much as the first, half a thousand quads and more.
+constexpr Index many_edges = 100;
 constexpr int sweeps_of_trials = 4, angles_of_trials = 5;  ///< as sweeps of a cover, but of what is only compared
 constexpr Index most_round_starts = 32;                    ///< places of a round rim from which a grid's corners are counted
 constexpr Index edges_a_ring = 20;  ///< of a round rim: rings that are as wide as these would leave the grid's corners regular
