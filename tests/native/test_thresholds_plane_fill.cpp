@@ -97,6 +97,8 @@ TEST_CASE(
     "[thresholds]") {
   CHECK(share_of_details(1, 2) == Approx(std::pow(1 - 1.0 / 16, 2)));
   CHECK(share_of_details(3, 2) == 0);
+  CHECK_FALSE(mostly_details(0.199));
+  CHECK(mostly_details(0.201));
   const auto share = [](double noise, double roughness, double details, double order, bool strongly_curved = false) {
     return share_of_second({noise, roughness, details, order, strongly_curved});
   };

@@ -73,8 +73,6 @@ constexpr double detail = 0.05;
 /// the fill in the layout: half a ball under noise is twice as far off with them. Nor of long rims and strips, which are strongly curved.
 constexpr std::array<int, 3> further_degrees = {6, 6, 5};
 constexpr int rings_for_further = 3;
-/// Of details_in(): from here on the second model is nearer than a field through fewer rings.
-constexpr double mostly_details = 0.2;
 /// Below this share of the second model it is not worth its time: half and twice of it change 8 of 84 fills, all together by less than 1%.
 constexpr double least_share_of_second = 0.1;
 /// The field that carries the difference over all of the hole: its order, and of how many points at most it is made; of half as many
@@ -693,7 +691,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     const Index folds = folded_edges(result->made.points, result->made.triangles, rim.beyond);
     const Index left = unfolded(rim, *result);
     const bool is_long = disc.rim > long_rim;  // bending its thousands of triangles takes longer than all the rest
-    const bool prefers_second = !is_long && details_in(*result) > mostly_details && (left > rim.folds || way.reach == 0);
+    const bool prefers_second = !is_long && mostly_details(details_in(*result)) && (left > rim.folds || way.reach == 0);
     const bool bends_least = (prefers_second || (left > rim.folds && !is_long)) &&
                              second_alone(with_two_rings(mesh, continued, loops, disc), rim, *result);
     if (left > rim.folds && !bends_least) continue;

@@ -19,6 +19,8 @@ std::optional<Points> least_bent(const Points& points, const std::vector<std::ar
 
 /// How much of what a smooth reference leaves of the samples is details of the surface: 0 where all is noise, to 1 where none is.
 double share_of_details(double noise, double left_by_reference);
+/// Whether these are so many that, where a field folds, the second model alone is taken before a field through fewer rings.
+bool mostly_details(double share);
 
 /// What tells how much of a fill is the second model.
 struct FieldFindings {
