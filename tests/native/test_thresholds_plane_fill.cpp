@@ -138,3 +138,19 @@ TEST_CASE("a crease does not run where a point inside lies within a twentieth of
     CHECK(across(rings, options).has_value() == (share > 0.05));
   }
 }
+
+TEST_CASE("a crease does not run past a vertex of the rim by less than a ten-thousandth of its edge", "[thresholds]") {
+  const auto across = [](const Rings& rings) {
+    return fill_across_creases(rings.mesh(), Connectivity(rings.mesh()), rings.rim, rings.features(), {});
+  };
+  Rings rings(radii(0.1, 8), [](double x, double y) { return roof(x, y, 30); });
+  const double edge = 1 / static_cast<double>(across(rings)->creases.size());
+  for (const double share : {0.98e-4, 1.02e-4}) {
+    for (Index k = 2; k <= 10; ++k) {  // on one side the rim comes down to the crease, beside one of its points
+      const double x = 0.5 * std::cos(static_cast<double>(k) * M_PI / 12);
+      rings.vertices.row(k) = roof(x + 0.01, share * edge + std::abs(x) / 2, 30);
+    }
+    REQUIRE(rings.features().creases.size() == 1);
+    CHECK(across(rings).has_value() == (share > 1e-4));
+  }
+}

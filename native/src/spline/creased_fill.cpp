@@ -27,8 +27,9 @@ constexpr Index most_crease_edges = 2000;
 /// much shorter than the others the parts beside it had 60,000 triangles, of a rim of 65 edges.
 constexpr Index crease_edges_a_rim_edge = 1;
 
-/// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there, and whether those have a
-/// triangulation is chance.
+/// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there. On which side of it the vertex
+/// lies is chance where single precision decides, within 1e-6; ten roofs with a rim that comes down to the crease are filled alike at any
+/// distance from 1e-9 on.
 constexpr double grazing = 1e-4;
 /// Of the rim's length: an edge at a crease's end counts as that long, so that the number of new points stays a number.
 constexpr double least_size = 1e-6;
