@@ -320,3 +320,43 @@ def test_the_cage_of_a_bevelled_corner_stays_within_the_cube(segments, width):
     assert limit.min() > 0.7 - width and limit.max() <= 1  # the corner of a cube from 0 to 1
     assert fill.report.triangles_folded == 0
     assert fill.report.folds == 0
+
+
+def row_of_holes(count, edges, between):
+    """A wavy mesh of quads with square holes in a row: vertices, faces, rims."""
+    beside = 3 + between
+    width, height = beside + count * (edges + between) + 3, edges + 2 * beside
+    lefts = [beside + k * (edges + between) for k in range(count)]
+    number = np.arange((width + 1) * (height + 1)).reshape(width + 1, height + 1)
+    i, j = np.indices(number.shape)
+    vertices = np.stack([i, j, 2 * np.sin(0.11 * i) * np.cos(0.13 * j)], axis=-1).reshape(-1, 3) / edges
+    gone = np.zeros((width, height), bool)
+    for left in lefts:
+        gone[left : left + edges, beside : beside + edges] = True
+    corners = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1)
+    faces = corners[~gone].tolist()
+    return vertices, faces, [rim for rim in tripatch.find_holes(faces) if len(rim) == 4 * edges]
+
+
+@pytest.mark.parametrize("between", [2, 8])
+def test_cages_tell_how_far_they_are_and_can_be_ended(between):
+    """Holes that touch are one piece of work, others are one each: both are ended before all are done."""
+    vertices, faces, rims = row_of_holes(5, 16, between)
+    assert len(rims) == 5
+
+    def enough(done, total):
+        raise RuntimeError(f"enough after {done} of {total}")
+
+    with pytest.raises(RuntimeError, match="enough after 0 of 5" if between == 2 else "enough after [0-4] of 5"):
+        tripatch.fill_all(vertices, faces, rims, output="cage", progress=enough)
+
+
+def test_cages_are_the_same_side_by_side_and_one_after_the_other():
+    """Groups of holes that touch are made on all cores: each as if it were alone."""
+    vertices, faces, rims = row_of_holes(4, 4, 8)
+    told = []
+    together = tripatch.fill_all(vertices, faces, rims, output="cage", progress=lambda *how_far: told.append(how_far))
+    assert told[-1] == (4, 4) and told == sorted(told)
+    for rim, fill in zip(rims, together, strict=True):
+        (alone,) = tripatch.fill_all(vertices, faces, [rim], output="cage")
+        assert alone.vertices.tobytes() == fill.vertices.tobytes() and alone.faces == fill.faces

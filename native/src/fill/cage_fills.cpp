@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "tripatch/cage/cage_fill.h"
@@ -10,6 +11,7 @@
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/patch_from_sides.h"
 
@@ -131,8 +133,29 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
   return fills;
 }
 
+namespace {
+
+/// A group of cages, or where one of them stands in the way of the others each by itself.
+std::vector<std::variant<Fill, Refused>> fill_group(const Ground& ground, const std::vector<SidedRim>& group,
+                                                    const FillOptions& options) {
+  const Stopwatch watch;
+  std::vector<std::variant<Fill, Refused>> results;
+  try {
+    for (Fill& fill : fill_with_cages(ground, group, options)) {
+      fill.report.seconds = watch.seconds() / static_cast<double>(group.size());
+      results.emplace_back(std::move(fill));
+    }
+  } catch (const Refusal& refusal) {
+    if (group.size() == 1) return {refused(refusal)};
+    for (const SidedRim& hole : group) results.push_back(std::move(fill_group(ground, {hole}, options)[0]));
+  }
+  return results;
+}
+
+}  // namespace
+
 void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<SidedRim>>& given, const FillOptions& options,
-                         std::vector<std::variant<Fill, Refused>>& results) {
+                         std::vector<std::variant<Fill, Refused>>& results, const Progress& progress) {
   std::vector<SidedRim> holes;
   std::vector<std::size_t> place;  // of each hole in the results
   for (std::size_t k = 0; k < given.size(); ++k) {
@@ -140,31 +163,18 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<S
     holes.push_back(*given[k]);
     place.push_back(k);
   }
-  for (const std::vector<std::size_t>& group : cage_groups(ground.left, holes)) {
+  const std::vector<std::vector<std::size_t>> groups = cage_groups(ground.left, holes);
+  std::atomic<std::size_t> done = given.size() - holes.size();
+  const auto fill_one_group = [&](std::size_t g) {
     std::vector<SidedRim> together;
-    for (std::size_t h : group) together.push_back(holes[h]);
-    const Stopwatch watch;
-    try {
-      std::vector<Fill> fills = fill_with_cages(ground, together, options);
-      for (std::size_t k = 0; k < group.size(); ++k) {
-        fills[k].report.seconds = watch.seconds() / static_cast<double>(group.size());
-        results[place[group[k]]] = std::move(fills[k]);
-      }
-    } catch (const Refusal& refusal) {
-      if (group.size() == 1) results[place[group[0]]] = refused(refusal);
-      for (std::size_t h = 0; group.size() > 1 && h < group.size(); ++h) {  // one of them stands in the way of the others
-        const Stopwatch own;
-        std::variant<Fill, Refused>& result = results[place[group[h]]];
-        try {
-          Fill alone = std::move(fill_with_cages(ground, {together[h]}, options)[0]);
-          alone.report.seconds = own.seconds();
-          result = std::move(alone);
-        } catch (const Refusal& alone) {
-          result = refused(alone);
-        }
-      }
-    }
-  }
+    for (std::size_t h : groups[g]) together.push_back(holes[h]);
+    std::vector<std::variant<Fill, Refused>> made = fill_group(ground, together, options);
+    for (std::size_t k = 0; k < made.size(); ++k) results[place[groups[g][k]]] = std::move(made[k]);
+    done += made.size();
+  };
+  parallel_for_each(groups.size(), fill_one_group, [&](std::size_t) {
+    if (progress) progress(done);
+  });
 }
 
 namespace {

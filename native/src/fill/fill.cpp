@@ -225,8 +225,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
         results[k] = refused(refusal);
       }
     }
-    fill_all_with_cages(ground, holes, options, results);
-    report_progress(rims.size());
+    fill_all_with_cages(ground, holes, options, results, progress);
     return results;
   }
   const auto fill_one = [&](std::size_t k) {

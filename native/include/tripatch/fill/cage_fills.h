@@ -15,9 +15,9 @@ namespace tripatch {
 /// Layouts, the fairest cages on them, patches between their sides, the cages fitted to these.
 std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options);
 
-/// For several holes: those whose surroundings overlap are fitted together. given: those of the rims that are no refusals.
+/// For several holes on all cores: those whose surroundings overlap are fitted together. given: those of the rims that are no refusals.
 void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<SidedRim>>& given, const FillOptions& options,
-                         std::vector<std::variant<Fill, Refused>>& results);
+                         std::vector<std::variant<Fill, Refused>>& results, const Progress& progress);
 
 /// The rim of a cage's hole: of the corners that are given, else of three where they are found, else of those that its quads make or
 /// that are clear.
