@@ -10,8 +10,6 @@
 #include <numeric>
 #include <optional>
 
-#include "tripatch/math/jet.h"
-
 namespace tripatch {
 namespace {
 
@@ -88,20 +86,70 @@ Points in_plane(const PlanePoints& uv) {
   return rows;
 }
 
-template <class T>
-using Vector = std::array<T, 3>;
-template <class T>
-T dot(const Vector<T>& a, const Vector<T>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/// A function of two variables to second order about a place: its value, by u, by v, and the halves of uu, all of uv and of vv. As Jet<2>
+/// to the last bit, but inlined, and what does not change is a number: Newton's steps are nearly all of the time that quads take.
+struct Second {
+  double value = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
+
+  friend Second operator+(const Second& a, const Second& b) {
+    return {a.value + b.value, a.u + b.u, a.v + b.v, a.uu + b.uu, a.uv + b.uv, a.vv + b.vv};
+  }
+  friend Second operator-(const Second& a, const Second& b) {
+    return {a.value - b.value, a.u - b.u, a.v - b.v, a.uu - b.uu, a.uv - b.uv, a.vv - b.vv};
+  }
+  friend Second operator+(Second a, double b) {
+    a.value += b;
+    return a;
+  }
+  friend Second operator+(double b, const Second& a) { return a + b; }
+  friend Second operator*(double s, const Second& a) { return {s * a.value, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv}; }
+  friend Second operator*(const Second& a, double s) { return s * a; }
+  friend Second operator*(const Second& a, const Second& b) {
+    return {a.value * b.value,
+            a.value * b.u + a.u * b.value,
+            a.value * b.v + a.v * b.value,
+            a.value * b.uu + a.u * b.u + a.uu * b.value,
+            a.value * b.uv + a.u * b.v + a.v * b.u + a.uv * b.value,
+            a.value * b.vv + a.v * b.v + a.vv * b.value};
+  }
+  /// f(a) by f, f' and f''/2 at a's value.
+  friend Second composed(const std::array<double, 3>& f, const Second& a) {
+    const double u = f[2] * a.u, v = f[2] * a.v;
+    return {f[0], f[1] * a.u, f[1] * a.v, f[1] * a.uu + u * a.u, f[1] * a.uv + u * a.v + v * a.u, f[1] * a.vv + v * a.v};
+  }
+};
+
+Second one_over(const Second& a) {
+  const double f = 1 / a.value, slope = -f * f;
+  return composed({f, slope, -slope * f}, a);
+}
+Second root_of(const Second& a) {
+  const double f = std::sqrt(a.value), slope = f * 0.5 / a.value;
+  return composed({f, slope, slope * -0.5 / (2 * a.value)}, a);
 }
 double root_of(double x) { return std::sqrt(x); }
-Jet<2> root_of(const Jet<2>& x) { return sqrt(x); }
+Second ratio(const Second& a, const Second& b) { return a * one_over(b); }
+Second ratio(const Second& a, double b) { return a * (1 / b); }
+Second ratio(double a, const Second& b) { return a * one_over(b); }
+double ratio(double a, double b) { return a / b; }
+
+template <class T>
+using Vector = std::array<T, 3>;
+template <class A, class B>
+auto dot(const Vector<A>& a, const Vector<B>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /// Moves vertices one after the other.
 class Smoother {
 public:
   Smoother(PlaneLayout& layout, const Surface* surface, const Points* border, const std::vector<Index>& held)
-      : layout_(layout), surface_(surface), border_(border), at_(layout.uv.rows()), held_(layout.uv.rows(), false) {
+      : layout_(layout),
+        surface_(surface),
+        border_(border),
+        at_(layout.uv.rows()),
+        beside_(layout.uv.rows()),
+        held_(layout.uv.rows(), false) {
     for (Index v : held) held_[v] = true;
     read_surface();
     const RowWidths widths(layout.faces, layout.rim, positions());
@@ -111,8 +159,8 @@ public:
       for (std::size_t k = 0; k < m; ++k) {
         const Index v = face[k], next = face[(k + 1) % m], last = face[(k + m - 1) % m];
         const Corner corner = {{v, next, last}, 1 / widths.at(v, next), 1 / widths.at(v, last), m == 3};
-        for (Index w : corner.v)
-          if (w >= layout.rim) at_[w].push_back(static_cast<Index>(corners_.size()));
+        for (int is = 0; is < 3; ++is)
+          if (corner.v[is] >= layout.rim) at_[corner.v[is]].push_back(own(corner, is));
         corners_.push_back(corner);
       }
     }
@@ -136,7 +184,32 @@ private:
     double next, last;       ///< one over the widths of these edges
     bool triangle;
   };
+  /// A corner as one of its vertices sees it: which of the three it is, and its arms that end there, among those of the vertex.
+  struct Own {
+    Index corner;
+    int is;
+    std::size_t next, last;
+  };
+  struct Beside {
+    Index vertex;
+    double scale;  ///< one over the width of the edge to it
+  };
   using Taylor = Eigen::Matrix<double, 6, 3, Eigen::RowMajor>;
+
+  Own own(const Corner& corner, int is) {
+    const Index c = static_cast<Index>(corners_.size()), v = corner.v[is];
+    if (is == 0) return {c, is, arm_to(v, corner.v[1], corner.next), arm_to(v, corner.v[2], corner.last)};
+    const std::size_t arm = arm_to(v, corner.v[0], is == 1 ? corner.next : corner.last);
+    return {c, is, arm, arm};
+  }
+  /// The place of a neighbor among those of a vertex.
+  std::size_t arm_to(Index v, Index neighbor, double scale) {
+    std::vector<Beside>& all = beside_[v];
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Beside& each) { return each.vertex == neighbor; });
+    const std::size_t place = static_cast<std::size_t>(found - all.begin());
+    if (found == all.end()) all.push_back({neighbor, scale});
+    return place;
+  }
 
   void read_surface() {
     const Index n = layout_.uv.rows();
@@ -175,68 +248,99 @@ private:
     return c.next * c.last * normal_[c.v[0]].dot((x_[c.v[1]] - x_[c.v[0]]).cross(x_[c.v[2]] - x_[c.v[0]]));
   }
 
-  /// 1 for a right angle between edges as long as their rows are wide (a triangle: equal ones), infinite where it is flat; a power.
+  /// An edge of a corner over its row's width, and the square of its length.
   template <class T>
-  T distortion(const Corner& corner, const Vector<T>& p, const Vector<T>& q, const Vector<T>& r) const {
-    Vector<T> a, b;
-    for (int k = 0; k < 3; ++k) {
-      a[k] = corner.next * (q[k] - p[k]);
-      b[k] = corner.last * (r[k] - p[k]);
-    }
-    const Vec3& n = normal_[corner.v[0]];
-    T area = n[0] * (a[1] * b[2] - a[2] * b[1]) + n[1] * (a[2] * b[0] - a[0] * b[2]) + n[2] * (a[0] * b[1] - a[1] * b[0]);
-    const T aa = dot(a, a), bb = dot(b, b);
+  struct Arm {
+    Vector<T> to;
+    T square;
+  };
+  static Arm<double> arm(double scale, const Vec3& from, const Vec3& to) {
+    const Vec3 e = scale * (to - from);
+    return {{e[0], e[1], e[2]}, e[0] * e[0] + e[1] * e[1] + e[2] * e[2]};
+  }
+  Arm<Second> backwards(const Arm<Second>& arm) const {
+    return {{-1.0 * arm.to[0], -1.0 * arm.to[1], -1.0 * arm.to[2]}, arm.square};
+  }
+
+  template <class A, class B>
+  auto area_between(const Vec3& n, const Vector<A>& a, const Vector<B>& b) const {
+    const auto up = a[0] * b[1] - a[1] * b[0];
+    if (!surface_) return up;
+    return n[0] * (a[1] * b[2] - a[2] * b[1]) + n[1] * (a[2] * b[0] - a[0] * b[2]) + n[2] * up;
+  }
+
+  /// 1 for a right angle between edges as long as their rows are wide (a triangle: equal ones), infinite where it is flat; a power.
+  template <class A, class B>
+  auto distortion(const Corner& corner, const Arm<A>& next, const Arm<B>& last) const {
+    auto area = area_between(normal_[corner.v[0]], next.to, last.to);
+    using T = decltype(area);
     if (sharp_) {
       if (corner.triangle) area = (2 / std::sqrt(3.0)) * area;  // of two equal edges: 1 for 60 degrees
-      T sine = aa * bb / (area * area), power = sine;
-      for (int k = 1; k < sharp_power; k *= 2) power *= power;
-      const T shape = aa / bb;
-      return power + spacing * (shape + 1.0 / shape);
+      T power = ratio(next.square * last.square, area * area);
+      for (int k = 1; k < sharp_power; k *= 2) power = power * power;
+      const T shape = ratio(next.square, last.square);
+      return power + spacing * (shape + ratio(1.0, shape));
     }
-    T size = aa + bb;
-    if (corner.triangle) size = (2 / std::sqrt(3.0)) * (size - dot(a, b));
+    T size = next.square + last.square;
+    if (corner.triangle) size = (2 / std::sqrt(3.0)) * (size - dot(next.to, last.to));
     if (bound_ > 0) area = 0.5 * (area + root_of(area * area + 4 * bound_ * bound_));
-    const T ratio = 0.5 * (size / area);
-    T power = ratio;
-    for (int k = 1; k < distortion_power; ++k) power *= ratio;
+    const T once = 0.5 * ratio(size, area);
+    T power = once;
+    for (int k = 1; k < distortion_power; ++k) power = power * once;
     return power;
   }
 
   double cost_at(Index v, const Vec3& x) const {
     double sum = 0;
-    const auto vector = [&](Index w) -> Vector<double> {
-      const Vec3& p = w == v ? x : x_[w];
-      return {p[0], p[1], p[2]};
-    };
-    for (Index c : at_[v]) {
-      const Corner& corner = corners_[c];
-      const double value = distortion<double>(corner, vector(corner.v[0]), vector(corner.v[1]), vector(corner.v[2]));
+    const auto place = [&](Index w) -> const Vec3& { return w == v ? x : x_[w]; };
+    for (const Own& own : at_[v]) {
+      const Corner& corner = corners_[own.corner];
+      const Vec3& at = place(corner.v[0]);
+      const double value = distortion(corner, arm(corner.next, at, place(corner.v[1])), arm(corner.last, at, place(corner.v[2])));
       if (!(value > 0)) return INFINITY;
       sum += value;
     }
     return sum;
   }
 
+  /// The arms from a vertex to its neighbors, where it moves.
+  void read_arms(Index v, const Vector<Second>& moving) {
+    arms_.resize(beside_[v].size());
+    for (std::size_t k = 0; k < arms_.size(); ++k) {
+      const auto& [w, scale] = beside_[v][k];
+      for (int x = 0; x < 3; ++x) {
+        const Second& m = moving[x];
+        arms_[k].to[x] = scale * Second{x_[w][x] - m.value, -m.u, -m.v, -m.uu, -m.uv, -m.vv};
+      }
+      arms_[k].square = dot(arms_[k].to, arms_[k].to);
+    }
+  }
+
+  Second distortion_of(const Own& own) const {
+    const Corner& corner = corners_[own.corner];
+    const auto place = [&](int k) -> const Vec3& { return x_[corner.v[k]]; };
+    if (own.is == 0) return distortion(corner, arms_[own.next], arms_[own.last]);
+    if (own.is == 1) return distortion(corner, backwards(arms_[own.next]), arm(corner.last, place(0), place(2)));
+    return distortion(corner, arm(corner.next, place(0), place(1)), backwards(arms_[own.last]));
+  }
+
   void move(Index v) {
     const Eigen::Vector2d d = (layout_.uv.row(v) - base_.row(v)).transpose();
     const Taylor& t = taylor_[v];
-    Vector<Jet<2>> moving;
-    for (int k = 0; k < 3; ++k) {
-      moving[k] =
-          Jet<2>::linear(x_[v][k], t(1, k) + 2 * d[0] * t(3, k) + d[1] * t(4, k), t(2, k) + d[0] * t(4, k) + 2 * d[1] * t(5, k));
-      for (int j = 3; j < 6; ++j) moving[k].c[j] = t(j, k);
-    }
-    const auto vector = [&](Index w) -> Vector<Jet<2>> {
-      return w == v ? moving : Vector<Jet<2>>{Jet<2>(x_[w][0]), Jet<2>(x_[w][1]), Jet<2>(x_[w][2])};
-    };
-    Jet<2> sum(0.0);
-    for (Index c : at_[v]) {
-      const Corner& corner = corners_[c];
-      sum += distortion<Jet<2>>(corner, vector(corner.v[0]), vector(corner.v[1]), vector(corner.v[2]));
-    }
-    const Eigen::Vector2d gradient(sum.c[1], sum.c[2]);
+    Vector<Second> moving;
+    for (int k = 0; k < 3; ++k)
+      moving[k] = {x_[v][k],
+                   t(1, k) + 2 * d[0] * t(3, k) + d[1] * t(4, k),
+                   t(2, k) + d[0] * t(4, k) + 2 * d[1] * t(5, k),
+                   t(3, k),
+                   t(4, k),
+                   t(5, k)};
+    read_arms(v, moving);
+    Second sum;
+    for (const Own& own : at_[v]) sum = sum + distortion_of(own);
+    const Eigen::Vector2d gradient(sum.u, sum.v);
     Eigen::Matrix2d hessian;
-    hessian << 2 * sum.c[3], sum.c[4], sum.c[4], 2 * sum.c[5];
+    hessian << 2 * sum.uu, sum.uv, sum.uv, 2 * sum.vv;
     // made positive: a saddle's step would lead uphill
     const double mean = 0.5 * hessian.trace(), spread = std::hypot(0.5 * (hessian(0, 0) - hessian(1, 1)), hessian(0, 1));
     if (!(mean - spread > least_convex * (std::abs(mean) + spread)))
@@ -244,14 +348,14 @@ private:
     Eigen::Vector2d step = -hessian.inverse() * gradient;
     if (!step.allFinite()) return;
     double shortest = INFINITY;
-    for (Index c : at_[v])
-      for (Index w : corners_[c].v)
+    for (const Own& own : at_[v])
+      for (Index w : corners_[own.corner].v)
         if (w != v) shortest = std::min(shortest, (x_[w] - x_[v]).norm());
     const double length = (t.row(1) * step[0] + t.row(2) * step[1]).norm();
     if (length > longest_step * shortest) step *= longest_step * shortest / length;
     for (int half = 0; half < halvings; ++half, step *= 0.5) {
       const Vec3 there = position(v, d + step);
-      if (!(cost_at(v, there) < sum.value())) continue;
+      if (!(cost_at(v, there) < sum.value)) continue;
       layout_.uv.row(v) += step.transpose();
       x_[v] = there;
       return;
@@ -261,7 +365,9 @@ private:
   PlaneLayout& layout_;
   const Surface* surface_;
   const Points* border_;
-  std::vector<std::vector<Index>> at_;
+  std::vector<std::vector<Own>> at_;         // of each vertex inside
+  std::vector<std::vector<Beside>> beside_;  // likewise
+  std::vector<Arm<Second>> arms_;            // of the vertex that moves
   std::vector<bool> held_;
   std::vector<Corner> corners_;
   std::vector<Taylor> taylor_;
