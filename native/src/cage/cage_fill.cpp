@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/interruption.h"
 
 namespace tripatch {
 namespace {
@@ -76,6 +77,7 @@ CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Sided
   fit_ = lay_out(rows_to_try(layout_options_, settings.loop, exact)[0]);
   if (!exact) energies_ = fit_->make_fair();
   for (std::size_t h = 0; h < size(); ++h) {
+    check_interruption();
     seams_.push_back(fit_->sides(h));
     points_.push_back(exact ? SurfacePoints() : fit_->points(h));
   }
@@ -106,8 +108,10 @@ QuadLayout CageFill::layout_of(std::size_t h, int rows) const {
 
 /// The holes that are still open get other layouts.
 std::unique_ptr<CageFit> CageFill::lay_out(int rows) {
-  for (std::size_t h = 0; h < size(); ++h)
+  for (std::size_t h = 0; h < size(); ++h) {
+    check_interruption();
     if (open_[h]) laid_out_[h] = {split_.holes[h], layout_of(h, rows)};
+  }
   return std::make_unique<CageFit>(split_.mesh(), laid_out_, split_.settings, replaced_, options_);
 }
 
@@ -134,6 +138,7 @@ void CageFill::fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fai
     farthest.push_back(0);
     crossed.push_back(0);
     for (std::size_t h = 0; h < size(); ++h) {
+      check_interruption();
       const double off = points[h] ? 0 : fit_->deviation_rms(h, *patches_[h]) / tolerance_[h];
       const Index own = fit_->faces_crossed(h);
       if (open_[h]) farthest.back() = std::max(farthest.back(), off);
@@ -158,6 +163,7 @@ void CageFill::fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fai
 }
 
 void CageFill::complete(std::size_t h, Fill& fill) const {
+  check_interruption();
   fill.rim = holes_[h].rim;
   deliver(h, fill);
   fill.normals = fill.patch->normals(fill.barycentric);

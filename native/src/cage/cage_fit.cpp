@@ -80,9 +80,11 @@ CageFit::CageFit(const Mesh& mesh, std::vector<CageHole> holes, const Subdivisio
       limit_(closed_.mesh(), creased(), with_inside(around_, closed_)),
       system_(closed_.vertices, free_vertices()),
       free_(closed_.vertices(system_.free(), Eigen::all)) {
-  for (std::size_t h = 0; h < holes_.size(); ++h)
+  for (std::size_t h = 0; h < holes_.size(); ++h) {
+    check_interruption();
     samples_.push_back(
         sample_hole(surfaces(), holes_[h], closed_.first_face[h], rings_[h], replaces(holes_[h].hole), options_.corner));
+  }
 }
 
 /// With the rim edges of an exact rim creased.
@@ -199,9 +201,9 @@ void CageFit::fit(const std::vector<SurfacePtr>& patches, const std::vector<Cage
   system_.prepare(together);
 
   for (int round = 0; round < options_.rounds; ++round) {
-    check_interruption();
     CageSystem::Term term = system_.zero();
     for (std::size_t h = 0; h < holes_.size(); ++h) {
+      check_interruption();
       HoleSamples& hole = samples_[h];
       // the targets go to the points of the patch that are nearest to where the samples are: along it nothing holds them
       if (const SurfacePoints* there = given(h)) {

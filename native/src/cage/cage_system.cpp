@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tripatch/math/interruption.h"
+
 namespace tripatch {
 namespace {
 
@@ -108,6 +110,7 @@ void CageSystem::add(Term& term, const std::vector<int>& slots, const Weights& j
 }
 
 Eigen::VectorXd CageSystem::step(const Term& term, const Eigen::VectorXd& y, double damping) {
+  check_interruption();
   Eigen::SparseMatrix<double> h = term.h;
   const double least = least_pivot * h.diagonal().sum() / static_cast<double>(h.cols());
   for (Index v = 0; v < h.cols(); v += 3) {  // alike along all axes: how the mesh is turned changes nothing

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/polygon_fill.h"
@@ -15,6 +17,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/meanwhile.h"
 #include "tripatch/spline/features.h"
 
 namespace tripatch {
@@ -32,11 +35,37 @@ constexpr double far_off_planes = 2, worth_their_planes = 4;
 /// But where the planes are not known to so many degrees the mesh is rough, and the spline knows it.
 constexpr double well_known_planes = 1.5;
 
+/// The spline of a rim, which nearly every patch is compared with: made beside the patch where a core is free for it.
+class SplineBeside {
+public:
+  SplineBeside(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, const FillOptions& options)
+      : ground_(ground), rim_(rim), corners_(corners), options_(options) {
+    if (has_free_core() && !is_shaped_by_hand(options))
+      begun_ = std::make_unique<Meanwhile<Fill>>([this] { return made(std::string()); });
+  }
+  Fill operator()(const std::string& reason) {
+    const std::unique_ptr<Meanwhile<Fill>> begun = std::move(begun_);
+    if (!begun) return made(reason);
+    Fill fill = begun->get();
+    fill.report.method_reason = reason;
+    return fill;
+  }
+
+private:
+  Fill made(const std::string& reason) const { return fill_any_rim(ground_, rim_, corners_, options_, reason); }
+
+  const Ground& ground_;
+  const std::vector<Index>& rim_;
+  const std::vector<Index>& corners_;
+  const FillOptions& options_;
+  std::unique_ptr<Meanwhile<Fill>> begun_;  // the last: it ends before what it reads
+};
+
 /// The exact patch between two sides or four and more where they are smooth, else the surface over a plane. given: the corners are a person's.
 Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, bool given,
                        const FillOptions& options) {
-  const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
   check_counts(options, corners.size());
+  SplineBeside any_rim(ground, rim, corners, options);
   std::string reason;
   std::optional<Fill> patch;
   try {

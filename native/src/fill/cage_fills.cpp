@@ -85,6 +85,7 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
   std::vector<Fill> fills(holes.size());
   std::vector<SurfacePtr> patches;
   for (std::size_t h = 0; h < holes.size(); ++h) {
+    check_interruption();
     // between other than three sides the patch is that of a smooth rim in any case
     if (holes[h].is_triangle() && !options.through.empty())
       throw Refusal("A cage of three sides meets no points inside", holes[h].rim);
