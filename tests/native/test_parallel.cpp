@@ -4,6 +4,7 @@
 #include <thread>
 #include <vector>
 
+#include "tripatch/math/meanwhile.h"
 #include "tripatch/math/parallel.h"
 
 using namespace tripatch;
@@ -92,4 +93,37 @@ TEST_CASE("who is asked to end hands that on", "[parallel]") {
                       },
                       [](std::size_t) {}),
                   Interrupted);
+}
+
+TEST_CASE("work beside other work gives its result, or what it throws, where that is asked for", "[parallel]") {
+  const std::thread::id caller = std::this_thread::get_id();
+  Meanwhile<bool> other([&] { return std::this_thread::get_id() != caller; });
+  CHECK(other.get());
+  Meanwhile<int> fails([]() -> int { throw std::invalid_argument("no"); });
+  CHECK_THROWS_AS(fails.get(), std::invalid_argument);
+}
+
+TEST_CASE("work beside other work ends where nobody asks for its result, or who waits for it is interrupted", "[parallel]") {
+  std::atomic<int> ended = 0;
+  const auto endless = [&]() -> int {
+    try {
+      for (;;) check_interruption();
+    } catch (const Interrupted&) {
+      ++ended;
+      throw;
+    }
+  };
+  {
+    const Meanwhile<int> forgotten(endless);
+  }
+  CHECK(ended == 1);
+  const std::atomic<bool> stop = true;
+  const InterruptedBy stopped(&stop);
+  CHECK_THROWS_AS(
+      [&] {
+        Meanwhile<int> waited_for(endless);
+        return waited_for.get();
+      }(),
+      Interrupted);
+  CHECK(ended == 2);
 }

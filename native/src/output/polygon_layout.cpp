@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "tripatch/math/kept.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/output/quad_builder.h"
 
@@ -380,9 +381,7 @@ Points rows_of(const PlanePoints& uv) {
   return rows;
 }
 
-}  // namespace
-
-PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
+PlaneLayout best_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
   const Region region(rim);
   std::vector<Choice> choices = choices_of(region, corners);
   std::vector<Plan> plans;
@@ -404,7 +403,7 @@ PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>&
     const bool longer = 2 * first >= edges;
     more.insert(more.begin() + (longer ? 1 : 2),
                 {longer ? corners[0].place + first / 2 : (corners[1].place + edges + corners[0].place) / 2, 1});
-    return polygon_layout(rim, more, rows);
+    return best_layout(rim, more, rows);
   }
   std::stable_sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return coarse(a.cost) < coarse(b.cost); });
   std::vector<std::size_t> tried(corners.size() + 1);
@@ -423,6 +422,24 @@ PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>&
     best_score = score;
   }
   return std::move(*best);
+}
+
+/// Of one rim while its fill is shaped, with each number of rows that is tried. A choice.
+constexpr std::size_t kept_layouts = 6;
+
+}  // namespace
+
+PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
+  static Kept<PlaneLayout> last(kept_layouts);
+  Key key;
+  key.add(rows);
+  for (const RimCorner& corner : corners) {
+    key.add(static_cast<double>(corner.place));
+    key.add(corner.quads);
+  }
+  for (Index k = 0; k < rim.rows(); ++k) key.add(rim.row(k));
+  if (const auto kept = last.find(key)) return *kept;
+  return *last.keep(std::move(key), std::make_shared<const PlaneLayout>(best_layout(rim, corners, rows)));
 }
 
 }  // namespace tripatch

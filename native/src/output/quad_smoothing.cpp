@@ -91,20 +91,22 @@ Points in_plane(const PlanePoints& uv) {
 struct Second {
   double value = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
 
-  friend Second operator+(const Second& a, const Second& b) {
+  [[gnu::always_inline]] friend inline Second operator+(const Second& a, const Second& b) {
     return {a.value + b.value, a.u + b.u, a.v + b.v, a.uu + b.uu, a.uv + b.uv, a.vv + b.vv};
   }
-  friend Second operator-(const Second& a, const Second& b) {
+  [[gnu::always_inline]] friend inline Second operator-(const Second& a, const Second& b) {
     return {a.value - b.value, a.u - b.u, a.v - b.v, a.uu - b.uu, a.uv - b.uv, a.vv - b.vv};
   }
-  friend Second operator+(Second a, double b) {
+  [[gnu::always_inline]] friend inline Second operator+(Second a, double b) {
     a.value += b;
     return a;
   }
-  friend Second operator+(double b, const Second& a) { return a + b; }
-  friend Second operator*(double s, const Second& a) { return {s * a.value, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv}; }
-  friend Second operator*(const Second& a, double s) { return s * a; }
-  friend Second operator*(const Second& a, const Second& b) {
+  [[gnu::always_inline]] friend inline Second operator+(double b, const Second& a) { return a + b; }
+  [[gnu::always_inline]] friend inline Second operator*(double s, const Second& a) {
+    return {s * a.value, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv};
+  }
+  [[gnu::always_inline]] friend inline Second operator*(const Second& a, double s) { return s * a; }
+  [[gnu::always_inline]] friend inline Second operator*(const Second& a, const Second& b) {
     return {a.value * b.value,
             a.value * b.u + a.u * b.value,
             a.value * b.v + a.v * b.value,
@@ -113,13 +115,13 @@ struct Second {
             a.value * b.vv + a.v * b.v + a.vv * b.value};
   }
   /// f(a) by f, f' and f''/2 at a's value.
-  friend Second composed(const std::array<double, 3>& f, const Second& a) {
+  [[gnu::always_inline]] friend inline Second composed(const std::array<double, 3>& f, const Second& a) {
     const double u = f[2] * a.u, v = f[2] * a.v;
     return {f[0], f[1] * a.u, f[1] * a.v, f[1] * a.uu + u * a.u, f[1] * a.uv + u * a.v + v * a.u, f[1] * a.vv + v * a.v};
   }
 };
 
-Second one_over(const Second& a) {
+[[gnu::always_inline]] inline Second one_over(const Second& a) {
   const double f = 1 / a.value, slope = -f * f;
   return composed({f, slope, -slope * f}, a);
 }
@@ -128,7 +130,7 @@ Second root_of(const Second& a) {
   return composed({f, slope, slope * -0.5 / (2 * a.value)}, a);
 }
 double root_of(double x) { return std::sqrt(x); }
-Second ratio(const Second& a, const Second& b) { return a * one_over(b); }
+[[gnu::always_inline]] inline Second ratio(const Second& a, const Second& b) { return a * one_over(b); }
 Second ratio(const Second& a, double b) { return a * (1 / b); }
 Second ratio(double a, const Second& b) { return a * one_over(b); }
 double ratio(double a, double b) { return a / b; }
