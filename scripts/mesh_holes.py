@@ -25,6 +25,7 @@ MOST_EDGES = 200
 MOST_FACES = 50_000  # larger meshes cost the time of many
 MOST_AT_ONCE, RINGS_BETWEEN = 8, 3
 MOST_CROSSED = 400  # triangles of a fill that are compared, each with each
+TOUCHING = 1e-6  # of the fill's size: what passes by less touches, as seams that lie upon each other do
 
 
 def arguments():
@@ -73,12 +74,17 @@ def crosses(points, triangles):
     edges = np.unique(np.sort(np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1), axis=0)
     a, b, c = (points[triangles[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    near = TOUCHING * np.ptp(points[triangles.ravel()], axis=0).max()
     p, q = points[edges[:, 0]][:, None], points[edges[:, 1]][:, None]
     over, under = ((p - a) * normal).sum(axis=2), ((q - a) * normal).sum(axis=2)
     apart = ~(edges[:, :, None, None] == triangles[None, None]).any(axis=(1, 3))
-    e, t = np.nonzero((over * under < 0) & apart)
+    e, t = np.nonzero((over * under < 0) & (np.minimum(abs(over), abs(under)) > near) & apart)
     at = points[edges[e, 0]] + (over[e, t] / (over[e, t] - under[e, t]))[:, None] * (points[edges[e, 1]] - points[edges[e, 0]])
-    left = [(np.cross(y[t] - x[t], at - x[t]) * normal[t]).sum(axis=1) > 0 for x, y in ((a, b), (b, c), (c, a))]
+    left = [
+        (np.cross(y[t] - x[t], at - x[t]) * normal[t]).sum(axis=1) > near * np.linalg.norm(y[t] - x[t], axis=1)
+        for x, y in ((a, b), (b, c), (c, a))
+    ]
     return bool(np.logical_and.reduce(left).any())
 
 

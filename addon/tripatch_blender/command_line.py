@@ -211,8 +211,8 @@ def _run(arguments):
             print("Nothing to fill: no mesh has a hole", file=sys.stderr)
         return EXIT_NONE
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
-    folded = any(report.triangles_folded > report.rim_folded for report in total.reports)
-    return EXIT_SOME if total.refused or folded else EXIT_ALL
+    flawed = any(report.triangles_folded > report.rim_folded or report.crosses_itself for report in total.reports)
+    return EXIT_SOME if total.refused or flawed else EXIT_ALL
 
 
 def main(argv, prog="blender --command tripatch"):

@@ -32,6 +32,9 @@ void bind_report(py::module_& m) {
           "or over the mesh's own faces beyond the rim.")
       .def_readonly("rim_folded", &Report::rim_folded,
                     "The same of the rim's own triangulation: a rim that folds leaves no other way.")
+      .def_readonly("crosses_itself", &Report::crosses_itself,
+                    "Whether new faces go through each other, which every way to fill the rim that was tried does; not looked "
+                    "for in cages.")
       .def_readonly("folds", &Report::folds, "Places of a 64 x 64 grid where the patch folds over itself.")
       .def_readonly("corners", &Report::corners, "Vertex indices of the corners.")
       .def_readonly("cage_deviation_max", &Report::cage_deviation_max,

@@ -249,15 +249,22 @@ def test_a_rim_without_usable_surroundings_gets_plain_triangles_and_says_so():
 
 
 def test_a_rim_whose_own_triangles_fold_is_joined_to_its_middle():
-    """The other side of a sheet whose edges leave the rim one triangulation, over the notch and back."""
-    vertices = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [2, 3, 0], [0, 4, 0]], float)
+    """The other side of a bent sheet whose edges leave the rim one triangulation, over the notch and back."""
+    vertices = np.array([[0, 0, 1], [4, 0, -2], [4, 4, -1], [2, 3, 0], [0, 4, -1]], float)
     faces = [[0, 1, 3], [1, 2, 3], [0, 3, 4]]
     fill = tripatch.fill(vertices, faces, rim=[0, 4, 3, 2, 1], corners=())
-    assert fill.report.rim_folded > 0
-    assert fill.report.triangles_folded == 5  # at the rim: all lie back to back with the sheet; none among each other
+    assert fill.report.triangles_folded == fill.report.rim_folded == 4  # over the sheet; none among each other
     assert len(fill.faces) == 5 and np.allclose(fill.vertices, vertices.mean(axis=0))
     assert fill.uv.shape == (1, 2) and np.linalg.norm(fill.uv) < np.linalg.norm(fill.rim_uv, axis=1).min()
     assert max(edge_counts(faces + fill.faces).values()) == 2
+
+
+def test_a_rim_is_not_joined_to_its_middle_where_that_folds_more():
+    """The same sheet, flat: five triangles back to back with it instead of three, of which one folds back over the others."""
+    vertices = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [2, 3, 0], [0, 4, 0]], float)
+    fill = tripatch.fill(vertices, [[0, 1, 3], [1, 2, 3], [0, 3, 4]], rim=[0, 4, 3, 2, 1], corners=())
+    assert len(fill.faces) == 3 and len(fill.vertices) == 0
+    assert fill.report.triangles_folded == fill.report.rim_folded == 4
 
 
 @pytest.mark.parametrize(("noise", "seed"), [(0.25, 4), (0.3, 0), (0.3, 6), (0.4, 1), (0.4, 0)])

@@ -156,6 +156,7 @@ class Report:
     deviation_max: float | None
     triangles_folded: int
     rim_folded: int
+    crosses_itself: bool
     folds: int
     corners: list[int]
     cage_deviation_max: float

@@ -161,7 +161,8 @@ def _fill(args: argparse.Namespace) -> int:
     folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
     if folded:
         _say(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")
-    return FILLED if len(fills) == len(holes) and not folded else SOME
+    crossed = sum(fill.report.crosses_itself for fill in fills)  # its warning says where
+    return FILLED if len(fills) == len(holes) and not folded and not crossed else SOME
 
 
 def _smooth(args: argparse.Namespace) -> int:

@@ -93,9 +93,9 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
   Fill other = any_rim(reason);
   if (patch && not_taken(options).empty() && keeps_better_planes(*patch, other)) {
     Fill planar = fill_with_planes_of(ground, *patch, options, reason);
-    if (planar.patch && planar.report.triangles_folded <= other.report.triangles_folded) return planar;
+    if (planar.patch && harm(planar.report) <= harm(other.report)) return planar;
   }
-  const bool better = !patch || other.report.triangles_folded <= patch->report.triangles_folded;
+  const bool better = !patch || harm(other.report) <= harm(patch->report);
   return better ? other : std::move(*patch);
 }
 
@@ -210,15 +210,17 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     patch = fill_with_patch(ground, hole, options);
     apart = !corners && hole.rim.size() >= least_edges_apart && not_taken(options).empty() &&
             planes_apart_at_corners(patch->sides) > no_surface && !any_sharp(sharp_sides_of(ground, hole));
-    const bool folds = patch->report.folds > 0 || patch->report.triangles_folded > 0;
-    if (!folds && !apart) return std::move(*patch);
-    reason = folds ? "a patch between three corners would fold" : "the tangent planes of the three sides differ at the corners";
+    const bool folds = patch->report.folds > 0 || patch->report.triangles_folded > 0, crosses = patch->report.crosses_itself;
+    if (!folds && !crosses && !apart) return std::move(*patch);
+    reason = folds     ? "a patch between three corners would fold"
+             : crosses ? "a patch between three corners would cross itself"
+                       : "the tangent planes of the three sides differ at the corners";
   } catch (const Refusal& refusal) {
     reason = std::string("no patch fits between three sides: ") + refusal.what();
   }
   Fill other = any_rim(reason);
-  const bool better = !patch || other.report.triangles_folded < patch->report.triangles_folded ||
-                      (other.report.triangles_folded == patch->report.triangles_folded && (patch->report.folds > 0 || apart));
+  const bool better = !patch || harm(other.report) < harm(patch->report) ||
+                      (harm(other.report) == harm(patch->report) && (patch->report.folds > 0 || apart));
   return better ? other : std::move(*patch);
 }
 

@@ -22,6 +22,7 @@
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/follow.h"
 #include "tripatch/polygon/round.h"
+#include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -241,8 +242,9 @@ bool complete(const Mesh& mesh, const Connectivity& around, double surroundings_
   report.surroundings_error = surroundings_error;
   report.triangles_folded =
       count_folded_edges(mesh.vertices, result.fill.vertices, result.fill.faces, faces_beyond(mesh, around, {result.fill.rim}));
+  report.crosses_itself = !find_crossings(mesh.vertices, result.fill.vertices, result.fill.faces, 1).empty();
   tell_folds(report);
-  return faired.gave_up || report.folds > 0 || report.triangles_folded > 0;
+  return faired.gave_up || report.folds > 0 || harm(report) > std::pair(false, Index{0});
 }
 
 /// Root mean square distance of some of the points from a surface over a plane, by Gauss-Newton from the places of other points of it.
@@ -280,8 +282,8 @@ bool misses_known_planes(const Fill& patch, const Fill& spline, double degrees, 
 }
 
 bool excluded_by(const Fill& patch, const Fill& spline, double diameter) {
-  if (!spline.patch || spline.deviation.size() == 0 || patch.vertices.rows() == 0 || spline.report.triangles_folded > 0)
-    return false;
+  if (!spline.patch || spline.deviation.size() == 0 || patch.vertices.rows() == 0) return false;
+  if (harm(spline.report) > std::pair(false, Index{0})) return false;
   if (misses_known_planes(patch, spline, misses_planes, known_better)) return false;
   const double said = spline.deviation.norm() / std::sqrt(static_cast<double>(spline.deviation.size()));
   const double apart = distance_from(*spline.patch, spline.vertices, spline.uv, patch.vertices);

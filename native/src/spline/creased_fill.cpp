@@ -9,6 +9,7 @@
 
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
+#include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/crease_curve.h"
 #include "tripatch/spline/hinged_surface.h"
@@ -508,7 +509,7 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
   for (const std::array<Index, 3>& t : fill.triangles) triangles.add(t);
   fill.folds = count_folded_edges(points, Points(0, 3), triangles, faces_beyond_rows(mesh, around, {rim}));
   fill.rim_folds = folds_of_rim(mesh, around, {rim});
-  if (fill.folds > fill.rim_folds) return {};
+  if (fill.folds > fill.rim_folds || crosses_itself(points, fill.triangles)) return {};
   return fill;
 }
 

@@ -10,6 +10,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/output/remesh.h"
+#include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/disc.h"
 #include "tripatch/spline/ear_clipping.h"
@@ -94,7 +95,9 @@ struct Rim {
   std::vector<FaceBeyond> beyond;
   std::vector<Through> through;  // what shall be met inside
   Index folds = 0;
-  Index folds_of_plain = 0;  // between the triangles of plain() alone, not over the faces beyond
+  Index folds_of_plain = 0;    // between the triangles of plain() alone, not over the faces beyond
+  bool doubles_edges = false;  // of the mesh, which the rough triangles do
+  bool may_cross = false;      // its fill itself, for plain() does too
   double edge = 0, diameter = 0, area = 0;
 };
 
@@ -436,6 +439,11 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
     result = std::move(average);
 }
 
+/// Whether an attempt crosses itself where it need not.
+bool crosses(const Rim& rim, const Attempt& result) {
+  return !rim.may_cross && crosses_itself(result.made.points, result.made.triangles);
+}
+
 /// Moves vertices of folded edges, and flips edges, until none is folded, or no more than of the rim's own; returns how many are.
 Index unfolded(const Rim& rim, Attempt& result) {
   if (folded_edges(result.made.points, result.made.triangles, rim.beyond) == 0) return 0;
@@ -472,6 +480,7 @@ bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
       if (!second || !take_second(rim, *second, 1, alone)) break;
       if (unfolded(rim, alone) > rim.folds) continue;
       if (folded_edges(alone.made.points, alone.made.triangles, {}) > rim.folds_of_plain) continue;
+      if (crosses(rim, alone)) continue;
       result = std::move(alone);
       return true;
     }
@@ -540,31 +549,42 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   return fill;
 }
 
-/// Triangles without a surface: the rim's own, or those that join its edges to its middle where only that leaves no fold.
-PlaneFill plain(const Rim& rim, bool doubles_edges) {
+/// What the rim cannot do without.
+Index folds_of(const Rim& rim, const RoughFill& rough) {
+  const Index folds = folded_edges(rim.points, rough.triangles, rim.beyond);
+  return rough.crossing.empty() ? folds : std::min(folds, folded_edges(rim.points, rough.crossing, rim.beyond));
+}
+
+/// Triangles without a surface: the rim's own, or those that join its edges to its middle where only that leaves no fold between them and
+/// no crossing, and folds no more over the faces beyond.
+PlaneFill plain(const Rim& rim) {
   PlaneFill fill;
   fill.triangles = rim.rough;
-  fill.folds = fill.rim_folds = rim.folds;
-  fill.doubles_edges = doubles_edges;
-  if (folded_edges(rim.points, rim.rough, {}) == 0 || !rim.surroundings.islands.empty()) return fill;
+  fill.folds = folded_edges(rim.points, rim.rough, rim.beyond);
+  fill.rim_folds = rim.folds;
+  fill.doubles_edges = rim.doubles_edges;
+  const bool crossed = crosses_itself(rim.points, rim.rough);
+  const bool serves = folded_edges(rim.points, rim.rough, {}) == 0 && !crossed;
+  if (serves || !rim.surroundings.islands.empty()) return fill;
   const Index r = rim.points.rows();
   Points points(r + 1, 3);
   points << rim.points, rim.points.colwise().mean();
   Triangles fan;
   for (Index k = 0; k < r; ++k) fan.push_back({k, (k + 1) % r, r});
-  if (folded_edges(points, fan, {}) > 0) return fill;
+  const Index folds = folded_edges(points, fan, rim.beyond);
+  if (folded_edges(points, fan, {}) > 0 || crosses_itself(points, fan) || (folds > fill.folds && !crossed)) return fill;
   fill.vertices = points.bottomRows(1);
-  fill.folds = folded_edges(points, fan, rim.beyond);
+  fill.folds = folds;
   fill.triangles = std::move(fan);
   fill.doubles_edges = false;
   return fill;
 }
 
-/// Edges that are folded between the triangles of a plain fill.
-Index folds_between(const Rim& rim, const PlaneFill& fill) {
+/// The rim and the new vertices of a plain fill.
+Points points_of(const Rim& rim, const PlaneFill& fill) {
   Points points(rim.points.rows() + fill.vertices.rows(), 3);
   points << rim.points, fill.vertices;
-  return folded_edges(points, fill.triangles, {});
+  return points;
 }
 
 /// By the change of the area, and the change before it.
@@ -642,31 +662,9 @@ constexpr const char* least_bent_sentence =
     "The triangles of the fill bend as little as they can: a surface that follows the surroundings would fold over the mesh";
 constexpr const char* mended = "A few triangles beside the rim are not those of the surface: on it they would fold";
 
-}  // namespace
-
-Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
-  const Rim rim = rim_of(mesh, around, loops);
-  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles, rim.beyond);
-}
-
-PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
-                          const PlaneFillOptions& options) {
-  Rim rim = rim_of(mesh, around, loops);
-  rim.through = options.through;
-  rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
-  const RoughFill rough = rough_fill(rim.points, rim.surroundings);
-  rim.rough = rough.triangles;
-  rim.folds = folded_edges(rim.points, rim.rough, rim.beyond);
-  rim.area = area_of(rim.points, rim.rough);
-  PlaneFill best = plain(rim, rough.doubles_edges);
-  rim.folds_of_plain = folds_between(rim, best);
-  best.plainer = "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
-  if (!rim.through.empty()) best.plainer += ", which do not meet the points inside";
-  if (!(rim.diameter > 0)) return best;
-  if (rim.points.rows() == 3 && !options.resolution && rim.through.empty()) {
-    best.plainer.clear();
-    return best;
-  }
+/// Of the ways the likeliest that will do, else `best`, the plain triangles.
+PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
+                    const PlaneFillOptions& options, const Rim& rim, PlaneFill best) {
   const std::array<Way, 4> ways = {
       Way{reach_share, most_rings, FieldOptions().orders, ""},
       Way{0, 2, {2, 3}, "Two rings of the surroundings are followed: with more the fill would fold or run away"},
@@ -682,7 +680,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     fields.orders = disc.triangles.empty() ? of_rim_alone : way.orders;
     fields.unit = std::max(rim.edge, 1e-300);
     std::optional<Attempt> result = attempts(disc, rim, samples, fields, options);
-    if (!result || (result->made.doubles_edges && !rough.doubles_edges)) continue;
+    if (!result || (result->made.doubles_edges && !rim.doubles_edges)) continue;
     if (way.reach > 0) {
       look_farther(mesh, continued, loops, rim, fields, options, disc, *result);
       look_closer(disc, rim, fields, options, *result);
@@ -691,10 +689,11 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     const Index folds = folded_edges(result->made.points, result->made.triangles, rim.beyond);
     const Index left = unfolded(rim, *result);
     const bool is_long = disc.rim > long_rim;  // bending its thousands of triangles takes longer than all the rest
-    const bool prefers_second = !is_long && mostly_details(details_in(*result)) && (left > rim.folds || way.reach == 0);
-    const bool bends_least = (prefers_second || (left > rim.folds && !is_long)) &&
-                             second_alone(with_two_rings(mesh, continued, loops, disc), rim, *result);
-    if (left > rim.folds && !bends_least) continue;
+    const bool fails = left > rim.folds || crosses(rim, *result);
+    const bool prefers_second = !is_long && mostly_details(details_in(*result)) && (fails || way.reach == 0);
+    const bool bends_least =
+        (prefers_second || (fails && !is_long)) && second_alone(with_two_rings(mesh, continued, loops, disc), rim, *result);
+    if (fails && !bends_least) continue;
     if (bends_least && !prefers_second && best.surface) continue;
     PlaneFill fill = completed(*result, rim, disc);
     fill.plainer = bends_least ? least_bent_sentence : way.sentence;
@@ -704,6 +703,45 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     best = std::move(fill);
   }
   return best;
+}
+
+}  // namespace
+
+Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
+  const Rim rim = rim_of(mesh, around, loops);
+  return folds_of(rim, rough_fill(rim.points, rim.surroundings));
+}
+
+PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
+                          const PlaneFillOptions& options) {
+  Rim rim = rim_of(mesh, around, loops);
+  rim.through = options.through;
+  rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
+  const RoughFill rough = rough_fill(rim.points, rim.surroundings);
+  rim.rough = rough.triangles;
+  rim.folds = folds_of(rim, rough);
+  rim.doubles_edges = rough.doubles_edges;
+  PlaneFill best = plain(rim);
+  const Points plain_points = points_of(rim, best);
+  rim.folds_of_plain = folded_edges(plain_points, best.triangles, {});
+  best.plainer = "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
+  if (!rim.through.empty()) best.plainer += ", which do not meet the points inside";
+  if (!(rim.diameter > 0)) return best;
+  if (rim.points.rows() == 3 && !options.resolution && rim.through.empty()) {
+    best.plainer.clear();
+    return best;
+  }
+  // Triangles that cross themselves may lay out what does not.
+  PlaneFill fill = best;
+  for (const Triangles* triangles : {&rough.crossing, &rough.triangles}) {
+    if (fill.surface || triangles->empty()) continue;
+    rim.rough = *triangles;
+    rim.area = area_of(rim.points, rim.rough);
+    fill = likeliest(mesh, around, loops, options, rim, best);
+  }
+  if (fill.surface || !crosses_itself(plain_points, best.triangles)) return fill;
+  rim.may_cross = true;
+  return likeliest(mesh, around, loops, options, rim, best);
 }
 
 }  // namespace tripatch

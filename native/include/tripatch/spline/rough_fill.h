@@ -18,13 +18,16 @@ struct RimSurroundings {
 
 struct RoughFill {
   std::vector<std::array<Index, 3>> triangles;  ///< rows of the points; they traverse the rim forwards; r - 2 + 2 per island
+  /// Where the triangles with the least worst angle cross themselves: those. What they fold is what the rim cannot do without.
+  std::vector<std::array<Index, 3>> crossing;
   bool doubles_edges = false;  ///< an edge of the fill is one that the mesh has already: there was no way around it
 };
 
 /// Triangulates loops of points (r x 3), each in the direction in which the new faces traverse it. Every inner edge joins two rim
 /// vertices, if possible none that are `joined`. Of up to 200 vertices the triangulation whose worst angle between neighboring
 /// triangles, and between them and the faces beyond the rim, is least, among equally good ones the smallest (Barequet and Sharir
-/// 1995, "Filling gaps in the boundary of a polyhedron"; Liepa 2003, "Filling holes in meshes"); of more the same by parts.
+/// 1995, "Filling gaps in the boundary of a polyhedron"; Liepa 2003, "Filling holes in meshes"); of more the same by parts. Where that
+/// crosses itself, the next that does not is sought without the chords that do, at last that of the least area.
 /// Islands, and the other rim of a strip, are joined to the first loop by the shortest bridges.
 /// The same input gives the same bits. Throws InvalidArgument for loops of fewer than 3 vertices and rows that do not fit.
 RoughFill rough_fill(const PointsRef& points, const RimSurroundings& rim = {});

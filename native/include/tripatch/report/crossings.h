@@ -1,0 +1,28 @@
+// Faces of a fill that go through each other: no edge need be folded for that.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// Of the longest edge of two triangles: what passes by less touches, as seams of meshes do, which lie upon each other to rounding.
+constexpr double touching = 1e-6;
+
+/// An edge that goes through a triangle which has none of its vertices.
+struct Crossing {
+  std::array<Index, 2> edge;
+  std::array<Index, 3> triangle;
+  Vec3 where;
+};
+
+/// Crossings of some faces, every face cut into a fan from its first corner; ends with the first `most` found, which hang on the order of
+/// the faces, and an edge of two triangles may be found twice. vertices: of the mesh; v >= their number is row v - number of `added`.
+std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::size_t most);
+
+/// Whether there are any. points: all that the triangles use.
+bool crosses_itself(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles);
+
+}  // namespace tripatch

@@ -1,0 +1,101 @@
+"""Fills that go through themselves: none that need not, and those that must say so."""
+
+import numpy as np
+import pytest
+import tripatch
+from test_cli import run, write_obj
+
+TOUCHING = 1e-6  # of an edge: what passes by less is not looked at
+
+
+def crosses(points, faces):
+    """Whether an edge of some faces, cut into fans, goes through another of them that it has no vertex in common with."""
+    triangles = np.array([[f[0], a, b] for f in faces for a, b in zip(f[1:], f[2:], strict=False)])
+    for a, b, c in triangles:
+        normal = np.cross(points[b] - points[a], points[c] - points[a])
+        normal /= max(np.linalg.norm(normal), 1e-300)
+        for k in range(3):
+            for p, q in triangles[:, [k, (k + 1) % 3]]:
+                over, under = (points[p] - points[a]) @ normal, (points[q] - points[a]) @ normal
+                near = TOUCHING * np.linalg.norm(points[q] - points[p])
+                if {p, q} & {a, b, c} or over * under >= 0 or min(abs(over), abs(under)) < near:
+                    continue
+                at = points[p] + over / (over - under) * (points[q] - points[p])
+                ways = [(points[j] - points[i], at - points[i]) for i, j in ((a, b), (b, c), (c, a))]
+                if all(np.cross(way, to) @ normal > near * np.linalg.norm(way) for way, to in ways):
+                    return True
+    return False
+
+
+def ribbon(loop, beside):
+    """A strip of quads along a closed loop: vertices, faces, the loop as the rim that new faces take."""
+    n = len(loop)
+    return (
+        np.concatenate([loop, beside]),
+        [[(k + 1) % n, k, n + k, n + (k + 1) % n] for k in range(n)],
+        list(range(n)),
+    )
+
+
+def jagged(seed):
+    """A rim of 6 to 20 vertices around a middle, and a strip outside."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(6, 21))
+    turn, radius, height = np.sort(rng.uniform(0, 2 * np.pi, n)), rng.uniform(0.3, 1, n), rng.normal(0, 0.6, n)
+    out = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    loop = radius[:, None] * out + height[:, None] * [0, 0, 1]
+    return ribbon(loop, loop + 0.5 * out)
+
+
+def trefoil(n):
+    """A knot, which no disc fills without going through itself. Of a multiple of three vertices one at the middle would only touch."""
+    t = 2 * np.pi * np.arange(n) / n
+    loop = np.column_stack([np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)])
+    return ribbon(loop, loop * [1.1, 1.1, 1])
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+@pytest.mark.parametrize("seed", range(24))
+def test_a_jagged_rim_is_filled_without_crossings(seed, output):
+    vertices, faces, rim = jagged(seed)
+    fill = tripatch.fill(vertices, faces, rim=rim, output=output)
+    assert crosses(np.concatenate([vertices, fill.vertices]), fill.faces) == fill.report.crosses_itself
+    assert not fill.report.crosses_itself and not any("crosses itself" in warning for warning in fill.report.warnings)
+
+
+@pytest.mark.parametrize("n", [16, 31])
+def test_a_knot_is_filled_with_crossings_and_the_report_says_so(n):
+    vertices, faces, rim = trefoil(n)
+    fill = tripatch.fill(vertices, faces, rim=rim)
+    assert fill.report.crosses_itself
+    assert crosses(np.concatenate([vertices, fill.vertices]), fill.faces)
+    said = [warning for warning in fill.report.warnings if "crosses itself" in warning]
+    assert len(said) == 1 and int(said[0].split("vertex ")[1].split()[0]) in rim
+
+
+def test_a_fill_that_crosses_itself_is_no_success_on_the_command_line(tmp_path, capsys):
+    vertices, faces, _ = trefoil(25)
+    code, _, err = run(capsys, "fill", write_obj(tmp_path / "in.obj", (vertices, faces)), tmp_path / "out.obj")
+    assert code == 3
+    assert "crosses itself near vertex" in err
+
+
+def test_a_rim_is_joined_to_its_middle_only_where_that_folds_no_more():
+    """A cube without an eighth, of which faces at four corners are left: from its middle the rim is seen from behind."""
+    vertices = [
+        [1, 1, -1],
+        [1, -1, -1],
+        [-1, -1, -1],
+        [-1, 1, -1],
+        [0, 1, 0],
+        [1, 1, 0],
+        [-1, 1, 1],
+        [0, 1, 1],
+        [1, 0, 0],
+        [1, 0, 1],
+    ]
+    vertices = np.array([*vertices, [1, -1, 1], [-1, -1, 1], [0, 0, 1], [0, 0, 0]], float)
+    faces = [[0, 1, 2], [2, 3, 0], [4, 5, 0], [4, 0, 3], [3, 7, 4], [1, 0, 5], [1, 5, 8], [4, 7, 12], [12, 13, 4], [13, 8, 5]]
+    faces += [[5, 4, 13], [12, 9, 8], [8, 13, 12]]
+    fill = tripatch.fill(vertices, faces, rim=[1, 8, 9, 12, 7, 3, 2])
+    assert fill.report.triangles_folded <= fill.report.rim_folded
