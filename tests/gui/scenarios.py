@@ -11,6 +11,8 @@ from hands import clear, counts, last_operator, mesh, positions, rounded_corner,
 from mathutils import Vector
 
 ADDON = "tripatch_blender"
+#: Whether parts of a panel are panels themselves.
+PANELS = bpy.app.version >= (4, 1)
 #: Over the 3D view, in every header of it.
 FACE_MENU = (523, 14)
 
@@ -76,13 +78,13 @@ def panel_rows(w):
     assert last_operator().resolution == 11, f"resolution is {last_operator().resolution} after a click on its arrow"
     assert counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
     hud = w.region("HUD")
-    place = hud.x + 20, hud.y + 18 + 2 * 23  # the third row from below
+    folded, place = hud.height, (hud.x + 20, hud.y + 18 + 2 * 23)  # the third row from below
     w.move(*place)
     yield
     w.click(*place)
     yield
     yield
-    assert last_operator().show_sides
+    assert w.region("HUD").height > folded + 20 and (PANELS or last_operator().show_sides)
     yield from w.picture("sides-unfolded")
 
 
@@ -156,8 +158,17 @@ def refusal_and_correction(w):
     assert counts() == before, "nothing but the selection has changed"
     assert "Rim has 4 corners" in last_operator().reasons
     assert sum(v.select for v in mesh().verts) == 4, "the corners are selected"
+    if PANELS:  # a script cannot open them
+        hud = w.region("HUD")
+        place = hud.x + 20, hud.y + 20
+        w.move(*place)
+        yield
+        w.click(*place)
+        yield
+        yield
+        yield from w.picture("blender-refusal-unfolded")
     hud = w.region("HUD")
-    place = hud.x + 200, hud.y + 18 + 23 * 5  # Method, the sixth row from below
+    place = hud.x + 200, hud.y + 18 + (26 if PANELS else 23) * 5  # Method, the sixth row from below
     w.move(*place)
     yield
     w.click(*place)
