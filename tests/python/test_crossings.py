@@ -48,7 +48,7 @@ def jagged(seed):
 
 
 def trefoil(n):
-    """A knot, which no disc fills without going through itself. Of a multiple of three vertices one at the middle would only touch."""
+    """A knot, which no disc fills without going through itself; of 3 k vertices a fan would only touch itself."""
     t = 2 * np.pi * np.arange(n) / n
     loop = np.column_stack([np.sin(t) + 2 * np.sin(2 * t), np.cos(t) - 2 * np.cos(2 * t), -np.sin(3 * t)])
     return ribbon(loop, loop * [1.1, 1.1, 1])

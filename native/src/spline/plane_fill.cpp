@@ -94,10 +94,11 @@ struct Rim {
   RimSurroundings surroundings;
   std::vector<FaceBeyond> beyond;
   std::vector<Through> through;  // what shall be met inside
-  Index folds = 0;
-  Index folds_of_plain = 0;    // between the triangles of plain() alone, not over the faces beyond
-  bool doubles_edges = false;  // of the mesh, which the rough triangles do
-  bool may_cross = false;      // its fill itself, for plain() does too
+  Index folds = 0;               // so many a fill may have
+  Index own_folds = 0;           // of its own triangles, which do not cross themselves: those of triangles that do may be fewer
+  Index folds_of_plain = 0;      // between the triangles of plain() alone, not over the faces beyond
+  bool doubles_edges = false;    // of the mesh, which the rough triangles do
+  bool may_cross = false;        // its fill itself, for plain() does too
   double edge = 0, diameter = 0, area = 0;
 };
 
@@ -543,16 +544,10 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   }
   fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
   fill.folds = folded_edges(result.made.points, fill.triangles, rim.beyond);
-  fill.rim_folds = rim.folds;
+  fill.rim_folds = rim.own_folds;
   fill.rings = disc.rings;
   fill.doubles_edges = result.made.doubles_edges;
   return fill;
-}
-
-/// What the rim cannot do without.
-Index folds_of(const Rim& rim, const RoughFill& rough) {
-  const Index folds = folded_edges(rim.points, rough.triangles, rim.beyond);
-  return rough.crossing.empty() ? folds : std::min(folds, folded_edges(rim.points, rough.crossing, rim.beyond));
 }
 
 /// Triangles without a surface: the rim's own, or those that join its edges to its middle where only that leaves no fold between them and
@@ -560,8 +555,7 @@ Index folds_of(const Rim& rim, const RoughFill& rough) {
 PlaneFill plain(const Rim& rim) {
   PlaneFill fill;
   fill.triangles = rim.rough;
-  fill.folds = folded_edges(rim.points, rim.rough, rim.beyond);
-  fill.rim_folds = rim.folds;
+  fill.folds = fill.rim_folds = rim.own_folds;
   fill.doubles_edges = rim.doubles_edges;
   const bool crossed = crosses_itself(rim.points, rim.rough);
   const bool serves = folded_edges(rim.points, rim.rough, {}) == 0 && !crossed;
@@ -709,7 +703,7 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
 
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   const Rim rim = rim_of(mesh, around, loops);
-  return folds_of(rim, rough_fill(rim.points, rim.surroundings));
+  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles, rim.beyond);
 }
 
 PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
@@ -719,7 +713,8 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
   const RoughFill rough = rough_fill(rim.points, rim.surroundings);
   rim.rough = rough.triangles;
-  rim.folds = folds_of(rim, rough);
+  rim.folds = rim.own_folds = folded_edges(rim.points, rim.rough, rim.beyond);
+  if (!rough.crossing.empty()) rim.folds = std::min(rim.folds, folded_edges(rim.points, rough.crossing, rim.beyond));
   rim.doubles_edges = rough.doubles_edges;
   PlaneFill best = plain(rim);
   const Points plain_points = points_of(rim, best);

@@ -30,9 +30,9 @@ struct Report {
   std::optional<double> deviation_max;  ///< largest of Fill::deviation, scene units; none: unknown
   /// Edges of the new faces that are folded, those of the rim over the faces beyond it too; of a cage those of its limit surface.
   Index triangles_folded = 0;
-  Index rim_folded = 0;         ///< the same of the rim's own triangulation: a rim that folds leaves no other way
-  Index folds = 0;              ///< of the patch, see FoldCounter
-  std::vector<Index> corners;   ///< vertex indices: three, or those given for a rim of any number
+  Index rim_folded = 0;        ///< the same of the rim's own triangulation: a rim that folds leaves no other way
+  Index folds = 0;             ///< of the patch, see FoldCounter
+  std::vector<Index> corners;  ///< vertex indices: three, or those given for a rim of any number
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
   double cage_deviation_max = 0;  ///< fill's limit surface to the patch
   double cage_deviation_rms = 0;
@@ -43,7 +43,7 @@ struct Report {
   double seam_angle_median = 0;
   double seam_angle_max_inside = 0;         ///< without the rim edges that touch a corner
   int rows = 0;                             ///< quads and cages: extra rows of quads round the poles that were taken
-  bool crosses_itself = false;  ///< new faces go through each other (report/crossings.h); not looked for in cages
+  bool crosses_itself = false;              ///< new faces go through each other (report/crossings.h); not looked for in cages
   std::vector<std::array<Index, 2>> poles;  ///< vertex, valence
   std::vector<std::string> warnings;
   double seconds = 0;

@@ -18,7 +18,7 @@ struct RimSurroundings {
 
 struct RoughFill {
   std::vector<std::array<Index, 3>> triangles;  ///< rows of the points; they traverse the rim forwards; r - 2 + 2 per island
-  /// Where the triangles with the least worst angle cross themselves: those. What they fold is what the rim cannot do without.
+  /// Where the triangles with the least worst angle cross themselves: those.
   std::vector<std::array<Index, 3>> crossing;
   bool doubles_edges = false;  ///< an edge of the fill is one that the mesh has already: there was no way around it
 };
