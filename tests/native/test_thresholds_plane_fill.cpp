@@ -154,3 +154,18 @@ TEST_CASE("a crease does not run past a vertex of the rim by less than a ten-tho
     CHECK(across(rings).has_value() == (share > 1e-4));
   }
 }
+
+TEST_CASE("where nothing can be laid out the rim's own triangles are delivered") {
+  // the other side of a flat sheet, folded flat onto it
+  Points vertices(5, 3);
+  vertices << 0, 0, 0, 4, 0, 0, 4, 4, 0, 2, 3, 0, 0, 4, 0;
+  Faces faces;
+  for (const std::array<Index, 3>& face : {std::array<Index, 3>{0, 1, 3}, {1, 2, 3}, {0, 3, 4}}) faces.add(face);
+  const Mesh mesh{vertices, faces};
+  const PlaneFill fill = fill_over_plane(mesh, Connectivity(mesh), {{0, 4, 3, 2, 1}});
+  CHECK_FALSE(fill.surface);
+  CHECK(fill.triangles.size() == 3);
+  CHECK(fill.vertices.rows() == 0);
+  CHECK(fill.folds == fill.rim_folds);
+  CHECK(fill.plainer.find("plain triangles") != std::string::npos);
+}

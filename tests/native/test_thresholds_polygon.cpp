@@ -145,3 +145,18 @@ TEST_CASE("two planes at a corner are told from one degree between them on", "[t
   REQUIRE(report.warnings.size() == 1);
   CHECK_THAT(report.warnings[0], Catch::Contains("differ by 1 degrees at corner 1 (vertex 7)"));
 }
+
+TEST_CASE("where a side of two turns away from the other its ribbon leads into the hole all along") {
+  const auto field = [](const std::array<double, 9>& net) { return PiecewisePolynomial::bezier(net, 3); };
+  const std::array<double, 9> up = {0, 1, 0, 0, 1, 0, 0, 1, 0};
+  // in the middle of the first side the surroundings rise and lean over the hole
+  const Side first = {field({-1, 0, 0, 0, -1, 0, 1, 0, 0}), field({0, -1, 0, 0, 2.6, 1.2, 0, -1, 0}), {}};
+  const Side second = {field({1, 0, 0, 0, 1, 0, -1, 0, 0}), field(up), {}};
+  const PolygonBoundary boundary = polygon_boundary({first, second});
+  for (const PolygonRibbon& ribbon : boundary.ribbons)
+    for (int k = 0; k <= 10; ++k) {
+      double alpha = 0;
+      ribbon.alpha.taylor(k / 10.0, 0, &alpha);
+      CHECK(alpha > 0);
+    }
+}

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "test_drafts.h"
+#include "tripatch/estimate/stencils.h"
 #include "tripatch/math/smoothstep.h"
 
 using namespace tripatch;
@@ -94,5 +95,38 @@ TEST_CASE("with fewer than eight vertices in front of the side beyond the rim wh
     silence(flat, {places.begin(), places.begin() + static_cast<std::ptrdiff_t>(silent)});
     CHECK((share_of(flat, 0, 3, flat.local(-1, -1), true) > 0) == (silent == 5));
     CHECK(share_of(flat, 0, 3, flat.local(-1, -1), false) == 0);
+  }
+}
+
+TEST_CASE("beyond sharp edges nothing tells a plane, though faces there touch those that do") {
+  for (const bool sharp : {false, true}) {
+    FlatDrafts flat(4);
+    const Submesh& part = flat.w.part;
+    for (int f = 0; sharp && f + 1 < static_cast<int>(part.offsets.size()); ++f)
+      for (int c = part.offsets[f]; c < part.offsets[f + 1]; ++c) {
+        const int from = part[f][c - part.offsets[f]], to = part[f][(c + 1 - part.offsets[f]) % 4];
+        if (flat.w.position[from][1] == -2 && flat.w.position[to][1] == -2) flat.w.across[c] = -1;
+      }
+    CHECK(share_of(flat, 2, 4, flat.local(2, -2)) > 0);
+    CHECK((share_of(flat, 2, 4, flat.local(2, -3)) > 0) == !sharp);
+  }
+}
+
+TEST_CASE("the curve through a rim knows its direction by the shorter edge beside a vertex, its bend by the longer one") {
+  const auto measured = [](FlatDrafts& flat, int k) {
+    SideSearch search(flat.w, flat.drafts, 2);
+    Seen seen;
+    measure(flat.w, flat.drafts, 2, k, {1, false, true, false}, search, seen);
+    return seen.stencil;
+  };
+  for (const double before : {0.5, 1.0, 1.4}) {
+    FlatDrafts flat(6);
+    flat.side().position[1] = Vec3(2 - before, 0, 0);
+    const Stencil inside = measured(flat, 2);  // edges of length `before` and 1
+    CHECK(inside.slope_noise == Approx(std::pow(1.1 / std::min(before, 1.0), 2)));
+    CHECK(inside.slope_truncation == Approx(std::pow(std::max(before, 1.0), 3) / 24));
+    const Stencil end = measured(flat, 6);  // one edge, of length 1
+    CHECK(end.slope_noise == Approx(3.8 * 3.8));
+    CHECK(end.slope_truncation == Approx(0.25));
   }
 }

@@ -203,3 +203,16 @@ def test_the_normal_of_one_side_is_that_of_the_paraboloid_through_its_points():
     found = quality._normal_at(points + [1, 2, 3], np.array([1.0, 2.0, 3.0]), along, normal)
     assert found == pytest.approx(expected / np.linalg.norm(expected), abs=1e-12)
     assert quality._normal_at(points[:5], np.zeros(3), along, normal) is normal
+
+
+def test_scales_of_color_go_one_way_and_back():
+    """From good to bad blue falls, red grows for three quarters, green has one hill; with signs the middle is nearly gray."""
+    red, green, blue = quality.scale_colors(np.linspace(0, 2, 101), 2).T
+    assert (np.diff(red)[:75] >= 0).all() and red[0] < 0.2 and red[-1] > 0.8
+    assert blue[0] > 0.8 and blue[-1] < 0.2 and (np.diff(blue) <= 1e-12).all()
+    hill = np.diff(green)
+    assert np.count_nonzero(np.diff(np.sign(hill[np.abs(hill) > 1e-12]))) == 1
+    middle = quality.signed_colors(np.array([0.0]), 1)[0]
+    assert np.ptp(middle) < 0.05
+    beyond, ends = np.array([-1.0, 3.0, np.nan]), np.array([0.0, 2.0, 0.0])
+    assert np.array_equal(quality.scale_colors(beyond, 2), quality.scale_colors(ends, 2))

@@ -161,3 +161,19 @@ SIDE = tripatch.Side(SHEET, 0)
 def test_arguments_of_another_shape_are_refused_by_name(call, said):
     with pytest.raises((TypeError, ValueError), match=said):
         call()
+
+
+@pytest.mark.parametrize("first", [0, 1, 2, 5])
+def test_corners_of_a_border_are_where_it_turns(first):
+    """A rectangle of four edges by three, begun anywhere."""
+    around = (
+        [(k, 0) for k in range(4)] + [(4, k) for k in range(3)] + [(4 - k, 3) for k in range(4)] + [(0, 3 - k) for k in range(3)]
+    )
+    inner = np.array([(x, y, 0) for x, y in around], float)
+    n = len(inner)
+    outer = inner + 0.5 * np.sign(inner - [2, 1.5, 0])
+    faces = [[(k + 1) % n, k, n + k, n + (k + 1) % n] for k in range(n)]
+    loop = np.roll(np.arange(n), -first)
+    border = between.MeshBorder("Plate", np.concatenate([inner, outer]), faces, loop)
+    turned = {tuple(p) for p in border.at(border.corners())[:, :2]}
+    assert turned == {(0, 0), (4, 0), (4, 3), (0, 3)}
