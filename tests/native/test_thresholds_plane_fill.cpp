@@ -47,6 +47,20 @@ TEST_CASE("a field has a hundred samples more than the rim has vertices, 160 at 
   CHECK(samples(filled(Rings(radii(0.1, 4), flat, 520), coarse_inside())) == 600);
 }
 
+TEST_CASE("a strongly curved surface without noise has 450 samples more than the rim has vertices", "[thresholds]") {
+  const auto on_ball = [](double widest) {  // rims at half of that angle, in radians
+    return Rings(
+        radii(0.02, 20),
+        [=](double x, double y) {
+          const double r = std::hypot(x, y), angle = widest * r;
+          return Vec3(std::sin(angle) * x / r, std::sin(angle) * y / r, std::cos(angle));
+        },
+        90);
+  };
+  CHECK(samples(filled(on_ball(0.4), coarse_inside())) == 190);
+  CHECK(samples(filled(on_ball(1.6), coarse_inside())) == 540);
+}
+
 TEST_CASE("where noise is 0.003 to 0.03 edges the surroundings are followed twice as far", "[thresholds]") {
   double least = 1, most = 0, below = 0, above = 1;  // noise, over an edge, where they are and where they are not
   for (int k = 0; k < 14; ++k) {
@@ -168,4 +182,21 @@ TEST_CASE("where nothing can be laid out the rim's own triangles are delivered")
   CHECK(fill.vertices.rows() == 0);
   CHECK(fill.folds == fill.rim_folds);
   CHECK(fill.plainer.find("plain triangles") != std::string::npos);
+}
+
+TEST_CASE("the curve of a crease is that of 24 of its vertices on either side", "[thresholds]") {
+  const auto along = [](Index moved) {  // places of its new points, where a vertex of the crease is somewhat farther on
+    Rings rings(radii(0.02, 36), [](double x, double y) { return roof(x, y, 30); });
+    rings.vertices(moved * rings.n, 1) += 0.004;
+    REQUIRE(rings.features().creases.at(0).ends[0].chain.size() > 30);
+    PlaneFillOptions options;
+    const PlaneFill fill = *fill_across_creases(rings.mesh(), Connectivity(rings.mesh()), rings.rim, rings.features(), options);
+    double sum = 0;
+    for (const auto& [a, b] : fill.creases)
+      for (Index v : {a, b})
+        if (v >= rings.n) sum += std::abs(fill.vertices(v - rings.n, 1));
+    return sum;
+  };
+  CHECK(along(23) > 1e-9);
+  CHECK(along(24) < 1e-12);
 }

@@ -12,12 +12,17 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Over a gap as long as its radius an arc of a circle with twelve vertices on either side is met to 1.3e-5 of that, with orders up to 4 to
+/// 1.6e-5, up to 3 to 3.0e-5.
 constexpr int lowest_curve_order = 2, highest_curve_order = 5;
-/// Over the mean eigenvalue of the curve_kernel, in decades: from rounding to a straight line.
+/// Over the mean eigenvalue of the curve_kernel, in decades: from rounding to a straight line. On 68 holes across creases (features.cpp) half
+/// and twice of the ends change the mean distance by 0.3% at most, half of the step by 0.1%; twice of it leaves them 5% nearer, by a few.
 constexpr double least_curve_nugget = -13, most_curve_nugget = 3, curve_nugget_step = 0.5;
-/// The length of the gap is that of the curve in it, which is not known before it: each round leaves a hundredth of the error.
+/// The length of the gap is that of the curve in it, which is not known before it: each round leaves a twentieth of the error over
+/// such an arc, four 1e-5 of the length, as much as the pieces do.
 constexpr int gap_rounds = 4;
-constexpr int length_pieces = 64;  // that the length is summed over
+/// That the length is summed over: with half or twice as many the mean distance of those 68 changes by less than 0.1%.
+constexpr int length_pieces = 64;
 
 double curve_kernel(int order, double t) {
   const double r = std::abs(t);

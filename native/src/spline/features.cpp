@@ -18,41 +18,47 @@ namespace {
 
 using EdgePair = std::array<Index, 2>;
 
+// Half and twice of these numbers were tried on 68 holes across creases in irregular triangles: straight, curved and turned ridges of 28 to 90
+// degrees, edges of drums, corners of three planes, chamfers; without noise, with 2 and 6% of an edge. Two percentages tell by how much
+// fills are farther in the geometric mean: with half, with twice of it.
 constexpr double one_degree = std::numbers::pi / 180;
-/// Between the faces at a sharp edge at least: the sides of a cylinder of 14 corners stay below it.
+/// Between the faces at a sharp edge at least: the sides of a cylinder of 14 corners stay below it (-12%, 127%; with 35 degrees 26%). Of 89 holes
+/// in scanned and modelled meshes, with edges of 15 degrees and more at the rim, half of it fills one otherwise, 12% farther.
 constexpr double least_crease_angle = 25 * one_degree;
 /// And so many times what three quarters of the edges around stay below, and the half of those beside the crease: noise of a tenth of an
-/// edge, and coarse triangles of anything round, stay below that.
+/// edge, and coarse triangles of anything round, stay below that (-2%, 29%; share of 0.38: 3%).
 constexpr double above_noise = 3, ordinary_share = 0.75;
 /// Between smooth faces (smooth_angle) a crease that is sharp at the rim is followed to half of that: where two pipes meet it gets blunt
-/// by and by.
+/// by and by (0%, 3%).
 constexpr double still_crease = 0.5;
-/// Of the hole's diameter: as far as creases are followed.
+/// Of the hole's diameter: as far as creases are followed (46%, 0%), over so many rings (0%, 0%).
 constexpr double crease_reach = 0.75;
 constexpr int most_crease_rings = 40;
-/// Where a crease turns by more it ends.
+/// Where a crease turns by more it ends (57%, -3%; with 63 degrees 7%).
 constexpr double sharpest_turn = 45 * one_degree;
-/// A crease of a single edge is believed where the edge is this share of the diameter, or longer.
+/// A crease of a single edge is believed where the edge is this share of the diameter, or longer: a choice, for none of the 68 is so.
 constexpr double long_edge = 0.25;
 /// One that gets blunt is believed to go on across the hole where it is this long; those of animals' faces and limbs seldom are. Where
-/// ordinary edges turn by more than the angle it must be longer, and corners at which it could end cannot be told from others.
+/// ordinary edges turn by more than the angle it must be longer, and corners at which it could end cannot be told from others. The two
+/// lengths: 0%, 35% and 0%, 30%; the angle: 40%, 0%.
 constexpr double least_blunt_length = 0.35, least_rough_length = 0.5;
 constexpr double smooth_angle = 5 * one_degree;
 /// Between the directions in which two ends go on and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
+/// (51%, 2%.)
 constexpr double widest_view = 65 * one_degree;
-/// Ends that see each other with less, both together, belong together whatever else meets there.
+/// Ends that see each other with less, both together, belong together whatever else meets there (0%, 46%).
 constexpr double straight_on = 50 * one_degree;
-/// Between the faces on the same side of the two ends, once turned as the crease turns.
+/// Between the faces on the same side of the two ends, once turned as the crease turns (0%, 0%).
 constexpr double same_face = 50 * one_degree;
-/// One end's angle over the other's, at most.
+/// One end's angle over the other's, at most: a choice, for creases of the 68 are as sharp at both ends (0%, 0%).
 constexpr double same_angle = 3;
-/// Of the diameter: so near to a point go the lines of creases that meet there.
+/// Of the diameter: so near to a point go the lines of creases that meet there (0%, 0%).
 constexpr double meeting_share = 0.15;
 /// Of the determinant of the sum of the projections along them, 0 for one direction: less, and lines are nearly parallel. Three lines
-/// within 1.1 degrees of one direction have that.
+/// within 1.1 degrees of one direction have that (0%, 0%).
 constexpr double least_spread = 1e-2;
 /// A rim edge goes on along a crease where it leaves neither face by more than this, or than this times what the crease's own edges
-/// do, nor the crease's direction by more than 25 degrees.
+/// do, nor the crease's direction by more than 25 degrees (0%, 0%; 14%, 0%; with 51 degrees 8%, not at all 34%).
 constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
 
 EdgePair edge_pair(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
