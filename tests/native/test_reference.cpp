@@ -51,3 +51,48 @@ TEST_CASE("a sample above a reference has its foot where the normal through it s
   start.col(0).array() += 0.03;
   CHECK((reference.foot_points(start, above) - at).cwiseAbs().maxCoeff() < 1e-8);
 }
+
+namespace {
+
+/// Over a grid from -1 to 1 the graph of a function, as the polynomial that it is.
+template <class F>
+Reference over_square(const F& place, int degree) {
+  PlanePoints at(121, 2);
+  Points samples(121, 3);
+  for (Index k = 0; k < 121; ++k) {
+    at.row(k) << static_cast<double>(k / 11) / 5 - 1, static_cast<double>(k % 11) / 5 - 1;
+    samples.row(k) = place(at(k, 0), at(k, 1));
+  }
+  return {at, samples, degree};
+}
+
+/// Where a foot that starts at x on the u axis comes to.
+double foot_from(const Reference& reference, double x, const Vec3& sample) {
+  PlanePoints start(1, 2);
+  start << x, 0;
+  return reference.foot_points(start, Points(sample.transpose()))(0, 0);
+}
+
+}  // namespace
+
+TEST_CASE("feet between two leave the middle in eight doubling steps, slower within a fifth of where the surface bends as much",
+          "[thresholds]") {
+  const Reference valley = over_square([](double x, double y) { return Vec3(x, y, x * x / 2); }, 2);
+  for (const double above : {0.15, 0.19, 0.21, 0.5}) {  // the center of the circle that the valley is in the middle
+    const double grows = above < 0.2 ? 1 + above / 0.2 : 2;
+    CHECK(foot_from(valley, 1e-7, {0, 0, 1 + above}) == Approx(1e-7 * std::pow(grows, 8)).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("a foot goes by a tenth of the plane's extent at each of eight steps", "[thresholds]") {
+  const Reference plane = over_square([](double x, double y) { return Vec3(x, y, 0); }, 1);
+  CHECK(foot_from(plane, -0.39, {0.4, 0, 0}) == Approx(0.4).epsilon(1e-12));
+  CHECK(foot_from(plane, -0.41, {0.4, 0, 0}) == Approx(0.39).epsilon(1e-12));
+}
+
+TEST_CASE("a sample stays where it is where two tangents are one line to a millionth", "[thresholds]") {
+  for (const double narrow : {0.99e-6, 1.01e-6}) {
+    const Reference strip = over_square([&](double x, double y) { return Vec3(x, narrow * y, 0); }, 1);
+    CHECK(foot_from(strip, 0, {0.05, 0, 0}) == Approx(narrow < 1e-6 ? 0 : 0.05).margin(1e-6));
+  }
+}

@@ -35,13 +35,14 @@ constexpr int reweightings = 4;
 constexpr double least_shrunk = 1e-12;
 /// Of the energy before: a reweighting that leaves more is the last.
 constexpr double enough_gained = 0.99;
-/// Of what the slope promises a step has to gain (Armijo; the usual value).
+/// Of what the slope promises a step has to gain (Armijo; the usual value); with a hundred times as much none of those changes.
 constexpr double as_promised = 1e-4;
 /// Of a step, until it gains that: after so many it is rounding.
 constexpr int halvings = 40;
-/// Of the mean diagonal element of the Hessian, for the energy does not see where the whole lies and how it is turned.
+/// Of the mean diagonal element of the Hessian, for the energy does not see where the whole lies and how it is turned. With a
+/// thousand times as much two of those 72 move by more than 1e-3 of the diameter.
 constexpr double free_motions = 1e-9;
-/// Of the way to where the first triangle loses its area: as far as a step goes.
+/// Of the way to where the first triangle loses its area: as far as a step goes. With 0.54 of it 72 fills (reference.cpp) are 1.5% farther.
 constexpr double to_barrier = 0.9;
 
 // ------------------------------------------------------------------------------------------------------- connectivity

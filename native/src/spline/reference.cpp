@@ -13,6 +13,8 @@
 namespace tripatch {
 namespace {
 
+// Half and twice of the first three were tried on 72 fills of scanned and modelled meshes, balls and ellipsoids, without noise and with 2% of
+// an edge: in the mean they come 0.1% farther at most.
 /// Of Newton's method on a smooth polynomial; tried: the last of them moves nothing by more than rounding. More would tell points that
 /// lie between two feet, as at corners of boxes, to the side that rounding chooses.
 constexpr int steps = 8;
