@@ -14,12 +14,20 @@
 namespace tripatch {
 namespace {
 
-constexpr double weight_of_jumps = 0.1;  // of the energy at the start, for each jump of curvature that is tolerated (a choice)
-constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that the steps that follow have room
-constexpr double regularization =
-    1e-12;  // of the mean diagonal element: unknowns without rows stay put, others change by rounding
+// Half and twice of these numbers were tried on seven three-sided holes of 8 edges a side: in a sphere, a torus, a saddle, Franke's function
+// and a helicoid, and at two corners of fillets. What is told is by how much of the diameter a vertex of one of them moves at most.
+constexpr double weight_of_jumps = 0.1;  // of the energy at the start, for each jump of curvature that is tolerated: 1e-3
+constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that the steps that follow have room: 0 with 0.54
+/// Of the mean diagonal element: unknowns without rows stay put, others change by rounding; 0 with 1e-10 too.
+constexpr double regularization = 1e-12;
+/// Of one of two energies in the derivative: for less its model, half the work, is not made: 1e-5.
+constexpr double least_share = 0.05;
 
-constexpr double least_share = 0.05;  // of one of two energies in the derivative: for less its model, half the work, is not made
+/// Levenberg and Marquardt's damping, over the metric's share of the trace: at first, what a step changes it by, what it is at least, and
+/// how often it is tried before a step is given up: the usual values.
+constexpr double damping_at_first = 1e-4, damping_by = 10, least_damping = 1e-10;
+constexpr int dampings_tried = 6;
+constexpr double damped_anyway = 1e-14;  // of the trace, added to each diagonal element: held slopes have empty rows
 
 constexpr double enough = 1e-2;  // relative gain: the step that gains less is the last
 constexpr double none =
@@ -123,14 +131,14 @@ Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen:
 
 Eigen::VectorXd Merit::step(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::MatrixXd& metric,
                             double damping) const {
-  constexpr int rounds = 4;     // of weighting, at most
-  constexpr double near = 0.1;  // where another round changes so little (relative), it is the last
+  constexpr int rounds = 4;     // of weighting, at most: with two of them 5e-3, with eight 1e-2 at the saddle
+  constexpr double near = 0.1;  // where another round changes so little (relative), it is the last: 4e-4
   const Eigen::VectorXd third_slope = symmetric_product(third_.normal, x) + third_.gradient;
   Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
   for (int round = 0; round < rounds; ++round) {
     Quadratic q = weighted(m, x, third_slope, v, y);
     q.normal += damping * (q.normal.trace() / metric.trace()) * metric;
-    q.normal.diagonal().array() += 1e-14 * q.normal.trace();  // held slopes have empty rows
+    q.normal.diagonal().array() += damped_anyway * q.normal.trace();
     const Eigen::VectorXd last = std::exchange(y, constrained_quadratic_minimum(q.normal, q.gradient, held_));
     if ((y - last).norm() < near * y.norm()) break;
   }
@@ -149,20 +157,20 @@ double Merit::quadric_share(double variation, double quadric) const {
 }
 
 int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& x, Merit::Value& value, int iterations) {
-  double damping = 1e-4;
+  double damping = damping_at_first;
   for (int step = 0; step < iterations; ++step) {
     const Merit::Model model = merit.linearized(x, value);
     double gain = 0;
-    for (int attempt = 0; attempt < 6 && gain == 0; ++attempt) {
+    for (int attempt = 0; attempt < dampings_tried && gain == 0; ++attempt) {
       const Eigen::VectorXd y = x + merit.step(model, x, value, metric, damping);
       const Merit::Value next = merit(y);
       if (next.log < value.log) {
         gain = value.log - next.log;
         x = y;
         value = next;
-        damping = std::max(damping / 10, 1e-10);
+        damping = std::max(damping / damping_by, least_damping);
       } else {
-        damping *= 10;
+        damping *= damping_by;
       }
     }
     if (gain < enough || value.energy < none) return step + (gain > 0 ? 1 : 0);

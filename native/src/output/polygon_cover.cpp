@@ -7,7 +7,8 @@
 namespace tripatch {
 namespace {
 
-/// Over all vertices inside: on the surface, then for the least angle. Choices.
+/// Over all vertices inside: on the surface, then for the least angle. With half and twice of the first vertices of quads between four to six
+/// sides of a wavy saddle move by up to 1e-3 and 2e-4 of the diameter, of the second by 9e-3 and 4e-3.
 constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
 
 Points surface_rows(const PlanePoints& uv) {

@@ -20,8 +20,9 @@ constexpr std::size_t layouts_tried = 2, layouts_of_many_tried = 1;
 /// Of a rim: of more one layout is tried. Of 60 outlines of three to eight sides in 100 edges nine take the second, whose least scaled
 /// Jacobian is 0.05 higher in their mean; it costs as much as the first, half a thousand quads and more.
 constexpr Index many_edges = 100;
-constexpr int sweeps_of_trials = 4, angles_of_trials = 5;  ///< as sweeps of a cover, but of what is only compared
-constexpr Index most_round_starts = 32;                    ///< places of a round rim from which a grid's corners are counted
+/// As sweeps of a cover, but of what is only compared: half of them take the same layouts of four to six sides of a saddle.
+constexpr int sweeps_of_trials = 4, angles_of_trials = 5;
+constexpr Index most_round_starts = 32;  ///< places of a round rim from which a grid's corners are counted
 constexpr Index edges_a_ring = 20;  ///< of a round rim: rings that are as wide as these would leave the grid's corners regular
 /// Cuts are sought at about so many places of a side, then moved edge by edge.
 constexpr Index places_on_side = 8;

@@ -13,18 +13,21 @@
 namespace tripatch {
 namespace {
 
-/// Distortions count with this power: high enough for the worst corner to lead, low enough for Newton's steps to converge.
+// Other numbers were tried on quads between four, five and six sides of a wavy saddle. What is told is by how much of the diameter a vertex of
+// one of them moves at most; "0" says that no vertex does.
+/// Distortions count with this power: high enough for the worst corner to lead, low enough for Newton's steps to converge (5e-4 with 2).
 constexpr int distortion_power = 3;
 /// In the end the least angle leads: (1 / sin)^2 counts with this power (of two), and beside it how even the spacing is.
 constexpr int sharp_power = 8;
 constexpr double spacing = 0.25;  ///< weight of the evenness, a choice
-/// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little.
+/// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little (0 with half).
 constexpr double longest_step = 0.4;
-/// Of the larger eigenvalue of a Hessian: where the smaller one is less it becomes that share.
+/// Of the larger eigenvalue of a Hessian: where the smaller one is less it becomes that share (0 with a tenth, 0 with half).
 constexpr double least_convex = 1e-3, made_convex = 0.1;
-constexpr int halvings = 6;         ///< of a Newton step that makes things worse, before it is left out
-constexpr int sweeps_a_metric = 5;  ///< between two evaluations of the surface, whose second order is good for small moves
-/// Of a mean corner's area: below it a corner counts as turned over and is pulled back by a smooth bound of that size.
+constexpr int halvings = 6;  ///< of a Newton step that makes things worse, before it is left out (0 with three)
+/// Between two evaluations of the surface, whose second order is good for small moves (5e-5 with two).
+constexpr int sweeps_a_metric = 5;
+/// Of a mean corner's area: below it a corner counts as turned over and is pulled back by a smooth bound of that size (0 with a tenth).
 constexpr double least_area = 1e-3;
 
 double square(double x) { return x * x; }
