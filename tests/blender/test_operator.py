@@ -452,8 +452,10 @@ def test_the_selection_of_the_last_time_is_not_taken_for_another():
 
 def test_a_slider_gives_what_a_first_run_gives():
     """Undone and run again with another value, with what is kept from step to step, the mesh is that of a first run."""
-    plain = {"bulge": 1.0, "center_offset": 0.0, "resolution": 0, "tension": 0.0}  # Blender takes those of the last run
-    steps = [plain | step for step in ({}, {"bulge": 1.25}, {"center_offset": 0.02}, {}, {"resolution": 6}, {"tension": 0.5})]
+    plain = {"output": "triangles", "bulge": 1.0, "center_offset": 0.0, "resolution": 0, "rows": -1, "tension": 0.0}
+    steps = [{}, {"bulge": 1.25}, {"center_offset": 0.02}, {}, {"resolution": 6}, {"tension": 0.5}]
+    steps += [{"output": "quads"} | step for step in ({}, {"bulge": 1.25}, {"rows": 2}, {})]
+    steps = [plain | step for step in steps]
 
     def start():
         if bpy.context.mode == "EDIT_MESH":
@@ -468,4 +470,4 @@ def test_a_slider_gives_what_a_first_run_gives():
         first.append(filled_and_undone(**step)[0])
     start()
     assert [filled_and_undone(**step)[0] for step in steps] == first
-    assert len(set(first)) == 5
+    assert len(set(first)) == 7  # the spline has the same vertices as quads

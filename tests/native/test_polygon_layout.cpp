@@ -139,3 +139,21 @@ TEST_CASE("polygon layout: turned by one corner it is the same layout") {
   CHECK(a.least == Approx(b.least).epsilon(1e-6));
   CHECK(a.mean == Approx(b.mean).epsilon(1e-6));
 }
+
+TEST_CASE("polygon layout: asked for again it is the same, and what differs in rim, corners or rows is another") {
+  const Outline plain = outline({6, 6, 6, 6, 6, 6}), turned = outline({6, 6, 6, 6, 6, 6}, 0.1);
+  std::vector<RimCorner> other = plain.corners;
+  for (RimCorner& corner : other) corner.quads = 1;
+  const auto all = [&] {
+    return std::vector<PlaneLayout>{polygon_layout(plain.rim, plain.corners, 0), polygon_layout(plain.rim, plain.corners, 1),
+                                    polygon_layout(turned.rim, turned.corners, 0), polygon_layout(plain.rim, other, 0)};
+  };
+  const std::vector<PlaneLayout> first = all(), again = all();
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    CHECK(first[k].uv == again[k].uv);
+    CHECK(first[k].faces.corners == again[k].faces.corners);
+  }
+  CHECK(first[1].uv.rows() > first[0].uv.rows());
+  CHECK(first[2].uv != first[0].uv);
+  CHECK((first[3].uv.rows() != first[0].uv.rows() || first[3].uv != first[0].uv));
+}
