@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tripatch/math/interruption.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/polygon/space.h"
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr int newton_steps = 4;                            ///< from where the patch was about to pass the points: a choice
 constexpr int follow_degree = 6, follow_second_cross = 4;  ///< more than the points of the coarsest layouts can tell apart
+constexpr Index points_a_look = 256;                       ///< between two looks whether the work is to end: some milliseconds
 
 }  // namespace
 
@@ -20,6 +22,7 @@ Eigen::VectorXd nearest_in_polygon(const Surface& surface, const PolygonDomain& 
   Points at = uv;
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(points.rows(), 9);
   for (int step = 0; step <= newton_steps; ++step) {
+    check_interruption();
     surface.evaluate(at.data(), at.rows(), 1, jets.data());
     for (Index k = 0; k < points.rows(); ++k) {
       const Vec3 off = points.row(k) - jets.row(k).head<3>();
@@ -44,6 +47,7 @@ SurfacePtr follow_over_polygon(const SurfacePtr& plain, const PolygonDomain& dom
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(3 * unknowns, 3 * unknowns), rows(3, 3 * unknowns);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(3 * unknowns);
     for (Index k = 0; k < n; ++k) {
+      if (k % points_a_look == 0) check_interruption();
       const Jet<0> u(points.barycentric(k, 0)), v(points.barycentric(k, 1));
       const Vec2 place(u.value(), v.value());
       if (domain.corner_at(place, 1e-6) >= 0) continue;  // side weights are 0/0 there, and nothing is added
