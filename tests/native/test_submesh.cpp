@@ -42,6 +42,19 @@ TEST_CASE("numbers are given in the order of the items, once each") {
   CHECK(numbering.find(701) == -1);
 }
 
+TEST_CASE("numbers are the same where it is said below what all items are") {
+  std::mt19937_64 random(5);
+  for (const Index most : {Index{1}, Index{700}, Index{1} << 40}) {
+    Numbering told(most), hashed;
+    for (int k = 0; k < 3000; ++k) {
+      const Index item = static_cast<Index>(random() % static_cast<std::uint64_t>(most));
+      REQUIRE(told.find(item) == hashed.find(item));
+      REQUIRE(told.add(item) == hashed.add(item));
+    }
+    CHECK(told.items() == hashed.items());
+  }
+}
+
 TEST_CASE("rings around a vertex of a grid are squares") {
   const Faces faces = quads(20);
   const Index middle = 10 * 21 + 10;

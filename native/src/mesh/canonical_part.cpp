@@ -19,7 +19,7 @@ constexpr int near_rings = 2;
 /// Gives out numbers from the loops on, the faces around each vertex in the order in which they follow each other.
 class Walk {
 public:
-  explicit Walk(const Mesh& mesh) : around_(mesh) {}
+  explicit Walk(const Mesh& mesh) : vertices(mesh.vertices.rows()), faces(mesh.faces.size()), around_(mesh) {}
 
   void from(const std::vector<RimLoop>& loops) {
     for (const RimLoop& loop : loops)
@@ -85,7 +85,8 @@ private:
 
 /// Some faces with numbers of their own, in a mirror or not.
 struct Copy {
-  Copy(const Mesh& mesh, const std::vector<Index>& some, const std::vector<RimLoop>& loops, bool mirrored) {
+  Copy(const Mesh& mesh, const std::vector<Index>& some, const std::vector<RimLoop>& loops, bool mirrored)
+      : numbers(mesh.vertices.rows()) {
     for (const RimLoop& loop : loops)
       for (Index v : loop) numbers.add(v);
     for (Index f : some) {

@@ -13,7 +13,7 @@ std::size_t Numbering::slot(Index item) const {
   return k;
 }
 
-bool Numbering::add(Index item) {
+bool Numbering::add_hashed(Index item) {
   if (2 * (items_.size() + 1) > place_.size()) {
     place_.assign(std::max<std::size_t>(64, 2 * place_.size()), -1);
     for (std::size_t k = 0; k < items_.size(); ++k) place_[slot(items_[k])] = static_cast<int>(k);
@@ -33,7 +33,7 @@ std::vector<Index> Rings::all_faces() const {
 }
 
 Rings rings_around(const Connectivity& mesh, std::span<const Index> vertices, int rings) {
-  Numbering seen, taken;
+  Numbering seen(mesh.vertices()), taken(mesh.faces().size());
   for (Index v : vertices) seen.add(v);
   Rings result;
   result.vertices.push_back(seen.items());

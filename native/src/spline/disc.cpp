@@ -24,7 +24,7 @@ constexpr std::size_t most_triangles = 12'000;
 class Growth {
 public:
   Growth(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops)
-      : mesh_(mesh), around_(around), taken_() {
+      : mesh_(mesh), around_(around), row_(mesh.vertices.rows()), taken_(mesh.faces.size()), seen_(mesh.vertices.rows()) {
     for (const std::vector<Index>& loop : loops)
       for (std::size_t k = 0; k < loop.size(); ++k) {
         add(loop[k], 0);
@@ -106,13 +106,14 @@ private:
 
   /// Where the faces taken touch at a vertex only, those between them are taken too: a border that touches itself is none of a disc.
   void mend_pinches(std::vector<Index>& faces) {
-    Numbering seen;
-    std::vector<std::size_t> taken_when_seen;  // faces
     for (std::size_t k = 0; k < faces.size(); ++k)
       for (Index v : mesh_.faces[faces[k]]) {
-        if (seen.add(v)) taken_when_seen.push_back(0);
-        if (std::exchange(taken_when_seen[seen.find(v)], faces.size()) == faces.size()) continue;  // nothing has changed since
-        if (row_.find(v) >= 0 && row_.find(v) < disc_.rim) continue;
+        if (seen_.add(v)) taken_when_seen_.push_back(0);
+        // so many are taken altogether
+        const std::size_t now = taken_.size();
+        if (std::exchange(taken_when_seen_[seen_.find(v)], now) == now) continue;  // nothing has changed since
+        const int row = row_.find(v);
+        if (row >= 0 && row < disc_.rim) continue;
         int starts = 0, here = 0;
         for (Connectivity::Corner c : around_.at(v)) {
           if (!is_taken(around_.face(c))) continue;
@@ -144,6 +145,10 @@ private:
   }
 
   void cut(std::span<const Index> face) {
+    if (face.size() == 3) {
+      disc_.triangles.push_back({row_.find(face[0]), row_.find(face[1]), row_.find(face[2])});
+      return;
+    }
     std::vector<Index> rows;
     for (Index v : face) rows.push_back(row_.find(v));
     const std::size_t n = rows.size();
@@ -174,7 +179,8 @@ private:
 
   const Mesh& mesh_;
   const Connectivity& around_;
-  Numbering row_, taken_;
+  Numbering row_, taken_, seen_;
+  std::vector<std::size_t> taken_when_seen_;  // faces, by seen_
   std::vector<Index> front_;
   std::vector<std::array<Index, 2>> border_;  // from vertex to vertex as the faces taken go
   double rim_length_ = 0;

@@ -166,27 +166,29 @@ std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = mo
   std::vector<Index> taken;
   const Index of_rim = std::min(disc.rim, wanted / 2);
   for (Index k = 0; k < of_rim; ++k) taken.push_back(k * disc.rim / of_rim);
-  std::vector<double> gap(n, std::numeric_limits<double>::infinity());
-  std::vector<char> is_taken(n, 0);
-  const auto take = [&](Index at) {
-    is_taken[at] = 1;
-    for (Index k = 0; k < n; ++k) gap[k] = std::min(gap[k], (disc.points.row(k) - disc.points.row(at)).squaredNorm());
-  };
-  for (Index at : taken) take(at);
-  while (static_cast<Index>(taken.size()) < wanted) {
+  const double none = -1;
+  std::vector<double> gap(n, std::numeric_limits<double>::infinity()), far(n);  // squares; gap: none where it is taken
+  for (Index k = 0; k < n; ++k) far[k] = (disc.distance[k] + edge) * (disc.distance[k] + edge);
+  for (Index at : taken) gap[at] = none;
+  for (std::size_t done = 0;; ++done) {  // so many of those taken have shortened the gaps
+    const auto point = disc.points.row(taken[done]);
+    const bool is_last = done + 1 == taken.size();
     Index best = -1;
-    double most = -1;
+    double most = none;
     for (Index k = 0; k < n; ++k) {
-      if (is_taken[k]) continue;
-      const double far = disc.distance[k] + edge, value = gap[k] / (far * far);
+      if (gap[k] == none) continue;
+      gap[k] = std::min(gap[k], (disc.points.row(k) - point).squaredNorm());
+      if (!is_last) continue;
+      const double value = gap[k] / far[k];
       if (clearly_more(value, most)) {
         most = value;
         best = k;
       }
     }
-    if (best < 0) break;
+    if (!is_last) continue;
+    if (best < 0 || static_cast<Index>(taken.size()) >= wanted) break;
     taken.push_back(best);
-    take(best);
+    gap[best] = none;
   }
   return taken;
 }

@@ -12,18 +12,37 @@ namespace tripatch {
 /// Numbers 0, 1, 2, ... for some of the vertices or faces of a mesh, in the order in which they are added.
 class Numbering {
 public:
+  Numbering() = default;
+  /// Of items below `most`: where these are few each has a place of its own, which is found in a third of the time.
+  explicit Numbering(Index most) : direct_(most <= most_direct), place_(direct_ ? most : 0, -1) {}
+
   /// Whether it had no number before.
-  bool add(Index item);
+  bool add(Index item) {
+    if (!direct_) return add_hashed(item);
+    int& place = place_[item];
+    if (place >= 0) return false;
+    place = static_cast<int>(items_.size());
+    items_.push_back(item);
+    return true;
+  }
   /// -1: none.
-  int find(Index item) const { return place_.empty() ? -1 : place_[slot(item)]; }
+  int find(Index item) const {
+    if (direct_) return place_[item];
+    return place_.empty() ? -1 : place_[slot(item)];
+  }
   const std::vector<Index>& items() const { return items_; }
   std::size_t size() const { return items_.size(); }
 
 private:
+  static constexpr Index most_direct = 20'000;  ///< to clear as many places takes as long as to hash some hundred items
+
+  bool add_hashed(Index item);
   std::size_t slot(Index item) const;
 
+  bool direct_ = false;
   std::vector<Index> items_;
-  std::vector<int> place_;  // in items_, -1 where free; open addressing, its size a power of 2 and twice that of items_ or more
+  /// In items_, -1 where free. By item, or open addressing, its size a power of 2 and twice that of items_ or more.
+  std::vector<int> place_;
 };
 
 /// Rings around some vertices: faces[0] are those at them, vertices[1] the other vertices of these, and so on; vertices[0] are the
