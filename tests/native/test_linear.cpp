@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/triangular.h"
 
 using namespace tripatch;
 
@@ -26,6 +27,19 @@ TEST_CASE("products by rows are those of Eigen, whatever the size") {
     add_product(a.data(), 13, n, columns.data(), sum.data());
     CHECK((sum.array() - 7 - (a * columns).array()).abs().maxCoeff() < 1e-13);
   }
+}
+
+TEST_CASE("a lower triangle times its solution is the right-hand side, whatever the size and whatever stands above") {
+  for (const Index n : {1, 3, 4, 5, 9, 57})
+    for (const Index k : {1, 3, 8, 21}) {
+      CAPTURE(n, k);
+      Eigen::MatrixXd a = Eigen::MatrixXd::Random(n, n);
+      a.diagonal().array() += 5;
+      const RowMajor right = RowMajor::Random(n, k);
+      RowMajor x = right;
+      solve_lower_triangular(a, x);
+      CHECK((a.triangularView<Eigen::Lower>() * x - right).cwiseAbs().maxCoeff() < 1e-12);
+    }
 }
 
 TEST_CASE("a quadratic minimum is where the gradient vanishes, whatever the size; without one it is not finite") {

@@ -39,8 +39,16 @@ int free_polynomials(double order) { return (free_degree_of(order) + 1) * (free_
 Eigen::MatrixXd polyharmonic_kernel(double order, const Eigen::MatrixXd& squared) {
   const int e = polyharmonic_exponent(order);
   Eigen::MatrixXd kernel(squared.rows(), squared.cols());
+  const auto& s = squared.array();
+  const auto root = polyharmonic_factor(e) * s.sqrt();
+  switch (e) {  // the common ones in one pass
+    case 3: kernel.array() = root * s; return kernel;
+    case 5: kernel.array() = root * s * s; return kernel;
+    case 9: kernel.array() = root * s * s * s * s; return kernel;
+    default: break;
+  }
   if (e % 2 == 1)
-    kernel = (polyharmonic_factor(e) * squared.array().sqrt()).matrix();
+    kernel = root.matrix();
   else
     kernel = (polyharmonic_factor(e) * squared.array().max(least_square).log()).matrix();
   for (int k = 0; k < e / 2; ++k) kernel.array() *= squared.array();

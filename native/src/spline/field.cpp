@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/triangular.h"
 
 namespace tripatch {
 namespace {
@@ -61,24 +62,31 @@ MatrixXd squared_distances(const PlanePoints& a, const PlanePoints& b) {
   return s;
 }
 
+/// a b for a symmetric a (n, n), all of which is there, and b (n, k).
+MatrixXd symmetric_times(const MatrixXd& a, const MatrixXd& b) {
+  constexpr Index four = 4;
+  const Index n = a.rows(), k = b.cols(), padded = (k + four - 1) / four * four;
+  MatrixXd from = MatrixXd::Zero(n, padded), out(n, padded);
+  from.leftCols(k) = b;
+  for (Index j = 0; j < padded; j += four) multiply_four(from.col(j).data(), n, a.data(), n, out.col(j).data(), n);
+  return out.leftCols(k);
+}
+
 /// The kernel among samples, seen through contrasts: combinations of samples in which polynomials cancel. Polynomials themselves
 /// are given the kernel's mean variance in it, so that it is definite, and stay apart from contrasts.
 struct Contrasts {
   Contrasts(const PlanePoints& c, const MatrixXd& squared, double order)
-      : q(free_polynomials(order)), kernel(polyharmonic_kernel(order, squared)) {
+      : q(free_polynomials(order)), inner(polyharmonic_kernel(order, squared)) {
     const Eigen::HouseholderQR<MatrixXd> qr(monomials(c, order));
     basis = qr.householderQ() * MatrixXd::Identity(c.rows(), q);
     triangle = qr.matrixQR().topLeftCorner(q, q).triangularView<Eigen::Upper>();
-    MatrixXd turned = kernel * basis;
+    along = symmetric_times(inner, basis);
+    MatrixXd turned = along;
     const MatrixXd within = basis.transpose() * turned;
-    const double trace = kernel.trace() - 2 * within.trace() + within.trace();
+    const double trace = inner.trace() - 2 * within.trace() + within.trace();
     unit = trace / static_cast<double>(c.rows() - q);
     turned -= 0.5 * basis * (within + unit * MatrixXd::Identity(q, q));
-    inner = kernel;
-    MatrixXd left(c.rows(), 2 * q), right(c.rows(), 2 * q);
-    left << basis, turned;
-    right << turned, basis;
-    inner.triangularView<Eigen::Lower>() -= left * right.transpose();
+    take_from_inner(turned);
   }
   /// Without their polynomial part.
   MatrixXd of(const MatrixXd& samples) const { return samples - basis * (basis.transpose() * samples); }
@@ -97,13 +105,31 @@ struct Contrasts {
   }
   /// The polynomial beside the weights.
   MatrixXd polynomial(const MatrixXd& weights, const MatrixXd& samples) const {
-    return triangle.triangularView<Eigen::Upper>().solve(basis.transpose() * (samples - kernel * weights));
+    return triangle.triangularView<Eigen::Upper>().solve(basis.transpose() * samples - along.transpose() * weights);
   }
 
   Index q;
-  MatrixXd kernel, inner;    // inner: the lower half
+  MatrixXd inner;            // the kernel, of which contrasts see the lower half
   MatrixXd basis, triangle;  // of the polynomials at the samples: orthonormal, and the monomials by it
+  MatrixXd along;            // the kernel times the basis
   double unit = 0;           // mean eigenvalue of the kernel among contrasts
+
+private:
+  /// The basis times `turned` by columns of samples, and that the other way round; above the diagonal stays what was there, or less.
+  void take_from_inner(const MatrixXd& turned) {
+    constexpr Index four = 4;
+    const Index n = inner.rows();
+    MatrixXd left(n, 2 * q), taken(n, four), across(2 * q, four);
+    left << basis, turned;
+    for (Index from = 0; from < n; from += four) {
+      const Index own = std::min(four, n - from);
+      across.setZero();
+      across.topLeftCorner(q, own) = turned.middleRows(from, own).transpose();
+      across.bottomLeftCorner(q, own) = basis.middleRows(from, own).transpose();
+      multiply_four(across.data(), 2 * q, left.data(), n, taken.data(), n);
+      for (Index k = 0; k < own; ++k) inner.col(from + k).tail(n - from) -= taken.col(k).tail(n - from);
+    }
+  }
 };
 
 struct Likelihood {
@@ -117,10 +143,11 @@ struct Likelihood {
 constexpr Index logarithm_of = 4;
 
 /// The restricted likelihood of one order at its best nugget: samples vary in one direction, across the surface. The contrasts'
-/// kernel is made tridiagonal once, after which a nugget costs no more than its samples.
-Likelihood likelihood_of(Contrasts contrasts, const MatrixXd& samples) {
+/// kernel is made tridiagonal once, after which a nugget costs no more than its samples. room: for that, kept from order to order.
+Likelihood likelihood_of(const Contrasts& contrasts, const MatrixXd& samples, MatrixXd& room) {
   MatrixXd turned = contrasts.of(samples);
-  const auto [diagonal, beside] = tridiagonalize(contrasts.inner, turned);
+  room = contrasts.inner;
+  const auto [diagonal, beside] = tridiagonalize(room, turned);
   const Eigen::Matrix3Xd z = turned.transpose();
   const Index n = z.cols(), free = n - contrasts.q;
   Likelihood best;
@@ -149,6 +176,35 @@ Likelihood likelihood_of(Contrasts contrasts, const MatrixXd& samples) {
   return best;
 }
 
+/// The kernel of one order and the likelihood of the samples by which orders are chosen.
+struct OrderFound {
+  double order;
+  Contrasts contrasts;
+  Likelihood likelihood;
+};
+
+std::vector<OrderFound> orders_found(const PlanePoints& points, const MatrixXd& samples, const std::vector<double>& orders,
+                                     MatrixXd& room) {
+  const Index n = points.rows();
+  const MatrixXd squared = squared_distances(points, points);
+  std::vector<OrderFound> found;
+  for (double order : orders) {
+    if (order != orders.front() && free_polynomials(order) > n / 3) continue;
+    if (free_polynomials(order) >= n) continue;
+    found.push_back({order, Contrasts(points, squared, order), {}});
+    found.back().likelihood = likelihood_of(found.back().contrasts, samples, room);
+  }
+  if (found.empty()) found.push_back({2, Contrasts(points, squared, 2), {0, 0, 0, 0}});  // a handful of samples: a plane
+  return found;
+}
+
+void fit(Field::Part& part, const Contrasts& contrasts, const Points& samples, MatrixXd& lower) {
+  double& nugget = part.used_nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * contrasts.unit);
+  while (!contrasts.factor(nugget, lower) && nugget < contrasts.unit) nugget *= 10;
+  part.weights = contrasts.weights(lower, samples);
+  part.polynomial = contrasts.polynomial(part.weights, samples);
+}
+
 }  // namespace
 
 Field::Field(const PlanePoints& points, const Points& samples, const FieldOptions& options) {
@@ -168,48 +224,41 @@ Field::Field(const PlanePoints& points, const Points& samples, const FieldOption
     at.row(k) = points_.row(k * n / few);
     values.row(k) = local.row(k * n / few);
   }
-  choose(at, values, options);
-  const MatrixXd squared = squared_distances(points_, points_);
+  MatrixXd room;
+  const std::vector<OrderFound> found = orders_found(at, values / options.unit, options.orders, room);
+  double most = -std::numeric_limits<double>::infinity();
+  for (const OrderFound& each : found) most = std::max(most, each.likelihood.logarithm);
+  if (!std::isfinite(most)) throw InvalidArgument("the points of a field lie on a line");
+  likelihood_ = most;
+  const double temperature = tempering * static_cast<double>(few);
+  for (const auto& [order, contrasts, likelihood] : found) {
+    Part part;
+    part.order = order;
+    part.share = std::exp((likelihood.logarithm - most) / temperature);
+    part.nugget = likelihood.decade <= exact_nugget ? 0 : likelihood.nugget;
+    part.variance = likelihood.variance * options.unit * options.unit;
+    parts_.push_back(std::move(part));
+  }
+  weigh(options.unit);
+  const MatrixXd squared = few < n ? squared_distances(points_, points_) : MatrixXd();
   sum_.emplace(points_);
   for (Part& part : parts_) {
-    fit(part, squared, local);
+    const auto known = std::find_if(found.begin(), found.end(), [&](const OrderFound& each) { return each.order == part.order; });
+    if (few < n)
+      fit(part, Contrasts(points_, squared, part.order), local, room);
+    else
+      fit(part, known->contrasts, local, room);
     sum_->add(part.order, part.share, part.weights, part.polynomial);
   }
 }
 
 PlanePoints Field::normalised(const PlanePoints& points) const { return (points.rowwise() - middle_) / size_; }
 
-void Field::choose(const PlanePoints& few, const Points& samples, const FieldOptions& options) {
-  const Index n = few.rows();
-  const MatrixXd y = samples / options.unit, squared = squared_distances(few, few);
-  std::vector<Likelihood> found;
-  std::vector<double> orders;
-  for (double order : options.orders) {
-    if (order != options.orders.front() && free_polynomials(order) > n / 3) continue;
-    if (free_polynomials(order) >= n) continue;
-    orders.push_back(order);
-    found.push_back(likelihood_of(Contrasts(few, squared, order), y));
-  }
-  if (orders.empty()) {  // a handful of samples: a plane
-    orders = {2};
-    found = {{0, 0, 0, 0}};
-  }
-  double most = -std::numeric_limits<double>::infinity(), sum = 0;
-  for (const Likelihood& l : found) most = std::max(most, l.logarithm);
-  if (!std::isfinite(most)) throw InvalidArgument("the points of a field lie on a line");
-  likelihood_ = most;
-  const double temperature = tempering * static_cast<double>(n);
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    Part part;
-    part.order = orders[k];
-    part.share = std::exp((found[k].logarithm - most) / temperature);
-    part.nugget = found[k].decade <= exact_nugget ? 0 : found[k].nugget;
-    part.variance = found[k].variance * options.unit * options.unit;
-    sum += part.share;
-    parts_.push_back(std::move(part));
-  }
+void Field::weigh(double unit) {
+  double sum = 0;
+  for (const Part& part : parts_) sum += part.share;
   for (Part& part : parts_) part.share /= sum;
-  hedge(options.unit);
+  hedge(unit);
   for (Part& part : parts_) {
     noise_ += part.share * std::sqrt(part.nugget * part.variance);
     mean_order_ += part.share * part.order;
@@ -229,15 +278,6 @@ void Field::hedge(double unit) {
   std::erase_if(parts_, [](const Part& part) { return part.share < least_share; });
   for (const Part& part : parts_) sum += part.share;
   for (Part& part : parts_) part.share /= sum;
-}
-
-void Field::fit(Part& part, const MatrixXd& squared, const Points& samples) const {
-  const Contrasts contrasts(points_, squared, part.order);
-  double& nugget = part.used_nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * contrasts.unit);
-  MatrixXd lower;
-  while (!contrasts.factor(nugget, lower) && nugget < contrasts.unit) nugget *= 10;
-  part.weights = contrasts.weights(lower, samples);
-  part.polynomial = contrasts.polynomial(part.weights, samples);
 }
 
 template <int N>
@@ -319,9 +359,10 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
     // the polynomial through the samples that is nearest, and the contrast of a point with it
     const MatrixXd own_share = contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
     const MatrixXd nearest = contrasts.basis * own_share;
-    const MatrixXd among = (contrasts.kernel * contrasts.basis + part.used_nugget * contrasts.basis) * own_share;
+    const MatrixXd among = (contrasts.along + part.used_nugget * contrasts.basis) * own_share;
     const VectorXd own = nearest.cwiseProduct(among - 2 * kernel).colwise().sum().transpose();
-    const MatrixXd known = lower.triangularView<Eigen::Lower>().solve(contrasts.of(kernel - among));
+    RowMajor known = contrasts.of(kernel - among);
+    solve_lower_triangular(lower, known);
     const VectorXd left = (own - known.colwise().squaredNorm().transpose()).cwiseMax(0);
     variance += part.share * part.variance * left;
     each.col(static_cast<Index>(p)) = alone(part).values(at).cwiseProduct(directions).rowwise().sum();

@@ -57,9 +57,8 @@ public:
 
 private:
   PlanePoints normalised(const PlanePoints& points) const;
-  void choose(const PlanePoints& few, const Points& samples, const FieldOptions& options);
+  void weigh(double unit);  ///< the parts, by how likely each is
   void hedge(double unit);
-  void fit(Part& part, const Eigen::MatrixXd& squared, const Points& samples) const;
   /// Where there is one part: the surface of the order next to it through `some` of its points, at others; no rows where there is none.
   /// All normalised.
   Points by_another_order(const Part& part, const PlanePoints& some, const PlanePoints& at) const;
