@@ -224,6 +224,83 @@ Shape shape_of(const Vec3& a, const Vec3& b, const Vec3& c, double shortest) {
   return shape;
 }
 
+/// The equations of Tutte's embedding with the border on a circle, whose weights may change.
+class TutteSystem {
+public:
+  /// angle: of the border's vertices; rank: of all vertices in the order of elimination.
+  TutteSystem(const LayoutMesh& disc, const std::vector<double>& angle, const std::vector<int>& rank)
+      : disc_(disc), border_(PlanePoints::Zero(disc.count, 2)), row_(disc.count, -1) {
+    std::vector<char> held(disc.count, 0);
+    const double radius = 1 / std::sqrt(EIGEN_PI);
+    for (std::size_t k = 0; k < disc.border.size(); ++k) {
+      border_.row(disc.border[k]) << radius * std::cos(angle[k]), radius * std::sin(angle[k]);
+      held[disc.border[k]] = 1;
+    }
+    std::vector<int> inside(disc.count);  // in the order of elimination
+    for (int v = 0; v < disc.count; ++v) inside[rank[v]] = v;
+    for (int v : inside)
+      if (!held[v]) row_[v] = count_++;
+    if (count_ == 0) return;
+    std::vector<Eigen::Triplet<double>> entries;
+    for_each_pair([&](int p, int q, std::size_t, int) {
+      entries.emplace_back(row_[p], row_[p], 0);
+      if (row_[q] >= 0 && row_[p] > row_[q]) entries.emplace_back(row_[p], row_[q], 0);
+    });
+    laplacian_.resize(count_, count_);
+    laplacian_.setFromTriplets(entries.begin(), entries.end());
+    const auto place = [&](int row, int column) {
+      return static_cast<int>(&laplacian_.coeffRef(row, column) - laplacian_.valuePtr());
+    };
+    for_each_pair([&](int p, int q, std::size_t, int) {
+      own_.push_back(place(row_[p], row_[p]));
+      between_.push_back(row_[q] >= 0 && row_[p] > row_[q] ? place(row_[p], row_[q]) : -1);
+    });
+    solver_.analyzePattern(laplacian_);
+  }
+
+  /// weight: of edge k of triangle t.
+  template <class Weight>
+  PlanePoints solved(const Weight& weight) {
+    PlanePoints uv = border_;
+    if (count_ == 0) return uv;
+    std::fill_n(laplacian_.valuePtr(), laplacian_.nonZeros(), 0.0);
+    PlanePoints right = PlanePoints::Zero(count_, 2);
+    std::size_t pair = 0;
+    for_each_pair([&](int p, int q, std::size_t t, int k) {
+      const double w = weight(t, k);
+      laplacian_.valuePtr()[own_[pair]] += w;
+      if (row_[q] < 0) right.row(row_[p]) += w * uv.row(q);
+      if (between_[pair] >= 0) laplacian_.valuePtr()[between_[pair]] -= w;
+      ++pair;
+    });
+    solver_.factorize(laplacian_);
+    const Eigen::MatrixXd solution = solver_.solve(right);
+    for (int v = 0; v < disc_.count; ++v)
+      if (row_[v] >= 0) uv.row(v) = solution.row(row_[v]);
+    return uv;
+  }
+
+private:
+  /// Both ways along the triangles' edges, but for those from the border.
+  template <class Use>
+  void for_each_pair(const Use& use) const {
+    for (std::size_t t = 0; t < disc_.triangles.size(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const int a = disc_.triangles[t][k], b = disc_.triangles[t][(k + 1) % 3];
+        if (row_[a] >= 0) use(a, b, t, k);
+        if (row_[b] >= 0) use(b, a, t, k);
+      }
+  }
+
+  const LayoutMesh& disc_;
+  PlanePoints border_;
+  std::vector<int> row_;  // of each vertex; -1: on the border
+  int count_ = 0;
+  Sparse laplacian_;
+  std::vector<int> own_, between_;  // of each pair: where its weight stands; -1: above the diagonal, or known
+  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver_;
+};
+
 class Problem {
 public:
   Problem(const PointsRef& points, const LayoutMesh& disc) : disc_(disc), n_(disc.count) {
@@ -296,10 +373,12 @@ public:
   /// nothing over the one of the least energy.
   std::optional<PlanePoints> tutte() const {
     std::vector<double> conductance(shapes_.size(), 1);
+    TutteSystem system(disc_, angle_, rank_);
     std::optional<PlanePoints> best;
     double least = std::numeric_limits<double>::infinity(), previous = least;
     for (int round = 0; round <= reweightings; ++round) {
-      PlanePoints uv = embedding(conductance);
+      PlanePoints uv = system.solved(
+          [&](std::size_t t, int k) { return conductance[t] * std::max(shapes_[t].cotangent[(k + 2) % 3], least_cotangent); });
       double found = energy(uv);
       if (std::isfinite(found)) {
         resize(uv);
@@ -402,44 +481,6 @@ private:
       }
   }
 
-  PlanePoints embedding(const std::vector<double>& conductance) const {
-    PlanePoints uv = PlanePoints::Zero(n_, 2);
-    std::vector<char> held(n_, 0);
-    const double radius = 1 / std::sqrt(EIGEN_PI);
-    for (std::size_t k = 0; k < disc_.border.size(); ++k) {
-      uv.row(disc_.border[k]) << radius * std::cos(angle_[k]), radius * std::sin(angle_[k]);
-      held[disc_.border[k]] = 1;
-    }
-    std::vector<int> row(n_, -1), inside(n_);  // in the order of elimination
-    for (int v = 0; v < n_; ++v) inside[rank_[v]] = v;
-    int count = 0;
-    for (int v : inside)
-      if (!held[v]) row[v] = count++;
-    if (count == 0) return uv;
-    std::vector<Eigen::Triplet<double>> entries;
-    PlanePoints right = PlanePoints::Zero(count, 2);
-    for (std::size_t t = 0; t < shapes_.size(); ++t)
-      for (int k = 0; k < 3; ++k) {
-        const double w = conductance[t] * std::max(shapes_[t].cotangent[(k + 2) % 3], least_cotangent);
-        const int a = disc_.triangles[t][k], b = disc_.triangles[t][(k + 1) % 3];
-        for (const auto& [p, q] : {std::pair(a, b), std::pair(b, a)}) {
-          if (held[p]) continue;
-          entries.emplace_back(row[p], row[p], w);
-          if (held[q])
-            right.row(row[p]) += w * uv.row(q);
-          else if (row[p] > row[q])
-            entries.emplace_back(row[p], row[q], -w);
-        }
-      }
-    Sparse laplacian(count, count);
-    laplacian.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver(laplacian);
-    const Eigen::MatrixXd solution = solver.solve(right);
-    for (int v = 0; v < n_; ++v)
-      if (row[v] >= 0) uv.row(v) = solution.row(row[v]);
-    return uv;
-  }
-
   void assemble(const PlanePoints& uv) {
     hessian_.clear();
     gradient_.setZero(2 * n_);
@@ -468,22 +509,25 @@ private:
   /// derivative by J = U diag(s) V': the two stretches, the turn and the mirrored turn.
   void local(std::size_t t, const PlanePoints& uv, Eigen::Matrix<double, 6, 1>& g, Eigen::Matrix<double, 6, 6>& H) const {
     const Matrix2 J = jacobian(t, uv);
+    // J = [e -q; q e] + [f p; p -f]: lengths and directions of the two tell its singular values, and all that its singular vectors do here
     const double e = (J(0, 0) + J(1, 1)) / 2, f = (J(0, 0) - J(1, 1)) / 2, p = (J(1, 0) + J(0, 1)) / 2,
                  q = (J(1, 0) - J(0, 1)) / 2;
-    const double s1 = std::hypot(e, q) + std::hypot(f, p), s2 = J.determinant() / s1;
-    const double sum = std::atan2(p, f), difference = std::atan2(q, e), left = (sum + difference) / 2,
-                 right = (difference - sum) / 2;
-    Matrix2 U, V;
-    U << std::cos(left), -std::sin(left), std::sin(left), std::cos(left);
-    V << std::cos(right), std::sin(right), -std::sin(right), std::cos(right);
+    const double alike = std::sqrt(e * e + q * q), unlike = std::sqrt(f * f + p * p);
+    const double s1 = alike + unlike, s2 = J.determinant() / s1;
+    const Vec2 turn_to = Vec2(e, q) / alike, mirror_to = unlike > 0 ? Vec2(Vec2(f, p) / unlike) : Vec2(1, 0);
+    Matrix2 turned, flipped;
+    turned << turn_to[0], -turn_to[1], turn_to[1], turn_to[0];
+    flipped << mirror_to[0], mirror_to[1], mirror_to[1], -mirror_to[0];
     const auto slope = [](double s) { return 2 * s - 2 / (s * s * s); };
     const auto bend = [](double s) { return 2 + 6 / (s * s * s * s); };
     const double w = shapes_[t].weight, half = std::sqrt(0.5);
     const double s = s1 * s2, turn = (slope(s1) + slope(s2)) / (s1 + s2),
                  mirrored = 2 + 2 * (s1 * s1 + s + s2 * s2) / (s * s * s);
-    const std::array<Matrix2, 4> mode = {U.col(0) * V.col(0).transpose(), U.col(1) * V.col(1).transpose(),
-                                         half * (U.col(1) * V.col(0).transpose() - U.col(0) * V.col(1).transpose()),
-                                         half * (U.col(1) * V.col(0).transpose() + U.col(0) * V.col(1).transpose())};
+    Matrix2 across_turned, across_flipped;
+    across_turned << -turn_to[1], -turn_to[0], turn_to[0], -turn_to[1];
+    across_flipped << -mirror_to[1], mirror_to[0], mirror_to[0], mirror_to[1];
+    const std::array<Matrix2, 4> mode = {(turned + flipped) / 2, (turned - flipped) / 2, half * across_turned,
+                                         half * across_flipped};
     const std::array<double, 4> value = {bend(s1), bend(s2), std::max(turn, 0.0), mirrored};
     H.setZero();
     for (int m = 0; m < 4; ++m) {
