@@ -99,3 +99,13 @@ def test_a_rim_is_joined_to_its_middle_only_where_that_folds_no_more():
     faces += [[5, 4, 13], [12, 9, 8], [8, 13, 12]]
     fill = tripatch.fill(vertices, faces, rim=[1, 8, 9, 12, 7, 3, 2])
     assert fill.report.triangles_folded <= fill.report.rim_folded
+
+
+@pytest.mark.parametrize("edges", [24, 25])
+def test_a_tube_slit_along_a_seam_is_not_lined_with_its_own_back(edges):
+    """Triangles on the back of the band would not cross; they would cover it, folded over at nearly every edge of the rim."""
+    turn = np.linspace(0, 2 * np.pi, edges + 1)
+    vertices = np.array([[np.cos(t), np.sin(t), height] for height in (0, 0.2) for t in turn])
+    fill = tripatch.fill(vertices, [[k, k + 1, edges + 2 + k, edges + 1 + k] for k in range(edges)])
+    assert fill.report.triangles_folded == 0
+    assert not crosses(np.concatenate([vertices, fill.vertices]), fill.faces)

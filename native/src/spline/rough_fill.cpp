@@ -402,14 +402,15 @@ std::vector<FaceBeyond> beyond_of(const Polygon& polygon) {
 }
 
 /// Of tries, each without the chords that cross something in those before, the first that does not cross itself, or the first of the least
-/// area where that folds less and the other more than what crosses; the first of all where every one crosses itself.
+/// area where that folds less and the other more than what crosses; the first of all where every one crosses itself, or folds more often
+/// than that folds and crosses: triangles that lie on the back of a band of the mesh do not cross, but cover it.
 RoughFill without_crossings(const PointsRef& points, const Polygon& polygon, Filler filler) {
   std::vector<std::array<Index, 3>> first, best;
   if (polygon.size() > largest_tried) {
     filler.fill(polygon, first);
     return {std::move(first), {}};
   }
-  Index folds_of_first = 0, least = std::numeric_limits<Index>::max();
+  Index folds_of_first = 0, crossings_of_first = 0, least = std::numeric_limits<Index>::max();
   for (int round = 0; round < angle_rounds + area_rounds; ++round) {
     if (round == angle_rounds) filler.by_area();
     std::vector<std::array<Index, 3>> made;
@@ -421,6 +422,7 @@ RoughFill without_crossings(const PointsRef& points, const Polygon& polygon, Fil
     const Index folds = count_folded_edges(points, Points(0, 3), faces, beyond_of(polygon));
     if (round == 0) {
       folds_of_first = folds;
+      crossings_of_first = static_cast<Index>(found.size());
       first = made;
     }
     if (found.empty()) {
@@ -434,7 +436,7 @@ RoughFill without_crossings(const PointsRef& points, const Polygon& polygon, Fil
       for (int k = 0; k < 3; ++k) filler.avoid(crossing.triangle[k], crossing.triangle[(k + 1) % 3]);
     }
   }
-  if (best.empty()) return {std::move(first), {}};
+  if (best.empty() || least > folds_of_first + crossings_of_first) return {std::move(first), {}};
   return {std::move(best), std::move(first)};
 }
 
