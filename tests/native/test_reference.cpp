@@ -60,7 +60,8 @@ Reference over_square(const F& place, int degree) {
   PlanePoints at(121, 2);
   Points samples(121, 3);
   for (Index k = 0; k < 121; ++k) {
-    at.row(k) << static_cast<double>(k / 11) / 5 - 1, static_cast<double>(k % 11) / 5 - 1;
+    const Index row = k / 11, column = k % 11;
+    at.row(k) << static_cast<double>(row) / 5 - 1, static_cast<double>(column) / 5 - 1;
     samples.row(k) = place(at(k, 0), at(k, 1));
   }
   return {at, samples, degree};
