@@ -126,6 +126,13 @@ def changes_as_written(points, faces, rim, seed, **options):
     return found
 
 
+def change_by_rounding(points, faces, rim, **options):
+    """How far new vertices move, over the hole's size, where coordinates are rounded otherwise: none is known better."""
+    rounded = points * (1 + np.finfo(float).eps * np.random.default_rng(0).choice([-1, 0, 1], points.shape))
+    here, there = (tripatch.fill(each, faces, rim=rim, **options).vertices for each in (points, rounded))
+    return np.abs(there - here).max() / hole_size(points, rim)
+
+
 def check_parts(fill, other, number, back):
     """What belongs to the rim's vertices goes with them, and so do faces and normals with the new ones."""
     place = {int(v): k for k, v in enumerate(other.rim)}
@@ -164,9 +171,7 @@ def test_between_smooth_sides_it_is_the_same_fill_too(sides, seed):
     rim = max(tripatch.find_holes(faces), key=lambda loop: 0 in loop)
     method = "side_vertex" if sides == 3 else "multi_sided"
     found = changes_as_written(points, faces, rim, seed, method=method)
-    # Estimates of planes move by 1e-11 of the hole, and the fairest patch by up to some thousand times that: mostly the change
-    # is 1e-11, but five sides with seed 1 differ by 1.5e-7 on one processor and by less than 1e-7 on another.
-    assert max(found.values()) < 1e-6, found
+    assert max(found.values()) < max(1e-7, 10 * change_by_rounding(points, faces, rim, method=method)), found
 
 
 def uneven_hole(seed):
