@@ -74,6 +74,14 @@ class Window:
             self.at = x, y
         self.press("LEFTMOUSE", **modifiers)
 
+    def click_at(self, x, y):
+        """Goes there, that what is there can light up, clicks and waits for what it does."""
+        self.move(x, y)
+        yield
+        self.click(x, y)
+        yield
+        yield
+
     def text(self, letters):
         for letter in letters:
             key = _KEYS.get(letter, letter.upper())

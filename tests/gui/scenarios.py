@@ -36,17 +36,9 @@ def face_menu(w):
     yield
     header = w.region("HEADER")
     place = FACE_MENU[0], header.y + header.height - FACE_MENU[1]
-    w.move(*place)
-    yield
-    w.click(*place)
-    yield
-    yield
+    yield from w.click_at(*place)
     yield from w.picture("blender-face-menu")
-    w.move(590, 487)  # Smooth Fill
-    yield
-    w.click(590, 487)
-    yield
-    yield
+    yield from w.click_at(590, 487)  # Smooth Fill
     assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_smooth", "the entry of the Face menu fills"
     assert counts()[1] == 0 and _is_filled(before)
     yield from w.picture("filled-from-the-menu")
@@ -70,20 +62,12 @@ def panel_rows(w):
     yield from w.picture("blender-redo-panel")
     hud = w.region("HUD")
     place = hud.x + hud.width - 14, hud.y + hud.height - 62  # the arrow of the second row
-    w.move(*place)
-    yield
-    w.click(*place)
-    yield
-    yield
+    yield from w.click_at(*place)
     assert last_operator().resolution == 11, f"resolution is {last_operator().resolution} after a click on its arrow"
     assert counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
     hud = w.region("HUD")
     folded, place = hud.height, (hud.x + 20, hud.y + 18 + 2 * 23)  # the third row from below
-    w.move(*place)
-    yield
-    w.click(*place)
-    yield
-    yield
+    yield from w.click_at(*place)
     assert w.region("HUD").height > folded + 20 and (PANELS or last_operator().show_sides)
     yield from w.picture("sides-unfolded")
 
@@ -161,18 +145,11 @@ def refusal_and_correction(w):
     if PANELS:  # a script cannot open them
         hud = w.region("HUD")
         place = hud.x + 20, hud.y + 20
-        w.move(*place)
-        yield
-        w.click(*place)
-        yield
-        yield
+        yield from w.click_at(*place)
         yield from w.picture("blender-refusal-unfolded")
     hud = w.region("HUD")
     place = hud.x + 200, hud.y + 18 + (26 if PANELS else 23) * 5  # Method, the sixth row from below
-    w.move(*place)
-    yield
-    w.click(*place)
-    yield
+    yield from w.click_at(*place)
     w.press("A")  # Auto
     yield
     yield

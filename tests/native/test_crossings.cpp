@@ -2,19 +2,12 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/report/crossings.h"
 
 using namespace tripatch;
 
 namespace {
-
-using Triangles = std::vector<std::array<Index, 3>>;
-
-Faces faces_of(const Triangles& triangles) {
-  Faces faces;
-  for (const auto& t : triangles) faces.add(t);
-  return faces;
-}
 
 std::vector<Crossing> all_crossings(const Points& points, const Triangles& triangles) {
   return find_crossings(points, Points(0, 3), faces_of(triangles), 1000000);

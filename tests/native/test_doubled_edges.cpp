@@ -3,20 +3,13 @@
 
 #include "tripatch/fill.h"
 #include "tripatch/hole/hole.h"
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/types.h"
 
 using namespace tripatch;
 
 namespace {
-
-using Triangles = std::vector<std::array<Index, 3>>;
-
-Faces faces_of(const Triangles& triangles) {
-  Faces faces;
-  for (const auto& t : triangles) faces.add(t);
-  return faces;
-}
 
 /// The largest number of faces at an edge, each counted with its direction.
 int most_at_edge(const Faces& mesh, const Faces& fill) {

@@ -4,13 +4,12 @@
 #include <functional>
 #include <random>
 
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/spline/layout.h"
 
 using namespace tripatch;
 
 namespace {
-
-using Triangles = std::vector<std::array<Index, 3>>;
 
 struct Surface {
   Points points;

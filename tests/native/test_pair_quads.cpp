@@ -4,13 +4,12 @@
 #include <map>
 #include <random>
 
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/output/pair_quads.h"
 
 using namespace tripatch;
 
 namespace {
-
-using Triangles = std::vector<std::array<Index, 3>>;
 
 Points square_grid(int n) {
   Points x((n + 1) * (n + 1), 3);

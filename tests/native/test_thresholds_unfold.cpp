@@ -42,9 +42,7 @@ TEST_CASE("up to four folded edges, and three in a hundred of all, are mended", 
       }
     for (Index k = 0; k < pushed; ++k)  // over a neighbor
       x(row[(2 + 4 * (k / 4)) * (n + 1) + 2 + 4 * (k % 4)], 0) += 1.2;
-    Faces faces;
-    for (const std::array<Index, 3>& t : triangles) faces.add(t);
-    folded = count_folded_edges(x, Points(0, 3), faces);
+    folded = count_folded_edges(x, Points(0, 3), faces_of(triangles));
     return unfold(x, triangles, border, 0);
   };
   Index folded = 0;

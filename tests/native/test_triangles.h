@@ -3,11 +3,9 @@
 
 #include <algorithm>
 
-#include "tripatch/types.h"
+#include "tripatch/mesh/triangles.h"
 
 namespace tripatch::testing {
-
-using Triangles = std::vector<std::array<Index, 3>>;
 
 inline bool has_edge(const Triangles& triangles, Index a, Index b) {
   return std::any_of(triangles.begin(), triangles.end(), [=](const std::array<Index, 3>& t) {

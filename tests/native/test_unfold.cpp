@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/unfold.h"
 
@@ -31,11 +32,7 @@ struct Sheet {
         triangles.push_back({row[a], row[b + 1], row[a + 1]});
       }
   }
-  Index folds() const {
-    Faces faces;
-    for (const std::array<Index, 3>& t : triangles) faces.add(t);
-    return count_folded_edges(points, Points(0, 3), faces);
-  }
+  Index folds() const { return count_folded_edges(points, Points(0, 3), faces_of(triangles)); }
 };
 
 }  // namespace
@@ -91,8 +88,7 @@ TEST_CASE("a vertex that was pushed over the rim is put back: its triangle was f
                           .cross(Vec3(sheet.points.row(sheet.row[1]) - sheet.points.row(sheet.row[0])));
   sheet.points.row(pushed) << 4, -0.4, 0;
   const std::vector<FaceBeyond> faces = {{left, right, beyond}, {right, last, beyond}};
-  Faces triangles;
-  for (const std::array<Index, 3>& t : sheet.triangles) triangles.add(t);
+  const Faces triangles = faces_of(sheet.triangles);
   REQUIRE(count_folded_edges(sheet.points, Points(0, 3), triangles, faces) > sheet.folds());
   CHECK(unfold(sheet.points, sheet.triangles, sheet.border, 0, faces) == 0);
   CHECK(count_folded_edges(sheet.points, Points(0, 3), triangles, faces) == 0);
@@ -110,7 +106,5 @@ TEST_CASE("an ear at the rim that folds back over the face beyond is flipped awa
   CHECK(triangles == folded);
   CHECK(flip_folded(points, triangles, {}, 0, beyond) == 0);
   REQUIRE(triangles.size() == 2);
-  Faces faces;
-  for (const std::array<Index, 3>& t : triangles) faces.add(t);
-  CHECK(count_folded_edges(points, Points(0, 3), faces, beyond) == 0);
+  CHECK(count_folded_edges(points, Points(0, 3), faces_of(triangles), beyond) == 0);
 }

@@ -15,6 +15,7 @@
 #include "tripatch/math/beginning.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/output/polygon_cover.h"
@@ -22,7 +23,6 @@
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/follow.h"
 #include "tripatch/polygon/round.h"
-#include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -112,11 +112,7 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
   cover.uv.topRows(r) = rim_uv;
   cover.rim = r;
   for (Index k = 0; k < r; ++k) cover.rim_rows.push_back(k);
-  Faces faces;
-  if (paired)
-    faces = pair_quads(made.points, made.triangles);
-  else
-    for (const std::array<Index, 3>& t : made.triangles) faces.add(t);
+  const Faces faces = paired ? pair_quads(made.points, made.triangles) : faces_of(made.triangles);
   for (Index f = 0; f < faces.size(); ++f) {
     std::vector<Index> face;
     for (Index v : faces[f]) face.push_back(v < r ? walk.row[v] : v);
@@ -240,11 +236,9 @@ bool complete(const Mesh& mesh, const Connectivity& around, double surroundings_
   Report& report = result.fill.report;
   report.method = polygon_method;
   report.surroundings_error = surroundings_error;
-  report.triangles_folded =
-      count_folded_edges(mesh.vertices, result.fill.vertices, result.fill.faces, faces_beyond(mesh, around, {result.fill.rim}));
-  report.crosses_itself = !find_crossings(mesh.vertices, result.fill.vertices, result.fill.faces, 1).empty();
+  measure_faces(mesh, result.fill.vertices, result.fill.faces, faces_beyond(mesh, around, {result.fill.rim}), report);
   tell_folds(report);
-  return faired.gave_up || report.folds > 0 || harm(report) > std::pair(false, Index{0});
+  return faired.gave_up || report.folds > 0 || !is_harmless(report);
 }
 
 /// Root mean square distance of some of the points from a surface over a plane, by Gauss-Newton from the places of other points of it.
@@ -283,7 +277,7 @@ bool misses_known_planes(const Fill& patch, const Fill& spline, double degrees, 
 
 bool excluded_by(const Fill& patch, const Fill& spline, double diameter) {
   if (!spline.patch || spline.deviation.size() == 0 || patch.vertices.rows() == 0) return false;
-  if (harm(spline.report) > std::pair(false, Index{0})) return false;
+  if (!is_harmless(spline.report)) return false;
   if (misses_known_planes(patch, spline, misses_planes, known_better)) return false;
   const double said = spline.deviation.norm() / std::sqrt(static_cast<double>(spline.deviation.size()));
   const double apart = distance_from(*spline.patch, spline.vertices, spline.uv, patch.vertices);

@@ -14,7 +14,6 @@
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/patch/moved_surface.h"
-#include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/creased_fill.h"
 #include "tripatch/spline/disc.h"
@@ -148,8 +147,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   report.continuity = std::vector<std::string>(made.surface ? 1 : 0, "G1");  // its surroundings are samples of the surface
   report.surroundings_error = made.surroundings_error;
   report.rim_folded = made.rim_folds;
-  report.triangles_folded = count_folded_edges(mesh.vertices, fill.vertices, fill.faces, faces_beyond(mesh, around, loops));
-  report.crosses_itself = !find_crossings(mesh.vertices, fill.vertices, fill.faces, 1).empty();
+  measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops), report);
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   if (!made.plainer.empty()) report.warnings.push_back(made.plainer);
   return fill;

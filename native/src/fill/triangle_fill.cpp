@@ -14,7 +14,6 @@
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
-#include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -143,9 +142,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
 
   Report& report = fill.report;
   measure_seam(*fill.patch, surroundings.sides, report);
-  report.triangles_folded =
-      count_folded_edges(mesh.vertices, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}));
-  report.crosses_itself = !find_crossings(mesh.vertices, fill.vertices, fill.faces, 1).empty();
+  measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}), report);
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
   complete_report(hole, options, {made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end()}, report);

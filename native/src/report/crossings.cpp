@@ -176,10 +176,8 @@ std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef&
   return TriangleTree(triangles).crossings(most);
 }
 
-bool crosses_itself(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles) {
-  Faces faces;
-  for (const std::array<Index, 3>& t : triangles) faces.add(t);
-  return !find_crossings(points, Points(0, 3), faces, 1).empty();
+bool crosses_itself(const PointsRef& points, const Triangles& triangles) {
+  return !find_crossings(points, Points(0, 3), faces_of(triangles), 1).empty();
 }
 
 }  // namespace tripatch

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/report/crossings.h"
 
 namespace tripatch {
 namespace {
@@ -39,6 +40,12 @@ void tell_folds(Report& report) {
   if (report.folds > 0)
     report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) +
                               (report.folds == 1 ? " place" : " places"));
+}
+
+void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
+                   Report& report) {
+  report.triangles_folded = count_folded_edges(mesh.vertices, added, faces, beyond);
+  report.crosses_itself = !find_crossings(mesh.vertices, added, faces, 1).empty();
 }
 
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples) {

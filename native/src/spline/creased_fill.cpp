@@ -9,6 +9,7 @@
 
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/crease_curve.h"
@@ -506,9 +507,7 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
   Points points(static_cast<Index>(rim.size()) + fill.vertices.rows(), 3);
   for (std::size_t k = 0; k < rim.size(); ++k) points.row(static_cast<Index>(k)) = mesh.vertices.row(rim[k]);
   points.bottomRows(fill.vertices.rows()) = fill.vertices;
-  Faces triangles;
-  for (const std::array<Index, 3>& t : fill.triangles) triangles.add(t);
-  fill.folds = count_folded_edges(points, Points(0, 3), triangles, faces_beyond_rows(mesh, around, {rim}));
+  fill.folds = count_folded_edges(points, Points(0, 3), faces_of(fill.triangles), faces_beyond_rows(mesh, around, {rim}));
   fill.rim_folds = folds_of_rim(mesh, around, {rim});
   if (fill.folds > fill.rim_folds || crosses_itself(points, fill.triangles)) return {};
   return fill;

@@ -9,6 +9,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
@@ -23,8 +24,6 @@
 
 namespace tripatch {
 namespace {
-
-using Triangles = std::vector<std::array<Index, 3>>;
 
 /// Surroundings as far as this share of the hole's diameter: with 0.5 the fills of scanned and modelled meshes are no nearer, and cost
 /// more.
@@ -114,9 +113,7 @@ double area_of(const Points& p, const Triangles& triangles) {
 }
 
 Index folded_edges(const Points& p, const Triangles& triangles, std::span<const FaceBeyond> beyond) {
-  Faces faces;
-  for (const std::array<Index, 3>& t : triangles) faces.add(t);
-  return count_folded_edges(p, Points(0, 3), faces, beyond);
+  return count_folded_edges(p, Points(0, 3), faces_of(triangles), beyond);
 }
 
 Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {

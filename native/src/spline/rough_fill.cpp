@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/ties.h"
@@ -48,7 +49,13 @@ public:
   Filler(const PointsRef& points, std::vector<std::array<Index, 2>> joined, std::vector<std::array<Index, 2>> bridges)
       : points_(points), joined_(std::move(joined)), bridges_(std::move(bridges)), place_(points.rows(), -1) {}
 
-  void avoid(Index a, Index b) { avoided_.push_back(ordered(a, b)); }
+  /// No chord of these any more.
+  void avoid(const std::vector<Crossing>& crossings) {
+    for (const Crossing& each : crossings) {
+      avoided_.push_back(ordered(each.edge[0], each.edge[1]));
+      for (int k = 0; k < 3; ++k) avoided_.push_back(ordered(each.triangle[k], each.triangle[(k + 1) % 3]));
+    }
+  }
   void by_area() {
     by_area_ = true;
     avoided_.clear();
@@ -401,43 +408,53 @@ std::vector<FaceBeyond> beyond_of(const Polygon& polygon) {
   return beyond;
 }
 
-/// Of tries, each without the chords that cross something in those before, the first that does not cross itself, or the first of the least
-/// area where that folds less and the other more than what crosses; the first of all where every one crosses itself, or folds more often
-/// than that folds and crosses: triangles that lie on the back of a band of the mesh do not cross, but cover it.
+/// What a filler makes, and where that goes through itself.
+struct Try {
+  Triangles triangles;
+  std::vector<Crossing> crossings;
+};
+
+Try tried(const PointsRef& points, const Polygon& polygon, Filler& filler) {
+  Try result;
+  filler.fill(polygon, result.triangles);
+  result.crossings = find_crossings(points, Points(0, 3), faces_of(result.triangles), most_crossings);
+  return result;
+}
+
+/// The first of some tries that does not cross itself, each without the chords that cross something in those before.
+std::optional<Try> next_without_crossings(const PointsRef& points, const Polygon& polygon, int rounds, Filler& filler) {
+  for (int round = 0; round < rounds; ++round) {
+    Try made = tried(points, polygon, filler);
+    if (made.crossings.empty()) return made;
+    filler.avoid(made.crossings);
+  }
+  return {};
+}
+
+/// The triangulation of the least worst angle that does not cross itself, or that of the least area where that folds less and the other
+/// more than what crosses; what crosses where every one that is tried does, or folds more often than that folds and crosses: triangles
+/// that lie on the back of a band of the mesh do not cross, but cover it.
 RoughFill without_crossings(const PointsRef& points, const Polygon& polygon, Filler filler) {
-  std::vector<std::array<Index, 3>> first, best;
   if (polygon.size() > largest_tried) {
-    filler.fill(polygon, first);
-    return {std::move(first), {}};
+    RoughFill untried;
+    filler.fill(polygon, untried.triangles);
+    return untried;
   }
-  Index folds_of_first = 0, crossings_of_first = 0, least = std::numeric_limits<Index>::max();
-  for (int round = 0; round < angle_rounds + area_rounds; ++round) {
-    if (round == angle_rounds) filler.by_area();
-    std::vector<std::array<Index, 3>> made;
-    filler.fill(polygon, made);
-    Faces faces;
-    for (const std::array<Index, 3>& t : made) faces.add(t);
-    const std::vector<Crossing> found = find_crossings(points, Points(0, 3), faces, most_crossings);
-    if (round == 0 && found.empty()) return {std::move(made), {}};
-    const Index folds = count_folded_edges(points, Points(0, 3), faces, beyond_of(polygon));
-    if (round == 0) {
-      folds_of_first = folds;
-      crossings_of_first = static_cast<Index>(found.size());
-      first = made;
-    }
-    if (found.empty()) {
-      if (folds < least) least = folds, best = std::move(made);
-      if (least <= folds_of_first || round >= angle_rounds) break;
-      round = angle_rounds - 1;
-      continue;
-    }
-    for (const Crossing& crossing : found) {
-      filler.avoid(crossing.edge[0], crossing.edge[1]);
-      for (int k = 0; k < 3; ++k) filler.avoid(crossing.triangle[k], crossing.triangle[(k + 1) % 3]);
-    }
+  Try first = tried(points, polygon, filler);
+  if (first.crossings.empty()) return {std::move(first.triangles), {}};
+  const auto folds = [&](const Try& each) {
+    return count_folded_edges(points, Points(0, 3), faces_of(each.triangles), beyond_of(polygon));
+  };
+  filler.avoid(first.crossings);
+  std::optional<Try> best = next_without_crossings(points, polygon, angle_rounds - 1, filler);
+  if (!best || folds(*best) > folds(first)) {
+    filler.by_area();
+    std::optional<Try> least_area = next_without_crossings(points, polygon, area_rounds, filler);
+    if (least_area && (!best || folds(*least_area) < folds(*best))) best = std::move(least_area);
   }
-  if (best.empty() || least > folds_of_first + crossings_of_first) return {std::move(first), {}};
-  return {std::move(best), std::move(first)};
+  const Index worth = folds(first) + static_cast<Index>(first.crossings.size());
+  if (!best || folds(*best) > worth) return {std::move(first.triangles), {}};
+  return {std::move(best->triangles), std::move(first.triangles)};
 }
 
 }  // namespace

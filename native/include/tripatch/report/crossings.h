@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "tripatch/types.h"
+#include "tripatch/mesh/triangles.h"
 
 namespace tripatch {
 
@@ -23,6 +23,6 @@ struct Crossing {
 std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::size_t most);
 
 /// Whether there are any. points: all that the triangles use.
-bool crosses_itself(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles);
+bool crosses_itself(const PointsRef& points, const Triangles& triangles);
 
 }  // namespace tripatch

@@ -10,6 +10,7 @@
 
 #include "tripatch/boundary/side.h"
 #include "tripatch/patch/surface.h"
+#include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
 
@@ -51,11 +52,15 @@ struct Report {
 
 /// What speaks against a fill where there is another: that it crosses itself, then its folded edges.
 inline std::pair<bool, Index> harm(const Report& report) { return {report.crosses_itself, report.triangles_folded}; }
+inline bool is_harmless(const Report& report) { return harm(report) == std::pair(false, Index{0}); }
 
 /// Takes the corners, places in the rim, and tells where the tangent planes of the two sides that meet there differ by a degree or more;
 /// mismatch_deg: by corner, or none.
 void report_corners(const std::vector<Index>& rim, std::span<const Index> corners, const std::vector<double>& mismatch_deg,
                     Report& report);
+/// What speaks against the faces that are delivered: vertices beyond those of the mesh are rows of `added`.
+void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
+                   Report& report);
 /// Tells of a patch that folds.
 void tell_folds(Report& report);
 

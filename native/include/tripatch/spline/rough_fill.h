@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "tripatch/types.h"
+#include "tripatch/mesh/triangles.h"
 
 namespace tripatch {
 
@@ -17,9 +17,9 @@ struct RimSurroundings {
 };
 
 struct RoughFill {
-  std::vector<std::array<Index, 3>> triangles;  ///< rows of the points; they traverse the rim forwards; r - 2 + 2 per island
+  Triangles triangles;  ///< rows of the points; they traverse the rim forwards; r - 2 + 2 per island
   /// Where the triangles with the least worst angle cross themselves: those.
-  std::vector<std::array<Index, 3>> crossing;
+  Triangles crossing;
   bool doubles_edges = false;  ///< an edge of the fill is one that the mesh has already: there was no way around it
 };
 
