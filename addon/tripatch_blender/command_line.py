@@ -19,8 +19,8 @@ from .properties import OPTIONS
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 
 _EPILOG = """\
-Exit status: 0 all filled; 3 some were refused or fold more than their rims do, OUT is written; 1 nothing filled, OUT is not
-written; 2 bad usage."""
+Exit status: 0 all filled; 3 some were refused, fold more than their rims do or cross themselves, OUT is written; 1 nothing
+filled, OUT is not written; 2 bad usage."""
 
 #: The options of the library's table; the modifier and the mesh say the others.
 _OPTIONS = {name: option for name, option in OPTIONS.items() if name not in ("subdivision", "level", "replaced")}

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import tripatch
 from test_cli import sphere_hole, square, write_obj
+from test_crossings import trefoil
 from tripatch import __main__ as cli
 from tripatch import files
 from tripatch.batch import creases, inputs, job, journal, keeper, pictures, record
@@ -96,7 +97,7 @@ FILE = (
 HOLE = (
     "schema line tripatch options input object hole vertex edges diameter status reason where new_vertices new_faces crease_max "
     "method method_reason corners continuity fairing seam_angle_max seam_angle_rms surroundings_error deviation_max "
-    "cage_deviation_max surroundings_moved_max folds triangles_folded warnings"
+    "cage_deviation_max surroundings_moved_max folds triangles_folded crosses_itself warnings"
 ).split()
 
 
@@ -115,6 +116,16 @@ def test_every_line_has_every_name(tmp_path, capsys):
     assert (some["status"], some["filled"], some["refused"], some["left"]) == ("partly", 1, 1, 2)
     documented = (Path(__file__).resolve().parents[2] / "docs" / "batch.md").read_text()
     assert all(f"`{name}`" in documented for name in (*FILE, *HOLE))
+
+
+def test_a_file_whose_fill_crosses_itself_is_filled_partly(tmp_path, capsys):
+    source = tmp_path / "in"
+    source.mkdir()
+    write_obj(source / "knot.obj", trefoil(25)[:2])
+    assert run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0)[0] == 3
+    (hole,) = (line for line in lines(tmp_path / "out") if line["line"] == "hole" and line["status"] == "filled")
+    assert hole["crosses_itself"]
+    assert heads(tmp_path / "out")["knot.obj"]["status"] == "partly"
 
 
 def test_filters_and_reasons_of_a_dry_run(tmp_path, capsys):

@@ -56,6 +56,7 @@ _REPORTED = {
     "surroundings_moved_max": None,
     "folds": None,
     "triangles_folded": None,
+    "crosses_itself": None,
     "warnings": None,
 }
 _OF_CAGES = ("cage_deviation_max", "surroundings_moved_max")
@@ -135,7 +136,8 @@ def outcome(holes: list[dict[str, Any]]) -> dict[str, Any]:
     count = {status: sum(hole["status"] == status for hole in holes) for status in (FILLED, REFUSED, LEFT, LISTED)}
     folded = sum((hole["triangles_folded"] or 0) > 0 for hole in holes)
     if count[FILLED]:
-        status = PARTLY if count[REFUSED] or folded else FILLED
+        crossing = any(hole["crosses_itself"] for hole in holes)
+        status = PARTLY if count[REFUSED] or folded or crossing else FILLED
     else:
         status = LISTED if count[LISTED] else REFUSED if count[REFUSED] else NOTHING
     values = {"status": status, "holes": len(holes), "folded": folded, "left": count[LEFT]}
