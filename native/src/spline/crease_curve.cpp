@@ -1,10 +1,10 @@
 #include "tripatch/spline/crease_curve.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "tripatch/math/decompositions.h"
 
 namespace tripatch {
 namespace {
@@ -47,17 +47,13 @@ MatrixXd powers(int order, const VectorXd& t) {
 
 /// The curve_kernel among samples seen through the combinations of them in which polynomials cancel.
 struct CurveContrasts {
-  CurveContrasts(int order, const VectorXd& t) : n(t.size()), q(order), among(curve_kernels(order, t, t)), qr(powers(order, t)) {
-    const MatrixXd full = qr.householderQ() * MatrixXd::Identity(n, n);
-    first = full.leftCols(q);
-    rest = full.rightCols(n - q);
-    eigen.compute(rest.transpose() * among * rest);
-  }
-  Index n;
-  int q;
-  MatrixXd among, first, rest;
-  Eigen::HouseholderQR<MatrixXd> qr;
-  Eigen::SelfAdjointEigenSolver<MatrixXd> eigen;
+  CurveContrasts(int order, const VectorXd& t)
+      : among(curve_kernels(order, t, t)),
+        polynomials(orthonormal_columns(powers(order, t), true)),
+        eigen(symmetric_eigen(polynomials.rest.transpose() * among * polynomials.rest)) {}
+  MatrixXd among;
+  OrthonormalColumns polynomials;
+  SymmetricEigen eigen;
 };
 
 }  // namespace
@@ -90,8 +86,8 @@ void CreaseCurve::choose(double unit) {
   for (int order = lowest_curve_order; order <= highest_curve_order; ++order) {
     if (order > lowest_curve_order && 2 * order > n) break;
     const CurveContrasts contrasts(order, t_);
-    const VectorXd values = contrasts.eigen.eigenvalues();
-    const MatrixXd z = contrasts.eigen.eigenvectors().transpose() * (contrasts.rest.transpose() * (samples_ / unit));
+    const VectorXd& values = contrasts.eigen.values;
+    const MatrixXd z = contrasts.eigen.vectors.transpose() * (contrasts.polynomials.rest.transpose() * (samples_ / unit));
     const double scale = std::max(values.mean(), 1e-300), count = static_cast<double>(values.size());
     for (double decade = least_curve_nugget; decade <= most_curve_nugget; decade += curve_nugget_step) {
       const double nugget = std::pow(10.0, decade) * scale;
@@ -117,16 +113,14 @@ MatrixXd CreaseCurve::weights(const VectorXd& shares, VectorXd* variance) const 
   const MatrixXd polynomials = powers(order_, t);
   const MatrixXd at_points = curve_kernels(order_, t_, t);
   // the polynomial through the samples that is nearest, and what the contrasts add to it
-  const MatrixXd nearest = contrasts.first * contrasts.qr.matrixQR()
-                                                 .topLeftCorner(order_, order_)
-                                                 .triangularView<Eigen::Upper>()
-                                                 .transpose()
-                                                 .solve(polynomials.transpose());
+  const MatrixXd &rest = contrasts.polynomials.rest, &vectors = contrasts.eigen.vectors;
+  const MatrixXd nearest =
+      contrasts.polynomials.basis *
+      contrasts.polynomials.triangle.triangularView<Eigen::Upper>().transpose().solve(polynomials.transpose());
   const MatrixXd left = at_points - contrasts.among * nearest - nugget_ * nearest;
-  const MatrixXd& vectors = contrasts.eigen.eigenvectors();
-  const VectorXd pivots = contrasts.eigen.eigenvalues().array() + nugget_;
-  const MatrixXd w = nearest + contrasts.rest * (vectors * pivots.cwiseInverse().asDiagonal() *
-                                                 (vectors.transpose() * (contrasts.rest.transpose() * left)));
+  const VectorXd pivots = contrasts.eigen.values.array() + nugget_;
+  const MatrixXd w =
+      nearest + rest * (vectors * pivots.cwiseInverse().asDiagonal() * (vectors.transpose() * (rest.transpose() * left)));
   if (variance) {
     const MatrixXd covered = contrasts.among * w + nugget_ * w - 2 * at_points;
     *variance = w.cwiseProduct(covered).colwise().sum().transpose().cwiseMax(0);

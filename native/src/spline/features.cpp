@@ -8,6 +8,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/decompositions.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
@@ -304,7 +305,7 @@ private:
     const double larger = std::max(std::abs(a.angle), std::abs(b.angle)),
                  smaller = std::min(std::abs(a.angle), std::abs(b.angle));
     if (a.angle * b.angle < 0 || clearly_more(larger, same_angle * smaller)) return none;
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(a.into, -b.into);
+    const Eigen::Matrix3d turn = rotation_between(a.into, -b.into);
     const double left = angle_between(turn * a.left, b.right), right = angle_between(turn * a.right, b.left);
     if (!(clearly_less(left, same_face) && clearly_less(right, same_face))) return none;
     return from_a + from_b + left + right;

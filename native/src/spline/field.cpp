@@ -1,11 +1,11 @@
 #include "tripatch/spline/field.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/triangular.h"
 
@@ -77,9 +77,9 @@ MatrixXd symmetric_times(const MatrixXd& a, const MatrixXd& b) {
 struct Contrasts {
   Contrasts(const PlanePoints& c, const MatrixXd& squared, double order)
       : q(free_polynomials(order)), inner(polyharmonic_kernel(order, squared)) {
-    const Eigen::HouseholderQR<MatrixXd> qr(monomials(c, order));
-    basis = qr.householderQ() * MatrixXd::Identity(c.rows(), q);
-    triangle = qr.matrixQR().topLeftCorner(q, q).triangularView<Eigen::Upper>();
+    OrthonormalColumns polynomials = orthonormal_columns(monomials(c, order), false);
+    basis = std::move(polynomials.basis);
+    triangle = std::move(polynomials.triangle);
     along = symmetric_times(inner, basis);
     MatrixXd turned = along;
     const MatrixXd within = basis.transpose() * turned;

@@ -1,0 +1,26 @@
+// Decompositions of dense matrices that their users keep. As in linear.h, Eigen's templates are compiled here once.
+#pragma once
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// a = basis triangle for a (m, n), m >= n, of full rank: the columns of basis (m, n) are orthonormal, triangle (n, n) is upper
+/// triangular. The columns of rest (m, m - n), orthonormal too, are at right angles to them.
+struct OrthonormalColumns {
+  Eigen::MatrixXd basis, triangle, rest;
+};
+/// with_rest: else that stays empty.
+OrthonormalColumns orthonormal_columns(const Eigen::MatrixXd& a, bool with_rest);
+
+/// a = vectors values vectors' for a symmetric a (n, n): values in rising order, columns of vectors orthonormal.
+struct SymmetricEigen {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
+
+/// The rotation by the least angle that takes the direction of a to that of b; of opposite directions one of half a turn.
+Eigen::Matrix3d rotation_between(const Vec3& a, const Vec3& b);
+
+}  // namespace tripatch
