@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tripatch/fairing/energy.h"
+#include "tripatch/math/decompositions.h"
 #include "tripatch/math/interruption.h"
 
 namespace tripatch {
@@ -47,7 +48,7 @@ Weights derivative_weights(const std::vector<std::array<double, 2>>& samples, co
   for (Index k = 0; k < n; ++k) fill(values, k, samples[k], {0, 0});
   for (std::size_t p = 0; p < places.size(); ++p)
     for (std::size_t d = 0; d < 9; ++d) fill(wanted, static_cast<Index>(9 * p + d), places[p], orders[d]);
-  return wanted * values.inverse();
+  return wanted * SquareSystem(values).inverse();
 }
 
 Weights quad_weights() {

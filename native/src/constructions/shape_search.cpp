@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "tripatch/math/decompositions.h"
+
 namespace tripatch {
 namespace {
 
@@ -104,10 +106,9 @@ Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eige
     hessian(i, i) = 1;
   }
   if (gradient.norm() <= flat * f.squaredNorm()) return Vector3::Zero();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(hessian);
-  const Vector3 curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(least_curvature * eigen.eigenvalues().cwiseAbs().maxCoeff());
-  Vector3 direction =
-      -(eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * gradient);
+  const PrincipalAxes axes = principal_axes(hessian);
+  const Vector3 curvature = axes.values.cwiseAbs().cwiseMax(least_curvature * axes.values.cwiseAbs().maxCoeff());
+  Vector3 direction = -(axes.vectors * curvature.cwiseInverse().asDiagonal() * axes.vectors.transpose() * gradient);
   if (direction.norm() > longest) direction *= longest / direction.norm();
   return direction;
 }

@@ -10,6 +10,7 @@
 #include "tripatch/estimate/circle.h"
 #include "tripatch/estimate/stencils.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/decompositions.h"
 
 namespace tripatch {
 namespace {
@@ -158,7 +159,7 @@ MeridianReading read_by(const Conic& conic, const std::vector<OnMeridian>& point
     off[k] = conic.at(points[k].place);
     if (k >= 2) out.left = std::max(out.left, std::abs(off[k]));
   }
-  const Eigen::MatrixXd inverse = powers.partialPivLu().inverse();
+  const Eigen::MatrixXd inverse = SquareSystem(powers).inverse();
   const Eigen::VectorXd x = inverse * off;
   const double sine = x[0] / reach, cosine = std::sqrt(1 - sine * sine);
   if (!(std::abs(sine) < 1)) return out;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tripatch/estimate/circle.h"
+#include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
 
 namespace tripatch {
@@ -57,9 +58,9 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : points) middle += p / static_cast<double>(n);
   for (const Vec3& p : points) spread += (p - middle) * (p - middle).transpose() / static_cast<double>(n);
-  const double off_plane = std::sqrt(std::max(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues()[0], 0.0));
+  const double off_plane = std::sqrt(std::max(principal_axes(spread).values[0], 0.0));
   Cylinder c;
-  c.axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(turns).eigenvectors().col(0);
+  c.axis = principal_axes(turns).vectors.col(0);
   Vec3 u = c.axis.unitOrthogonal(), v = c.axis.cross(u);
   const Circle circle = circle_along(points, middle, u, v);
   c.point = circle.center;

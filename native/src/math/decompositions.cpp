@@ -20,6 +20,17 @@ SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a) {
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
+PrincipalAxes principal_axes(const Eigen::Matrix3d& a) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(a);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+SquareSystem::SquareSystem(const Eigen::MatrixXd& a) : factors_(a) {}
+
+Eigen::MatrixXd SquareSystem::solve(const Eigen::MatrixXd& b) const { return factors_.solve(b); }
+
+Eigen::MatrixXd SquareSystem::inverse() const { return factors_.inverse(); }
+
 Eigen::Matrix3d rotation_between(const Vec3& a, const Vec3& b) {
   const Vec3 across = a.cross(b);
   const double sine = across.norm();

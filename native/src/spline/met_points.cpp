@@ -1,10 +1,10 @@
 #include "tripatch/spline/met_points.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
 
 namespace tripatch {
@@ -160,14 +160,14 @@ MetPoints::MetPoints(const Surface& surface, const PlanePoints& rim, const Plane
     for (Index i = 0; i < held_; ++i) rows.push_back(values_.rows() + axis * slopes_.rows() + n + i);
   MatrixXd right = MatrixXd::Zero(count(), met_ + 2 * held_);
   right(rows, Eigen::all).setIdentity();
-  const Eigen::PartialPivLU<MatrixXd> solver(all);
-  cardinal_ = solver.solve(right);
+  const SquareSystem system(all);
+  cardinal_ = system.solve(right);
   // what rounding leaves of the identity, once more
   const MatrixXd made = all(rows, Eigen::all) * cardinal_;
-  cardinal_ = (cardinal_ * Eigen::PartialPivLU<MatrixXd>(made).inverse()).eval();
+  cardinal_ = (cardinal_ * SquareSystem(made).inverse()).eval();
   if (!cardinal_.allFinite()) throw Refusal("The points inside cannot all be met", {});
   coefficients_ = cardinal_ * wanted;
-  if (planes.rows() == rim.rows()) coefficients_ += solver.solve(leaning(surface, kept, planes(of_rim, Eigen::all)));
+  if (planes.rows() == rim.rows()) coefficients_ += system.solve(leaning(surface, kept, planes(of_rim, Eigen::all)));
 }
 
 /// What the surface's derivatives along the rim lack to be at right angles to normals there.
@@ -264,7 +264,7 @@ void MetPoints::evaluate(const double* b, Index n, int order, double* out) const
 VectorXd MetPoints::deviation_left(const PlanePoints& points, const VectorXd& at_points, const VectorXd& at_places) const {
   const MatrixXd share = basis(normalised(points)) * cardinal_.leftCols(met_);
   // covariances at the places given the samples, up to a factor: the inverse of their block of the inverse
-  const MatrixXd covariance = Eigen::PartialPivLU<MatrixXd>(cardinal_.block(values_.rows() - met_, 0, met_, met_)).inverse();
+  const MatrixXd covariance = SquareSystem(cardinal_.block(values_.rows() - met_, 0, met_, met_)).inverse();
   const VectorXd scale = at_places.cwiseQuotient(covariance.diagonal().cwiseAbs().cwiseSqrt());
   const MatrixXd known = scale.asDiagonal() * covariance * scale.asDiagonal();
   const VectorXd told = (share * known).cwiseProduct(share).rowwise().sum();

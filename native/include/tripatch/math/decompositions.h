@@ -1,6 +1,8 @@
 // Decompositions of dense matrices that their users keep. As in linear.h, Eigen's templates are compiled here once.
 #pragma once
 
+#include <Eigen/LU>
+
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -19,6 +21,24 @@ struct SymmetricEigen {
   Eigen::MatrixXd vectors;
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
+
+/// The same of a (3, 3).
+struct PrincipalAxes {
+  Vec3 values;
+  Eigen::Matrix3d vectors;
+};
+PrincipalAxes principal_axes(const Eigen::Matrix3d& a);
+
+/// a x = b for a regular a (n, n) and any number of b (n, k).
+class SquareSystem {
+public:
+  explicit SquareSystem(const Eigen::MatrixXd& a);
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
+  Eigen::MatrixXd inverse() const;
+
+private:
+  Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
+};
 
 /// The rotation by the least angle that takes the direction of a to that of b; of opposite directions one of half a turn.
 Eigen::Matrix3d rotation_between(const Vec3& a, const Vec3& b);
