@@ -1,5 +1,6 @@
 #include "tripatch/math/decompositions.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <cmath>
@@ -24,6 +25,13 @@ PrincipalAxes principal_axes(const Eigen::Matrix3d& a) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(a);
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
+
+PlaneAxes principal_axes(const Eigen::Matrix2d& a) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(a);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+Eigen::Matrix2d cholesky_root(const Eigen::Matrix2d& a) { return Eigen::LLT<Eigen::Matrix2d>(a).matrixL(); }
 
 SquareSystem::SquareSystem(const Eigen::MatrixXd& a) : factors_(a) {}
 

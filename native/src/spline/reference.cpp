@@ -1,13 +1,12 @@
 #include "tripatch/spline/reference.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
 
 namespace tripatch {
@@ -99,13 +98,13 @@ PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) co
       Eigen::Matrix2d bend;
       const Eigen::Vector3d second = jet.bottomRows<3>() * off;
       bend << second[0], second[1], second[1], second[2];
-      const Eigen::LLT<Eigen::Matrix2d> root(gram);  // to coordinates in which the surface is measured truly
-      const auto lower = root.matrixL();
+      const Eigen::Matrix2d root = cholesky_root(gram);  // to coordinates in which the surface is measured truly
+      const auto lower = root.triangularView<Eigen::Lower>();
       const Eigen::Matrix2d half = lower.solve(bend), own = lower.solve(half.transpose());
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> modes((own + own.transpose()) / 2);
-      const Eigen::Vector2d left = (1 - modes.eigenvalues().array()).abs().max(least_bend);
-      const Eigen::Vector2d slope = modes.eigenvectors().transpose() * lower.solve(tangents * off);
-      Eigen::Vector2d move = root.matrixU().solve(modes.eigenvectors() * slope.cwiseQuotient(left));
+      const PlaneAxes modes = principal_axes(Eigen::Matrix2d((own + own.transpose()) / 2));
+      const Eigen::Vector2d left = (1 - modes.values.array()).abs().max(least_bend);
+      const Eigen::Vector2d slope = modes.vectors.transpose() * lower.solve(tangents * off);
+      Eigen::Vector2d move = lower.transpose().solve(modes.vectors * slope.cwiseQuotient(left));
       if (move.norm() > longest) move *= longest / move.norm();
       points.row(k) += move.transpose();
       if (move.norm() < last_step * size_) break;

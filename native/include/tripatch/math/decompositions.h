@@ -22,12 +22,20 @@ struct SymmetricEigen {
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
 
-/// The same of a (3, 3).
+/// The same of a (3, 3), or (2, 2).
 struct PrincipalAxes {
   Vec3 values;
   Eigen::Matrix3d vectors;
 };
 PrincipalAxes principal_axes(const Eigen::Matrix3d& a);
+struct PlaneAxes {
+  Eigen::Vector2d values;
+  Eigen::Matrix2d vectors;
+};
+PlaneAxes principal_axes(const Eigen::Matrix2d& a);
+
+/// The lower triangular root with root root' = a for a symmetric, positive definite a (2, 2).
+Eigen::Matrix2d cholesky_root(const Eigen::Matrix2d& a);
 
 /// a x = b for a regular a (n, n) and any number of b (n, k).
 class SquareSystem {
