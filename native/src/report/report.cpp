@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/report/crossings.h"
 
 namespace tripatch {
@@ -34,6 +35,12 @@ void report_corners(const std::vector<Index>& rim, std::span<const Index> corner
     if (mismatch_deg[k] > corner_mismatch_warned)
       report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(mismatch_deg[k]) + " at corner " +
                                 std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
+}
+
+void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report) {
+  const auto far = [&](Index v) { return (Vec3(vertices.row(v)) - where).squaredNorm(); };
+  const Index near = *std::min_element(rim.begin(), rim.end(), [&](Index a, Index b) { return clearly_less(far(a), far(b)); });
+  report.warnings.push_back("The fill crosses itself near vertex " + std::to_string(near) + " of the rim");
 }
 
 void tell_folds(Report& report) {
