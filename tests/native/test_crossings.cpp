@@ -4,6 +4,8 @@
 
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/report/crossings.h"
+#include "tripatch/report/folded_triangles.h"
+#include "tripatch/report/one_to_one.h"
 
 using namespace tripatch;
 
@@ -28,6 +30,41 @@ bool goes_through(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t) {
   const bool first = volume(p, q, t[0], t[1]) > 0;
   return (volume(p, q, t[1], t[2]) > 0) == first && (volume(p, q, t[2], t[0]) > 0) == first;
 }
+
+/// Of triangles some of which share vertices: an edge through a triangle that has neither of its ends.
+bool any_goes_through(const Points& points, const Triangles& triangles) {
+  for (const std::array<Index, 3>& s : triangles)
+    for (const std::array<Index, 3>& t : triangles)
+      for (int k = 0; k < 3; ++k) {
+        const Index a = s[k], b = s[(k + 1) % 3];
+        if (std::count(t.begin(), t.end(), a) + std::count(t.begin(), t.end(), b) > 0) continue;
+        if (goes_through(points.row(a), points.row(b), {points.row(t[0]), points.row(t[1]), points.row(t[2])})) return true;
+      }
+  return false;
+}
+
+bool is_surely_one_to_one(const Points& points, const Triangles& triangles) {
+  const Faces faces = faces_of(triangles);
+  EdgesByVertex edges = edges_of_triangles(points.rows(), 0, faces, {});
+  return surely_one_to_one(points, Points(0, 3), faces, edges);
+}
+
+/// A band of quads, halved, round the z axis over an angle, in a plane but for what moves its vertices.
+struct Band {
+  Points points;
+  Triangles triangles;
+
+  Band(Index along, Index across, double angle, double rise) : points(along * across, 3) {
+    for (Index i = 0; i < along; ++i)
+      for (Index j = 0; j < across; ++j) {
+        const double turn = angle * static_cast<double>(i) / static_cast<double>(along - 1);
+        const double radius = 1 + 0.8 * static_cast<double>(j) / static_cast<double>(across - 1);
+        points.row(across * i + j) << radius * std::cos(turn), radius * std::sin(turn), rise * turn;
+        const Index a = across * i + j, b = a - across - 1;
+        if (i > 0 && j > 0) triangles.insert(triangles.end(), {{b, b + 1, a}, {b, a, a - 1}});
+      }
+  }
+};
 
 }  // namespace
 
@@ -117,4 +154,81 @@ TEST_CASE("a closed surface does not cross itself, nothing nor a triangle withou
       }
     }
   CHECK(all_crossings(grid, triangles).empty());
+}
+
+TEST_CASE("what lies one to one over a plane is known to, and what is said to does not cross itself") {
+  std::mt19937 random(11);
+  std::normal_distribution<double> noise;
+  std::uniform_real_distribution<double> any(0, 1);
+  int sure = 0, crossed = 0, neither = 0;
+  for (int round = 0; round < 400; ++round) {
+    // over more than a turn the band comes back over or through itself, however flat it lies
+    Band band(8 + round % 9, 3 + round % 4, (0.5 + 1.2 * any(random)) * 2 * M_PI, round % 3 == 0 ? 0 : 0.1 * noise(random));
+    const double moved = round % 2 ? 0.02 : 0.3 * any(random);
+    const bool turned = any(random) < 0.5;
+    for (Index v = 0; v < band.points.rows(); ++v)
+      band.points.row(v) += moved * Vec3(0.2 * noise(random), 0.2 * noise(random), noise(random));
+    if (turned)
+      for (std::array<Index, 3>& t : band.triangles) std::swap(t[1], t[2]);
+    std::shuffle(band.triangles.begin(), band.triangles.end(), random);
+    const Eigen::Quaterniond rotation =
+        Eigen::Quaterniond(noise(random), noise(random), noise(random), noise(random)).normalized();
+    band.points = (band.points * rotation.toRotationMatrix().transpose()).rowwise() + Vec3(3, -2, 5).transpose();
+    const bool crosses = any_goes_through(band.points, band.triangles),
+               proven = is_surely_one_to_one(band.points, band.triangles);
+    CHECK_FALSE((crosses && proven));
+    CHECK(crosses_itself(band.points, band.triangles) == crosses);
+    sure += proven;
+    crossed += crosses;
+    neither += !proven && !crosses;
+  }
+  CHECK(sure > 60);
+  CHECK(crossed > 100);
+  CHECK(neither > 20);
+}
+
+TEST_CASE("a surface over a plane is known to lie over it, wherever and however large it is; less than a turn of a band, too") {
+  for (double scale : {1e-9, 1.0, 1e9}) {
+    const Band most(60, 4, 1.9 * M_PI, 0.5), more(60, 4, 2.1 * M_PI, 0.5);
+    CHECK(is_surely_one_to_one(scale * most.points, most.triangles));
+    CHECK_FALSE(is_surely_one_to_one(scale * more.points, more.triangles));
+  }
+}
+
+TEST_CASE("nothing is known of what is no one sheet with one border") {
+  const Band band(9, 3, M_PI, 0);
+  REQUIRE(is_surely_one_to_one(band.points, band.triangles));
+  Triangles two_sheets = band.triangles;
+  two_sheets.erase(two_sheets.begin() + 16, two_sheets.begin() + 20);  // a row across
+  CHECK_FALSE(is_surely_one_to_one(band.points, two_sheets));
+  Triangles twice = band.triangles;
+  twice.push_back(twice[5]);
+  CHECK_FALSE(is_surely_one_to_one(band.points, twice));
+  Triangles turned = band.triangles;
+  std::swap(turned[5][1], turned[5][2]);
+  CHECK_FALSE(is_surely_one_to_one(band.points, turned));
+  Points closed(4, 3);
+  closed << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  CHECK_FALSE(is_surely_one_to_one(closed, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));
+  CHECK_FALSE(is_surely_one_to_one(Points(0, 3), {}));
+}
+
+TEST_CASE("a triangle is surely seen from its front down to a millionth of its edges' squares", "[thresholds]") {
+  for (double factor : {0.9, 1.1}) {
+    Points points(4, 3);  // a square but for its narrow half
+    points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0.5, 0.5, 0;
+    const double wanted = factor * surely_seen;  // area over squares, here w sqrt 2 / (2 + 1 / 2)
+    points.row(3) += wanted * 2.5 / 2 * Vec3(-1, 1, 0);
+    CHECK(is_surely_one_to_one(points, {{0, 1, 2}, {0, 2, 3}}) == (factor > 1));
+  }
+}
+
+TEST_CASE("edges of a border are surely apart from a trillionth of its size on", "[thresholds]") {
+  for (double factor : {0.5, 2.0}) {  // a square ring cut open, whose ends lie a gap apart
+    const double gap = factor * surely_apart * 9;
+    Points points(10, 3);
+    points << 0, 0, 0, 3, 0, 0, 3, 3, 0, 0, 3, 0, 0, gap, 0, 1, 1, 0, 2, 1, 0, 2, 2, 0, 1, 2, 0, 1, 1 + gap, 0;
+    const Triangles ring = {{0, 1, 6}, {0, 6, 5}, {1, 2, 7}, {1, 7, 6}, {2, 3, 8}, {2, 8, 7}, {3, 4, 9}, {3, 9, 8}};
+    CHECK(is_surely_one_to_one(points, ring) == (factor > 1));
+  }
 }

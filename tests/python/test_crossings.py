@@ -73,9 +73,50 @@ def test_a_knot_is_filled_with_crossings_and_the_report_says_so(n):
     assert len(said) == 1 and int(said[0].split("vertex ")[1].split()[0]) in rim
 
 
+@pytest.mark.parametrize("corners", [[0, 4, 8, 12], [0, 5, 10], [0, 8]])
+def test_a_cage_in_a_knot_says_that_its_limit_surface_crosses_itself(corners):
+    vertices, faces, rim = trefoil(16)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage")
+    assert fill.report.crosses_itself
+    assert crosses(*fill.limit(1))
+    said = [warning for warning in fill.report.warnings if "crosses itself" in warning]
+    assert len(said) == 1 and int(said[0].split("vertex ")[1].split()[0]) in rim
+
+
+def test_a_cage_whose_corners_were_guessed_does_not_cross_itself():
+    vertices, faces, rim = trefoil(16)
+    with pytest.raises(tripatch.Refusal, match="a cage between four of its vertices would cross itself"):
+        tripatch.fill(vertices, faces, rim=rim, output="cage")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_a_cage_says_of_crossings_is_so(seed):
+    vertices, faces, rim = jagged(seed)
+    try:
+        fill = tripatch.fill(vertices, faces, rim=rim, corners=[0, len(rim) // 3, 2 * len(rim) // 3], output="cage", resolution=0)
+    except tripatch.Refusal:
+        return
+    said = any("crosses itself" in warning for warning in fill.report.warnings)
+    assert said == fill.report.crosses_itself
+    if not said:
+        assert not crosses(*fill.limit(1))
+
+
 def test_a_fill_that_crosses_itself_is_no_success_on_the_command_line(tmp_path, capsys):
     vertices, faces, _ = trefoil(25)
     code, _, err = run(capsys, "fill", write_obj(tmp_path / "in.obj", (vertices, faces)), tmp_path / "out.obj")
+    assert code == 3
+    assert "crosses itself near vertex" in err
+    code, _, err = run(
+        capsys,
+        "fill",
+        write_obj(tmp_path / "in.obj", (vertices, faces)),
+        tmp_path / "out.obj",
+        "--output",
+        "cage",
+        "--corners",
+        "0,8,16",
+    )
     assert code == 3
     assert "crosses itself near vertex" in err
 

@@ -235,6 +235,8 @@ void CageFill::report(std::size_t h, Report& report) const {
   report.surroundings_moved_where = measures.surroundings_where;
   report.corners_moved_max = measures.corners_moved;
   report.triangles_folded = measures.triangles_folded;
+  report.crosses_itself = measures.crossing.has_value();
+  if (measures.crossing) tell_crossing(mesh_.vertices, holes_[h].rim, *measures.crossing, report);
   report.rows = rows_;
   report_seam(measures, laid_out_[h].hole, report);
   report_poles(h, report);

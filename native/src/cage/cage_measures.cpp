@@ -6,6 +6,7 @@
 #include "tripatch/cage/cage_fit.h"
 #include "tripatch/cage/limit_mesh.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -93,7 +94,10 @@ CageMeasures CageFit::measures(std::size_t h, const Surface& patch) const {
   measure_rim(h, measures);
   const LimitMesh surface =
       sample_limit(limit_, closed_.mesh(), settings_.loop, closed_.first_face[h], closed_.first_face[h + 1], folds_level);
-  measures.triangles_folded = count_folded_edges(surface.vertices, Points(0, 3), surface.faces);
+  const Points none(0, 3);
+  EdgesByVertex edges = edges_of_triangles(surface.vertices.rows(), 0, surface.faces, {});
+  measures.triangles_folded = count_folded_edges(surface.vertices, none, surface.faces, {}, edges);
+  for (const Crossing& each : find_crossings(surface.vertices, none, surface.faces, edges, 1)) measures.crossing = each.where;
   return measures;
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "tripatch/cage/cage_fill.h"
 #include "tripatch/fill/polygon_fill.h"
@@ -35,24 +37,26 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
 /// does: beside long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
 std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
                                                    const FillOptions& options, std::vector<Fill> fills) {
-  const auto folds = [](const Fill& fill) { return fill.report.folds + fill.report.triangles_folded; };
-  if (holes.size() != 1 || options.odd != Odd::split || holes[0].rim.size() % 2 == 0 || folds(fills[0]) == 0 ||
+  const auto harm_and_folds = [](const Report& r) { return std::pair(r.crosses_itself, r.folds + r.triangles_folded); };
+  const auto before = harm_and_folds(fills[0].report);
+  if (holes.size() != 1 || options.odd != Odd::split || holes[0].rim.size() % 2 == 0 || before == std::pair(false, Index{0}) ||
       !may_fold_by_splitting(ground, holes[0]))
     return fills;
   FillOptions triangle = options;
   triangle.odd = Odd::triangle;
   std::vector<Fill> others = cages_together(ground, holes, triangle);
-  if (folds(others[0]) >= folds(fills[0])) return fills;
-  others[0].report.warnings.emplace_back(
-      "The rim is odd, and with an edge of it split the fill would fold: it has a triangle instead");
+  if (harm_and_folds(others[0].report) >= before) return fills;
+  others[0].report.warnings.push_back("The rim is odd, and with an edge of it split the fill would " +
+                                      std::string(before.first ? "cross itself" : "fold") + ": it has a triangle instead");
   return others;
 }
 
-/// Corners that were guessed are a person's to choose, and no reason for a cage that folds.
+/// Corners that were guessed are a person's to choose, and no reason for a cage that folds or crosses itself.
 void tell_guessed(const SidedRim& hole, Report& report) {
   if (!hole.guessed) return;
-  if (report.folds > 0 || report.triangles_folded > 0)
-    throw Refusal("Rim has no clear corners, and a cage between four of its vertices would fold; select two to twelve corners",
+  if (report.folds > 0 || !is_harmless(report))
+    throw Refusal("Rim has no clear corners, and a cage between four of its vertices would " +
+                      std::string(report.crosses_itself ? "cross itself" : "fold") + "; select two to twelve corners",
                   at_places(hole.rim, hole.corners));
   report.method_reason = "the rim has no clear corners: the cage lies between four of its vertices";
 }
@@ -61,11 +65,11 @@ void tell_guessed(const SidedRim& hole, Report& report) {
 std::vector<Fill> without_rows_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
                                                   const FillOptions& options, std::vector<Fill> fills) {
   const Report& report = fills[0].report;
-  if (holes.size() != 1 || options.resolution || report.rows == 0 || report.triangles_folded == 0) return fills;
+  if (holes.size() != 1 || options.resolution || report.rows == 0 || is_harmless(report)) return fills;
   FillOptions plain = options;
   plain.resolution = 0;
   std::vector<Fill> others = cages_together(ground, holes, plain);
-  if (others[0].report.triangles_folded >= report.triangles_folded) return fills;
+  if (harm(others[0].report) >= harm(report)) return fills;
   others[0].report.warnings.emplace_back(crossing_rows);
   return others;
 }

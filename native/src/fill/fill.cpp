@@ -15,7 +15,6 @@
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
-#include "tripatch/math/ties.h"
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/surface.h"
@@ -137,13 +136,6 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
   return fill_as_the_rim_asks(ground, loop, corners, options);
 }
 
-/// Of a fill that crosses itself.
-Index rim_vertex_at_crossing(const Mesh& mesh, const Fill& fill) {
-  const Vec3 where = find_crossings(mesh.vertices, fill.vertices, fill.faces, 1).at(0).where;
-  const auto far = [&](Index v) { return (Vec3(mesh.vertices.row(v)) - where).squaredNorm(); };
-  return *std::min_element(fill.rim.begin(), fill.rim.end(), [&](Index a, Index b) { return clearly_less(far(a), far(b)); });
-}
-
 Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
   Fill fill = fill_as_asked(ground, rim, corners, options);
@@ -151,8 +143,8 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
   if (report.triangles_folded > 0 && report.method != spline_method)
     report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
   if (report.crosses_itself)
-    report.warnings.push_back("The fill crosses itself near vertex " + std::to_string(rim_vertex_at_crossing(ground.mesh, fill)) +
-                              " of the rim");
+    tell_crossing(ground.mesh.vertices, fill.rim, find_crossings(ground.mesh.vertices, fill.vertices, fill.faces, 1).at(0).where,
+                  report);
   return fill;
 }
 

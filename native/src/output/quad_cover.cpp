@@ -29,7 +29,7 @@ double deviation(const Cover& cover, const Surface& patch) {
 
 }  // namespace
 
-const char* const crossing_rows = "With the rows that the tolerance asks for the cage would fold: it has none";
+const char* const crossing_rows = "With the rows that the tolerance asks for the cage would fold or cross itself: it has none";
 const char* const too_few_rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand";
 
 std::size_t longest_edge(const PointsRef& rim) {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/report/folded_triangles.h"
+#include "tripatch/report/one_to_one.h"
 
 namespace tripatch {
 namespace {
@@ -160,6 +162,13 @@ private:
 }  // namespace
 
 std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::size_t most) {
+  EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), faces, {});
+  return find_crossings(vertices, added, faces, edges, most);
+}
+
+std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef& added, const Faces& faces, EdgesByVertex& edges,
+                                     std::size_t most) {
+  if (surely_one_to_one(vertices, added, faces, edges)) return {};
   const Index n = vertices.rows();
   const auto at = [&](Index v) -> Vec3 { return v < n ? vertices.row(v) : added.row(v - n); };
   std::vector<CrossingTriangle> triangles;

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/report/crossings.h"
 
 namespace tripatch {
@@ -36,6 +37,12 @@ void report_corners(const std::vector<Index>& rim, std::span<const Index> corner
                                 std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
 }
 
+void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report) {
+  const auto far = [&](Index v) { return (Vec3(vertices.row(v)) - where).squaredNorm(); };
+  const Index near = *std::min_element(rim.begin(), rim.end(), [&](Index a, Index b) { return clearly_less(far(a), far(b)); });
+  report.warnings.push_back("The fill crosses itself near vertex " + std::to_string(near) + " of the rim");
+}
+
 void tell_folds(Report& report) {
   if (report.folds > 0)
     report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) +
@@ -44,8 +51,9 @@ void tell_folds(Report& report) {
 
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
                    Report& report) {
-  report.triangles_folded = count_folded_edges(mesh.vertices, added, faces, beyond);
-  report.crosses_itself = !find_crossings(mesh.vertices, added, faces, 1).empty();
+  EdgesByVertex edges = edges_of_triangles(mesh.vertices.rows(), added.rows(), faces, beyond);
+  report.triangles_folded = count_folded_edges(mesh.vertices, added, faces, beyond, edges);
+  report.crosses_itself = !find_crossings(mesh.vertices, added, faces, edges, 1).empty();
 }
 
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples) {

@@ -28,6 +28,7 @@ struct CageMeasures {
   Index surroundings_where = -1;                      ///< a vertex of the face that moved most
   double corners_moved = 0;                           ///< largest movement of the limit at the corners
   Index triangles_folded = 0;                         ///< edges of the fill's limit surface, see count_folded_edges
+  std::optional<Vec3> crossing;                       ///< where the fill's limit surface goes through itself
   std::vector<std::vector<double>>
       seam_angles;  ///< by side, degrees, between the limit normals of the two faces along each rim edge; -1: none there
 };

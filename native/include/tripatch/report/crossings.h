@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tripatch/mesh/triangles.h"
+#include "tripatch/report/edges_by_vertex.h"
 
 namespace tripatch {
 
@@ -21,6 +22,9 @@ struct Crossing {
 /// Crossings of some faces, every face cut into a fan from its first corner; ends with the first `most` found, which hang on the order of
 /// the faces, and an edge of two triangles may be found twice. vertices: of the mesh; v >= their number is row v - number of `added`.
 std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::size_t most);
+/// The same with the edges of the faces' triangles (folded_triangles.h).
+std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef& added, const Faces& faces, EdgesByVertex& edges,
+                                     std::size_t most);
 
 /// Whether there are any. points: all that the triangles use.
 bool crosses_itself(const PointsRef& points, const Triangles& triangles);

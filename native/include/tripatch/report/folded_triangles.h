@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/report/edges_by_vertex.h"
 
 namespace tripatch {
 
@@ -25,9 +26,15 @@ std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& aroun
 std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& around,
                                           const std::vector<std::vector<Index>>& loops);
 
-/// Edges whose triangles are folded over each other, every face cut into a fan from its first corner, and edges of the rim where they are
-/// folded back over the faces beyond. Where an edge has more than two triangles each is compared with the first. vertices: of the mesh;
-/// v >= their number is row v - number of `added`.
+/// Edges of triangles, every face cut into a fan from its first corner: 2 t + 1 comes along from the lower vertex of an edge of triangle
+/// t to its higher one, 2 t the other way. The faces beyond count on after the triangles. of_mesh, own: numbers of vertices.
+EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, std::span<const FaceBeyond> beyond);
+
+/// Edges whose triangles are folded over each other, and edges of the rim where they are folded back over the faces beyond. Where an edge
+/// has more than two triangles each is compared with the first. vertices: of the mesh; v >= their number is row v - number of `added`.
+/// edges: of the triangles and the same faces beyond.
+Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
+                         std::span<const FaceBeyond> beyond, EdgesByVertex& edges);
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                          std::span<const FaceBeyond> beyond = {});
 

@@ -42,9 +42,9 @@ struct Report {
   Index surroundings_moved_where = -1;  ///< a vertex of the face that moved most
   double corners_moved_max = 0;         ///< the limit at the three corners
   double seam_angle_median = 0;
-  double seam_angle_max_inside = 0;         ///< without the rim edges that touch a corner
-  int rows = 0;                             ///< quads and cages: extra rows of quads round the poles that were taken
-  bool crosses_itself = false;              ///< new faces go through each other (report/crossings.h); not looked for in cages
+  double seam_angle_max_inside = 0;  ///< without the rim edges that touch a corner
+  int rows = 0;                      ///< quads and cages: extra rows of quads round the poles that were taken
+  bool crosses_itself = false;  ///< new faces go through each other (report/crossings.h); of a cage those of its limit surface
   std::vector<std::array<Index, 2>> poles;  ///< vertex, valence
   std::vector<std::string> warnings;
   double seconds = 0;
@@ -61,6 +61,8 @@ void report_corners(const std::vector<Index>& rim, std::span<const Index> corner
 /// What speaks against the faces that are delivered: vertices beyond those of the mesh are rows of `added`.
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
                    Report& report);
+/// Tells of faces that go through each other, and near which vertex of the rim.
+void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report);
 /// Tells of a patch that folds.
 void tell_folds(Report& report);
 
