@@ -114,17 +114,15 @@ TEST_CASE("sums of weighted powers are where their places say") {
     x.col(d) = at.array().pow(d);
     y.col(d) = beside.array().pow(d);
   }
-  const Eigen::VectorXd w = Eigen::VectorXd::Random(points), n = Eigen::VectorXd::Random(points),
-                        wz = Eigen::VectorXd::Random(points);
-  RowsOf32 room;
+  const Eigen::VectorXd w = Eigen::VectorXd::Random(points), wz = Eigen::VectorXd::Random(points);
+  RowsOf24 room;
   PowerSums sums;
-  sum_powers({x, y, w.data(), n.data(), wz.data()}, room, sums);
+  sum_powers({x, y, w.data(), wz.data()}, room, sums);
   for (int i = 0; i <= 10; ++i)
     for (int j = 0; i + j <= 10; ++j) {
       CAPTURE(i, j);
       const Eigen::VectorXd power = x.col(i).cwiseProduct(y.col(j));
       CHECK(sums[place_of_w(i, j)] == Approx(w.dot(power)).margin(1e-13));
-      CHECK(sums[place_of_n(i, j)] == Approx(n.dot(power)).margin(1e-13));
       if (i + j <= 5) CHECK(sums[place_of_wz(i, j)] == Approx(wz.dot(power)).margin(1e-13));
     }
 }
@@ -141,15 +139,27 @@ TEST_CASE("a symmetric matrix of up to 24 unknowns has a factor unless it is nea
   const Eigen::MatrixXd r = a.topLeftCorner(n, n).triangularView<Eigen::Upper>();
   CHECK((r.transpose() * r - given).cwiseAbs().maxCoeff() < 1e-12);
   CHECK((r.transpose() * a.col(n).head(n) - right).cwiseAbs().maxCoeff() < 1e-12);
-  const Eigen::MatrixXd inverse = inverse_of_gram(a, n).topLeftCorner(n, n).triangularView<Eigen::Lower>();
-  const Eigen::MatrixXd whole = inverse.selfadjointView<Eigen::Lower>();
-  CHECK((whole * given - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-11);
+  const SquareOf24 inverse = inverse_of_triangle(a, n);
+  CHECK((inverse.topLeftCorner(n, n) * r - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK(inverse.rightCols(24 - n).isZero(0));
+  CHECK(inverse.bottomRows(24 - n).isZero(0));
 
   Eigen::MatrixXd fewer = rows;
   fewer.col(17) = fewer.col(3) + 1e-6 * fewer.col(17);  // its diagonal element is left with 1e-12 of itself
   a.setZero();
   a.topLeftCorner(n, n) = fewer.transpose() * fewer;
   CHECK_FALSE(factor_symmetric(a, n, 1e-9));
+}
+
+TEST_CASE("lengths of rows times a triangle are those of the product, whatever their number") {
+  const SquareOf24 u = SquareOf24::Random().triangularView<Eigen::Upper>();
+  for (const Index rows : {0, 1, 3, 4, 5, 11}) {
+    CAPTURE(rows);
+    const RowsOf24 a = RowsOf24::Random(rows, 24);
+    Eigen::VectorXd out(rows);
+    squared_lengths(a, u, out.data());
+    CHECK((out - (a * u).rowwise().squaredNorm()).cwiseAbs().sum() < 1e-12);
+  }
 }
 
 TEST_CASE("a symmetric matrix becomes tridiagonal with the same solutions and determinant, whatever the size") {

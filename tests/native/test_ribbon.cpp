@@ -217,3 +217,16 @@ TEST_CASE("bulge scales the slopes inside a side and keeps the corners and the t
   }
   CHECK(seam_error(*side_vertex(bulged), sides) < 1e-6);
 }
+
+TEST_CASE("three sides are as large whichever way they are walked") {
+  const std::array<Vec3, 3> corner = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+  std::array<PiecewisePolynomial, 3> curves, back;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 a = corner[i], b = corner[(i + 1) % 3], out = a + 4 * (a - b) + Vec3(0, 0, 1);  // beyond its first end
+    const std::array<double, 9> net = {a[0], a[1], a[2], out[0], out[1], out[2], b[0], b[1], b[2]},
+                                other = {b[0], b[1], b[2], out[0], out[1], out[2], a[0], a[1], a[2]};
+    curves[i] = PiecewisePolynomial::bezier(net, 3);
+    back[(3 - i) % 3] = PiecewisePolynomial::bezier(other, 3);
+  }
+  CHECK(check_curves(curves) == Approx(check_curves(back)));
+}

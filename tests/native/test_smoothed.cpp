@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 
+#include "tripatch/boundary/side.h"
 #include "tripatch/boundary/smoothed.h"
 
 using namespace tripatch;
@@ -73,4 +74,28 @@ TEST_CASE("a side of few vertices, or of none, stays as it is") {
   without.rim.clear();
   const Side same = smoothed(Sides{without, without, without})[0];
   CHECK(same.c(0.37) == without.c(0.37));
+}
+
+TEST_CASE("a side is smoothed the same whichever way it is walked") {
+  for (int step = 0; step <= 40; ++step) {
+    const double wave = 4e-6 * std::pow(1.1, step);  // of degree 16, which polynomials of lower degree follow where it is seen
+    Side side, back;
+    std::vector<double> points, across;
+    for (int k = 0; k <= 32; ++k) {
+      const double t = k / 32.0, inner = 4 * t * (1 - t);
+      side.rim.push_back(t);
+      for (double x : {inner + 0.2 * t, 0.0, wave * std::pow(inner, 3) * std::cos(10 * std::acos(2 * t - 1))})
+        points.push_back(x);
+      for (double x : {0.0, -1.0, 0.0}) across.push_back(x);
+    }
+    side.c = PiecewisePolynomial::spline(side.rim, points, 3);
+    side.r = PiecewisePolynomial::spline(side.rim, across, 3);
+    back = piece_of(side, 1, 0);
+    back.rim = side.rim;
+    const Sides both = smoothed(Sides{side, back, side});
+    double off = 0;
+    for (int k = 0; k <= 100; ++k) off = std::max(off, (both[0].c(k / 100.0) - both[1].c(1 - k / 100.0)).norm());
+    CAPTURE(wave, off);
+    CHECK(off < 1e-9);
+  }
 }

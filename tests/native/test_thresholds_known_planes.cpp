@@ -41,8 +41,8 @@ TEST_CASE("planes are off by 7.5 degrees times the cube of the turn, of more tha
 }
 
 TEST_CASE("a plane known to a twentieth of a degree is known", "[thresholds]") {
-  CHECK(are_known({leaning(0, std::pow(0.0495 * one_degree, 2), 0)}));
-  CHECK_FALSE(are_known({leaning(0, std::pow(0.0505 * one_degree, 2), 0)}));
+  CHECK(is_known(leaning(0, std::pow(0.0495 * one_degree, 2), 0)));
+  CHECK_FALSE(is_known(leaning(0, std::pow(0.0505 * one_degree, 2), 0)));
 }
 
 TEST_CASE("a rim is as rough as it differs from the quintic through three vertices on either side, of four edges from the cubic",

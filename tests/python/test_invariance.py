@@ -126,13 +126,6 @@ def changes_as_written(points, faces, rim, seed, **options):
     return found
 
 
-def change_by_rounding(points, faces, rim, **options):
-    """How far new vertices move, over the hole's size, where coordinates are rounded otherwise: none is known better."""
-    rounded = points * (1 + np.finfo(float).eps * np.random.default_rng(0).choice([-1, 0, 1], points.shape))
-    here, there = (tripatch.fill(each, faces, rim=rim, **options).vertices for each in (points, rounded))
-    return np.abs(there - here).max() / hole_size(points, rim)
-
-
 def check_parts(fill, other, number, back):
     """What belongs to the rim's vertices goes with them, and so do faces and normals with the new ones."""
     place = {int(v): k for k, v in enumerate(other.rim)}
@@ -163,15 +156,23 @@ def test_however_a_mesh_is_numbered_and_in_a_mirror_it_is_the_same_fill(seed):
     assert max(found.values()) < 1e-7, found
 
 
-@pytest.mark.parametrize("sides", [0, 2, 3, 4, 5])
-@pytest.mark.parametrize("seed", [1, 2])
+#: Normal equations that leave five digits, numbers of parameters that are differences, and what looks at a side from its start only.
+SMOOTH = [(4, 37), (5, 8), (5, 15), (5, 31), (6, 16), (6, 20), (6, 27), (7, 29), (7, 39), (8, 3), (8, 14), (8, 17)]
+
+
+@pytest.mark.parametrize(
+    ("sides", "seed"),
+    [(sides, seed) for sides in (0, 2, 3, 4, 5, 6, 7, 8) for seed in range(1, 3 if EXAMPLES == 30 else 41)] + SMOOTH,
+)
 def test_between_smooth_sides_it_is_the_same_fill_too(sides, seed):
     rng = np.random.default_rng(100 * sides + seed)
     points, faces = wavy_hole(rng, sides)
     rim = max(tripatch.find_holes(faces), key=lambda loop: 0 in loop)
     method = "side_vertex" if sides == 3 else "multi_sided"
+    if isinstance(filled(points, faces, rim, method=method), tripatch.Refusal):
+        return
     found = changes_as_written(points, faces, rim, seed, method=method)
-    assert max(found.values()) < max(1e-7, 10 * change_by_rounding(points, faces, rim, method=method)), found
+    assert max(found.values()) < 1e-7, found
 
 
 def uneven_hole(seed):

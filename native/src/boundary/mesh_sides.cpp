@@ -109,6 +109,20 @@ VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft,
   return estimate_components(samples, radius / points, bend);
 }
 
+/// The fits along side i by neighborhood: the first alone where it knows all planes well, as it does on most smooth meshes.
+std::vector<std::vector<VertexFit>> fits_of(const LocalMesh& w, const VarianceComponents& components,
+                                            const std::array<SideDraft, 3>& drafts, int i, Searches& searches) {
+  std::vector<VertexFit> known = fit_side(w, components, drafts, i, neighborhoods[0], {}, searches[i]);
+  if (!known.empty()) return {std::move(known)};
+  const std::vector<std::vector<Share>> nearest = nearest_of(w, drafts, i, searches[i]);
+  std::vector<std::vector<VertexFit>> fits;
+  for (const Neighborhood& near : neighborhoods) {
+    const VarianceComponents own = near.all_sides ? components : components_of(w, drafts, near, i, searches);
+    fits.push_back(fit_side(w, own, drafts, i, near, nearest, searches[i]));
+  }
+  return fits;
+}
+
 }  // namespace
 
 MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& hole) {
@@ -122,14 +136,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
   const double rough = roughness(guessed);
   parallel_for(0, 3, rim_size < long_rim ? 3 : 1, [&](Index from, Index to) {
     for (Index i = from; i < to; ++i) {
-      const std::vector<std::vector<Share>> nearest = nearest_of(w, guessed, static_cast<int>(i), searches[i]);
-      std::vector<std::vector<VertexFit>> by_neighborhood;
-      for (const Neighborhood& near : neighborhoods) {
-        if (!by_neighborhood.empty() && are_known(by_neighborhood[0])) break;
-        const VarianceComponents own =
-            near.all_sides ? components : components_of(w, guessed, near, static_cast<int>(i), searches);
-        by_neighborhood.push_back(fit_side(w, own, guessed, static_cast<int>(i), near, nearest, searches[i]));
-      }
+      const std::vector<std::vector<VertexFit>> by_neighborhood = fits_of(w, components, guessed, static_cast<int>(i), searches);
       fits[i] = choose(w, by_neighborhood, drafts[i], rough);
       take_cylinder(w, fits[i], drafts[i]);
     }

@@ -109,8 +109,9 @@ std::string gap_at_corner(int corner, double gap) {
 double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {
   double size = 0;
   for (const PiecewisePolynomial& c : curves) {
-    const Vec3 a = c(0);
-    for (double t : {0.25, 0.5, 0.75, 1.0}) size = std::max(size, (c(t) - a).norm());
+    const Vec3 a = c(0), b = c(1);
+    size = std::max(size, (b - a).norm());
+    for (double t : {0.25, 0.5, 0.75}) size = std::max({size, (c(t) - a).norm(), (c(t) - b).norm()});
   }
   if (!(size > 0)) throw Refusal("The three sides have no length");
   for (int i = 0; i < 3; ++i) {

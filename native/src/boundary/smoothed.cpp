@@ -90,11 +90,11 @@ PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<dou
   if (f.empty() || rim.size() <= few) return f;
   const Eigen::Map<const Eigen::VectorXd> t(rim.data(), static_cast<Index>(rim.size()));
   Eigen::MatrixXd values(t.size(), 3);
+  for (Index k = 0; k < t.size(); ++k) values.row(k) = f(t[k]);
   double scale = 0;
-  for (Index k = 0; k < t.size(); ++k) {
-    values.row(k) = f(t[k]);
-    scale = std::max(scale, (values.row(k) - values.row(0)).norm() + (kept == 3 ? 0 : values.row(k).norm()));
-  }
+  for (Index k = 0; k < t.size(); ++k)
+    for (Index end : {Index(0), t.size() - 1})  // from both: a side is walked either way
+      scale = std::max(scale, (values.row(k) - values.row(end)).norm() + (kept == 3 ? 0 : values.row(k).norm()));
   const Ends ends(f, kept);
   const int most = static_cast<int>(std::clamp<Index>((t.size() - 1) / 2 - kept, 4, 16));
   const double best = FittedPolynomial(t, values, most, kept, ends).residual;

@@ -31,7 +31,7 @@ constexpr double least_start = 0.01;
 constexpr double unseen_share = 0.1;
 
 /// Of a diagonal element of a normal matrix: with less left of it, rounding would count.
-constexpr double least_pivot = 1e-7;
+constexpr double least_pivot = 1e-4;
 /// Of a fit, after which its coefficients are those of an orthogonal triangularization.
 constexpr int refinements = 2;
 
@@ -70,16 +70,13 @@ void set_powers(double x, double* out) {
 
 /// Where the sums for a product of two terms are.
 struct Places {
-  std::array<std::array<short, fit_terms>, fit_terms> w, n;
+  std::array<std::array<short, fit_terms>, fit_terms> w;
 };
 constexpr Places places = [] {
   Places all{};
   for (int k = 0; k < fit_terms; ++k)
-    for (int l = 0; l < fit_terms; ++l) {
-      const int i = term[k].i + term[l].i, j = term[k].j + term[l].j;
-      all.w[k][l] = static_cast<short>(place_of_w(i, j));
-      all.n[k][l] = static_cast<short>(place_of_n(i, j));
-    }
+    for (int l = 0; l < fit_terms; ++l)
+      all.w[k][l] = static_cast<short>(place_of_w(term[k].i + term[l].i, term[k].j + term[l].j));
   return all;
 }();
 
@@ -119,7 +116,7 @@ void reflect(const Stencil& s, FitRoom& room) {
 /// The sums over the points, and the root of the normal matrix that they make; false where that is left to rounding.
 bool take_root(const Stencil& s, FitRoom& room) {
   room.weighted_height = room.weight.cwiseProduct(s.rows.col(fit_terms));
-  sum_powers({s.x, s.y, room.weight.data(), room.noisy.data(), room.weighted_height.data()}, room.powers, room.sums);
+  sum_powers({s.x, s.y, room.weight.data(), room.weighted_height.data()}, room.powers, room.sums);
   double* row = room.root.data();
   for (int k = 0; k < fit_terms; ++k, row += 24) {
     for (int l = k; l < fit_terms; ++l) row[l] = room.sums[places.w[k][l]];
@@ -203,24 +200,23 @@ struct Explained {
   }
 };
 
+/// Variances of the terms, and of the heights that they make at the points.
+Column variances(const Stencil& s, FitRoom& room) {
+  SquareOf24 inverse = inverse_of_triangle(room.root, fit_terms);
+  for (int k = 0; k < fit_terms; ++k) inverse.row(k) /= term[k].over;
+  squared_lengths(s.rows, inverse, room.known.data());
+  return inverse.topRows<fit_terms>().rowwise().squaredNorm();
+}
+
 Explained explain(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
   Explained e;
   const Index size = s.share.size();
   room.resize(size);
-  double points = 0, noise_points = 0;
-  for (Index k = 0; k < size; ++k) {
-    const double v = components.noise + components.truncation * s.g[k], part = components.noise / v;
-    room.weight[k] = s.share[k] / v;
-    room.noisy[k] = room.weight[k] * part;
-    points += s.share[k];
-    noise_points += s.share[k] * part;
-  }
+  for (Index k = 0; k < size; ++k) room.weight[k] = s.share[k] / (components.noise + components.truncation * s.g[k]);
   room.prior = prior_of(s, components);
   if (!take_root(s, room)) reflect(s, room);
   room.mean = solved(room.root);
-  const SquareOf24 covariance = inverse_of_gram(room.root, fit_terms);
-  Column variance;
-  for (int k = 0; k < fit_terms; ++k) variance[k] = covariance(k, k) / (term[k].over * term[k].over);
+  const Column variance = variances(s, room);
   for (int j = 0; j < fit_terms; ++j) {
     const int d = term[j].i + term[j].j;
     if (d == 1) continue;
@@ -229,23 +225,24 @@ Explained explain(const Stencil& s, const VarianceComponents& components, FitRoo
   }
   e.tilt = std::pow(room.mean[2] - s.faces, 2);
   e.tilt_count = std::max(1 - variance[2] * room.prior[2], least_count);
-  // The points less the parameters that they determine: all, and those whose error is noise.
-  double noisy = 0;
-  for (int k = 0; k < fit_terms; ++k) {
-    double row = 0;
-    for (int l = 0; l < k; ++l) row += covariance(k, l) * room.sums[places.n[k][l]];
-    noisy += 2 * row + covariance(k, k) * room.sums[places.n[k][k]];
-  }
-  const double all = fit_terms - variance.dot(room.prior);
-  e.noise_count = std::max(noise_points - noisy, least_count * noise_points);
-  e.truncation_count = std::max(points - noise_points - (all - noisy), least_count * (points - noise_points));
+  // The points less the parameters that they determine: of each what is noise, and the rest. Sums of what is left of the points, for the
+  // difference of the two numbers is often rounding.
   set_residual(s, room);
+  double noise_points = 0, truncation_points = 0;
   for (Index k = 0; k < size; ++k) {
-    const double v = components.noise + components.truncation * s.g[k], part = components.noise / v;
+    const double truncation = components.truncation * s.g[k], over = 1 / (components.noise + truncation);
+    const double part = components.noise * over, rest = truncation * over;
+    const double left = std::max(s.share[k] - room.weight[k] * room.known[k], 0.0);
     const double square = s.share[k] * room.residual[k] * room.residual[k];
+    noise_points += s.share[k] * part;
+    truncation_points += s.share[k] * rest;
+    e.noise_count += left * part;
+    e.truncation_count += left * rest;
     e.noise += part * part * square;
-    if (s.g[k] > 0) e.truncation += (1 - part) * (1 - part) * square / s.g[k];
+    if (s.g[k] > 0) e.truncation += rest * rest * square / s.g[k];
   }
+  e.noise_count = std::max(e.noise_count, least_count * noise_points);
+  e.truncation_count = std::max(e.truncation_count, least_count * truncation_points);
   return e;
 }
 
@@ -300,13 +297,12 @@ void Stencil::set(const Vec3& place, Index k) {
 }
 
 void FitRoom::resize(Index points) {
-  for (Eigen::VectorXd* v : {&weight, &noisy, &weighted_height, &residual}) v->resize(points);
+  for (Eigen::VectorXd* v : {&weight, &weighted_height, &residual, &known}) v->resize(points);
 }
 
 PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
   room.resize(s.share.size());
   room.weight = s.share.array() / (components.noise + components.truncation * s.g.array());
-  room.noisy.setZero();
   room.prior = prior_of(s, components);
   room.normal_equations = take_root(s, room);
   if (!room.normal_equations) reflect(s, room);

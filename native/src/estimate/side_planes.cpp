@@ -15,7 +15,7 @@ namespace {
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
 constexpr double flat_enough = 5e-4;  ///< slope over the guess of a plane: no second fit; 0%, 0%
-constexpr double most_tilt = 0.2;     ///< slope that is handed on to the next vertex; 1%, 1%
+constexpr double most_tilt = 0.2;     ///< slope over the faces that is handed on to the next vertex; 1%, 1%
 constexpr int pooled = 2;             ///< vertices to each side that are judged together; 4%, 2%
 /// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
 /// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
@@ -55,20 +55,31 @@ std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, 
   return all;
 }
 
+/// Slope over the faces beside the rim, with `outward`, at which the surface that the last fit found goes on `step` further.
+double slope_ahead(const VertexFit& last, const Vec3& step, const Vec3& faces, const Vec3& outward) {
+  const Vec3 ahead = last.normal - last.second * step;
+  const double up = ahead.dot(faces);
+  return up > 0 ? std::clamp(-ahead.dot(outward) / up, -most_tilt, most_tilt) : 0;
+}
+
 }  // namespace
+
+bool is_known(const VertexFit& fit) { return fit.slope_variances < well_known * well_known; }
 
 std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
                                 const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search) {
   SideDraft& side = drafts[i];
   const int edges = side.edges();
   std::vector<VertexFit> result(edges + 1);
-  double tilt = 0;  // of the plane found last against the faces beside the rim: most likely that of the next one too
   Seen seen;
   FitRoom room;
   for (int j = 0; j <= edges; ++j) {
     const int k = side.looked_at(j);
     const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
-    side.guess[k] -= tilt * outward;
+    if (j > 0) {
+      const int last = side.looked_at(j - 1);
+      side.guess[k] -= slope_ahead(result[last], side.position[k] - side.position[last], faces, outward) * outward;
+    }
     measure(w, drafts, i, k, near, search, seen);
     PlaneFit fit = fit_plane(seen.stencil, components, room);
     if (std::abs(fit.mean[2]) > flat_enough * seen.stencil.depth) {  // once more over the plane just found
@@ -82,7 +93,6 @@ std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& co
     const double fx = fit.mean[1], fy = fit.mean[2] / s.depth;
     VertexFit at;
     at.normal = (s.e3 - fx * s.e1 - fy * s.e2).normalized();
-    tilt = std::clamp(-at.normal.dot(outward) / at.normal.dot(faces), -most_tilt, most_tilt);
     at.frame << s.e1, s.e2;
     Eigen::Matrix2d hessian;
     hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
@@ -92,7 +102,8 @@ std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& co
     at.covariance = over.asDiagonal() * known.slopes * over.asDiagonal();
     at.slope_variances = at.covariance.trace();
     at.bend_variance = known.bend * std::pow(over[1], 4);
-    at.density = densities(w, side, k, nearest[k], seen, fit, components);
+    if (nearest.empty() && !is_known(at)) return {};
+    if (!nearest.empty()) at.density = densities(w, side, k, nearest[k], seen, fit, components);
     result[k] = std::move(at);
   }
   return result;
@@ -120,14 +131,6 @@ double lead_of(const std::vector<VertexFit>& fit, const std::vector<VertexFit>& 
     for (std::size_t p = 0; p < fit[j].density.size(); ++p, ++count) sum += fit[j].density[p] - other[j].density[p];
   return count > 0 ? sum / count : 0;
 }
-
-}  // namespace
-
-bool are_known(const std::vector<VertexFit>& fits) {
-  return std::all_of(fits.begin(), fits.end(), [](const VertexFit& f) { return f.slope_variances < well_known * well_known; });
-}
-
-namespace {
 
 /// Whether the faces beside a side lie in one plane, in which the side bends: then they are that plane, whatever lies behind them. Beside
 /// a straight side they may be a strip of any surface.

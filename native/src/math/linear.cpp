@@ -67,9 +67,8 @@ struct AnyRegisters {
   }
 };
 
-/// Adds `sign` times a' a to c from row `begin` on: the upper triangle of it or the lower, and some elements beyond. Triangle: a is a
-/// lower one, whose column k is 0 above row k.
-template <class Registers, bool Upper, bool Triangle = false>
+/// Adds `sign` times a' a to c from row `begin` on: the upper triangle of it or the lower, and some elements beyond.
+template <class Registers, bool Upper>
 TRIPATCH_INLINE void add_gram_with(const double* a, Index m, Index n, Index begin, double sign, double* __restrict c) {
   constexpr Index rows = Registers::rows, columns = Registers::columns;
   if (n < columns) {
@@ -82,8 +81,7 @@ TRIPATCH_INLINE void add_gram_with(const double* a, Index m, Index n, Index begi
     for (Index right = Upper ? below : 0; right < (Upper ? n : std::min(n, below + rows)); right += columns) {
       const Index i = std::min(below, n - rows), j = std::min(right, n - columns);  // the last overlap those before
       double sum[rows][columns];
-      const Index above = Triangle ? std::min(below, m) : 0;
-      Registers::product(a + above * n + i, 1, n, m - above, a + above * n + j, n, sum);
+      Registers::product(a + i, 1, n, m, a + j, n, sum);
       for (Index p = below - i; p < rows; ++p)
         for (Index q = right - j; q < columns; ++q) c[(i + p) * n + j + q] += sign * sum[p][q];
     }
@@ -161,17 +159,38 @@ TRIPATCH_INLINE bool factor_symmetric_with(double* a, Index n, double least) {
   return true;
 }
 
-/// out (32, 16) = a' b for a (m, 32) and b (m, 16), the second half of its columns in the first eight rows only.
+/// out (24, 16) = a' b for a (m, 24) and b (m, 16), the second half of its columns in the first rows only: where powers have a sum of 10 or
+/// less the first is 2 or less. The last columns of a are left out where registers allow it.
 template <class Registers>
 TRIPATCH_INLINE void sum_products_with(const double* a, Index m, const double* b, double* __restrict out) {
-  constexpr Index rows = Registers::rows, columns = 8, left = 32, right = 16;
+  constexpr Index rows = Registers::rows, columns = 8, left = 24, right = 16, used = 18, low = 3;
   double sum[rows][columns];
   for (Index half = 0; half < right; half += columns)
-    for (Index i = 0; i < (half == 0 ? left : columns); i += rows) {
+    for (Index i = 0; i < (half == 0 ? used : low); i += rows) {
       Registers::product(a + i, 1, left, m, b + half, right, sum);
       for (Index p = 0; p < rows; ++p)
         for (Index q = 0; q < columns; ++q) out[(i + p) * right + half + q] = sum[p][q];
     }
+}
+
+/// out[k] = |a_k u|^2 for rows a_k of 24 and an upper triangular u (24, 24).
+template <class Registers, Index Rows>
+TRIPATCH_INLINE void squared_lengths_of(const double* a, const double* u, double* __restrict out) {
+  constexpr Index width = 24, block = 8;
+  double all[Rows] = {}, sum[Rows][block];
+  for (Index c = 0; c < width; c += block) {
+    Registers::product(a, width, 1, c + block, u + c, width, sum);
+    for (Index p = 0; p < Rows; ++p)
+      for (Index q = 0; q < block; ++q) all[p] += sum[p][q] * sum[p][q];
+  }
+  for (Index p = 0; p < Rows; ++p) out[p] = all[p];
+}
+template <class Registers>
+TRIPATCH_INLINE void squared_lengths_with(const double* a, Index m, const double* u, double* __restrict out) {
+  constexpr Index rows = 4, width = 24;
+  Index k = 0;
+  for (; k + rows <= m; k += rows) squared_lengths_of<Registers, rows>(a + k * width, u, out + k);
+  for (; k < m; ++k) squared_lengths_of<Registers, 1>(a + k * width, u, out + k);
 }
 
 /// m rows of 24: for each of the first n columns, fewer than 24, Householder's reflection that leaves of it what is above and its
@@ -202,21 +221,18 @@ TRIPATCH_INLINE void reflect_columns_with(double* a, Index m, Index n) {
 struct Products {
   void (*reflect_columns)(double* a, Index m, Index n);
   void (*add_gram)(const double* a, Index m, Index n, double* c);
-  void (*add_gram_of_triangle)(const double* a, Index m, Index n, double* c);
   void (*subtract_gram)(const double* u, Index count, Index n, Index begin, double* c);
   void (*multiply_four)(const double* a, Index k, const double* b, Index n, double* out, Index stride);  ///< n: eight or more
   void (*add_product_of_fours)(const double* a, Index m, Index k, const double* b, double* out);
   void (*add_dots)(const double* a, Index m, Index n, const double* x, double* out);
   void (*sum_products)(const double* a, Index m, const double* b, double* out);
   bool (*factor_symmetric)(double* a, Index n, double least);
+  void (*squared_lengths)(const double* a, Index m, const double* u, double* out);
 };
 
 #define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                           \
   machine void add_gram_##name(const double* a, Index m, Index n, double* c) {                                                \
     add_gram_with<Registers, false>(a, m, n, 0, 1, c);                                                                        \
-  }                                                                                                                           \
-  machine void add_gram_of_triangle_##name(const double* a, Index m, Index n, double* c) {                                    \
-    add_gram_with<Registers, false, true>(a, m, n, 0, 1, c);                                                                  \
   }                                                                                                                           \
   machine void reflect_columns_##name(double* a, Index m, Index n) { reflect_columns_with<Registers>(a, m, n); }              \
   machine void subtract_gram_##name(const double* u, Index count, Index n, Index begin, double* c) {                          \
@@ -238,9 +254,12 @@ struct Products {
   machine bool factor_symmetric_##name(double* a, Index n, double least) {                                                    \
     return factor_symmetric_with<Registers>(a, n, least);                                                                     \
   }                                                                                                                           \
-  constexpr Products name = {reflect_columns_##name, add_gram_##name,      add_gram_of_triangle_##name,                       \
-                             subtract_gram_##name,   multiply_four_##name, add_product_of_fours_##name,                       \
-                             add_dots_##name,        sum_products_##name,  factor_symmetric_##name};
+  machine void squared_lengths_##name(const double* a, Index m, const double* u, double* out) {                               \
+    squared_lengths_with<Registers>(a, m, u, out);                                                                            \
+  }                                                                                                                           \
+  constexpr Products name = {reflect_columns_##name,      add_gram_##name, subtract_gram_##name, multiply_four_##name,        \
+                             add_product_of_fours_##name, add_dots_##name, sum_products_##name,  factor_symmetric_##name,     \
+                             squared_lengths_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
@@ -372,31 +391,27 @@ TRIPATCH_FOR_EACH_MACHINE void reflect_column(const Reflecting& r, Index j) {
   p[j] += own;
 }
 
-/// half: the inverse of the transpose of r, both with rows of 24, half given as 0: it is a lower triangle.
-TRIPATCH_FOR_EACH_MACHINE void invert_transposed(const double* __restrict r, Index n, double* __restrict half) {
+/// u: r^-1, both upper triangles with rows of 24, u given as 0.
+TRIPATCH_FOR_EACH_MACHINE void invert_triangle(const double* __restrict r, Index n, double* __restrict u) {
   constexpr Index width = 24, block = 8;
-  for (Index i = 0; i < n; ++i)
-    for (Index begin = 0; begin <= i; begin += block) {
+  for (Index i = n; i-- > 0;)
+    for (Index begin = i / block * block; begin < n; begin += block) {
       double row[block] = {};
-      for (Index k = begin; k < i; ++k)
-        for (Index c = 0; c < block; ++c) row[c] -= r[k * width + i] * half[k * width + begin + c];
-      if (i < begin + block) row[i - begin] += 1;
-      for (Index c = 0; c < block; ++c) half[i * width + begin + c] = row[c] / r[i * width + i];
+      const Index end = std::min(n, begin + block);
+      for (Index k = i + 1; k < end; ++k)
+        for (Index c = 0; c < block; ++c) row[c] -= r[i * width + k] * u[k * width + begin + c];
+      if (i >= begin) row[i - begin] += 1;
+      for (Index c = 0; c < block; ++c) u[i * width + begin + c] = row[c] / r[i * width + i];
     }
 }
 
-/// Rows of 32: the powers of x times w, n and wz, in the order of place_of_w and the others.
-TRIPATCH_FOR_EACH_MACHINE void set_weighted(const double* __restrict x, const double* w, const double* n, const double* wz,
-                                            Index m, double* __restrict out) {
-  for (Index k = 0; k < m; ++k, x += 16, out += 32) {
-    for (Index i = 0; i < 3; ++i) {
-      out[i] = w[k] * x[i];
-      out[3 + i] = n[k] * x[i];
-    }
-    for (Index i = 0; i < 8; ++i) out[8 + i] = w[k] * x[3 + i];
-    for (Index i = 0; i < 8; ++i) out[16 + i] = n[k] * x[3 + i];
-    for (Index i = 0; i < 8; ++i) out[24 + i] = wz[k] * x[i];
-    out[6] = out[7] = 0;
+/// Rows of 24: the powers of x times w and wz, in the order of place_of_w and place_of_wz.
+TRIPATCH_FOR_EACH_MACHINE void set_weighted(const double* __restrict x, const double* w, const double* wz, Index m,
+                                            double* __restrict out) {
+  for (Index k = 0; k < m; ++k, x += 16, out += 24) {
+    for (Index i = 0; i < 12; ++i) out[i] = w[k] * x[i];
+    for (Index i = 0; i < 8; ++i) out[12 + i] = wz[k] * x[i];
+    for (Index i = 20; i < 24; ++i) out[i] = 0;
   }
 }
 
@@ -490,21 +505,22 @@ void add_gram(const RowMajor& a, RowMajor& c) { products.add_gram(a.data(), a.ro
 
 void triangularize(RowsOf24& a, Index n) { products.reflect_columns(a.data(), a.rows(), n); }
 
-SquareOf24 inverse_of_gram(const SquareOf24& r, Index n) {
-  SquareOf24 half, all;
-  half.setZero();
-  all.setZero();
-  invert_transposed(r.data(), n, half.data());
-  products.add_gram_of_triangle(half.data(), n, 24, all.data());
-  return all;
+SquareOf24 inverse_of_triangle(const SquareOf24& r, Index n) {
+  SquareOf24 u = SquareOf24::Zero();
+  invert_triangle(r.data(), n, u.data());
+  return u;
+}
+
+void squared_lengths(const RowsOf24& a, const SquareOf24& u, double* out) {
+  products.squared_lengths(a.data(), a.rows(), u.data(), out);
 }
 
 bool factor_symmetric(SquareOf24& a, Index n, double least) { return products.factor_symmetric(a.data(), n, least); }
 
-void sum_powers(const WeightedPowers& of, RowsOf32& room, PowerSums& out) {
+void sum_powers(const WeightedPowers& of, RowsOf24& room, PowerSums& out) {
   const Index m = of.x.rows();
   if (room.rows() < m) room.resize(m, Eigen::NoChange);
-  set_weighted(of.x.data(), of.w, of.n, of.wz, m, room.data());
+  set_weighted(of.x.data(), of.w, of.wz, m, room.data());
   products.sum_products(room.data(), m, of.y.data(), out.data());
 }
 

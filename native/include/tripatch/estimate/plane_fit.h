@@ -54,10 +54,9 @@ struct PlaneFit {
 
 /// Room for fits that is used again and again, and what the last one leaves in it.
 struct FitRoom {
-  Eigen::VectorXd weight, noisy, weighted_height, residual;
-  RowsOf32 powers;
+  Eigen::VectorXd weight, weighted_height, residual, known;  ///< known: variances of the heights that are fitted
   PowerSums sums;
-  RowsOf24 rows;
+  RowsOf24 powers, rows;
   std::vector<std::pair<double, Index>> order;
   /// r of the weighted x^i y^j and their prior = q r, in column fit_terms the heights likewise.
   SquareOf24 root = SquareOf24::Zero();

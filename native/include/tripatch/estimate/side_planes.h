@@ -36,7 +36,8 @@ struct SideFit {
   double bend_variance = 0;             ///< of the second derivative across, mean over the side
 };
 
-/// The planes and second fundamental forms of side i, as one neighborhood has them.
+/// The planes and second fundamental forms of side i, as one neighborhood has them. nearest: what each fit is asked to predict; empty:
+/// nobody asks as long as all planes are well known, and there is nothing where one is not.
 std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
                                 const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search);
 
@@ -44,7 +45,7 @@ std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& co
 std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, SideSearch& search);
 
 /// Whether nothing is to be won by looking at less.
-bool are_known(const std::vector<VertexFit>& fits);
+bool is_known(const VertexFit& fit);
 
 /// Variance of the noise of the rim's vertices: that of the smoothest side, for a mesh has one noise, but corners may lie within a
 /// side: 0 where all are short.
