@@ -393,3 +393,39 @@ def test_smooth_refuses_what_is_no_triangle(tmp_path, capsys):
     assert code == 1 and "Face 0 has 4 corners" in err and not out.exists()
     code, _, err = run(capsys, "smooth", path, out, "--resolution", 0)
     assert code == 2 and "resolution" in err
+
+
+def unjoined(vertices, faces):
+    """The same faces, each with vertices of its own."""
+    order = np.concatenate([np.asarray(face) for face in faces])
+    ends = np.cumsum([len(face) for face in faces])
+    return np.asarray(vertices)[order], [list(range(end - len(face), end)) for face, end in zip(faces, ends)]
+
+
+def test_of_faces_that_are_not_joined_is_said_what_joins_them(tmp_path, capsys):
+    mesh = unjoined(*square())
+    path, report = write_obj(tmp_path / "in.obj", mesh), tmp_path / "report.json"
+    for more in ([], ["--all"], ["--all", "--report", str(report)]):
+        assert cli.main(["fill", str(path), str(tmp_path / "out.obj"), *more]) == 1
+        said = capsys.readouterr().err
+        assert "Merge by Distance" in said and "vertices 0 and 3" in said
+    assert all("Merge by Distance" in hole["refused"] for hole in json.loads(report.read_text())["holes"])
+    assert all("Merge by Distance" in refusal.reason for refusal in tripatch.fill_all(*mesh))
+
+
+def test_a_seam_that_is_filled_as_a_hole_is_told(tmp_path, capsys):
+    vertices, faces = sphere_hole()
+    half = [v + len(vertices) * (k % 36 < 18) for k, face in enumerate(faces) for v in face]  # three of six sectors
+    path = write_obj(tmp_path / "in.obj", (np.concatenate([vertices, vertices]), np.reshape(half, (-1, 3))))
+    assert cli.main(["fill", str(path), str(tmp_path / "out.obj"), "--all"]) == 0
+    assert "lie upon other borders: faces meet there without being joined" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("more", [0, 1])
+def test_of_many_refusals_twenty_are_told_and_the_rest_counted(tmp_path, capsys, more):
+    count = cli.MOST_TOLD + more
+    write_obj(tmp_path / "in.obj", *[(np.eye(3) + k, [[0, 1, 2]]) for k in range(count)])
+    assert cli.main(["fill", str(tmp_path / "in.obj"), str(tmp_path / "out.obj"), "--all"]) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert sum("joined to no other" in line for line in said) == cli.MOST_TOLD == 20
+    assert sum("1 more hole was refused; --report FILE.json names each" in line for line in said) == more

@@ -18,6 +18,7 @@ from tripatch.batch.record import plain
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 INTERRUPTED = 130  # what shells say of SIGINT
+MOST_TOLD = 20  # refusals: more run off the screen; of a mesh whose faces are not joined there is one for each face
 
 _DESCRIPTION = """\
 Fills a hole of the mesh in IN and writes the mesh with the fill to OUT; with --all every hole.
@@ -137,9 +138,12 @@ def _fill(args: argparse.Namespace) -> int:
             holes = [(options.get("rim"), tripatch.fill(mesh.vertices, mesh.faces, **options))]
         except tripatch.Refusal as refusal:
             holes = [(options.get("rim"), refusal)]
-    for rim, result in holes:
-        if isinstance(result, tripatch.Refusal):
-            _refused(result, rim if args.all else None)
+    refused = [(rim, result) for rim, result in holes if isinstance(result, tripatch.Refusal)]
+    for rim, result in refused[:MOST_TOLD]:
+        _refused(result, rim if args.all else None)
+    if len(refused) > MOST_TOLD:
+        more = len(refused) - MOST_TOLD
+        _say(f"{more} more {'hole was' if more == 1 else 'holes were'} refused; --report FILE.json names each")
     if args.report:
         _write_report(args.report, holes)
 

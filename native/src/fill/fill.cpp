@@ -13,6 +13,7 @@
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/unjoined.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/patch/moved_surface.h"
@@ -173,9 +174,7 @@ void check_named(const Mesh& mesh, std::span<const std::vector<Index>> rims, con
   if (corners) check_vertices(*corners, n, "Corner");
 }
 
-}  // namespace
-
-Fill fill(const Mesh& mesh, const FillOptions& options) {
+Fill fill_one_hole(const Mesh& mesh, const FillOptions& options) {
   const Stopwatch watch;
   check_for_holes(options);
   const std::span<const std::vector<Index>> given =
@@ -183,7 +182,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   check_named(mesh, given, options.corners, options);
   if (const std::optional<Vec3> origin = local_origin(mesh, given)) {
     const Elsewhere near(mesh, options, *origin);
-    Fill result = fill({near.vertices, mesh.faces}, near.options);
+    Fill result = fill_one_hole({near.vertices, mesh.faces}, near.options);
     near.bring_back(result);
     return result;
   }
@@ -195,10 +194,8 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   return result;
 }
 
-std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
-                                                  const FillOptions& options,
-                                                  const std::vector<std::optional<std::vector<Index>>>& corners,
-                                                  const Progress& progress) {
+Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>& rims, const FillOptions& options,
+                        const std::vector<std::optional<std::vector<Index>>>& corners, const Progress& progress) {
   if (options.center && rims.size() > 1)
     throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
   check_for_holes(options);
@@ -208,7 +205,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   if (rims.empty()) return results;
   if (const std::optional<Vec3> origin = local_origin(mesh, rims)) {
     const Elsewhere near(mesh, options, *origin);
-    results = fill_all({near.vertices, mesh.faces}, rims, near.options, corners, progress);
+    results = fill_every_hole({near.vertices, mesh.faces}, rims, near.options, corners, progress);
     for (std::variant<Fill, Refused>& result : results)
       if (Fill* fill = std::get_if<Fill>(&result)) near.bring_back(*fill);
     return results;
@@ -243,6 +240,37 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
     }
   };
   parallel_for_each(rims.size(), fill_one, report_progress);
+  return results;
+}
+
+}  // namespace
+
+Fill fill(const Mesh& mesh, const FillOptions& options) {
+  const auto unjoined = [&](const std::vector<Index>& rim) { return told_of_unjoined(mesh, {&rim, 1})[0]; };
+  try {
+    Fill result = fill_one_hole(mesh, options);
+    if (std::string told = unjoined(result.rim); !told.empty()) result.report.warnings.push_back(std::move(told));
+    return result;
+  } catch (const Refusal& refusal) {
+    const std::string told = unjoined(options.rim ? *options.rim : refusal.where());
+    if (told.empty()) throw;
+    throw Refusal(refusal.what() + (". " + told), refusal.where());
+  }
+}
+
+std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
+                                                  const FillOptions& options,
+                                                  const std::vector<std::optional<std::vector<Index>>>& corners,
+                                                  const Progress& progress) {
+  Results results = fill_every_hole(mesh, rims, options, corners, progress);
+  const std::vector<std::string> unjoined = told_of_unjoined(mesh, rims);
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    if (unjoined[k].empty()) continue;
+    if (Fill* fill = std::get_if<Fill>(&results[k]))
+      fill->report.warnings.push_back(unjoined[k]);
+    else
+      std::get<Refused>(results[k]).reason += ". " + unjoined[k];
+  }
   return results;
 }
 
