@@ -2,6 +2,7 @@
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "test_drafts.h"
 #include "tripatch/estimate/plane_fit.h"
@@ -102,6 +103,19 @@ TEST_CASE("surroundings that lie in a plane have the least variances that there 
     CHECK(c.term[3] == Approx(noise / std::pow(radius, 6)));
     CHECK(c.truncation == Approx(1e-6 * noise / std::pow(radius, 12)));
     CHECK(c.tilt == Approx(1e-4 * std::max(bend, 0.01 / (radius * radius))));
+  }
+}
+
+TEST_CASE("noise is found in as many rounds as there are") {
+  for (const double deviation : {1e-4, 1e-2}) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal(0, deviation);
+    std::vector<Stencil> noisy;
+    for (int k = 0; k < 7; ++k)
+      noisy.push_back(stencil(4, [&](double x, double y) { return 0.1 * x * x - 0.05 * y * y + normal(random); }));
+    const double found = estimate_components({noisy, noisy, noisy}, 2.5, 0.04).noise;
+    CAPTURE(deviation, std::sqrt(found));
+    CHECK(std::abs(std::log(found / (deviation * deviation))) < 0.3);
   }
 }
 

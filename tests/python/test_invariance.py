@@ -156,7 +156,7 @@ def test_however_a_mesh_is_numbered_and_in_a_mirror_it_is_the_same_fill(seed):
     assert max(found.values()) < 1e-7, found
 
 
-#: Normal equations that leave five digits, numbers of parameters that are differences, and what looks at a side from its start only.
+#: Normal equations that leave five digits, counts that are differences, and what looks at a side from its start only.
 SMOOTH = [(4, 37), (5, 8), (5, 15), (5, 31), (6, 16), (6, 20), (6, 27), (7, 29), (7, 39), (8, 3), (8, 14), (8, 17)]
 
 

@@ -278,7 +278,7 @@ SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fi
   std::vector<double> variances;  // of the planes taken
   for (int k = 0; k <= edges; ++k) {
     std::size_t best = 0;
-    const double most = most_lean(w, side, k);
+    const double most = fits.size() > 1 ? most_lean(w, side, k) : 0;  // one alone is taken
     const bool doubtful = noisy || coarse || most > 2 * coarse_turn;
     const auto variance = [&](std::size_t f) {
       const double by_noise = known_by_ring * rough / (side.depth * side.depth * std::pow(neighborhoods[f].rings, 3));

@@ -177,13 +177,16 @@ TRIPATCH_INLINE void sum_products_with(const double* a, Index m, const double* b
 template <class Registers, Index Rows>
 TRIPATCH_INLINE void squared_lengths_of(const double* a, const double* u, double* __restrict out) {
   constexpr Index width = 24, block = 8;
-  double all[Rows] = {}, sum[Rows][block];
+  double squares[Rows][block] = {}, sum[Rows][block];
   for (Index c = 0; c < width; c += block) {
     Registers::product(a, width, 1, c + block, u + c, width, sum);
     for (Index p = 0; p < Rows; ++p)
-      for (Index q = 0; q < block; ++q) all[p] += sum[p][q] * sum[p][q];
+      for (Index q = 0; q < block; ++q) squares[p][q] += sum[p][q] * sum[p][q];
   }
-  for (Index p = 0; p < Rows; ++p) out[p] = all[p];
+  for (Index p = 0; p < Rows; ++p) {
+    const double* const each = squares[p];
+    out[p] = ((each[0] + each[4]) + (each[2] + each[6])) + ((each[1] + each[5]) + (each[3] + each[7]));
+  }
 }
 template <class Registers>
 TRIPATCH_INLINE void squared_lengths_with(const double* a, Index m, const double* u, double* __restrict out) {
