@@ -137,3 +137,46 @@ TEST_CASE("a turn by more than a thousandth is a kink, less is none") {
     CHECK(kinks_of(side).size() == (turn > 1e-3 ? 1 : 0));
   }
 }
+
+namespace {
+
+/// A side of six edges with a kink at the end of the second, so that it is rounded from the end of the first to that of the third, where
+/// second derivatives jump; or the same side backwards.
+Side bent_at_edges(bool backwards) {
+  const auto bent = [](double t, double at) { return t > at ? (t - at) * (t - at) : 0.0; };
+  std::vector<PiecewisePolynomial> c, r;
+  for (int k = 0; k < 6; ++k)
+    for (bool across : {false, true})
+      (across ? r : c)
+          .push_back(PiecewisePolynomial::fit(
+              [&](std::span<const double> u, std::span<double> out) {
+                for (std::size_t m = 0; m < u.size(); ++m) {
+                  const double at = (k + u[m]) / 6, t = backwards ? 1 - at : at;
+                  const double bends = bent(t, 1.0 / 6) - 2 * bent(t, 0.5), kinked = std::abs(t - 1.0 / 3);
+                  Vec3::Map(&out[3 * m]) = across ? Vec3(0.2 * bends, -1, bends + 0.1 * kinked) : Vec3(at, bends, 0.3 * kinked);
+                }
+              },
+              3));
+  return {PiecewisePolynomial::joined(c), PiecewisePolynomial::joined(r), {}};
+}
+
+}  // namespace
+
+TEST_CASE("what rounds a kink goes on where the side goes on outside, though second derivatives jump there; backwards, too") {
+  const Vec2 a(0, 0), b(1, 0), top(0.5, 0.9);
+  const auto rounded = [&](bool backwards) {
+    const Sides sides = {above(hills, {b, top}), above(hills, {top, a}), bent_at_edges(backwards)};
+    REQUIRE(kinks_of(sides[2]).size() == 1);
+    return Kinks(sides).rounded()[2];
+  };
+  const Side there = rounded(false), back = rounded(true);
+  for (double end : {1.0 / 6, 0.5})
+    for (const PiecewisePolynomial* f : {&there.c, &there.r})
+      for (int order : {1, 2}) CHECK((f->derivative_at(end - 1e-9, order) - f->derivative_at(end + 1e-9, order)).norm() < 1e-5);
+  for (int k = 0; k <= 60; ++k) {
+    const double t = (k + 0.5) / 61;
+    const Vec3 p = back.c(1 - t);
+    CHECK((there.c(t) - Vec3(1 - p[0], p[1], p[2])).norm() < 1e-9);
+    CHECK((there.r(t) - back.r(1 - t)).norm() < 1e-9);
+  }
+}

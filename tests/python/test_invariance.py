@@ -201,12 +201,28 @@ def test_cages_are_the_same_however_a_mesh_is_written_and_wherever_it_is(seed, l
     change_of_vertices(seed, look, "cage")
 
 
+@pytest.mark.parametrize("seed", [0, 4, 10, 14, 17, 29, 55])
+@pytest.mark.parametrize("fairing", ["auto", None])
+def test_a_cage_between_three_smooth_sides_is_the_same_in_a_mirror(seed, fairing):
+    """Rims of odd and even numbers of edges: a split edge has a kink, on both sides of which the rim is looked at alike."""
+    rng = np.random.default_rng(seed)
+    points, faces = wavy_hole(rng, 3)
+    points = points + 1e-3 * rng.normal(size=points.shape)
+    rim = max(tripatch.find_holes(faces), key=lambda loop: 0 in loop)
+    options = {"output": "cage", "fairing": fairing}
+    fill = tripatch.fill(points, faces, rim=rim, **options)
+    other = tripatch.fill(points * [-1, 1, 1], [face[::-1] for face in faces], rim=rim, **options)
+    assert len(other.vertices) == len(fill.vertices)
+    gaps = np.linalg.norm((other.vertices * [-1, 1, 1])[:, None] - fill.vertices, axis=2)
+    assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) < 1e-8 * hole_size(points, rim)
+
+
 def change_of_vertices(seed, look, output):
     points, faces, rim = uneven_hole(seed)
     if len(rim) > 50:
         return
     rng, size = np.random.default_rng(seed), hole_size(points, rim)
-    options = {"output": output, "odd": "triangle" if output == "cage" else "split"}  # of which a mirror moves three sides
+    options = {"output": output}
     if look in ("relabelled", "mirrored"):
         there, others, number = as_seen(points, faces, look, rng)
         begun = np.roll(number[rim], int(rng.integers(len(rim))))

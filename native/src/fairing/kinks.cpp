@@ -21,13 +21,14 @@ bool apart(const Vec3& left, const Vec3& right) {
   return (right - left).norm() > jump_of_kink * std::max(left.norm(), right.norm());
 }
 
-/// The quintic with the field's own values and first two derivatives at both ends, over [0, 1].
+/// The quintic with the field's own values and first two derivatives at both ends, over [0, 1]: where it has breaks there, those outside.
 PiecewisePolynomial bridge(const PiecewisePolynomial& field, double from, double to) {
   const double h = to - from;
   std::array<Vec3, 6> net;
   for (int end = 0; end < 2; ++end) {
-    const double t = end ? to : from, s = end ? -h : h;
-    const Vec3 f = field(t), d = s * field.derivative_at(t), dd = s * s * field.derivative_at(t, 2);
+    const PiecewisePolynomial outside = end ? field.part(to, 1) : field.part(0, from);
+    const double t = end ? 0 : 1, s = (end ? -h : h) / (end ? 1 - to : from);  // of `outside`
+    const Vec3 f = outside(t), d = s * outside.derivative_at(t), dd = s * s * outside.derivative_at(t, 2);
     net[end ? 5 : 0] = f;
     net[end ? 4 : 1] = f + d / 5;
     net[end ? 3 : 2] = f + 2 * d / 5 + dd / 20;

@@ -21,7 +21,7 @@ namespace tripatch {
 
 namespace {
 
-/// Edges of a rim that a face beside it is as long as, from which on it is a strip: twice the diagonal of two squares.
+/// Edges of a rim at a vertex, the shorter of both, that a face there is as long as, from which on it is a strip: twice the diagonal of two squares.
 constexpr double strip = 4;
 
 /// Whether the patch's own shape is asked for.
@@ -124,7 +124,8 @@ bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
   const Index n = vertices.rows();
   if (n == 3) return true;
   for (Index k = 0; k < n; ++k) {
-    const double edge = (vertices.row(k) - vertices.row((k + 1) % n)).norm();
+    const double edge =
+        std::min((vertices.row(k) - vertices.row((k + 1) % n)).norm(), (vertices.row(k) - vertices.row((k + n - 1) % n)).norm());
     for (const Connectivity::Corner c : ground.left.at(hole.rim[k]))
       for (Index v : ground.mesh.faces[ground.left.face(c)])
         if ((ground.mesh.vertices.row(v) - vertices.row(k)).norm() > strip * edge) return true;

@@ -143,7 +143,7 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
   }
 }
 
-/// A step in barycentric coordinates after which Gauss-Newton's distance is good to its square.
+/// A step in any barycentric coordinate after which Gauss-Newton's distance is good to its square.
 constexpr double settled = 1e-4;
 
 Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b) {
@@ -162,7 +162,7 @@ Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b)
       const double a00 = d0.squaredNorm(), a01 = d0.dot(d1), a11 = d1.squaredNorm(), det = a00 * a11 - a01 * a01;
       const double r0 = d0.dot(off), r1 = d1.dot(off), m0 = (a11 * r0 - a01 * r1) / det, m1 = (a00 * r1 - a01 * r0) / det;
       if (!std::isfinite(m0) || !std::isfinite(m1)) continue;
-      largest = std::max({largest, std::abs(m0), std::abs(m1)});
+      largest = std::max({largest, std::abs(m0), std::abs(m1), std::abs(m0 + m1)});
       Eigen::RowVector3d moved = (at.row(k) + Eigen::RowVector3d(m0, m1, -m0 - m1)).cwiseMax(0);
       at.row(k) = moved / moved.sum();
     }
