@@ -28,11 +28,13 @@ PiecewisePolynomial hermite(const std::array<Vec3, 2>& value, const std::array<V
 /// Of the longer derivative along the two sides at a corner: a larger twist is that of a hook, a side that turns within a small part of
 /// its length, and says nothing of the patch away from it.
 constexpr double most_twist = 4;
-/// What is left of it then dies away along the side so fast that it comes to this share of that derivative, or as fast as this degree lets it.
+/// What is left of it then dies away along the side so fast that it comes to this share of that derivative, or as fast as this degree
+/// lets it.
 constexpr double most_left = 0.2;
 constexpr int fastest_degree = 40;
 
-/// Where the two sides at a corner twist by a and b, one of which hooks there: nearer to the lesser, and no farther than that. size: the longer derivative along them.
+/// Where the two sides at a corner twist by a and b, one of which may hook there: then nearer to the lesser, at most twice as much.
+/// size: the longer derivative along them.
 Vec3 twist_between(const Vec3& a, const Vec3& b, double size) {
   if (std::max(a.norm(), b.norm()) <= most_twist * size) return 0.5 * (a + b);
   const Vec3 twist = (b.norm() * a + a.norm() * b) / (a.norm() + b.norm());
