@@ -73,7 +73,8 @@ void bind_polygon(py::module_& m) {
     return triangles_from([&] { return triangulate_disc(*patch, parameters[0], resolution); });
   });
   m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given, const py::object& progress) {
-    const PolygonPatchOptions options = polygon_options(fill_options(given));
+    PolygonPatchOptions options = polygon_options(fill_options(given));
+    options.past_hooks = true;  // there is no spline to fall back to
     PolygonPatch made;
     interruptibly([&] { made = polygon_patch(sides, options); }, progress);
     return py::make_tuple(std::const_pointer_cast<Surface>(made.patch), made.warnings, made.seam_angle_max);

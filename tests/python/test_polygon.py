@@ -294,3 +294,85 @@ def test_quads_and_cages_between_two_sides(n):
     assert {len(f) for f in cage.faces} == {4} and cage.report.folds == cage.report.triangles_folded == 0
     surface, _ = cage.limit(3)
     assert np.abs(surface[:, 2] - 0.5 * surface[:, 0] ** 2 - 0.3 * surface[:, 1] ** 2).max() < 0.3 / n**2
+
+
+def plane_sides(corners, across):
+    """Straight sides of a flat polygon but the first, which lies across(t) times its length beside the line; derivative too."""
+    corners = np.asarray(corners, float)
+
+    def side(i):
+        a, b = corners[i], corners[(i + 1) % len(corners)]
+        along, beside = b - a, np.array((a[1] - b[1], b[0] - a[0]))
+        off = across if i == 0 else lambda t: (0 * t, 0 * t)
+
+        def c(t):
+            return np.column_stack([a + np.outer(t, along) + np.outer(off(np.asarray(t))[0], beside), 0 * np.asarray(t)])
+
+        def d(t):
+            return np.column_stack([along + np.outer(off(np.asarray(t))[1], beside), 0 * np.asarray(t)])
+
+        return tripatch.Side.from_functions(c, d, lambda t: np.cross(d(t), (0.0, 0, 1)))
+
+    return [side(i) for i in range(len(corners))]
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("turn", [-2.0, -1.0, 1.0, 2.0])
+@pytest.mark.parametrize("n", [4, 5])
+def test_sides_that_hook_beside_a_corner_do_not_throw_the_patch_about(n, turn):
+    """Edges of CAD programs do so where fillets of three radii meet: patches reached up to 37 times the size away."""
+    angles = 2 * np.pi * np.arange(n) / n
+    corners = np.column_stack([np.cos(angles), np.sin(angles)])
+    sides = plane_sides(corners, lambda t: (turn * t * (1 - t) ** 80, turn * (1 - t) ** 79 * (1 - 81 * t)))
+    places, faces = (patch := tripatch.patch(sides, fairing="auto")).triangles(24)
+    assert np.abs(patch.evaluate(places)[:, :2]).max() < 1.1
+    assert (patch.normal(places)[:, 2] < 0).mean() < 0.08
+    assert len(faces) > 0
+
+
+@pytest.mark.parametrize("n", [3, 4])
+@pytest.mark.parametrize("slow", [0.9, 0.999, 1.0])
+def test_a_side_that_ends_slowly_is_run_through_by_length(n, slow):
+    """A saddle, one of whose sides slows down to 1 - slow of its mean speed: it came to up to 1e11 times the size."""
+    corners = np.array([(0.0, 0), (0.6, 0.06), (0.24, 0.54)] if n == 3 else [(0.0, 0), (0.6, 0.06), (0.66, 0.54), (-0.06, 0.6)])
+
+    def height(x, y):
+        return 0.3 * (x * x - y * y) + 0.2 * x * y
+
+    def side(i, share):
+        a, along = corners[i], corners[(i + 1) % n] - corners[i]
+
+        def place(t):
+            return a + np.outer((1 - share) * t + share * t * t, along)
+
+        def c(t):
+            p = place(np.asarray(t))
+            return np.column_stack([p, height(*p.T)])
+
+        def d(t):
+            (x, y), v = place(np.asarray(t)).T, np.outer(1 - share + 2 * share * np.asarray(t), along)
+            return np.column_stack([v, (0.6 * x + 0.2 * y) * v[:, 0] + (0.2 * x - 0.6 * y) * v[:, 1]])
+
+        def across(t):
+            x, y = place(np.asarray(t)).T
+            return np.cross(d(t), np.column_stack([-0.6 * x - 0.2 * y, 0.6 * y - 0.2 * x, np.ones_like(x)]))
+
+        return tripatch.Side.from_functions(c, d, across)
+
+    sides = [side(i, slow if i == 0 else 0) for i in range(n)]
+    patch = tripatch.patch(sides[1:] + sides[:1] if n == 3 else sides, fairing="auto")
+    x, y, z = patch.evaluate(patch.triangles(12)[0]).T
+    assert np.abs(z - height(x, y)).max() < 1e-4
+
+
+@pytest.mark.parametrize(("share", "same"), [(0.74, True), (0.76, False)])
+def test_only_sides_slower_than_a_quarter_of_their_length_are_run_through_by_length(share, same):
+    def c(t):
+        return np.outer((1 - share) * t + share * np.asarray(t) ** 2, (1.0, 0, 0))
+
+    def d(t):
+        return np.outer(1 - share + 2 * share * np.asarray(t), (1.0, 0, 0))
+
+    side = tripatch.Side.from_functions(c, d, lambda t: np.cross(d(t), (0.0, 0, 1)))
+    (middle,) = tripatch._native._joined_side([side], [])[0].evaluate([0.5])[0]
+    assert middle[0] == pytest.approx(0.5 - share / 4 if same else 0.5, abs=1e-9)

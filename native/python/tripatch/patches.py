@@ -19,8 +19,9 @@ _ROUNDING = 1e-12
 
 
 def _joined(sides: Sequence[Side | Sequence[Side]]) -> tuple[Side, ...]:
-    """Sides of several pieces made one each; ends of neighbors are where they were."""
-    return tuple(side if isinstance(side, Side) else _native._joined_side(list(side), [])[0] for side in sides)
+    """Sides of several pieces made one each, and those that nearly stand still somewhere run through by length; ends of neighbors
+    are where they were."""
+    return tuple(_native._joined_side([side] if isinstance(side, Side) else list(side), [])[0] for side in sides)
 
 
 def _closed(sides: Sequence[Side], tolerance: float) -> tuple[Side, ...]:
@@ -57,7 +58,8 @@ def patch(
     Args:
         sides: `Side` objects in the order of the rim; a list of them, from end to end, is one side of several pieces that go on
             smoothly, within 10 degrees. Of three, side i is opposite corner i and runs from corner i + 1 to corner
-            i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values.
+            i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values. A side
+            whose speed falls below a quarter of its length somewhere is run through by length.
         through: points (k, 3) inside, (point, normal) pairs or polylines that the patch meets exactly; of three sides it is one
             over a polygon then.
         method, cross_boundary, fairing: as of `fill`.

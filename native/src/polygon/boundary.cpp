@@ -78,6 +78,49 @@ void lean(const PolygonDomain& lens, PolygonRibbon& ribbon, const CornerSlope& f
   ribbon.beta = field_of([&](double t) { return own(t) + between(a, b, t) + hill(t) * more[1]; });
 }
 
+/// Places along a side at which it is turned evenly: a choice, a hook over a fiftieth of it has two.
+constexpr int hook_places = 128;
+
+double value_at(const PiecewisePolynomial& scalar, double t) {
+  double value = 0;
+  scalar.taylor(t, 0, &value);
+  return value;
+}
+
+/// By how much (radians) a side has turned in its planes more than evenly, at 0, 1 / hook_places, ... 1.
+std::vector<double> ahead_of_even(const Side& side) {
+  const PiecewisePolynomial first = side.c.derivative(), second = first.derivative();
+  const auto turning = [&](double t) {
+    const Vec3 along = first(t);
+    return second(t).dot(side.normal(t).cross(along)) / along.squaredNorm();
+  };
+  std::vector<double> turned = {0};
+  for (int k = 0; k < hook_places; ++k) {
+    const double t = static_cast<double>(k) / hook_places, h = 1.0 / hook_places;
+    turned.push_back(turned.back() + h / 6 * (turning(t) + 4 * turning(t + h / 2) + turning(t + h)));
+  }
+  const double whole = turned.back();
+  for (int k = 0; k <= hook_places; ++k) turned[k] -= whole * k / hook_places;
+  return turned;
+}
+
+/// Linear alpha and beta turn the derivative across a side as the side turns, all of it where it hooks; so that it turns evenly instead.
+void turn_evenly(const Side& side, PolygonRibbon& ribbon) {
+  const std::vector<double> ahead = ahead_of_even(side);
+  std::vector<double> t, alpha, beta;
+  for (int k = 0; k <= hook_places; ++k) {
+    t.push_back(static_cast<double>(k) / hook_places);
+    const Vec3 r = side.r(t[k]), along = side.c.derivative_at(t[k]);
+    const Vec3 out = value_at(ribbon.alpha, t[k]) * r + value_at(ribbon.beta, t[k]) * along;
+    const Vec2 turned = in_frame(r, along, std::cos(ahead[k]) * out - std::sin(ahead[k]) * side.normal(t[k]).cross(out));
+    if (!(turned[0] > 0)) return;  // it would not lead inwards
+    alpha.push_back(turned[0]);
+    beta.push_back(turned[1]);
+  }
+  ribbon.alpha = PiecewisePolynomial::spline(t, alpha, 1);
+  ribbon.beta = PiecewisePolynomial::spline(t, beta, 1);
+}
+
 }  // namespace
 
 SideList closed(SideList sides) {
@@ -106,6 +149,7 @@ PolygonBoundary polygon_boundary(const SideList& sides, const PolygonRibbonOptio
   const int n = static_cast<int>(sides.size());
   PolygonBoundary out;
   out.size = size_of(sides);
+  out.past_hooks = options.past_hooks;
   std::vector<double> lengths, turns, share;
   double length = 0;
   for (const Side& side : sides) {
@@ -137,6 +181,7 @@ PolygonBoundary polygon_boundary(const SideList& sides, const PolygonRibbonOptio
     ribbon.alpha = PiecewisePolynomial::linear(a.alpha, b.alpha);
     ribbon.beta = PiecewisePolynomial::linear(a.beta, b.beta);
     if (d.is_lens()) lean(d, ribbon, a, b, half_way(d, side, after));
+    if (options.past_hooks) turn_evenly(side, ribbon);
     const double bulge = options.bulge.empty() ? 1 : options.bulge[i];
     if (bulge != 1) {
       const double e = (bulge - 1) * 16 / 6;  // 16 t^2 (1 - t)^2 in Bernstein form

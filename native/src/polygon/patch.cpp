@@ -74,10 +74,10 @@ Asked asked(const std::vector<SideContinuity>& continuity, const SideList& sides
 }
 
 PolygonBase base_of(const SideList& sides, const Asked& asked, const std::vector<double>& bulge, const PolygonDomain* domain,
-                    const std::vector<InnerPoint>& through) {
+                    const std::vector<InnerPoint>& through, bool past_hooks) {
   PolygonBase base;
   base.sides = sides;
-  base.boundary = polygon_boundary(sides, {bulge, asked.tangent}, domain);
+  base.boundary = polygon_boundary(sides, {bulge, asked.tangent, past_hooks}, domain);
   base.patch = with_points(corner_blend(base.boundary), base.boundary.domain, through, base.boundary.size);
   const std::vector<bool> agree = curvature_agrees(sides);
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -143,10 +143,10 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
 }
 
 PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
-                       const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
+                       const std::vector<double>& bulge, const std::vector<InnerPoint>& through, bool past_hooks) {
   PolygonPatch made;
   made.sides = sides;
-  const PolygonBase base = base_of(sides, asked, bulge, options.domain ? &*options.domain : nullptr, through);
+  const PolygonBase base = base_of(sides, asked, bulge, options.domain ? &*options.domain : nullptr, through, past_hooks);
   made.domain = base.boundary.domain;
   made.corner_mismatch_deg = base.boundary.corner_mismatch_deg;
   made.patch = base.patch;
@@ -167,7 +167,7 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
       fairing.rough_nodes = strip_rough_nodes;
       fairing.second_cross = fairing.slopes = strip_waves;
     }
-    const PolygonBase measured = base_of(smoothed_list(sides), asked, bulge, &made.domain, through);
+    const PolygonBase measured = base_of(smoothed_list(sides), asked, bulge, &made.domain, through, past_hooks);
     PolygonFairResult fair = fair_polygon(base, measured, fairing);
     made.patch = fair.patch;
     made.fairing = name_of(fairing.energy);
@@ -187,10 +187,19 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
   return made;
 }
 
+/// The same; where it folds, past hooks of the sides, if that is asked for and folds less.
+PolygonPatch unfolded(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
+                      const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
+  PolygonPatch made = made_with(sides, options, asked, bulge, through, false);
+  if (made.folds == 0 || !options.past_hooks) return made;
+  PolygonPatch other = made_with(sides, options, asked, bulge, through, true);
+  return other.folds < made.folds ? other : made;
+}
+
 /// Made while one hole is shaped: as it is, with its middle elsewhere, and both as they were before. A choice.
 constexpr std::size_t kept_patches = 4;
 
-/// made_with, which depends on nothing else than this key: a fill that somebody shapes has the same patch with other faces, and the
+/// unfolded, which depends on nothing else than this key: a fill that somebody shapes has the same patch with other faces, and the
 /// same patch whose middle is moved.
 PolygonPatch made_or_kept(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
                           const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
@@ -205,6 +214,7 @@ PolygonPatch made_or_kept(const SideList& sides, const PolygonPatchOptions& opti
   key.add(bulge);
   key.add(options.fairing ? static_cast<double>(*options.fairing) : -1.0);
   key.add(options.tension);
+  key.add(options.past_hooks ? 1.0 : 0.0);
   key.add(options.domain ? options.domain->height() : -1.0);
   for (int i = 0; options.domain && i < options.domain->sides(); ++i) key.add(options.domain->corner(i));
   for (const InnerPoint& point : through) {
@@ -213,7 +223,7 @@ PolygonPatch made_or_kept(const SideList& sides, const PolygonPatchOptions& opti
     key.add(point.normal);
   }
   if (const auto kept = last.find(key)) return *kept;
-  return *last.keep(std::move(key), std::make_shared<const PolygonPatch>(made_with(sides, options, asked, bulge, through)));
+  return *last.keep(std::move(key), std::make_shared<const PolygonPatch>(unfolded(sides, options, asked, bulge, through)));
 }
 
 }  // namespace

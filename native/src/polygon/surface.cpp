@@ -1,6 +1,9 @@
 #include "tripatch/polygon/surface.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "tripatch/patch/side_weights.h"
 
@@ -19,6 +22,31 @@ PiecewisePolynomial hermite(const std::array<Vec3, 2>& value, const std::array<V
   Vec3::Map(net.data() + 3) = value[0] + derivative[0] / 3;
   Vec3::Map(net.data() + 6) = value[1] - derivative[1] / 3;
   Vec3::Map(net.data() + 9) = value[1];
+  return PiecewisePolynomial::bezier(net, 3);
+}
+
+/// Of the longer derivative along the two sides at a corner: a larger twist is that of a hook, a side that turns within a small part of
+/// its length, and says nothing of the patch away from it.
+constexpr double most_twist = 4;
+/// What is left of it then dies away along the side so fast that it comes to this share of that derivative, or as fast as this degree
+/// lets it.
+constexpr double most_left = 0.2;
+constexpr int fastest_degree = 40;
+
+/// Where the two sides at a corner twist by a and b, one of which may hook there: then nearer to the lesser, at most twice as much.
+/// size: the longer derivative along them.
+Vec3 twist_between(const Vec3& a, const Vec3& b, double size) {
+  if (std::max(a.norm(), b.norm()) <= most_twist * size) return 0.5 * (a + b);
+  const Vec3 twist = (b.norm() * a + a.norm() * b) / (a.norm() + b.norm());
+  return std::min(1.0, most_twist * size / twist.norm()) * twist;
+}
+
+/// Nothing at both ends but this derivative at 0 (or at 1), and dying away from there: of degree 3, but where it is large.
+PiecewisePolynomial dying(const Vec3& derivative, bool at_start, double size) {
+  const double peak = derivative.norm() / (std::numbers::e * most_left * size);
+  const int degree = static_cast<int>(std::clamp(std::ceil(peak), 3.0, static_cast<double>(fastest_degree)));
+  std::vector<double> net(3 * (degree + 1), 0.0);
+  Vec3::Map(&net[at_start ? 3 : 3 * (degree - 1)]) = (at_start ? 1.0 : -1.0) / degree * derivative;
   return PiecewisePolynomial::bezier(net, 3);
 }
 
@@ -73,6 +101,7 @@ public:
     };
     // What the two sides do not agree on at their corner: values of the derivative across, and twists.
     std::vector<std::array<Vec3, 2>> value(n), slope(n);
+    std::vector<double> size(n);  // of the derivatives along the sides at each corner
     for (int k = 0; k < n; ++k) {
       const int in = d.wrap(k - 1), from = k;
       corner_.push_back(ribbons[from].c(0));
@@ -89,12 +118,15 @@ public:
       const Vec3 a =
           field(from, ribbons[from].d, true).derivative_at(0) + (across[from].start[1] - across[from].start[0]) * value[from][0];
       const Vec3 b = -field(in, ribbons[in].d, false).derivative_at(1) - (across[in].end[1] - across[in].end[0]) * value[in][1];
-      twist_.push_back(0.5 * (a + b));
+      size[k] = std::max(to_next_[k].norm(), to_previous_[k].norm());
+      twist_.push_back(boundary.past_hooks ? twist_between(a, b, size[k]) : 0.5 * (a + b));
       slope[from][0] = (twist_[k] - a) / across[from].start[0];
       slope[in][1] = -(twist_[k] - b) / across[in].end[1];
     }
     for (int i = 0; i < n; ++i) {
-      rest_.push_back(hermite(value[i], slope[i]));
+      rest_.push_back(boundary.past_hooks ? hermite(value[i], {Vec3::Zero(), Vec3::Zero()}) + dying(slope[i][0], true, size[i]) +
+                                                dying(slope[i][1], false, size[d.wrap(i + 1)])
+                                          : hermite(value[i], slope[i]));
       const PiecewisePolynomial& agreeing = across_.emplace_back(ribbons[i].d + rest_[i]);
       c_.push_back(ribbons[i].c);
       start_.push_back(field(i, agreeing, true));

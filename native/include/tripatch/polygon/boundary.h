@@ -23,11 +23,15 @@ struct PolygonBoundary {
   std::vector<double> turn_deg;             ///< how much the rim turns at corner i, degrees
   std::vector<double> corner_mismatch_deg;  ///< angle between the tangent planes of the two sides at corner i
   double size = 0;                          ///< scene units: the largest distance between points of the sides
+  bool past_hooks = false;                  ///< as asked for
 };
 
 struct PolygonRibbonOptions {
   std::vector<double> bulge = {};  ///< by side, > 0; empty: 1
   std::vector<bool> tangent = {};  ///< by side, false: position only; empty: all true
+  /// Sides hook: they turn within a small part of their length beside a corner, as edges of CAD programs do where fillets of three radii
+  /// meet. Then the derivative across them turns evenly, and what they twist by in the hook is kept beside the corner.
+  bool past_hooks = false;
 };
 
 /// Sides must meet: else a Refusal that names the corner and the gap. Ends within 1e-6 of the size are moved together.

@@ -18,7 +18,8 @@ struct JoinedSide {
 
 /// By arc length, so that what is made of it does not know where one piece ends; across it r is a unit vector at a right angle to the
 /// curve, and q is known where all pieces have one. Where planes or tangents at a joint differ by more than ten degrees, or ends do
-/// not meet, a Refusal says so. parameters: of each piece, from 0 to 1; none: not wanted.
+/// not meet, a Refusal says so. One piece stays as it is, unless its speed falls below a quarter of its length.
+/// parameters: of each piece, from 0 to 1; none: not wanted.
 JoinedSide joined(const SideList& pieces, const std::vector<std::vector<double>>& parameters = {});
 
 }  // namespace tripatch

@@ -20,6 +20,7 @@ struct PolygonPatchOptions {
   double center_offset = 0;                  ///< instead: how far it moves along its normal
   std::vector<Through> through = {};         ///< met exactly
   std::optional<PolygonDomain> domain = {};  ///< none: made for the sides
+  bool past_hooks = false;  ///< where it folds, the patch past hooks of the sides (boundary.h) if that folds less
 };
 
 /// What became of the fairing of a patch.
