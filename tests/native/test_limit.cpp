@@ -106,3 +106,46 @@ TEST_CASE("on several threads at once each cage is refused for its own reason") 
   for (std::future<void>& thread : threads) thread.get();
   CHECK(mixed == 0);
 }
+
+TEST_CASE("the limit surface of a cage of triangles goes with the cage however far it is moved") {
+  Cage cage = cube(false);
+  cage.vertices.conservativeResize(9, 3);
+  cage.vertices.row(8) << 0.2, -1.9, 0.3;
+  Faces faces;
+  for (Index f = 0; f < 5; ++f)
+    if (f == 1)
+      for (int k = 0; k < 4; ++k) faces.add(std::vector<Index>{cage.faces[f][k], cage.faces[f][(k + 1) % 4], 8});
+    else
+      for (int k : {1, 2}) faces.add(std::vector<Index>{cage.faces[f][0], cage.faces[f][k], cage.faces[f][k + 1]});
+  cage.faces = faces;
+  const Eigen::RowVector3d by(1e6, -2e6, 5e5);
+  const Points away = cage.vertices.rowwise() + by;
+  const std::vector<double> t = {0, 0.3, 0.5, 1};
+  for (const std::optional<int> quality : {std::optional<int>(3), std::optional<int>()}) {
+    Subdivision settings;
+    settings.quality = quality;
+    const LimitSurface here(cage.mesh(), settings), there({away, cage.faces}, settings);
+    double largest = 0, slopes = 0;
+    for (Index f = 0; f < cage.faces.size(); ++f)
+      for (int edge = 0; edge < 3; ++edge) {
+        std::vector<LimitJet> a(t.size()), b(t.size());
+        here.evaluate_edge(f, edge, t, a);
+        there.evaluate_edge(f, edge, t, b);
+        for (std::size_t k = 0; k < t.size(); ++k) {
+          largest = std::max(largest, (b[k].p - a[k].p - by.transpose()).norm());
+          slopes = std::max({slopes, (b[k].pu - a[k].pu).norm(), (b[k].pv - a[k].pv).norm()});
+        }
+      }
+    INFO("true limit: " << !quality);
+    CHECK(largest < 1e-8);  // the coordinates' own rounding is a fiftieth of it
+    CHECK(slopes < 1e-5);   // of the true limit, over pieces of a thousandth of an edge
+  }
+  LimitSurface surface(cage.mesh(), Subdivision{});
+  for (Index f = 0; f < cage.faces.size(); ++f) {
+    const std::vector<FacePlace> places = {{0, 0, 0}, {1, 0.2, 0.7}, {2, 1, 1}};
+    const LimitStencils stencils = surface.stencils(f, places);
+    CHECK((stencils.p.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-13);
+    CHECK(stencils.pu.rowwise().sum().cwiseAbs().maxCoeff() < 1e-12);
+    CHECK(stencils.pv.rowwise().sum().cwiseAbs().maxCoeff() < 1e-12);
+  }
+}

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
+from scipy.spatial import Delaunay
 from shapes import octant
 from tripatch import __main__ as cli
 from tripatch import words
@@ -249,6 +250,23 @@ def test_a_hole_far_from_the_origin_is_filled_as_one_near_it(options):
     assert np.abs(far.sides[0].evaluate([0.3])[0] - away - near.sides[0].evaluate([0.3])[0]).max() < 1e-6
     (other,) = tripatch.fill_all(there, faces, [rim], **options)
     assert np.abs(other.vertices - far.vertices).max() < 1e-6
+
+
+@pytest.mark.parametrize("seed", [0, 2, 6])
+def test_a_cage_some_hundred_sizes_from_the_origin_is_the_one_at_it(seed):
+    """A small hole in a part that is modelled where it is used. Its sides met only as well as a share of their distance said."""
+    points = np.random.default_rng(seed).uniform(-1, 1, (60, 2))
+    faces = Delaunay(points).simplices
+    a = points[faces]
+    faces = np.where((np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0]) > 0)[:, None], faces, faces[:, ::-1])
+    vertices = np.column_stack([points, 0.3 * np.cos(2 * points[:, 0]) * np.sin(2 * points[:, 1])])
+    middle = np.argmin(np.linalg.norm(points[faces].mean(1), axis=1))
+    rim, rest = faces[middle].tolist(), np.delete(faces, middle, 0)
+    size = np.ptp(vertices[rim], axis=0).max()
+    away = size * np.array([300.0, -200.0, 400.0])
+    here, there = (tripatch.fill(v, rest, rim=rim, output="cage") for v in (vertices, vertices + away))
+    assert len(here.vertices) and len(here.vertices) == len(there.vertices)
+    assert np.abs(there.vertices - away - here.vertices).max() < 1e-6 * size
 
 
 def test_the_patch_far_away_is_of_the_same_kind():

@@ -86,6 +86,10 @@ bool spans_plane(const LimitJet& jet) { return jet.pu.cross(jet.pv).norm() > par
 Side side_on(const LimitSurface& surface, const Connectivity& around, const std::vector<Index>& rim, double tolerance) {
   const int edges = static_cast<int>(rim.size()) - 1;
   std::vector<PiecewisePolynomial> c, r, q;
+  LimitJet start;  // the curve is found from here: its tolerance is of its own size, however far from the origin it lies
+  const FaceEdge first = face_beside(around, rim[0], rim[1]);
+  const double there = 1;
+  surface.evaluate_edge(first.face, first.edge, {&there, 1}, {&start, 1});
   for (int e = 0; e < edges; ++e) {
     const FaceEdge place = face_beside(around, rim[e], rim[e + 1]);
     // the face runs against the side: t of the side is 1 - t of the face's edge, and d/dt is -edges d/du
@@ -104,12 +108,13 @@ Side side_on(const LimitSurface& surface, const Connectivity& around, const std:
           3, tolerance);
     };
     const auto across = [&](double t, const LimitJet& j) { return Vec3(-edges * j.pu.cross(unit_normal(surface, place, t, j))); };
-    c.push_back(field([](double, const LimitJet& j) { return j.p; }));
+    c.push_back(field([&](double, const LimitJet& j) { return Vec3(j.p - start.p); }));
     r.push_back(field(across));
     q.push_back(
         field([&](double t, const LimitJet& j) { return second_across(j, unit_normal(surface, place, t, j), across(t, j)); }));
   }
-  Side side = {PiecewisePolynomial::joined(c), PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
+  Side side = {PiecewisePolynomial::joined(c) + PiecewisePolynomial::constant(std::span<const double>(start.p.data(), 3)),
+               PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
   for (int e = 0; e <= edges; ++e) side.rim.push_back(static_cast<double>(e) / edges);
   check_ends(side, rim);
   return side;
