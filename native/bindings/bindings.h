@@ -42,3 +42,6 @@ void interruptibly(const Work& work, const py::object& progress = py::none()) {
 
 /// A tripatch.Refusal.
 py::object refusal_object(const std::string& reason, const std::vector<tripatch::Index>& where);
+
+/// What there is to say of a patch made alone, without a fill's report.
+std::vector<std::string> told_of_patch(std::vector<std::string> warnings, tripatch::Index folds);

@@ -115,7 +115,8 @@ void bind_making(py::module_& m) {
     const FillOptions options = fill_options(given);
     MadePatch made;
     interruptibly([&] { made = patch_from_sides(sides, options); }, progress);
-    return std::make_pair(std::const_pointer_cast<Surface>(made.patch), std::move(made.report.warnings));
+    return std::make_pair(std::const_pointer_cast<Surface>(made.patch),
+                          told_of_patch(std::move(made.report.warnings), made.report.folds));
   });
   m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,
                          const std::optional<int>& resolution) {

@@ -62,7 +62,8 @@ void bind_polygon(py::module_& m) {
     const PolygonPatchOptions options = polygon_options(fill_options(given));
     RoundPatch made;
     interruptibly([&] { made = round_patch(side, options); }, progress);
-    return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), made.warnings, made.seam_angle_max);
+    return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), told_of_patch(made.warnings, made.folds),
+                          made.seam_angle_max);
   });
   m.def("_polygon_triangles", [](const std::shared_ptr<OverPolygon>& patch, const std::vector<std::vector<double>>& parameters,
                                  const std::optional<int>& resolution) {
@@ -77,6 +78,7 @@ void bind_polygon(py::module_& m) {
     options.past_hooks = true;  // there is no spline to fall back to
     PolygonPatch made;
     interruptibly([&] { made = polygon_patch(sides, options); }, progress);
-    return py::make_tuple(std::const_pointer_cast<Surface>(made.patch), made.warnings, made.seam_angle_max);
+    return py::make_tuple(std::const_pointer_cast<Surface>(made.patch), told_of_patch(made.warnings, made.folds),
+                          made.seam_angle_max);
   });
 }

@@ -7,6 +7,14 @@
 
 using namespace tripatch;
 
+std::vector<std::string> told_of_patch(std::vector<std::string> warnings, tripatch::Index folds) {
+  tripatch::Report told;
+  told.warnings = std::move(warnings);
+  told.folds = folds;
+  tripatch::tell_folds(told);
+  return std::move(told.warnings);
+}
+
 void bind_report(py::module_& m) {
   py::class_<Report>(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.")
       .def_readonly("seam_angle_max", &Report::seam_angle_max,

@@ -1,5 +1,7 @@
 """Patches and fills of four sides and more."""
 
+import warnings
+
 import numpy as np
 import pytest
 import tripatch
@@ -376,3 +378,33 @@ def test_only_sides_slower_than_a_quarter_of_their_length_are_run_through_by_len
     side = tripatch.Side.from_functions(c, d, lambda t: np.cross(d(t), (0.0, 0, 1)))
     (middle,) = tripatch._native._joined_side([side], [])[0].evaluate([0.5])[0]
     assert middle[0] == pytest.approx(0.5 - share / 4 if same else 0.5, abs=1e-9)
+
+
+@pytest.mark.parametrize("n", [3, 4, 5])
+def test_a_patch_that_folds_says_so_and_one_that_does_not_says_nothing(n):
+    """A bulge of twelve times the side's own turns a flat polygon over; the normals themselves tell."""
+    angles = 2 * np.pi * np.arange(n) / n
+    sides = plane_sides(np.column_stack([np.cos(angles), np.sin(angles)]), lambda t: (0 * t, 0 * t))
+    sides = sides[1:] + sides[:1] if n == 3 else sides
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        flat = tripatch.patch(sides, fairing=None)
+    with pytest.warns(UserWarning, match="folds over itself at [0-9]+ places"):
+        turned = tripatch.patch(sides, fairing=None, bulge=12)
+    places = flat.triangles(12)[0]
+    assert (flat.normal(places)[:, 2] > 0).all()
+    assert (turned.normal(places)[:, 2] < 0).any()
+
+
+def test_a_round_patch_whose_side_leads_outwards_says_that_it_folds():
+    def circle(t):
+        return np.column_stack([np.cos(turn := 2 * np.pi * np.asarray(t)), np.sin(turn), 0 * turn])
+
+    def along(t):
+        return 2 * np.pi * circle(np.asarray(t) + 0.25)
+
+    with pytest.warns(UserWarning, match="folds over itself at [0-9]+ places"):
+        tripatch.patch([tripatch.Side.from_functions(circle, along, lambda t: -circle(t))], fairing=None)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tripatch.patch([tripatch.Side.from_functions(circle, along, circle)], fairing=None)
