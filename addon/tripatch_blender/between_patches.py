@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import bpy
@@ -157,13 +158,17 @@ class Between:
     loop: tripatch.between.Loop
     sides: list
     patch: object
+    notes: list[str]  # of the patch
 
 
 def _patch_and_triangles(sides, drawn, arguments, progress=None):
-    """The patch between some sides, and its vertices and triangles; drawn: of each side into how many edges, or where."""
-    patch = tripatch.patch(sides, **arguments, progress=progress)
+    """The patch between some sides, its vertices and triangles, and what is to be said of it; drawn: of each side into how many
+    edges, or where."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        patch = tripatch.patch(sides, **arguments, progress=progress)
     barycentric, faces = patch.triangles(drawn)
-    return patch, patch.evaluate(barycentric), faces
+    return patch, patch.evaluate(barycentric), faces, [str(each.message) for each in told]
 
 
 def mesh_between(objects, tolerance, resolution, construction):
@@ -175,13 +180,13 @@ def mesh_between(objects, tolerance, resolution, construction):
     by_number = [resolution and all(exact[k] for k in group) for group in loop.groups]
     drawn = [resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)]
     own = filling.for_sides(construction, len(sides))
-    patch, points, faces = waiting.make(_patch_and_triangles, [side for side, _ in sides], drawn, own)
+    patch, points, faces, notes = waiting.make(_patch_and_triangles, [side for side, _ in sides], drawn, own)
     mesh = bpy.data.meshes.new("Fill")
     mesh.from_pydata(points.tolist(), [], faces.tolist())
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
     for material in objects[0].data.materials:
         mesh.materials.append(material)
-    return mesh, Between(loop, sides, patch)
+    return mesh, Between(loop, sides, patch, notes)
 
 
 class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Operator):
@@ -262,11 +267,12 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
         self.sides = len(made.sides)
         kept = [continuity not in ("Free", "G0") for continuity in self.each_continuity(len(made.sides))]
         seam = max(_seam(made.patch, made.sides, kept), 0.001)
-        self.report(
-            {"INFO"},
+        message = (
             f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(made.loop.gaps):.2g} "
-            f"(tolerance {self.tolerance:.2g}, scene units), seam within {words.degrees(seam)}",
+            f"(tolerance {self.tolerance:.2g}, scene units), seam within {words.degrees(seam)}"
         )
+        notes = [sentences.for_people(note) for note in made.notes]
+        self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))
         return {"FINISHED"}
 
 

@@ -205,6 +205,17 @@ def test_weights_and_transforms():
     check(obs, run(obs))
 
 
+def test_a_fill_that_folds_says_so(capfd):
+    obs = three()
+    run(obs)
+    assert "folds over itself" not in capfd.readouterr().out
+    new = run(obs, bulge=40.0, fairing="none")
+    told = capfd.readouterr().out
+    assert "Warning: Filled the hole between" in told and "The patch folds over itself at" in told
+    normals = np.array([p.normal for p in new.data.polygons])
+    assert (normals @ normals.mean(axis=0) < 0).any()
+
+
 def refused(obs, sentence, **options):
     bpy.ops.object.select_all(action="DESELECT")
     for ob in obs:
