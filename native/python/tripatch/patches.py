@@ -18,10 +18,16 @@ from .options import OPTIONS, checked, choice, names, takes_options, whole
 _ROUNDING = 1e-12
 
 
-def _joined(sides: Sequence[Side | Sequence[Side]]) -> tuple[Side, ...]:
-    """Sides of several pieces made one each, and those that nearly stand still somewhere run through by length; ends of neighbors
-    are where they were."""
-    return tuple(_native._joined_side([side] if isinstance(side, Side) else list(side), [])[0] for side in sides)
+def _joined(sides: Sequence[Side | Sequence[Side]], as_given: bool) -> tuple[Side, ...]:
+    """Sides of several pieces made one each, and, unless `as_given`, those that nearly stand still somewhere run through by
+    length; ends of neighbors are where they were."""
+
+    def one(side: Side | Sequence[Side]) -> Side:
+        if isinstance(side, Side):
+            return side if as_given else _native._joined_side([side], [])[0]
+        return _native._joined_side(list(side), [])[0]
+
+    return tuple(one(side) for side in sides)
 
 
 def _closed(sides: Sequence[Side], tolerance: float) -> tuple[Side, ...]:
@@ -59,7 +65,8 @@ def patch(
         sides: `Side` objects in the order of the rim; a list of them, from end to end, is one side of several pieces that go on
             smoothly, within 10 degrees. Of three, side i is opposite corner i and runs from corner i + 1 to corner
             i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values. A side
-            whose speed falls below a quarter of its length somewhere is run through by length.
+            whose speed falls below a quarter of its length somewhere is run through by length, but not one of three where a
+            method is named.
         through: points (k, 3) inside, (point, normal) pairs or polylines that the patch meets exactly; of three sides it is one
             over a polygon then.
         method, cross_boundary, fairing: as of `fill`.
@@ -85,7 +92,9 @@ def patch(
             raise ValueError("tolerance must be a length")
         met = iter(_closed(pieces, float(tolerance)))
         sides = tuple(next(met) if isinstance(side, Side) else tuple(next(met) for _ in side) for side in sides)
-    sides = _joined(sides)
+    sides = _joined(
+        sides, as_given=len(sides) == 3 and method != "auto"
+    )  # constructions of papers go by the sides' own parameters
     given = {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, "through": through, **options}
     if len(sides) != 3 or len(through) > 0:
         made, notes = _between_many(sides, given, progress)
