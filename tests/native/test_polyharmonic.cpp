@@ -1,3 +1,4 @@
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -61,4 +62,18 @@ TEST_CASE("A sum of polyharmonic kernels and polynomials is what its formula say
     const Points slope = (sum.values(high) - sum.values(low)) / (2 * h);
     CHECK((jets.middleCols<3>(3 + 3 * axis) - slope).cwiseAbs().maxCoeff() < 1e-6);
   }
+}
+
+TEST_CASE("slopes without a limit at a center go over a ten-millionth from one side to the other", "[thresholds]") {
+  PolyharmonicSum sum(PlanePoints::Zero(1, 2));  // of the distance itself
+  sum.add(1.5, 1, Eigen::RowVector3d(1, 0, 0), Eigen::MatrixXd::Zero(free_polynomials(1.5), 3));
+  const std::array<double, 4> away = {0.5e-7, 0.95e-7, 1.05e-7, 1e-3};
+  PlanePoints at = PlanePoints::Zero(4, 2);
+  for (int k = 0; k < 4; ++k) at(k, 0) = away[k];
+  std::array<double, 36> out;
+  sum.evaluate(at, true, out.data());
+  const auto slope = [&](int k) { return out[9 * k + 3] / out[9 * 3 + 3]; };
+  CHECK(slope(0) == Approx(0.5));
+  CHECK(slope(1) == Approx(0.95));
+  CHECK(slope(2) == Approx(1));
 }

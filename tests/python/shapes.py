@@ -95,3 +95,19 @@ def bevelled_corner(segments, width=0.2):
         along, across = (1 - width) * axes[k - 2], (1 - width) * axes[k - 1]
         faces.append([vertex(p) for p in (axes[k], axes[k] + along, axes[k] + along + across, axes[k] + across)])
     return np.array(vertex.points), faces, [vertex(p) for arc in arcs for p in arc[:-1]], [vertex(arc[0]) for arc in arcs]
+
+
+def bevelled_cylinder(walls=24, segments=3, bevel=0.15):
+    """Of radius 1 and height 2, its two edges rounded: rings of quads from the top down, then the top and the bottom."""
+    turn = np.linspace(0, np.pi / 2, segments + 1)
+    half = [*zip(1 - bevel + bevel * np.sin(turn), 1 - bevel + bevel * np.cos(turn), strict=True)]
+    profile = half + [(r, -z) for r, z in reversed(half)]
+    around = 2 * np.pi * np.arange(walls) / walls
+    points = np.array([(r * np.cos(a), r * np.sin(a), z) for r, z in profile for a in around])
+    faces = [
+        [i * walls + j, (i + 1) * walls + j, (i + 1) * walls + (j + 1) % walls, i * walls + (j + 1) % walls]
+        for i in range(len(profile) - 1)
+        for j in range(walls)
+    ]
+    last = (len(profile) - 1) * walls
+    return points, [*faces, list(range(walls)), list(range(last, last + walls))[::-1]]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tripatch
 from scipy.spatial import ConvexHull
-from shapes import corner_removed, cube_sphere, octant
+from shapes import bevelled_cylinder, corner_removed, cube_sphere, octant
 from tripatch import words
 
 
@@ -410,3 +410,43 @@ def test_a_slit_whose_edges_lie_on_each_other_is_closed(gap):
     assert len(rim) == 4
     fill = tripatch.fill(points, faces, rim=rim)
     assert len(fill.faces) == 2 and not len(fill.vertices)
+
+
+WALLS = {  # (ring of quads, place around) of what is taken out; ring 3 are the walls
+    "walls": [(3, 0), (3, 1), (3, 2)],
+    "walls and beside": [(i, j) for i in (2, 3, 4) for j in range(3)],
+    "ragged": [(3, 0), (3, 1), (3, 2), (2, 0), (2, 2), (4, 1), (1, 2)],
+    "wide": [*((3, j) for j in range(5)), (2, 1), (2, 3), (4, 1), (4, 3)],
+}
+
+
+@pytest.mark.parametrize("cut", [False, True], ids=["quads", "triangles"])
+@pytest.mark.parametrize("gone", WALLS.values(), ids=WALLS.keys())
+def test_long_walls_of_a_bevelled_cylinder_are_filled_with_it(gone, cut):
+    """What walls are between their ends only their long edges tell; by their corners alone the fill was dented by a tenth."""
+    points, faces = bevelled_cylinder()
+    faces = [f for k, f in enumerate(faces) if divmod(k, 24) not in gone]
+    if cut:
+        faces = [[f[0], a, b] for f in faces for a, b in itertools.pairwise(f[1:])]
+    fill = tripatch.fill(points, faces)
+    assert fill.report.triangles_folded == 0
+    amid = fill.vertices[np.abs(fill.vertices[:, 2]) < 0.8]
+    assert len(amid) > 0
+    radius = np.hypot(amid[:, 0], amid[:, 1])
+    within = 0.08 if gone is WALLS["wide"] else 0.03
+    assert 1 - within < radius.min() and radius.max() < 1 + within
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("gone", ["ragged", "wide"])
+def test_where_a_field_would_run_on_as_fillets_end_the_triangles_bend_least(gone, seed):
+    """The same a little uneven: no face is flat, only vertices tell, and the field dipped by a fifth of the hole and more."""
+    points, faces = bevelled_cylinder()
+    points = points + 1e-3 * np.random.default_rng(seed).standard_normal(points.shape)
+    faces = [f for k, f in enumerate(faces) if divmod(k, 24) not in WALLS[gone]]
+    faces = [[f[0], a, b] for f in faces for a, b in itertools.pairwise(f[1:])]
+    fill = tripatch.fill(points, faces)
+    amid = fill.vertices[np.abs(fill.vertices[:, 2]) < 0.8]
+    assert len(amid) > 0
+    radius = np.hypot(amid[:, 0], amid[:, 1])
+    assert 0.8 < radius.min() and radius.max() < 1.2

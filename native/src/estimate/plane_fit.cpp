@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "tripatch/math/machines.h"
+
 namespace tripatch {
 namespace {
 
@@ -149,15 +151,44 @@ void set_residual(const Stencil& s, FitRoom& room) {
   add_product(s.rows, x.data(), room.residual.data());
 }
 
+using RowSum = Eigen::Matrix<double, 24, 1>;
+
+/// Of the rows, each times its weight and its residual.
+RowSum sum_of_rows(const Stencil& s, const FitRoom& room) {
+  RowSum sum = RowSum::Zero();
+  for (Index k = 0; k < room.residual.size(); ++k) sum += room.weight[k] * room.residual[k] * s.rows.row(k).transpose();
+  return sum;
+}
+
+#ifdef TRIPATCH_PACKS
+/// The same bits.
+TRIPATCH_PACKED void sum_rows_packed(const Stencil& s, const FitRoom& room, RowSum& out) {
+  constexpr int packs = 24 / lanes;
+  Pack sum[packs] = {};
+  const double* row = s.rows.data();
+  for (Index k = 0; k < room.residual.size(); ++k, row += 24) {
+    const Pack factor = all_lanes(room.weight.data()[k] * room.residual.data()[k]);
+    for (int j = 0; j < packs; ++j) sum[j] += factor * loaded(row + lanes * j);
+  }
+  for (int j = 0; j < packs; ++j) store(sum[j], out.data() + lanes * j);
+}
+#endif
+
 /// Adds what the residuals of the rows themselves still ask for (corrected seminormal equations: Bjorck 1987).
 void correct(const Stencil& s, FitRoom& room) {
   set_residual(s, room);
   SquareOf24& root = room.root;
   Column x = -room.prior.cwiseProduct(room.mean);
   x[2] += room.prior[2] * s.faces;
-  Eigen::Matrix<double, 24, 1> sum = Eigen::Matrix<double, 24, 1>::Zero();
-  for (Index k = 0; k < room.residual.size(); ++k) sum -= room.weight[k] * room.residual[k] * s.rows.row(k).transpose();
-  x += sum.head<fit_terms>();
+  RowSum sum;
+#ifdef TRIPATCH_PACKS
+  static const bool packs = __builtin_cpu_supports("avx2");
+  if (packs)
+    sum_rows_packed(s, room, sum);
+  else
+#endif
+    sum = sum_of_rows(s, room);
+  x -= sum.head<fit_terms>();
   for (int k = 0; k < fit_terms; ++k) x[k] /= term[k].over;
   for (int k = 0; k < fit_terms; ++k) {  // r' y = x
     const double entry = x[k] /= root(k, k);

@@ -208,10 +208,16 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   bool apart = false;
   try {
     patch = fill_with_patch(ground, hole, options);
-    apart = !corners && hole.rim.size() >= least_edges_apart && not_taken(options).empty() &&
-            planes_apart_at_corners(patch->sides) > no_surface && !any_sharp(sharp_sides_of(ground, hole));
+    const bool own_choice = !corners && hole.rim.size() >= least_edges_apart && not_taken(options).empty();
+    const double planes_apart = own_choice ? planes_apart_at_corners(patch->sides) : 0;
+    const bool no_one_surface = planes_apart > one_surface && !any_sharp(sharp_sides_of(ground, hole));
+    apart = no_one_surface && planes_apart > no_surface;
     const bool folds = patch->report.folds > 0 || patch->report.triangles_folded > 0, crosses = patch->report.crosses_itself;
-    if (!folds && !crosses && !apart) return std::move(*patch);
+    if (!folds && !crosses && !apart) {
+      if (!no_one_surface || is_shaped_by_hand(options)) return std::move(*patch);
+      Fill spline = any_rim("the surroundings as a whole tell of another surface than their three sides alone");
+      return excluded_by(*patch, spline, diameter(ground.mesh, hole.rim)) ? spline : std::move(*patch);
+    }
     reason = folds     ? "a patch between three corners would fold"
              : crosses ? "a patch between three corners would cross itself"
                        : "the tangent planes of the three sides differ at the corners";

@@ -83,6 +83,8 @@ public:
     for (const std::array<Index, 3>& t : disc_.triangles) out.triangles.push_back({row[t[0]], row[t[1]], row[t[2]]});
     out.points.resize(static_cast<Index>(out.vertices.size()), 3);
     for (std::size_t k = 0; k < out.vertices.size(); ++k) out.points.row(static_cast<Index>(k)) = point(out.vertices[k]);
+    for (Index& v : faces_.corners) v = row[v];
+    out.on_edges = points_on_long_edges(out.points, faces_);
     return out;
   }
 
@@ -145,21 +147,16 @@ private:
   }
 
   void cut(std::span<const Index> face) {
-    if (face.size() == 3) {
-      disc_.triangles.push_back({row_.find(face[0]), row_.find(face[1]), row_.find(face[2])});
-      return;
-    }
+    const std::size_t n = face.size();
+    if (n < 3) return;
     std::vector<Index> rows;
     for (Index v : face) rows.push_back(row_.find(v));
-    const std::size_t n = rows.size();
-    if (n < 3) return;
-    std::size_t first = 0;
     if (n == 4) {
       const auto d = [&](std::size_t a, std::size_t b) { return (point(face[a]) - point(face[b])).squaredNorm(); };
-      first = clearly_less(d(1, 3), d(0, 2)) ? 1 : 0;
+      if (clearly_less(d(1, 3), d(0, 2))) std::rotate(rows.begin(), rows.begin() + 1, rows.end());
     }
-    for (std::size_t k = 1; k + 1 < n; ++k)
-      disc_.triangles.push_back({rows[first], rows[(first + k) % n], rows[(first + k + 1) % n]});
+    faces_.add(rows);
+    for (std::size_t k = 1; k + 1 < n; ++k) disc_.triangles.push_back({rows[0], rows[k], rows[k + 1]});
   }
 
   /// Distances of the vertices from `first` on, from those before them and among each other.
@@ -184,6 +181,7 @@ private:
   std::vector<Index> front_;
   std::vector<std::array<Index, 2>> border_;  // from vertex to vertex as the faces taken go
   double rim_length_ = 0;
+  Faces faces_;  // of the disc, by row
   Disc disc_;
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "tripatch/estimate/long_edges.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -15,7 +16,22 @@ struct Disc {
   std::vector<std::array<Index, 3>> triangles;  ///< of the surroundings, by row of `vertices`; larger faces cut
   std::vector<double> distance;                 ///< of each vertex from the rim, along edges, scene units
   int rings = 0;
+  std::vector<OnEdge>
+      on_edges;  ///< spread along edges of quads and larger faces, and across these, that are much longer than others
 };
+
+/// What is known at the vertices of a disc, a row for each, and after these what lies between them at its points on edges.
+template <class Rows>
+Rows with_points_on_edges(const Disc& disc, const Rows& at_vertices) {
+  const Index n = at_vertices.rows(), added = static_cast<Index>(disc.on_edges.size());
+  Rows all(n + added, at_vertices.cols());
+  all.topRows(n) = at_vertices;
+  for (Index k = 0; k < added; ++k) {
+    const auto& [ends, share] = disc.on_edges[static_cast<std::size_t>(k)];
+    all.row(n + k) = (1 - share) * at_vertices.row(ends[0]) + share * at_vertices.row(ends[1]);
+  }
+  return all;
+}
 
 /// Rings of faces around loops of the border until half of the outermost vertices are `reach` away (scene units), `most_rings` at
 /// most; as far as the outer border does not draw together (the far end of a limb). Vertices that are not finite end it.
