@@ -17,6 +17,7 @@
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/creased_fill.h"
 #include "tripatch/spline/disc.h"
+#include "tripatch/spline/features.h"
 #include "tripatch/spline/plane_fill.h"
 #include "tripatch/spline/plane_patch.h"
 
@@ -154,16 +155,15 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
 }
 
 /// Faces that a fill may look at: as far as creases are followed, and so many rings more as there are neighbors of neighbors looked at.
-constexpr double farthest_reach = 0.75;
-constexpr int farthest_rings = 40, rings_beyond = 3;
+constexpr int rings_beyond = 3;
 
 std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                                    const Connectivity* continued) {
   double length = 0;
   for (const std::vector<Index>& loop : loops) length = std::max(length, diameter(mesh, loop));
-  std::vector<Index> vertices = disc_around(mesh, around, loops, farthest_reach * length, farthest_rings).vertices;
+  std::vector<Index> vertices = disc_around(mesh, around, loops, crease_reach * length, most_crease_rings).vertices;
   if (continued) {
-    const Disc more = disc_around(mesh, *continued, loops, farthest_reach * length, farthest_rings);
+    const Disc more = disc_around(mesh, *continued, loops, crease_reach * length, most_crease_rings);
     vertices.insert(vertices.end(), more.vertices.begin(), more.vertices.end());
   }
   return rings_around(around, vertices, rings_beyond).all_faces();

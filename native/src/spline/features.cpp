@@ -32,9 +32,6 @@ constexpr double above_noise = 3, ordinary_share = 0.75;
 /// Between smooth faces (smooth_angle) a crease that is sharp at the rim is followed to half of that: where two pipes meet it gets blunt
 /// by and by (0%, 3%).
 constexpr double still_crease = 0.5;
-/// Of the hole's diameter: as far as creases are followed (46%, 0%), over so many rings (0%, 0%).
-constexpr double crease_reach = 0.75;
-constexpr int most_crease_rings = 40;
 /// Where a crease turns by more it ends (57%, -3%; with 63 degrees 7%).
 constexpr double sharpest_turn = 45 * one_degree;
 /// A crease of a single edge is believed where the edge is this share of the diameter, or longer: a choice, for none of the 68 is so.
