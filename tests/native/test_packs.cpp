@@ -1,6 +1,7 @@
 #include "test_surfaces.h"
 #include "tripatch/constructions/nielson_blend.h"
 #include "tripatch/constructions/side_vertex.h"
+#include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/fairing/fairing_space.h"
 #include "tripatch/patch/packs.h"
 
@@ -77,4 +78,28 @@ TEST_CASE("a packed field has the pieces of the field it is made of") {
     }
   }
 #endif
+}
+
+TEST_CASE("curvature varies to the last bit the same at many points as at each") {
+  std::vector<Derivatives> d;
+  for (int k = 0; k < 7; ++k) d.emplace_back(Derivatives::Random());
+  d[2].row(0).setZero();  // neither number nor frame
+  const double flat = 1e-3;
+  std::vector<CurvatureVariation> all(d.size());
+  std::vector<CurvatureVariationRows> rows(d.size());
+  curvature_variations(d, flat, all.data());
+  curvature_variation_rows(d, flat, rows.data());
+  const auto same = [](const auto& a, const auto& b) { return (a.array() == b.array()).all(); };
+  for (std::size_t k = 0; k < d.size(); ++k) {
+    CAPTURE(k);
+    const CurvatureVariation one = curvature_variation(d[k], flat);
+    const CurvatureVariationRows one_rows = curvature_variation_rows(d[k], flat);
+    CHECK(std::isfinite(one.quadric.sum()) == (k != 2));
+    if (k == 2) continue;
+    CHECK(all[k].area == one.area);
+    CHECK(same(all[k].variation, one.variation));
+    CHECK(same(all[k].quadric, one.quadric));
+    CHECK(same(rows[k].value, one_rows.value));
+    CHECK(same(rows[k].derivative, one_rows.derivative));
+  }
 }

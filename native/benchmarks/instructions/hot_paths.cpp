@@ -10,6 +10,7 @@
 #include "tripatch/fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/border_loops.h"
+#include "tripatch/spline/rough_fill.h"
 
 using namespace tripatch;
 
@@ -83,13 +84,25 @@ void borders() {
   border_loops(Connectivity(many.mesh()));
 }
 
+/// Of a waving, jagged rim of 10,000 vertices: by parts, for the work to grow little faster than the rim.
+void roughly() {
+  constexpr Index edges = 10'000;
+  Points rim(edges, 3);
+  for (Index k = 0; k < edges; ++k) {
+    const double turn = 2 * M_PI * static_cast<double>(k) / edges, out = 1 + 1e-4 * static_cast<double>(k * k % 7919) / 7919;
+    rim.row(k) << 100 * out * std::cos(turn), 100 * out * std::sin(turn), 20 * std::sin(3 * turn);
+  }
+  rough_fill(rim);
+}
+
 const std::map<std::string, std::function<void()>> paths = {
     {"surroundings", [] { mesh_sides(waves().mesh(), around(), make_hole(waves().mesh(), around(), waves().rim, {})); }},
     {"fill without fairing", [] { filled({}); }},
     {"fill", [] { filled(Fairing::automatic); }},
     {"spline", spline},
     {"normals", normals},
-    {"borders", borders}};
+    {"borders", borders},
+    {"rough fill", roughly}};
 
 }  // namespace
 

@@ -228,25 +228,39 @@ def _rows(function: str) -> list[Any]:
     return [row for row in _ROWS if function in row.functions]
 
 
+@functools.cache
+def _defaults(function: str) -> dict[str, Any]:
+    return {option.name: option.default for option in _rows(function)}
+
+
+@functools.cache
+def _ready(function: str) -> dict[str, Any]:
+    """The defaults as the core reads them: most options of most calls."""
+    return {option.name: value(option, option.default) for option in _rows(function) if option.kind != "subdivision"}
+
+
 def checked(function: str, given: dict[str, Any]) -> dict[str, Any]:
     """The options of a function, by their types and with defaults, as the core reads them; it checks their ranges itself.
 
     Raises:
         TypeError, ValueError: what is given has the wrong type or shape, is no option, or not one of the method.
     """
-    rows = _rows(function)
-    unknown = set(given) - {option.name for option in rows}
+    rows, defaults, ready = _rows(function), _defaults(function), _ready(function)
+    unknown = given.keys() - defaults.keys()
     if unknown:
         raise TypeError(f"{function}() got an unexpected keyword argument {min(unknown)!r}")
-    values = {option.name: given.get(option.name, option.default) for option in rows}
+    values, made = defaults | given, dict(ready)
     if "method" in values:
         choice(values["method"], "method", names(OPTIONS["method"]))
-    for option in rows:
+    own = [option for option in rows if option.name in given]
+    for option in own:
         having = [value for name, value in option.applies if name == "method"]
         strict = option.default in (None, False)  # the others are options of many methods, and always have a value
         if having and strict and values["method"] not in having and values[option.name] not in (None, False):
             raise ValueError(f"{option.name} is an option of {', '.join(having)}, not of {values['method']}")
-    made = {option.name: value(option, values[option.name]) for option in rows if option.kind != "subdivision"}
+    for option in own:
+        if option.kind != "subdivision":
+            made[option.name] = value(option, values[option.name])
     for option in rows:
         if option.kind == "subdivision":
             settings = values[option.name] if applies(option, values) else None

@@ -48,7 +48,8 @@ Weights derivative_weights(const std::vector<std::array<double, 2>>& samples, co
   for (Index k = 0; k < n; ++k) fill(values, k, samples[k], {0, 0});
   for (std::size_t p = 0; p < places.size(); ++p)
     for (std::size_t d = 0; d < 9; ++d) fill(wanted, static_cast<Index>(9 * p + d), places[p], orders[d]);
-  return wanted * SquareSystem(values).inverse();
+  const Eigen::MatrixXd weights = wanted * SquareSystem(values).inverse();
+  return weights;
 }
 
 Weights quad_weights() {

@@ -131,14 +131,14 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   Eigen::MatrixXd inside(equations.rows(), points.inside.size());
   for (Index k = 0; k < inside.cols(); ++k) inside.col(k) = equations.col(points.inside[k]);
   // Unknown: the distance from the Coons net of the polygons. Where the system is singular the decomposition gives the shortest.
-  const Points right = -equations * net;
+  const Points right = -Points(equations * net);
   const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, singular_pivot);
   if (rank_found < inside.cols()) {
     const std::string name =
         kind == CoonsKind::mask ? "The mask's system of degree " + std::to_string(n)
                                 : "The permanence system of degree " + std::to_string(n) + " with alpha " + std::to_string(alpha);
     const std::string rank = " is singular (rank " + std::to_string(rank_found) + " of " + std::to_string(inside.cols()) + ")";
-    const double left = (inside * correction - right).cwiseAbs().maxCoeff();
+    const double left = (Points(inside * correction) - right).cwiseAbs().maxCoeff();
     const double size = (net.rowwise() - net.row(0)).cwiseAbs().maxCoeff();
     if (left > precision * size)
       throw Refusal(name + rank + " and has no solution for this boundary; take another degree" +
@@ -169,7 +169,7 @@ double fit_curve(const PiecewisePolynomial& c, const std::vector<double>& t, int
   samples.rowwise() -= origin.transpose();
   const Eigen::MatrixXd basis = bernstein(degree, t);
   curve = least_squares(basis, samples);
-  const double left = (basis * curve - samples).rowwise().norm().maxCoeff();
+  const double left = (Points(basis * curve) - samples).rowwise().norm().maxCoeff();
   curve.rowwise() += origin.transpose();
   return left;
 }
@@ -232,7 +232,8 @@ Eigen::MatrixXd coons_form(int degree, bool symmetric) {
   const Eigen::MatrixXd gram = bernstein_gram(degree - 2);
   for (int s = symmetric ? 0 : 2; s < 3; ++s) {
     const Eigen::MatrixXd d = mixed_derivative(degree, (s + 1) % 3, (s + 2) % 3, s);
-    form += d.transpose() * gram * d;
+    const Eigen::MatrixXd half = d.transpose() * gram;
+    form += half * d;
   }
   return form;
 }
@@ -292,7 +293,7 @@ BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std:
     const Extremal& e = extremal(n, kind == CoonsKind::extremal_symmetric);
     Eigen::MatrixXd rim(e.points.rim.size(), 3);
     for (Index k = 0; k < rim.rows(); ++k) rim.row(k) = net.row(e.points.rim[k]);
-    const Eigen::MatrixXd inside = solve_symmetric(e.inside, -e.rim * rim);
+    const Eigen::MatrixXd inside = solve_symmetric(e.inside, -Eigen::MatrixXd(e.rim * rim));
     for (Index k = 0; k < inside.rows(); ++k) net.row(e.points.inside[k]) = inside.row(k);
   }
   if (n > 12 && warnings)

@@ -74,7 +74,8 @@ double coons_energy(const BezierRectangle& surface) {
     const auto p = [&](int i, int j) { return surface.net()(surface.row(i, j), x); };
     for (int i = 0; i < m; ++i)
       for (int j = 0; j < n; ++j) d(i, j) = m * n * (p(i + 1, j + 1) - p(i + 1, j) - p(i, j + 1) + p(i, j));
-    energy += (d.transpose() * gu * d * gv).trace();
+    const Eigen::MatrixXd half = d.transpose() * gu, form = half * d;
+    energy += (form * gv).trace();
   }
   return energy;
 }

@@ -108,7 +108,9 @@ Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eige
   if (gradient.norm() <= flat * f.squaredNorm()) return Vector3::Zero();
   const PrincipalAxes axes = principal_axes(hessian);
   const Vector3 curvature = axes.values.cwiseAbs().cwiseMax(least_curvature * axes.values.cwiseAbs().maxCoeff());
-  Vector3 direction = -(axes.vectors * curvature.cwiseInverse().asDiagonal() * axes.vectors.transpose() * gradient);
+  const Eigen::Matrix3d scaled = axes.vectors * curvature.cwiseInverse().asDiagonal(),
+                        inverse = scaled * axes.vectors.transpose();
+  Vector3 direction = -(inverse * gradient);
   if (direction.norm() > longest) direction *= longest / direction.norm();
   return direction;
 }

@@ -1,6 +1,7 @@
 #include "tripatch/fairing/energy_problem.h"
 
 #include <cmath>
+#include <memory>
 
 #include "tripatch/fairing/energy.h"
 #include "tripatch/math/parallel.h"
@@ -97,8 +98,10 @@ Quadratic EnergyProblem::quadratic(int order) const {
 
 std::pair<double, double> EnergyProblem::variation(const std::vector<Derivatives>& d) const {
   double variation = 0, quadric = 0;
+  const auto all = std::make_unique_for_overwrite<CurvatureVariation[]>(d.size());
+  curvature_variations(d, flat_curvature(size_), all.get());
   for (std::size_t k = 0; k < d.size(); ++k) {
-    const CurvatureVariation v = curvature_variation(d[k], flat_curvature(size_));
+    const CurvatureVariation& v = all[k];
     const double w = nodes_.weights[k] * size_ * size_ * v.area;
     variation += w * v.variation.squaredNorm();
     quadric += w * v.quadric.squaredNorm();
@@ -128,6 +131,7 @@ std::array<RowMajor, 2> EnergyProblem::grams(const std::vector<Derivatives>& all
                                              Index to) const {
   constexpr Index block = 12;              // nodes: their rows stay in the cache
   std::array<RowMajor, 2> jacobian, gram;  // with the values as last column
+  const auto nodes = std::make_unique_for_overwrite<CurvatureVariationRows[]>(block);
   const Index columns = count() + 1;
   for (int which = 0; which < 2; ++which)
     if (wanted[which]) gram[which].setZero(columns, columns);
@@ -135,8 +139,9 @@ std::array<RowMajor, 2> EnergyProblem::grams(const std::vector<Derivatives>& all
     const Index n = std::min(block, to - start);
     for (int which = 0; which < 2; ++which)
       if (wanted[which]) jacobian[which].resize(4 * n, columns);
+    curvature_variation_rows({&all[start], static_cast<std::size_t>(n)}, flat_curvature(size_), nodes.get());
     for (Index k = start; k < start + n; ++k) {
-      const CurvatureVariationRows v = curvature_variation_rows(all[k], flat_curvature(size_));
+      const CurvatureVariationRows& v = nodes[k - start];
       const double w = std::sqrt(nodes_.weights[k]) * size_;
       const Index row = 4 * (k - start);
       for (int which = 0; which < 2; ++which) {

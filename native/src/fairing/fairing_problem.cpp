@@ -146,7 +146,10 @@ void FairingProblem::add_slopes(Index node) {
       for (int d = 0; d < 9; ++d)
         for (int x = 0; x < 3; ++x, to += fields_) {
           const double* const from = made.data() + x * made.cols() + d * slopes;
-          for (int m = 0; m < slopes; ++m) to[m] = from[m];
+          if (slopes == usual_slopes)
+            std::copy_n(from, usual_slopes, to);  // a number that is known when this is compiled
+          else
+            std::copy_n(from, slopes, to);
         }
     }
 }

@@ -12,11 +12,14 @@ using AtEdge = std::map<std::pair<Index, Index>, std::vector<std::size_t>>;
 
 AtEdge triangles_at_edges(const std::vector<std::array<Index, 3>>& triangles, Index rim) {
   AtEdge at;
-  for (std::size_t t = 0; t < triangles.size(); ++t)
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const std::array<Index, 3>& v = triangles[t];
+    if ((v[0] < rim) + (v[1] < rim) + (v[2] < rim) < 2) continue;
     for (int k = 0; k < 3; ++k) {
-      const auto [a, b] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
+      const auto [a, b] = std::minmax(v[k], v[(k + 1) % 3]);
       if (b < rim) at[{a, b}].push_back(t);
     }
+  }
   return at;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tripatch/math/parallel.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
@@ -32,33 +33,40 @@ TriangleMesh blended_grid(const Parameters& parameters, const Points& rim, Index
   mesh.rim = 3 * n;
   mesh.barycentric.resize(TriangularGrid{n}.size(), 3);
   mesh.barycentric.topRows(3 * n) = rim;
+  std::vector<double> even;
+  for (Index k = 0; k <= n; ++k) even.push_back(static_cast<double>(k) / static_cast<double>(n));
   std::array<std::vector<double>, 3> shift;  // of the parameter against the even one
   for (int i = 0; i < 3; ++i)
-    for (Index k = 0; k <= n; ++k) shift[i].push_back(parameters[i][k] - static_cast<double>(k) / static_cast<double>(n));
+    for (Index k = 0; k <= n; ++k) shift[i].push_back(parameters[i][k] - even[k]);
+  double* out = mesh.barycentric.data() + 3 * mesh.rim;  // inner vertices come in this order
   for (Index q = 1; q < n; ++q)
-    for (Index p = 1; p + q < n; ++p) {
-      const std::array<Index, 3> step = {n - p - q, p, q};
-      std::array<double, 3> b;
-      for (int i = 0; i < 3; ++i) b[i] = static_cast<double>(step[i]) / static_cast<double>(n);
-      for (int i = 0; i < 3; ++i) {  // seen from corner i, the shift of the opposite side fades like the square of the distance
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        const double share = static_cast<double>(step[j] + step[k]) / static_cast<double>(n);
-        const double at = static_cast<double>(step[k]) / share;
+    for (Index p = 1; p + q < n; ++p, out += 3) {
+      const Index r = n - p - q;
+      double b0 = even[r], b1 = even[p], b2 = even[q];
+      // seen from a corner, the shift of the opposite side fades like the square of the distance
+      const auto move = [&](const std::vector<double>& along, double share, Index step, double& back, double& on) {
+        const double at = static_cast<double>(step) / share;
         const Index first = std::min(static_cast<Index>(at), n - 1);
-        const double e = shift[i][first] + (at - static_cast<double>(first)) * (shift[i][first + 1] - shift[i][first]);
-        b[j] -= share * share * e;
-        b[k] += share * share * e;
-      }
-      mesh.barycentric.row(grid_vertex(n, p, q)) << b[0], b[1], 1 - b[0] - b[1];
+        const double e = along[first] + (at - static_cast<double>(first)) * (along[first + 1] - along[first]);
+        back -= share * share * e;
+        on += share * share * e;
+      };
+      move(shift[0], even[p + q], q, b1, b2);
+      move(shift[1], even[q + r], r, b2, b0);
+      move(shift[2], even[r + p], p, b0, b1);
+      out[0] = b0;
+      out[1] = b1;
+      out[2] = 1 - b0 - b1;
     }
-  mesh.triangles.reserve(n * n);
+  mesh.triangles.resize(n * n);
+  std::array<Index, 3>* next_triangle = mesh.triangles.data();
   std::vector<Index> row(n + 1), next(n + 1);  // vertices of a row of the grid, and of the next one
   for (Index p = 0; p <= n; ++p) row[p] = grid_vertex(n, p, 0);
   for (Index q = 0; q < n; ++q, std::swap(row, next)) {
     for (Index p = 0; p + q < n; ++p) next[p] = grid_vertex(n, p, q + 1);
     for (Index p = 0; p + q < n; ++p) {
-      mesh.triangles.push_back({row[p], row[p + 1], next[p]});
-      if (p + q + 1 < n) mesh.triangles.push_back({row[p + 1], next[p + 1], next[p]});
+      *next_triangle++ = {row[p], row[p + 1], next[p]};
+      if (p + q + 1 < n) *next_triangle++ = {row[p + 1], next[p + 1], next[p]};
     }
   }
   return mesh;
@@ -66,13 +74,15 @@ TriangleMesh blended_grid(const Parameters& parameters, const Points& rim, Index
 
 /// No triangle turned over or squeezed in the domain, measured in the equilateral triangle?
 bool fits_in_domain(const TriangleMesh& mesh) {
-  for (const auto& t : mesh.triangles) {
-    std::array<Vec3, 3> x;
-    for (int k = 0; k < 3; ++k) x[k] = mesh.barycentric.row(t[k]);
-    const Vec3 u = x[1] - x[0], v = x[2] - x[0];
-    if (!(u[1] * v[2] - u[2] * v[1] > 0) || shape(x[0], x[1], x[2]) < least_shape_in_domain) return false;
-  }
-  return true;
+  const double* const b = mesh.barycentric.data();
+  return holds_for_all(static_cast<Index>(mesh.triangles.size()), [&](Index k) {
+    const std::array<Index, 3>& t = mesh.triangles[k];
+    using InPlane = Eigen::Map<const Vec3>;
+    const InPlane x(b + 3 * t[0]), y(b + 3 * t[1]), z(b + 3 * t[2]);
+    const Vec3 u = y - x, v = z - x, w = z - y;
+    const double area = u[1] * v[2] - u[2] * v[1];  // all three of u x v, whose shape() is 6 of them over the squares
+    return area > 0 && 6 * area >= least_shape_in_domain * (u.squaredNorm() + v.squaredNorm() + w.squaredNorm());
+  });
 }
 
 /// And in space, on a part of the grid, corners left out?
@@ -98,7 +108,12 @@ void mend_corners(TriangleMesh& mesh, Index n, const Surface& patch) {
   for (int corner = 0; corner < 3 && n > 1; ++corner) {
     const Index c = corner * n, after = c + 1, before = (c + 3 * n - 1) % (3 * n);
     std::array<Index, 3>*tip = nullptr, *next = nullptr;
-    for (auto& t : mesh.triangles) {
+    // the last of the first row, and the one before it; the last of all, and the one in the middle of the row before it
+    const std::array<Index, 2> there = corner == 0   ? std::array<Index, 2>{0, 1}
+                                       : corner == 1 ? std::array{2 * n - 2, 2 * n - 3}
+                                                     : std::array{n * n - 1, n * n - 3};
+    for (Index k : there) {
+      std::array<Index, 3>& t = mesh.triangles[k];
       int both = 0, tips = 0;
       for (Index v : t) both += v == after || v == before, tips += v == c;
       if (both == 2) (tips ? tip : next) = &t;

@@ -3,7 +3,12 @@
 namespace tripatch {
 
 VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree)
-    : i_(i), degree_(degree), ribbon_(boundary.ribbons[i]), packed_c_(ribbon_.c), packed_d_(ribbon_.d) {
+    : i_(i),
+      degree_(degree),
+      ribbon_(boundary.ribbons[i]),
+      packed_c_(ribbon_.c),
+      packed_d_(ribbon_.d),
+      same_pieces_(packed_c_.has_places_of(packed_d_)) {
   const auto& ribbons = boundary.ribbons;
   for (int k = 0; k < 3; ++k) corner_[k] = ribbons[(k + 2) % 3].c(0);
   // towards corner i + 1 along side i + 2, towards corner i + 2 back along side i + 1

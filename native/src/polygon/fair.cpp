@@ -168,8 +168,8 @@ SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, con
       if (p.normal)
         for (int k = 1; k <= 2; ++k) add(k, *p.normal, 0);
     }
-    const Eigen::MatrixXd x = least_squares(rows, right);
-    if (!x.allFinite() || (rows * x - right).norm() > points_met * size)
+    const Eigen::MatrixXd x = least_squares(rows, right), met = rows * x;
+    if (!x.allFinite() || (met - right).norm() > points_met * size)
       throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
     Points coefficients(count, 3);
     for (int c = 0; c < 3; ++c) coefficients.col(c) = x.col(0).segment(c * count, count);

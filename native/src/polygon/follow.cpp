@@ -56,7 +56,8 @@ SurfacePtr follow_over_polygon(const SurfacePtr& plain, const PolygonDomain& dom
       const Eigen::Matrix3d across = follow_along * Eigen::Matrix3d::Identity() + (1 - follow_along) * up * up.transpose();
       for (Index s = 0; s < unknowns; ++s) rows.block<3, 3>(0, 3 * s) = size * basis[s].value() * across;
       normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-      right += rows.transpose() * (across * missing.row(k).transpose());
+      const Vec3 off = across * missing.row(k).transpose();
+      right += rows.transpose() * off;
     }
     normal.diagonal().array() += follow_least_diagonal * normal.trace() / static_cast<double>(3 * unknowns);
     const Eigen::VectorXd x = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);

@@ -9,14 +9,13 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/kept.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/patch/seam.h"
 #include "tripatch/polygon/space.h"
 
 namespace tripatch {
 namespace {
 
-constexpr double same_plane = 1e-6;     ///< degrees between the planes of two sides up to which a corner has one, as in reports
-constexpr double beside_corner = 0.01;  ///< of a side: what is left out beside a corner that has two planes, which no patch meets
-constexpr int seam_samples = 200;       ///< places along a side, a choice
+constexpr int seam_samples = 200;  ///< places along a side, a choice
 
 template <class T>
 std::vector<T> each(const std::vector<T>& given, int n, const T& otherwise, const char* name) {

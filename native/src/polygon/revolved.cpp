@@ -209,8 +209,10 @@ Eigen::VectorXd Profile::step(const Eigen::VectorXd& y, const Value& v, double d
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(profile_unknowns, profile_unknowns);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(profile_unknowns);
     for (int p = 0; p < 5; ++p) {
-      normal += weight[p] * slopes[p].transpose() * slopes[p];
-      gradient += weight[p] * slopes[p].transpose() * v.parts[p];
+      const Eigen::MatrixXd squares = slopes[p].transpose() * slopes[p];
+      const Eigen::VectorXd down = slopes[p].transpose() * v.parts[p];
+      normal += weight[p] * squares;
+      gradient += weight[p] * down;
     }
     normal.diagonal() += damping * normal.diagonal() + 1e-14 * normal.trace() * Eigen::VectorXd::Ones(profile_unknowns);
     change = constrained_quadratic_minimum(normal, gradient, Eigen::MatrixXd(0, profile_unknowns));

@@ -148,7 +148,8 @@ std::vector<Harmonic> terms_through(std::vector<Harmonic> terms, const std::vect
   }
   for (int round = 0; round < 2; ++round) {  // a second time for the last digits
     const Eigen::MatrixXd lacking = wanted - conditions_on(RoundSurface(terms), points), x = least_squares(rows, lacking);
-    if (!x.allFinite() || (rows * x - lacking).norm() > points_met * size)
+    const Eigen::MatrixXd met = rows * x;
+    if (!x.allFinite() || (met - lacking).norm() > points_met * size)
       throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
     Points coefficients(count, 3);
     for (int c = 0; c < 3; ++c) coefficients.col(c) = x.col(0).segment(c * count, count);

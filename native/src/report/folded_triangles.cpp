@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/parallel.h"
 #include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
@@ -20,11 +21,53 @@ Vec3 unit(const Vec3& area) {
 /// use(its corners) for each triangle of faces that are cut into fans.
 template <class Use>
 void for_triangles(const Faces& faces, const Use& use) {
-  for (Index f = 0; f < faces.size(); ++f) {
+  const Index *const offsets = faces.offsets.data(), *const corners = faces.corners.data(), size = faces.size();
+  for (Index f = 0; f < size; ++f) {
     if (f % 256 == 0) check_interruption();
-    const auto face = faces[f];
-    for (std::size_t k = 2; k < face.size(); ++k) use(face[0], face[k - 1], face[k]);
+    const Index first = offsets[f], end = offsets[f + 1];
+    for (Index k = first + 2; k < end; ++k) use(corners[first], corners[k - 1], corners[k]);
   }
+}
+
+/// Rows of a mesh and of what is added to it, by the number of their vertex.
+class Places {
+public:
+  Places(const PointsRef& vertices, const PointsRef& added) : vertices_(vertices), added_(added), n_(vertices.rows()) {}
+  Vec3 operator()(Index v) const { return v < n_ ? vertices_.row(v) : added_.row(v - n_); }
+
+private:
+  const PointsRef &vertices_, &added_;
+  Index n_;
+};
+
+/// Whether rounding has no say in that no two triangles are folded over each other: all lean from the vector area of the loops, which the
+/// faces beyond go along, by less than half of what makes a fold. False says nothing.
+bool surely_unfolded(const Places& at, const Faces& faces, std::span<const FaceBeyond> beyond) {
+  if (beyond.empty()) return false;
+  const Vec3 origin = at(beyond[0].from);
+  Vec3 way = Vec3::Zero();
+  for (const FaceBeyond& face : beyond) way += (at(face.from) - origin).cross(at(face.to) - origin);
+  way = unit(way);
+  for (const FaceBeyond& face : beyond)
+    if (!face.normal.isZero(0)) {
+      if (face.normal.dot(way) < 0) way = -way;
+      break;
+    }
+  constexpr double clearly = 1 + 1e-9;  // a million times what rounding does to unit vectors
+  const double cosine = std::cos(folded_degrees / 2 * M_PI / 180), least = clearly * cosine * cosine;
+  const auto leans_little = [&](const Vec3& normal) {
+    const double along = normal.dot(way);
+    return along > 0 && along * along > least * normal.squaredNorm();
+  };
+  for (const FaceBeyond& face : beyond)
+    if (!face.normal.isZero(0) && !leans_little(face.normal)) return false;
+  return holds_for_all(faces.size(), [&](Index f) {
+    const Index *const corner = faces.corners.data() + faces.offsets[f], *const end = faces.corners.data() + faces.offsets[f + 1];
+    const Vec3 first = at(corner[0]);
+    for (const Index* next = corner + 2; next < end; ++next)
+      if (!leans_little((at(next[-1]) - first).cross(at(*next) - first))) return false;
+    return true;
+  });
 }
 
 }  // namespace
@@ -81,8 +124,8 @@ EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, s
 
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                          std::span<const FaceBeyond> beyond, EdgesByVertex& edges) {
-  const Index n = vertices.rows();
-  const auto at = [&](Index v) -> Vec3 { return v < n ? vertices.row(v) : added.row(v - n); };
+  const Places at(vertices, added);
+  if (surely_unfolded(at, faces, beyond)) return 0;
   std::vector<Vec3> normals;
   normals.reserve(faces.corners.size() + beyond.size());
   for_triangles(faces, [&](Index a, Index b, Index c) {
@@ -103,6 +146,7 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
 
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                          std::span<const FaceBeyond> beyond) {
+  if (surely_unfolded({vertices, added}, faces, beyond)) return 0;
   EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), faces, beyond);
   return count_folded_edges(vertices, added, faces, beyond, edges);
 }

@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "tripatch/math/parallel.h"
+
 namespace tripatch {
 namespace {
 
@@ -86,7 +88,7 @@ bool surely_one_to_one(const PointsRef& vertices, const PointsRef& added, const 
     points.push_back(next);
   }
   const Vec3 way = area.stableNormalized();
-  for (Index f = 0; f < faces.size(); ++f) {
+  const bool seen = holds_for_all(faces.size(), [&](Index f) {
     const auto face = faces[f];
     const Vec3 first = at(face[0]);
     Vec3 last = at(face[1]) - first;
@@ -95,7 +97,9 @@ bool surely_one_to_one(const PointsRef& vertices, const PointsRef& added, const 
       if (!(last.cross(next).dot(way) > surely_seen * (last.squaredNorm() + next.squaredNorm()))) return false;
       last = next;
     }
-  }
+    return true;
+  });
+  if (!seen) return false;
   const Vec3 x = way.unitOrthogonal(), y = way.cross(x);
   std::vector<Eigen::Vector2d> polygon;
   polygon.reserve(points.size());

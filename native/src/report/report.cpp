@@ -6,13 +6,12 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/patch/seam.h"
 #include "tripatch/report/crossings.h"
 
 namespace tripatch {
 namespace {
 
-constexpr double same_plane = 1e-6;     ///< degrees between the planes of two sides up to which a corner has one
-constexpr double beside_corner = 0.01;  ///< of a side: what is left out beside a corner that has two
 /// Degrees between the tangent planes of two sides at their corner from which on a person is told.
 constexpr double corner_mismatch_warned = 1;
 /// Degrees: from here on a sentence has three digits instead of two, for 99.6 of two are 1e+02.

@@ -50,7 +50,7 @@ struct CurveContrasts {
   CurveContrasts(int order, const VectorXd& t)
       : among(curve_kernels(order, t, t)),
         polynomials(orthonormal_columns(powers(order, t), true)),
-        eigen(symmetric_eigen(polynomials.rest.transpose() * among * polynomials.rest)) {}
+        eigen(symmetric_eigen(MatrixXd(polynomials.rest.transpose() * among) * polynomials.rest)) {}
   MatrixXd among;
   OrthonormalColumns polynomials;
   SymmetricEigen eigen;
@@ -87,7 +87,8 @@ void CreaseCurve::choose(double unit) {
     if (order > lowest_curve_order && 2 * order > n) break;
     const CurveContrasts contrasts(order, t_);
     const VectorXd& values = contrasts.eigen.values;
-    const MatrixXd z = contrasts.eigen.vectors.transpose() * (contrasts.polynomials.rest.transpose() * (samples_ / unit));
+    const Eigen::Matrix<double, Eigen::Dynamic, 3> seen = contrasts.polynomials.rest.transpose() * (samples_ / unit);
+    const MatrixXd z = contrasts.eigen.vectors.transpose() * seen;
     const double scale = std::max(values.mean(), 1e-300), count = static_cast<double>(values.size());
     for (double decade = least_curve_nugget; decade <= most_curve_nugget; decade += curve_nugget_step) {
       const double nugget = std::pow(10.0, decade) * scale;

@@ -163,7 +163,7 @@ MetPoints::MetPoints(const Surface& surface, const PlanePoints& rim, const Plane
   const SquareSystem system(all);
   cardinal_ = system.solve(right);
   // what rounding leaves of the identity, once more
-  const MatrixXd made = all(rows, Eigen::all) * cardinal_;
+  const MatrixXd chosen = all(rows, Eigen::all), made = chosen * cardinal_;
   cardinal_ = (cardinal_ * SquareSystem(made).inverse()).eval();
   if (!cardinal_.allFinite()) throw Refusal("The points inside cannot all be met", {});
   coefficients_ = cardinal_ * wanted;
@@ -262,7 +262,7 @@ void MetPoints::evaluate(const double* b, Index n, int order, double* out) const
 }
 
 VectorXd MetPoints::deviation_left(const PlanePoints& points, const VectorXd& at_points, const VectorXd& at_places) const {
-  const MatrixXd share = basis(normalised(points)) * cardinal_.leftCols(met_);
+  const MatrixXd met = cardinal_.leftCols(met_), share = basis(normalised(points)) * met;
   // covariances at the places given the samples, up to a factor: the inverse of their block of the inverse
   const MatrixXd covariance = SquareSystem(cardinal_.block(values_.rows() - met_, 0, met_, met_)).inverse();
   const VectorXd scale = at_places.cwiseQuotient(covariance.diagonal().cwiseAbs().cwiseSqrt());

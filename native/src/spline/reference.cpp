@@ -103,8 +103,9 @@ PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) co
       const Eigen::Matrix2d half = lower.solve(bend), own = lower.solve(half.transpose());
       const PlaneAxes modes = principal_axes(Eigen::Matrix2d((own + own.transpose()) / 2));
       const Eigen::Vector2d left = (1 - modes.values.array()).abs().max(least_bend);
-      const Eigen::Vector2d slope = modes.vectors.transpose() * lower.solve(tangents * off);
-      Eigen::Vector2d move = lower.transpose().solve(modes.vectors * slope.cwiseQuotient(left));
+      const Eigen::Vector2d pull = tangents * off, pulled = lower.solve(pull), slope = modes.vectors.transpose() * pulled;
+      const Eigen::Vector2d wanted = modes.vectors * slope.cwiseQuotient(left);
+      Eigen::Vector2d move = lower.transpose().solve(wanted);
       if (move.norm() > longest) move *= longest / move.norm();
       points.row(k) += move.transpose();
       if (move.norm() < last_step * size_) break;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "tripatch/patch/surface.h"
@@ -38,6 +39,8 @@ struct CurvatureVariation {
   Eigen::Vector4d quadric;
 };
 CurvatureVariation curvature_variation(const Derivatives& d, double flat);
+/// The same, to the last bit, of many points: four at a time where the machine can.
+void curvature_variations(std::span<const Derivatives> d, double flat, CurvatureVariation* out);
 
 /// The same and the derivatives of sqrt(area) variation and sqrt(area) quadric with respect to the 27 numbers of `d`. Those of
 /// quadric are Kaufman's for a variable projection: the gradient of its square is exact.
@@ -46,6 +49,7 @@ struct CurvatureVariationRows {
   Eigen::Matrix<double, 8, 27, Eigen::RowMajor> derivative;
 };
 CurvatureVariationRows curvature_variation_rows(const Derivatives& d, double flat);
+void curvature_variation_rows(std::span<const Derivatives> d, double flat, CurvatureVariationRows* out);
 
 /// The curvature squared below which a surface counts as flat when quadrics are sought: (0.03 / size)^2.
 inline double flat_curvature(double size) { return 9e-4 / (size * size); }

@@ -18,6 +18,8 @@
 
 namespace tripatch {
 
+constexpr int usual_slopes = 4;
+
 struct FairingOptions {
   /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, automatic (see energy.h):
   /// geometric, by damped Gauss-Newton from the third-derivative solution.
@@ -29,7 +31,7 @@ struct FairingOptions {
   /// the deeper one is taken.
   bool both_valleys = false;
   int second_cross = 4;                                  ///< coefficients of the second cross derivative of each side
-  int slopes = 4;                                        ///< coefficients of each of alpha and beta on each side
+  int slopes = usual_slopes;                             ///< coefficients of each of alpha and beta on each side
   int nodes = 8;                                         ///< of the quadrature, per direction
   int rough_nodes = 5;                                   ///< of the one that Gauss-Newton begins with
   int iterations = 8;                                    ///< of Gauss-Newton with that, at most; one or two follow with `nodes`

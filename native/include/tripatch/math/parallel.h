@@ -35,6 +35,22 @@ void parallel_for(Index from, Index to, Index least, const F& f) {
   for (std::future<void>& other : others) other.get();
 }
 
+/// Whether f(k) is true for each k < count, on all cores where they are many; each takes some 10 ns.
+template <class F>
+bool holds_for_all(Index count, const F& f) {
+  constexpr Index share = 30000;  // several times what a thread costs
+  std::atomic<bool> all = true;
+  parallel_for(0, count, share, [&](Index from, Index to) {
+    for (Index next = from; next < to && all;) {
+      check_interruption();
+      const Index end = std::min(next + 256, to);
+      while (next < end && f(next)) ++next;
+      if (next < end) all = false;
+    }
+  });
+  return all;
+}
+
 /// f(k) for each k < count, on all cores, each core the next one as soon as it is free. progress(done) is called by the caller's own
 /// thread, twenty times a second and after the last. What either throws ends the work, also in the middle of an f that looks at
 /// check_interruption, and is thrown on, the first of them.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -174,49 +175,73 @@ TRIPATCH_PACKED_INLINE PackJet<N> ray_parameter(const PackBarycentric<N>& b, int
 class PackedField {
 public:
   PackedField() = default;
-  explicit PackedField(const PiecewisePolynomial& field) : degree_(field.degree()), breaks_(field.breaks()) {
+  explicit PackedField(const PiecewisePolynomial& field) : degree_(field.degree()) {
+    const std::vector<double>& breaks = field.breaks();
     const Index n = field.pieces();
     const int width = 3 * (degree_ + 1);
-    coefficients_.resize(width * n);
+    coefficients_.resize(width * n + 1);
     for (Index p = 0; p < n; ++p) {
-      middles_.push_back(0.5 * (breaks_[p] + breaks_[p + 1]));
+      middles_.push_back(0.5 * (breaks[p] + breaks[p + 1]));
       field.taylor(middles_[p], degree_, &coefficients_[width * p]);  // there they are the coefficients themselves
+      ends_.push_back(p + 1 < n ? breaks[p + 1] : std::numeric_limits<double>::infinity());
     }
     const std::size_t places = n == 1 ? 1 : 2 * n;
     for (std::size_t k = 0, p = 0; k < places; ++k) {
-      while (p + 1 < static_cast<std::size_t>(n) && breaks_[p + 1] <= static_cast<double>(k) / static_cast<double>(places)) ++p;
+      while (ends_[p] <= static_cast<double>(k) / static_cast<double>(places)) ++p;
       lookup_.push_back(static_cast<std::int32_t>(p));
     }
   }
 
+  /// Whether parameters have the same places among the pieces of both.
+  bool has_places_of(const PackedField& o) const { return middles_ == o.middles_ && ends_ == o.ends_; }
+
 #ifdef TRIPATCH_PACKS
+  /// Four parameters among the pieces.
+  struct Places {
+    Index piece[lanes];
+    Pack u;  ///< from the middles of the pieces
+  };
+  TRIPATCH_PACKED_INLINE Places places(const Pack& t) const {
+    typedef std::int32_t Numbers __attribute__((vector_size(4 * lanes)));
+    const double size = static_cast<double>(lookup_.size());
+    const Pack least = {}, most = all_lanes(size - 1);
+    Pack scaled = t * size;
+    scaled = scaled > least ? scaled : least;
+    scaled = scaled < most ? scaled : most;
+    const Numbers at = __builtin_convertvector(scaled, Numbers);
+    Places out;
+    for (int lane = 0; lane < lanes; ++lane) {
+      Index p = lookup_[at[lane]];
+      while (t[lane] >= ends_[p]) ++p;
+      out.piece[lane] = p;
+    }
+    const Index* const p = out.piece;
+    out.u = t - Pack{middles_[p[0]], middles_[p[1]], middles_[p[2]], middles_[p[3]]};
+    return out;
+  }
   /// As PiecewisePolynomial::taylor.
   template <int Order>
-  TRIPATCH_PACKED void taylor(const Pack& t, Pack (&out)[Order + 1][3]) const {
+  TRIPATCH_PACKED void taylor(const Places& at, Pack (&out)[Order + 1][3]) const {
+    const Index width = 3 * (degree_ + 1);
     const double* a[lanes];
-    Pack u;
-    const int width = 3 * (degree_ + 1);
-    for (Index lane = 0; lane < lanes; ++lane) {
-      const Index p = piece(t[lane]);
-      u[lane] = t[lane] - middles_[p];
-      a[lane] = &coefficients_[width * p];
-    }
-    Pack sum[Order + 1][3] = {};
-    if (a[0] == a[1] && a[0] == a[2] && a[0] == a[3]) {
-      for (int k = degree_; k >= 0; --k) {
-        const double* const c = a[0] + 3 * k;
-        const Pack next[3] = {all_lanes(c[0]), all_lanes(c[1]), all_lanes(c[2])};
-        horner<Order>(next, u, sum);
-      }
-    } else {
-      for (int k = degree_; k >= 0; --k) {
-        Pack next[3];
-        for (int x = 0; x < 3; ++x) next[x] = Pack{a[0][3 * k + x], a[1][3 * k + x], a[2][3 * k + x], a[3][3 * k + x]};
-        horner<Order>(next, u, sum);
-      }
-    }
-    for (int j = 0; j <= Order; ++j)
-      for (int x = 0; x < 3; ++x) out[j][x] = sum[j][x];
+    for (int lane = 0; lane < lanes; ++lane) a[lane] = &coefficients_[width * at.piece[lane]];
+    if (a[0] == a[1] && a[0] == a[2] && a[0] == a[3])
+      horner<Order>(at.u, out, [&](Index k, Pack(&next)[3]) TRIPATCH_PACKED_LAMBDA {
+        for (int x = 0; x < 3; ++x) next[x] = all_lanes(a[0][3 * k + x]);
+      });
+    else
+      horner<Order>(at.u, out, [&](Index k, Pack(&next)[3]) TRIPATCH_PACKED_LAMBDA {
+        const Pack even = loaded_pairs(a[0] + 3 * k, a[2] + 3 * k), odd = loaded_pairs(a[1] + 3 * k, a[3] + 3 * k);
+        next[0] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
+        next[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
+        // one number beyond the last ones is there
+        next[2] = __builtin_shufflevector(loaded_pairs(a[0] + 3 * k + 2, a[2] + 3 * k + 2),
+                                          loaded_pairs(a[1] + 3 * k + 2, a[3] + 3 * k + 2), 0, 4, 2, 6);
+      });
+  }
+  template <int Order>
+  TRIPATCH_PACKED void taylor(const Pack& t, Pack (&out)[Order + 1][3]) const {
+    taylor<Order>(places(t), out);
   }
 
   /// At jets.
@@ -230,26 +255,26 @@ public:
   }
 
 private:
-  template <int Order>
-  TRIPATCH_PACKED_INLINE static void horner(const Pack (&next)[3], const Pack& u, Pack (&sum)[Order + 1][3]) {
-    for (int j = Order; j > 0; --j)
-      for (int x = 0; x < 3; ++x) sum[j][x] = sum[j][x] * u + sum[j - 1][x];
-    for (int x = 0; x < 3; ++x) sum[0][x] = sum[0][x] * u + next[x];
+  /// load(k, next): the coefficients of u^k.
+  template <int Order, class Load>
+  TRIPATCH_PACKED_INLINE void horner(const Pack& u, Pack (&out)[Order + 1][3], const Load& load) const {
+    Pack sum[Order + 1][3] = {}, next[3];
+    load(degree_, sum[0]);
+    for (Index k = degree_ - 1; k >= 0; --k) {
+      load(k, next);
+      for (int j = Order; j > 0; --j)
+        for (int x = 0; x < 3; ++x) sum[j][x] = sum[j][x] * u + sum[j - 1][x];
+      for (int x = 0; x < 3; ++x) sum[0][x] = sum[0][x] * u + next[x];
+    }
+    for (int j = 0; j <= Order; ++j)
+      for (int x = 0; x < 3; ++x) out[j][x] = sum[j][x];
   }
 #endif
 
 private:
-  Index piece(double t) const {
-    const Index n = static_cast<Index>(middles_.size());
-    if (n == 1 || !(t > 0)) return 0;
-    if (t >= 1) return n - 1;
-    Index p = lookup_[static_cast<std::size_t>(t * static_cast<double>(lookup_.size()))];
-    while (p + 1 < n && t >= breaks_[p + 1]) ++p;
-    return p;
-  }
-
   int degree_ = 0;
-  std::vector<double> breaks_, middles_, coefficients_;
+  std::vector<double> middles_, ends_;  // of the pieces; the last ends nowhere
+  std::vector<double> coefficients_;
   std::vector<std::int32_t> lookup_;  // first candidate piece for floor(t * lookup size)
 };
 

@@ -47,8 +47,9 @@ private:
     const PackJet<N> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3], t = ray_parameter(b, i_);
     const Pack at = t.c[0];
     Pack c[N + 2][3], d[N + 1][3], field[N + 1][3], polar[jet_size(N)][3] = {};
-    packed_c_.taylor<N + 1>(at, c);
-    packed_d_.taylor<N>(at, d);
+    const PackedField::Places of_c = packed_c_.places(at);
+    packed_c_.taylor<N + 1>(of_c, c);
+    packed_d_.taylor<N>(same_pieces_ ? of_c : packed_d_.places(at), d);
     fill(field, corner_[i_]);
     add<N, Degree>(0, s.c[0], field, polar, 1);
     if constexpr (Degree != RayDegree::quadratic) {
@@ -187,6 +188,7 @@ private:
   RayDegree degree_;
   Ribbon ribbon_;
   PackedField packed_c_, packed_d_;
+  bool same_pieces_;
   std::array<Vec3, 3> corner_;
   Vec3 to_next_, to_previous_;         ///< slopes of the rays along the two sides at the vertex, the inward part included
   Cubic vertex_second_, side_second_;  ///< quintic: second derivatives at the ends of the ray at t
