@@ -152,7 +152,8 @@ def main() -> None:
         paths = write_meshes(folder / "in", args.files)
         alone = []
         for k in range(args.workers):
-            (folder / f"list{k}").write_text("\n".join(map(str, paths[k :: args.workers])))
+            share = [path for j, path in enumerate(paths) if j // 2 % args.workers == k]  # as many round holes in each
+            (folder / f"list{k}").write_text("\n".join(map(str, share)))
             (folder / f"alone{k}").mkdir()
             alone.append([sys.executable, "-c", _ALONE, str(folder / f"alone{k}"), str(folder / f"list{k}")])
         parts, wall, _ = measured(alone)
