@@ -40,19 +40,33 @@ struct FaceLine {
 
 using Lines = std::vector<FaceLine>;
 
-/// Those between the same two vertices one after the other.
-Lines lines_of(const Faces& faces) {
-  Lines lines;
-  const auto add = [&](Index a, Index b, Index f, bool is_across) {
-    lines.push_back({{std::min(a, b), std::max(a, b)}, f, is_across});
-  };
+/// use(one end, the other, the face, whether it lies across) for each.
+template <class Use>
+void for_lines(const Faces& faces, const Use& use) {
   for (Index f = 0; f < faces.size(); ++f) {
     const std::span<const Index> face = faces[f];
-    for (std::size_t k = 0; k < face.size(); ++k) add(face[k], face[(k + 1) % face.size()], f, false);
-    for (std::size_t k = 2; k + 1 < face.size(); ++k) add(face[0], face[k], f, true);
+    for (std::size_t k = 0; k < face.size(); ++k) use(face[k], face[k + 1 < face.size() ? k + 1 : 0], f, false);
+    for (std::size_t k = 2; k + 1 < face.size(); ++k) use(face[0], face[k], f, true);
   }
-  std::sort(lines.begin(), lines.end(),
-            [](const FaceLine& a, const FaceLine& b) { return a.ends != b.ends ? a.ends < b.ends : a.face < b.face; });
+}
+
+/// Those between the same two vertices one after the other.
+Lines lines_of(const Faces& faces, Index vertices) {
+  std::vector<std::size_t> next(vertices + 1);  // where the next line goes whose lower end it is
+  for_lines(faces, [&](Index a, Index b, Index, bool) { ++next[std::min(a, b) + 1]; });
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  Lines lines(next.back());
+  for_lines(faces, [&](Index a, Index b, Index f, bool is_across) {
+    lines[next[std::min(a, b)]++] = {{std::min(a, b), std::max(a, b)}, f, is_across};
+  });
+  auto first = lines.begin();
+  for (Index v = 0; v < vertices; ++v) {
+    const auto end = lines.begin() + static_cast<std::ptrdiff_t>(next[v]);
+    std::sort(first, end, [](const FaceLine& a, const FaceLine& b) {
+      return a.ends[1] != b.ends[1] ? a.ends[1] < b.ends[1] : a.face < b.face;
+    });
+    first = end;
+  }
   return lines;
 }
 
@@ -136,7 +150,7 @@ private:
 }  // namespace
 
 std::vector<OnEdge> points_on_long_edges(const Points& points, const Faces& faces) {
-  const Lines lines = lines_of(faces);
+  const Lines lines = lines_of(faces, points.rows());
   std::vector<std::size_t> starts;
   std::vector<double> lengths;
   for (std::size_t k = 0; k < lines.size(); ++k) {

@@ -48,11 +48,13 @@ private:
   }
 
   void take(Connectivity::Corner c) {
-    const Index f = around_.face(c), n = static_cast<Index>(around_.faces()[f].size()), at = around_.place(c);
+    const Index f = around_.face(c);
     if (!faces.add(f)) return;
+    const std::span<const Index> face = around_.faces()[f];
+    const std::size_t n = face.size(), at = static_cast<std::size_t>(around_.place(c));
     first.push_back(c);
-    for (Index k = 0; k < n; ++k) {
-      const Index w = around_.faces()[f][(at + k) % n];
+    for (std::size_t k = 0; k < n; ++k) {
+      const Index w = face[at + k < n ? at + k : at + k - n];
       if (!vertices.add(w)) continue;
       entered_.resize(vertices.size());
       entered_.back() = corner_at(w, f);
@@ -89,8 +91,9 @@ struct Copy {
       : numbers(mesh.vertices.rows()) {
     for (const RimLoop& loop : loops)
       for (Index v : loop) numbers.add(v);
+    std::vector<Index> face;
     for (Index f : some) {
-      RimLoop face;
+      face.clear();
       for (Index v : mesh.faces[f]) {
         numbers.add(v);
         face.push_back(numbers.find(v));
@@ -170,11 +173,12 @@ CanonicalPart canonical_part(const Mesh& mesh, const Connectivity& around, const
     part.vertices.row(k) = copy.points.row(v);
     part.vertex.push_back(copy.numbers.items()[v]);
   }
+  std::vector<Index> own;
   for (std::size_t k = 0; k < walk.faces.size(); ++k) {
     const Index f = walk.faces.items()[k];
     const auto face = copy.faces[f];
     const std::size_t n = face.size(), first = walk.first[k] - static_cast<std::size_t>(copy.faces.offsets[f]);
-    RimLoop own;
+    own.clear();
     for (std::size_t j = 0; j < n; ++j) own.push_back(walk.vertices.find(face[(first + j) % n]));
     part.faces.add(own);
     part.face.push_back(some[f]);

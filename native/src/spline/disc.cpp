@@ -83,8 +83,8 @@ public:
     for (const std::array<Index, 3>& t : disc_.triangles) out.triangles.push_back({row[t[0]], row[t[1]], row[t[2]]});
     out.points.resize(static_cast<Index>(out.vertices.size()), 3);
     for (std::size_t k = 0; k < out.vertices.size(); ++k) out.points.row(static_cast<Index>(k)) = point(out.vertices[k]);
-    for (Index& v : faces_.corners) v = row[v];
-    out.on_edges = points_on_long_edges(out.points, faces_);
+    out.faces = std::move(disc_.faces);
+    for (Index& v : out.faces.corners) v = row[v];
     return out;
   }
 
@@ -149,14 +149,14 @@ private:
   void cut(std::span<const Index> face) {
     const std::size_t n = face.size();
     if (n < 3) return;
-    std::vector<Index> rows;
-    for (Index v : face) rows.push_back(row_.find(v));
+    face_.clear();
+    for (Index v : face) face_.push_back(row_.find(v));
     if (n == 4) {
       const auto d = [&](std::size_t a, std::size_t b) { return (point(face[a]) - point(face[b])).squaredNorm(); };
-      if (clearly_less(d(1, 3), d(0, 2))) std::rotate(rows.begin(), rows.begin() + 1, rows.end());
+      if (clearly_less(d(1, 3), d(0, 2))) std::rotate(face_.begin(), face_.begin() + 1, face_.end());
     }
-    faces_.add(rows);
-    for (std::size_t k = 1; k + 1 < n; ++k) disc_.triangles.push_back({rows[0], rows[k], rows[k + 1]});
+    disc_.faces.add(face_);
+    for (std::size_t k = 1; k + 1 < n; ++k) disc_.triangles.push_back({face_[0], face_[k], face_[k + 1]});
   }
 
   /// Distances of the vertices from `first` on, from those before them and among each other.
@@ -180,8 +180,8 @@ private:
   std::vector<std::size_t> taken_when_seen_;  // faces, by seen_
   std::vector<Index> front_;
   std::vector<std::array<Index, 2>> border_;  // from vertex to vertex as the faces taken go
+  std::vector<Index> face_;                   // of the disc, the one that is being cut
   double rim_length_ = 0;
-  Faces faces_;  // of the disc, by row
   Disc disc_;
 };
 
@@ -193,6 +193,13 @@ Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector
   while (growth.disc().rings < most_rings && growth.triangles() < most_triangles && growth.grow())
     if (growth.disc().rings >= least_rings && !clearly_less(growth.reached(), reach)) break;
   return growth.finish();
+}
+
+Disc disc_to_sample(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
+                    int most_rings) {
+  Disc disc = disc_around(mesh, around, loops, reach, most_rings);
+  disc.on_edges = points_on_long_edges(disc.points, disc.faces);
+  return disc;
 }
 
 }  // namespace tripatch

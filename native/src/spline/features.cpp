@@ -61,11 +61,19 @@ constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
 
 EdgePair edge_pair(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
+Vec3 unit_normal(const Mesh& mesh, Index face) { return area_vector(mesh, face).stableNormalized(); }
+
 /// The angles at the edges of the surroundings.
 class EdgeAngles {
 public:
-  EdgeAngles(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) : mesh_(mesh), around_(around) {
+  EdgeAngles(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) {
     std::vector<double> all;
+    Numbering faces(mesh.faces.size());
+    std::vector<Vec3> normals;  // of these
+    const auto normal = [&](Index f) {
+      if (faces.add(f)) normals.push_back(unit_normal(mesh, f));
+      return normals[static_cast<std::size_t>(faces.find(f))];
+    };
     for (Index v : vertices)
       for (Connectivity::Corner c : around.at(v)) {
         const Index w = around.next(c);
@@ -83,7 +91,6 @@ public:
     threshold_ = std::max(least_crease_angle, above_noise * ordinary_);
   }
 
-  Vec3 normal(Index f) const { return area_vector(mesh_, f).stableNormalized(); }
   /// -1 where the edge has not two faces, or lies farther off.
   double at(Index a, Index b) const {
     const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(edge_pair(a, b), -1.0));
@@ -108,8 +115,6 @@ public:
   }
 
 private:
-  const Mesh& mesh_;
-  const Connectivity& around_;
   std::vector<std::pair<EdgePair, double>> edges_;
   double ordinary_ = 0, threshold_ = least_crease_angle;
 };
@@ -217,8 +222,8 @@ private:
       const Index to = end.chain[k], from = end.chain[k + 1];
       const auto left = around_.edge(from, to), right = around_.edge(to, from);
       if (!left || !right) return {};  // the faces are turned against each other
-      end.left += angles_.normal(around_.face(*left)) / static_cast<double>(k + 1);
-      end.right += angles_.normal(around_.face(*right)) / static_cast<double>(k + 1);
+      end.left += unit_normal(mesh_, around_.face(*left)) / static_cast<double>(k + 1);
+      end.right += unit_normal(mesh_, around_.face(*right)) / static_cast<double>(k + 1);
     }
     end.left = end.left.stableNormalized();
     end.right = end.right.stableNormalized();
@@ -234,8 +239,8 @@ private:
     const auto left = around_.edge(from, to), right = around_.edge(to, from);
     if (!left || !right) return 1;
     const Vec3 unit = way.stableNormalized();
-    return std::max(std::abs(unit.dot(angles_.normal(around_.face(*left)))),
-                    std::abs(unit.dot(angles_.normal(around_.face(*right)))));
+    return std::max(std::abs(unit.dot(unit_normal(mesh_, around_.face(*left)))),
+                    std::abs(unit.dot(unit_normal(mesh_, around_.face(*right)))));
   }
 
   /// The rim itself may go on along the crease for some edges: where they leave its faces no more than its own edges do.

@@ -653,7 +653,7 @@ void look_farther(const Mesh& mesh, const Connectivity& around, const std::vecto
                   const FieldOptions& fields, const PlaneFillOptions& options, Disc& disc, Attempt& result) {
   const auto between = [&](double low, double x, double high) { return low * rim.edge < x && x < high * rim.edge; };
   if (!between(least_noise, result.field->noise(), too_rough) || !between(-1, result.left_by_reference, detail)) return;
-  Disc wide = disc_around(mesh, around, loops, noisy_reach_share * rim.diameter, most_rings);
+  Disc wide = disc_to_sample(mesh, around, loops, noisy_reach_share * rim.diameter, most_rings);
   if (wide.rings <= disc.rings) return;
   std::optional<Attempt> next = attempt(wide, rim, spread_samples(wide, rim.edge), fields, options, &result);
   if (!next || !between(-1, next->left_by_reference, detail) || !stay(next->made.points, rim)) return;
@@ -697,7 +697,7 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
   const Connectivity& continued = options.continued ? *options.continued : around;
   for (const Way& way : ways) {
     if (way.rings == 0 && best.surface) break;
-    Disc disc = disc_around(mesh, continued, loops, way.reach * rim.diameter, way.rings);
+    Disc disc = disc_to_sample(mesh, continued, loops, way.reach * rim.diameter, way.rings);
     if (disc.triangles.empty() && way.rings > 0 && !options.continued) continue;
     const std::vector<Index> samples = spread_samples(disc, rim.edge);
     FieldOptions fields;

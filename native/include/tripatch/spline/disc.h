@@ -15,9 +15,9 @@ struct Disc {
   Points points;                                ///< of `vertices`
   std::vector<std::array<Index, 3>> triangles;  ///< of the surroundings, by row of `vertices`; larger faces cut
   std::vector<double> distance;                 ///< of each vertex from the rim, along edges, scene units
+  Faces faces;                                  ///< the same as the mesh has them
   int rings = 0;
-  std::vector<OnEdge>
-      on_edges;  ///< spread along edges of quads and larger faces, and across these, that are much longer than others
+  std::vector<OnEdge> on_edges;  ///< of a disc to sample: spread along edges, and across faces, that are much longer than others
 };
 
 /// What is known at the vertices of a disc, a row for each, and after these what lies between them at its points on edges.
@@ -37,5 +37,8 @@ Rows with_points_on_edges(const Disc& disc, const Rows& at_vertices) {
 /// most; as far as the outer border does not draw together (the far end of a limb). Vertices that are not finite end it.
 Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
                  int most_rings);
+/// The same with its points on long edges.
+Disc disc_to_sample(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
+                    int most_rings);
 
 }  // namespace tripatch
