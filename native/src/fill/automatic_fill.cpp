@@ -166,8 +166,7 @@ bool keeps_better_planes(const Fill& patch, const Fill& spline) {
          misses_known_planes(patch, spline, far_off_planes, worth_their_planes);
 }
 
-Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
-                          const FillOptions& options) {
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, FillOptions options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
   if (!options.islands.empty()) return any_rim("the hole has islands");
   if (corners && corners->empty())
@@ -184,12 +183,15 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   check_finite(ground.mesh, ground.left, checked);
   std::vector<Index> found;
   if (!corners) found = at_places(checked, corners_between_sides(ground.mesh, ground.left, checked));
-  const auto creases_in = [&](const Connectivity& around) {
-    return !find_features(ground.mesh, around, checked).creases.empty();
-  };
-  if (options.features && creases_in(ground.left) &&
-      (!ground.is_part() || creases_in(Connectivity(ground.mesh, options.replaced))))
-    return any_rim("a crease of the surroundings goes on across the hole");
+  if (options.features) {
+    const Features near = find_features(ground.mesh, ground.left, checked);
+    const auto goes_on = [&](const Connectivity& around) { return !find_features(ground.mesh, around, checked).creases.empty(); };
+    if (!near.creases.empty() && (!ground.is_part() || goes_on(Connectivity(ground.mesh, options.replaced))))
+      return any_rim("a crease of the surroundings goes on across the hole");
+    const auto is_known = [&](Index v) { return ground.left.knows(v); };
+    // what is not there need not be sought again
+    options.features = !near.creases.empty() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
+  }
   if (makes_polygon(found) || (inner && found.size() == 3)) return fill_between_many(ground, rim, found, false, options);
   try {
     hole = make_hole(ground.mesh, ground.left, rim, three(corners));

@@ -10,7 +10,6 @@ namespace tripatch {
 /// and it misses them.
 bool keeps_better_planes(const Fill& patch, const Fill& spline);
 
-Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
-                          const FillOptions& options);
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, FillOptions options);
 
 }  // namespace tripatch
