@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 import tripatch
+from scipy.spatial import cKDTree
+from shapes import cube_sphere
+from tripatch import _arrays, _native
 
 
 def sectors(n, size=5, inner=2, bend=1.0):
@@ -165,3 +168,35 @@ def test_a_round_rim_has_a_cage_between_four_of_its_vertices(around, ring, corne
     steps = np.sort([list(rim).index(v) for v in fill.report.corners])
     counts = np.diff([*steps, steps[0] + len(rim)])
     assert abs(counts[0] - counts[2]) <= 1 and abs(counts[1] - counts[3]) <= 1 and np.ptp(counts) <= 1
+
+
+def rounded_box(cells, width):
+    """A cube of 2 whose edges are bevelled that wide: so many quads a side, those in the middle large."""
+    points, faces = cube_sphere(cells)
+    return (1 - width) * np.sign(points) + width * points, [list(f) for f in faces]
+
+
+def without_rings(vertices, faces, direction, rings):
+    """The faces in so many rings about the one that is farthest in a direction taken out; they are returned too."""
+    gone = {int(np.argmax([vertices[f].mean(0) @ direction for f in faces]))}
+    for _ in range(rings):
+        near = {v for f in gone for v in faces[f]}
+        gone |= {f for f, face in enumerate(faces) if near & set(face)}
+    return [face for f, face in enumerate(faces) if f not in gone], [faces[f] for f in sorted(gone)]
+
+
+@pytest.mark.parametrize(
+    ("cells", "width", "rings"), [(3, 0.05, 2), (3, 0.1, 2), (3, 0.3, 2), (3, 0.1, 1), (5, 0.1, 1), (5, 0.1, 2), (5, 0.2, 1)]
+)
+@pytest.mark.parametrize("direction", [(0, 0, 1), (1, 1.01, 1.02)], ids=["top", "corner"])
+def test_between_bevels_a_cage_goes_on_as_the_mesh_does(cells, width, rings, direction):
+    """The fairest cage went on as the narrow strips leave and became a ball: 1.9 of a box of 1 beyond its top."""
+    vertices, faces = rounded_box(cells, width)
+    left, gone = without_rings(vertices, faces, direction, rings)
+    fill = tripatch.fill(vertices, left, output="cage")
+    assert fill.report.triangles_folded == 0 and not fill.report.crosses_itself
+    surface, _ = fill.limit(3)
+    assert np.abs(surface).max() < 1.05
+    truth, _ = _native._sample_limit(vertices, *_arrays.faces(left + gone), _native.Subdivision(), len(left), 3)
+    farthest = cKDTree(surface).query(truth)[0].max()
+    assert farthest < 0.12 * np.linalg.norm(np.ptp(truth, axis=0))

@@ -123,9 +123,19 @@ std::vector<std::optional<SurfacePoints>> CageFill::points_to_follow(const std::
   return points;
 }
 
+void CageFill::place(const Points& inside) {
+  fit_->place(0, inside);
+  sides_[0] = seams_[0] = fit_->sides(0);
+  points_[0] = fit_->points(0);
+  energies_[0] = {};
+  placed_ = true;
+  open_[0] = 0;
+}
+
 void CageFill::fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fair) {
   const std::vector<bool> none(size(), false);
   patches_ = std::move(patches);
+  if (placed_) return;
   const bool exact = options_.rim == CageRim::exact;
   const std::vector<int> all_rows = rows_to_try(layout_options_, split_.settings.loop, exact);
   std::vector<double> farthest;  // for each number of rows, of the holes that are open with it: over the tolerance

@@ -180,12 +180,21 @@ CageSides CageFit::sides(std::size_t h) const {
   return limit_sides_of(limit_, closed_.mesh(), hole, fill);
 }
 
-void CageFit::move_to_patch(std::size_t h, const Surface& patch) {
+void CageFit::set_inside(std::size_t h, const Points& inside) {
   const Index first = closed_.first_vertex[h], end = closed_.first_vertex[h + 1];
-  const Points on_patch = patch.positions(holes_[h].layout.barycentric.bottomRows(end - first));
   const std::vector<Index>& free = system_.free();
   for (std::size_t k = 0; k < free.size(); ++k)
-    if (free[k] >= first && free[k] < end) free_.row(static_cast<Index>(k)) = on_patch.row(free[k] - first);
+    if (free[k] >= first && free[k] < end) free_.row(static_cast<Index>(k)) = inside.row(free[k] - first);
+}
+
+void CageFit::place(std::size_t h, const Points& inside) {
+  set_inside(h, inside);
+  take();
+}
+
+void CageFit::move_to_patch(std::size_t h, const Surface& patch) {
+  const Index inside = closed_.first_vertex[h + 1] - closed_.first_vertex[h];
+  set_inside(h, patch.positions(holes_[h].layout.barycentric.bottomRows(inside)));
 }
 
 void CageFit::fit(const std::vector<SurfacePtr>& patches, const std::vector<CageSides>& sides, bool from_patches,

@@ -27,6 +27,12 @@ public:
   /// Points of the fair cage; none for an exact rim of three sides.
   const SurfacePoints& points(std::size_t hole) const { return points_[hole]; }
 
+  /// The vertices inside the first layout of a hole, in its order, and the layout.
+  Points inside(std::size_t hole) const { return fit_->inside(hole); }
+  const CageHole& laid_out(std::size_t hole) const { return laid_out_[hole]; }
+  /// Puts the vertices of a hole that is alone where they shall be: no fit moves them.
+  void place(const Points& inside);
+
   /// To a patch for each hole, with more rows where the tolerance asks for them. fair: by hole, whether
   /// it keeps to the fairest cage itself, as far as its rows are that one's.
   void fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fair);
@@ -58,6 +64,7 @@ private:
   std::vector<double> tolerance_;
   std::vector<CageHole> laid_out_;
   int rows_ = 0;            ///< extra rows of quads of the present layout
+  bool placed_ = false;     ///< its vertices are where they shall be
   bool cross_ = false;      ///< more of them would cross each other
   std::vector<char> open_;  ///< asks for another layout
   std::unique_ptr<CageFit> fit_;

@@ -44,6 +44,8 @@ public:
 
   /// Moves the free vertices to the fairest cage.
   std::vector<CageEnergies> make_fair();
+  /// Moves those inside a fill, in the order of its layout.
+  void place(std::size_t hole, const Points& inside);
   /// What the patch in a hole is to meet: the limit surface that the fill continues.
   CageSides sides(std::size_t hole) const;
   /// Points of the limit surface inside, which a patch may follow.
@@ -76,6 +78,7 @@ private:
   void measure_surroundings(std::size_t hole, CageMeasures& measures) const;
   void measure_rim(std::size_t hole, CageMeasures& measures) const;
   void move_to_patch(std::size_t hole, const Surface& patch);
+  void set_inside(std::size_t hole, const Points& inside);
   void take();
 
   const Mesh mesh_;

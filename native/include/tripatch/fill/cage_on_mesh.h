@@ -1,0 +1,19 @@
+// The vertices of a cage where the mesh around would go on, as triangles of any rim do.
+#pragma once
+
+#include <optional>
+
+#include "tripatch/cage/closed_cage.h"
+#include "tripatch/fill/ground.h"
+
+namespace tripatch {
+
+/// Places and normals of the vertices inside a layout, on the surface over a plane that continues the faces around the hole. None where no
+/// such surface is found or only a plainer one.
+struct OnMesh {
+  Points points, normals;
+};
+std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, const CageHole& laid_out,
+                                   const FillOptions& options);
+
+}  // namespace tripatch

@@ -1,0 +1,53 @@
+#include "tripatch/fill/cage_on_mesh.h"
+
+#include <map>
+
+#include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/math/plane.h"
+#include "tripatch/output/quad_smoothing.h"
+#include "tripatch/spline/plane_patch.h"
+#include "tripatch/types.h"
+
+namespace tripatch {
+namespace {
+
+/// The fill of triangles, if it follows its surroundings without any reservation.
+std::optional<Fill> followed(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
+  FillOptions triangles;
+  triangles.features = options.features;
+  triangles.replaced = options.replaced;
+  try {
+    Fill fill = fill_any_rim(ground, rim, {}, triangles, "");
+    if (fill.report.warnings.empty() && dynamic_cast<const PlanePatch*>(fill.patch.get())) return fill;
+  } catch (const Refusal&) {  // a cage needs less
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, const CageHole& laid_out,
+                                   const FillOptions& options) {
+  const std::optional<Fill> fill = followed(ground, hole.rim, options);
+  if (!fill) return {};
+  std::map<Index, Index> row;
+  for (std::size_t k = 0; k < fill->rim.size(); ++k) row[fill->rim[k]] = static_cast<Index>(k);
+  const QuadLayout& layout = laid_out.layout;
+  const std::vector<Index>& rim = laid_out.hole.rim;
+  Points places = Points::Zero(layout.barycentric.rows(), 3);
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    const auto of = [&](std::size_t j) { return fill->rim_uv.row(row.at(rim[j % rim.size()])); };
+    auto place = places.row(static_cast<Index>(k)).head<2>();
+    if (row.contains(rim[k]))
+      place = of(k);
+    else  // in the middle of an edge that the layout splits
+      place = (of(k + rim.size() - 1) + of(k + 1)) / 2;
+  }
+  spread_inside(layout.faces, layout.rim, places);
+  const Index inside = places.rows() - layout.rim;
+  const auto [points, normals] = fill->patch->positions_and_normals(as_rows(PlanePoints(places.bottomRows(inside).leftCols(2))));
+  if (!points.allFinite() || !normals.allFinite()) return {};
+  return OnMesh{points, normals};
+}
+
+}  // namespace tripatch
