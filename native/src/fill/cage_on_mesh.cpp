@@ -47,7 +47,7 @@ std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, c
   const Index inside = places.rows() - layout.rim;
   const auto [points, normals] = fill->patch->positions_and_normals(as_rows(PlanePoints(places.bottomRows(inside).leftCols(2))));
   if (!points.allFinite() || !normals.allFinite()) return {};
-  return OnMesh{points, normals};
+  return OnMesh{points, normals, fill->report.deviation_max.value_or(0)};
 }
 
 }  // namespace tripatch

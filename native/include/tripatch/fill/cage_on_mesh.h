@@ -9,9 +9,10 @@
 namespace tripatch {
 
 /// Places and normals of the vertices inside a layout, on the surface over a plane that continues the faces around the hole. None where no
-/// such surface is found or only a plainer one.
+/// such surface is found or only a plainer one. The deviation is the largest on that surface, scene units; 0: unknown.
 struct OnMesh {
   Points points, normals;
+  double deviation = 0;
 };
 std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, const CageHole& laid_out,
                                    const FillOptions& options);
