@@ -157,6 +157,25 @@ TEST_CASE("where beginnings of a rim are alike it is begun at the lowest number,
   CHECK(first == lowest);
 }
 
+TEST_CASE("where a rim alone does not say where it begins two rings around it do, whatever lies beyond", "[thresholds]") {
+  // a vertex of the grid is higher, one of the hole's four corners and one direction are nearest to it
+  const auto begun = [](const std::vector<std::pair<Index, double>>& higher) {
+    OwnMesh mesh = grid_with_hole(0);
+    for (const auto& [v, height] : higher) mesh.vertices(v, 2) += height;
+    const CanonicalPart part = part_of(mesh, hole_of_grid(mesh, 5));
+    return std::pair(part.vertex[part.loops[0][0]], part.vertex[part.loops[0][1]]);
+  };
+  const auto at = [](Index i, Index k) { return i * 10 + k; };
+  const Index first_ring = at(2, 4), second_ring = at(1, 4), third_ring = at(0, 4), elsewhere = at(9, 8);
+  const auto beyond = begun({{elsewhere, 5}});
+  for (const Index v : {first_ring, second_ring}) {
+    REQUIRE(begun({{v, 0.5}}) != beyond);
+    CHECK(begun({{v, 0.5}, {elsewhere, 5}}) == begun({{v, 0.5}}));
+  }
+  REQUIRE(begun({{third_ring, 0.5}}) != beyond);
+  CHECK(begun({{third_ring, 0.5}, {elsewhere, 5}}) == beyond);
+}
+
 TEST_CASE("islands are begun by their geometry, and come by their length") {
   const OwnMesh mesh = grid_with_hole(0.2);
   const std::vector<IndexList> loops = border_loops(Connectivity(mesh));

@@ -1,4 +1,5 @@
 #include "test_surfaces.h"
+#include "tripatch/constructions/shape_search.h"
 #include "tripatch/constructions/szilvasi_nagy.h"
 #include "tripatch/fairing/energy.h"
 
@@ -250,6 +251,31 @@ TEST_CASE("szilvasi_nagy: doubling the quadrature changes neither the least ener
     CHECK(once.path().back().energy == Approx(twice.path().back().energy).epsilon(1e-3));
     for (int i = 0; i < 3; ++i) CHECK(std::abs(once.shape()[i] - twice.shape()[i]) < 1e-3);
   }
+}
+
+TEST_CASE("szilvasi_nagy: lambda is sought from a thousandth to a thousandth below 1", "[thresholds]") {
+  // the least energy is wanted at these places; its terms have nothing to do with each other
+  class Wanted final : public ShapeEnergy {
+  public:
+    explicit Wanted(const std::array<double, 3>& at) : at_(at) {}
+    Eigen::VectorXd stacked(int i, double lambda, int derivative) const override {
+      Eigen::VectorXd terms = Eigen::VectorXd::Zero(4);
+      terms[i] = derivative == 0 ? lambda - at_[i] : derivative == 1 ? 1 : 0;
+      if (i == 0 && derivative == 0) terms[3] = 1e-3;
+      return terms;
+    }
+
+  private:
+    std::array<double, 3> at_;
+  };
+  const auto found = [](const std::array<double, 3>& at) { return least_energy(Wanted(at), {0.5, 0.5, 0.5}).back().shape; };
+  const auto outside = found({0.99e-3, 1 - 0.99e-3, -0.1}), inside = found({1.01e-3, 1 - 1.01e-3, 0.25});
+  CHECK(outside[0] == Approx(1e-3).epsilon(1e-9));
+  CHECK(1 - outside[1] == Approx(1e-3).epsilon(1e-9));
+  CHECK(outside[2] == Approx(1e-3).epsilon(1e-9));
+  CHECK(inside[0] == Approx(1.01e-3).epsilon(1e-6));
+  CHECK(1 - inside[1] == Approx(1.01e-3).epsilon(1e-6));
+  CHECK(inside[2] == Approx(0.25));
 }
 
 TEST_CASE("szilvasi_nagy: surfaces that agree leave lambda alone") {

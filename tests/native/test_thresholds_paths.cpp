@@ -116,6 +116,26 @@ TEST_CASE("a round rim has as many waves as edges, 48 at most", "[thresholds]") 
   }
 }
 
+TEST_CASE("a rim's waves are taken for what they are that have four vertices each, eight of them at most", "[thresholds]") {
+  // by how much of its height a rim's curve is off the wave of so many periods that its vertices lie on
+  const auto off = [](Index edges, Index waves) {
+    constexpr double height = 1e-5;  // so low that the vertices are as far from each other along the rim as on the circle
+    const auto wave = [&](double angle) { return height * std::cos(static_cast<double>(waves) * angle); };
+    const Rings hole(edges, 4, [&](double angle, Index ring) { return Vec3(flat(angle, ring) + wave(angle) * Vec3::UnitZ()); });
+    const Mesh mesh = hole.mesh();
+    const Side side = fill_round(mesh, Connectivity(mesh), hole.rim, {}).fill.sides[0];
+    double most = 0;
+    for (int k = 0; k < 200; ++k) most = std::max(most, std::abs(side.c(k / 200.0)[2] - wave(2 * M_PI * k / 200)));
+    return most / height;
+  };
+  CHECK(off(16, 4) < 1e-3);
+  CHECK(off(16, 5) > 1e-2);
+  CHECK(off(24, 6) < 1e-3);
+  CHECK(off(23, 6) > 1e-2);
+  CHECK(off(40, 8) < 1e-3);
+  CHECK(off(40, 9) > 1e-2);
+}
+
 TEST_CASE("a round rim of few vertices is the circle through them", "[thresholds]") {
   // a wave to four vertices is taken for what it is; a spline alone is off by 4e-4 of the diameter
   const Rings hole(12, 4, [](double angle, Index ring) -> Vec3 {

@@ -5,6 +5,7 @@
 
 #include "test_surfaces.h"
 #include "tripatch/fairing/curvature_following.h"
+#include "tripatch/fairing/descent.h"
 #include "tripatch/polygon/revolved.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/round_problem.h"
@@ -27,6 +28,18 @@ Side circle(double wave, double degrees) {
   return {field([&](double a) { return Vec3(std::cos(a), std::sin(a), wave * std::cos(2 * a)); }),
           field([&](double a) { return Vec3(std::cos(lean) * std::cos(a), std::cos(lean) * std::sin(a), -std::sin(lean)); }),
           {}};
+}
+
+/// A patch of the unit circle between surroundings that lean down by an angle (degrees) and do not bend along their meridians.
+RoundBase base_of_circle(double degrees) {
+  RoundBase base;
+  base.side = circle(0, degrees);
+  base.side.q = PiecewisePolynomial::constant(std::array<double, 3>{0, 0, 0});
+  base.size = 2;
+  base.curvature = true;
+  const auto inwards = [&](double t) -> Vec3 { return (base.side.c(t) - base.side.r(t)) / 2; };
+  base.terms = {fourier([&](double t) { return base.side.c(t); }, 2), fourier(inwards, 2)};
+  return base;
 }
 
 }  // namespace
@@ -88,4 +101,40 @@ TEST_CASE("what is not known of the curvature at a round rim is tolerated up to 
     CHECK(cap(0.9 * most) != cap(0.98 * most));
     CHECK(cap(1.02 * most) == cap(1.2 * most));
   }
+}
+
+TEST_CASE("surfaces of revolution follow curvature to three tenths of the jump that others are followed to", "[thresholds]") {
+  const double squares = std::pow(std::sin(M_PI * 40 / 180), 2) + 9e-4 / 4;
+  const auto top = [](double jump, double unknown) {
+    RoundBase base = base_of_circle(40);
+    base.side.curvature_error = unknown / tolerated_deviations;
+    const std::vector<Harmonic> made = fairest_of_revolution(base, Eigen::Matrix3d::Identity(), Fairing::automatic, jump).value();
+    return RoundSurface(made).positions(Points::Zero(1, 3))(0, 2);
+  };
+  for (const double jump : {0.05, 0.1}) {  // what is not known is tolerated as it is, up to a twentieth
+    const auto as_unknown = [&](double share) { return top(0, share * jump * std::sqrt(squares)); };
+    CHECK(top(jump, 0) == Approx(as_unknown(0.3)).epsilon(1e-6));
+    CHECK(std::abs(top(jump, 0) - as_unknown(0.25)) > 5e-6);
+    CHECK(std::abs(top(jump, 0) - as_unknown(0.35)) > 5e-6);
+  }
+}
+
+TEST_CASE("each jump of curvature that is tolerated weighs a tenth of a quadratic energy", "[thresholds]") {
+  const RoundBase base = base_of_circle(40);
+  FairingOptions options;
+  options.slopes = 0;
+  const RoundProblem problem(base, options, 8);
+  const Quadratic energy = problem.quadratic(3);
+  const auto jumps = [&](const Eigen::VectorXd& x) { return problem.following().jumps(x, nullptr).squaredNorm(); };
+  const Eigen::VectorXd x = minimum(problem, energy);
+  REQUIRE(energy(x) > 0.01 * energy.constant);
+  REQUIRE(jumps(x) > 0.01);
+  int tell = 0;
+  for (Index k = 0; k < problem.count(); ++k) {
+    const Eigen::VectorXd step = 1e-4 * Eigen::VectorXd::Unit(problem.count(), k);
+    const double of_energy = energy(x + step) - energy(x - step), of_jumps = jumps(x + step) - jumps(x - step);
+    CHECK(std::abs(of_energy + 0.1 * energy.constant * of_jumps) <= 1e-6 * std::abs(of_energy) + 1e-12 * energy.constant);
+    tell += std::abs(of_energy) > 1e-9 * energy.constant;
+  }
+  CHECK(tell > 0);
 }
