@@ -18,6 +18,13 @@ PlaneFill filled(const Rings& rings, const PlaneFillOptions& options = {}) {
   return fill_over_plane(rings.mesh(), Connectivity(rings.mesh()), {rings.rim}, options);
 }
 
+/// The same where all around is named to be continued: then a long rim has no coarser one.
+PlaneFill filled_as_it_is(const Rings& rings, PlaneFillOptions options) {
+  const Connectivity all(rings.mesh());
+  options.continued = &all;
+  return filled(rings, options);
+}
+
 PlaneFillOptions coarse_inside() {
   PlaneFillOptions options;
   options.resolution = 4;
@@ -44,7 +51,7 @@ TEST_CASE("a field has a hundred samples more than the rim has vertices, 160 at 
   CHECK(samples(filled(Rings(radii(0.1, 5), flat))) == 96);  // all there are: three rings, no long edges
   CHECK(samples(filled(Rings(radii(0.02, 20), flat))) == 160);
   CHECK(samples(filled(Rings(radii(0.02, 20), flat, 90), coarse_inside())) == 190);
-  CHECK(samples(filled(Rings(radii(0.1, 4), flat, 520), coarse_inside())) == 600);
+  CHECK(samples(filled_as_it_is(Rings(radii(0.1, 4), flat, 520), coarse_inside())) == 600);
 }
 
 TEST_CASE("a strongly curved surface without noise has 450 samples more than the rim has vertices", "[thresholds]") {
@@ -84,7 +91,7 @@ namespace {
 
 /// Whether the places of a rim are its points seen from above.
 bool seen_from_above(const Rings& rings) {
-  const PlaneFill fill = filled(rings, coarse_inside());
+  const PlaneFill fill = filled_as_it_is(rings, coarse_inside());
   double off = 0;
   for (Index k = 0; k < rings.n; k += 7) {
     const double here = (rings.vertices.row(k) - rings.vertices.row(3)).head<2>().norm();
@@ -199,4 +206,29 @@ TEST_CASE("the curve of a crease is that of 24 of its vertices on either side", 
   };
   CHECK(along(23) > 1e-9);
   CHECK(along(24) < 1e-12);
+}
+
+TEST_CASE("rims of more than 400 edges are filled on coarser ones", "[thresholds]") {
+  CHECK(samples(filled(Rings(radii(0.02, 12), flat, 400), coarse_inside())) == 500);
+  CHECK(samples(filled(Rings(radii(0.02, 12), flat, 402), coarse_inside())) < 402);
+}
+
+TEST_CASE("caps of a ball are filled over long jagged rims as well as over short ones") {
+  for (const double degrees : {45.0, 62.0})
+    for (const Index edges : {300, 500, 1000, 2000}) {
+      const double widest = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(widest) / static_cast<double>(edges);
+      const Rings rings(
+          radii(edge / 2, 20),
+          [&](double x, double y) {
+            const double r = std::hypot(x, y), angle = widest + 2 * (r - 0.5) + 0.014 * random_at(x / r, y / r);
+            return Vec3(std::sin(angle) * x / r, std::sin(angle) * y / r, std::cos(angle));
+          },
+          edges);
+      const PlaneFill fill = filled(rings);
+      CAPTURE(degrees, edges);
+      CHECK(fill.folds == 0);
+      REQUIRE(fill.vertices.rows() > 1000);
+      CHECK((fill.vertices.rowwise().norm().array() - 1).abs().maxCoeff() < (degrees < 60 ? 1e-3 : 5e-3));
+      CHECK(fill.deviation.maxCoeff() < 0.05);
+    }
 }

@@ -160,10 +160,17 @@ constexpr int rings_beyond = 3;
 std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                                    const Connectivity* continued) {
   double length = 0;
-  for (const std::vector<Index>& loop : loops) length = std::max(length, diameter(mesh, loop));
-  std::vector<Index> vertices = disc_around(mesh, around, loops, crease_reach * length, most_crease_rings).vertices;
+  Index edges = 0;
+  for (const std::vector<Index>& loop : loops) {
+    length = std::max(length, diameter(mesh, loop));
+    edges += static_cast<Index>(loop.size());
+  }
+  const auto disc = [&](const Connectivity& part) {
+    return disc_around(mesh, part, loops, crease_reach * length, most_crease_rings, most_triangles_around(edges));
+  };
+  std::vector<Index> vertices = disc(around).vertices;
   if (continued) {
-    const Disc more = disc_around(mesh, *continued, loops, crease_reach * length, most_crease_rings);
+    const Disc more = disc(*continued);
     vertices.insert(vertices.end(), more.vertices.begin(), more.vertices.end());
   }
   return rings_around(around, vertices, rings_beyond).all_faces();

@@ -18,8 +18,6 @@ namespace {
 constexpr double least_border = 0.7;
 /// Rings that are taken whatever their border: their slope is what a fill has to continue.
 constexpr int least_rings = 2;
-/// Triangles of the surroundings, at most: laying them out must not take longer than all the rest.
-constexpr std::size_t most_triangles = 12'000;
 
 class Growth {
 public:
@@ -88,7 +86,7 @@ public:
     return out;
   }
 
-  std::size_t triangles() const { return disc_.triangles.size(); }
+  Index triangles() const { return static_cast<Index>(disc_.triangles.size()); }
   const Disc& disc() const { return disc_; }
 
 private:
@@ -188,7 +186,7 @@ private:
 }  // namespace
 
 Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
-                 int most_rings) {
+                 int most_rings, Index most_triangles) {
   Growth growth(mesh, around, loops);
   while (growth.disc().rings < most_rings && growth.triangles() < most_triangles && growth.grow())
     if (growth.disc().rings >= least_rings && !clearly_less(growth.reached(), reach)) break;

@@ -9,6 +9,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/mesh/coarsened.h"
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/crossings.h"
@@ -52,11 +53,9 @@ constexpr double layout_tolerance = 1e-3;
 /// layout changes the area by this share of what the one before changed it, errors add up to 1 / (1 - share) of themselves; of more
 /// than this share it is not believed.
 constexpr double most_fed_back = 0.75;
-/// Rims of more edges are seen from above where nothing leans by more than 60 degrees: laying out their thousands of triangles takes
-/// longer than all the rest. Shorter ones are not: laid out, spheres under noise are twice as near.
-constexpr Index long_rim = 400;
-constexpr double most_leaning = 0.5;  // cosine
-/// And the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those of the rings.
+/// Cosine, of what surrounds long rims that are seen from above.
+constexpr double most_leaning = 0.5;
+/// Where they are not, the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those of the rings.
 constexpr int edges_in_layouts = 20;
 /// They have few rings for their size, and what the first layouts are off reads as noise and as a flat fill: neither ends them. Caps of a
 /// sphere, 60 degrees, jagged rims of 600 to 1,050 edges: 0.085 to 0.10 of the diameter off with `layouts`, 0.009 to 0.04 with these.
@@ -572,6 +571,7 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
     fill.deviation =
         (fill.deviation.cwiseAbs2() + share * (1 - share) * between.cwiseAbs2() + share * apart.cwiseAbs2()).cwiseSqrt();
   }
+  fill.fed_back = result.fed_back;
   fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
   fill.folds = folded_edges(result.made.points, fill.triangles, rim.beyond);
   fill.rim_folds = rim.own_folds;
@@ -732,6 +732,124 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
   return best;
 }
 
+/// Of a long rim, and what surrounds it, edges shorter than so many of a circle of the hole's diameter are collapsed. Caps of a sphere
+/// with rims of 500 to 5,000 edges, 45 to 80 degrees wide, are farther off with 160, and with 240 the field takes the layout's errors for
+/// noise now and then.
+constexpr double edges_of_circle = 200;
+/// Surroundings that reach less far than this share of such an edge say too little then: of those caps with 5,000 edges, of which ten of
+/// them are seen, one is four times farther off than seen from above.
+constexpr double least_width = 0.75;
+/// Gauss-Newton's, to the feet of the rim on a surface: they move by this share of its domain at most, and end with a billionth of that.
+constexpr int steps_to_feet = 12;
+constexpr double longest_step_to_feet = 0.02, last_step_to_feet = 1e-9;
+
+/// A hole whose rim has a part of another's vertices.
+struct CoarseHole {
+  Points vertices;
+  Faces faces;
+  std::vector<std::vector<Index>> loops;
+  std::vector<Index> rows;  ///< of the loops' vertices in the rim that has them all
+};
+
+/// loops: that the disc has all the vertices of.
+CoarseHole coarse_hole(const Disc& disc, const std::vector<std::vector<Index>>& loops, double length) {
+  const CoarserMesh coarse = coarsened(disc.points, disc.triangles, length);
+  CoarseHole hole{disc.points(coarse.kept, Eigen::all), faces_of(coarse.triangles), {}, {}};
+  Index end = 0;
+  for (const std::vector<Index>& loop : loops) {
+    end += static_cast<Index>(loop.size());
+    hole.loops.emplace_back();
+    for (std::size_t k = hole.rows.size(); k < coarse.kept.size() && coarse.kept[k] < end; ++k) {
+      hole.loops.back().push_back(static_cast<Index>(k));
+      hole.rows.push_back(coarse.kept[k]);
+    }
+  }
+  return hole;
+}
+
+/// Places of all the rim's vertices, those of some of them given: in between along each loop.
+PlanePoints between_known(const Rim& rim, const std::vector<Index>& known, const PlanePoints& places) {
+  PlanePoints uv(rim.points.rows(), 2);
+  std::vector<Index> ends = rim.surroundings.islands;
+  ends.push_back(uv.rows());
+  Index start = 0;
+  std::size_t first = 0;
+  for (Index end : ends) {
+    const Index n = end - start;
+    std::size_t last = first;
+    while (last < known.size() && known[last] < end) ++last;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t next = k + 1 < last ? k + 1 : first;
+      const Index steps = (known[next] - known[k] + n - 1) % n + 1;
+      for (Index j = 0; j < steps; ++j) {
+        const double t = static_cast<double>(j) / static_cast<double>(steps);
+        uv.row(start + (known[k] - start + j) % n) =
+            (1 - t) * places.row(static_cast<Index>(k)) + t * places.row(static_cast<Index>(next));
+      }
+    }
+    start = end;
+    first = last;
+  }
+  return uv;
+}
+
+/// Where points are nearest to a surface, by Gauss-Newton from these places.
+PlanePoints feet_on(const Surface& surface, const Points& points, PlanePoints uv) {
+  const double longest = longest_step_to_feet * (uv.colwise().maxCoeff() - uv.colwise().minCoeff()).maxCoeff();
+  std::vector<double> jets(static_cast<std::size_t>(9 * uv.rows()));
+  double most = longest;
+  for (int step = 0; step < steps_to_feet && most > last_step_to_feet * longest; ++step) {
+    surface.evaluate(as_rows(uv).data(), uv.rows(), 1, jets.data());
+    most = 0;
+    for (Index k = 0; k < uv.rows(); ++k) {
+      const double* jet = &jets[static_cast<std::size_t>(9 * k)];
+      Eigen::Matrix<double, 3, 2> slopes;
+      slopes << Vec3::Map(jet + 3), Vec3::Map(jet + 6);
+      const Vec3 off = Vec3(points.row(k)) - Vec3::Map(jet);
+      Vec2 way = Eigen::Matrix2d(slopes.transpose() * slopes).ldlt().solve(slopes.transpose() * off);
+      if (!way.allFinite()) continue;
+      way *= std::min(1.0, longest / std::max(way.norm(), 1e-300));
+      uv.row(k) += way;
+      most = std::max(most, way.norm());
+    }
+  }
+  return uv;
+}
+
+/// A long rim on the fill of a coarser one: thousands of triangles lay out slowly, and their samples are too many for a field. Nothing where
+/// that is no surface of all the surroundings, or triangles on it will not do.
+std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& around,
+                                        const std::vector<std::vector<Index>>& loops, const PlaneFillOptions& options,
+                                        const Rim& rim) {
+  const Index r = rim.points.rows();
+  if (r <= long_rim || options.continued || !options.through.empty() || options.planes.rows() > 0) return {};
+  const Disc disc = disc_around(mesh, around, loops, reach_share * rim.diameter, most_rings, most_triangles_around(r));
+  if (disc.rim != r) return {};  // the rim touches itself
+  const double length = std::numbers::pi * rim.diameter / edges_of_circle;
+  if (!(*std::max_element(disc.distance.begin(), disc.distance.end()) > least_width * length)) return {};
+  const CoarseHole hole = coarse_hole(disc, loops, length);
+  if (static_cast<Index>(hole.rows.size()) > long_rim) return {};
+  const Mesh coarse{hole.vertices, hole.faces};
+  const PlaneFill from = fill_over_plane(coarse, Connectivity(coarse), hole.loops);
+  if (!from.field || !from.plainer.empty()) return {};
+  Attempt result;
+  result.field = from.field;
+  result.surface = from.surface;
+  result.fed_back = from.fed_back;
+  result.rim_uv = feet_on(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
+  const PlanePolygon polygon = polygon_of(rim, result.rim_uv);
+  if (polygon.triangles.empty()) return {};
+  result.made = remesh(polygon, options.resolution, *result.surface);
+  if (!result.made.points.allFinite() || !stay(result.made.points, rim)) return {};
+  if (result.made.doubles_edges && !rim.doubles_edges) return {};
+  result.on_field = result.made.points;
+  const Index folds = folded_edges(result.made.points, result.made.triangles, rim.beyond), left = unfolded(rim, result);
+  if (left > rim.folds || crosses(rim, result)) return {};
+  PlaneFill fill = completed(result, rim, disc);
+  if (left < folds) fill.plainer = mended;
+  return fill;
+}
+
 }  // namespace
 
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
@@ -760,6 +878,8 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     return best;
   }
   // Triangles that cross themselves may lay out what does not.
+  std::optional<PlaneFill> coarse = on_coarser_rim(mesh, around, loops, options, rim);
+  if (coarse && coarse->folds == 0) return std::move(*coarse);
   PlaneFill fill = best;
   for (const Triangles* triangles : {&rough.crossing, &rough.triangles}) {
     if (fill.surface || triangles->empty()) continue;
@@ -767,6 +887,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
     rim.area = area_of(rim.points, rim.rough);
     fill = likeliest(mesh, around, loops, options, rim, best);
   }
+  if (coarse && (!fill.surface || coarse->folds <= fill.folds)) return std::move(*coarse);
   if (fill.surface || !crosses_itself(plain_points, best.triangles)) return fill;
   rim.may_cross = true;
   return likeliest(mesh, around, loops, options, rim, best);

@@ -1,6 +1,7 @@
 // The surroundings of a hole as a disc with the hole in it: what is laid into the plane with the fill.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -8,6 +9,16 @@
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
+
+/// Triangles of the surroundings, at most: laying them out must not take longer than all the rest.
+constexpr Index most_laid_out = 12'000;
+/// Rims of more edges are filled on coarser ones: laying out their thousands of triangles takes longer than all the rest. Where that is
+/// not possible, or what is continued or met is given, they are seen from above if nothing leans by more than 60 degrees. Shorter ones
+/// are not: laid out, spheres under noise are twice as near.
+constexpr Index long_rim = 400;
+/// What is coarsened may have more triangles: forty rings, where the mesh is as fine as the rim, and no more than coarsening takes as long
+/// for as the rest does.
+inline Index most_triangles_around(Index rim) { return rim > long_rim ? std::min<Index>(80 * rim, 200'000) : most_laid_out; }
 
 struct Disc {
   std::vector<Index> vertices;                  ///< of the mesh; those of the loops come first, loop by loop
@@ -35,8 +46,9 @@ Rows with_points_on_edges(const Disc& disc, const Rows& at_vertices) {
 
 /// Rings of faces around loops of the border until half of the outermost vertices are `reach` away (scene units), `most_rings` at
 /// most; as far as the outer border does not draw together (the far end of a limb). Vertices that are not finite end it.
+/// most_triangles: after the ring with which there are so many none follows.
 Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
-                 int most_rings);
+                 int most_rings, Index most_triangles = most_laid_out);
 /// The same with its points on long edges.
 Disc disc_to_sample(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
                     int most_rings);

@@ -41,6 +41,7 @@ struct PlaneFill {
   Index folds = 0;                ///< edges folded by more than 120 degrees, those of the rim over the faces beyond too
   Index rim_folds = 0;            ///< the same of the rim's own triangulation without new vertices
   Eigen::VectorXd deviation;      ///< standard deviation at `vertices`, scene units; empty where there is no surface
+  double fed_back = 0;            ///< share of an error that the layout hands on to the fill; `deviation` has it
   double surroundings_error = 0;  ///< degrees, root mean square: how well the samples determine the slope at the rim
   int rings = 0;
   std::string plainer;  ///< why not the likeliest field through as many rings as there are: a sentence, or empty
