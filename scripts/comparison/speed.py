@@ -1,4 +1,4 @@
-"""docs/speed.md: times beside CGAL's by density, how they grow, peak memory, and many holes in one mesh."""
+"""docs/speed.md: times beside CGAL's by density, how they grow, peak memory, many holes in one mesh, and Blender's operators."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ BEYOND = 0.1, 64e6  # of input and output; bytes: the greater of them
 #: of 900 holes the cells, the holes along an edge, and seconds wanted by fairing; of 10,000 also the rate of two threads over one
 SIDE, MANY, WANTED_MANY, MORE, TWO_OVER_ONE = 6, (975, 30), {"auto": 4.0}, (1300, 100), 1.7
 POINTS = 1_000_000
+SLIDER_STEP = 60.0  # milliseconds wanted
 
 
 def module(path: Path) -> ModuleType:
@@ -158,9 +159,44 @@ def points() -> list[str]:
     return lines
 
 
+def in_blender(setting: Setting) -> list[str]:
+    """Smooth Fill beside Grid Fill, and its sliders: what in_blender.py measures inside of Blender."""
+    script = Path(__file__).with_name("in_blender.py")
+    words = [setting.blender, "--background", "--factory-startup", "--python-exit-code", 1, "--python", script, "--"]
+    words += [Path(tripatch.__file__).parents[1], 2 if setting.quick else REPETITIONS]
+    run = subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True)
+    made = json.loads(next(line for line in run.stdout.splitlines() if line.startswith("MEASURED "))[len("MEASURED ") :])
+    lines = [
+        "",
+        f"## In Blender {made['version']}",
+        "",
+        "The operators as scripts call them, in edit mode with the rim selected, in a wavy mesh of squares; milliseconds, the",
+        "median of several, each fill undone before the next.",
+        "",
+        "| hole | Grid Fill | Smooth Fill | times Grid Fill | wanted | reached |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name, row in made["beside"].items():
+        grid, smooth = (1e3 * float(np.median([wall for wall, _ in row[key]])) for key in ("grid", "smooth"))
+        good = yes(smooth <= row["wanted"] * grid)
+        lines.append(f"| {name} | {grid:.0f} | {smooth:.0f} | {smooth / grid:.2f} | {row['wanted']} | {good} |")
+    lines += [
+        "",
+        "A step of a slider, 48 edges in 100,000 faces, as much of it as is the add-on's and the library's, median and most:",
+        "",
+        "| slider | median | most | wanted | reached |",
+        "|---|---|---|---|---|",
+    ]
+    for name, row in made["sliders"].items():
+        median, most = 1e3 * float(np.median(row["own"])), 1e3 * max(row["own"])
+        lines.append(f"| {name} | {median:.0f} | {most:.0f} | {SLIDER_STEP:.0f} | {yes(median <= SLIDER_STEP)} |")
+    print("\n".join(lines), flush=True)
+    return lines
+
+
 def write(setting: Setting) -> None:
     load = os.getloadavg()[0]
-    lines = densities(setting) + many_holes(setting) + points()
+    lines = densities(setting) + many_holes(setting) + points() + in_blender(setting)
     head = [
         "# Speed",
         "",

@@ -32,7 +32,7 @@ public:
         const int corner = domain().corner_at(p, 1e-9);
         if (corner >= 0) p = domain().moved_off(corner, p, 1e-9);
         const Jet<N> u = Jet<N>::linear(p[0], 1, 0), v = Jet<N>::linear(p[1], 0, 1);
-        const std::vector<Jet<N>> basis = polygon_basis<N>(domain(), domain().place(u, v), u, v, degree_, 0);
+        const std::vector<Jet<N>> basis = interior_functions(domain(), domain().bubble(u, v), u, v, degree_);
         JetPoint<N> sum;
         for (Index f = 0; f < coefficients_.rows(); ++f)
           for (int x = 0; x < 3; ++x) sum.x[x] += coefficients_(f, x) * basis[f];
@@ -149,13 +149,14 @@ SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, con
   int degree = 0;
   while (3 * polynomials_to(degree) < 2 * conditions) ++degree;
   const Index count = polynomials_to(degree);
+  Points coefficients = Points::Zero(count, 3);
   SurfacePtr out = patch;
   for (int round = 0; round < 2; ++round) {  // a second time for the last digits
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(conditions, 3 * count), right(conditions, 1);
     Index row = 0;
     for (const InnerPoint& p : points) {
       const Jet<1> u = Jet<1>::linear(p.uv[0], 1, 0), v = Jet<1>::linear(p.uv[1], 0, 1);
-      const std::vector<Jet<1>> basis = polygon_basis<1>(domain, domain.place(u, v), u, v, degree, 0);
+      const std::vector<Jet<1>> basis = interior_functions(domain, domain.bubble(u, v), u, v, degree);
       const std::array<double, 3> at = {p.uv[0], p.uv[1], 0};
       std::array<double, 9> jets;
       out->evaluate(at.data(), 1, 1, jets.data());
@@ -171,9 +172,8 @@ SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, con
     const Eigen::MatrixXd x = least_squares(rows, right), met = rows * x;
     if (!x.allFinite() || (met - right).norm() > points_met * size)
       throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
-    Points coefficients(count, 3);
-    for (int c = 0; c < 3; ++c) coefficients.col(c) = x.col(0).segment(c * count, count);
-    out = sum(out, std::make_shared<Lift>(domain, degree, std::move(coefficients)));
+    for (int c = 0; c < 3; ++c) coefficients.col(c) += x.col(0).segment(c * count, count);
+    out = sum(patch, std::make_shared<Lift>(domain, degree, coefficients));
   }
   return out;
 }

@@ -35,6 +35,20 @@ struct Place {
   Jet<N> bubble;  ///< smooth, O(phi_i) at each side, 1 at the center
 };
 
+/// Products of all factors but one, or but two neighbors, without dividing.
+template <int N>
+struct Products {
+  std::array<Jet<N>, most_sides + 1> upto, from;
+  int n;
+  Products(const std::array<Jet<N>, most_sides>& f, int count) : n(count) {
+    upto[0] = from[n] = Jet<N>(1.0);
+    for (int k = 0; k < n; ++k) upto[k + 1] = upto[k] * f[k];
+    for (int k = n; k-- > 0;) from[k] = f[k] * from[k + 1];
+  }
+  Jet<N> all() const { return upto[n]; }
+  Jet<N> without(int i) const { return upto[i] * from[i + 1]; }
+};
+
 class PolygonDomain {
 public:
   PolygonDomain() = default;
@@ -78,6 +92,9 @@ public:
   /// u, v: a point of the domain that is no corner.
   template <int N>
   Place<N> place(const Jet<N>& u, const Jet<N>& v) const;
+  /// The bubble of that place alone.
+  template <int N>
+  Jet<N> bubble(const Jet<N>& u, const Jet<N>& v) const;
   /// How far along a lens.
   template <int N>
   Jet<N> share(const Jet<N>& u) const {
@@ -92,6 +109,13 @@ public:
 private:
   template <int N>
   Place<N> place_in_lens(const Jet<N>& u, const Jet<N>& v) const;
+  template <int N>
+  Jet<N> bubble_in_lens(const std::array<Jet<N>, most_sides>& phi) const {
+    return (1 / (height_ * height_)) * (phi[0] * phi[1]);
+  }
+  /// Wachspress: C_i times the distances from all sides but the two at corner i.
+  template <int N>
+  Jet<N> corner_product(int i, const std::array<Jet<N>, most_sides>& phi, const Products<N>& products) const;
 
   std::vector<Vec2> corners_, inward_;
   std::vector<std::array<double, 2>> reach_;  // of side i: distance of its end from side i - 1, of its start from side i + 1
@@ -99,20 +123,6 @@ private:
   Vec2 center_ = Vec2::Zero();
   double radius_ = 0, bubble_at_center_ = 1;
   double height_ = 0;  // 0: a polygon
-};
-
-/// Products of all factors but one, or but two neighbors, without dividing.
-template <int N>
-struct Products {
-  std::array<Jet<N>, most_sides + 1> upto, from;
-  int n;
-  Products(const std::array<Jet<N>, most_sides>& f, int count) : n(count) {
-    upto[0] = from[n] = Jet<N>(1.0);
-    for (int k = 0; k < n; ++k) upto[k + 1] = upto[k] * f[k];
-    for (int k = n; k-- > 0;) from[k] = f[k] * from[k + 1];
-  }
-  Jet<N> all() const { return upto[n]; }
-  Jet<N> without(int i) const { return upto[i] * from[i + 1]; }
 };
 
 template <int N>
@@ -134,7 +144,7 @@ Place<N> PolygonDomain::place_in_lens(const Jet<N>& u, const Jet<N>& v) const {
   };
   p.corner[0] = weight(rest, s);
   p.corner[1] = weight(s, rest);
-  p.bubble = (1 / (height_ * height_)) * (p.phi[0] * p.phi[1]);
+  p.bubble = bubble_in_lens(p.phi);
   return p;
 }
 
@@ -160,15 +170,9 @@ Place<N> PolygonDomain::place(const Jet<N>& u, const Jet<N>& v) const {
     p.side[i] *= squares;
     p.cubic[i] *= cubes;
   }
-  // Wachspress: C_i times the distances from all sides but the two at corner i
   Jet<N> sum(0.0), corners(0.0);
   for (int i = 0; i < n; ++i) {
-    Jet<N> others = turn_[i];
-    if (i > 0) {
-      others *= products.upto[i - 1] * products.from[i + 1];
-    } else {
-      for (int k = 1; k < n - 1; ++k) others *= p.phi[k];
-    }
+    const Jet<N> others = corner_product(i, p.phi, products);
     sum += others;
     p.corner[i] = square(others);
     corners += p.corner[i];
@@ -177,6 +181,25 @@ Place<N> PolygonDomain::place(const Jet<N>& u, const Jet<N>& v) const {
   for (int i = 0; i < n; ++i) p.corner[i] *= corners;
   p.bubble = (1 / bubble_at_center_) * (products.all() / sum);
   return p;
+}
+
+template <int N>
+Jet<N> PolygonDomain::corner_product(int i, const std::array<Jet<N>, most_sides>& phi, const Products<N>& products) const {
+  Jet<N> others = turn_[i];
+  if (i > 0) return others * (products.upto[i - 1] * products.from[i + 1]);
+  for (int k = 1; k < sides() - 1; ++k) others *= phi[k];
+  return others;
+}
+
+template <int N>
+Jet<N> PolygonDomain::bubble(const Jet<N>& u, const Jet<N>& v) const {
+  std::array<Jet<N>, most_sides> distances;
+  for (int i = 0; i < sides(); ++i) distances[i] = phi(i, u, v);
+  if (is_lens()) return bubble_in_lens(distances);
+  const Products<N> products(distances, sides());
+  Jet<N> sum(0.0);
+  for (int i = 0; i < sides(); ++i) sum += corner_product(i, distances, products);
+  return (1 / bubble_at_center_) * (products.all() / sum);
 }
 
 /// Convex, with angles and sides like those of a hole: turns (radians) are scaled to sum to a whole one and kept from being too small

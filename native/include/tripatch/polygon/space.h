@@ -23,6 +23,22 @@ std::vector<Derivatives> plane_derivatives(const Surface& surface, const Points&
 
 inline Index polynomials_to(int degree) { return static_cast<Index>(degree + 1) * (degree + 2) / 2; }
 
+/// Those that vanish at the sides with their slopes: the squared bubble times 1, x, y, ... by rising degree.
+template <int N>
+std::vector<Jet<N>> interior_functions(const PolygonDomain& domain, const Jet<N>& bubble, const Jet<N>& u, const Jet<N>& v,
+                                       int degree) {
+  const Jet<N> x = (1 / domain.radius()) * (u - domain.center()[0]), y = (1 / domain.radius()) * (v - domain.center()[1]);
+  std::vector<Jet<N>> all;
+  all.reserve(polynomials_to(degree));
+  all.push_back(square(bubble));
+  for (int d = 1; d <= degree; ++d) {
+    const std::size_t last = all.size() - d;
+    for (int k = 0; k < d; ++k) all.push_back(all[last + k] * x);
+    all.push_back(all[last + d - 1] * y);
+  }
+  return all;
+}
+
 /// The second cross derivatives side by side, then the interior functions by rising degree: a space of lower degree comes first in one of
 /// higher.
 template <int N>
@@ -39,17 +55,8 @@ std::vector<Jet<N>> polygon_basis(const PolygonDomain& domain, const Place<N>& p
       basis.push_back(f);
     }
   }
-  const Jet<N> x = (1 / domain.radius()) * (u - domain.center()[0]), y = (1 / domain.radius()) * (v - domain.center()[1]);
-  const Jet<N> inside = square(place.bubble);
-  std::vector<Jet<N>> last = {inside};
-  basis.push_back(inside);
-  for (int d = 1; d <= degree; ++d) {
-    std::vector<Jet<N>> now;
-    for (const Jet<N>& f : last) now.push_back(f * x);
-    now.push_back(last.back() * y);
-    basis.insert(basis.end(), now.begin(), now.end());
-    last = std::move(now);
-  }
+  const std::vector<Jet<N>> inside = interior_functions(domain, place.bubble, u, v, degree);
+  basis.insert(basis.end(), inside.begin(), inside.end());
   return basis;
 }
 

@@ -1,0 +1,119 @@
+"""Times of Smooth Fill beside Grid Fill, and of its sliders, in a Blender; run inside of one by speed.py, prints JSON.
+
+blender --background --factory-startup --python scripts/comparison/in_blender.py -- PACKAGES REPETITIONS
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import bpy  # isort: skip  # makes Blender's own modules importable
+import bmesh
+import numpy as np
+
+#: (faces along the mesh, faces along the hole or its radius where it is round, the wanted multiple of Grid Fill's time)
+HOLES = {
+    "10 edges in 1,000,000 faces": (1000, (2, 3), 1.15),
+    "10 edges in 100,000 faces": (316, (2, 3), 1.15),
+    "100 edges in 100,000 faces": (316, (25, 25), 1.5),
+    "100 edges, a jagged circle, in 100,000 faces": (316, 13.2, 1.5),
+}
+#: a slider's values one after the other, in 100,000 faces and 48 edges
+SLIDERS = {
+    "bulge": [{"bulge": 1 + k / 40} for k in range(9)],
+    "density": [{"resolution": 8 + k} for k in range(9)],
+    "rows of quads": [{"output": "quads", "resolution": 8 + k} for k in range(9)],
+    "center": [{"center_offset": k / 500} for k in range(9)],
+}
+SLIDER_HOLE = (316, (12, 12))
+
+
+def enable(packages: str) -> None:
+    """The add-on of the source tree with the tripatch among these packages; Blender's own modules come first."""
+    sys.path.append(str(Path(__file__).resolve().parents[2] / "addon"))
+    sys.path.append(packages)
+    import addon_utils
+
+    addon_utils.enable("tripatch_blender")
+
+
+def hole(along: int, size: tuple[int, int] | float) -> int:
+    """A wavy mesh in edit mode, its rim selected. Returns the edges of the rim."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    enable(sys.argv[-2])
+    x, y = np.meshgrid(np.linspace(-1, 1, along + 1), np.linspace(-1, 1, along + 1), indexing="ij")
+    z = 0.2 * np.sin(3 * x) * np.cos(2 * y)
+    index = np.arange((along + 1) ** 2).reshape(along + 1, -1)
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1)
+    row, column = np.meshgrid(np.arange(along) - along // 2, np.arange(along) - along // 2, indexing="ij")
+    if isinstance(size, tuple):
+        gone = (-size[0] <= 2 * row) & (2 * row < size[0]) & (-size[1] <= 2 * column) & (2 * column < size[1])
+    else:
+        gone = np.hypot(row + 0.5, column + 0.5) < size
+    mesh = bpy.data.meshes.new("mesh")
+    mesh.from_pydata(np.stack([x, y, z], axis=-1).reshape(-1, 3).tolist(), [], quads[~gone].tolist())
+    thing = bpy.data.objects.new("mesh", mesh)
+    bpy.context.collection.objects.link(thing)
+    bpy.context.view_layer.objects.active = thing
+    thing.select_set(True)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_mode(type="EDGE")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bm = bmesh.from_edit_mesh(mesh)
+    bmesh.ops.delete(bm, geom=[v for v in bm.verts if not v.link_faces], context="VERTS")
+    rim = [e for e in bm.edges if e.is_boundary and all(max(abs(c) for c in v.co[:2]) < 0.999 for v in e.verts)]
+    for edge in rim:
+        edge.select = True
+    bmesh.update_edit_mesh(mesh)
+    return len(rim)
+
+
+def own_time() -> list[float]:
+    """Will hold the seconds that each Smooth Fill spends in the add-on, the library and what they ask of Blender."""
+    from tripatch_blender import operators
+
+    seconds, execute = [], operators.MESH_OT_fill_smooth.execute
+
+    def measured(self, context):
+        start = time.perf_counter()
+        try:
+            return execute(self, context)
+        finally:
+            seconds.append(time.perf_counter() - start)
+
+    operators.MESH_OT_fill_smooth.execute = measured
+    return seconds
+
+
+def timed(step) -> tuple[float, float]:
+    """Seconds and CPU seconds of a step, which is undone."""
+    bpy.ops.ed.undo_push(message="before")
+    wall, cpu = time.perf_counter(), time.process_time()
+    assert step() == {"FINISHED"}
+    taken = time.perf_counter() - wall, time.process_time() - cpu
+    bpy.ops.ed.undo_push(message="after")
+    bpy.ops.ed.undo()
+    return taken
+
+
+def main() -> None:
+    repetitions = int(sys.argv[-1])
+    beside, sliders = {}, {}
+    for name, (along, size, wanted) in HOLES.items():
+        edges = hole(along, size)
+        grid = lambda span=edges // 4: bpy.ops.mesh.fill_grid(span=span)  # noqa: E731
+        smooth = lambda: bpy.ops.mesh.fill_smooth()  # noqa: E731
+        timed(smooth)
+        pairs = [(timed(grid), timed(smooth)) for _ in range(repetitions)]
+        beside[name] = {"edges": edges, "wanted": wanted, "grid": [p[0] for p in pairs], "smooth": [p[1] for p in pairs]}
+    hole(*SLIDER_HOLE)
+    own = own_time()
+    for name, values in SLIDERS.items():
+        own.clear()
+        all_of_it = [timed(lambda v=v: bpy.ops.mesh.fill_smooth(**v))[0] for v in values][1:]
+        sliders[name] = {"own": own[1:], "all": all_of_it}
+    print("MEASURED " + json.dumps({"version": bpy.app.version_string, "beside": beside, "sliders": sliders}))
+
+
+main()
