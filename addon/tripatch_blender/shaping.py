@@ -7,6 +7,7 @@ Nothing here needs a window: the gizmos and the operators of the tool call what 
 from __future__ import annotations
 
 import copy
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -47,6 +48,8 @@ class _Between:
         self._sides, self._method, self._places = fill.sides, fill.report.method, writeback.parameters(fill)[1]
         self._steps = [_STEP_OF_BULGE] * (len(shape) - 1) + [_STEP_OF_MIDDLE * size]
         self._known, self._centers = {shape: (fill.vertices, fill.normals)}, {}
+        if not shape[-1] and fill.report.fairing == "auto":
+            self._centers[_bulge(shape[:-1])] = _middle_of(fill.patch)
 
     def at(self, shape):
         """(vertices, normals): exact, or blended of two exact ones where what was asked for before is near. A ValueError where no
@@ -101,10 +104,14 @@ class _Between:
     def _center(self, bulge):
         """The middle of the patch of a bulge and its normal."""
         if bulge not in self._centers:
-            patch: Any = self._patch(bulge=bulge)
-            place = patch.domain.mean(axis=0)[None] if hasattr(patch, "domain") else np.full((1, 3), 1 / 3)
-            self._centers = {bulge: (patch.evaluate(place)[0], patch.normal(place)[0])}
+            self._centers = {bulge: _middle_of(self._patch(bulge=bulge))}
         return self._centers[bulge]
+
+
+def _middle_of(patch: Any):
+    """The middle of a patch and its normal."""
+    place = patch.domain.mean(axis=0)[None] if hasattr(patch, "domain") else np.full((1, 3), 1 / 3)
+    return patch.evaluate(place)[0], patch.normal(place)[0]
 
 
 def _bulge(bulges):
@@ -261,16 +268,27 @@ class Shaping:
         if quick:
             given, faces = self._quick(given), self._nearest
         try:
-            corners = [self._loop[k] for k in self.corners()]
-            self.fill, self.refusal = tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), None
+            self.fill, given = self._filled_as(given, faces, quick)
+            self.refusal = None
             self.vertices, self.normals, self._triangles = self.fill.vertices, self.fill.normals, None
             self._filled = self._between = None
             if self.fill.sides:
-                self._filled, self._between = self._read_for(), _Between(self.fill, self._asked_shape(), self.size)
+                shape = *self._by_side(), given["center_offset"]
+                self._filled, self._between = self._read_for(), _Between(self.fill, shape, self.size)
             self._asked = given["bulge"], given["center_offset"]
         except (tripatch.Refusal, ValueError) as reason:
             self.refusal = str(reason)
         return self.fill
+
+    def _filled_as(self, given, faces, quick):
+        """A tripatch.Fill, and the arguments that it took."""
+        corners = [self._loop[k] for k in self.corners()]
+        if quick and given["center_offset"] and len(corners) not in (0, 3) and given.get("method", "auto") == "auto":
+            # The first step of a drag reads the sides, the next ones move the middle: a patch each.
+            unmoved = given | {"method": "multi_sided", "center_offset": 0.0}
+            with suppress(tripatch.Refusal, ValueError):
+                return tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **unmoved), unmoved
+        return tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), given
 
     def _read_for(self):
         return [*self.corners()], self.shape.round, dict(self.arguments)

@@ -222,10 +222,10 @@ def test_what_cannot_be_shaped_is_said(shaping):
         shaping.from_selection(ob, bm)
 
 
-def square_rim(shaping):
+def square_rim(shaping, height=lambda x, y: 0.2 * x * x - 0.1 * y * y):
     """Of a hole between four smooth sides."""
     steps = np.linspace(-2, 2, 25)
-    points = np.array([(x, y, 0.2 * x * x - 0.1 * y * y) for y in steps for x in steps])
+    points = np.array([(x, y, height(x, y)) for y in steps for x in steps])
     corners = [(25 * j + i, i, j) for j in range(24) for i in range(24) if not (8 <= i < 16 and 8 <= j < 16)]
     ob = scenes.add_mesh(points, [(k, k + 1, k + 26, k + 25) for k, _, _ in corners])
     bm = bmesh.new()
@@ -236,6 +236,11 @@ def square_rim(shaping):
     (bm,) = scenes.edit(ob)
     scenes.select_rim(bm, scenes.border_loops(bm)[0])
     return shaping.from_selection(ob, bm)
+
+
+def wavy_rim(shaping):
+    """The same, whose fill is no patch as long as nothing is asked of it."""
+    return square_rim(shaping, lambda x, y: 0.4 * np.sin(1.5 * x) * np.cos(y))
 
 
 def round_rim(shaping):
@@ -326,6 +331,31 @@ def test_most_steps_of_a_drag_make_no_fill_and_show_what_lies_between_two(shapin
     first, last = shown[knots - 1], shown[2 * knots - 1]
     assert np.abs(shown[knots + 1] - ((1 - 2 / knots) * first + 2 / knots * last)).max() < 1e-6 * made.size
     assert np.abs(shown[-1] - shown[0]).max() > 1e-2 * made.size
+
+
+@pytest.mark.parametrize("make", [square_rim, wavy_rim])
+def test_a_step_that_moves_the_middle_makes_one_patch_at_most(shaping, make, monkeypatch):
+    made = make(shaping)
+    made.preview()
+    assert (made.fill.report.method == "multi_sided") == (make is square_rim)
+    patch, fill, patches = shaping.tripatch.patch, shaping.tripatch.fill, []
+    monkeypatch.setattr(shaping.tripatch, "patch", lambda *a, **k: patches.append(1) or patch(*a, **k))
+    # a fill makes one patch, and another where its middle is to be moved
+    monkeypatch.setattr(
+        shaping.tripatch, "fill", lambda *a, **k: patches.append(2 if k.get("center_offset") else 1) or fill(*a, **k)
+    )
+    most, shown = 0, []
+    for step in (0, 1, 2, 3, 11):
+        patches.clear()
+        made.set_middle(0.01 * step * made.size)
+        made.preview(quick=True)
+        most = max(most, sum(patches))
+        shown.append(made.vertices)
+        assert not made.refusal
+    assert most == 1
+    assert len(shown[1]) == len(shown[-1])
+    moved = np.linalg.norm(shown[-1] - shown[2], axis=1).max() / made.size
+    assert moved == pytest.approx(0.09, rel=0.1)
 
 
 def test_other_corners_are_read_anew(shaping):
