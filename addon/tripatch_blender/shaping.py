@@ -7,7 +7,6 @@ Nothing here needs a window: the gizmos and the operators of the tool call what 
 from __future__ import annotations
 
 import copy
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -50,6 +49,13 @@ class _Between:
         self._known, self._centers = {shape: (fill.vertices, fill.normals)}, {}
         if not shape[-1] and fill.report.fairing == "auto":
             self._centers[_bulge(shape[:-1])] = _middle_of(fill.patch)
+
+    def faired(self, shape):
+        """`at` of the shape of a fill without fairing, its middle not moved."""
+        patch = self._patch(bulge=_bulge(shape[:-1]))
+        self._centers[_bulge(shape[:-1])] = _middle_of(patch)
+        self._known[shape] = patch.evaluate(self._places), patch.normal(self._places)
+        return self._known[shape]
 
     def at(self, shape):
         """(vertices, normals): exact, or blended of two exact ones where what was asked for before is near. A ValueError where no
@@ -150,6 +156,7 @@ class Shaping:
         self._filled = None  # what of the shape the surroundings were read for
         self._between: _Between | None = None  # fills between its sides
         self._asked = None  # bulges and the middle of the last fill
+        self._sides_of: Any = None  # the sides that the first step of a drag has read: for what, and a fill between them
         self._before = None
 
     def _rings(self, count):
@@ -267,9 +274,11 @@ class Shaping:
             return self.fill
         if quick:
             given, faces = self._quick(given), self._nearest
+        if quick and self._first_step(given, faces):
+            return self.fill
         try:
-            self.fill, given = self._filled_as(given, faces, quick)
-            self.refusal = None
+            corners = [self._loop[k] for k in self.corners()]
+            self.fill, self.refusal = tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), None
             self.vertices, self.normals, self._triangles = self.fill.vertices, self.fill.normals, None
             self._filled = self._between = None
             if self.fill.sides:
@@ -280,15 +289,26 @@ class Shaping:
             self.refusal = str(reason)
         return self.fill
 
-    def _filled_as(self, given, faces, quick):
-        """A tripatch.Fill, and the arguments that it took."""
-        corners = [self._loop[k] for k in self.corners()]
-        if quick and given["center_offset"] and len(corners) not in (0, 3) and given.get("method", "auto") == "auto":
-            # The first step of a drag reads the sides, the next ones move the middle: a patch each.
-            unmoved = given | {"method": "multi_sided", "center_offset": 0.0}
-            with suppress(tripatch.Refusal, ValueError):
-                return tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **unmoved), unmoved
-        return tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), given
+    def _first_step(self, given, faces):
+        """A drag of the middle where the fill so far is no patch: its first step reads the sides and goes on showing that fill,
+        the second makes the patch, those after it move its middle. Whether this is such a step."""
+        corners, asked = [self._loop[k] for k in self.corners()], self._read_for()
+        if not given["center_offset"] or len(corners) in (0, 3) or given.get("method", "auto") != "auto":
+            return False
+        unmoved = given | {"method": "multi_sided", "center_offset": 0.0}
+        try:
+            if self._sides_of is None or self._sides_of[0] != asked:
+                options = unmoved | {"fairing": None}
+                self._sides_of = asked, tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **options)
+                return True
+            fill, shape = self._sides_of[1], (*self._by_side(), 0.0)
+            between = _Between(fill, shape, self.size)
+            self.vertices, self.normals = between.faired(shape)
+        except (tripatch.Refusal, ValueError):
+            return False
+        self.fill, self.refusal, self._triangles, self._sides_of = fill, None, None, None
+        self._filled, self._between, self._asked = asked, between, (unmoved["bulge"], 0.0)
+        return True
 
     def _read_for(self):
         return [*self.corners()], self.shape.round, dict(self.arguments)
