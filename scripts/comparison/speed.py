@@ -177,7 +177,7 @@ def in_blender(setting: Setting) -> list[str]:
         "|---|---|---|---|---|---|",
     ]
     for name, row in made["beside"].items():
-        grid, smooth = (1e3 * float(np.median([wall for wall, _ in row[key]])) for key in ("grid", "smooth"))
+        grid, smooth = (1e3 * float(np.median(row[key])) for key in ("grid", "smooth"))
         good = yes(smooth <= row["wanted"] * grid)
         lines.append(f"| {name} | {grid:.0f} | {smooth:.0f} | {smooth / grid:.2f} | {row['wanted']} | {good} |")
     lines += [
@@ -187,8 +187,8 @@ def in_blender(setting: Setting) -> list[str]:
         "| slider | median | most | wanted | reached |",
         "|---|---|---|---|---|",
     ]
-    for name, row in made["sliders"].items():
-        median, most = 1e3 * float(np.median(row["own"])), 1e3 * max(row["own"])
+    for name, seconds in made["sliders"].items():
+        median, most = 1e3 * float(np.median(seconds)), 1e3 * max(seconds)
         lines.append(f"| {name} | {median:.0f} | {most:.0f} | {SLIDER_STEP:.0f} | {yes(median <= SLIDER_STEP)} |")
     print("\n".join(lines), flush=True)
     return lines

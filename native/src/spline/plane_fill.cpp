@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/coarsened.h"
 #include "tripatch/mesh/triangles.h"
@@ -55,7 +56,8 @@ constexpr double layout_tolerance = 1e-3;
 constexpr double most_fed_back = 0.75;
 /// Cosine, of what surrounds long rims that are seen from above.
 constexpr double most_leaning = 0.5;
-/// Where they are not, the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those of the rings.
+/// Where they are not, the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those
+/// of the rings.
 constexpr int edges_in_layouts = 20;
 /// They have few rings for their size, and what the first layouts are off reads as noise and as a flat fill: neither ends them. Caps of a
 /// sphere, 60 degrees, jagged rims of 600 to 1,050 edges: 0.085 to 0.10 of the diameter off with `layouts`, 0.009 to 0.04 with these.
@@ -793,7 +795,7 @@ PlanePoints between_known(const Rim& rim, const std::vector<Index>& known, const
   return uv;
 }
 
-/// Where points are nearest to a surface, by Gauss-Newton from these places.
+/// Where points are nearest to a surface, by Gauss-Newton from these places: foot_at's steps, for all points at once.
 PlanePoints feet_on(const Surface& surface, const Points& points, PlanePoints uv) {
   const double longest = longest_step_to_feet * (uv.colwise().maxCoeff() - uv.colwise().minCoeff()).maxCoeff();
   std::vector<double> jets(static_cast<std::size_t>(9 * uv.rows()));
@@ -803,10 +805,7 @@ PlanePoints feet_on(const Surface& surface, const Points& points, PlanePoints uv
     most = 0;
     for (Index k = 0; k < uv.rows(); ++k) {
       const double* jet = &jets[static_cast<std::size_t>(9 * k)];
-      Eigen::Matrix<double, 3, 2> slopes;
-      slopes << Vec3::Map(jet + 3), Vec3::Map(jet + 6);
-      const Vec3 off = Vec3(points.row(k)) - Vec3::Map(jet);
-      Vec2 way = Eigen::Matrix2d(slopes.transpose() * slopes).ldlt().solve(slopes.transpose() * off);
+      Vec2 way = in_frame(Vec3::Map(jet + 3), Vec3::Map(jet + 6), Vec3(points.row(k)) - Vec3::Map(jet));
       if (!way.allFinite()) continue;
       way *= std::min(1.0, longest / std::max(way.norm(), 1e-300));
       uv.row(k) += way;
