@@ -9,6 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import tripatch
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 
 def jagged(surface, noise, n=30, cut=0.55, seed=3):
@@ -104,10 +105,98 @@ def draw_creases(path):
     plt.close(figure)
 
 
+def blob(faces, start, count, seed):
+    """Faces grown at random from one; the faces left and the rim."""
+    rng = np.random.default_rng(seed)
+    at = {(f[k], f[(k + 1) % 4]): i for i, f in enumerate(faces) for k in range(4)}
+    gone = {start}
+    while len(gone) < count:
+        f = faces[sorted(gone)[rng.integers(len(gone))]]
+        k = int(rng.integers(4))
+        gone.add(at[f[(k + 1) % 4], f[k]])
+    left = [f for i, f in enumerate(faces) if i not in gone]
+    rims = [rim for rim in tripatch.find_holes(left) if all((b, a) in at for a, b in zip(rim, [*rim[1:], rim[0]], strict=True))]
+    return left, min(rims, key=len)
+
+
+def with_triangle(vertices, left, rim):
+    """The same with a vertex more on an edge of the rim."""
+    a, b = rim[:2]
+    vertices = np.vstack([vertices, vertices[[a, b]].mean(axis=0)])
+    left = [list(f) for f in left]
+    face = next(f for f in left if {a, b} <= set(f))
+    k = next(k for k in range(len(face)) if {face[k], face[(k + 1) % len(face)]} == {a, b})
+    face.insert(k + 1, len(vertices) - 1)
+    return vertices, left, [a, len(vertices) - 1, *rim[1:]]
+
+
+def polygons(figure, place, vertices, faces, new, title, view):
+    axes = figure.add_subplot(*place, projection="3d")
+    for some, color in ((faces, "0.88"), (new, "#8db3e2")):
+        if not len(some):
+            continue
+        solids = Poly3DCollection(
+            [vertices[list(f)] for f in some], facecolors=color, edgecolors="0.3", linewidth=0.5, shade=True
+        )
+        axes.add_collection3d(solids)
+    used = vertices[sorted({v for f in [*faces, *new] for v in f})]
+    axes.set(xlim=(used[:, 0].min(), used[:, 0].max()), ylim=(used[:, 1].min(), used[:, 1].max()))
+    axes.set(zlim=(used[:, 2].min(), used[:, 2].max()))
+    axes.set_box_aspect(np.ptp(used, axis=0), zoom=1.25)
+    axes.view_init(*view)
+    axes.set_title(title, y=1.0)
+    axes.set_axis_off()
+
+
+def draw_grown(path):
+    """Blobs of quads that are taken out: the hole, triangles, quads that go on."""
+    n = 14
+    x, y = (c.ravel() for c in np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1)))
+    sheet = np.column_stack([x, y, 0.25 * np.sin(2 * x) * np.cos(2 * y)])
+    w = n + 1
+    grid = [[j * w + i, j * w + i + 1, (j + 1) * w + i + 1, (j + 1) * w + i] for j in range(n) for i in range(n)]
+    ball, around = cube_sphere(10)
+    corner = max(range(len(around)), key=lambda f: ball[around[f]].mean(axis=0) @ (1, 1.1, 1.2))
+    one, two = blob(grid, n * n // 2 + n // 2, 26, 4), blob(around, corner, 24, 2)
+    rows = [(sheet, *one, (48, -70)), (ball, *two, (35, 48)), (*with_triangle(sheet, *one), (48, -70))]
+    figure = plt.figure(figsize=(12, 11))
+    for row, (vertices, left, rim, view) in enumerate(rows):
+        toward = np.array([np.cos(np.radians(view[1])), np.sin(np.radians(view[1])), np.tan(np.radians(view[0]))])
+        seen = left if row != 1 else [f for f in left if vertices[list(f)].mean(axis=0) @ toward > 0.4]
+        polygons(figure, (3, 3, 3 * row + 1), vertices, seen, [], f"{len(rim)} edges", view)
+        for column, output in enumerate(("triangles", "quads")):
+            fill = tripatch.fill(vertices, left, rim=rim, output=output)
+            whole = np.vstack([vertices, fill.vertices])
+            count = sum(len(f) == (3 if output == "triangles" else 4) for f in fill.faces)
+            title = f"{count} {output}" + (", 1 triangle" if count < len(fill.faces) else "")
+            polygons(figure, (3, 3, 3 * row + 2 + column), whole, seen, fill.faces, title, view)
+    figure.tight_layout()
+    figure.savefig(path, dpi=80)
+    plt.close(figure)
+
+
+def cube_sphere(n):
+    """A cube of n x n quads a side, blown up to the unit sphere."""
+    points, faces = {}, []
+    for axis in range(3):
+        for side in (0, n):
+            for i in range(n):
+                for j in range(n):
+                    corners = []
+                    for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                        place = [a, b]
+                        place.insert(axis, side)
+                        corners.append(points.setdefault(tuple(place), len(points)))
+                    faces.append(corners if (side > 0) == (axis != 1) else corners[::-1])
+    cube = 2 * np.array(list(points)) / n - 1
+    return cube / np.linalg.norm(cube, axis=1, keepdims=True), faces
+
+
 def draw(folder):
-    """Writes hill.png and creases.png into a folder."""
+    """Writes hill.png, creases.png and grown.png into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     draw_creases(folder / "creases.png")
+    draw_grown(folder / "grown.png")
 
     def hill(x, y):
         return 0.5 * np.exp(-0.9 * (x * x + y * y))

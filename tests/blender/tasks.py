@@ -365,7 +365,8 @@ def _pole(near, valence, count, within, crossed=0):
 
 
 def pole_of_3_edges():
-    return _pole((0.33, -0.4, -0.91), 3, 1, 0.06)
+    """Three quads about it, as there were."""
+    return _pole((0.33, -0.4, -0.91), 3, 1, 0.08)
 
 
 def pole_of_5_edges():

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "tripatch/output/polygon_layout.h"
+#include "tripatch/quads/polygon_layout.h"
 
 using namespace tripatch;
 

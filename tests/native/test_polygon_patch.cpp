@@ -7,10 +7,10 @@
 
 #include "test_surfaces.h"
 #include "tripatch/output/polygon_cover.h"
-#include "tripatch/output/quad_smoothing.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/patch.h"
 #include "tripatch/polygon/space.h"
+#include "tripatch/quads/quad_smoothing.h"
 
 using namespace tripatch;
 using tripatch::testing::degrees_between;

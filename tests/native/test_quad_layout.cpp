@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "tripatch/output/quad_layout.h"
+#include "tripatch/quads/quad_layout.h"
 
 using namespace tripatch;
 

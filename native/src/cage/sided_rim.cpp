@@ -1,13 +1,87 @@
 #include "tripatch/cage/sided_rim.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <memory>
+#include <cstdlib>
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/beginning.h"
 #include "tripatch/polygon/follow.h"
+#include "tripatch/quads/grown_quads.h"
 
 namespace tripatch {
+namespace {
+
+/// A rim as it is seen along its vector area.
+PlanePoints seen(const Points& rim) {
+  Vec3 area = Vec3::Zero();
+  const Vec3 middle = rim.colwise().mean();
+  const auto at = [&](Index k) -> Vec3 { return rim.row(k % rim.rows()).transpose() - middle; };
+  for (Index k = 0; k < rim.rows(); ++k) area += at(k).cross(at(k + 1));
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(area, Vec3::UnitZ());
+  PlanePoints places(rim.rows(), 2);
+  for (Index k = 0; k < rim.rows(); ++k) places.row(k) = (turn * at(k)).head<2>();
+  return places;
+}
+
+/// From where the rim's geometry begins it, as seen in a mirror where it goes backwards: which of equal layouts is taken hangs on that.
+Beginning beginning_of(const Points& rim, const std::vector<Index>& places) {
+  Beginnings beginnings(rim, {}, places);
+  beginnings.compare_along();
+  return beginnings.left()[0];
+}
+
+/// A layout of a rim that was walked so.
+QuadLayout as_given(const PlaneLayout& walked, const Beginning& first) {
+  const Index r = walked.rim;
+  const auto given = [&](Index k) { return k < r ? first.at(k, r) : k; };
+  QuadLayout layout;
+  layout.barycentric = Points::Zero(walked.uv.rows(), 3);
+  for (Index k = 0; k < walked.uv.rows(); ++k)
+    layout.barycentric.row(given(k)).head<2>() << walked.uv(k, 0), (first.backwards ? -1 : 1) * walked.uv(k, 1);
+  layout.rim = r;
+  for (Index f = 0; f < walked.faces.size(); ++f) {
+    std::vector<Index> face;
+    for (Index v : walked.faces[f]) face.push_back(given(v));
+    if (first.backwards) std::reverse(face.begin(), face.end());
+    layout.faces.add(face);
+  }
+  layout.poles = walked.poles;
+  layout.in_plane = true;
+  return layout;
+}
+
+}  // namespace
+
+std::optional<QuadLayout> grown_layout(const std::vector<Index>& rim, const Points& vertices, const Connectivity& left) {
+  const Index r = static_cast<Index>(rim.size());
+  const Beginning first = beginning_of(vertices(rim, Eigen::all), {});
+  std::vector<Index> walk;
+  for (Index k = 0; k < r; ++k) walk.push_back(rim[first.at(k, r)]);
+  const std::optional<PlaneLayout> grown = grown_quads(seen(vertices(walk, Eigen::all)), wanted_quads(vertices, left, walk));
+  if (!grown) return {};
+  QuadLayout layout = as_given(*grown, first);
+  layout.grown = true;
+  return layout;
+}
+
+bool grows_on(const SidedRim& rim, const Points& vertices, const Connectivity& left) {
+  const auto is_quad = [&](Connectivity::Corner c) { return left.faces()[left.face(c)].size() == 4; };
+  const auto in_quads = [&](Index v) { return std::ranges::all_of(left.at(v), is_quad); };
+  if (!rim.guessed && !std::ranges::all_of(rim.rim, in_quads)) return false;
+  const std::vector<int> wanted = wanted_quads(vertices, left, rim.rim);
+  const auto off = [&](const auto& quads) {
+    int sum = 0;
+    for (std::size_t k = 0; k < wanted.size(); ++k) sum += std::abs(wanted[k] - quads(static_cast<Index>(k)));
+    return sum;
+  };
+  const int between_corners = off([&](Index k) { return std::ranges::count(rim.corners, k) > 0 ? 1 : 2; });
+  if (between_corners == 0) return false;
+  const std::optional<QuadLayout> grown = grown_layout(rim.rim, vertices, left);
+  if (!grown) return false;
+  const int grown_off = off([&](Index k) { return static_cast<int>(std::ranges::count(grown->faces.corners, k)); });
+  return grown_off + static_cast<int>(grown->poles.size()) < between_corners;
+}
 
 Hole SidedRim::hole() const { return {rim, {corners[0], corners[1], corners[2]}}; }
 
@@ -59,34 +133,22 @@ QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, cons
     quads[row] = static_cast<int>(std::max<std::ptrdiff_t>(1, 4 - faces));
     for (Index k = 0; k < edges; ++k) places.row(row++) = domain.on_side(i, static_cast<double>(k) / static_cast<double>(edges));
   }
+  if (rim.guessed && rows == 0 && grows_on(rim, vertices, left)) {
+    std::optional<QuadLayout> grown = grown_layout(rim.rim, vertices, left);
+    grown->barycentric.topRows(r) = as_rows(places);
+    spread_inside(grown->faces, r, grown->barycentric);
+    return std::move(*grown);
+  }
   // from where the rim's geometry begins it, as seen in a mirror where it goes backwards: which of equal layouts is taken hangs on that
-  Beginnings beginnings(vertices(rim.rim, Eigen::all), {}, rim.corners);
-  beginnings.compare_along();
-  const Beginning first = beginnings.left()[0];
-  const auto given = [&](Index k) { return first.at(k, r); };
+  const Beginning first = beginning_of(vertices(rim.rim, Eigen::all), rim.corners);
   PlanePoints walked(r, 2);
   std::vector<RimCorner> corners;
   for (Index k = 0; k < r; ++k) {
-    walked.row(k) = places.row(given(k));
-    if (quads[given(k)] >= 0) corners.push_back({k, quads[given(k)]});
+    walked.row(k) = places.row(first.at(k, r));
+    if (quads[first.at(k, r)] >= 0) corners.push_back({k, quads[first.at(k, r)]});
   }
-  const double turn = first.backwards ? -1 : 1;
-  walked.col(1) *= turn;
-  const PlaneLayout plane = polygon_layout(walked, corners, rows);
-  QuadLayout layout;
-  layout.barycentric = Points::Zero(plane.uv.rows(), 3);
-  for (Index k = 0; k < plane.uv.rows(); ++k)
-    layout.barycentric.row(k < r ? given(k) : k).head<2>() << plane.uv(k, 0), turn * plane.uv(k, 1);
-  layout.rim = plane.rim;
-  for (Index f = 0; f < plane.faces.size(); ++f) {
-    std::vector<Index> face;
-    for (Index v : plane.faces[f]) face.push_back(v < r ? given(v) : v);
-    if (first.backwards) std::reverse(face.begin(), face.end());
-    layout.faces.add(face);
-  }
-  layout.poles = plane.poles;
-  layout.in_plane = true;
-  return layout;
+  if (first.backwards) walked.col(1) *= -1;
+  return as_given(polygon_layout(walked, corners, rows), first);
 }
 
 Eigen::VectorXd nearest_on(const Surface& patch, const Points& points, Points& coordinates) {

@@ -14,6 +14,8 @@ namespace tripatch {
 
 namespace {
 
+const std::string sharp_sides_sentence = "The mesh meets the hole at an angle along ";
+
 /// The spline, which does not continue what meets the hole at an angle. given: corners of the rim, in its order; none: as detected.
 Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, const std::vector<Index>& rim,
                              const std::vector<Index>& given, SplineFillOptions options) {
@@ -33,12 +35,14 @@ Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, c
   options.continued = &continued;
   Fill fill = fill_with_spline(ground.mesh, around, rim, {}, options);
   const auto sharp = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
-  fill.report.warnings.push_back("The mesh meets the hole at an angle along " + std::to_string(sharp) + " of its " +
-                                 std::to_string(angles.size()) + " sides: the fill is not continued there");
+  fill.report.warnings.push_back(sharp_sides_sentence + std::to_string(sharp) + " of its " + std::to_string(angles.size()) +
+                                 " sides: the fill is not continued there");
   return fill;
 }
 
 }  // namespace
+
+bool is_of_sharp_sides(const std::string& warning) { return warning.starts_with(sharp_sides_sentence); }
 
 std::string not_taken(const FillOptions& options) {
   std::string names;

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -33,6 +34,7 @@ constexpr double far_off = 0.25;
 /// Standard deviations of where the mesh would go on: a fair cage within as many is as likely. Suzanne's jaw is at 2.9, its fair cage four
 /// times nearer to the surface that was there than the other; 27 of the bevels' cages stay as they were, an eighth of the gain.
 constexpr double likely = 3.5;
+constexpr const char* grown_reason = "the quads go on from those around the hole";
 constexpr const char* placed_reason =
     "the fairest cage would run off: its vertices lie where the faces around the hole would go on";
 
@@ -82,14 +84,15 @@ std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const s
   return others;
 }
 
-/// Corners that were guessed are a person's to choose, and no reason for a cage that folds or crosses itself.
-void tell_guessed(const SidedRim& hole, Report& report) {
-  if (!hole.guessed) return;
-  if (report.folds > 0 || !is_harmless(report))
-    throw Refusal("Rim has no clear corners, and a cage between four of its vertices would " +
-                      std::string(report.crosses_itself ? "cross itself" : "fold") + "; select two to twelve corners",
-                  at_places(hole.rim, hole.corners));
-  report.method_reason = "the rim has no clear corners: the cage lies between four of its vertices";
+/// Corners that nobody gave are a person's to choose, and no reason for a cage that crosses itself; guessed ones for none that folds either.
+void refuse_if_harmful(const SidedRim& hole, const Report& report) {
+  const bool folds = report.folds > 0 || report.triangles_folded > 0;
+  if (hole.given || !(report.crosses_itself || (hole.guessed && folds))) return;
+  const std::string seen = "A cage between the " + std::to_string(hole.sides()) + " corners that the rim shows",
+                    none = "Rim has no clear corners, and a cage without them";
+  throw Refusal((hole.guessed ? none : seen) + " would " + (report.crosses_itself ? "cross itself" : "fold") + "; select " +
+                    (hole.guessed ? "two to twelve corners" : "others"),
+                at_places(hole.rim, hole.corners));
 }
 
 /// Rows that a tolerance has asked for may turn quads over where there is no room for them.
@@ -111,6 +114,47 @@ std::vector<Fill> the_other_if_that_folds_less(const Ground& ground, const std::
   if (holes.size() != 1 || is_harmless(fills[0].report)) return fills;
   std::vector<Fill> others = cages_together(ground, holes, options, placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere);
   return harm(others[0].report) < harm(fills[0].report) ? others : fills;
+}
+
+/// How much less two choices of corners may turn for the one that begins first to be taken: far more than rounding, radians.
+constexpr double as_much_turn = 1e-6;
+/// That of a vertex that is not to be a corner: less than of any four others.
+constexpr double no_turn = -4 * std::numbers::pi;
+
+/// Four vertices of a rim that shows no corners, as Grid Fill takes them: as many edges between opposite ones, or one more, where the rim
+/// turns most at them; as few as possible have one face only, about which the limit of the open cage has no tangent plane. None of fewer than
+/// four edges.
+std::vector<Index> four_of(const Ground& ground, std::vector<Index> loop) {
+  const std::size_t n = loop.size();
+  if (n < 4) return {};
+  std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+  const auto at = [&](std::size_t k) -> Vec3 { return ground.mesh.vertices.row(loop[k % n]); };
+  std::vector<double> turn(n);
+  for (std::size_t k = 0; k < n; ++k)
+    turn[k] = ground.left.at(loop[k]).size() < 2 ? no_turn : angle_between(at(k) - at(k + n - 1), at(k + 1) - at(k));
+  const std::array<std::size_t, 4> steps = {0, (n + 2) / 4, n / 2, n / 2 + (n + 2) / 4};
+  std::optional<std::size_t> best;
+  double most = -INFINITY;
+  for (std::size_t k = 0; k < n; ++k) {
+    double sum = 0;
+    for (std::size_t step : steps) sum += turn[(k + step) % n];
+    if (sum > most + as_much_turn) most = sum, best = k;
+  }
+  std::vector<Index> corners;
+  for (std::size_t step : steps)
+    if (best) corners.push_back(loop[(*best + step) % n]);
+  return corners;
+}
+
+std::optional<SidedRim> guessed_rim(const Ground& ground, const std::vector<Index>& loop) {
+  const std::vector<Index> guess = four_of(ground, loop);
+  if (guess.empty()) return {};
+  CorneredRim found = cornered(ground, loop, guess);
+  SidedRim result;
+  result.rim = std::move(found.rim);
+  result.corners = std::move(found.places);
+  result.guessed = true;
+  return result;
 }
 
 std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options,
@@ -153,6 +197,7 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
     if (follows) cages.report_energies(h, fills[h].report);
     if (kept[h]) fills[h].report.folds = 0;  // of a patch that the cage is not fitted to
     complete_report(holes[h], options, {}, fills[h].report);
+    if (cages.laid_out(h).layout.grown) fills[h].report.method_reason = grown_reason;
     if (placed) fills[h].report.method_reason = placed_reason;
   }
   if (on_mesh == OnMeshWhere::everywhere) return fills;
@@ -180,7 +225,19 @@ bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
 
 std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
   std::vector<Fill> fills = cages_together(ground, holes, options);
-  for (std::size_t h = 0; h < holes.size(); ++h) tell_guessed(holes[h], fills[h].report);
+  for (std::size_t h = 0; h < holes.size(); ++h) {
+    const SidedRim& hole = holes[h];
+    Report& report = fills[h].report;
+    if (hole.guessed && report.method_reason != grown_reason && report.method_reason != placed_reason)
+      report.method_reason = "the rim has no clear corners: the cage lies between four of its vertices";
+    const std::optional<SidedRim> guess =
+        holes.size() == 1 && !hole.given && !hole.guessed && !is_harmless(report) ? guessed_rim(ground, hole.rim) : std::nullopt;
+    if (guess) {
+      std::vector<Fill> others = cages_together(ground, {*guess}, options);
+      if (is_harmless(others[0].report)) return others;
+    }
+    refuse_if_harmful(hole, report);
+  }
   return fills;
 }
 
@@ -230,36 +287,8 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<S
 
 namespace {
 
-/// How much less two choices of corners may turn for the one that begins first to be taken: far more than rounding, radians.
-constexpr double as_much_turn = 1e-6;
-
-/// Four vertices of a rim that shows no corners, as Grid Fill takes them: as many edges between opposite ones, or one more, where the rim
-/// turns most at them; none has one face only, about which no limit surface has a tangent plane. None of fewer than four edges.
-std::vector<Index> four_of(const Ground& ground, std::vector<Index> loop) {
-  const std::size_t n = loop.size();
-  if (n < 4) return {};
-  std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
-  const auto at = [&](std::size_t k) -> Vec3 { return ground.mesh.vertices.row(loop[k % n]); };
-  std::vector<double> turn(n);
-  for (std::size_t k = 0; k < n; ++k)
-    turn[k] = ground.left.at(loop[k]).size() < 2 ? -INFINITY : angle_between(at(k) - at(k + n - 1), at(k + 1) - at(k));
-  const std::array<std::size_t, 4> steps = {0, (n + 2) / 4, n / 2, n / 2 + (n + 2) / 4};
-  std::optional<std::size_t> best;
-  double most = -INFINITY;
-  for (std::size_t k = 0; k < n; ++k) {
-    double sum = 0;
-    for (std::size_t step : steps) sum += turn[(k + step) % n];
-    if (sum > most + as_much_turn || (!best && std::isfinite(sum))) most = sum, best = k;
-  }
-  std::vector<Index> corners;
-  for (std::size_t step : steps)
-    if (best) corners.push_back(loop[(*best + step) % n]);
-  return corners;
-}
-
-}  // namespace
-
-SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+/// Corners that are given or seen, else guessed ones.
+SidedRim cornered_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
   if (corners && !corners->empty()) {
     if (!makes_polygon(*corners)) return hole_of(ground, rim, corners);
     CorneredRim found = cornered(ground, rim ? *rim : loop_through(ground, *corners), *corners);
@@ -282,13 +311,22 @@ SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index
     std::vector<Index> places = corners_by_valence(ground.mesh, ground.left, loop);
     if (places.empty()) places = corners_between_sides(ground.mesh, ground.left, loop);
     const std::vector<Index> seen = at_places(loop, places);
-    if (makes_polygon(seen)) return cage_rim_of(ground, loop, seen);
+    if (makes_polygon(seen)) return cornered_rim_of(ground, loop, seen);
   }
-  const std::vector<Index> guess = four_of(ground, loop);
-  if (guess.empty()) throw none;
-  SidedRim result = cage_rim_of(ground, loop, guess);
-  result.guessed = true;
-  return result;
+  const std::optional<SidedRim> guess = guessed_rim(ground, loop);
+  if (!guess) throw none;
+  return *guess;
+}
+
+}  // namespace
+
+SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+  SidedRim found = cornered_rim_of(ground, rim, corners);
+  found.given = corners && !corners->empty();
+  if (found.given || found.guessed || !grows_on(found, ground.mesh.vertices, ground.left)) return found;
+  const std::vector<Index> by_valence = at_places(found.rim, corners_by_valence(ground.mesh, ground.left, found.rim));
+  if (!by_valence.empty()) return cornered_rim_of(ground, found.rim, by_valence);
+  return guessed_rim(ground, found.rim).value_or(found);
 }
 
 }  // namespace tripatch

@@ -1,24 +1,28 @@
 #include "tripatch/fill/cage_on_mesh.h"
 
+#include <algorithm>
 #include <map>
+#include <string>
 
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/math/plane.h"
-#include "tripatch/output/quad_smoothing.h"
+#include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/spline/plane_patch.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
 namespace {
 
-/// The fill of triangles, if it follows its surroundings without any reservation.
+/// The fill of triangles, if it follows its surroundings without any reservation, but that it leaves out what meets it at an angle.
 std::optional<Fill> followed(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
   FillOptions triangles;
   triangles.features = options.features;
   triangles.replaced = options.replaced;
   try {
     Fill fill = fill_any_rim(ground, rim, {}, triangles, "");
-    if (fill.report.warnings.empty() && dynamic_cast<const PlanePatch*>(fill.patch.get())) return fill;
+    const auto& warnings = fill.report.warnings;
+    const auto reservations = std::ranges::count_if(warnings, [](const std::string& each) { return !is_of_sharp_sides(each); });
+    if (reservations == 0 && dynamic_cast<const PlanePatch*>(fill.patch.get())) return fill;
   } catch (const Refusal&) {  // a cage needs less
   }
   return {};

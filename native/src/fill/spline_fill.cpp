@@ -13,7 +13,10 @@
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
+#include "tripatch/output/polygon_cover.h"
 #include "tripatch/patch/moved_surface.h"
+#include "tripatch/quads/grown_quads.h"
+#include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/creased_fill.h"
 #include "tripatch/spline/disc.h"
@@ -93,6 +96,65 @@ void halve_doubled(const Mesh& mesh, const Connectivity& around, const std::vect
   made.vertices = stacked(made.vertices, middle);
 }
 
+/// The field's deviation at new places of a fill, with what the fill's own has beyond that at the vertex nearest to each.
+Eigen::VectorXd deviation_at(const PlaneFill& made, const PlanePoints& uv, const Points& normals) {
+  Eigen::VectorXd deviation = made.field->deviation(uv, normals);
+  if (made.uv.rows() == 0) return deviation;
+  const Eigen::VectorXd known = made.field->deviation(made.uv, made.normals);
+  for (Index k = 0; k < uv.rows(); ++k) {
+    Index nearest = 0;
+    (made.uv.rowwise() - uv.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
+    if (known[nearest] > 0) deviation[k] *= made.deviation[nearest] / known[nearest];
+  }
+  return deviation;
+}
+
+/// Two triangles a quad.
+std::vector<std::array<Index, 3>> halves_of(const Faces& faces) {
+  std::vector<std::array<Index, 3>> triangles;
+  for (Index f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 2; k < faces[f].size(); ++k) triangles.push_back({faces[f][0], faces[f][k - 1], faces[f][k]});
+  return triangles;
+}
+
+/// Whether an inner edge of the faces joins two of the rim's vertices that the mesh joins.
+bool doubles_edges(const Connectivity& around, const std::vector<Index>& rim, const Faces& faces) {
+  const Index r = static_cast<Index>(rim.size());
+  const std::vector<std::array<Index, 2>> joined = joined_rows(around, rim);
+  for (Index f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0, m = faces[f].size(); k < m; ++k) {
+      const auto [a, b] = std::minmax(faces[f][k], faces[f][(k + 1) % m]);
+      if (b >= r || b - a == 1 || b - a == r - 1) continue;
+      if (std::binary_search(joined.begin(), joined.end(), std::array{a, b})) return true;
+    }
+  return false;
+}
+
+/// The same fill with quads that grow in from the rim; empty where there are none that are good.
+std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                          PlaneFill& made) {
+  if (!made.field || !made.plainer.empty()) return {};
+  std::optional<PlaneLayout> layout = grown_quads(made.rim_uv, wanted_quads(mesh.vertices, around, rim));
+  if (!layout || doubles_edges(around, rim, layout->faces)) return {};
+  const Points border = mesh.vertices(rim, Eigen::all), points = smoothed_on(*layout, *made.surface, border);
+  if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= least_sine)) return {};
+  const Index added = points.rows() - layout->rim;
+  const PlanePoints uv = layout->uv.bottomRows(added);
+  const Points normals = made.surface->normals(as_rows(uv));
+  Faces in_mesh = layout->faces;
+  for (Index& v : in_mesh.corners)
+    v = v < layout->rim ? rim[static_cast<std::size_t>(v)] : mesh.vertices.rows() + v - layout->rim;
+  const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, {rim});
+  if (count_folded_edges(mesh.vertices, points.bottomRows(added), in_mesh, beyond) > made.folds) return {};
+  if (crosses_itself(points, halves_of(layout->faces))) return {};
+  made.deviation = deviation_at(made, uv, normals);
+  made.vertices = points.bottomRows(added);
+  made.uv = uv;
+  made.normals = normals;
+  made.triangles = halves_of(layout->faces);
+  return layout;
+}
+
 /// The fill of a part of a mesh. loops: of its border, the rim first.
 Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                   const SplineFillOptions& options) {
@@ -107,14 +169,17 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   own.planes = options.planes;
   PlaneFill made = creased ? std::move(*creased) : fill_over_plane(mesh, around, loops, own);
 
-  if (!creased) halve_doubled(mesh, around, fill.rim, made);
+  std::optional<PlaneLayout> quads;
+  if (options.quads && !creased && loops.size() == 1 && !options.resolution && options.through.empty())
+    quads = grown_quads_of(mesh, around, rim, made);
+  if (!creased && !quads) halve_doubled(mesh, around, fill.rim, made);
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };
   Points points(r + made.vertices.rows(), 3);
   for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(fill.rim[k]);
   points.bottomRows(made.vertices.rows()) = made.vertices;
   if (options.quads) {
-    const Faces faces = pair_quads(points, made.triangles, {}, made.creases);
+    const Faces faces = quads ? quads->faces : pair_quads(points, made.triangles, {}, made.creases);
     for (Index f = 0; f < faces.size(); ++f) {
       std::vector<Index> face;
       for (Index v : faces[f]) face.push_back(mesh_index(v));
@@ -150,6 +215,8 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   report.rim_folded = made.rim_folds;
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops), report);
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
+  for (Index pole : quads ? quads->poles : std::vector<Index>())
+    report.poles.push_back({mesh_index(pole), std::ranges::count(quads->faces.corners, pole)});
   if (!made.plainer.empty()) report.warnings.push_back(made.plainer);
   return fill;
 }
@@ -210,6 +277,7 @@ void bring_back(const CanonicalPart& part, const Mesh& mesh, const std::vector<s
   }
   fill.faces = std::move(faces);
   for (auto& [a, b] : fill.feature_edges) a = number(a), b = number(b);
+  for (auto& pole : fill.report.poles) pole[0] = number(pole[0]);
   fill.rim.clear();
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
   const PlanePoints uv = fill.rim_uv;

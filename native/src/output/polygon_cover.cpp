@@ -60,27 +60,6 @@ std::vector<std::pair<Index, Vec2>> nearest_inside(const PlaneLayout& layout, st
   return found;
 }
 
-/// Smooths on the surface, as far as that helps the least angle. Returns the vertices. held: those inside that stay.
-Points smoothed(PlaneLayout& layout, const Surface& patch, const Points& border, const std::vector<Index>& held = {}) {
-  Points best = on_surface(layout, patch, border);
-  double least = quad_quality(best, layout.faces).least;
-  for (const auto& [sweeps, sharpening] : {std::array<int, 2>{sweeps_on_surface, 0}, {0, sweeps_of_angles}}) {
-    PlaneLayout trial = layout;
-    smooth_quads(trial, sweeps, sharpening, &patch, &border, held);
-    Points there = on_surface(trial, patch, border);
-    const double now = quad_quality(there, layout.faces).least;
-    if (!(now >= least)) continue;
-    least = now;
-    best = std::move(there);
-    layout = std::move(trial);
-  }
-  return best;
-}
-
-/// The sine of the least angle of a quad with which vertices are still moved to places that are asked for. Of two places nearer and nearer
-/// to each other in a square of quads it is 0.38 or more, or quads are stuck, turned over or nearly (0.03): nothing lies between.
-constexpr double least_sine = 0.17;
-
 /// Vertices go to their places in so many steps, each followed by so many sweeps over the others: no quad need turn over on the way.
 constexpr int steps_to_places = 5, sweeps_on_the_way = 3;
 
@@ -99,13 +78,29 @@ std::optional<Points> smoothed_at(PlaneLayout& layout, const Surface& patch, con
     }
     smooth_quads(trial, sweeps_on_the_way, 0, &patch, &border, held);
   }
-  Points vertices = smoothed(trial, patch, border, held);
+  Points vertices = smoothed_on(trial, patch, border, held);
   if (!(quad_quality(vertices, trial.faces).least >= least_sine)) return {};
   layout = std::move(trial);
   return vertices;
 }
 
 }  // namespace
+
+Points smoothed_on(PlaneLayout& layout, const Surface& patch, const Points& border, const std::vector<Index>& held) {
+  Points best = on_surface(layout, patch, border);
+  double least = quad_quality(best, layout.faces).least;
+  for (const auto& [sweeps, sharpening] : {std::array<int, 2>{sweeps_on_surface, 0}, {0, sweeps_of_angles}}) {
+    PlaneLayout trial = layout;
+    smooth_quads(trial, sweeps, sharpening, &patch, &border, held);
+    Points there = on_surface(trial, patch, border);
+    const double now = quad_quality(there, layout.faces).least;
+    if (!(now >= least)) continue;
+    least = now;
+    best = std::move(there);
+    layout = std::move(trial);
+  }
+  return best;
+}
 
 PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& points, std::vector<RimCorner> corners,
                                     const Surface& patch, const LayoutOptions& options, const std::vector<Vec2>& met) {
@@ -131,7 +126,7 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
   bool near = false, meets = met.empty();
   for (int rows = first; rows <= last && !(near && meets); ++rows) {
     PlaneLayout layout = polygon_layout(rim, corners, rows);
-    Points vertices = smoothed(layout, patch, border);
+    Points vertices = smoothed_on(layout, patch, border);
     if (!met.empty()) {
       std::optional<Points> at = smoothed_at(layout, patch, border, met);
       meets = at.has_value();

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tripatch/output/quad_layout.h"
+#include "tripatch/quads/quad_layout.h"
 
 namespace tripatch {
 namespace {

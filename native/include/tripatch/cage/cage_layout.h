@@ -8,7 +8,7 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/cage/sided_rim.h"
 #include "tripatch/output/quad_cover.h"
-#include "tripatch/output/quad_layout.h"
+#include "tripatch/quads/quad_layout.h"
 
 namespace tripatch {
 

@@ -8,7 +8,7 @@
 
 #include "tripatch/cage/sided_rim.h"
 #include "tripatch/mesh/connectivity.h"
-#include "tripatch/output/quad_layout.h"
+#include "tripatch/quads/quad_layout.h"
 
 namespace tripatch {
 

@@ -1,14 +1,15 @@
 // The rim of a cage's hole, of three sides or of any other number, and the patch over its sides.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "tripatch/boundary/side.h"
 #include "tripatch/hole/hole.h"
-#include "tripatch/output/polygon_layout.h"
-#include "tripatch/output/quad_layout.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/polygon/domain.h"
+#include "tripatch/quads/polygon_layout.h"
+#include "tripatch/quads/quad_layout.h"
 
 namespace tripatch {
 
@@ -16,7 +17,8 @@ namespace tripatch {
 struct SidedRim {
   std::vector<Index> rim;
   std::vector<Index> corners;  ///< places in `rim`, increasing, the first 0
-  bool guessed = false;        ///< the rim shows no corners: four places were taken as such
+  bool guessed = false;        ///< the rim shows no corners, or none that its quads keep to: four places were taken as such
+  bool given = false;          ///< the corners are those that were asked for
 
   SidedRim() = default;
   SidedRim(const Hole& hole)  // NOLINT(google-explicit-constructor): a hole has a rim
@@ -45,6 +47,13 @@ PolygonDomain cage_domain(const SidedRim& rim, const Points& vertices, const Con
 /// share of it, as of the limit rim. Corners get as many quads as they lack to four.
 QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, const PolygonDomain& domain, const Connectivity& left,
                                int rows);
+
+/// The layout of quads that go on from the faces around (quads/grown_quads.h), coordinates (u, v, 0) of the rim as it is seen along its
+/// vector area; none where none is found.
+std::optional<QuadLayout> grown_layout(const std::vector<Index>& rim, const Points& vertices, const Connectivity& left);
+/// Whether quads that go on from the faces around leave fewer irregular vertices, on the rim and inside, than ones between the corners must on
+/// the rim alone. Not where the rim shows its corners and the faces around are not all quads.
+bool grows_on(const SidedRim& rim, const Points& vertices, const Connectivity& left);
 
 /// Coordinates where a patch is nearest to points: over a triangle or a polygon, from where they are. Returns the distances.
 Eigen::VectorXd nearest_on(const Surface& patch, const Points& points, Points& coordinates);

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "tripatch/output/polygon_layout.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch/surface.h"
+#include "tripatch/quads/polygon_layout.h"
 
 namespace tripatch {
 
@@ -27,5 +27,12 @@ struct PlaneCover {
 /// become vertices, as far as no quad is turned over by that; a warning else.
 PlaneCover cover_polygon_with_quads(const PlanePoints& rim, const Points& points, std::vector<RimCorner> corners,
                                     const Surface& patch, const LayoutOptions& options, const std::vector<Vec2>& met = {});
+
+/// Smooths a layout on a surface over its plane, as far as that helps the least angle. Returns the vertices, of which the border's are given;
+/// held: those inside that stay.
+Points smoothed_on(PlaneLayout& layout, const Surface& surface, const Points& border, const std::vector<Index>& held = {});
+/// The sine of the least angle of a quad that is still good. Of two places nearer and nearer to each other in a square of quads, where vertices
+/// are moved to them, it is 0.38 or more, or quads are stuck, turned over or nearly (0.03): nothing lies between.
+constexpr double least_sine = 0.17;
 
 }  // namespace tripatch

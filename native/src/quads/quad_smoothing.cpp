@@ -1,4 +1,4 @@
-#include "tripatch/output/quad_smoothing.h"
+#include "tripatch/quads/quad_smoothing.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/Sparse>
@@ -29,6 +29,11 @@ constexpr int halvings = 6;  ///< of a Newton step that makes things worse, befo
 constexpr int sweeps_a_metric = 5;
 /// Of a mean corner's area: below it a corner counts as turned over and is pulled back by a smooth bound of that size (0 with a tenth).
 constexpr double least_area = 1e-3;
+
+/// As sweeps of a cover, but of what is only compared: half of them take the same layouts of four to six sides of a saddle.
+constexpr int sweeps_of_trials = 4, angles_of_trials = 5;
+/// What an irregular vertex may cost the least scaled Jacobian: below that one more is not worth it.
+constexpr double pole_price = 0.02, mean_weight = 0.3;
 
 double square(double x) { return x * x; }
 
@@ -440,6 +445,12 @@ void embed(PlaneLayout& layout) {
 void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening, const Surface* surface, const Points* border,
                   const std::vector<Index>& held) {
   if (layout.uv.rows() > layout.rim) Smoother(layout, surface, border, held).run(sweeps, sharpening);
+}
+
+double score_of_trial(PlaneLayout& layout, double irregular) {
+  smooth_quads(layout, sweeps_of_trials, angles_of_trials);
+  const QuadQuality quality = quad_quality(as_rows(layout.uv), layout.faces);
+  return quality.least + mean_weight * quality.mean - pole_price * irregular;
 }
 
 }  // namespace tripatch

@@ -1,11 +1,11 @@
-#include "tripatch/output/quad_layout.h"
+#include "tripatch/quads/quad_layout.h"
 
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "tripatch/output/quad_builder.h"
+#include "tripatch/quads/quad_builder.h"
 
 namespace tripatch {
 namespace {

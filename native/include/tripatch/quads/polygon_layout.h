@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "tripatch/output/quad_smoothing.h"
+#include "tripatch/quads/quad_smoothing.h"
 
 namespace tripatch {
 

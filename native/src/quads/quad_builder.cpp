@@ -1,4 +1,4 @@
-#include "tripatch/output/quad_builder.h"
+#include "tripatch/quads/quad_builder.h"
 
 #include <algorithm>
 

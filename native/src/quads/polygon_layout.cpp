@@ -1,4 +1,4 @@
-#include "tripatch/output/polygon_layout.h"
+#include "tripatch/quads/polygon_layout.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 #include "tripatch/math/kept.h"
 #include "tripatch/math/ties.h"
-#include "tripatch/output/quad_builder.h"
+#include "tripatch/quads/quad_builder.h"
 
 namespace tripatch {
 namespace {
@@ -20,8 +20,6 @@ constexpr std::size_t layouts_tried = 2, layouts_of_many_tried = 1;
 /// Of a rim: of more one layout is tried. Of 60 outlines of three to eight sides in 100 edges nine take the second, whose least scaled
 /// Jacobian is 0.05 higher in their mean; it costs as much as the first, half a thousand quads and more.
 constexpr Index many_edges = 100;
-/// As sweeps of a cover, but of what is only compared: half of them take the same layouts of four to six sides of a saddle.
-constexpr int sweeps_of_trials = 4, angles_of_trials = 5;
 constexpr Index most_round_starts = 32;  ///< places of a round rim from which a grid's corners are counted
 constexpr Index edges_a_ring = 20;  ///< of a round rim: rings that are as wide as these would leave the grid's corners regular
 /// Cuts are sought at about so many places of a side, then moved edge by edge.
@@ -30,8 +28,6 @@ constexpr double flat_angle_cost = 20;  ///< of a coarse corner that is straight
 /// What a quad too many or too few at a corner costs, beside the angles' 1 / sin - 1: as much as an angle of 56 degrees. And what each
 /// corner costs that makes more or less than four.
 constexpr double wrong_valence = 0.2, pole_expected = 0.1;
-/// What an irregular vertex may cost the least scaled Jacobian: below that one more is not worth it.
-constexpr double pole_price = 0.02, mean_weight = 0.3;
 
 double cost_of_sine(double sine) { return sine > 1 / flat_angle_cost ? 1 / sine - 1 : flat_angle_cost - 1; }
 double cost_of_angle(double angle) { return angle < std::numbers::pi ? cost_of_sine(std::sin(angle)) : flat_angle_cost - 1; }
@@ -376,12 +372,6 @@ std::vector<Choice> choices_of(const Region& region, const std::vector<RimCorner
   return choices;
 }
 
-Points rows_of(const PlanePoints& uv) {
-  Points rows = Points::Zero(uv.rows(), 3);
-  rows.leftCols(2) = uv;
-  return rows;
-}
-
 PlaneLayout best_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
   const Region region(rim);
   std::vector<Choice> choices = choices_of(region, corners);
@@ -414,10 +404,7 @@ PlaneLayout best_layout(const PlanePoints& rim, const std::vector<RimCorner>& co
     if (tried[plan.rings > 0 ? 0 : plan.sides.size()]++ >= (rim.rows() > many_edges ? layouts_of_many_tried : layouts_tried))
       continue;
     PlaneLayout layout = laid_out(rim, plan, region, rows);
-    smooth_quads(layout, sweeps_of_trials, angles_of_trials);
-    const QuadQuality quality = quad_quality(rows_of(layout.uv), layout.faces);
-    const double irregular = static_cast<double>(layout.poles.size()) + plan.irregular,
-                 score = quality.least + mean_weight * quality.mean - pole_price * irregular;
+    const double score = score_of_trial(layout, static_cast<double>(layout.poles.size()) + plan.irregular);
     if (best && !clearly_more(score, best_score)) continue;
     best = std::move(layout);
     best_score = score;

@@ -17,6 +17,7 @@ struct QuadLayout {
   Faces faces;               ///< traverse the rim forwards; all quads, but one triangle where the sum of the counts is odd
   std::vector<Index> poles;  ///< inside vertices whose valence is not 4
   bool in_plane = false;     ///< of other than three sides: rows of `barycentric` are (u, v, 0) in a convex domain
+  bool grown = false;        ///< from the rim, whatever its corners
 };
 
 /// parameters[i]: increasing from 0 to 1, the rim's vertices on side i. rows: extra rows of quads round the pole(s), 0 the plain

@@ -1,0 +1,110 @@
+"""Quads that go on from those around a hole: whatever its outline, what was there comes back."""
+
+import numpy as np
+import pytest
+import tripatch
+from shapes import cube_sphere
+
+
+def blob(faces, count, seed, start=None):
+    """A patch of so many faces, grown at random from one, that leaves a single rim which passes no vertex twice; else None."""
+    rng = np.random.default_rng(seed)
+    at = {(f[k], f[(k + 1) % len(f)]): i for i, f in enumerate(faces) for k in range(len(f))}
+    gone = {int(rng.integers(len(faces))) if start is None else start}
+    while len(gone) < count:
+        f = faces[sorted(gone)[rng.integers(len(gone))]]
+        k = int(rng.integers(len(f)))
+        other = at.get((f[(k + 1) % len(f)], f[k]))
+        if other is None:
+            return None
+        gone.add(other)
+    border = [(a, b) for (a, b), f in at.items() if f in gone and at.get((b, a), -1) not in gone]
+    following = dict(border)
+    if len(following) < len(border) or any((b, a) not in at for a, b in border):
+        return None
+    rim = [border[0][0]]
+    while following[rim[-1]] != rim[0]:
+        rim.append(following[rim[-1]])
+    return (sorted(gone), rim) if len(rim) == len(border) else None
+
+
+def blobs(faces, count, start=None):
+    return [found for seed in range(40) if (found := blob(faces, count, seed, start))]
+
+
+def sheet(n=16):
+    x, y = np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1))
+    points = np.column_stack([x.ravel(), y.ravel(), 0.3 * np.sin(2 * x.ravel()) * np.cos(y.ravel())])
+    w = n + 1
+    return points, [[j * w + i, j * w + i + 1, (j + 1) * w + i + 1, (j + 1) * w + i] for j in range(n) for i in range(n)]
+
+
+def without(vertices, faces, gone):
+    """The mesh with faces taken out, and where its vertices are now."""
+    left = [f for k, f in enumerate(faces) if k not in set(gone)]
+    used = sorted({v for f in left for v in f})
+    new = {v: k for k, v in enumerate(used)}
+    return vertices[used], [[new[v] for v in f] for f in left], new
+
+
+def corner_face(vertices, faces):
+    return max(range(len(faces)), key=lambda f: vertices[faces[f]].mean(axis=0).sum())
+
+
+@pytest.mark.parametrize("output", ["quads", "cage"])
+@pytest.mark.parametrize("count", [5, 12, 25])
+@pytest.mark.parametrize("pole", [False, True], ids=["grid", "round a pole"])
+def test_what_was_cut_out_at_random_comes_back(output, count, pole):
+    vertices, faces = cube_sphere(8) if pole else sheet()
+    holes = blobs(faces, count, corner_face(vertices, faces) if pole else None)
+    assert len(holes) >= 6
+    same = 0
+    for gone, rim in holes[:12]:
+        points, left, new = without(vertices, faces, gone)
+        fill = tripatch.fill(points, left, rim=[new[v] for v in rim], output=output)
+        assert not fill.report.crosses_itself and fill.report.triangles_folded == 0
+        same += len(fill.faces) == len(gone) and all(len(f) == 4 for f in fill.faces)
+    # a convex outline is one of sides, and what lies at a pole with 1 quad on the rim is a choice
+    assert same >= 0.8 * len(holes[:12])
+
+
+def test_between_quads_no_triangle_is_left_where_the_rim_is_even_and_one_where_it_is_odd():
+    vertices, faces = sheet()
+    gone, rim = blobs(faces, 20)[0]
+    points, left, new = without(vertices, faces, gone)
+    rim = [new[v] for v in rim]
+    even = tripatch.fill(points, left, rim=rim, output="quads")
+    assert {len(f) for f in even.faces} == {4}
+    middle = len(points)  # on an edge of the rim
+    face = next(f for f in left if {rim[0], rim[1]} <= set(f))
+    k = next(k for k in range(4) if {face[k], face[(k + 1) % 4]} == {rim[0], rim[1]})
+    face.insert(k + 1, middle)
+    points = np.vstack([points, points[rim[:2]].mean(axis=0)])
+    odd = tripatch.fill(points, left, rim=[rim[0], middle, *rim[1:]], output="quads")
+    assert sorted(len(f) for f in odd.faces)[:2] == [3, 4]
+
+
+@pytest.mark.parametrize("output", ["quads", "cage"])
+def test_they_hang_neither_on_numbers_nor_on_a_mirror(output):
+    vertices, faces = sheet()
+    gone, rim = blobs(faces, 18)[1]
+    points, left, new = without(vertices, faces, gone)
+    rim = [new[v] for v in rim]
+    fill = tripatch.fill(points, left, rim=rim, output=output)
+    order = np.random.default_rng(3).permutation(len(points))
+    number = np.argsort(order)
+    again = tripatch.fill(points[order], [[number[v] for v in f] for f in left[::-1]], rim=np.roll(number[rim], 5), output=output)
+    mirrored = tripatch.fill(points * [-1, 1, 1], [f[::-1] for f in left], rim=rim[::-1], output=output)
+    for other, sign in ((again, 1), (mirrored, -1)):
+        apart = np.linalg.norm(fill.vertices[:, None] - other.vertices * [sign, 1, 1], axis=2)
+        assert len(other.faces) == len(fill.faces) and apart.min(axis=1).max() < 1e-6
+
+
+def test_the_deviation_of_quads_is_that_of_triangles_at_their_places():
+    vertices, faces = sheet()
+    gone, rim = blobs(faces, 25)[0]
+    points, left, new = without(vertices, faces, gone)
+    triangles, quads = (tripatch.fill(points, left, rim=[new[v] for v in rim], output=o) for o in ("triangles", "quads"))
+    for v, deviation in zip(quads.vertices, quads.deviation, strict=True):
+        near = np.linalg.norm(triangles.vertices - v, axis=1).argsort()[:4]
+        assert 0.3 * triangles.deviation[near].min() < deviation < 3 * triangles.deviation[near].max()
