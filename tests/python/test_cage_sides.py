@@ -159,11 +159,15 @@ def open_ball(around, ring, rings=12):
 def test_a_round_rim_has_a_cage_between_four_of_its_vertices(around, ring, corners):
     vertices, faces = open_ball(around, ring)
     fill = tripatch.fill(vertices, faces, output="cage", corners=corners)
-    assert len(fill.report.corners) == 4 and "no clear corners" in fill.report.method_reason
+    assert len(fill.report.corners) == 4
+    assert (
+        "no clear corners" in fill.report.method_reason
+        or "where the faces around the hole would go on" in fill.report.method_reason
+    )
     assert fill.report.triangles_folded == fill.report.folds == 0
     surface, _ = fill.limit(2)
     radius = np.linalg.norm(surface, axis=1)  # the limit of a coarse ball is a smaller one
-    assert 0.93 < radius.min() and radius.max() < 1.05
+    assert 0.92 < radius.min() and radius.max() < 1.05
     (rim,) = tripatch.find_holes(faces)
     steps = np.sort([list(rim).index(v) for v in fill.report.corners])
     counts = np.diff([*steps, steps[0] + len(rim)])
@@ -213,3 +217,13 @@ def test_a_cage_between_bevels_is_flat_where_the_mesh_is(cells, width):
     left, gone = without_rings(vertices, faces, (0, 0, 1), 1)
     fill = tripatch.fill(vertices, left, output="cage")
     assert farthest_off(vertices, left, gone, fill.limit(3)[0]) < 0.02
+
+
+@pytest.mark.parametrize(("cells", "direction"), [(4, (0, 0, 1)), (5, (1, 0.2, 0.1)), (6, (1, 0.2, 0.1))])
+def test_the_end_of_an_egg_goes_on_in_a_cage(cells, direction):
+    """The fairest cage is blunt there, by 0.034 to 0.054 of the hole's size, and how the mesh goes on is known better."""
+    vertices, faces = cube_sphere(cells)
+    vertices = vertices * [1, 0.7, 0.5]
+    left, gone = without_rings(vertices, [list(f) for f in faces], direction, 2)
+    fill = tripatch.fill(vertices, left, output="cage")
+    assert farthest_off(vertices, left, gone, fill.limit(3)[0]) < 0.025

@@ -53,12 +53,14 @@ QuadLayout as_given(const PlaneLayout& walked, const Beginning& first) {
 
 }  // namespace
 
-std::optional<QuadLayout> grown_layout(const std::vector<Index>& rim, const Points& vertices, const Connectivity& left) {
+std::optional<QuadLayout> grown_layout(const std::vector<Index>& rim, const Points& vertices, const Connectivity& left,
+                                       WantedQuads which) {
   const Index r = static_cast<Index>(rim.size());
   const Beginning first = beginning_of(vertices(rim, Eigen::all), {});
   std::vector<Index> walk;
   for (Index k = 0; k < r; ++k) walk.push_back(rim[first.at(k, r)]);
-  const std::optional<PlaneLayout> grown = grown_quads(seen(vertices(walk, Eigen::all)), wanted_quads(vertices, left, walk));
+  const std::optional<PlaneLayout> grown =
+      grown_quads(seen(vertices(walk, Eigen::all)), wanted_quads(vertices, left, walk, which));
   if (!grown) return {};
   QuadLayout layout = as_given(*grown, first);
   layout.grown = true;
@@ -133,8 +135,10 @@ QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, cons
     quads[row] = static_cast<int>(std::max<std::ptrdiff_t>(1, 4 - faces));
     for (Index k = 0; k < edges; ++k) places.row(row++) = domain.on_side(i, static_cast<double>(k) / static_cast<double>(edges));
   }
-  if (rim.guessed && rows == 0 && grows_on(rim, vertices, left)) {
-    std::optional<QuadLayout> grown = grown_layout(rim.rim, vertices, left);
+  std::optional<QuadLayout> grown;
+  if (rows == 0 && rim.by_angle) grown = grown_layout(rim.rim, vertices, left, WantedQuads::by_angle);
+  if (rows == 0 && rim.guessed && !rim.by_angle && grows_on(rim, vertices, left)) grown = grown_layout(rim.rim, vertices, left);
+  if (grown) {
     grown->barycentric.topRows(r) = as_rows(places);
     spread_inside(grown->faces, r, grown->barycentric);
     return std::move(*grown);

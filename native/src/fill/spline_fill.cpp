@@ -130,29 +130,35 @@ bool doubles_edges(const Connectivity& around, const std::vector<Index>& rim, co
   return false;
 }
 
-/// The same fill with quads that grow in from the rim; empty where there are none that are good.
+/// The same fill with quads that grow in from the rim; empty where they are not good.
 std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                                          PlaneFill& made) {
-  if (!made.field || !made.plainer.empty()) return {};
-  std::optional<PlaneLayout> layout = grown_quads(made.rim_uv, wanted_quads(mesh.vertices, around, rim));
+                                          WantedQuads which, PlaneFill& made) {
+  std::optional<PlaneLayout> layout = grown_quads(made.rim_uv, wanted_quads(mesh.vertices, around, rim, which));
   if (!layout || doubles_edges(around, rim, layout->faces)) return {};
   const Points border = mesh.vertices(rim, Eigen::all), points = smoothed_on(*layout, *made.surface, border);
   if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= least_sine)) return {};
   const Index added = points.rows() - layout->rim;
-  const PlanePoints uv = layout->uv.bottomRows(added);
-  const Points normals = made.surface->normals(as_rows(uv));
   Faces in_mesh = layout->faces;
   for (Index& v : in_mesh.corners)
     v = v < layout->rim ? rim[static_cast<std::size_t>(v)] : mesh.vertices.rows() + v - layout->rim;
   const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, {rim});
   if (count_folded_edges(mesh.vertices, points.bottomRows(added), in_mesh, beyond) > made.folds) return {};
   if (crosses_itself(points, halves_of(layout->faces))) return {};
+  const PlanePoints uv = layout->uv.bottomRows(added);
+  const Points normals = made.surface->normals(as_rows(uv));
   made.deviation = deviation_at(made, uv, normals);
   made.vertices = points.bottomRows(added);
   made.uv = uv;
   made.normals = normals;
   made.triangles = halves_of(layout->faces);
   return layout;
+}
+
+std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                          PlaneFill& made) {
+  if (!made.field || !made.plainer.empty()) return {};
+  std::optional<PlaneLayout> layout = grown_quads_of(mesh, around, rim, WantedQuads::by_number, made);
+  return layout ? std::move(layout) : grown_quads_of(mesh, around, rim, WantedQuads::by_angle, made);
 }
 
 /// The fill of a part of a mesh. loops: of its border, the rim first.

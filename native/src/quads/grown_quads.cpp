@@ -43,28 +43,41 @@ struct Pole {
   int valence = 4;
 };
 
-/// One try to fill a rim.
+/// What is tried: the quads at each vertex of the rim, the poles that are planned, by rising number, and how a front without corners gets four:
+/// on a ring of quads or not, the first so many vertices on.
+struct GrowthPlan {
+  std::vector<int> wanted;
+  std::vector<Pole> poles;
+  bool ringed = false;
+  std::size_t turn = 0;
+};
+
+/// Tries to fill a rim, one after the other.
 class Growth {
 public:
-  /// ringed: a front without corners gets a ring of quads before it gets four, the first so many vertices on.
-  Growth(const std::vector<int>& wanted, const std::vector<Pole>& planned, bool ringed, std::size_t turn, Index most)
-      : planned_(planned), ringed_(ringed), turn_(turn), most_(most) {
-    Front rim;
-    for (const int quads : wanted) rim.push_back({static_cast<Index>(rim.size()), quads});
-    vertices_ = first_ = static_cast<Index>(rim.size());
-    left_.push_back(std::move(rim));
-  }
+  explicit Growth(Index most) : most_(most) {}
 
-  bool run() {
-    while (!left_.empty()) {
+  bool run(const GrowthPlan& plan) {
+    plan_ = &plan;
+    used_ = 0;
+    round_ = false;
+    off_on_rim_ = work_ = 0;
+    quads_.clear();
+    poles.clear();
+    left_.clear();
+    first_ = vertices_ = static_cast<Index>(plan.wanted.size());
+    front_.clear();
+    for (const int quads : plan.wanted) front_.push_back({static_cast<Index>(front_.size()), quads});
+    bool good = fill(front_);
+    while (good && !left_.empty()) {
       Front front = std::move(left_.back());
       left_.pop_back();
-      if (!fill(front)) return false;
+      good = fill(front);
     }
-    return planned_all();
+    return good && planned_all();
   }
 
-  bool planned_all() const { return used_ == planned_.size(); }
+  bool planned_all() const { return used_ == plan_->poles.size(); }
   /// Whether a front had no corners; and how many of the rim's vertices got other than they want for that.
   bool was_round() const { return round_; }
   Index off_on_rim() const { return off_on_rim_; }
@@ -72,7 +85,11 @@ public:
   Index grown() const { return vertices_ - first_; }
   Index work() const { return work_; }
 
-  Faces faces;
+  Faces faces() const {
+    Faces all;
+    for (const std::array<Index, 4>& quad : quads_) all.add(quad);
+    return all;
+  }
   std::vector<Index> poles;
   Index vertices() const { return vertices_; }
 
@@ -100,7 +117,7 @@ private:
     if (front.size() < 4) return front.empty();
     for (const Spot& spot : front)
       if (spot.wanted != 1) return false;
-    faces.add(std::array{front[0].vertex, front[1].vertex, front[2].vertex, front[3].vertex});
+    quads_.push_back(std::array{front[0].vertex, front[1].vertex, front[2].vertex, front[3].vertex});
     return true;
   }
 
@@ -111,17 +128,17 @@ private:
       if (spot.wanted != 2) return false;
     if (!planned_all() || count % 2 != 0) return false;
     round_ = true;
-    if (ringed_) {
+    if (plan_->ringed) {
       const Index made = vertices_;
       vertices_ += static_cast<Index>(count);
       for (std::size_t k = 0; k < count; ++k) {
         const Index next = static_cast<Index>((k + 1) % count), here = static_cast<Index>(k);
-        faces.add(std::array{front[k].vertex, front[(k + 1) % count].vertex, made + next, made + here});
+        quads_.push_back(std::array{front[k].vertex, front[(k + 1) % count].vertex, made + next, made + here});
       }
       for (std::size_t k = 0; k < count; ++k) front[k].vertex = made + static_cast<Index>(k);
     }
     for (const std::size_t corner : {std::size_t{0}, half / 2, half, half + half / 2}) {
-      Spot& spot = front[(corner + turn_) % count];
+      Spot& spot = front[(corner + plan_->turn) % count];
       spot.wanted = 1;
       if (spot.vertex < first_) {
         ++off_on_rim_;
@@ -137,15 +154,15 @@ private:
     const std::size_t count = front.size();
     const auto at = [&](std::size_t k) -> Spot& { return front[(v + k) % count]; };
     Spot &next = at(1), &previous = at(count - 1);
-    if (faces.size() >= most_) return false;
+    if (static_cast<Index>(quads_.size()) >= most_) return false;
     if (previous.wanted == 1 || next.wanted == 1) {  // across a corridor
       const bool before = previous.wanted == 1;
       Spot &one = before ? at(count - 2) : previous, &other = before ? next : at(2);
       if (one.wanted < 2 || other.wanted < 2) return false;
       if (before)
-        faces.add(std::array{one.vertex, previous.vertex, front[v].vertex, other.vertex});
+        quads_.push_back(std::array{one.vertex, previous.vertex, front[v].vertex, other.vertex});
       else
-        faces.add(std::array{one.vertex, front[v].vertex, next.vertex, other.vertex});
+        quads_.push_back(std::array{one.vertex, front[v].vertex, next.vertex, other.vertex});
       --one.wanted;
       --other.wanted;
       const std::size_t gone = v, also = before ? (v + count - 1) % count : (v + 1) % count;
@@ -154,31 +171,32 @@ private:
       return true;
     }
     // A new vertex opposite, unless one is there already.
-    const std::vector<Place> forwards = unrolled(front, v), backwards = unrolled_backwards(front, v);
-    work_ += static_cast<Index>(count);
-    constexpr Step opposite = {1, 1};
     const int charge = charge_of(front);
     const bool all = planned_all();
+    if (all && std::abs(charge) > 1) return false;
+    unroll(front, v);
+    if (charge != 0) unroll_backwards(front, v);
+    work_ += static_cast<Index>(count);
+    constexpr Step opposite = {1, 1};
     std::optional<Step> apex;
     if (all) {
-      if (std::abs(charge) > 1) return false;
-      if (charge == 0 && !(forwards.back().at == Step{})) return false;
-      if (charge != 0) apex = center(forwards.back().at, charge);
+      if (charge == 0 && !(forwards_[count].at == Step{})) return false;
+      if (charge != 0) apex = center(forwards_[count].at, charge);
       if (charge != 0 && !apex) return false;
     }
     for (std::size_t k = 4; k + 4 <= count; k += 2) {
-      if (forwards[k].at == opposite && part(front, v, k, forwards[k], true)) return true;
-      if (charge != 0 && backwards[k].at == opposite && part(front, v, k, backwards[k], false)) return true;
+      if (forwards_[k].at == opposite && part(front, v, k, forwards_[k], true)) return true;
+      if (charge != 0 && backwards_[k].at == opposite && part(front, v, k, backwards_[k], false)) return true;
     }
     int valence = 4;
-    if (!all && planned_[used_].at == grown()) {
-      valence = planned_[used_++].valence;
+    if (!all && plan_->poles[used_].at == grown()) {
+      valence = plan_->poles[used_++].valence;
     } else if (apex && *apex == opposite) {
       valence = 4 - charge;
     }
     const Index made = vertices_++;
     if (valence != 4) poles.push_back(made);
-    faces.add(std::array{previous.vertex, front[v].vertex, next.vertex, made});
+    quads_.push_back(std::array{previous.vertex, front[v].vertex, next.vertex, made});
     --previous.wanted;
     --next.wanted;
     front[v] = {made, valence - 1};
@@ -204,7 +222,7 @@ private:
     second.front().wanted = other;
     --second.back().wanted;
     if (charge_of(forwards ? first : second) != 0) return false;
-    faces.add(std::array{at(count - 1).vertex, at(0).vertex, at(1).vertex, at(k).vertex});
+    quads_.push_back(std::array{at(count - 1).vertex, at(0).vertex, at(1).vertex, at(k).vertex});
     left_.push_back(std::move(second));
     left_.push_back(std::move(first));
     front.clear();
@@ -212,24 +230,27 @@ private:
   }
 
   /// From the v-th vertex on, at the origin with the edge from it to the right; the last is that vertex again.
-  static std::vector<Place> unrolled(const Front& front, std::size_t v) {
-    std::vector<Place> places = {{{}, turned(front[v].wanted - 2), 0}};
-    for (std::size_t k = 1; k <= front.size(); ++k) {
-      const Place& last = places.back();
-      const int in = last.out;
-      places.push_back({last.at + along(in), in, turned(in + 2 - front[(v + k) % front.size()].wanted)});
-    }
-    return places;
-  }
-  static std::vector<Place> unrolled_backwards(const Front& front, std::size_t v) {
+  void unroll(const Front& front, std::size_t v) {
     const std::size_t count = front.size();
-    std::vector<Place> places(count + 1);
-    places[count] = {{}, turned(front[v].wanted - 2), 0};
-    for (std::size_t k = count; k-- > 0;) {
-      const int out = places[k + 1].in;
-      places[k] = {places[k + 1].at - along(out), turned(out - 2 + front[(v + k) % count].wanted), out};
+    forwards_.resize(count + 1);
+    Place last = {{}, turned(front[v].wanted - 2), 0};
+    forwards_[0] = last;
+    for (std::size_t k = 1, at = v; k <= count; ++k) {
+      if (++at == count) at = 0;
+      last = {last.at + along(last.out), last.out, turned(last.out + 2 - front[at].wanted)};
+      forwards_[k] = last;
     }
-    return places;
+  }
+  void unroll_backwards(const Front& front, std::size_t v) {
+    const std::size_t count = front.size();
+    backwards_.resize(count + 1);
+    Place next = {{}, turned(front[v].wanted - 2), 0};
+    backwards_[count] = next;
+    for (std::size_t k = count, at = v; k-- > 0;) {
+      at = (at == 0 ? count : at) - 1;
+      next = {next.at - along(next.in), turned(next.in - 2 + front[at].wanted), next.in};
+      backwards_[k] = next;
+    }
   }
 
   /// Of the vertices inside: the sum of 4 less their valence.
@@ -245,17 +266,19 @@ private:
     return Step{twice.x / 2, twice.y / 2};
   }
 
-  const std::vector<Pole>& planned_;
-  bool ringed_, round_ = false;
-  std::size_t turn_ = 0;
+  const GrowthPlan* plan_ = nullptr;
+  bool round_ = false;
   Index off_on_rim_ = 0;
   std::size_t used_ = 0;
   Index most_, first_ = 0, vertices_ = 0, work_ = 0;
+  Front front_;
   std::vector<Front> left_;
+  std::vector<std::array<Index, 4>> quads_;
+  std::vector<Place> forwards_, backwards_;  ///< of the front and vertex that are looked at
 };
 
 /// What is walked at most in trying: some milliseconds.
-constexpr Index most_work = 3'000'000;
+constexpr Index most_work = 1'000'000;
 /// Of a rim. The work for each quad grows with the edges of its front, and there are as many as the square of these.
 constexpr Index most_edges = 300;
 /// Poles that are planned, inside or on the rim; one more may follow from where a front closes.
@@ -267,7 +290,7 @@ constexpr double crowding_price = 0.1;
 /// Of the layouts with as many poles, the best as they are embedded: those that are smoothed and compared.
 constexpr std::size_t most_smoothed = 4;
 /// Of those that are embedded, with as many poles.
-constexpr std::size_t most_embedded = 60;
+constexpr std::size_t most_embedded = 24;
 
 /// A pole that is planned: on the rim, where a quad more or less than wanted is taken, or inside.
 struct PlannedPole {
@@ -302,7 +325,7 @@ private:
 class GrowthSearch {
 public:
   GrowthSearch(const PlanePoints& rim, const std::vector<int>& wanted)
-      : rim_(rim), wanted_(wanted), most_(rim.rows() * rim.rows() / 8 + 4) {
+      : rim_(rim), wanted_(wanted), growth_(rim.rows() * rim.rows() / 8 + 4) {
     int turns = 0;
     for (const int quads : wanted) turns += 2 - quads;
     charge_ = 4 - turns - (is_odd() ? 1 : 0);
@@ -349,13 +372,14 @@ private:
     std::vector<std::size_t> chosen(static_cast<std::size_t>(planned));
     for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = k;
     Strewn strewn_places;
+    std::vector<PlannedPole> plan;
     while (work_ < until && candidates_.size() < most_embedded) {
       if (strewn) {
         for (std::size_t& choice : chosen) choice = strewn_places.next(count);
         std::sort(chosen.begin(), chosen.end());
         if (++work_; std::adjacent_find(chosen.begin(), chosen.end()) != chosen.end()) continue;
       }
-      std::vector<PlannedPole> plan;
+      plan.clear();
       int left = charge_;
       for (const std::size_t choice : chosen) {
         plan.push_back(all[choice]);
@@ -381,44 +405,44 @@ private:
     for (std::size_t edge = 0; edge < count; ++edge) grow(plan, edge);
   }
 
-  void grow(const std::vector<PlannedPole>& plan, std::optional<std::size_t> triangle) {
+  void grow(const std::vector<PlannedPole>& planned, std::optional<std::size_t> triangle) {
     check_interruption();
-    std::vector<int> wanted = wanted_;
-    std::vector<Pole> poles;
-    for (const PlannedPole& choice : plan) {
+    plan_.wanted = wanted_;
+    plan_.poles.clear();
+    for (const PlannedPole& choice : planned) {
       if (choice.on_rim) {
-        wanted[static_cast<std::size_t>(choice.place)] += choice.change;
+        if ((plan_.wanted[static_cast<std::size_t>(choice.place)] += choice.change) < 1) return;
       } else {
-        poles.push_back({choice.place, 4 + choice.change});
+        if (!plan_.poles.empty() && plan_.poles.back().at == choice.place) return;
+        plan_.poles.push_back({choice.place, 4 + choice.change});
       }
     }
-    for (std::size_t k = 0; k < wanted.size(); ++k)
-      if (wanted[k] < 1) return;
-    for (std::size_t k = 1; k < poles.size(); ++k)
-      if (poles[k].at == poles[k - 1].at) return;
-    if (triangle) wanted.insert(wanted.begin() + static_cast<Index>(*triangle) + 1, 1);
-    const Index off = static_cast<Index>(plan.size() - poles.size());
-    if (!grow(wanted, poles, triangle, off, false, 0)) return;
-    grow(wanted, poles, triangle, off, true, 0);
-    const std::size_t half = wanted.size() / 2, step = std::max<std::size_t>(1, half / most_turns);
-    for (std::size_t turn = step; turn < half; turn += step) grow(wanted, poles, triangle, off, false, turn);
+    if (triangle) plan_.wanted.insert(plan_.wanted.begin() + static_cast<Index>(*triangle) + 1, 1);
+    const Index off = static_cast<Index>(planned.size() - plan_.poles.size());
+    plan_.ringed = false;
+    plan_.turn = 0;
+    grow_planned(triangle, off);
+    if (!growth_.was_round()) return;
+    const std::size_t half = plan_.wanted.size() / 2, step = std::max<std::size_t>(1, half / most_turns);
+    for (plan_.turn = step; plan_.turn < half; plan_.turn += step) grow_planned(triangle, off);
+    plan_.ringed = true;
+    plan_.turn = 0;
+    grow_planned(triangle, off);
   }
 
-  /// Whether a front had no corners.
-  bool grow(const std::vector<int>& wanted, const std::vector<Pole>& poles, std::optional<std::size_t> triangle, Index off,
-            bool ringed, std::size_t turn) {
-    Growth growth(wanted, poles, ringed, turn, most_);
-    const bool grown = growth.run();
-    work_ += growth.work() + rim_.rows();
-    most_grown_ = std::max(most_grown_, growth.grown());
-    if (!grown) return growth.was_round();
+  /// off: how many of the rim's vertices get other than they want.
+  void grow_planned(std::optional<std::size_t> triangle, Index off) {
+    const bool grown = growth_.run(plan_);
+    work_ += growth_.work() + rim_.rows();
+    most_grown_ = std::max(most_grown_, growth_.grown());
+    if (!grown) return;
     GrownCandidate candidate;
-    candidate.irregular = static_cast<double>(growth.poles.size()) + static_cast<double>(off + growth.off_on_rim());
+    candidate.irregular = static_cast<double>(growth_.poles.size()) + static_cast<double>(off + growth_.off_on_rim());
     PlaneLayout& layout = candidate.layout;
     layout.rim = rim_.rows();
-    layout.faces = std::move(growth.faces);
-    layout.poles = std::move(growth.poles);
-    Index vertices = growth.vertices();
+    layout.faces = growth_.faces();
+    layout.poles = growth_.poles;
+    Index vertices = growth_.vertices();
     if (triangle) {
       const Index middle = static_cast<Index>(*triangle) + 1;
       layout.faces = without(layout.faces, middle);
@@ -431,7 +455,6 @@ private:
     const QuadQuality quality = quad_quality(as_rows(layout.uv), layout.faces);
     candidate.score = quality.least + quality.mean - crowding(layout.faces.size());
     candidates_.push_back(std::move(candidate));
-    return growth.was_round();
   }
 
   /// What it costs to have more or fewer faces than squares of the rim's edges fill it.
@@ -466,7 +489,9 @@ private:
   const std::vector<int>& wanted_;
   int charge_ = 0;
   double squares_ = 1;
-  Index most_, work_ = 0, most_grown_ = 0;
+  Growth growth_;
+  GrowthPlan plan_;
+  Index work_ = 0, most_grown_ = 0;
   std::vector<GrownCandidate> candidates_;
   std::optional<GrownCandidate> best_;
   double best_least_ = 0;
@@ -475,24 +500,25 @@ private:
 /// Of one rim, which a cage lays out several times. A choice.
 constexpr std::size_t kept_layouts_grown = 6;
 
-/// Of the quads that meet at a vertex, how many the faces around a hole leave: of quads their number says, of others their angle.
-double quads_left(const Points& vertices, const Connectivity& around, Index v) {
+/// Of the quads that meet at a vertex, how many the faces around a hole leave.
+double quads_left(const Points& vertices, const Connectivity& around, Index v, WantedQuads which) {
   double left = 4;
   for (const Connectivity::Corner c : around.at(v)) {
     const Vec3 at = vertices.row(v), next = vertices.row(around.next(c)), previous = vertices.row(around.previous(c));
-    const bool quad = around.faces()[around.face(c)].size() == 4;
-    left -= quad ? 1 : angle_between(next - at, previous - at) / (std::numbers::pi / 2);
+    const bool counts = which == WantedQuads::by_number && around.faces()[around.face(c)].size() == 4;
+    left -= counts ? 1 : angle_between(next - at, previous - at) / (std::numbers::pi / 2);
   }
   return left;
 }
 
 }  // namespace
 
-std::vector<int> wanted_quads(const Points& vertices, const Connectivity& around, const std::vector<Index>& rim) {
+std::vector<int> wanted_quads(const Points& vertices, const Connectivity& around, const std::vector<Index>& rim,
+                              WantedQuads which) {
   std::vector<int> wanted;
   double owed = 0;
   for (const Index v : rim) {
-    const double exact = v < around.vertices() ? quads_left(vertices, around, v) : 2;  // a new one is on an edge
+    const double exact = v < around.vertices() ? quads_left(vertices, around, v, which) : 2;  // a new one is on an edge
     const bool whole = exact == std::round(exact);
     const int quads = std::max(1, static_cast<int>(std::lround(exact + (whole ? 0 : owed))));
     if (!whole) owed += exact - quads;

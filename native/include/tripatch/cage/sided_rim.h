@@ -8,6 +8,7 @@
 #include "tripatch/hole/hole.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/polygon/domain.h"
+#include "tripatch/quads/grown_quads.h"
 #include "tripatch/quads/polygon_layout.h"
 #include "tripatch/quads/quad_layout.h"
 
@@ -18,6 +19,7 @@ struct SidedRim {
   std::vector<Index> rim;
   std::vector<Index> corners;  ///< places in `rim`, increasing, the first 0
   bool guessed = false;        ///< the rim shows no corners, or none that its quads keep to: four places were taken as such
+  bool by_angle = false;       ///< if guessed: the quads grow in from the rim, as its angles have it
   bool given = false;          ///< the corners are those that were asked for
 
   SidedRim() = default;
@@ -50,7 +52,8 @@ QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, cons
 
 /// The layout of quads that go on from the faces around (quads/grown_quads.h), coordinates (u, v, 0) of the rim as it is seen along its
 /// vector area; none where none is found.
-std::optional<QuadLayout> grown_layout(const std::vector<Index>& rim, const Points& vertices, const Connectivity& left);
+std::optional<QuadLayout> grown_layout(const std::vector<Index>& rim, const Points& vertices, const Connectivity& left,
+                                       WantedQuads which = WantedQuads::by_number);
 /// Whether quads that go on from the faces around leave fewer irregular vertices, on the rim and inside, than ones between the corners must on
 /// the rim alone. Not where the rim shows its corners and the faces around are not all quads.
 bool grows_on(const SidedRim& rim, const Points& vertices, const Connectivity& left);
