@@ -8,9 +8,9 @@
 #include "tripatch/cage/cage_samples.h"
 #include "tripatch/cage/closed_cage.h"
 #include "tripatch/cage/limit_mesh.h"
-#include "tripatch/quads/polygon_layout.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/output/remesh.h"
+#include "tripatch/quads/polygon_layout.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
