@@ -1,11 +1,14 @@
 """One version, written in the files that different tools read."""
 
 import ast
+import os
 import re
+import sys
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
+import pytest
 import tripatch
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,3 +30,12 @@ def test_the_version_is_the_same_everywhere():
         "bl_info": ".".join(map(str, bl_info["version"])),
     }
     assert found == dict.fromkeys(found, expected)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems have other C libraries")
+def test_built_on_debian_12_it_runs_with_older_c_libraries():
+    """Of Rocky 9 and Ubuntu 22.04: none of what it calls came later, as hypot did."""
+    if tuple(map(int, os.confstr("CS_GNU_LIBC_VERSION").split()[1].split("."))) > (2, 36):
+        pytest.skip("built with a newer C library, it asks for that")
+    wanted = re.findall(rb"GLIBC_2\.(\d+)", Path(tripatch._native.__file__).read_bytes())
+    assert wanted and max(map(int, wanted)) <= 34

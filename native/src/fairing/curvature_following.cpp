@@ -47,7 +47,7 @@ CurvatureFollowing::CurvatureFollowing(const SideBasis& basis, std::vector<Follo
     for (const SideForm& form : side.form) curvature += form.squared_norm() / points / of;
   const double tolerated = tolerance * std::sqrt(curvature + flat_curvature(size));
   for (FollowedSide& side : sides_) {
-    const double unit = std::hypot(tolerated, tolerated_deviations * side.curvature_error);
+    const double unit = Vec2(tolerated, tolerated_deviations * side.curvature_error).stableNorm();
     for (int k = 0; k < points; ++k)
       side.weight[k] *=
           std::sqrt((weight_at_corners + std::sin(std::numbers::pi * basis.t[k])) / (of * (weight_at_corners * points + sines))) /

@@ -125,7 +125,8 @@ struct Bend {
 
 Bend bend_of(const std::array<double, 4>& r, const std::array<double, 4>& z) {
   Bend b;
-  const double v = b.length = std::hypot(r[1], z[1]), turn = r[1] * z[2] - z[1] * r[2], v1 = (r[1] * r[2] + z[1] * z[2]) / v;
+  const double v = b.length = Vec2(r[1], z[1]).stableNorm(), turn = r[1] * z[2] - z[1] * r[2],
+               v1 = (r[1] * r[2] + z[1] * z[2]) / v;
   b.meridian = turn / (v * v * v);
   b.meridian_slope = ((r[1] * z[3] - z[1] * r[3]) - 3 * turn * v1 / v) / (v * v * v * v);
   b.parallel = z[1] / (v * r[0]);
@@ -142,7 +143,7 @@ void Profile::want_curvature(const RoundBase& base, const Eigen::Matrix3d& frame
   const double parallel = -normal[0], squares = bend_ * bend_ + parallel * parallel + flat_curvature(diameter_);
   const double unknown = tolerated_deviations * base.side.curvature_error * radius_;
   const double most = std::max(most_unknown * std::sqrt(squares), most_unknown_of_bend * std::abs(bend_));
-  tolerated_ = std::hypot(jump_share * curvature_jump * std::sqrt(squares), std::min(unknown, most));
+  tolerated_ = Vec2(jump_share * curvature_jump * std::sqrt(squares), std::min(unknown, most)).stableNorm();
   const double sure = std::copysign(std::max(std::abs(bend_) - base.side.curvature_error * radius_, 0.0), bend_);
   quadric_counts_ = quadrics_count(sure * parallel / squares);
 }

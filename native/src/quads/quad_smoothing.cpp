@@ -352,7 +352,7 @@ private:
     Eigen::Matrix2d hessian;
     hessian << 2 * sum.uu, sum.uv, sum.uv, 2 * sum.vv;
     // made positive: a saddle's step would lead uphill
-    const double mean = 0.5 * hessian.trace(), spread = std::hypot(0.5 * (hessian(0, 0) - hessian(1, 1)), hessian(0, 1));
+    const double mean = 0.5 * hessian.trace(), spread = Vec2(0.5 * (hessian(0, 0) - hessian(1, 1)), hessian(0, 1)).norm();
     if (!(mean - spread > least_convex * (std::abs(mean) + spread)))
       hessian.diagonal().array() += spread - mean + made_convex * (std::abs(mean) + spread);
     Eigen::Vector2d step = -hessian.inverse() * gradient;

@@ -373,7 +373,7 @@ private:
           weights += w;
           sum += w * division_.deviation(v);
         }
-        out.deviation[start_[part] - r + k] = std::hypot(fills_[part].deviation[k], sum / weights);
+        out.deviation[start_[part] - r + k] = Vec2(fills_[part].deviation[k], sum / weights).stableNorm();
       }
     }
   }

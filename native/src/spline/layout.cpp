@@ -512,7 +512,7 @@ private:
     // J = [e -q; q e] + [f p; p -f]: lengths and directions of the two tell its singular values, and all that its singular vectors do here
     const double e = (J(0, 0) + J(1, 1)) / 2, f = (J(0, 0) - J(1, 1)) / 2, p = (J(1, 0) + J(0, 1)) / 2,
                  q = (J(1, 0) - J(0, 1)) / 2;
-    const double alike = std::hypot(e, q), unlike = std::hypot(f, p);
+    const double alike = Vec2(e, q).norm(), unlike = Vec2(f, p).norm();
     const double s1 = alike + unlike, s2 = J.determinant() / s1;
     const Vec2 turn_to = Vec2(e, q) / alike, mirror_to = unlike > 0 ? Vec2(Vec2(f, p) / unlike) : Vec2(1, 0);
     Matrix2 turned, flipped;
