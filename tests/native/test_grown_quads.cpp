@@ -1,6 +1,11 @@
 // Quads that grow in from a rim: holes in grids come back as they were, poles and all.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
 #include <random>
 #include <set>
 
@@ -101,4 +106,59 @@ TEST_CASE("holes in a grid, round a pole or not, come back as they were") {
   }
   CHECK(tried > 100);
   CHECK(same > 0.94 * tried);  // round a pole of five a rim may wind further than once
+}
+
+TEST_CASE("rims up to 300 edges grow") {
+  const auto strip = [](Index length) {  // one quad wide
+    PlanePoints rim(2 * length + 2, 2);
+    for (Index k = 0; k <= length; ++k) {
+      rim.row(k) << static_cast<double>(k), 0;
+      rim.row(2 * length + 1 - k) << static_cast<double>(k), 1;
+    }
+    std::vector<int> wanted(static_cast<std::size_t>(rim.rows()), 2);
+    for (const Index corner : {Index{0}, length, length + 1, 2 * length + 1}) wanted[static_cast<std::size_t>(corner)] = 1;
+    return grown_quads(rim, wanted);
+  };
+  const std::optional<PlaneLayout> longest = strip(149);
+  REQUIRE(longest);
+  CHECK(longest->faces.size() == 149);
+  CHECK(longest->uv.rows() == 300);
+  CHECK(!strip(150));
+}
+
+TEST_CASE("an odd rim has one triangle, and what turns by a right angle too little a pole of three") {
+  // a corner of a cube, seen along its diagonal: three quads, an edge of the rim halved
+  PlanePoints rim(7, 2);
+  for (Index k = 0; k < 6; ++k)
+    rim.row(k) << std::cos(std::numbers::pi * static_cast<double>(k) / 3),
+        std::sin(std::numbers::pi * static_cast<double>(k) / 3);
+  const std::optional<PlaneLayout> even = grown_quads(rim.topRows(6), {1, 2, 1, 2, 1, 2});
+  REQUIRE(even);
+  CHECK(even->faces.size() == 3);
+  CHECK(even->poles == std::vector<Index>{6});
+  rim.row(6) = (rim.row(5) + rim.row(0)) / 2;
+  const std::optional<PlaneLayout> odd = grown_quads(rim, {1, 2, 1, 2, 1, 2, 2});
+  REQUIRE(odd);
+  Index triangles = 0;
+  for (Index f = 0; f < odd->faces.size(); ++f) triangles += odd->faces[f].size() == 3;
+  CHECK(triangles == 1);
+}
+
+TEST_CASE("what is rounded at one vertex of a rim is made up for at the next") {
+  // a hexagon of six triangles out of a plane of them: each vertex of its rim lacks 120 degrees, 1.33 quads
+  Points vertices = Points::Zero(12, 3);
+  Faces faces;
+  for (Index k = 0; k < 6; ++k) {
+    const double a = std::numbers::pi * static_cast<double>(k) / 3, b = a + std::numbers::pi / 6;
+    vertices.row(k) << std::cos(a), std::sin(a), 0;
+    vertices.row(6 + k) << 2 * std::cos(b), 2 * std::sin(b), 0;
+  }
+  for (Index k = 0; k < 6; ++k) {
+    faces.add(std::array<Index, 3>{(k + 1) % 6, k, 6 + k});
+    faces.add(std::array<Index, 3>{(k + 1) % 6, 6 + k, 6 + (k + 1) % 6});
+  }
+  const Connectivity around(Mesh{vertices, faces});
+  const std::vector<int> wanted = wanted_quads(vertices, around, {0, 1, 2, 3, 4, 5});
+  CHECK(std::accumulate(wanted.begin(), wanted.end(), 0) == 8);  // of a plane polygon of six edges: (6 - 2) * 2
+  CHECK(*std::max_element(wanted.begin(), wanted.end()) == 2);
 }
