@@ -159,15 +159,11 @@ def open_ball(around, ring, rings=12):
 def test_a_round_rim_has_a_cage_between_four_of_its_vertices(around, ring, corners):
     vertices, faces = open_ball(around, ring)
     fill = tripatch.fill(vertices, faces, output="cage", corners=corners)
-    assert len(fill.report.corners) == 4
-    assert (
-        "no clear corners" in fill.report.method_reason
-        or "where the faces around the hole would go on" in fill.report.method_reason
-    )
+    assert len(fill.report.corners) == 4 and "no clear corners" in fill.report.method_reason
     assert fill.report.triangles_folded == fill.report.folds == 0
     surface, _ = fill.limit(2)
     radius = np.linalg.norm(surface, axis=1)  # the limit of a coarse ball is a smaller one
-    assert 0.92 < radius.min() and radius.max() < 1.05
+    assert 0.93 < radius.min() and radius.max() < 1.05
     (rim,) = tripatch.find_holes(faces)
     steps = np.sort([list(rim).index(v) for v in fill.report.corners])
     counts = np.diff([*steps, steps[0] + len(rim)])
