@@ -212,6 +212,70 @@ TEST_CASE("a rim of 10,000 vertices is filled roughly") {
   CHECK(area(x, fill) < 1.2 * M_PI * 1e4);
 }
 
+namespace {
+
+/// The rim of the squares of a plane grid within a circle, whose faces beyond lean by that angle.
+struct Staircase {
+  Points points;
+  RimSurroundings around;
+  double area = 0;
+
+  explicit Staircase(double radius, double leaning = 0) {
+    const auto filled = [&](int x, int y) { return std::hypot(x + 0.5, y + 0.5) < radius; };
+    std::vector<Vec3> all;
+    std::array<int, 2> at = {0, 0}, way = {1, 0};
+    while (filled(at[0], at[1] - 1)) --at[1];
+    const std::array<int, 2> first = at;
+    do {  // the squares on the left
+      all.emplace_back(at[0], at[1], 0);
+      at = {at[0] + way[0], at[1] + way[1]};
+      const auto square = [&](int left) {
+        const std::array<int, 2> a = way, b = {-left * way[1], left * way[0]};
+        return filled(at[0] + (a[0] + b[0] - 1) / 2, at[1] + (a[1] + b[1] - 1) / 2);
+      };
+      if (square(-1))
+        way = {way[1], -way[0]};
+      else if (!square(1))
+        way = {-way[1], way[0]};
+    } while (at != first);
+    const Index r = static_cast<Index>(all.size());
+    points.resize(r, 3);
+    around.normals.resize(r, 3);
+    for (Index k = 0; k < r; ++k) {
+      const Vec3 edge = all[(k + 1) % r] - all[k];
+      points.row(k) = all[k];
+      around.normals.row(k) = Vec3(std::cos(leaning) * Vec3::UnitZ() + std::sin(leaning) * edge.cross(Vec3::UnitZ()));
+      area += 0.5 * all[k].cross(all[(k + 1) % r]).z();
+    }
+  }
+};
+
+int turned_over(const Staircase& rim) {
+  int count = 0;
+  for (const auto& t : rough_fill(rim.points, rim.around).triangles) {
+    const Vec3 a = rim.points.row(t[0]), b = rim.points.row(t[1]), c = rim.points.row(t[2]);
+    count += (b - a).cross(c - a).z() < 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("the rim of squares that were cut out of a grid is covered once, however long") {
+  for (double radius : {12.0, 31.0, 80.0, 200.0}) {
+    const Staircase rim(radius);
+    const RoughFill fill = rough_fill(rim.points, rim.around);
+    CHECK(flaw(fill, rim.points.rows()) == "");
+    CHECK(turned_over(rim) == 0);
+    CHECK(area(rim.points, fill) == Approx(rim.area).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("what sticks out of a long rim goes on from faces that lean by less than 45 degrees", "[thresholds]") {
+  CHECK(turned_over(Staircase(31, 0.75)) == 0);
+  CHECK(turned_over(Staircase(31, 0.85)) > 0);
+}
+
 TEST_CASE("triangles of a jagged rim do not go through each other") {
   // of these rims the triangles with the least worst angle do in 5%
   std::mt19937 random(3);
