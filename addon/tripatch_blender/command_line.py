@@ -190,7 +190,7 @@ def _run(arguments):
         try:
             outcome = _fill(ob, arguments, _options(ob, arguments))
         except selection.UnusableError as reason:
-            if str(reason) == "The mesh has no hole" and not arguments.object:
+            if str(reason) in (filling.NO_HOLE, filling.OUTER_ONLY) and not arguments.object:
                 continue
             outcome = filling.Outcome(refused=[filling.Refused(str(reason))])
         if outcome.reports:

@@ -107,7 +107,7 @@ def world_matrix(name, matrix):
     """The (4, 4) array of an object's matrix; UnusableError if it cannot be inverted."""
     world = np.array(matrix, dtype=np.float64)
     if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < SCALED_TO_NOTHING:
-        raise UnusableError(f"{name} is scaled to nothing along an axis; apply or correct its scale")
+        raise UnusableError(f"{name} is scaled to nothing along an axis; correct its scale")
     return world
 
 
@@ -150,7 +150,7 @@ class _ToObject:
 
     def normals(self, n):
         n = n @ self._turn
-        return n / np.linalg.norm(n, axis=1, keepdims=True)
+        return n / np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-30)
 
 
 def _planned(bm, rim, world, fill, count):
@@ -416,6 +416,8 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
                 outcome.diameters.append(_diameter(rim.loop, matrix))
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
+            if options.deviation and plan.fill.deviation is None:
+                outcome.notes.append(NO_DEVIATION)
         if planned and cages:
             new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
             planned = []
@@ -434,20 +436,35 @@ def _diameter(loop, matrix):
     return float(max(np.linalg.norm(points - p, axis=1).max() for p in points))
 
 
+NO_DEVIATION = "How well it is known cannot be told of a patch between smooth sides; with Method: Polyharmonic Spline it can"
+NO_HOLE = "The mesh has no hole"
+OUTER_ONLY = "The mesh has no hole but its outer border, whose fill would lie on the mesh; select its edges to close it"
+
+
 def holes(bm, matrix, outer=False):
-    """Every visible border loop but (unless `outer`) outer borders, which count where there is no other; the shortest first."""
+    """Every visible border loop but (unless `outer`) outer borders; where there is no other, those of bowls; the shortest first."""
     bm.verts.index_update()
     bm.faces.index_update()
-    around, rims = Surroundings(bm, matrix), selection.all_rims(bm)
-    if len(rims) < 2 or outer:
-        return rims
-    return [rim for rim in rims if not is_outer(bm, matrix, rim, around)] or rims
+    rims = selection.all_rims(bm)
+    return rims if outer else _but_outer(bm, matrix, rims, rims)
 
 
-def is_outer(bm, matrix, rim, around=None):
-    """Whether a rim is an outer border of the mesh."""
+def is_outer(bm, matrix, rim, around=None, of_sheet=False):
+    """Whether a rim is an outer border of the mesh; of_sheet: of one whose fill would lie on the mesh."""
     around = around or Surroundings(bm, matrix)
-    return tripatch.is_outer_border(*around.around(rim)[:2], [v.index for v in rim.loop])
+    return tripatch.is_outer_border(*around.around(rim)[:2], [v.index for v in rim.loop], of_sheet=of_sheet)
+
+
+def _but_outer(bm, matrix, rims, some):
+    """Rims without those of some that are outer borders; where all are, without those of sheets. What is wrong with single faces the
+    library says."""
+    around, asked = Surroundings(bm, matrix), set(map(id, some))
+
+    def is_left(rim, of_sheet):
+        single = of_sheet and len({f for e in selection.edges_of(bm, rim.loop) if e for f in e.link_faces}) == 1
+        return id(rim) not in asked or single or not is_outer(bm, matrix, rim, around, of_sheet)
+
+    return [rim for rim in rims if is_left(rim, False)] or [rim for rim in rims if is_left(rim, True)]
 
 
 def has_hole(ob, bm):
@@ -468,10 +485,10 @@ def without_outer(bm, matrix, rims):
     def among_faces(rim):
         return not rim.replaced and all(f.select for e in selection.edges_of(bm, rim.loop) if e for f in e.link_faces)
 
-    if len(rims) < 2 or not any(map(among_faces, rims)):
-        return rims
-    around = Surroundings(bm, matrix)
-    return [rim for rim in rims if not (among_faces(rim) and is_outer(bm, matrix, rim, around))] or rims
+    left = _but_outer(bm, matrix, rims, [rim for rim in rims if among_faces(rim)])
+    if rims and not left:
+        raise UnusableError(OUTER_ONLY, [v for rim in rims for v in rim.loop])
+    return left
 
 
 def three_sided(bm, matrix, rims):
@@ -514,8 +531,10 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None
     filters = filters or {}
     rims = holes(bm, matrix, filters.get("outer", False))
     hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
+    if not rims and not hidden and (borders := selection.all_rims(bm)):
+        raise UnusableError(OUTER_ONLY, [v for rim in borders for v in rim.loop])
     if not rims:
-        raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else "The mesh has no hole")
+        raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else NO_HOLE)
     count, rims = len(rims), filtered(bm, matrix, rims, filters)
     if not rims:
         raise UnusableError(

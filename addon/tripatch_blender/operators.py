@@ -154,11 +154,16 @@ class FillSmooth(Construction, waiting.Waiting):
         """The property that says how fine the fill is."""
         return "resolution" if self.output == "triangles" else "rows"
 
+    def _no_density(self):
+        """Its value until something has been filled: it says nothing, and is not shown beside a refusal."""
+        return 0 if self.output == "triangles" else -1
+
     def draw(self, context):
         row = self.panel()
         panel.reasons(self.layout, context, self.reasons)
         row("output")
-        row(self.density())
+        if not self.reasons or getattr(self, self.density()) != self._no_density():
+            row(self.density())
         self.shape_rows(row)
         if self.all_holes:
             with panel.folded(self, "holes", "Holes") as row:
@@ -186,7 +191,8 @@ class FillSmooth(Construction, waiting.Waiting):
         modified = list(map(subdivision.modifier_of, context.objects_in_mode_unique_data))
         row("surroundings", active=any(modified) and "surroundings" in applying)
         for name in _OF_CAGES[1:]:
-            row(name, active=name in applying)
+            if name != "tolerance" or self.tolerance or not self.reasons:
+                row(name, active=name in applying)
         row("add_modifier", active=self.output == "cage" and not all(modified))
 
     def _is_computed(self, name, none):
@@ -216,12 +222,12 @@ class FillSmooth(Construction, waiting.Waiting):
                 each.vertices, each.ob = own, ob
             outcome.add(made)
             if made.reports:
-                seam.remember(bm, ob.data.name, [])
+                seam.remember(bm, ob.data.name, [], [half[1]])
         return outcome, kept
 
     def _options(self):
         arguments = self.construction() | {option.name: plain(getattr(self, option.name)) for option in self._applying()}
-        self._computes = self._is_computed(*(("resolution", 0) if self.output == "triangles" else ("rows", -1)))
+        self._computes = self._is_computed(self.density(), self._no_density())
         arguments["resolution"] = None if self._computes else getattr(self, self.density())
         if self.output != "triangles":
             arguments["tolerance"] = None if self._is_computed("tolerance", 0) else self.tolerance

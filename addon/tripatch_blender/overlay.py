@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
-from . import library, shown
+from . import library, panel, shown
 from .library import np
 
 # Towards the eye, of the depth between the clipping planes: enough not to flicker with the surface that Blender draws.
@@ -390,20 +390,16 @@ def draw_settings(layout, context):
         row.prop(settings, "direction", text="")
         row.column().prop(settings, "density")
     elif settings.surface in ("CURVATURE", "DEVIATION"):
-        row = column.row(align=True)
-        row.prop(settings, "fixed_range")
-        value = row.row(align=True)
-        value.active = settings.fixed_range
-        value.prop(settings, settings.surface.lower(), text="")
+        column.prop(settings, "fixed_range")
+        if settings.fixed_range:
+            column.prop(settings, settings.surface.lower())
     column.prop(settings, "opacity", slider=True)
-    row = column.row(align=True)
-    row.prop(settings, "seam")
-    value = row.row(align=True)
-    value.active = settings.seam
-    value.prop(settings, "seam_most")
+    column.prop(settings, "seam")
+    if settings.seam:
+        column.prop(settings, "seam_most")
     column.prop(settings, "folds")
-    for line in told() if settings.show else ():
-        column.label(text=line)
+    for text in told() if settings.show else ():
+        panel.sentence(column, context, text)
 
 
 class VIEW3D_PT_tripatch_quality(bpy.types.Panel):

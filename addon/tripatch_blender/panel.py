@@ -34,7 +34,7 @@ class Rows:
         """A number beside the box that says whether it counts."""
         if self._layout is None:
             return
-        prop = self._operator.bl_rna.properties[switch]
+        prop = self._operator.properties.bl_rna.properties[switch]
         made = self._layout.row(align=True, heading=prop.name)
         made.prop(self._operator, switch, text="")
         number = made.row(align=True)
@@ -61,15 +61,26 @@ def folded(operator, name, label):
     yield Rows(operator, body)
 
 
-def reasons(layout, context, text):
-    """Why something was not filled, in lines as wide as the panel."""
-    if not text:
-        return
+def _lines(context, text, beside):
+    """A sentence in lines as wide as the panel. beside: pixels that are taken."""
     region = context.region
     width = region.width / bpy.context.preferences.system.ui_scale if region else 0
-    characters = max(_SHORTEST, int((width - 60) / _CHARACTER))
+    return textwrap.wrap(text, max(_SHORTEST, int((width - beside) / _CHARACTER)))
+
+
+def reasons(layout, context, text):
+    """Why something was not filled."""
+    if not text:
+        return
     box = layout.box().column(align=True)
     box.scale_y = 0.8
     for reason in text.split("\n")[:4]:
-        for k, line in enumerate(textwrap.wrap(reason, characters)):
+        for k, line in enumerate(_lines(context, reason, 60)):
             box.label(text=line, icon="ERROR" if k == 0 else "BLANK1")
+
+
+def sentence(layout, context, text):
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for line in _lines(context, text, 40):
+        column.label(text=line)

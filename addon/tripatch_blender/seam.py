@@ -9,11 +9,14 @@ from .library import np
 _last: dict = {}  # by name of the mesh: (k, 2) vertices of the edges
 
 
-def remember(bm, name, loops):
-    """After fills were written into a BMesh; loops: lists of BMVert. An edge that was split counts as its two halves."""
+def remember(bm, name, loops, chains=()):
+    """After fills were written into a BMesh; loops: lists of BMVert, chains: such that are not closed. An edge that was split counts
+    as its two halves."""
     bm.verts.index_update()
     found = []
-    for a, b in (pair for loop in loops if all(v.is_valid for v in loop) for pair in selection.pairs(loop)):
+    closed = [pair for loop in loops if all(v.is_valid for v in loop) for pair in selection.pairs(loop)]
+    opened = [pair for chain in chains if all(v.is_valid for v in chain) for pair in zip(chain, chain[1:], strict=False)]
+    for a, b in closed + opened:
         if bm.edges.get((a, b)):
             found.append((a.index, b.index))
             continue
@@ -36,6 +39,13 @@ def edges(mesh, evaluated=None):
     if selected.all():  # as in a mesh that was just made: nothing is meant by it
         selected[:] = False
     return ends.reshape(-1, 2)[selected].astype(np.int64)
+
+
+def is_subdivided(mesh, made, level):
+    """Whether an evaluated mesh can be what a Subdivision modifier alone made of another."""
+    inside, corners = 2**level - 1, 2 ** (level - 1) - 1
+    new_in_faces = len(mesh.polygons) + len(mesh.loops) * (corners + corners**2)
+    return len(made.vertices) == len(mesh.vertices) + len(mesh.edges) * inside + new_in_faces
 
 
 def subdivided(pairs, mesh, count):

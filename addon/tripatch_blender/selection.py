@@ -133,6 +133,8 @@ def _region_to_replace(region, holes, by_faces):
 
 def _no_hole(edges, vertices):
     """UnusableError: why the selection holds no rim."""
+    if not vertices:
+        return UnusableError("Nothing is selected; select the rim of a hole, or a vertex of it")
     if not edges:
         sentence = f"No hole at the selected vertices (vertex {vertices[0].index} is not on a border of the mesh)"
         return UnusableError(sentence, vertices)

@@ -14,7 +14,7 @@ _REMEDIES = (
     (re.compile(r"Non-manifold"), "Select > All by Trait > Non Manifold finds such places"),
     (re.compile(r"hidden"), "Mesh > Show/Hide > Reveal Hidden shows it"),
     (re.compile(r"plane of a Mirror"), "apply the modifier, or turn it off in the viewport, to fill it"),
-    (re.compile(r"scaled to nothing"), "Object > Apply > Scale"),
+    (re.compile(r"scaled to nothing"), "Sidebar (N) > Item has the scale"),
 )
 
 
@@ -29,5 +29,5 @@ def for_people(sentence):
     told = told.replace("set the resolution by hand", "choose the Density")
     for cause, remedy in _REMEDIES:
         if cause.search(told):
-            return f"{told}; {remedy}"
+            return told if "Merge by Distance" in told and "By Distance" in remedy else f"{told}; {remedy}"
     return told

@@ -59,7 +59,10 @@ def _seam_edges(ob, mesh):
     if modifier and ob.mode == "EDIT":
         ob.update_from_editmode()
     if modifier and len(mesh.vertices) > len(ob.data.vertices):
-        return seam.subdivided(seam.edges(ob.data), ob.data, 2 ** subdivision.level_of(modifier) - 1)
+        level = subdivision.level_of(modifier)
+        if not level or not seam.is_subdivided(ob.data, mesh, level):  # other modifiers have added to it
+            return np.zeros((0, 2), np.int64)
+        return seam.subdivided(seam.edges(ob.data), ob.data, 2**level - 1)
     return seam.edges(ob.data, mesh)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from math import nan
 
 import bmesh
 
@@ -274,19 +275,18 @@ def deviation_layers(bm, wanted):
 
 
 def _write_deviation(bm, planned, new_faces):
-    """How well each new vertex is known, one standard deviation in units of the scene; new faces are told from measured ones."""
+    """How well each new vertex is known, one standard deviation in units of the scene, or that it is not; new faces are told from
+    measured ones."""
     known, marked = bm.verts.layers.float[DEVIATION], _bools(bm.faces.layers)[RECONSTRUCTED]
     rim = set(planned.loop)
     deviation = planned.fill.deviation
     for face in new_faces:
         face[marked] = True
-    if deviation is None:
-        return
     at = {}
     for face, numbers in zip(new_faces, planned.fill.faces, strict=True):
         at |= {v: n - planned.count for v, n in zip(face.verts, numbers, strict=True) if v not in rim}
     for vertex, row in at.items():
-        vertex[known] = float(deviation[row])
+        vertex[known] = nan if deviation is None else float(deviation[row])
 
 
 def write(bm, mesh, all_planned, shading, deviation=False):

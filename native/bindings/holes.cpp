@@ -61,13 +61,13 @@ void bind_holes(py::module_& m) {
     }
     return found;
   });
-  m.def("_is_outer_border",
-        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const std::vector<Index>& rim) {
-          const FacesRef faces = faces_from(offsets, corners);
-          const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-          py::gil_scoped_release release;
-          return is_outer_border({points, faces}, rim);
-        });
+  m.def("_is_outer_border", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                               const std::vector<Index>& rim, bool of_sheet) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    py::gil_scoped_release release;
+    return is_outer_border({points, faces}, rim, of_sheet);
+  });
   m.def("_mesh_sides", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                           const std::vector<Index>& rim, const std::array<Index, 3>& at) {
     const FacesRef faces = faces_from(offsets, corners);

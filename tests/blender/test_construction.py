@@ -108,7 +108,7 @@ def drawn(addon, between=False, **values):
     kind = ("between_patches", "OBJECT_OT_fill_between_patches") if between else ("operators", "MESH_OT_fill_smooth")
     operator = getattr(importlib.import_module(f"{addon.__name__}.{kind[0]}"), kind[1])
     rna = (bpy.ops.object.fill_between_patches if between else bpy.ops.mesh.fill_smooth).get_rna_type()
-    stub = types.SimpleNamespace(layout=Layout(), bl_rna=types.SimpleNamespace(properties=rna.properties), sides=3)
+    stub = types.SimpleNamespace(layout=Layout(), properties=types.SimpleNamespace(bl_rna=rna), sides=3)
     for base in reversed(operator.__mro__):
         for name, function in vars(base).items():
             if isinstance(function, types.FunctionType):

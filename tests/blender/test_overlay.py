@@ -49,6 +49,22 @@ def test_the_seam_of_the_last_fill_is_measured_in_both_modes(overlay, shown):
     assert made.told[0].startswith("Seam within")
 
 
+def test_a_half_that_is_filled_on_a_mirror_has_its_seam(overlay, shown):
+    import tasks
+
+    ob = tasks.on_the_mirror_plane().ob
+    assert bpy.ops.mesh.fill_smooth() == {"FINISHED"}
+    made = seen(shown, ob)
+    assert len(made.lines) > 0 and made.worst[1] < 5
+
+
+def test_where_another_modifier_adds_faces_no_other_edges_count_as_the_seam(overlay, shown):
+    ob = filled()
+    ob.modifiers.new("Array", "ARRAY")
+    ob.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    assert "No seam" in seen(shown, ob).told[0]
+
+
 def test_an_edit_of_the_fill_shows_in_its_seam(overlay, shown):
     ob = filled(resolution=4)
     bm = scenes.bmesh.from_edit_mesh(ob.data)

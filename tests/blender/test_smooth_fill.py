@@ -200,8 +200,8 @@ class Operator:
     def __init__(self, cls, **values):
         rna = smooth.get_rna_type()
         object.__setattr__(self, "set", set(values))
-        self.bl_rna, self.said = types.SimpleNamespace(properties=rna.properties), []
-        self.properties = types.SimpleNamespace(is_property_set=lambda name: name in self.set)
+        self.said = []
+        self.properties = types.SimpleNamespace(is_property_set=lambda name: name in self.set, bl_rna=rna)
         for base in reversed(cls.__mro__):
             for name, function in vars(base).items():
                 if isinstance(function, types.FunctionType):
@@ -507,6 +507,51 @@ def test_of_several_objects_one_without_a_hole_keeps_its_outer_border(selected):
         bpy.ops.mesh.select_all(action="SELECT")
     assert smooth() == {"FINISHED"}
     assert (borders(holed), borders(whole)) == ([80], [80])
+
+
+@pytest.mark.parametrize("selected", [False, True])
+@pytest.mark.parametrize("bent", [0.0, 0.2])
+def test_a_sheet_without_a_hole_is_not_closed_onto_itself(selected, bent):
+    ob = sheet_with_holes()
+    for v in ob.data.vertices:
+        v.co.z = bent * (v.co.x**2 - v.co.y**2)
+    scenes.edit(ob)
+    bpy.ops.mesh.select_all(action="SELECT" if selected else "DESELECT")
+    before = len(ob.data.polygons)
+    with pytest.raises(RuntimeError, match="no hole but its outer border"):
+        smooth()
+    assert len(bmesh.from_edit_mesh(ob.data).faces) == before
+    bpy.ops.mesh.select_all(action="DESELECT")
+    assert smooth(outer=True) == {"FINISHED"} and borders(ob) == []
+
+
+def test_a_bowl_without_another_border_is_closed():
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=16)
+    ob = bpy.context.object
+    (bm,) = scenes.edit(ob)
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if f.calc_center_median().z > 0], context="FACES")
+    bmesh.update_edit_mesh(ob.data)
+    bpy.ops.mesh.select_all(action="DESELECT")
+    assert smooth() == {"FINISHED"} and borders(ob) == []
+
+
+def test_beside_a_refusal_no_value_stands_that_says_nothing(addon):
+    pinched()
+    for output in ("triangles", "quads"):
+        state = operator(addon, **(EXACT | {"output": output}))
+        assert state.invoke(bpy.context, None) == {"FINISHED"} and state.reasons
+        rows = shown(state, panels=("TRIPATCH_subdivision",))
+        assert "output" in rows and not {"resolution", "rows", "tolerance"} & set(rows)
+
+
+def test_how_well_a_patch_is_known_is_not_told_as_known():
+    ob = scenes.add_hole()
+    before = len(ob.data.vertices)
+    scenes.edit(ob)
+    assert smooth(deviation=True, resolution=6) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    values = np.array([each.value for each in ob.data.attributes["deviation"].data])
+    assert np.isnan(values).sum() == len(values) - before > 0
 
 
 def test_a_visible_hole_is_filled_while_another_is_hidden():

@@ -64,6 +64,15 @@ TEST_CASE("an outer border counts where the mesh has no other") {
   CHECK(borders[0].diameter == Approx(2 * std::sin(M_PI / 3)).epsilon(1e-12));
 }
 
+TEST_CASE("what fills the border of a bowl that reaches 41 degrees from its middle would lie on it", "[thresholds]") {
+  const auto lies_on_it = [](double angle) {
+    const Model m = belt(10, angle);
+    return is_outer_border(m.mesh(), borders_of(m.mesh())[1].loop, true);
+  };
+  CHECK(lies_on_it(40));
+  CHECK_FALSE(lies_on_it(43));
+}
+
 TEST_CASE("the size of a rim is its largest distance, whichever vertex is the first") {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;

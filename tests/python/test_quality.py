@@ -7,6 +7,7 @@ import zlib
 
 import numpy as np
 import pytest
+import tripatch
 from tripatch import __main__ as cli
 from tripatch import quality, view
 
@@ -51,6 +52,22 @@ def test_curvature_changes_its_sign_with_the_side_and_a_saddle_has_none_in_the_m
     assert np.abs(mean[inner(saddle)]).max() < 0.02 and np.abs(gauss[inner(saddle)] + 0.01).max() < 3e-3
 
 
+def bevel_arcs(turn):
+    """The edges of the three quarter circles in the planes of coordinates."""
+    for x in range(3):
+        points = np.zeros((len(turn), 3))
+        points[:, (x + 1) % 3], points[:, (x + 2) % 3] = np.cos(turn), np.sin(turn)
+        yield from zip(points[:-1], points[1:], strict=True)
+
+
+def loop_of(edges):
+    after = dict(edges)
+    loop = [edges[0][0]]
+    while after[loop[-1]] != loop[0]:
+        loop.append(after[loop[-1]])
+    return loop
+
+
 def test_a_crease_has_its_angle_and_a_smooth_seam_none():
     vertices, triangles = grid(lambda x, y: np.where(y > 0, np.tan(np.radians(30)) * y, 0))
     assert quality.seam_angles(vertices, triangles, middle_row()) == pytest.approx(np.full(N, 30.0), abs=1e-6)
@@ -66,6 +83,38 @@ def test_a_small_angle_is_told_from_the_curvature():
     """Half a degree, where neighboring triangles turn by more."""
     vertices, triangles = grid(lambda x, y: 0.4 * y * y + np.where(y > 0, np.tan(np.radians(0.5)) * y, 0))
     assert quality.seam_angles(vertices, triangles, middle_row()) == pytest.approx(np.full(N, 0.5), abs=0.05)
+
+
+@pytest.mark.parametrize("count", [4, 8])
+def test_the_strips_of_a_bevel_are_tangent_to_its_corner(count):
+    """Two rows of points say nothing of how a strip bends along itself, nor those of the next strip, past the corner."""
+    vertices, triangles, number = [], [], {}
+
+    def at(*point):
+        key = tuple(np.round(point, 9))
+        if key not in number:
+            number[key] = len(vertices)
+            vertices.append(point)
+        return number[key]
+
+    turn = np.pi / 2 * np.arange(count + 1) / count
+    for x in range(3):  # the quarter cylinder along axis x
+        y, z = (x + 1) % 3, (x + 2) % 3
+
+        def strip_point(k, along, x=x, y=y, z=z):
+            point = [0.0] * 3
+            point[x], point[y], point[z] = along, np.cos(turn[k]), np.sin(turn[k])
+            return at(*point)
+
+        for k in range(count):
+            a, b, c, d = strip_point(k, 0), strip_point(k + 1, 0), strip_point(k + 1, -4), strip_point(k, -4)
+            triangles += [(a, c, b), (a, d, c)]
+    seam = [(at(*a), at(*b)) for a, b in bevel_arcs(turn)]
+    filled = tripatch.fill(np.array(vertices), triangles, rim=loop_of(seam), corners=[at(1, 0, 0), at(0, 1, 0), at(0, 0, 1)])
+    assert filled.report.seam_angle_max < 0.1
+    new = [tuple(face) for face in filled.faces]
+    found = quality.seam_angles(np.vstack([vertices, filled.vertices]), np.array(triangles + new), np.array(seam))
+    assert found.max() < 90 / count / 4, "a quarter of what the facets turn by"
 
 
 def test_a_seam_angle_is_less_wrong_the_finer_the_mesh():

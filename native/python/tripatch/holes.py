@@ -68,7 +68,7 @@ def find_corners(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, replaced:
     return np.array(corners, np.int64)
 
 
-def is_outer_border(vertices: ArrayLike, faces: Faces, rim: ArrayLike) -> bool:
+def is_outer_border(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, of_sheet: bool = False) -> bool:
     """Whether a border loop is the outer border of an open mesh and no hole: as a whole it turns the other way.
 
     Without a rim `fill` leaves such borders out, unless the mesh has no other.
@@ -77,5 +77,6 @@ def is_outer_border(vertices: ArrayLike, faces: Faces, rim: ArrayLike) -> bool:
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists; those around the border are enough.
         rim: vertex indices of a loop of `find_holes`, in its direction.
+        of_sheet: whether it is that of a sheet, or of a bowl hardly deeper: what fills it lies on the mesh.
     """
-    return _native._is_outer_border(*_arrays.mesh(vertices, faces), _arrays.indices(rim, "rim"))
+    return _native._is_outer_border(*_arrays.mesh(vertices, faces), _arrays.indices(rim, "rim"), bool(of_sheet))

@@ -160,12 +160,29 @@ class _Around:
         for k, (a, b, c) in enumerate(self.triangles.tolist()):
             for pair in ((a, b), (b, c), (c, a)):
                 self.of_edge.setdefault(frozenset(pair), []).append(k)
-        self._seam = {frozenset(e) for e in edges.tolist()}
         self._corners = self.triangles.tolist()
+        self._seam = {frozenset(e) for e in edges.tolist()}
+        self._turned = self._seam | self._at_corners(vertices, edges)
 
-    def side(self, start: int) -> list[Any]:
-        """The vertices of one side of the seam around a triangle of it, without what lies behind sharp edges."""
+    def _at_corners(self, vertices: Array, edges: Array) -> set[frozenset[int]]:
+        """The edges at the vertices where the seam turns: what lies behind them goes along another side of it."""
+        others: dict[int, list[int]] = {}
+        for a, b in edges.tolist():
+            others.setdefault(a, []).append(b)
+            others.setdefault(b, []).append(a)
+        turned = set()
+        for v, ends in others.items():
+            if len(ends) == 2:
+                back, ahead = unit(vertices[ends] - vertices[v])
+                if back @ ahead > -np.cos(np.radians(_SHARP)):
+                    turned.add(v)
+        return {pair for pair in self.of_edge if pair & turned}
+
+    def side(self, start: int, past_corners: bool) -> tuple[list[Any], float]:
+        """The vertices of one side of the seam around a triangle of it, without what lies behind sharp edges, and the cosine of the
+        largest angle between two of its triangles beside each other."""
         seen, front, found = {start}, [start], set(self._corners[start])
+        least, ends = 1.0, self._seam if past_corners else self._turned
         for _ in range(_FAR):
             if len(found) >= _ENOUGH:
                 break
@@ -173,18 +190,20 @@ class _Around:
             for k in front:
                 a, b, c = self._corners[k]
                 for pair in (frozenset((a, b)), frozenset((b, c)), frozenset((c, a))):
-                    for other in () if pair in self._seam else self.of_edge[pair]:
+                    for other in () if pair in ends else self.of_edge[pair]:
                         if other not in seen and self.normals[other] @ self.normals[k] > np.cos(np.radians(_SHARP)):
                             seen.add(other)
                             ahead.append(other)
+                            least = min(least, self.normals[other] @ self.normals[k])
                             found |= set(self._corners[other])
             front = ahead
-        return sorted(found)
+        return sorted(found), least
 
 
-def _normal_at(points: Array, middle: Array, along: Array, normal: Array) -> Array:
+def _normal_at(points: Array, middle: Array, along: Array, normal: Array, least: float = -1.0) -> Array:
     """The normal at `middle` of the paraboloid over the plane of a triangle that fits points best, the near ones most; its own
-    normal where they are too few."""
+    normal where they are too few, or tell so little, as those of a strip's two edges, that it would turn farther than any two triangles
+    there, whose cosine is at least `least`."""
     if len(points) < 6:
         return normal
     across, off = np.cross(normal, along), points - middle
@@ -194,10 +213,12 @@ def _normal_at(points: Array, middle: Array, along: Array, normal: Array) -> Arr
     x, y, z = x / scale, y / scale, z / scale
     weight = 1 / (1 + (size / scale) ** 2)
     terms = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y]) * weight[:, None]
-    c = np.linalg.lstsq(terms, z * weight, rcond=1e-6)[0]
-    fitted: Array = normal - c[1] * along - c[2] * across
-    fitted /= np.linalg.norm(fitted)
-    return fitted
+    for count in (6, 4):  # with the curvature along the seam alone
+        c = np.linalg.lstsq(terms[:, :count], z * weight, rcond=1e-6)[0]
+        fitted: Array = unit(normal - c[1] * along - c[2] * across)
+        if fitted @ normal >= least - 1e-12:
+            return fitted
+    return normal
 
 
 def seam_angles(vertices: Array, triangles: Array, edges: Array) -> Array:
@@ -218,8 +239,14 @@ def seam_angles(vertices: Array, triangles: Array, edges: Array) -> Array:
         if len(beside) != 2:
             continue
         middle, along = (vertices[a] + vertices[b]) / 2, unit(vertices[b] - vertices[a])
-        sides = [_normal_at(vertices[around.side(f)], middle, along, around.normals[f]) for f in beside]
-        found[k] = _between(*sides)
+        angles = []  # with what lies past corners of the seam, and without: where it is jagged there is little else
+        for past_corners in (True, False):
+            sides = []
+            for f in beside:
+                near, least = around.side(f, past_corners)
+                sides.append(_normal_at(vertices[near], middle, along, around.normals[f], least))
+            angles.append(_between(*sides))
+        found[k] = min(angles)
     return found
 
 
