@@ -64,6 +64,35 @@ private:
   std::vector<Vec3> points_;
 };
 
+bool is_placed(const Mesh& mesh, const std::vector<Index>& rim) {
+  FillOptions options;
+  options.rim = rim;
+  options.output = Output::cage;
+  return fill(mesh, options).report.method_reason.find("would run off") != std::string::npos;
+}
+
+/// Whether the cage of 4 x 4 quads that are missing in a grid is placed where the mesh goes on. The grid has waves along both of its
+/// directions, so many to a side of the hole and the height of so many edges.
+bool is_placed_in_waves(double waves, double height) {
+  constexpr Index n = 12, hole = 4, first = (n - hole) / 2, last = first + hole;
+  const auto at = [](Index i, Index j) { return i * (n + 1) + j; };
+  const auto wave = [&](Index i) { return std::cos(M_PI * waves * static_cast<double>(2 * i - n) / (2 * hole)); };
+  Points vertices((n + 1) * (n + 1), 3);
+  Faces faces;
+  for (Index i = 0; i <= n; ++i)
+    for (Index j = 0; j <= n; ++j) {
+      vertices.row(at(i, j)) << static_cast<double>(i), static_cast<double>(j), height * wave(i) * wave(j);
+      const bool gone = i >= first && i < last && j >= first && j < last;
+      if (i < n && j < n && !gone) faces.add(std::array<Index, 4>{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  std::vector<Index> rim;
+  for (Index k = 0; k < hole; ++k) rim.push_back(at(first + k, first));
+  for (Index k = 0; k < hole; ++k) rim.push_back(at(last, first + k));
+  for (Index k = 0; k < hole; ++k) rim.push_back(at(last - k, last));
+  for (Index k = 0; k < hole; ++k) rim.push_back(at(first, last - k));
+  return is_placed({vertices, faces}, rim);
+}
+
 }  // namespace
 
 TEST_CASE("surroundings that a fair cage cannot hold move four times as far, up to three times over", "[thresholds]") {
@@ -119,4 +148,40 @@ TEST_CASE("a cage's report warns of poles of more than seven triangles", "[thres
     CHECK(std::any_of(made.report.warnings.begin(), made.report.warnings.end(),
                       [](const std::string& said) { return said.find("Pole of valence 8") == 0; }) == (most > 7));
   }
+}
+
+TEST_CASE("a fair cage has run off that is 0.04 of the hole's size from where the mesh would go on", "[thresholds]") {
+  CHECK_FALSE(is_placed_in_waves(1, 0.39));
+  CHECK(is_placed_in_waves(1, 0.42));
+}
+
+TEST_CASE("a fair cage is as likely that is 3.5 deviations from where the mesh would go on", "[thresholds]") {
+  CHECK(is_placed_in_waves(1, 0.58));
+  CHECK_FALSE(is_placed_in_waves(1, 0.62));
+}
+
+TEST_CASE("a fair cage has run off that is a quarter of the hole's size off, however little is known there", "[thresholds]") {
+  CHECK_FALSE(is_placed_in_waves(2, 1.75));
+  CHECK(is_placed_in_waves(2, 1.95));
+}
+
+TEST_CASE("between guessed corners a fair cage has run off that is 0.13 of the hole's size off", "[thresholds]") {
+  const auto placed = [](double angle) {  // of a ball ten quads around
+    constexpr Index n = 10, rings = 3;
+    Points vertices(n * (rings + 1), 3);
+    Faces faces;
+    std::vector<Index> rim;
+    for (Index j = 0; j <= rings; ++j)
+      for (Index k = 0; k < n; ++k) {
+        const double from_pole = angle + 0.3 * static_cast<double>(j), around = 2 * M_PI * static_cast<double>(k) / n;
+        vertices.row(j * n + k) << std::sin(from_pole) * std::cos(around), std::sin(from_pole) * std::sin(around),
+            std::cos(from_pole);
+        const Index next = (k + 1) % n;
+        if (j < rings) faces.add(std::array<Index, 4>{j * n + next, j * n + k, (j + 1) * n + k, (j + 1) * n + next});
+        if (j == 0) rim.push_back(k);
+      }
+    return is_placed({vertices, faces}, rim);
+  };
+  CHECK_FALSE(placed(0.95));
+  CHECK(placed(0.99));
 }

@@ -213,6 +213,38 @@ TEST_CASE("rims of more than 400 edges are filled on coarser ones", "[thresholds
   CHECK(samples(filled(Rings(radii(0.02, 12), flat, 402), coarse_inside())) < 402);
 }
 
+TEST_CASE("a long rim is filled on one of up to 200 edges", "[thresholds]") {
+  const auto coarse = [](Index edges) { return samples(filled(Rings(radii(0.02, 4), flat, edges), coarse_inside())) - 100; };
+  CHECK(coarse(792) == 198);
+  CHECK(coarse(808) == 101);
+}
+
+TEST_CASE("a long rim is filled on a coarser one where its surroundings are 0.75 edges of that wide", "[thresholds]") {
+  const auto is_coarse = [](double wide) {  // a cap of a ball, its rim jagged
+    const double angle = M_PI / 4, edge = 2 * M_PI * std::sin(angle) / 200;
+    const auto ball = [&](double x, double y) {
+      const double r = std::hypot(x, y), from_pole = angle + wide * edge * (r - 0.5) + 0.004 * random_at(x / r, y / r);
+      return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole));
+    };
+    return samples(filled(Rings({0.5, 1, 1.5}, ball, 420), coarse_inside())) < 420;
+  };
+  CHECK_FALSE(is_coarse(0.72));
+  CHECK(is_coarse(0.78));
+}
+
+TEST_CASE("of an error three quarters are handed on at most", "[thresholds]") {
+  const auto fed_back = [](double height, double degrees) {  // of an ellipsoid
+    const double angle = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 40;
+    const auto lift = [&](double x, double y) {
+      const double r = std::hypot(x, y), from_pole = angle + 2 * (r - 0.5);
+      return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, height * std::cos(from_pole));
+    };
+    return filled(Rings(radii(edge / 2, 6), lift, 40)).fed_back;
+  };
+  CHECK(fed_back(3, 90) == 0.75);
+  CHECK(fed_back(4, 120) == Approx(0.64).margin(0.03));
+}
+
 TEST_CASE("caps of a ball are filled over long jagged rims as well as over short ones") {
   for (const double degrees : {45.0, 62.0})
     for (const Index edges : {300, 500, 1000, 2000}) {
