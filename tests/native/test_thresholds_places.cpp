@@ -129,21 +129,47 @@ TEST_CASE("a crumpled surface gets eight times as many triangles as its sizes an
   CHECK(made == Approx(8 * (triangles_wanted(disc, {}) + n)).epsilon(0.01));
 }
 
+namespace {
+
+struct Polygon {
+  PlanePoints rim;
+  std::vector<RimCorner> corners;
+  PlaneLayout layout() const { return polygon_layout(rim, corners); }
+};
+
+/// A polygon of n edges, as long as each other as they can be. quads: that are wanted at its corners.
+Polygon polygon(const std::vector<Vec2>& corner, Index n, const std::vector<int>& quads) {
+  const std::size_t sides = corner.size();
+  Polygon made{PlanePoints(n, 2), {}};
+  double around = 0;
+  for (std::size_t i = 0; i < sides; ++i) around += (corner[(i + 1) % sides] - corner[i]).norm();
+  Index row = 0;
+  for (std::size_t i = 0; i < sides; ++i) {
+    const Vec2 way = corner[(i + 1) % sides] - corner[i];
+    const Index edges = i + 1 == sides ? n - row : std::lround(static_cast<double>(n) * way.norm() / around);
+    made.corners.push_back({row, quads[i]});
+    for (Index j = 0; j < edges; ++j) made.rim.row(row++) = corner[i] + way * static_cast<double>(j) / static_cast<double>(edges);
+  }
+  return made;
+}
+
+}  // namespace
+
 TEST_CASE("of rims of up to a hundred edges two layouts are tried", "[thresholds]") {
   // the second is the better one here: it has one pole, the first has two
   const std::vector<Vec2> corner = {{1.07, 0.25}, {0.02, 0.81}, {-1.09, 0.55}, {-0.93, -0.17}, {-0.16, -0.60}, {0.95, -0.57}};
-  for (const Index n : {98, 100, 102, 104}) {
-    double around = 0;
-    for (std::size_t i = 0; i < 6; ++i) around += (corner[(i + 1) % 6] - corner[i]).norm();
-    PlanePoints rim(n, 2);
-    std::vector<RimCorner> corners;
-    Index row = 0;
-    for (std::size_t i = 0; i < 6; ++i) {
-      const Vec2 way = corner[(i + 1) % 6] - corner[i];
-      const Index edges = i == 5 ? n - row : std::lround(static_cast<double>(n) * way.norm() / around);
-      corners.push_back({row, 0});
-      for (Index j = 0; j < edges; ++j) rim.row(row++) = corner[i] + way * static_cast<double>(j) / static_cast<double>(edges);
-    }
-    CHECK(polygon_layout(rim, corners).poles.size() == (n > 100 ? 2 : 1));
-  }
+  for (const Index n : {98, 100, 102, 104})
+    CHECK(polygon(corner, n, {0, 0, 0, 0, 0, 0}).layout().poles.size() == (n > 100 ? 2 : 1));
+}
+
+TEST_CASE("a quad too many or too few at a corner costs a fifth, a corner more or less than four a tenth", "[thresholds]") {
+  // the best corners are among those that are tried: not where either cost is a third less, or the first half as much more
+  const auto least = [](const Polygon& given) {
+    const PlaneLayout layout = given.layout();
+    return quad_quality(as_rows(layout.uv), layout.faces).least;
+  };
+  CHECK(least(polygon({{1, -0.3}, {0.6, 0.9}, {-0.8, 0.7}, {-1.1, -0.3}, {-0.6, -0.7}, {0.7, -0.7}}, 24, {2, 2, 1, 1, 1, 1})) >
+        0.82);
+  CHECK(least(polygon({{0.8, 0.2}, {0.7, 0.9}, {-0.3, 0.8}, {-0.8, 0.4}, {-0.8, -0.5}, {-0.1, -0.9}, {0.4, -0.9}}, 16,
+                      {1, 1, 1, 1, 2, 2, 2})) > 0.83);
 }

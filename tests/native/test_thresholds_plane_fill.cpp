@@ -232,6 +232,19 @@ TEST_CASE("a long rim is filled on a coarser one where its surroundings are 0.75
   CHECK(is_coarse(0.78));
 }
 
+TEST_CASE("a long rim whose surroundings are named is laid out with a third of it in 20 edges, up to eight times",
+          "[thresholds]") {
+  // with 10 or 40 edges, or after four times, the fill is a quarter of the ball's radius off
+  const double angle = 58 * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 402;
+  const auto ball = [&](double x, double y) {
+    const double r = std::hypot(x, y), from_pole = angle + 2 * (r - 0.5) + 0.01 * random_at(x / r, y / r);
+    return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole));
+  };
+  const PlaneFill fill = filled_as_it_is(Rings(radii(edge / 2, 12), ball, 402), {});
+  REQUIRE(fill.vertices.rows() > 10000);
+  CHECK((fill.vertices.rowwise().norm().array() - 1).abs().maxCoeff() < 5e-3);
+}
+
 TEST_CASE("of an error three quarters are handed on at most", "[thresholds]") {
   const auto fed_back = [](double height, double degrees) {  // of an ellipsoid
     const double angle = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 40;
