@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "test_rings.h"
+#include "tripatch/fill/spline_fill.h"
 #include "tripatch/spline/disc.h"
 
 using namespace tripatch;
@@ -112,4 +113,11 @@ TEST_CASE("surroundings whose border is shorter than 0.7 of the rim close behind
     const Disc disc = disc_around(tube.mesh(), Connectivity(tube.mesh()), {tube.rim}, 10, 10);
     CHECK(disc.rings == (last < 0.35 ? 2 : 3));  // two are taken in any case
   }
+}
+
+TEST_CASE("a fill has the creases that are found in all of a mesh", "[thresholds]") {
+  // one that is followed over forty rings, over a sixth of the hole, ends at a vertex whose faces tell whether it runs out there
+  const Rings fine(radii(0.004, 60), [](double x, double y) { return roof(x, y, 20); }, 12);
+  const Connectivity around(fine.mesh());
+  CHECK(fill_with_spline(fine.mesh(), around, fine.rim, {}, {}).feature_edges.empty() == fine.features().creases.empty());
 }
