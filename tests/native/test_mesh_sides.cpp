@@ -753,12 +753,9 @@ TEST_CASE("one row of faces is not taken for all there is to know where it leans
 
 TEST_CASE("slopes over the faces are handed on along a side up to a fifth", "[thresholds]") {
   // where that is a third less or half as much more the saddle's planes are 6.5 degrees off, or the ball's 15
-  Shape shape;
-  shape.edges = {4, 4, 4};
-  shape.depth = 0.5;
-  shape.grading = 3;
-  CHECK(normal_error(make(saddle(), shape).sides(), saddle().normal) < 4);
-  shape.edges = {3, 3, 3};
-  shape.depth = 0.3;
-  CHECK(normal_error(make(sphere(), shape).sides(), sphere().normal) < 5);
+  const auto off = [](const TestSurface& surface, const Shape& shape) {
+    return normal_error(make(surface, shape).sides(), surface.normal);
+  };
+  CHECK(off(saddle(), {.edges = {4, 4, 4}, .depth = 0.5, .grading = 3}) < 4);
+  CHECK(off(sphere(), {.edges = {3, 3, 3}, .depth = 0.3, .grading = 3}) < 5);
 }

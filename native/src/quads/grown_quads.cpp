@@ -281,15 +281,19 @@ private:
 constexpr Index most_work = 1'000'000;
 /// Of a rim. The work for each quad grows with the edges of its front, and there are as many as the square of these.
 constexpr Index most_edges = 300;
-/// Poles that are planned, inside or on the rim; one more may follow from where a front closes.
+// What is told of 400 outlines is of ellipses and lobes of 6 to 29 edges that want corners at random: how many of them get a layout whose
+// least scaled Jacobian is 0.05 lower, and how many one that is 0.05 higher, or none and one.
+/// Poles that are planned, inside or on the rim; one more may follow from where a front closes. With two 113 of 400 lower, 1 higher; with four
+/// 5 and 71.
 constexpr int most_planned = 3;
-/// Of a plane layout: with a larger least scaled Jacobian no more poles are tried.
+/// Of a plane layout: with a larger least scaled Jacobian no more poles are tried. With 0.2 17 of 400 lower, with 0.45 17 higher.
 constexpr double good = 0.3;
 /// Of the logarithm of how many faces there are against squares of the rim's edges. A choice: a third more cost as much as a pole and a half.
 constexpr double crowding_price = 0.1;
-/// Of the layouts with as many poles, the best as they are embedded: those that are smoothed and compared.
+/// Of the layouts with as many poles, the best as they are embedded: those that are smoothed and compared. With two 5 of 400 lower, with eight
+/// 4 higher.
 constexpr std::size_t most_smoothed = 4;
-/// Of those that are embedded, with as many poles.
+/// Of those that are embedded, with as many poles. With 12 38 of 400 lower, 7 higher; with 48 6 and 39.
 constexpr std::size_t most_embedded = 24;
 
 /// A pole that is planned: on the rim, where a quad more or less than wanted is taken, or inside.
@@ -299,7 +303,7 @@ struct PlannedPole {
   int change = 0;  ///< of the quads there, against those wanted, or against four
 };
 
-/// Ways to turn the four corners of a round front that are tried.
+/// Ways to turn the four corners of a round front that are tried: of a rim of up to 62 edges all. A choice.
 constexpr std::size_t most_turns = 16;
 
 struct GrownCandidate {
