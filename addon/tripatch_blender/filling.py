@@ -442,7 +442,7 @@ OUTER_ONLY = "The mesh has no hole but its outer border, whose fill would lie on
 
 
 def holes(bm, matrix, outer=False):
-    """Every visible border loop but (unless `outer`) outer borders; where there is no other, those of bowls; the shortest first."""
+    """Every visible border loop, the shortest first, but (unless `outer`) outer borders; those of bowls where there is no other."""
     bm.verts.index_update()
     bm.faces.index_update()
     rims = selection.all_rims(bm)
@@ -456,8 +456,8 @@ def is_outer(bm, matrix, rim, around=None, of_sheet=False):
 
 
 def _but_outer(bm, matrix, rims, some):
-    """Rims without those of some that are outer borders; where all are, without those of sheets. What is wrong with single faces the
-    library says."""
+    """Rims without those of some that are outer borders; where all are, without those of sheets. What is wrong with single faces
+    the library says."""
     around, asked = Surroundings(bm, matrix), set(map(id, some))
 
     def is_left(rim, of_sheet):

@@ -10,8 +10,8 @@ _last: dict = {}  # by name of the mesh: (k, 2) vertices of the edges
 
 
 def remember(bm, name, loops, chains=()):
-    """After fills were written into a BMesh; loops: lists of BMVert, chains: such that are not closed. An edge that was split counts
-    as its two halves."""
+    """After fills were written into a BMesh; loops: lists of BMVert, chains: such that are not closed. An edge that was split
+    counts as its two halves."""
     bm.verts.index_update()
     found = []
     closed = [pair for loop in loops if all(v.is_valid for v in loop) for pair in selection.pairs(loop)]

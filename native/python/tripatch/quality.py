@@ -179,8 +179,8 @@ class _Around:
         return {pair for pair in self.of_edge if pair & turned}
 
     def side(self, start: int, past_corners: bool) -> tuple[list[Any], float]:
-        """The vertices of one side of the seam around a triangle of it, without what lies behind sharp edges, and the cosine of the
-        largest angle between two of its triangles beside each other."""
+        """The vertices of one side of the seam around a triangle of it, without what lies behind sharp edges, and the cosine of
+        the largest angle between two of its triangles beside each other."""
         seen, front, found = {start}, [start], set(self._corners[start])
         least, ends = 1.0, self._seam if past_corners else self._turned
         for _ in range(_FAR):
@@ -202,8 +202,8 @@ class _Around:
 
 def _normal_at(points: Array, middle: Array, along: Array, normal: Array, least: float = -1.0) -> Array:
     """The normal at `middle` of the paraboloid over the plane of a triangle that fits points best, the near ones most; its own
-    normal where they are too few, or tell so little, as those of a strip's two edges, that it would turn farther than any two triangles
-    there, whose cosine is at least `least`."""
+    normal where they are too few, or tell so little, as those of a strip's two edges, that it would turn farther than any two
+    triangles there, whose cosine is at least `least`."""
     if len(points) < 6:
         return normal
     across, off = np.cross(normal, along), points - middle
