@@ -442,7 +442,7 @@ OUTER_ONLY = "The mesh has no hole but its outer border, whose fill would lie on
 
 
 def holes(bm, matrix, outer=False):
-    """Every visible border loop, the shortest first, but (unless `outer`) outer borders; those of bowls where there is no other."""
+    """Every visible border loop, the shortest first; outer borders if `outer`, else those of bowls where there is no other."""
     bm.verts.index_update()
     bm.faces.index_update()
     rims = selection.all_rims(bm)
