@@ -25,6 +25,7 @@ CageOptions with_rim(CageRim rim) {
 Fill filled(const CubeCorner& corner, CageRim rim, const LayoutOptions& layout = {.rows = 0}) {
   const Connectivity left(corner.mesh());
   CageFill cages(corner.mesh(), left, {corner.hole}, {}, {}, layout, with_rim(rim));
+  cages.make_fair();
   Fill fill;
   fill.patch = side_vertex(make_boundary(three_sides(cages.sides(0))));
   cages.fit({fill.patch}, {false});

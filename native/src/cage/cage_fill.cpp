@@ -63,6 +63,9 @@ CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Sided
       split_(split_odd_rims(mesh_, holes_, settings, layout_options.split_odd && !settings.loop)),
       laid_out_(holes_.size()),
       open_(holes_.size(), 1),
+      sides_(holes_.size()),
+      seams_(holes_.size()),
+      points_(holes_.size()),
       energies_(holes_.size()) {
   if (settings.loop && layout_options_.rows.value_or(0) > 0)
     throw InvalidArgument("a cage of triangles follows the rim: resolution must be 0 or none");
@@ -73,15 +76,17 @@ CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Sided
     domains_.push_back(hole.is_triangle() ? PolygonDomain() : cage_domain(hole, mesh_.vertices, left_));
   for (const SidedRim& hole : split_.holes)
     tolerance_.push_back(layout_options_.tolerance.value_or(default_tolerance * diameter(split_.mesh(), hole.rim)));
+  fit_ = lay_out(rows_to_try(layout_options_, settings.loop, options_.rim == CageRim::exact)[0]);
+}
+
+void CageFill::make_fair() {
   const bool exact = options_.rim == CageRim::exact;
-  fit_ = lay_out(rows_to_try(layout_options_, settings.loop, exact)[0]);
   if (!exact) energies_ = fit_->make_fair();
   for (std::size_t h = 0; h < size(); ++h) {
     check_interruption();
-    seams_.push_back(fit_->sides(h));
-    points_.push_back(exact ? SurfacePoints() : fit_->points(h));
+    sides_[h] = seams_[h] = fit_->sides(h);
+    if (!exact) points_[h] = fit_->points(h);
   }
-  sides_ = seams_;
   if (exact) take_smooth_rims();
 }
 

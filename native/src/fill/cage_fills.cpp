@@ -38,9 +38,13 @@ constexpr double far_off = 0.25;
 /// Standard deviations of where the mesh would go on: a fair cage within as many is as likely. Suzanne's jaw is at 2.9, its fair cage four
 /// times nearer to the surface that was there than the other; 27 of the bevels' cages stay as they were, an eighth of the gain.
 constexpr double likely = 3.5;
+/// Vertices of a cage from which on it is not made fair first, which takes a second, and with ten times as many a minute and a half.
+constexpr Index many = 500;
 constexpr const char* grown_reason = "the quads go on from those around the hole";
 constexpr const char* placed_reason =
     "the fairest cage would run off: its vertices lie where the faces around the hole would go on";
+
+constexpr const char* many_reason = "so many vertices lie where the faces around the hole would go on";
 
 /// Whether the patch's own shape is asked for.
 bool is_shaped(const FillOptions& options) {
@@ -174,7 +178,13 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
   // the patch's own shape is asked for, in the patch.
   const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == Fairing::automatic;
   const bool fair = automatic && !is_shaped(options), follows = fair && !exact;
-  const bool placed = follows && holes.size() == 1 && place_on_mesh(ground, holes[0], options, on_mesh, cages);
+  const bool alone = follows && holes.size() == 1, of_many = alone && cages.inside(0).rows() > many;
+  bool placed = of_many && place_on_mesh(ground, holes[0], options, OnMeshWhere::everywhere, cages);
+  const bool first_placed = placed;
+  if (!placed) {
+    cages.make_fair();
+    placed = alone && place_on_mesh(ground, holes[0], options, on_mesh, cages);
+  }
   FillOptions wanted = options;
   if (automatic && exact && options.tension == 0) wanted.fairing.reset();
   std::vector<Fill> fills(holes.size());
@@ -204,12 +214,12 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
     if (kept[h]) fills[h].report.folds = 0;  // of a patch that the cage is not fitted to
     complete_report(holes[h], options, {}, fills[h].report);
     if (cages.laid_out(h).layout.grown) fills[h].report.method_reason = grown_reason;
-    if (placed) fills[h].report.method_reason = placed_reason;
+    if (placed) fills[h].report.method_reason = first_placed ? many_reason : placed_reason;
   }
   if (on_mesh == OnMeshWhere::everywhere) return fills;
   fills = with_triangle_if_that_folds_less(ground, holes, options, std::move(fills));
   fills = without_rows_if_that_folds_less(ground, holes, options, std::move(fills));
-  if (on_mesh == OnMeshWhere::nowhere) return fills;
+  if (on_mesh == OnMeshWhere::nowhere || first_placed) return fills;
   return the_other_if_that_folds_less(ground, holes, options, placed, std::move(fills));
 }
 
@@ -234,7 +244,8 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
   for (std::size_t h = 0; h < holes.size(); ++h) {
     const SidedRim& hole = holes[h];
     Report& report = fills[h].report;
-    if (hole.guessed && report.method_reason != grown_reason && report.method_reason != placed_reason)
+    if (hole.guessed && report.method_reason != grown_reason && report.method_reason != placed_reason &&
+        report.method_reason != many_reason)
       report.method_reason = "the rim has no clear corners: the cage lies between four of its vertices";
     if (holes.size() == 1 && !hole.given && !is_harmless(report)) {
       std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(ground, hole.rim);

@@ -11,13 +11,16 @@
 
 namespace tripatch {
 
-/// Cages for holes whose surroundings may overlap, fitted together. Phases: made, with the layouts as large as the faces around and
-/// (but for an exact rim) the fairest cage on them; patches on `sides`, which may follow `points`; `fit` to them; `complete`.
+/// Cages for holes whose surroundings may overlap, fitted together. Phases: made, with layouts of quads as large as those around;
+/// (but for an exact rim) the fairest cage on them, or placed; patches on `sides`, which may follow `points`; `fit` to them; `complete`.
 class CageFill {
 public:
   /// mesh, left: outlive this. left: of the mesh without the faces in the holes, which are `replaced`.
   CageFill(const Mesh& mesh, const Connectivity& left, std::vector<SidedRim> holes, const Subdivision& settings,
            std::vector<Index> replaced, const LayoutOptions& layout_options, const CageOptions& options);
+
+  /// The fairest cages of the layouts, and what an exact rim is made on.
+  void make_fair();
 
   std::size_t size() const { return holes_.size(); }
   /// Of a hole: what its patch is to be made on.
@@ -30,7 +33,7 @@ public:
   /// The vertices inside the first layout of a hole, in its order, and the layout.
   Points inside(std::size_t hole) const { return fit_->inside(hole); }
   const CageHole& laid_out(std::size_t hole) const { return laid_out_[hole]; }
-  /// Puts the vertices of a hole that is alone where they shall be: no fit moves them.
+  /// Puts the vertices of a hole that is alone where they shall be, in place of the fairest: no fit moves them.
   void place(const Points& inside);
 
   /// To a patch for each hole, with more rows where the tolerance asks for them. fair: by hole, whether
