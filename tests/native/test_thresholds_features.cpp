@@ -107,6 +107,11 @@ TEST_CASE("a crease is followed over three quarters of the hole", "[thresholds]"
   }
 }
 
+TEST_CASE("a crease that is followed over all the rings that are looked at does not get blunt there") {
+  for (const double step : {0.004, 0.008})
+    CHECK(Rings(radii(step, 60), [](double x, double y) { return roof(x, y, 20); }, 12).features().creases.size() == 1);
+}
+
 TEST_CASE("surroundings whose border is shorter than 0.7 of the rim close behind the hole", "[thresholds]") {
   for (const double last : {0.345, 0.355}) {
     const Rings tube({0.5, 0.4, 0.3, last}, [](double x, double y) { return Vec3(x, y, 0); });

@@ -178,14 +178,14 @@ private:
     return chain;
   }
 
-  /// Whether a crease gets blunt and is lost; it may also end at a corner, at a border, or where the mesh is not looked at.
+  /// Whether a crease gets blunt and is lost; it may also end at a corner, at a border, or where no angles are looked at.
   bool runs_out(const std::vector<Index>& chain) const {
     const Index last = chain.back();
     if (!around_.knows(last)) return false;
     const bool smooth_beside = angles_.ordinary() < smooth_angle;  // else what looks like a corner is chance
     int others = 0;
     for (Index w : neighbors(last)) {
-      if (!around_.edge(last, w) || !around_.edge(w, last)) return false;
+      if (angles_.at(last, w) < 0) return false;
       others += w != chain[chain.size() - 2] && angles_.sharp(last, w);
     }
     return others < 2 || !smooth_beside;
