@@ -26,7 +26,7 @@ def seen(option):
 def _items(option):
     if option.name == "method":
         methods = library.tripatch.METHODS.values()
-        items = [(m.name, words(m.name), f"{m.description} ({m.citation})") for m in methods if m.fills_holes]
+        items = [(m.name, words(m.name), m.description) for m in methods if m.fills_holes]
         return [("auto", "Auto", "Between three smooth sides the exact patch (Side Vertex), else Polyharmonic Spline"), *items]
     items = [(c.name, c.label or words(c.name), c.description) for c in option.choices if not c.misprint]
     if option.none is not None:

@@ -72,6 +72,38 @@ def panel_rows(w):
     yield from w.picture("sides-unfolded")
 
 
+def filters(w):
+    """With nothing selected the panel has the filters of all holes; one of them keeps the hole out."""
+    sheet(w, "Sheet")
+    with w.override():
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bpy.ops.ed.undo_push(message="nothing selected")
+    before = counts()
+    yield
+    w.home()
+    w.press("F", ctrl=True, alt=True)
+    yield
+    yield
+    assert counts()[1] < before[1], "the hole is filled"
+    hud = w.region("HUD")
+    if hud.height < 100:
+        w.click(hud.x + 20, hud.y + hud.height - 10)  # its header
+        yield
+        yield
+    hud = w.region("HUD")
+    folded = hud.height
+    yield from w.click_at(hud.x + 20, hud.y + 18 + 3 * 23)  # the fourth row from below
+    hud = w.region("HUD")
+    assert hud.height > folded + 60 and (PANELS or last_operator().show_holes), "Holes unfolds"
+    yield from w.picture("holes-unfolded")
+    # the box beside Max Edges, the first row of the part
+    yield from w.click_at(hud.x + 131, hud.y + 18 + 7 * 23 - 3)
+    yield from w.picture("holes-filtered")
+    assert last_operator().use_max_edges, "the filter is on"
+    if not PANELS:
+        last_operator().show_holes = False
+
+
 def undo_and_redo(w):
     """One step, to the bit."""
     rounded_corner(w)
@@ -374,7 +406,7 @@ def overlay_on_and_off(w):
 
 
 def overlay_in_the_sidebar(w):
-    """Its panel is in the sidebar."""
+    """Its panel is in the sidebar, behind a tab, and a click on it shows stripes."""
     _filled_sheet(w)
     yield
     w.home()
@@ -383,7 +415,15 @@ def overlay_in_the_sidebar(w):
     yield
     region = w.region("UI")
     assert region.width > 100
+    settings = bpy.context.window_manager.tripatch_overlay
+    settings.surface = "ZEBRA"
+    yield from w.click_at(region.x + region.width - 10, region.y + region.height - 170)  # the tab
     yield from w.picture("sidebar")
+    yield from w.click_at(region.x + 20, region.y + region.height - 42)  # the first row
+    assert settings.show, "switched on by the click"
+    yield
+    yield from w.picture("sidebar-on")
+    settings.show = False
     panel = importlib.import_module(f"{ADDON}.overlay").VIEW3D_PT_tripatch_quality
     assert panel.is_registered and panel.bl_category == "TriPatch"
     w.press("N")
@@ -597,6 +637,7 @@ def status_bar(w):
 ALL = [
     face_menu,
     panel_rows,
+    filters,
     undo_and_redo,
     search,
     context_menu,
