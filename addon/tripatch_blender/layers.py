@@ -53,8 +53,8 @@ if not hasattr(bmesh.types.BMLayerAccessLoop, "bool"):  # BMesh has layers of bo
     _TYPES["BOOLEAN"] = _Type(1, "INT", 1, 1, "value", _CORNER)
 
 
-def _aside(mesh):
-    """The attributes that have to stand aside, but Blender's own."""
+def aside(mesh):
+    """Names of the attributes that have to stand aside, but Blender's own."""
     return [
         attribute.name
         for attribute in mesh.attributes
@@ -71,11 +71,11 @@ def _numbers(attribute, field, width, whole):
     return flat.reshape(-1, width)
 
 
-def _replaced(mesh):
-    """The stand-ins of a mesh in object mode take over; returns what `_restore` needs."""
+def replaced(mesh):
+    """The stand-ins of a mesh in object mode take over; returns what `restore` needs."""
     kept, active = [], mesh.attributes.active
     active = active.name if active else None
-    for name in _aside(mesh):
+    for name in aside(mesh):
         attribute = mesh.attributes[name]
         domain, data_type = attribute.domain, attribute.data_type
         kind = _TYPES[data_type]
@@ -94,8 +94,9 @@ def _replaced(mesh):
     return kept, active
 
 
-def _restore(mesh, replaced):
-    kept, active = replaced
+def restore(mesh, stand_ins):
+    """The attributes themselves again, in that mesh or one that was made of it."""
+    kept, active = stand_ins
     for name, domain, data_type, parts, given in kept:
         kind, values = _TYPES[data_type], []
         for part in parts:
@@ -137,25 +138,25 @@ def _object_mode(context):
 @contextmanager
 def standing_aside(context, objects):
     """Objects in edit mode have stand-ins inside. A BMesh of before is not valid inside, nor one of inside after."""
-    meshes = [ob.data for ob in objects if _aside(ob.data)]
+    meshes = [ob.data for ob in objects if aside(ob.data)]
     if not meshes:
         yield
         return
     with _object_mode(context):
-        replaced = [_replaced(mesh) for mesh in meshes]
+        stand_ins = [replaced(mesh) for mesh in meshes]
     try:
         yield
     finally:
         with _object_mode(context):
-            for mesh, kept in zip(meshes, replaced, strict=True):
-                _restore(mesh, kept)
+            for mesh, kept in zip(meshes, stand_ins, strict=True):
+                restore(mesh, kept)
 
 
 @contextmanager
 def mesh_standing_aside(mesh):
     """The same for a mesh that is not in edit mode."""
-    replaced = _replaced(mesh)
+    stand_ins = replaced(mesh)
     try:
         yield
     finally:
-        _restore(mesh, replaced)
+        restore(mesh, stand_ins)

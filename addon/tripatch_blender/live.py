@@ -13,7 +13,7 @@ import zlib
 import bmesh
 import bpy
 
-from . import between_patches, filling, joining, selection, waiting, writeback
+from . import between_patches, filling, joining, layers, selection, waiting, writeback
 from .library import np
 from .selection import Rim, UnusableError
 
@@ -101,29 +101,40 @@ def _shown_key(ob):
     return ob.active_shape_key if ob.show_only_shape_key else None
 
 
-def _copy(ob):
-    """A BMesh of an object's mesh as it is now, without its other shapes."""
+def _mesh_now(ob):
+    """A new mesh with what an object's mesh is now."""
     if ob.mode == "EDIT":
+        copy = bpy.data.meshes.new("TriPatch")
+        bmesh.from_edit_mesh(ob.data).to_mesh(copy)
+        return copy
+    co, only = _mixed(ob.data), _shown_key(ob)
+    if only is not None:
+        only.data.foreach_get("co", flat := np.empty(3 * len(co), np.float32))
+        co = flat
+    copy = ob.data.copy()
+    copy.vertices.foreach_set("co", co.ravel())
+    return copy
+
+
+def _copy(ob):
+    """A BMesh of an object's mesh as it is now, without its other shapes, and the stand-ins in it, for layers.restore."""
+    stand_ins: tuple = ([], None)
+    if ob.mode == "EDIT" and not layers.aside(ob.data):
         bm = bmesh.from_edit_mesh(ob.data).copy()
     else:
-        copy = ob.data.copy()
+        mesh = _mesh_now(ob)
         try:
-            co = _mixed(ob.data)
-            only = _shown_key(ob)
-            if only is not None:
-                only.data.foreach_get("co", flat := np.empty(3 * len(co), np.float32))
-                co = flat
-            copy.vertices.foreach_set("co", co.ravel())
+            stand_ins = layers.replaced(mesh)
             bm = bmesh.new()
-            bm.from_mesh(copy)
+            bm.from_mesh(mesh)
         finally:
-            bpy.data.meshes.remove(copy)
+            bpy.data.meshes.remove(mesh)
     for layer in list(bm.verts.layers.shape.values()):
         bm.verts.layers.shape.remove(layer)
     bm.verts.ensure_lookup_table()
     bm.verts.index_update()
     bm.faces.index_update()
-    return bm
+    return bm, stand_ins
 
 
 def state_of(fill):
@@ -213,18 +224,19 @@ def _options(settings):
 def _fill_hole(fill, settings):
     """A new mesh for a live fill of a hole, and its report."""
     (ob,) = around(fill)
-    bm = _copy(ob)
+    (bm, stand_ins), options = _copy(ob), _options(settings)
     try:
-        loop, corners = find_rim(bm, settings)
-        rim = Rim(loop, corners=corners or [])
-        matrix, options = filling.world_matrix(ob.name, ob.matrix_world), _options(settings)
-        settings["rim"], settings["positions"] = [v.index for v in loop], [tuple(v.co) for v in loop]
-        settings["corners"] = None if corners is None else [loop.index(v) for v in corners]
         with writeback.deviation_layers(bm, options.deviation):
-            outcome, new = filling.fill_rims(bm, fill.data, matrix, [rim], options)
-        if outcome.refused:
-            raise UnusableError(outcome.refused[0].sentence)
-        return _only(bm, set(new), ob.data), outcome
+            loop, corners = find_rim(bm, settings)
+            matrix = filling.world_matrix(ob.name, ob.matrix_world)
+            settings["rim"], settings["positions"] = [v.index for v in loop], [tuple(v.co) for v in loop]
+            settings["corners"] = None if corners is None else [loop.index(v) for v in corners]
+            outcome, new = filling.fill_rims(bm, fill.data, matrix, [Rim(loop, corners=corners or [])], options)
+            if outcome.refused:
+                raise UnusableError(outcome.refused[0].sentence)
+            mesh = _only(bm, set(new), ob.data)
+        layers.restore(mesh, stand_ins)
+        return mesh, outcome
     finally:
         bm.free()
 
@@ -351,8 +363,9 @@ def apply(fill):
         bpy.context.view_layer.objects.active = ob
         bpy.ops.object.mode_set(mode="EDIT")
     try:
-        _apply_hole(ob, bmesh.from_edit_mesh(ob.data), settings)
-        bmesh.update_edit_mesh(ob.data)
+        with layers.standing_aside(bpy.context, [ob]):
+            _apply_hole(ob, bmesh.from_edit_mesh(ob.data), settings)
+            bmesh.update_edit_mesh(ob.data)
     finally:
         if not edited:
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -366,10 +379,10 @@ def _apply_hole(ob, bm, settings):
     for elements in (bm.verts, bm.faces):
         elements.ensure_lookup_table()
         elements.index_update()
-    loop, corners = find_rim(bm, settings)
     matrix, options = filling.world_matrix(ob.name, ob.matrix_world), _options(settings)
     active = ob.active_shape_key.name if ob.active_shape_key else None
     with writeback.deviation_layers(bm, options.deviation):
+        loop, corners = find_rim(bm, settings)
         outcome, _ = filling.fill_rims(bm, ob.data, matrix, [Rim(loop, corners=corners or [])], options, active)
     if outcome.refused:
         raise UnusableError(outcome.refused[0].sentence)

@@ -259,7 +259,8 @@ class FillSmooth(Construction, waiting.Waiting):
                 self.tolerance = self.computed_tolerance = filling.TOLERANCE * max(outcome.diameters)
 
     def perform(self, context):
-        with layers.standing_aside(context, context.objects_in_mode_unique_data):
+        live_ones = self.keep_live and self.surroundings != "limit"  # they are made in copies
+        with layers.standing_aside(context, [] if live_ones else context.objects_in_mode_unique_data):
             return self._execute(context)
 
     def _choose_output(self, objects):

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, PointerProperty
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
-from . import library, overlay, shaping, shown, waiting
+from . import layers, library, overlay, shaping, shown, waiting
 from .library import np, quality, tripatch
 
 _COLOR = (0.16, 0.36, 0.62)
@@ -235,6 +235,10 @@ class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator
         if ob is None:
             stop()
             return {"CANCELLED"}
+        with layers.standing_aside(context, [ob]):
+            return self._write(ob, made)
+
+    def _write(self, ob, made):
         bm = bmesh.from_edit_mesh(ob.data)
         selected = shaping.selection.Selected(bm)
         try:

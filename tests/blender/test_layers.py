@@ -1,5 +1,7 @@
 """Attributes of every type that the running Blender has: a fill changes none of what the mesh had before."""
 
+import sys
+
 import bmesh
 import bpy
 import numpy as np
@@ -147,3 +149,43 @@ def test_undo_brings_matrices_back():
     give(ob.data, "FLOAT4X4", "CORNER")
     scenes.edit(ob)
     scenes.undone_and_redone(ob.name, lambda: fill("EXEC_DEFAULT", True))
+
+
+@pytest.mark.parametrize("mode", ["EDIT", "OBJECT"])
+@pytest.mark.parametrize("domain", ["POINT", "EDGE", "FACE", "CORNER"])
+@pytest.mark.parametrize("kind", TYPES)
+def test_a_live_fill_has_them_follows_and_is_applied(kind, domain, mode, addon):
+    live = sys.modules[addon.__name__ + ".live"]
+    ob = hole(False)
+    give(ob.data, kind, domain)
+    before = values_of(ob.data, kind)
+    (bm,) = scenes.edit(ob)
+    assert fill(keep_live=True, deviation=True) == {"FINISHED"}
+    (made,) = live.fills()
+    place = made.data.vertices[0].co.z
+    for v in bm.verts:
+        v.co.z += 0.5
+    bmesh.update_edit_mesh(ob.data)
+    bpy.ops.object.mode_set(mode=mode)
+    assert bpy.ops.object.update_live_fill() == {"FINISHED"} and live.problem_of(made) == ""
+    assert made.data.vertices[0].co.z == pytest.approx(place + 0.5, abs=1e-5)
+    assert len(values_of(made.data, kind)) > 8
+    assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after = values_of(ob.data, kind)
+    assert len(after) > len(before) > 80 and after[: len(before)] == before
+    assert [a.name for d in bpy.data.meshes for a in d.attributes if "tripatch" in a.name.lower()] == []
+
+
+@pytest.mark.skipif("FLOAT4X4" not in TYPES, reason="this Blender has no matrices")
+def test_the_tool_fills_a_mesh_with_matrices():
+    ob = hole(False)
+    give(ob.data, "FLOAT4X4", "CORNER")
+    before = values_of(ob.data, "FLOAT4X4")
+    (bm,) = scenes.edit(ob)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    assert bpy.ops.mesh.shape_fill() == {"FINISHED"}
+    assert bpy.ops.mesh.shape_fill_confirm() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after = values_of(ob.data, "FLOAT4X4")
+    assert len(after) > len(before) and after[: len(before)] == before
