@@ -8,7 +8,7 @@ import traceback
 import bpy
 from bpy.app.handlers import persistent
 
-from . import library, live
+from . import joining, library, live
 
 #: Seconds between a change and the fill, and between two fills.
 INTERVAL = 0.1
@@ -20,6 +20,7 @@ _MODES = ("OBJECT", "EDIT")
 class _Following:
     def __init__(self):
         self.names = []  # of the live fills of this file
+        self.stale = False  # whether there are others
         self.pending = set()  # of those whose surroundings may have changed
         self.states = {}  # what each was last filled for
         self.wait = INTERVAL
@@ -28,37 +29,58 @@ class _Following:
 _following = _Following()
 
 
-def _sources(name):
-    """Everything that a fill follows, by what Blender says has changed."""
+def _fill(name):
+    """The live fill of this name, or None."""
     fill = bpy.data.objects.get(name)
-    if fill is None or not live.is_live(fill):
-        return set()
+    return fill if fill is not None and live.is_live(fill) else None
+
+
+def _is_new(block):
+    return isinstance(block, bpy.types.Object) and live.is_live(block) and block.name not in _following.names
+
+
+def _follows(fill, changed):
+    """Whether a fill follows something of what Blender says has changed, or cannot and has not said so."""
     try:
         objects = live.around(fill)
-    except live.UnusableError:
-        return set()
+    except live.UnusableError as reason:
+        return live.problem_of(fill) != str(reason)
     keys = {ob.data.shape_keys for ob in objects if ob.type == "MESH"}
-    return {*objects, *(ob.data for ob in objects), *keys}
+    return not changed.isdisjoint({*objects, *(ob.data for ob in objects), *keys})
 
 
 @persistent
 def _on_change(_scene, depsgraph):
+    """After an update, and after another frame was set."""
+    if depsgraph.mode != "VIEWPORT":  # a render has objects of its own, in a thread of its own
+        return
     changed = {
         u.id.original
         for u in depsgraph.updates
         if u.is_updated_geometry or u.is_updated_transform or isinstance(u.id, bpy.types.Key)
     }
-    for name in _following.names if changed else ():
-        if changed & _sources(name):
-            _wish(name)
+    if not changed:
+        return
+    fills = {name: _fill(name) for name in _following.names}
+    if None in fills.values() or any(map(_is_new, changed)):
+        _look_for_all()
+        return
+    for name, fill in fills.items():
+        if _follows(fill, changed):
+            _following.pending.add(name)
+            _look_soon()
 
 
-def _wish(name):
-    """Has a fill looked at soon."""
-    _following.pending.add(name)
+def _look_soon():
     if not bpy.app.timers.is_registered(_tick):
         # persistent, as one that opening a file removes hangs Blender 4.5 at its end
         bpy.app.timers.register(_tick, first_interval=_following.wait, persistent=True)
+
+
+def _look_for_all():
+    """Has the file looked through soon: fills have come, are gone or have other names."""
+    _following.stale = True
+    _look_soon()
 
 
 def _stop_timer():
@@ -75,6 +97,11 @@ def _tick():
     if _busy():
         return 1.0
     began = time.perf_counter()
+    if _following.stale or not all(map(_fill, _following.pending)):
+        _following.stale = False
+        scan()
+        joining.remove_empty()
+        _following.pending.update(_following.names)
     pending, _following.pending = _following.pending, set()
     for name in sorted(pending):
         follow(name)
@@ -84,8 +111,8 @@ def _tick():
 
 def follow(name):
     """Fills a live fill anew if what it follows has changed; whether it did."""
-    fill = bpy.data.objects.get(name)
-    if fill is None or not live.is_live(fill):
+    fill = _fill(name)
+    if fill is None:
         return False
     try:
         if any(ob.mode not in _MODES for ob in live.around(fill)):
@@ -115,11 +142,16 @@ def begin(fill):
 def scan():
     """Finds the live fills of the file, and listens to changes only if there are some."""
     _following.names = [fill.name for fill in live.fills()]
-    handlers = bpy.app.handlers.depsgraph_update_post
-    if _following.names and _on_change not in handlers:
-        handlers.append(_on_change)
-    elif not _following.names and _on_change in handlers:
-        handlers.remove(_on_change)
+    for handlers in _changes():
+        if _following.names and _on_change not in handlers:
+            handlers.append(_on_change)
+        elif not _following.names and _on_change in handlers:
+            handlers.remove(_on_change)
+
+
+def _changes():
+    """What Blender calls after a change; only the second after one of the frame."""
+    return bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post
 
 
 @persistent
@@ -133,12 +165,20 @@ def _on_load(*_):
 def _on_undo(*_):
     """A fill that was brought back may be of another moment than what lies around it."""
     _following.states.clear()
+    before = _following.names
     scan()
-    for name in _following.names:
-        _wish(name)
+    if before or _following.names:
+        _look_for_all()
 
 
-_HANDLERS = (("load_post", _on_load), ("undo_post", _on_undo), ("redo_post", _on_undo))
+@persistent
+def _on_import(*_):
+    scan()
+
+
+_HANDLERS = [("load_post", _on_load), ("undo_post", _on_undo), ("redo_post", _on_undo)]
+if hasattr(bpy.app.handlers, "blend_import_post"):  # from 4.4
+    _HANDLERS.append(("blend_import_post", _on_import))
 
 
 @persistent
@@ -157,8 +197,11 @@ def register():
 
 
 def unregister():
-    for name, function in (*_HANDLERS, ("depsgraph_update_post", _on_change), ("depsgraph_update_post", _first_change)):
+    for name, function in (*_HANDLERS, ("depsgraph_update_post", _first_change)):
         if function in getattr(bpy.app.handlers, name):
             getattr(bpy.app.handlers, name).remove(function)
+    for handlers in _changes():
+        if _on_change in handlers:
+            handlers.remove(_on_change)
     _stop_timer()
     _following.__init__()

@@ -100,3 +100,11 @@ def part(ob, fill):
     modifier = modifier_of(ob, fill)
     if modifier is not None:
         ob.modifiers.remove(modifier)
+
+
+def remove_empty():
+    """Removes the modifiers whose fill has been deleted."""
+    for ob in bpy.data.objects if NAME in bpy.data.node_groups else ():
+        if ob.library is None and ob.override_library is None:
+            while (modifier := modifier_of(ob, None)) is not None:
+                ob.modifiers.remove(modifier)

@@ -279,6 +279,109 @@ def test_saved_it_follows_again_and_without_the_addon_it_is_a_mesh(live, followi
     following.register()
 
 
+def test_renamed_it_follows(live, following):
+    ob, fill = kept()
+    after_a_change(following)
+    before = points(fill)
+    fill.name = "Cheek"
+    move(ob, 0.5)
+    assert after_a_change(following)
+    assert points(fill) == pytest.approx(before + [0, 0, 0.5], abs=1e-5)
+    move(ob, 0.5)
+    bpy.context.view_layer.update()
+    fill.name = "Chin"  # between the change and the fill
+    assert after_a_change(following)
+    assert points(fill) == pytest.approx(before + [0, 0, 1.0], abs=1e-5)
+
+
+@pytest.mark.skipif(not hasattr(bpy.app.handlers, "blend_import_post"), reason="this Blender does not tell of it")
+def test_appended_it_follows(live, following, tmp_path):
+    kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"), copy=True)
+    for ob in list(bpy.data.objects):
+        bpy.data.objects.remove(ob)
+    after_a_change(following)
+    assert following._on_change not in bpy.app.handlers.depsgraph_update_post
+    files = [{"name": name} for name in ("Hole", "Hole Fill")]
+    bpy.ops.wm.append(files=files, directory=str(tmp_path / "live.blend" / "Object") + "/")
+    ob, fill = bpy.data.objects["Hole"], bpy.data.objects["Hole Fill"]
+    before = points(fill)
+    scenes.edit(ob)
+    move(ob, 0.5)
+    assert after_a_change(following)
+    assert points(fill) == pytest.approx(before + [0, 0, 0.5], abs=1e-5)
+
+
+def test_a_copy_of_mesh_and_fill_follows(live, following):
+    ob, fill = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after_a_change(following)
+    before = points(fill)
+    for each in (ob, fill):
+        each.select_set(True)
+    bpy.ops.object.duplicate()
+    after_a_change(following)
+    ob, copied = bpy.data.objects["Hole.001"], bpy.data.objects["Hole Fill.001"]
+    scenes.edit(ob)
+    move(ob, 0.5)
+    assert after_a_change(following)
+    assert points(copied) == pytest.approx(before + [0, 0, 0.5], abs=1e-5)
+    assert (points(fill) == before).all()
+
+
+def test_it_follows_a_keyed_shape_key_from_frame_to_frame(live, following):
+    ob, key = flat_with_a_bowl()
+    ob.active_shape_key_index = 0
+    scenes.edit(ob)
+    bpy.ops.mesh.fill_three_sided(keep_live=True)
+    fill = bpy.data.objects["Hole Fill"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for frame, key.value in ((1, 0.0), (11, 1.0)):
+        key.keyframe_insert("value", frame=frame)
+    for frame in (1, 6, 11):
+        while after_a_change(following):
+            pass
+        bpy.context.scene.frame_set(frame)
+        assert after_a_change(following)
+        z = points(fill)
+        assert z[:, 2] == pytest.approx(0.6 * key.value * (z[:, :2] ** 2).sum(axis=1), abs=2e-3)
+        assert shown(ob)[2] == 36
+    assert key.value == 1
+
+
+def test_a_deleted_fill_leaves_nothing_and_comes_back_with_undo(live, following):
+    ob, _ = kept()
+    name, handlers = ob.name, (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.ed.undo_push(message="kept")
+    after_a_change(following)
+    assert all(following._on_change in each for each in handlers)
+    bpy.data.objects.remove(bpy.data.objects["Hole Fill"])
+    bpy.ops.ed.undo_push(message="deleted")
+    after_a_change(following)
+    assert not bpy.data.objects[name].modifiers
+    assert not any(following._on_change in each for each in handlers)
+    bpy.ops.ed.undo()
+    after_a_change(following)
+    assert shown(bpy.data.objects[name])[2] == 36
+    assert all(following._on_change in each for each in handlers)
+    bpy.ops.ed.redo()
+    after_a_change(following)
+    assert not bpy.data.objects[name].modifiers
+    assert not any(following._on_change in each for each in handlers)
+
+
+def test_other_modifiers_with_no_fill_stay(live, following):
+    ob, _ = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    ob.modifiers.new("Mine", "NODES")
+    after_a_change(following)
+    bpy.data.objects.remove(bpy.data.objects["Hole Fill"])
+    after_a_change(following)
+    assert [m.name for m in ob.modifiers] == ["Mine"]
+
+
 def test_a_refused_hole_leaves_no_object(live):
     ob = scenes.add_mesh(*scenes.square_hole())
     (bm,) = scenes.edit(ob)
@@ -346,5 +449,27 @@ def test_a_fill_between_surfaces_follows_when_they_are_moved(live, following):
     assert live.problem_of(fill) == ""
     bpy.data.objects.remove(objects[0])
     after_a_change(following)
+    assert live.problem_of(fill) == "An object that it followed is gone; apply it, or delete it"
     assert bpy.ops.object.update_live_fill() == {"FINISHED"}
     assert json.loads(fill["tripatch_live"])["kind"] == "patches"
+
+
+@pytest.mark.parametrize("parent", [False, True])
+def test_a_fill_between_surfaces_follows_keyed_ones(live, following, parent):
+    objects = patches()
+    bpy.ops.object.fill_between_patches(keep_live=True, tolerance=0.01)
+    fill = bpy.data.objects["Fill"]
+    empty = bpy.data.objects.new("Empty", None)
+    bpy.context.collection.objects.link(empty)
+    for ob in objects:
+        ob.parent = empty if parent else None
+    before = points(fill)
+    for frame in (1, 11):
+        for ob in [empty] if parent else objects:
+            ob.location.z = frame - 1
+            ob.keyframe_insert("location", frame=frame)
+    for frame in (1, 11, 6):
+        bpy.context.scene.frame_set(frame)
+        after_a_change(following)
+        assert points(fill) == pytest.approx(before + [0, 0, objects[0].matrix_world.translation.z], abs=1e-5)
+    assert objects[0].matrix_world.translation.z == pytest.approx(5)
