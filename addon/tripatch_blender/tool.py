@@ -483,7 +483,11 @@ def register():
 def unregister():
     stop()
     if not bpy.app.background:
+        name = TRIPATCH_TOOL_shape._bl_tool.keymap[0]  # pyright: ignore[reportAttributeAccessIssue]
         bpy.utils.unregister_tool(TRIPATCH_TOOL_shape)
+        user = bpy.context.window_manager.keyconfigs.user
+        if keymap := user.keymaps.get(name):  # which Blender leaves
+            user.keymaps.remove(keymap)
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)
     del bpy.types.WindowManager.tripatch_tool  # pyright: ignore

@@ -634,6 +634,26 @@ def status_bar(w):
     assert counts()[1] == 0
 
 
+def switched_off(w):
+    """The tool's keys go with the add-on, and come back with it."""
+    import addon_utils
+
+    def keys():
+        configurations = bpy.context.window_manager.keyconfigs
+        configurations.update()
+        return {each.name: len(k.keymap_items) for each in configurations for k in each.keymaps if "Shape Fill" in k.name}
+
+    before = keys()
+    assert len(before) == 3, before
+    for _ in range(2):
+        addon_utils.disable(ADDON)
+        yield
+        assert not keys(), keys()
+        assert addon_utils.enable(ADDON)
+        yield
+        assert keys() == before, keys()
+
+
 ALL = [
     face_menu,
     panel_rows,
@@ -653,6 +673,7 @@ ALL = [
     status_bar,
     long_fill,
     long_redo,
+    switched_off,
     live_fill,  # the operator keeps Keep Live for what follows
     save_and_reopen,  # the last: the window has another file then
 ]
