@@ -8,7 +8,7 @@ import traceback
 import bpy
 from bpy.app.handlers import persistent
 
-from . import joining, library, live
+from . import joining, library, live, sentences
 
 #: Seconds between a change and the fill, and between two fills.
 INTERVAL = 0.1
@@ -44,7 +44,7 @@ def _follows(fill, changed):
     try:
         objects = live.around(fill)
     except live.UnusableError as reason:
-        return live.problem_of(fill) != str(reason)
+        return live.problem_of(fill) != sentences.for_people(str(reason))
     keys = {ob.data.shape_keys for ob in objects if ob.type == "MESH"}
     return not changed.isdisjoint({*objects, *(ob.data for ob in objects), *keys})
 
@@ -124,11 +124,11 @@ def follow(name):
         # what was found about the rim may be new
         _following.states[name] = live.state_of(fill)
     except live.UnusableError as reason:
-        fill["tripatch_problem"] = str(reason)
+        live.say(fill, reason)
         return False
     except Exception:  # the last fill stays
         traceback.print_exc()
-        fill["tripatch_problem"] = "It could not be filled; see the system console"
+        live.say(fill, "It could not be filled; see the system console")
         return False
     return True
 

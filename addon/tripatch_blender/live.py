@@ -13,7 +13,7 @@ import zlib
 import bmesh
 import bpy
 
-from . import between_patches, filling, joining, layers, selection, waiting, writeback
+from . import between_patches, filling, joining, layers, selection, sentences, waiting, writeback
 from .library import np
 from .selection import Rim, UnusableError
 
@@ -38,6 +38,11 @@ def settings_of(fill):
 def problem_of(fill):
     """Why the last change could not be followed, or nothing."""
     return fill.get(_PROBLEM, "")
+
+
+def say(fill, reason):
+    """Keeps why the last change could not be followed."""
+    fill[_PROBLEM] = sentences.for_people(str(reason))
 
 
 def around(fill):
@@ -274,7 +279,7 @@ def refill(fill):
     try:
         _follow(fill)
     except (UnusableError, ValueError) as reason:  # Refusal, InvalidArgument
-        fill[_PROBLEM] = str(reason)
+        say(fill, reason)
     return problem_of(fill)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import bpy
 from bpy.props import StringProperty
 
-from . import following, library, live
+from . import following, library, live, sentences
 
 _PICK = {
     "name": "Fill",
@@ -53,7 +53,7 @@ class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
             try:
                 live.apply(fill)
             except (live.UnusableError, ValueError) as reason:
-                refused.append(f"{name}: {reason}")
+                refused.append(f"{name}: {sentences.for_people(str(reason))}")
             else:
                 applied.append(name)
         following.scan()
@@ -76,10 +76,7 @@ class OBJECT_OT_update_live_fill(_OfLiveFills, bpy.types.Operator):
     def execute(self, context):
         problems = []
         for fill in _meant(context, self.fill):
-            try:
-                problem = live.refill(fill)
-            except live.UnusableError as reason:
-                problem = str(reason)
+            problem = live.refill(fill)
             problems += [f"{fill.name}: {problem}"] if problem else []
         if problems:
             self.report({"WARNING"}, problems[0])

@@ -12,8 +12,8 @@ from bpy.props import BoolProperty, EnumProperty, PointerProperty
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
-from . import layers, library, overlay, shaping, shown, waiting
-from .library import np, quality, tripatch
+from . import layers, library, overlay, sentences, shaping, shown, waiting
+from .library import np, quality
 
 _COLOR = (0.16, 0.36, 0.62)
 _RIM = (1.0, 0.75, 0.2, 1.0)
@@ -27,7 +27,7 @@ class _State:
         self.shaping: shaping.Shaping | None = None
         self.handle: Any = None
         self.drawn: Any = None
-        self.problem: tripatch.Refusal | str = ""
+        self.problem = ""
 
 
 _state = _State()
@@ -63,7 +63,7 @@ def stop():
 def changed():
     """After the fill was made anew."""
     _state.drawn = None
-    _state.problem = _state.shaping.refusal or "" if _state.shaping else ""
+    _state.problem = sentences.for_people(str(_state.shaping.refusal or "")) if _state.shaping else ""
     overlay.redraw()
 
 
@@ -205,7 +205,7 @@ class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
         try:
             start(make())
         except shaping.UnusableError as reason:
-            self.report({"WARNING"}, str(reason))
+            self.report({"WARNING"}, sentences.for_people(str(reason)))
             return {"CANCELLED"}
         if _state.problem:
             self.report({"WARNING"}, _state.problem)
@@ -244,10 +244,10 @@ class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator
         try:
             outcome, faces = made.write(ob, bm)
         except shaping.UnusableError as reason:
-            self.report({"ERROR"}, str(reason))
+            self.report({"ERROR"}, sentences.for_people(str(reason)))
             return {"CANCELLED"}
         if outcome.refused:
-            self.report({"WARNING"}, outcome.refused[0].sentence)
+            self.report({"WARNING"}, sentences.for_people(outcome.refused[0].sentence))
             return {"CANCELLED"}
         selected.replace(bm, faces)
         bmesh.update_edit_mesh(ob.data)

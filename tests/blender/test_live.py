@@ -154,6 +154,20 @@ def test_a_failure_leaves_the_last_good_fill_and_says_so(live, following):
     assert live.problem_of(fill) == "" and shown(ob)[2] == 36
 
 
+TURNED = "Mesh > Normals > Recalculate Outside turns them"
+
+
+def test_a_failure_says_what_helps(live, following):
+    ob, fill = kept()
+    bm = bmesh.from_edit_mesh(ob.data)
+    scenes.border_loops(bm)[0][0].link_faces[0].normal_flip()
+    bmesh.update_edit_mesh(ob.data)
+    after_a_change(following)
+    assert live.problem_of(fill).endswith(TURNED)
+    with pytest.raises(RuntimeError, match=TURNED):
+        bpy.ops.object.apply_live_fill()
+
+
 def flat_with_a_bowl():
     """A flat hole, and a shape key that makes a bowl of it."""
     ob = scenes.add_hole(scenes.flat)

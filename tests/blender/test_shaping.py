@@ -364,3 +364,14 @@ def test_other_corners_are_read_anew(shaping):
     made.drag_corner(0, made.shape.corners[0] + 1)
     made.preview(quick=True)
     assert made.fill is not before
+
+
+def test_the_header_says_what_helps(tool):
+    ob = scenes.add_mesh(*scenes.square_hole())
+    (bm,) = scenes.edit(ob)
+    loop = scenes.border_loops(bm)[0]
+    scenes.select_rim(bm, loop)
+    loop[0].link_faces[0].normal_flip()
+    bmesh.update_edit_mesh(ob.data)
+    assert bpy.ops.mesh.shape_fill() == {"FINISHED"}
+    assert tool._state.problem.endswith("Mesh > Normals > Recalculate Outside turns them")
