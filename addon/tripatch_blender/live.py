@@ -13,7 +13,7 @@ import zlib
 import bmesh
 import bpy
 
-from . import between_patches, filling, joining, layers, selection, sentences, waiting, writeback
+from . import between_patches, filling, joining, layers, mirrored, selection, sentences, waiting, writeback
 from .library import np
 from .selection import Rim, UnusableError
 
@@ -164,6 +164,8 @@ def state_of(fill):
             corners = np.empty(len(ob.data.loops), np.int32)
             ob.data.loops.foreach_get("vertex_index", corners)
             take(corners)
+        if settings.get("half"):
+            take(np.array([(*plane.point, *plane.normal, plane.within) for plane in mirrored.planes_of(ob)], np.float64))
     return found
 
 
@@ -173,7 +175,7 @@ def _take_edited(ob, settings, take):
     bm.verts.ensure_lookup_table()
     bm.verts.index_update()
     bm.faces.index_update()
-    loop = _same_loop(bm, settings.get("rim", []))
+    loop = _same_loop(bm, settings)
     seeds = loop or selection.border_vertices(bm)
     positions, faces, _ = selection.Surroundings(bm, np.eye(4)).around(Rim(seeds))
     take(np.array([v for face in faces for v in (*face, -1)], np.int64))
@@ -183,36 +185,52 @@ def _take_edited(ob, settings, take):
 # The rim of a hole.
 
 
-def _same_loop(bm, rim):
-    """The vertices of a rim by number, if they still go round a hole."""
+def _same_loop(bm, settings):
+    """The vertices of a rim by number, if they still go round a hole, or (half) from one mirror plane to another."""
+    rim = settings.get("rim")
     if not rim or max(rim) >= len(bm.verts):
         return None
     loop = [bm.verts[k] for k in rim]
-    edges = selection.edges_of(bm, loop)
+    edges = selection.edges_of(bm, loop)[: -1 if settings.get("half") else None]
     return loop if all(e is not None and e.is_boundary for e in edges) else None
+
+
+def _nearest(borders, settings):
+    """The one of some borders, as lists of BMVert, that is nearest to where the rim was; UnusableError where there is none."""
+    was = np.array(settings["positions"], np.float64)
+    best: tuple = (np.inf, None)
+    for border in borders:
+        here = np.array([v.co for v in border], np.float64)
+        apart = np.linalg.norm(was[:, None] - here, axis=2)
+        best = min(best, ((apart.min(axis=1).mean() + apart.min(axis=0).mean()) / 2, border), key=lambda pair: pair[0])
+    distance, border = best
+    if border is None or distance > _SAME_RIM * np.linalg.norm(np.ptp(was, axis=0)):
+        raise UnusableError("The hole is gone: there is no border of the mesh where it was")
+    return border
 
 
 def find_rim(bm, settings):
     """(loop of BMVert, corners or None) of the hole that was filled last: the same vertices, else the border that is nearest to
     where they were. UnusableError where there is none."""
-    loop, given = _same_loop(bm, settings["rim"]), settings["corners"]
+    loop, given = _same_loop(bm, settings), settings["corners"]
     if loop:
         return loop, None if given is None else [loop[k] for k in given]
-    was = np.array(settings["positions"], np.float64)
-    extent = np.linalg.norm(np.ptp(was, axis=0))
-    best: tuple = (np.inf, None)
-    for border in selection.border_loops(selection.border_vertices(bm)):
-        here = np.array([v.co for v in border], np.float64)
-        apart = np.linalg.norm(was[:, None] - here, axis=2)
-        best = min(best, ((apart.min(axis=1).mean() + apart.min(axis=0).mean()) / 2, border), key=lambda pair: pair[0])
-    distance, border = best
-    if border is None or distance > _SAME_RIM * extent:
-        raise UnusableError("The hole is gone: there is no border of the mesh where it was")
+    border = _nearest(selection.border_loops(selection.border_vertices(bm)), settings)
     if given is None:
         return border, None
-    here = np.array([v.co for v in border], np.float64)
+    here, was = np.array([v.co for v in border], np.float64), np.array(settings["positions"], np.float64)
     nearest = [int(np.linalg.norm(here - was[k], axis=1).argmin()) for k in given]
     return border, [border[k] for k in sorted(set(nearest))]
+
+
+def find_half(ob, bm, settings):
+    """The same of a hole that a Mirror modifier cuts in half, as mirrored.half_rims has it."""
+    halves = mirrored.half_rims(ob, bm, [])
+    same = [half for half in halves if {v.index for v in half[1]} == set(settings["rim"])]
+    if same:
+        return same[0]
+    chain = _nearest([chain for _, chain in halves], settings)
+    return next(half for half in halves if half[1] is chain)
 
 
 # Filling.
@@ -226,19 +244,36 @@ def _options(settings):
     return filling.Options(arguments, settings["corner_offset"], settings["shading"], settings["deviation"])
 
 
+class _LeftOut(UnusableError):
+    """An outer border that is not meant."""
+
+
+def _filled(ob, bm, mesh, settings, options, active=None):
+    """Fills the hole of a live fill in a BMesh; returns (filling.Outcome, new faces), and the settings know where it is. active:
+    name of the shape key whose shape the vertices have."""
+    matrix = filling.world_matrix(ob.name, ob.matrix_world)
+    half = find_half(ob, bm, settings) if settings.get("half") else None
+    loop, corners = (half[1], None) if half else find_rim(bm, settings)
+    settings["rim"], settings["positions"] = [v.index for v in loop], [tuple(v.co) for v in loop]
+    settings["corners"] = None if corners is None else [loop.index(v) for v in corners]
+    if half:
+        outcome, new = mirrored.fill(bm, mesh, matrix, half, options, settings.pop("outer", True), active)
+    else:
+        outcome, new = filling.fill_rims(bm, mesh, matrix, [Rim(loop, corners=corners or [])], options, active)
+    if outcome is None:
+        raise _LeftOut("This is the outer border of the mesh")
+    if outcome.refused:
+        raise UnusableError(outcome.refused[0].sentence)
+    return outcome, new
+
+
 def _fill_hole(fill, settings):
     """A new mesh for a live fill of a hole, and its report."""
     (ob,) = around(fill)
     (bm, stand_ins), options = _copy(ob), _options(settings)
     try:
         with writeback.deviation_layers(bm, options.deviation):
-            loop, corners = find_rim(bm, settings)
-            matrix = filling.world_matrix(ob.name, ob.matrix_world)
-            settings["rim"], settings["positions"] = [v.index for v in loop], [tuple(v.co) for v in loop]
-            settings["corners"] = None if corners is None else [loop.index(v) for v in corners]
-            outcome, new = filling.fill_rims(bm, fill.data, matrix, [Rim(loop, corners=corners or [])], options)
-            if outcome.refused:
-                raise UnusableError(outcome.refused[0].sentence)
+            outcome, new = _filled(ob, bm, fill.data, settings, options)
             mesh = _only(bm, set(new), ob.data)
         layers.restore(mesh, stand_ins)
         return mesh, outcome
@@ -295,59 +330,61 @@ def _replace(fill, mesh):
 # Making and ending.
 
 
-def keep_rims(ob, bm, rims, options):
-    """Live fills of holes of a mesh in edit mode. Returns (filling.Outcome, the objects)."""
-    outcome, made = filling.Outcome(), []
+def keep(ob, rims, options, halves=(), outer=True):
+    """Live fills of holes of a mesh in edit mode, and of halves of holes, as mirrored.half_rims has them. Returns the
+    filling.Outcome. outer: of halves of outer borders too."""
+    outcome = filling.Outcome()
+
+    def refuse(loop, sentence):
+        outcome.refused.append(filling.Refused(sentence, [v.index for v in loop], ob))
+
     for rim in rims:
+        if rim.replaced:
+            refuse(rim.loop, "A live fill follows the rim of a hole; delete the selected faces first")
+    given = [(rim.loop, {"corners": [rim.loop.index(v) for v in rim.corners] or None}) for rim in rims if not rim.replaced]
+    given += [(chain, {"corners": None, "half": True, "outer": outer}) for _, chain in halves]
+    for loop, how in given:
         try:
-            if rim.replaced:
-                raise UnusableError("A live fill follows the rim of a hole; delete the selected faces first")
-            fill, report = keep_hole(ob, rim, options)
+            outcome.add(_keep_hole(ob, loop, how, options))
+        except _LeftOut:
+            pass
         except UnusableError as reason:
-            outcome.refused.append(filling.Refused(str(reason), [v.index for v in rim.loop], ob))
-        else:
-            made.append(fill)
-            outcome.add(report)
-            outcome.live.append(fill.name)
-    return outcome, made
+            refuse(loop, str(reason))
+    return outcome
 
 
-def keep_hole(ob, rim, options):
-    """A live fill of a hole of a mesh in edit mode: a new object, joined by a modifier, and the filling.Outcome. UnusableError if
-    it cannot be filled.
-
-    rim: a selection.Rim without faces to be replaced, its vertices' indices up to date.
-    """
+def _keep_hole(ob, loop, how, options):
+    """A live fill of a hole of a mesh in edit mode: a new object, joined by a modifier. Returns the filling.Outcome;
+    UnusableError if it cannot be filled. loop: BMVert, their indices up to date."""
     if options.arguments.get("surroundings") == "limit":
         raise UnusableError("A live fill follows the mesh; choose Surroundings: Mesh")
     if options.arguments.get("output") == "cage" and options.arguments.get("cage_rim") != "exact":
         options.arguments["cage_rim"] = "exact"  # it must not move what it follows
-    corners = [rim.loop.index(v) for v in rim.corners] or None
-    settings = {
+    settings = how | {
         "kind": "hole",
         "arguments": options.arguments,
         "corner_offset": options.corner_offset,
         "shading": options.shading,
         "deviation": options.deviation,
-        "rim": [v.index for v in rim.loop],
-        "positions": [tuple(v.co) for v in rim.loop],
-        "corners": corners,
+        "rim": [v.index for v in loop],
+        "positions": [tuple(v.co) for v in loop],
     }
     fill = bpy.data.objects.new(f"{ob.name} Fill", bpy.data.meshes.new(f"{ob.data.name} Fill"))
     _remember(fill, json.loads(json.dumps(settings, default=list)), [ob])
     ob.users_collection[0].objects.link(fill)
     try:
         outcome = _follow(fill)
+        waiting.goes_on()
     except (UnusableError, ValueError, waiting.Ends) as reason:
         bpy.data.meshes.remove(fill.data)  # and the object with it
-        if isinstance(reason, waiting.Ends):
+        if isinstance(reason, (_LeftOut, waiting.Ends)):
             raise
         raise UnusableError(str(reason)) from None
-    waiting.goes_on()
+    outcome.live.append(fill.name)
     fill.parent, fill.display_type, fill.hide_render = ob, "WIRE", True
-    shortest = min((a.co - b.co).length for a, b in selection.pairs(rim.loop))
+    shortest = min((a.co - b.co).length for a, b in selection.pairs(loop))
     joining.join(ob, fill, joining.WITHIN * shortest)
-    return fill, outcome
+    return outcome
 
 
 def keep_patches(fill, objects, **between):
@@ -384,10 +421,6 @@ def _apply_hole(ob, bm, settings):
     for elements in (bm.verts, bm.faces):
         elements.ensure_lookup_table()
         elements.index_update()
-    matrix, options = filling.world_matrix(ob.name, ob.matrix_world), _options(settings)
-    active = ob.active_shape_key.name if ob.active_shape_key else None
+    options, active = _options(settings), ob.active_shape_key.name if ob.active_shape_key else None
     with writeback.deviation_layers(bm, options.deviation):
-        loop, corners = find_rim(bm, settings)
-        outcome, _ = filling.fill_rims(bm, ob.data, matrix, [Rim(loop, corners=corners or [])], options, active)
-    if outcome.refused:
-        raise UnusableError(outcome.refused[0].sentence)
+        _filled(ob, bm, ob.data, settings, options, active)

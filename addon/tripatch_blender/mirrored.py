@@ -8,12 +8,12 @@ the fill is cut where it meets its images, and what was only there for the momen
 from __future__ import annotations
 
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bmesh
 from mathutils import Matrix, Vector
 
-from . import selection
+from . import filling, selection
 
 # Of the mean length of a fill's edges: vertices that are nearer to the mirror plane are put on it, else slivers would be cut.
 _NEAR = 0.25
@@ -42,8 +42,8 @@ class _Plane:
         return co - 2 * self.height(co) * self.normal
 
 
-def _planes(ob):
-    """Those of the Mirror modifiers that join a mesh to its image."""
+def planes_of(ob):
+    """The mirror planes of the Mirror modifiers that join a mesh to its image."""
     for modifier in ob.modifiers:
         if modifier.type != "MIRROR" or not (modifier.show_viewport and modifier.use_mirror_merge):
             continue
@@ -57,7 +57,7 @@ def _planes(ob):
 
 def is_joined(ob, rim):
     """Whether a Mirror modifier joins an edge of a rim to its image: then it is no hole, or a half of one."""
-    for plane in _planes(ob):
+    for plane in planes_of(ob):
         on_plane = [abs(plane.height(v.co)) <= plane.within for v in rim.loop]
         if any(a and b for a, b in selection.pairs(on_plane)):
             return True
@@ -110,7 +110,7 @@ def half_rims(ob, bm, selected):
 
     Between two of them on one plane the mesh lies on it; a mesh that only touches the plane has none.
     """
-    planes = list(_planes(ob))
+    planes = list(planes_of(ob))
     if not planes:  # then no border is looked for
         return []
     on_planes, joined = {}, set()
@@ -207,6 +207,24 @@ def image_of(bm, half):
         bm.verts.index_update()
         bm.faces.index_update()
         cut[:] = [f for f in cut if f.is_valid]
+
+
+def fill(bm, mesh, matrix, half, options, outer=True, active=None, modifier=None):
+    """Fills a hole that a Mirror cuts in half. Returns (filling.Outcome, new faces), or (None, []) for the outer border of a mesh
+    where that is left. active, modifier: see filling.fill_rims."""
+    own = [v.index for v in half[1]]
+    with image_of(bm, half) as (rim, keep):
+        if rim is None:
+            return filling.Outcome(refused=[filling.Refused("The hole at the mirror plane is not whole", own)]), []
+        if not outer and filling.is_outer(bm, matrix, rim):
+            return None, []
+        options = replace(options, mirrored=True)
+        outcome, new_faces = filling.fill_rims(bm, mesh, matrix, [rim], options, active, modifier)
+        new_faces = keep(new_faces)
+        outcome.faces = len(new_faces)
+    for each in outcome.refused:
+        each.vertices = own
+    return outcome, new_faces
 
 
 def _cut(bm, faces, plane, side, old):

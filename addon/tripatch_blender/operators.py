@@ -200,26 +200,18 @@ class FillSmooth(Construction, waiting.Waiting):
         value = getattr(self, name)
         return value == none or not self.properties.is_property_set(name) or value == getattr(self, "computed_" + name)
 
-    def _fill_halves(self, ob, bm, matrix, options, halves, everything):
-        """Fills the holes that a Mirror modifier cuts in half; returns (Outcome, new faces). everything: no hole is selected by
-        itself, so that outer borders are left; of several holes they are left in any case."""
-        outcome, kept, options = filling.Outcome(), [], replace(options, mirrored=True)
+    def _fill_halves(self, ob, bm, matrix, options, halves, outer):
+        """Fills the holes that a Mirror modifier cuts in half; returns (Outcome, new faces). outer: outer borders too."""
+        outcome, kept = filling.Outcome(), []
         modifier = subdivision.usable(ob) if self.output == "cage" else None
         active = ob.active_shape_key.name if ob.active_shape_key else None
         for half in halves:
-            own = [v.index for v in half[1]]
-            with mirrored.image_of(bm, half) as (rim, keep):
-                if rim and (everything or len(halves) > 1) and not self.outer and filling.is_outer(bm, matrix, rim):
-                    continue
-                if rim is None:
-                    made = filling.Outcome(refused=[filling.Refused("The hole at the mirror plane is not whole", own)])
-                else:
-                    made, new_faces = filling.fill_rims(bm, ob.data, matrix, [rim], options, active, modifier)
-                    new_faces = keep(new_faces)
-                    made.faces = len(new_faces)
-                    kept += new_faces
+            made, new_faces = mirrored.fill(bm, ob.data, matrix, half, options, outer, active, modifier)
+            if made is None:
+                continue
+            kept += new_faces
             for each in made.refused:
-                each.vertices, each.ob = own, ob
+                each.ob = ob
             outcome.add(made)
             if made.reports:
                 seam.remember(bm, ob.data.name, [], [half[1]])
@@ -370,9 +362,13 @@ class FillSmooth(Construction, waiting.Waiting):
         options = self._options()
         everything = not selected.vertices or selected.is_all(bm)
         halved, new_faces = filling.Outcome(), []
-        if self.surroundings != "limit" and not self.keep_live:
+        if self.surroundings != "limit":
             halves = mirrored.half_rims(ob, bm, [] if everything else selected.vertices)
-            halved, new_faces = self._fill_halves(ob, bm, matrix, options, halves, everything)
+            outer = self.outer or not (everything or len(halves) > 1)
+            if self.keep_live:
+                halved = live.keep(ob, [], options, halves, outer)
+            else:
+                halved, new_faces = self._fill_halves(ob, bm, matrix, options, halves, outer)
         try:
             rims, refused = self._rims(ob, bm, matrix, selected, everything)
         except selection.UnusableError:
@@ -385,9 +381,10 @@ class FillSmooth(Construction, waiting.Waiting):
             outcome.refused += refused
             return outcome
         if self.keep_live:
-            outcome, made = live.keep_rims(ob, bm, rims, options)
-            for fill in made:
-                following.begin(fill)
+            outcome = live.keep(ob, rims, options)
+            outcome.add(halved)
+            for name in outcome.live:
+                following.begin(bpy.data.objects[name])
             outcome.refused += refused
             return outcome
         cage = self.output == "cage"

@@ -1,5 +1,7 @@
 """Modifiers before the subdivision that leave the rim where it is do not hinder a cage; a Mirror that cuts the hole in half."""
 
+import sys
+
 import bmesh
 import bpy
 import numpy as np
@@ -180,6 +182,47 @@ def test_a_quarter_of_a_hole_between_two_mirror_planes_is_filled_and_meets_its_i
     assert new[:, :2].min() == 0 and np.abs(new[:, :2]).sum(axis=1).min() == 0, "a vertex on both planes, none beyond"
     assert np.abs(new[:, 2] - 0.4 * np.cos(1.2 * new[:, 0]) * np.cos(new[:, 1])).max() < 5e-3
     meets_its_images(ob, lambda v: min(abs(v.co.x), abs(v.co.y)))
+
+
+@pytest.mark.parametrize("choice", ["nothing", "rim"])
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+@pytest.mark.parametrize("make", [add_half, add_quarter])
+def test_a_live_fill_of_such_a_part_follows_and_is_applied(make, output, choice, addon):
+    live, modes = sys.modules[addon.__name__ + ".live"], ("EDIT", "OBJECT")
+    ob = make()
+
+    def off_planes(v):
+        return abs(v.co.x) if make is add_half else min(abs(v.co.x), abs(v.co.y))
+
+    (bm,) = scenes.edit(ob)
+    if choice == "rim":
+        scenes.select(bm, [v for v in bm.verts if v.is_boundary and np.hypot(*v.co.xy) < 0.7])
+    assert smooth(output=output, keep_live=True) == {"FINISHED"}
+    (fill,) = live.fills()
+    for by, mode in zip((0.5, 0.25), modes, strict=True):
+        before = np.array([v.co for v in fill.data.vertices])
+        bpy.ops.object.mode_set(mode="EDIT")
+        bm = bmesh.from_edit_mesh(ob.data)
+        for v in bm.verts:
+            v.co.z += by
+        bmesh.update_edit_mesh(ob.data)
+        bpy.ops.object.mode_set(mode=mode)
+        assert live.refill(fill) == ""
+        assert np.array([v.co for v in fill.data.vertices]) == pytest.approx(before + [0, 0, by], abs=1e-5)
+        meets_its_images(ob, off_planes)
+    assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
+    assert not live.fills() and [m.type for m in ob.modifiers] == ["MIRROR"]
+    meets_its_images(ob, off_planes)
+
+
+def test_a_live_fill_says_so_when_its_mirror_is_gone(addon):
+    live = sys.modules[addon.__name__ + ".live"]
+    ob = add_half()
+    scenes.edit(ob)
+    smooth(keep_live=True)
+    (fill,) = live.fills()
+    ob.modifiers.remove(ob.modifiers["Mirror"])
+    assert live.refill(fill) == "The hole is gone: there is no border of the mesh where it was"
 
 
 @pytest.mark.parametrize("middle", [(0.0, 0.5), (0.5, 0.0), (0.5, 0.5)])

@@ -124,10 +124,10 @@ def test_a_vertex_is_on_a_mirror_plane_as_near_as_the_mirror_merges_and_to_a_mil
         merge_threshold=0.0,
     )
     ob = SimpleNamespace(modifiers=[modifier], matrix_world=Matrix())
-    (plane,) = part("mirrored")._planes(ob)
+    (plane,) = part("mirrored").planes_of(ob)
     assert plane.within == 1e-6
     modifier.merge_threshold = 0.01
-    (plane,) = part("mirrored")._planes(ob)
+    (plane,) = part("mirrored").planes_of(ob)
     assert plane.within == 0.01
 
 
