@@ -358,11 +358,12 @@ def _keep_hole(ob, loop, how, options):
     UnusableError if it cannot be filled. loop: BMVert, their indices up to date."""
     if options.arguments.get("surroundings") == "limit":
         raise UnusableError("A live fill follows the mesh; choose Surroundings: Mesh")
-    if options.arguments.get("output") == "cage" and options.arguments.get("cage_rim") != "exact":
-        options.arguments["cage_rim"] = "exact"  # it must not move what it follows
+    # it must not move the vertices of what it follows, crease its edges or split them
+    fixed = {"cage_rim": "smooth", "odd": "triangle"}
+    applying = {"cage": fixed, "quads": {"odd": "triangle"}}.get(options.arguments.get("output"), {})
     settings = how | {
         "kind": "hole",
-        "arguments": options.arguments,
+        "arguments": options.arguments | applying,
         "corner_offset": options.corner_offset,
         "shading": options.shading,
         "deviation": options.deviation,

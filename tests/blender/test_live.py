@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+import tasks
 
 
 @pytest.fixture
@@ -248,6 +249,47 @@ def test_a_subdivision_after_it_smooths_both(live):
     assert bpy.ops.mesh.fill_three_sided(keep_live=True, output="quads") == {"FINISHED"}
     assert [m.type for m in ob.modifiers] == ["NODES", "SUBSURF"]
     assert shown(ob)[2] == 72
+
+
+@pytest.mark.parametrize("make", [tasks.cage_of_2_segments, tasks.cage_of_3_segments, tasks.pole_of_5_edges])
+def test_a_live_cage_is_joined_without_a_crease_and_applied_as_it_was_seen(live, make):
+    ob = make().ob
+    bm = bmesh.from_edit_mesh(ob.data)
+    border = scenes.border_loops(bm)
+    rim = next(loop for loop in border if all(v.select for v in loop))
+    left, rim, before = sum(map(len, border)) - len(rim), {tuple(v.co) for v in rim}, [tuple(v.co) for v in bm.verts]
+    assert bpy.ops.mesh.fill_smooth(keep_live=True, cage_rim="move") == {"FINISHED"}
+    assert live.settings_of(live.fills()[0])["arguments"]["output"] == "cage"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert shown(ob)[2] == 8 * left, "no gap along the rim"
+    joined, counts = tasks.evaluated(ob), shown(ob)
+    far = tasks.distance_to(joined)
+    assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
+    applied = tasks.evaluated(ob)
+    assert shown(ob) == counts and max(far([v.co for v in applied.verts])) < 1e-5
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    assert [tuple(v.co) for v in bm.verts][: len(before)] == before
+    layer = bm.edges.layers.float.get("crease_edge") if bpy.app.version >= (4, 0) else bm.edges.layers.crease.active
+    assert layer is None or not any(e[layer] for e in bm.edges if all(tuple(v.co) in rim for v in e.verts))
+    bm.free()
+
+
+def test_creases_that_the_rim_of_a_live_cage_had_stay(live):
+    task = tasks.cage_of_4_segments()
+    bm = bmesh.from_edit_mesh(task.ob.data)
+    layers = bm.edges.layers
+    layer = layers.crease.verify() if hasattr(layers, "crease") else layers.float.new("crease_edge")
+    pairs = [tuple(v.index for v in e.verts) for e in bm.edges if e.select]
+    for k, edge in enumerate(e for e in bm.edges if e.select):
+        edge[layer] = k % 2 / 2
+    bmesh.update_edit_mesh(task.ob.data)
+    bpy.ops.mesh.fill_smooth(keep_live=True)
+    bpy.ops.object.apply_live_fill()
+    bm = bmesh.from_edit_mesh(task.ob.data)
+    bm.verts.ensure_lookup_table()
+    layer = bm.edges.layers.crease.active if hasattr(bm.edges.layers, "crease") else bm.edges.layers.float["crease_edge"]
+    assert [bm.edges.get([bm.verts[k] for k in pair])[layer] for pair in pairs] == [k % 2 / 2 for k in range(len(pairs))]
 
 
 def test_undo_and_redo(live, following):
