@@ -570,6 +570,41 @@ def live_fill(w):
     assert abs(_heights(fill).max() - before.max()) < 1e-3, "undone"
 
 
+def live_fill_played(w):
+    """While an animation plays the fill follows a keyed shape key."""
+    sheet(w, "Sheet")
+    ob = bpy.data.objects["Sheet"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="Up")
+    for point in key.data:
+        point.co.z += 1
+    for frame, key.value in ((1, 0), (24, 1)):
+        key.keyframe_insert("value", frame=frame)
+    ob.active_shape_key_index, bpy.context.scene.frame_end = 0, 200
+    bpy.context.scene.frame_set(1)
+    bpy.ops.object.mode_set(mode="EDIT")
+    with w.override():
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, keep_live=True)
+        bpy.ops.object.mode_set(mode="OBJECT")
+    fill = next(each.name for each in bpy.data.objects if each.name != "Sheet")
+    yield
+    yield
+    before = _heights(fill)
+    w.home()
+    w.press("SPACE")
+    for _ in range(60):
+        yield
+        if bpy.context.scene.frame_current >= 30:
+            break
+    yield
+    yield
+    assert np.abs(_heights(fill) - before - 1).max() < 1e-3, "it follows what is played"
+    w.press("SPACE")
+    yield
+    bpy.data.meshes.remove(ob.data)  # a file that is saved would have its keys without it
+
+
 def save_and_reopen(w):
     """A live fill goes on to follow in a file that is opened again."""
     from hands import FOLDER
@@ -674,6 +709,7 @@ ALL = [
     long_fill,
     long_redo,
     switched_off,
+    live_fill_played,
     live_fill,  # the operator keeps Keep Live for what follows
     save_and_reopen,  # the last: the window has another file then
 ]
