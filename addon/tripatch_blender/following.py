@@ -31,7 +31,7 @@ _following = _Following()
 
 def _fill(name):
     """The live fill of this name, or None."""
-    fill = bpy.data.objects.get(name)
+    fill = bpy.data.objects.get((name, None))  # of this file
     return fill if fill is not None and live.is_live(fill) else None
 
 

@@ -23,7 +23,7 @@ _SAME_RIM = 0.5
 
 
 def is_live(ob):
-    return _SETTINGS in ob
+    return _SETTINGS in ob and ob.library is None
 
 
 def fills():
@@ -64,6 +64,7 @@ def forget(fill):
     """Makes a live fill an object like any other."""
     for key in [key for key in fill.keys() if key in (_SETTINGS, _PROBLEM) or key.startswith(_AROUND)]:
         del fill[key]
+    fill.display_type, fill.hide_render = "TEXTURED", False
 
 
 # What lies around.
@@ -394,13 +395,17 @@ def keep_patches(fill, objects, **between):
 
 
 def apply(fill):
-    """Ends a live fill. One of a hole becomes faces of the mesh around, in all its shapes; one between objects is a mesh of its
-    own already. Leaves object mode as it was."""
+    """Ends a live fill. One of a hole becomes faces of the mesh around, in all its shapes; one between objects, or of a mesh that
+    is gone, is a mesh of its own already. Leaves object mode as it was."""
     settings = settings_of(fill)
-    if settings["kind"] == "patches":
+    try:
+        objects = around(fill)
+    except UnusableError:
+        objects = []
+    if settings["kind"] == "patches" or not objects:
         forget(fill)
         return fill
-    (ob,) = around(fill)
+    (ob,) = objects
     edited = ob.mode == "EDIT"
     if not edited:
         bpy.context.view_layer.objects.active = ob

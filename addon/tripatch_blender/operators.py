@@ -384,7 +384,7 @@ class FillSmooth(Construction, waiting.Waiting):
             outcome = live.keep(ob, rims, options)
             outcome.add(halved)
             for name in outcome.live:
-                following.begin(bpy.data.objects[name])
+                following.begin(bpy.data.objects.get((name, None)))
             outcome.refused += refused
             return outcome
         cage = self.output == "cage"

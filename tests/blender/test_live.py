@@ -369,6 +369,29 @@ def test_appended_it_follows(live, following, tmp_path):
     assert points(fill) == pytest.approx(before + [0, 0, 0.5], abs=1e-5)
 
 
+def test_a_linked_one_is_of_its_own_file(live, following, tmp_path):
+    kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"), copy=True)
+    for ob in list(bpy.data.objects):
+        bpy.data.objects.remove(ob)
+    with bpy.data.libraries.load(str(tmp_path / "live.blend"), link=True) as (_, linked):
+        linked.objects = ["Hole", "Hole Fill"]
+    for ob in linked.objects:
+        bpy.context.collection.objects.link(ob)
+    following.scan()
+    assert live.fills() == [] and following._on_change not in bpy.app.handlers.depsgraph_update_post
+    ob, _ = kept()
+    (fill,) = live.fills()
+    while after_a_change(following):
+        pass
+    before = points(fill)
+    move(ob, 0.5)
+    assert after_a_change(following)
+    assert points(fill) == pytest.approx(before + [0, 0, 0.5], abs=1e-5)
+    assert not following._following.stale
+
+
 def test_a_copy_of_mesh_and_fill_follows(live, following):
     ob, fill = kept()
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -426,6 +449,19 @@ def test_a_deleted_fill_leaves_nothing_and_comes_back_with_undo(live, following)
     after_a_change(following)
     assert not bpy.data.objects[name].modifiers
     assert not any(following._on_change in each for each in handlers)
+
+
+def test_the_fill_of_a_mesh_that_is_deleted_is_left_as_a_mesh(live, following):
+    ob, fill = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after_a_change(following)
+    before = points(fill)
+    bpy.data.objects.remove(ob)
+    assert after_a_change(following)
+    assert live.problem_of(fill) == "An object that it followed is gone; apply it, or delete it"
+    assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
+    assert not live.is_live(fill) and (points(fill) == before).all()
+    assert fill.display_type == "TEXTURED" and not fill.hide_render
 
 
 def test_other_modifiers_with_no_fill_stay(live, following):
