@@ -437,6 +437,7 @@ def _diameter(loop, matrix):
 
 
 NO_DEVIATION = "How well it is known cannot be told of a patch between smooth sides; with Method: Polyharmonic Spline it can"
+OTHERS_HIDDEN = "The mesh has no hole that is visible; others are hidden"
 NO_HOLE = "The mesh has no hole"
 OUTER_ONLY = "The mesh has no hole but its outer border, whose fill would lie on the mesh; select its edges to close it"
 
@@ -531,10 +532,11 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None
     filters = filters or {}
     rims = holes(bm, matrix, filters.get("outer", False))
     hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
-    if not rims and not hidden and (borders := selection.all_rims(bm)):
-        raise UnusableError(OUTER_ONLY, [v for rim in borders for v in rim.loop])
     if not rims:
-        raise UnusableError("The rims of the mesh are hidden; reveal them first" if hidden else NO_HOLE)
+        borders = [v for rim in selection.all_rims(bm) for v in rim.loop]
+        if hidden:
+            raise UnusableError(OTHERS_HIDDEN if borders else "The rims of the mesh are hidden; reveal them first")
+        raise UnusableError(OUTER_ONLY if borders else NO_HOLE, borders)
     count, rims = len(rims), filtered(bm, matrix, rims, filters)
     if not rims:
         raise UnusableError(
@@ -543,7 +545,7 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None
     if hidden and any_rim and not filters.get("outer", False):
         rims = [rim for rim in rims if not is_outer(bm, matrix, rim)]
         if not rims:
-            raise UnusableError("The mesh has no hole that is visible; others are hidden")
+            raise UnusableError(OTHERS_HIDDEN)
     if any_rim or (len(rims) == 1 and not hidden):
         return rims  # the library says what is wrong with it
     found, others = three_sided(bm, matrix, rims)

@@ -70,7 +70,8 @@ def _deviation(mesh):
     attribute = mesh.attributes.get("deviation")
     if attribute is None or attribute.domain != "POINT" or attribute.data_type != "FLOAT":
         return None
-    return _got(attribute.data, "value", 1)
+    values = _got(attribute.data, "value", 1)
+    return np.where(values < 0, np.nan, values)  # not known
 
 
 def _surface_colors(made, mesh, vertices, triangles, settings):

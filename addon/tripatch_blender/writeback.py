@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from math import nan
 
 import bmesh
 
@@ -254,6 +253,7 @@ def _give_normals(planned, tangent, custom, ends, corners):
 
 
 DEVIATION, RECONSTRUCTED = "deviation", "reconstructed"
+NOT_KNOWN = -1.0  # in place of a deviation
 
 
 def _bools(layers):
@@ -275,7 +275,7 @@ def deviation_layers(bm, wanted):
 
 
 def _write_deviation(bm, planned, new_faces):
-    """How well each new vertex is known, one standard deviation in units of the scene, or that it is not; new faces are told from
+    """How well each new vertex is known, one standard deviation in units of the scene, or NOT_KNOWN; new faces are told from
     measured ones."""
     known, marked = bm.verts.layers.float[DEVIATION], _bools(bm.faces.layers)[RECONSTRUCTED]
     rim = set(planned.loop)
@@ -286,7 +286,7 @@ def _write_deviation(bm, planned, new_faces):
     for face, numbers in zip(new_faces, planned.fill.faces, strict=True):
         at |= {v: n - planned.count for v, n in zip(face.verts, numbers, strict=True) if v not in rim}
     for vertex, row in at.items():
-        vertex[known] = nan if deviation is None else float(deviation[row])
+        vertex[known] = NOT_KNOWN if deviation is None else float(deviation[row])
 
 
 def write(bm, mesh, all_planned, shading, deviation=False):
