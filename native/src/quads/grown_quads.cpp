@@ -279,8 +279,8 @@ private:
 
 /// What is walked at most in trying: some milliseconds.
 constexpr Index most_work = 1'000'000;
-/// Of a rim. The work for each quad grows with the edges of its front, and there are as many as the square of these.
-constexpr Index most_edges = 300;
+/// Of a rim. The work for each quad grows with the edges of its front, and there are as many as the square of these: a fifth of a second.
+constexpr Index most_edges = 1000;
 // What is told of 400 outlines is of ellipses and lobes of 6 to 29 edges that want corners at random: how many of them get a layout whose
 // least scaled Jacobian is 0.05 lower, and how many one that is 0.05 higher, or none and one.
 /// Poles that are planned, inside or on the rim; one more may follow from where a front closes. With two 113 of 400 lower, 1 higher; with four
