@@ -123,3 +123,14 @@ def test_a_cage_of_more_than_150_vertices_lies_at_once_where_the_mesh_goes_on(n,
     off = np.abs(np.linalg.norm(fill.vertices, axis=1) / np.linalg.norm(vertices[0]) - 1)
     assert off.max() < (5e-5 if many else 5e-3)
     assert fill.report.triangles_folded == 0 and not fill.report.crosses_itself
+
+
+def test_a_large_cage_that_would_cross_itself_is_untangled():
+    vertices, faces = cube_sphere(40)
+    centers = np.array([vertices[f].mean(axis=0) for f in faces])
+    axis = np.array([0.3, 0.2, 1.0]) / np.linalg.norm([0.3, 0.2, 1.0])
+    gone = np.flatnonzero(centers @ axis > np.cos(np.radians(70)) * np.linalg.norm(centers, axis=1))
+    points, left, _ = without(vertices, faces, gone)
+    fill = tripatch.fill(points, left, output="cage")
+    assert len(fill.vertices) > 1000 and not fill.report.crosses_itself and fill.report.triangles_folded == 0
+    assert np.abs(np.linalg.norm(fill.vertices, axis=1) / np.linalg.norm(vertices[0]) - 1).max() < 2e-3

@@ -42,6 +42,8 @@ constexpr double likely = 3.5;
 /// in Blender's primitives, remeshes and bevels the five largest, of 100 and more faces, are two thirds as far from the limit that was
 /// there; with 10 to 100 faces it is 1.1 to 1.2 times as far. Over grids on balls and waves 150 to 4,400 are 0.2 to 1 times as far.
 constexpr Index many = 150;
+/// If it folds or crosses itself there, it is made fair after all up to so many vertices, which takes three seconds.
+constexpr Index most_fair = 1000;
 constexpr const char* grown_reason = "the quads go on from those around the hole";
 constexpr const char* placed_reason =
     "the fairest cage would run off: its vertices lie where the faces around the hole would go on";
@@ -55,7 +57,7 @@ bool is_shaped(const FillOptions& options) {
          std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
 }
 
-enum class OnMeshWhere { nowhere, run_off, everywhere };
+enum class OnMeshWhere { nowhere, run_off, everywhere, untangled };
 
 std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options,
                                  OnMeshWhere on_mesh = OnMeshWhere::run_off);
@@ -66,7 +68,7 @@ bool place_on_mesh(const Ground& ground, const SidedRim& hole, const FillOptions
   if (options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0) return false;
   const Points inside = cage.inside(0);
   if (inside.rows() == 0) return false;
-  const std::optional<OnMesh> on_mesh = cage_on_mesh(ground, hole, cage.laid_out(0), options);
+  const std::optional<OnMesh> on_mesh = cage_on_mesh(ground, hole, cage.laid_out(0), options, where == OnMeshWhere::untangled);
   if (!on_mesh) return false;
   const Eigen::VectorXd across = (inside - on_mesh->points).cwiseProduct(on_mesh->normals).rowwise().sum();
   const double size = diameter(ground.mesh, hole.rim);
@@ -120,11 +122,11 @@ std::vector<Fill> without_rows_if_that_folds_less(const Ground& ground, const st
   return others;
 }
 
-/// A cage whose vertices lie where the mesh around would go on instead of the fairest one, or that one if they lie there.
+/// A cage whose vertices lie elsewhere, where the mesh around would go on or as the fairest one's.
 std::vector<Fill> the_other_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
-                                               const FillOptions& options, bool placed, std::vector<Fill> fills) {
+                                               const FillOptions& options, OnMeshWhere other, std::vector<Fill> fills) {
   if (holes.size() != 1 || is_harmless(fills[0].report)) return fills;
-  std::vector<Fill> others = cages_together(ground, holes, options, placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere);
+  std::vector<Fill> others = cages_together(ground, holes, options, other);
   return harm(others[0].report) < harm(fills[0].report) ? others : fills;
 }
 
@@ -180,8 +182,10 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
   // the patch's own shape is asked for, in the patch.
   const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == Fairing::automatic;
   const bool fair = automatic && !is_shaped(options), follows = fair && !exact;
-  const bool alone = follows && holes.size() == 1, of_many = alone && cages.inside(0).rows() > many;
-  bool placed = of_many && place_on_mesh(ground, holes[0], options, OnMeshWhere::everywhere, cages);
+  const bool alone = follows && holes.size() == 1,
+             of_many = alone && cages.inside(0).rows() > many && on_mesh != OnMeshWhere::nowhere;
+  const bool untangled = on_mesh == OnMeshWhere::untangled;
+  bool placed = of_many && place_on_mesh(ground, holes[0], options, untangled ? on_mesh : OnMeshWhere::everywhere, cages);
   const bool first_placed = placed;
   if (!placed) {
     cages.make_fair();
@@ -218,11 +222,13 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
     if (cages.laid_out(h).layout.grown) fills[h].report.method_reason = grown_reason;
     if (placed) fills[h].report.method_reason = first_placed ? many_reason : placed_reason;
   }
-  if (on_mesh == OnMeshWhere::everywhere) return fills;
+  if (on_mesh == OnMeshWhere::everywhere || untangled) return fills;
   fills = with_triangle_if_that_folds_less(ground, holes, options, std::move(fills));
   fills = without_rows_if_that_folds_less(ground, holes, options, std::move(fills));
-  if (on_mesh == OnMeshWhere::nowhere || first_placed) return fills;
-  return the_other_if_that_folds_less(ground, holes, options, placed, std::move(fills));
+  if (on_mesh == OnMeshWhere::nowhere) return fills;
+  const bool too_many = first_placed && fills[0].vertices.rows() > most_fair;
+  const OnMeshWhere other = too_many ? OnMeshWhere::untangled : placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere;
+  return the_other_if_that_folds_less(ground, holes, options, other, std::move(fills));
 }
 
 }  // namespace
