@@ -180,13 +180,19 @@ def flat_with_a_bowl():
     return ob, key
 
 
-def test_it_follows_shape_keys_in_object_mode(live, following):
+def kept_in_its_basis():
+    """The bowl flat, in object mode, with a live fill."""
     ob, key = flat_with_a_bowl()
     ob.active_shape_key_index = 0
     scenes.edit(ob)
     bpy.ops.mesh.fill_three_sided(keep_live=True)
     fill = bpy.data.objects["Hole Fill"]
     bpy.ops.object.mode_set(mode="OBJECT")
+    return ob, key, fill
+
+
+def test_it_follows_shape_keys_in_object_mode(live, following):
+    ob, key, fill = kept_in_its_basis()
     after_a_change(following)
     assert np.abs(points(fill)[:, 2]).max() < 1e-6
     for value in (1.0, 0.5):
@@ -410,12 +416,7 @@ def test_a_copy_of_mesh_and_fill_follows(live, following):
 
 
 def test_it_follows_a_keyed_shape_key_from_frame_to_frame(live, following):
-    ob, key = flat_with_a_bowl()
-    ob.active_shape_key_index = 0
-    scenes.edit(ob)
-    bpy.ops.mesh.fill_three_sided(keep_live=True)
-    fill = bpy.data.objects["Hole Fill"]
-    bpy.ops.object.mode_set(mode="OBJECT")
+    ob, key, fill = kept_in_its_basis()
     for frame, key.value in ((1, 0.0), (11, 1.0)):
         key.keyframe_insert("value", frame=frame)
     for frame in (1, 6, 11):
