@@ -175,6 +175,7 @@ class FillSmooth(Construction, waiting.Waiting):
             self._subdivision_rows(row, context)
         with panel.folded(self, "advanced", "Advanced") as row:
             self.construction_rows(row)
+            row("features", active=self.output != "cage")
             row("shading")
             row("keep_live", active=self.surroundings != "limit")
             row("deviation", active=self.output != "cage")

@@ -264,7 +264,17 @@ def test_folded_parts_open(addon):
     scenes.edit(scenes.add_hole())
     state = operator(addon, show_advanced=True, all_holes=True, show_holes=True)
     rows = shown(state, panels=())
-    assert {"method", "fairing", "cross_boundary", "shading", "max_edges", "max_diameter", "corner_count", "outer"} <= set(rows)
+    assert {
+        "method",
+        "fairing",
+        "cross_boundary",
+        "features",
+        "shading",
+        "max_edges",
+        "max_diameter",
+        "corner_count",
+        "outer",
+    } <= set(rows)
     assert "max_edges" in shown(operator(addon, all_holes=True), panels=("TRIPATCH_holes",))
     assert "max_edges" not in shown(operator(addon, all_holes=False, show_holes=True), panels=())
 
