@@ -7,7 +7,7 @@ import warnings
 from dataclasses import dataclass
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from . import filling, library, panel, selection, sentences, waiting
 from .construction import Construction
@@ -159,6 +159,7 @@ class Between:
     sides: list
     patch: object
     notes: list[str]  # of the patch
+    edges: int  # along the side of a surface that has the most
 
 
 def _patch_and_triangles(sides, drawn, arguments, progress=None):
@@ -186,7 +187,10 @@ def mesh_between(objects, tolerance, resolution, construction):
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
     for material in objects[0].data.materials:
         mesh.materials.append(material)
-    return mesh, Between(loop, sides, patch, notes)
+    edges = max(
+        (resolution or len(t) - 1 for group, (_, t) in zip(loop.groups, sides, strict=True) if exact[group[0]]), default=0
+    )
+    return mesh, Between(loop, sides, patch, notes, edges)
 
 
 class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Operator):
@@ -206,8 +210,9 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
     )
     resolution: IntProperty(
         name="Resolution",
-        description="Edges along the sides of surfaces, 0 as Blender draws them; a side of a mesh keeps its own vertices",
+        description="Edges along the sides of surfaces, as Blender draws them until it is changed; meshes keep their vertices",
         min=0,
+        soft_min=1,
         soft_max=128,
         max=10000,
         default=0,
@@ -217,6 +222,12 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
         description="The fill follows when the objects around it are moved or edited, until it is applied",
         default=False,
     )
+
+    computed_resolution: IntProperty(default=0, options={"HIDDEN"})  # -1: of no surface; still the same, nobody chose it
+    by_hand: BoolProperty(
+        options={"HIDDEN", "SKIP_SAVE"}, description="Called from a menu: a refusal can be corrected in the panel"
+    )
+    reasons: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
@@ -230,8 +241,10 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
 
     def draw(self, context):
         row = self.panel()
+        panel.reasons(self.layout, context, self.reasons)
         row("tolerance")
-        row("resolution")
+        if self.resolution or not (self.reasons or self.computed_resolution):
+            row("resolution")
         row("keep_live")
         self.shape_rows(row)
         with panel.folded(self, "sides", "Sides") as row:
@@ -240,17 +253,23 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
             self.construction_rows(row)
 
     def invoke(self, context, _event):
+        self.by_hand = True
         return self.run_and_wait(context)
 
     def perform(self, context):
         objects = _selected(context)
-        between = {"tolerance": self.tolerance, "resolution": self.resolution, "construction": self.construction()}
+        resolution = 0 if self.resolution == self.computed_resolution else self.resolution
+        between = {"tolerance": self.tolerance, "resolution": resolution, "construction": self.construction()}
+        self.reasons = ""
         try:
             mesh, made = mesh_between(objects, **between)
         except ValueError as reason:  # Refusal, UnusableError, InvalidArgument
-            self.report({"ERROR"}, sentences.for_people(str(reason)))
-            return {"CANCELLED"}
+            self.reasons = sentences.for_people(str(reason))
+            self.report({"WARNING" if self.by_hand else "ERROR"}, self.reasons)
+            return {"FINISHED" if self.by_hand else "CANCELLED"}
         waiting.goes_on()
+        if not resolution:
+            self.resolution, self.computed_resolution = made.edges, made.edges or -1
         new = bpy.data.objects.new("Fill", mesh)
         context.collection.objects.link(new)
         for ob in context.selected_objects:

@@ -226,6 +226,18 @@ def refused(obs, sentence, **options):
     assert set(bpy.data.objects) == before
 
 
+def test_a_refusal_by_hand_is_a_step_with_its_reason(capfd):
+    obs = three()
+    obs[2].location.z = 0.1
+    bpy.ops.object.select_all(action="DESELECT")
+    for ob in obs:
+        ob.select_set(True)
+    before = set(bpy.data.objects)
+    assert fill(by_hand=True) == {"FINISHED"}
+    assert set(bpy.data.objects) == before
+    assert "Warning" in capfd.readouterr().out
+
+
 def test_a_gap_is_named():
     obs = three()
     obs[2].location.z = 0.1
