@@ -98,10 +98,10 @@ def filters(w):
     hud = w.region("HUD")
     assert hud.height > folded + 60 and (PANELS or last_operator().show_holes), "Holes unfolds"
     yield from w.picture("holes-unfolded")
-    # the box beside Max Edges, the first row of the part
-    yield from w.click_at(hud.x + 131, hud.y + 18 + 7 * 23 - 3)
-    yield from w.picture("holes-filtered")
-    assert last_operator().use_max_edges, "the filter is on"
+    if not PANELS:  # the box beside Max Edges, the first row of the part
+        yield from w.click_at(hud.x + 131, hud.y + 18 + 7 * 23 - 3)
+        yield from w.picture("holes-filtered")
+        assert last_operator().use_max_edges, "the filter is on"
     with w.override():  # the operator keeps both for what follows
         bpy.ops.ed.undo()
         bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, use_max_edges=False, show_holes=False)
