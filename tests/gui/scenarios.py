@@ -180,7 +180,7 @@ def refusal_and_correction(w):
         yield from w.click_at(*place)
         yield from w.picture("blender-refusal-unfolded")
     hud = w.region("HUD")
-    place = hud.x + 200, hud.y + 18 + (26 if PANELS else 23) * 5  # Method, the sixth row from below
+    place = hud.x + 200, hud.y + 18 + (26 if PANELS else 23) * 6  # Method, the seventh row from below
     yield from w.click_at(*place)
     w.press("A")  # Auto
     yield
