@@ -356,17 +356,24 @@ def test_renamed_it_follows(live, following):
     assert points(fill) == pytest.approx(before + [0, 0, 1.0], abs=1e-5)
 
 
-@pytest.mark.skipif(not hasattr(bpy.app.handlers, "blend_import_post"), reason="this Blender does not tell of it")
-def test_appended_it_follows(live, following, tmp_path):
+def saved_and_gone(folder):
+    """A file with a mesh and its live fill, which are no longer here."""
+    file = folder / "live.blend"
     kept()
     bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"), copy=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(file), copy=True)
     for ob in list(bpy.data.objects):
         bpy.data.objects.remove(ob)
+    return file
+
+
+@pytest.mark.skipif(not hasattr(bpy.app.handlers, "blend_import_post"), reason="this Blender does not tell of it")
+def test_appended_it_follows(live, following, tmp_path):
+    file = saved_and_gone(tmp_path)
     after_a_change(following)
     assert following._on_change not in bpy.app.handlers.depsgraph_update_post
     files = [{"name": name} for name in ("Hole", "Hole Fill")]
-    bpy.ops.wm.append(files=files, directory=str(tmp_path / "live.blend" / "Object") + "/")
+    bpy.ops.wm.append(files=files, directory=str(file / "Object") + "/")
     ob, fill = bpy.data.objects["Hole"], bpy.data.objects["Hole Fill"]
     before = points(fill)
     scenes.edit(ob)
@@ -376,12 +383,8 @@ def test_appended_it_follows(live, following, tmp_path):
 
 
 def test_a_linked_one_is_of_its_own_file(live, following, tmp_path):
-    kept()
-    bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "live.blend"), copy=True)
-    for ob in list(bpy.data.objects):
-        bpy.data.objects.remove(ob)
-    with bpy.data.libraries.load(str(tmp_path / "live.blend"), link=True) as (_, linked):
+    file = saved_and_gone(tmp_path)
+    with bpy.data.libraries.load(str(file), link=True) as (_, linked):
         linked.objects = ["Hole", "Hole Fill"]
     for ob in linked.objects:
         bpy.context.collection.objects.link(ob)

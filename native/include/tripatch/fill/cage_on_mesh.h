@@ -9,7 +9,8 @@
 namespace tripatch {
 
 /// Places and normals of the vertices inside a layout, on the surface over a plane that continues the faces around the hole. None where no
-/// such surface is found or only a plainer one. untangled: smoothed in its plane, for where they cross as they are. The deviation is the largest on that surface, scene units; 0: unknown.
+/// such surface is found or only a plainer one. untangled: smoothed in its plane, for where they cross as they are. The deviation is the
+/// largest on that surface, scene units; 0: unknown.
 struct OnMesh {
   Points points, normals;
   double deviation = 0;

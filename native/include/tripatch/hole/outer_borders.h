@@ -21,7 +21,8 @@ struct Border {
 std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around);
 std::vector<Border> borders_of(const Mesh& mesh);
 
-/// Whether one loop turns the other way, or `of_sheet` so much that its fill would lie on the mesh; its mesh may be given in part. Throws InvalidArgument for what is no loop of vertices.
+/// Whether one loop turns the other way, or `of_sheet` so much that its fill would lie on the mesh; its mesh may be given in part. Throws
+/// InvalidArgument for what is no loop of vertices.
 bool is_outer_border(const Mesh& mesh, const std::vector<Index>& rim, bool of_sheet = false);
 
 }  // namespace tripatch
