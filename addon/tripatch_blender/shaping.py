@@ -42,18 +42,29 @@ class Shape:
 class _Between:
     """The exact patches between the sides of a fill, by bulges and the middle, as points at the places of the fill's vertices."""
 
-    def __init__(self, fill, shape, size):
-        """shape: (*bulges, middle), of the fill."""
+    def __init__(self, fill, shape, size, fairing="auto"):
+        """shape: (*bulges, middle), of the fill. fairing: of the patches; None where the sides were found to allow none."""
+        self.fill = fill
         self._sides, self._method, self._places = fill.sides, fill.report.method, writeback.parameters(fill)[1]
+        self._fairing = fairing
         self._steps = [_STEP_OF_BULGE] * (len(shape) - 1) + [_STEP_OF_MIDDLE * size]
-        self._known, self._centers = {shape: (fill.vertices, fill.normals)}, {}
-        if not shape[-1] and fill.report.fairing == "auto":
+        self._known, self._centers = {}, {}
+        if fill.report.fairing or not fairing:
+            self._known[shape] = fill.vertices, fill.normals
+        if not shape[-1] and fill.report.fairing:
             self._centers[_bulge(shape[:-1])] = _middle_of(fill.patch)
 
-    def faired(self, shape):
-        """`at` of the shape of a fill without fairing, its middle not moved."""
+    def begun(self, shape):
+        """`at` of a shape whose middle is not moved, if none is known so far: the first patch is a step of its own."""
+        if self._known:
+            return None
         patch = self._patch(bulge=_bulge(shape[:-1]))
         self._centers[_bulge(shape[:-1])] = _middle_of(patch)
+        return self._keep((*shape[:-1], 0.0), patch)
+
+    def _keep(self, shape, patch):
+        if len(self._known) >= _MOST_KEPT:
+            self._known.clear()
         self._known[shape] = patch.evaluate(self._places), patch.normal(self._places)
         return self._known[shape]
 
@@ -99,13 +110,11 @@ class _Between:
             patch = self._patch(**given)
             if not len(self._places):
                 return self._places, self._places
-            if len(self._known) >= _MOST_KEPT:
-                self._known.clear()
-            self._known[shape] = patch.evaluate(self._places), patch.normal(self._places)
+            return self._keep(shape, patch)
         return self._known[shape]
 
     def _patch(self, **given):
-        return tripatch.patch(self._sides, method=self._method, fairing="auto", **given)
+        return tripatch.patch(self._sides, method=self._method, fairing=self._fairing, **given)
 
     def _center(self, bulge):
         """The middle of the patch of a bulge and its normal."""
@@ -154,9 +163,9 @@ class Shaping:
         self.normals: Any = None
         self._triangles: Any = None  # its faces
         self._filled = None  # what of the shape the surroundings were read for
-        self._between: _Between | None = None  # fills between its sides
-        self._asked = None  # bulges and the middle of the last fill
-        self._sides_of: Any = None  # the sides that the first step of a drag has read: for what, and a fill between them
+        self._between: _Between | None = None  # fills between its sides; none where arrows change nothing
+        self._asked: tuple | None = None  # bulges and the middle of the last fill,
+        self._read_last: Any = None  # and the rest of its shape
         self._before = None
 
     def _rings(self, count):
@@ -247,7 +256,10 @@ class Shaping:
 
     def end_drag(self):
         self._before = None
-        self.preview()
+        if self._between is None and self._filled == self._read_for():
+            self._asked = self._asked_shape()  # by arrows that change nothing
+        else:
+            self.preview()
 
     # The fill.
 
@@ -270,44 +282,42 @@ class Shaping:
         """Fills, and keeps the fill or its refusal. quick: where only bulges and the middle have changed, from the sides that
         were read before; else coarser inside, without fairing where that is a step of its own."""
         given, faces = self.options(), self._faces
-        if quick and self._shape_anew():
+        if quick and (self._shape_anew() or self._read_sides(given)):
             return self.fill
         if quick:
             given, faces = self._quick(given), self._nearest
-        if quick and self._first_step(given, faces):
-            return self.fill
         try:
             corners = [self._loop[k] for k in self.corners()]
             self.fill, self.refusal = tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), None
             self.vertices, self.normals, self._triangles = self.fill.vertices, self.fill.normals, None
             self._filled = self._between = None
+            self._asked, self._read_last = self._asked_shape(), self._read_for()
             if self.fill.sides:
-                shape = *self._by_side(), given["center_offset"]
-                self._filled, self._between = self._read_for(), _Between(self.fill, shape, self.size)
-            self._asked = given["bulge"], given["center_offset"]
+                self._shape_between(self.fill, given, "auto" if quick or self.fill.report.fairing else None)
         except (tripatch.Refusal, ValueError) as reason:
             self.refusal = str(reason)
         return self.fill
 
-    def _first_step(self, given, faces):
-        """A drag of the middle where the fill so far is no patch: its first step reads the sides and goes on showing that fill,
-        the second makes the patch, those after it move its middle. Whether this is such a step."""
-        corners, asked = [self._loop[k] for k in self.corners()], self._read_for()
-        if not given["center_offset"] or len(corners) in (0, 3) or given.get("method", "auto") != "auto":
+    def _shape_between(self, fill, given, fairing):
+        self._filled = self._read_for()
+        self._between = _Between(fill, (*self._by_side(), given["center_offset"]), self.size, fairing)
+
+    def _read_sides(self, given):
+        """The first step of a drag of an arrow where the fill is no patch: reads the sides of the one that the next steps shape, and
+        goes on showing the fill. Where the patch would fold there is none, and arrows change nothing, as at the end. Whether this
+        is such a step."""
+        if self.fill is None or self.fill.sides or self._asked == self._asked_shape() or self._read_last != self._read_for():
             return False
-        unmoved = given | {"method": "multi_sided", "center_offset": 0.0}
+        self._filled, corners = self._read_for(), [self._loop[k] for k in self.corners()]
+        own = given | {"method": "side_vertex" if len(corners) == 3 else "multi_sided", "fairing": None, "center_offset": 0.0}
+        if len(self.rim) > _MANY:
+            own["resolution"] = _COARSE
         try:
-            if self._sides_of is None or self._sides_of[0] != asked:
-                options = unmoved | {"fairing": None}
-                self._sides_of = asked, tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **options)
-                return True
-            fill, shape = self._sides_of[1], (*self._by_side(), 0.0)
-            between = _Between(fill, shape, self.size)
-            self.vertices, self.normals = between.faired(shape)
+            plain = tripatch.fill(self._positions, self._nearest, rim=self._loop, corners=corners, **own)
         except (tripatch.Refusal, ValueError):
-            return False
-        self.fill, self.refusal, self._triangles, self._sides_of = fill, None, None, None
-        self._filled, self._between, self._asked = asked, between, (unmoved["bulge"], 0.0)
+            return True
+        if plain.sides and not plain.report.folds:
+            self._shape_between(plain, own, "auto")
         return True
 
     def _read_for(self):
@@ -317,14 +327,19 @@ class Shaping:
         return (*self._by_side(), self.shape.middle)
 
     def _shape_anew(self):
-        """The patch between the sides of the last fill, with other bulges or another middle, at the same places; whether there is
-        one. Reading the surroundings again is what takes long."""
+        """The patch between the sides of the last fill, with other bulges or another middle, at the same places; whether that is
+        what has changed. Reading the surroundings again is what takes long."""
         if self._filled is None or self._filled != self._read_for():
             return False
+        if self._between is None:
+            return True
         try:
-            self.vertices, self.normals = self._between.at(self._asked_shape())
+            shape = self._asked_shape()
+            self.vertices, self.normals = self._between.begun(shape) or self._between.at(shape)
         except ValueError:  # Refusal, InvalidArgument
             return False
+        if self.fill is not self._between.fill:
+            self.fill, self._triangles = self._between.fill, None
         self.refusal = None
         return True
 
@@ -343,8 +358,7 @@ class Shaping:
 
     def _keeps_method(self, given):
         """Whether nothing but corners has moved since the last fill: then the method that it took is not looked for again."""
-        asked = given["bulge"], given["center_offset"]
-        if self.fill is None or self._asked != asked or given.get("method", "auto") != "auto":
+        if self.fill is None or self._asked != self._asked_shape() or given.get("method", "auto") != "auto":
             return False
         return self.fill.report.method in ("multi_sided", "polyharmonic_spline")
 

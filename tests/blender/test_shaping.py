@@ -357,6 +357,54 @@ def test_a_step_that_moves_the_middle_makes_one_patch_at_most(shaping, make, mon
     assert moved == pytest.approx([0.01, 0.08], rel=0.1)
 
 
+def test_arrows_change_nothing_where_the_patch_between_the_corners_would_fold(shaping, monkeypatch):
+    made, fill, fills = square_rim(shaping), shaping.tripatch.fill, []
+    made.drag_corner(0, made.shape.corners[0] + 2)  # along a side, which has a corner in it now
+    made.preview()
+    assert made.fill.report.method == "polyharmonic_spline"
+    shown = made.vertices
+    monkeypatch.setattr(shaping.tripatch, "fill", lambda *a, **k: fills.append(k["method"]) or fill(*a, **k))
+    monkeypatch.setattr(shaping.tripatch, "patch", None)
+    made.begin_drag()
+    for step in range(1, 6):
+        made.set_bulge(0, 1 + 0.2 * step)
+        made.preview(quick=True)
+        assert made.vertices is shown
+    made.end_drag()
+    assert fills == ["multi_sided"], "what the sides are is asked once"
+    monkeypatch.undo()
+    made.preview()  # what is written at the end
+    assert np.abs(made.vertices - shown).max() < 1e-9 * made.size
+
+
+def test_corners_are_dragged_with_the_method_of_before_after_arrows_that_changed_nothing(shaping, monkeypatch):
+    made, fill, methods = square_rim(shaping), shaping.tripatch.fill, []
+    made.drag_corner(0, made.shape.corners[0] + 2)
+    made.preview()
+    made.begin_drag()
+    made.set_bulge(0, 1.5)
+    made.preview(quick=True)
+    made.end_drag()
+    monkeypatch.setattr(shaping.tripatch, "fill", lambda *a, **k: methods.append(k.get("method")) or fill(*a, **k))
+    made.begin_drag()
+    for _ in range(2):
+        made.drag_corner(0, made.shape.corners[0] + 1)
+        made.preview(quick=True)
+    assert methods == ["polyharmonic_spline"] * 2
+
+
+def test_where_no_energy_serves_arrows_shape_the_plain_patch(shaping, monkeypatch):
+    made = triangular_rim(shaping)
+    made.drag_corner(0, made.shape.corners[0] + 3)
+    made.preview()
+    assert made.fill.sides and not made.fill.report.fairing and made.fill.report.energy_after == 0
+    patch, asked = shaping.tripatch.patch, []
+    monkeypatch.setattr(shaping.tripatch, "patch", lambda *a, **k: asked.append(k["fairing"]) or patch(*a, **k))
+    made.set_bulge(0, 1.3)
+    made.preview(quick=True)
+    assert asked == [None] * len(asked) and asked
+
+
 def test_other_corners_are_read_anew(shaping):
     made = square_rim(shaping)
     made.preview()

@@ -21,7 +21,7 @@ struct Report {
   std::vector<double> seam_angle_rms_by_side = {0, 0, 0};
   std::vector<std::string> continuity = {"", "", ""};  ///< by side: Free, G0, G1 or G2, what was asked or what auto took
   double surroundings_error = 0;                       ///< degrees; 0 where the surroundings are known exactly
-  std::string fairing;                                 ///< name of the energy used, empty: none
+  std::string fairing;                                 ///< name of the energy that was made small, empty: none
   double energy_before = 0;
   double energy_after = 0;
   /// The optimiser's path where lambda of a Szilvasi-Nagy method was to be optimal: (lambda, thin-plate energy), the last was taken.
