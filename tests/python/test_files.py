@@ -401,6 +401,47 @@ def test_ply_keeps_everything(form, index, triangles, tmp_path):
     assert np.allclose(again.vertices[8], [1.5, 1.25, 0.1], atol=1e-7)
 
 
+@pytest.mark.parametrize("there", [False, True])
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_ply_deviation(form, there, tmp_path):
+    data = ply(form)
+    if there:
+        data = data.replace(b"double weight", b"double deviation")
+    path = tmp_path / "a.ply"
+    path.write_bytes(data)
+    plain = files.read(path)
+    assert (plain.deviation is None) == (not there)
+    mesh = plain.with_deviation()
+    old = [0.1 if there else 0.0] * 8
+    assert mesh.deviation.tolist() == old and (mesh.vertices == FRAME).all()
+    fills = [fan([4, 5, 6, 7], 8), fan([4, 5, 6, 7], 8)]
+    fills[0].deviation, fills[1].deviation = np.array([0.25]), None
+    for fill in fills:
+        mesh.append(fill)
+    mesh.write(tmp_path / "b.ply")
+    again = files.read(tmp_path / "b.ply")
+    assert again.deviation.tolist() == [*old, 0.25, -1.0]
+    assert again.faces == plain.faces + [*fills[0].faces, *([a, b, 9] for a, b, _ in fills[1].faces)]
+    if not there:  # else as it was
+        head, before = (tmp_path / "b.ply").read_bytes().split(b"end_header\n")[0], data.split(b"end_header\n")[0]
+        assert head.replace(b"property float deviation\n", b"").replace(b"vertex 10", b"vertex 8") == before.replace(
+            b"face 5", b"face 13"
+        )
+
+
+def test_ply_deviation_that_is_no_float(tmp_path):
+    data = ply("ascii").replace(b"uchar red", b"uchar deviation")
+    with pytest.raises(FileError, match="not one float"):
+        reread(data, "a.ply", tmp_path).with_deviation()
+
+
+def test_only_ply_files_say_how_well_vertices_are_known(tmp_path):
+    mesh = reread(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a.obj", tmp_path)
+    assert mesh.deviation is None
+    with pytest.raises(FileError, match="Only PLY files"):
+        mesh.with_deviation()
+
+
 def test_ply_index_type_too_small(tmp_path):
     data = ply("ascii").replace(b"list uchar int vertex", b"list uchar uchar vertex")
     fill = fan([4, 5, 6, 7], 8)

@@ -204,9 +204,42 @@ def test_the_foremost_triangle_is_seen():
     assert set(seen[15:25, 15:25].ravel()) == {0, 1} and set(seen[4:8, 4:36].ravel()) == {2, 3} and seen[0, 0] == -1
 
 
+def known(path, vertices, triangles, deviation):
+    """A PLY file that says how well its vertices are known."""
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\n" + "".join(f"property float {c}\n" for c in "xyz")
+    head += f"property float deviation\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = [" ".join(map(str, [*p, d])) for p, d in zip(vertices, deviation(vertices), strict=True)]
+    path.write_text(head + "\n".join([*rows, *(f"3 {a} {b} {c}" for a, b, c in triangles)]) + "\n")
+    return path
+
+
+def test_deviation_is_red_where_it_is_large_and_grey_where_nobody_knows(tmp_path, capsys):
+    flat = grid(lambda x, y: 0 * x)
+
+    def values(v):
+        return np.where(v[:, 1] > 0.1, -1, np.maximum(v[:, 0], 0))
+
+    mesh, out = known(tmp_path / "in.ply", *flat, values), tmp_path / "o.png"
+    assert cli.main(["view", str(mesh), "--deviation", str(out), "--from", "0,0,1", "--size", "100,100"]) == 0
+    told = capsys.readouterr().out
+    assert f"deviation up to {flat[0][:, 0].max():.3g}" in told and f"unknown at {(values(flat[0]) < 0).sum()} vertices" in told
+    image = read_png(out).astype(int)
+    upper, left, right = image[20, 50], image[80, 20], image[80, 90]
+    assert np.ptp(upper) <= 2 and left[2] > left[0] + 40 and right[0] > right[2] + 40
+    assert cli.main(["view", str(mesh), "--deviation", str(out), "--most", "100", "--from", "0,0,1"]) == 0
+    assert "red from 100" in capsys.readouterr().out
+    other = write(tmp_path / "in.obj", *flat)
+    assert cli.main(["view", str(other), "--deviation", str(out)]) == 2
+    assert "does not say how well its vertices are known" in capsys.readouterr().err
+    with pytest.raises(ValueError, match="one for each vertex"):
+        view.picture(*flat, kind="deviation", deviation=[1, 2])
+
+
 @pytest.mark.parametrize("kind", sorted(view.KINDS))
 def test_every_kind_of_picture(tmp_path, capsys, kind):
     mesh = write(tmp_path / "in.obj", *grid(lambda x, y: 0.5 * np.cos(2 * x) * np.cos(2 * y)))
+    if kind == "deviation":
+        mesh = known(tmp_path / "in.ply", *grid(lambda x, y: 0.5 * np.cos(2 * x) * np.cos(2 * y)), lambda v: v[:, 0] ** 2)
     assert cli.main(["view", str(mesh), f"--{kind}", str(tmp_path / "out.png"), "--size", "80,60"]) == 0
     image = read_png(tmp_path / "out.png")
     assert image.shape == (60, 80, 3)

@@ -51,6 +51,9 @@ def parser() -> argparse.ArgumentParser:
     fill.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
     fill.add_argument("--all", action="store_true", help="fill every hole")
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
+    fill.add_argument(
+        "--deviation", action="store_true", help="write how well new vertices are known as their property, into OUT.ply only"
+    )
     for option in OPTIONS.values():
         arguments.add(fill, option)
     batch.add(commands)
@@ -122,7 +125,10 @@ def _fill(args: argparse.Namespace) -> int:
     if args.report and os.path.realpath(args.report) in map(os.path.realpath, (args.input, args.out)):
         raise ValueError(f"--report would write over {args.report}, which is IN or OUT; give it a file of its own")
     mesh = files.read(args.input)
-    out = mesh if args.out.suffix.lower() == args.input.suffix.lower() else files.converted(mesh, args.out.suffix)
+    same_format = args.out.suffix.lower() == args.input.suffix.lower()
+    out = mesh if same_format else files.converted(mesh, args.out.suffix)
+    if args.deviation:
+        out = out.with_deviation()
 
     holes: list[tuple[Any, ...]] = []
     if args.all:
@@ -156,8 +162,11 @@ def _fill(args: argparse.Namespace) -> int:
         out.append(fill)
         for warning in fill.report.warnings:
             _say(warning)
+    unknown = sum(fill.deviation is None for fill in fills) if args.deviation else 0
+    if unknown:
+        _say(f"How well it is known cannot be told of {unknown} of {len(fills)} fills, the deviation there is -1")
     out.write(args.out)
-    if out is not mesh:
+    if not same_format:
         _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
     cage_rim = options.get("cage_rim", "smooth") if options.get("output") == "cage" else ""
     limit, quads = options.get("surroundings") == "limit", sum(len(fill.faces) for fill in fills)

@@ -15,6 +15,7 @@ from . import files, quality
 from ._types import Array, ArrayLike
 
 _BACKGROUND = (0.22, 0.22, 0.23)
+_GREY = 0.75  # of what no color speaks of
 _AT_ONCE = 300_000  # pairs of a triangle and a pixel that are looked at together: some 50 MB
 _FINER = 2  # pixels a side that are averaged into one
 SIZE, EYE, LINES = (960, 720), (1, -1.4, 0.9), 12
@@ -24,6 +25,7 @@ KINDS = {
     "highlight": "lines of equal slope against a direction",
     "curvature": "mean curvature: blue hollow, red bulging",
     "seam": "along a rim (--rim) how far the surfaces beside it are from tangent; without one the angle at every edge",
+    "deviation": "how well it is known, as a PLY file says it (fill --deviation): from blue, 0, to red; grey: unknown",
     "folds": "what is folded in red",
 }
 
@@ -119,6 +121,15 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
         mean, _ = quality.curvatures(vertices, triangles)
         most = settings.get("most") or quality.usual(mean)
         return quality.signed_colors(mean, most), f"mean curvature from {-most:.3g} (blue) to {most:.3g} (red)"
+    if kind == "deviation":
+        values = settings["deviation"]
+        known = np.isfinite(values) & (values >= 0)
+        largest = float(values[known].max(initial=0.0))
+        most = settings.get("most") or largest
+        colors = quality.scale_colors(np.where(known, values, 0.0), most)
+        colors[~known] = _GREY
+        told = f"deviation up to {largest:.3g} (red from {most:.3g})" if largest else "no deviation is known of this mesh"
+        return colors, told if known.all() or not largest else f"{told}, unknown at {int((~known).sum())} vertices (grey)"
     if len(edges):
         found, angles = edges, quality.seam_angles(vertices, triangles, edges)
     else:
@@ -130,7 +141,7 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
     told = f"{'seam' if len(edges) else 'edges'} within {largest:.3g} deg (red from {most:.3g} deg)"
     colors = quality.scale_colors(at, most)
     if len(edges):
-        colors[np.setdiff1d(np.arange(len(vertices)), edges)] = 0.75
+        colors[np.setdiff1d(np.arange(len(vertices)), edges)] = _GREY
     return colors, told
 
 
@@ -145,6 +156,7 @@ def picture(
     direction: ArrayLike = (0, 0, 1),
     lines: float = LINES,
     most: float | None = None,
+    deviation: ArrayLike | None = None,
 ) -> Any:
     """A picture (h, w, 3) of bytes, and a sentence on what it shows.
 
@@ -154,7 +166,8 @@ def picture(
         rims: closed lists of vertices, for the seam.
         toward: from where it is seen.
         direction, lines: of stripes, as `quality.stripes` has them.
-        most: where the scale of colors ends; None: 95 of a hundred values are within it (seam: 1 degree).
+        most: where the scale of colors ends; None: 95 of a hundred values are within it (seam: 1 degree, deviation: all).
+        deviation: (n,) what that kind shows; below 0 or nan: unknown.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
     triangles, _ = quality.triangulated(faces)
@@ -163,6 +176,9 @@ def picture(
     edges = np.array([pair for rim in rims for pair in zip(rim, [*rim[1:], rim[0]])], dtype=np.int64).reshape(-1, 2)
     if len(edges) and not (0 <= edges.min() and edges.max() < len(vertices)):
         raise ValueError(f"rim names vertices that are not there: the mesh has {len(vertices)}")
+    known = None if deviation is None else np.asarray(deviation, dtype=np.float64)
+    if kind == "deviation" and (known is None or known.shape != (len(vertices),)):
+        raise ValueError(f"deviation must be {len(vertices)} numbers, one for each vertex")
     width, height = (_FINER * int(n) for n in size)
     canvas = Canvas(vertices, toward, width, height)
     canvas.draw(triangles)
@@ -177,9 +193,9 @@ def picture(
     elif kind == "folds":
         bad = quality.folded(vertices, triangles)
         told = f"{int(bad.sum())} folded triangles"
-        color = np.where(bad[of][:, None], quality.FOLD_COLOR, 0.75) * _lit(normals, canvas.axes)[:, None]
+        color = np.where(bad[of][:, None], quality.FOLD_COLOR, _GREY) * _lit(normals, canvas.axes)[:, None]
     else:
-        colors, told = _colors(kind, vertices, triangles, edges, {"most": most})
+        colors, told = _colors(kind, vertices, triangles, edges, {"most": most, "deviation": known})
         color = (colors[triangles[of]] * weights[:, :, None]).sum(axis=1) * _lit(normals, canvas.axes)[:, None]
     image = np.empty((height * width, 3))
     image[:] = _BACKGROUND
@@ -228,6 +244,9 @@ def run(args: argparse.Namespace) -> int:
     mesh = files.read(args.input)
     if min(args.size) < 1 or not any(args.toward) or not any(args.direction):
         raise ValueError("--size must be positive, --from and --direction must not be zero")
+    deviation = mesh.deviation if args.kind == "deviation" else None
+    if args.kind == "deviation" and deviation is None:
+        raise ValueError(f"{args.input} does not say how well its vertices are known; tripatch fill IN OUT.ply --deviation writes it")
     image, told = picture(
         mesh.vertices,
         mesh.faces,
@@ -238,6 +257,7 @@ def run(args: argparse.Namespace) -> int:
         direction=args.direction,
         lines=args.lines,
         most=args.most,
+        deviation=deviation,
     )
     try:
         args.out.write_bytes(png(image))

@@ -10,6 +10,9 @@ import numpy as np
 from .._types import Array, ArrayLike
 from .writing import FileError, write_over
 
+DEVIATION = "deviation"  # how well a vertex is known, one standard deviation in units of the mesh: as Blender's attribute is called
+NOT_KNOWN = -1.0  # in place of a deviation
+
 
 class MeshFile:
     """A mesh file in memory.
@@ -17,7 +20,10 @@ class MeshFile:
     Attributes:
         vertices: (n, 3) float64, the file's own.
         faces: index lists, the file's own, three corners or more each. What has fewer stays in the file, unread.
+        deviation: (n,) how well the vertices are known, below 0 where nobody knows; None: the file does not say.
     """
+
+    deviation: Array | None = None
 
     def __init__(self, vertices: Array, faces: list[Any]) -> None:
         self.vertices = vertices
@@ -50,6 +56,14 @@ class MeshFile:
                         face.insert(place + 1, n + self._added + k)
                         break
         self._added += len(fill.vertices)
+
+    def with_deviation(self) -> MeshFile:
+        """The same file with a number `deviation` at every vertex, 0 where it had none; fills that are added write theirs there.
+
+        Raises:
+            FileError: files of this format have no place for it.
+        """
+        raise FileError("Only PLY files hold the deviation of their vertices; give OUT a name that ends in .ply")
 
     def write(self, path: Path) -> None:
         """Writes the file as it was, with the fills added, in the format of the file that was read."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import struct
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ import numpy as np
 
 from .._types import Array
 from . import writing
-from .mesh_file import MeshFile
+from .mesh_file import DEVIATION, NOT_KNOWN, MeshFile
 from .writing import FileError
 
 _PLY_TYPES = {
@@ -38,6 +39,7 @@ class _PlyElement:
     def __init__(self, name: str, count: int) -> None:
         self.name, self.count = name, count
         self.count_at = (0, 0)  # bytes of the header that say it
+        self.head_end = 0  # byte of the header where its last line ends
         self.properties: list[tuple[str, str, str | None]] = []  # name, type, type of the count of a list
         self.starts: Sequence[int] = ()  # of every row and of the end: bytes, or lines of a text
         self.new: list[bytes] = []
@@ -71,6 +73,8 @@ class PlyFile(MeshFile):
                     self._elements[-1].properties.append((words[4], _PLY_TYPES[words[3]], _PLY_TYPES[words[2]]))
                 elif words[:1] == ["property"]:
                     self._elements[-1].properties.append((words[2], _PLY_TYPES[words[1]], None))
+                if words[:1] in (["element"], ["property"]):
+                    self._elements[-1].head_end = line.end()
             except (LookupError, ValueError):
                 said = line[0].decode("latin-1").strip()[:60]
                 raise FileError(f"The PLY header has a line that cannot be understood: {said}") from None
@@ -97,6 +101,7 @@ class PlyFile(MeshFile):
         keep = [f for f, face in enumerate(faces) if len(face) >= 3]
         self._row_of = keep
         self._changed: dict[int, list[Any]] = {}  # rows of faces that were split
+        self._deviation_at = -1  # property of new vertices that is their fill's; -1: all are as those of the rim
         super().__init__(vertices, [[int(v) for v in faces[f]] for f in keep])
 
     @classmethod
@@ -109,6 +114,40 @@ class PlyFile(MeshFile):
         body = [np.ascontiguousarray(vertices, "<f8").tobytes()]
         body += [struct.pack(f"{code}{len(face)}i", len(face), *face) for face in faces]
         return cls(head.encode() + b"".join(body))
+
+    @property
+    def deviation(self) -> Array | None:  # type: ignore[override]
+        """(n,) how well the vertices are known, below 0 where nobody knows; None: the file does not say."""
+        vertex, k = self._vertex, self._vertex.index(DEVIATION)
+        if k < 0 or vertex.properties[k][2]:
+            return None
+        if self._order:
+            return np.asarray(self._binary_rows(vertex, vertex.starts[0])[1][k], float)
+        return np.array([self._text_row(vertex, row)[k] for row in range(vertex.count)], float)
+
+    def with_deviation(self) -> PlyFile:
+        """The same file with a number `deviation` at every vertex, 0 where it had none; fills that are added write theirs there."""
+        vertex, k = self._vertex, self._vertex.index(DEVIATION)
+        if k >= 0 and (vertex.properties[k][2] or vertex.properties[k][1] not in "fd"):
+            raise FileError(f"The vertices of the PLY file have a property {DEVIATION} that is not one float; rename it")
+        made = self if k >= 0 else PlyFile(self._with_zeros(DEVIATION))
+        made._deviation_at = made._vertex.index(DEVIATION)
+        return made
+
+    def _with_zeros(self, name: str) -> bytes:
+        """The file with one more float, 0 everywhere, at the end of the vertex rows."""
+        vertex, data, end = self._vertex, bytes(self._data), self._vertex.head_end
+        head = data[:end] + self._eol + f"property float {name}".encode() + data[end : self._body]
+        if self._order:
+            rows = b"".join(data[a:b] + bytes(4) for a, b in itertools.pairwise(vertex.starts))
+            return head + data[self._body : vertex.starts[0]] + rows + data[vertex.starts[-1] :]
+        lines = list(self._lines)
+        for k in range(vertex.count):
+            row, at = self._text_row(vertex, k), vertex.starts[k]
+            words = sum(1 + len(value) if p[2] else 1 for p, value in zip(vertex.properties, row))
+            end = [*re.finditer(rb"\S+", lines[at])][words - 1].end()
+            lines[at] = lines[at][:end] + b" 0" + lines[at][end:]
+        return head + b"".join(lines)
 
     # Both readers set where the rows of all elements start, and return the columns of vertices and faces by place.
 
@@ -263,13 +302,16 @@ class PlyFile(MeshFile):
     def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         vertex, face = self._vertex, self._face
         normal = [vertex.index(c) for c in _PLY_NORMAL]
-        for point, direction, v in zip(fill.vertices, fill.normals, near):
+        told = itertools.repeat(NOT_KNOWN) if getattr(fill, DEVIATION, None) is None else fill.deviation
+        for point, direction, v, deviation in zip(fill.vertices, fill.normals, near, told):
             row = self._row(vertex, v)
             for k, value in zip(self._xyz, point):
                 row[k] = float(value)
             for k, value in zip(normal, direction):
                 if k >= 0:
                     row[k] = float(value)
+            if self._deviation_at >= 0:
+                row[self._deviation_at] = float(deviation)
             vertex.new.append(self._encode(vertex, row))
         like: list[Any] = [[] if p[2] else 0 for p in face.properties]
         if len(around):  # lists, such as texture coordinates by corner, are not what a neighbor can give
