@@ -134,3 +134,46 @@ def test_a_large_cage_that_would_cross_itself_is_untangled():
     fill = tripatch.fill(points, left, output="cage")
     assert len(fill.vertices) > 1000 and not fill.report.crosses_itself and fill.report.triangles_folded == 0
     assert np.abs(np.linalg.norm(fill.vertices, axis=1) / np.linalg.norm(vertices[0]) - 1).max() < 2e-3
+
+
+def corner_sines(points, faces):
+    """Of quads, of all corners."""
+    at = points[np.array(faces)]
+    a, b = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
+    turn = np.cross(a, b)
+    up = turn.sum(axis=1)
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    return np.einsum("fkc,fc->fk", turn, up) / np.linalg.norm(a, axis=2) / np.linalg.norm(b, axis=2)
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_extra_rows_are_rings_along_the_rim(number):
+    vertices, faces = sheet()
+    gone, rim = blobs(faces, 20)[number]
+    points, left, new = without(vertices, faces, gone)
+    rim = [new[v] for v in rim]
+    plain, none, one, three = (
+        tripatch.fill(points, left, rim=rim, output="quads", resolution=rows, method="polyharmonic_spline")
+        for rows in (None, 0, 1, 3)
+    )
+    assert none.faces == plain.faces and (none.vertices == plain.vertices).all() and one.report.rows == 1
+    assert len(one.faces) == len(plain.faces) + len(rim), "a ring more of quads"
+    for fill in (one, three):
+        assert {len(f) for f in fill.faces} == {4} and not fill.report.crosses_itself and not fill.report.triangles_folded
+        assert corner_sines(np.vstack([points, fill.vertices]), fill.faces).min() > 0
+        own = np.bincount(np.concatenate(fill.faces), minlength=len(points) + len(fill.vertices))[len(points) :]
+        assert sorted(v - len(points) for v, _ in fill.report.poles) == np.flatnonzero(own != 4).tolist()
+        x, y, z = fill.vertices.T
+        assert np.abs(z - 0.3 * np.sin(2 * x) * np.cos(y)).max() < 2e-3
+
+
+def test_rows_where_no_quads_grow_are_no_coarser_than_none():
+    """Pairs of triangles are as long as the rim's edges, whatever rows are asked for."""
+    vertices, faces = sheet()
+    triangles = [t for a, b, c, d in faces for t in ([a, b, c], [a, c, d])]
+    gone, rim = blobs(faces, 20)[0]
+    points, left, new = without(vertices, triangles, [t for f in gone for t in (2 * f, 2 * f + 1)])
+    rim = [new[v] for v in rim]
+    point = vertices[faces[gone[0]]].mean(axis=0)  # quads that run through a point are pairs
+    fills = [tripatch.fill(points, left, rim=rim, output="quads", resolution=k, through=[point]) for k in (None, 0, 2)]
+    assert fills[0].faces == fills[1].faces == fills[2].faces

@@ -132,8 +132,9 @@ bool doubles_edges(const Connectivity& around, const std::vector<Index>& rim, co
 
 /// The same fill with quads that grow in from the rim; empty where they are not good.
 std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                                          WantedQuads which, PlaneFill& made) {
+                                          WantedQuads which, int rows, PlaneFill& made) {
   std::optional<PlaneLayout> layout = grown_quads(made.rim_uv, wanted_quads(mesh.vertices, around, rim, which));
+  if (layout && rows > 0) layout = with_rows(*layout, rows);
   if (!layout || doubles_edges(around, rim, layout->faces)) return {};
   const Points border = mesh.vertices(rim, Eigen::all), points = smoothed_on(*layout, *made.surface, border);
   if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= least_sine)) return {};
@@ -154,11 +155,15 @@ std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& 
   return layout;
 }
 
-std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+/// The same with `rows` extra rows, or half as many and so on where these do not fit; says how many there are.
+std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, int& rows,
                                           PlaneFill& made) {
   if (!made.field || !made.plainer.empty()) return {};
-  std::optional<PlaneLayout> layout = grown_quads_of(mesh, around, rim, WantedQuads::by_number, made);
-  return layout ? std::move(layout) : grown_quads_of(mesh, around, rim, WantedQuads::by_angle, made);
+  for (;; rows /= 2) {
+    for (const WantedQuads which : {WantedQuads::by_number, WantedQuads::by_angle})
+      if (std::optional<PlaneLayout> layout = grown_quads_of(mesh, around, rim, which, rows, made)) return layout;
+    if (rows == 0) return {};
+  }
 }
 
 /// The fill of a part of a mesh. loops: of its border, the rim first.
@@ -167,7 +172,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   const std::vector<Index>& rim = loops[0];
   Fill fill;
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
-  PlaneFillOptions own = {options.resolution, {}, nullptr, options.through};
+  PlaneFillOptions own = {options.quads ? std::nullopt : options.resolution, {}, nullptr, options.through};
   std::optional<PlaneFill> creased;
   if (options.features && loops.size() == 1 && options.planes.rows() == 0)
     creased = fill_across_creases(mesh, around, rim, find_features(mesh, around, rim), own);
@@ -176,8 +181,9 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   PlaneFill made = creased ? std::move(*creased) : fill_over_plane(mesh, around, loops, own);
 
   std::optional<PlaneLayout> quads;
-  if (options.quads && !creased && loops.size() == 1 && !options.resolution && options.through.empty())
-    quads = grown_quads_of(mesh, around, rim, made);
+  int rows = options.resolution.value_or(0);
+  if (options.quads && !creased && loops.size() == 1 && options.through.empty())
+    quads = grown_quads_of(mesh, around, rim, rows, made);
   if (!creased && !quads) halve_doubled(mesh, around, fill.rim, made);
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };
@@ -221,6 +227,10 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   report.rim_folded = made.rim_folds;
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops), report);
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
+  report.rows = quads ? rows : 0;
+  if (quads && rows < options.resolution.value_or(0))
+    report.warnings.push_back("Only " + std::to_string(rows) + " of " + std::to_string(*options.resolution) +
+                              " extra rows of quads fit");
   for (Index pole : quads ? quads->poles : std::vector<Index>())
     report.poles.push_back({mesh_index(pole), std::ranges::count(quads->faces.corners, pole)});
   if (!made.plainer.empty()) report.warnings.push_back(made.plainer);

@@ -501,6 +501,11 @@ private:
   double best_least_ = 0;
 };
 
+/// Of the way from a vertex of the rim to the middle of the faces there: where the innermost of the rings begins, before they are smoothed.
+/// A choice.
+constexpr double rings_reach = 0.5;
+constexpr int sweeps_of_rings = 20;  ///< a choice: what follows smooths on
+
 /// Of one rim, which a cage lays out several times. A choice.
 constexpr std::size_t kept_layouts_grown = 6;
 
@@ -539,6 +544,44 @@ std::optional<PlaneLayout> grown_quads(const PlanePoints& rim, const std::vector
   for (Index k = 0; k < rim.rows(); ++k) key.add(rim.row(k));
   if (const auto kept = last.find(key)) return *kept;
   return *last.keep(std::move(key), std::make_shared<const std::optional<PlaneLayout>>(GrowthSearch(rim, wanted).run()));
+}
+
+PlaneLayout with_rows(const PlaneLayout& layout, int rows) {
+  const Index n = layout.rim;
+  PlaneLayout made;
+  made.rim = n;
+  made.uv = PlanePoints::Zero(layout.uv.rows() + rows * n, 2);
+  made.uv.topRows(n) = layout.uv.topRows(n);
+  made.uv.bottomRows(layout.uv.rows() - n) = layout.uv.bottomRows(layout.uv.rows() - n);
+  for (Index ring = 0; ring < rows; ++ring)
+    for (Index k = 0; k < n; ++k) {
+      const Index outer = ring * n, next = (k + 1) % n;
+      made.faces.add(std::array<Index, 4>{outer + k, outer + next, outer + n + next, outer + n + k});
+    }
+  PlanePoints middles = PlanePoints::Zero(n, 2);  // of the faces at a vertex of the rim
+  Eigen::VectorXd at_rim = Eigen::VectorXd::Zero(n);
+  for (Index f = 0; f < layout.faces.size(); ++f) {
+    std::vector<Index> face(layout.faces[f].begin(), layout.faces[f].end());
+    const Eigen::RowVector2d middle = layout.uv(face, Eigen::all).colwise().mean();
+    for (Index& v : face) {
+      if (v < n) {
+        middles.row(v) += middle;
+        ++at_rim[v];
+      }
+      v += rows * n;  // the rim's vertices become those of the innermost ring
+    }
+    made.faces.add(face);
+  }
+  for (Index k = 0; k < n; ++k)
+    for (Index ring = 1; ring <= rows; ++ring)
+      made.uv.row(ring * n + k) +=
+          layout.uv.row(k) + rings_reach * static_cast<double>(ring) / rows * (middles.row(k) / at_rim[k] - layout.uv.row(k));
+  std::vector<int> quads(static_cast<std::size_t>(made.uv.rows()), 0);
+  for (const Index v : made.faces.corners) ++quads[static_cast<std::size_t>(v)];
+  for (Index v = n; v < made.uv.rows(); ++v)
+    if (quads[static_cast<std::size_t>(v)] != 4) made.poles.push_back(v);
+  smooth_quads(made, sweeps_of_rings);
+  return made;
 }
 
 }  // namespace tripatch

@@ -11,8 +11,9 @@
 namespace tripatch {
 
 struct SplineFillOptions {
-  std::optional<int> resolution;  ///< a third of the rim has so many edges inside the fill; none: edges as long as the rim's
-  bool quads = false;             ///< pairs of triangles that make good quads become such
+  /// Triangles: a third of the rim has so many edges inside the fill; none: edges as long as the rim's. Quads: extra rows around.
+  std::optional<int> resolution;
+  bool quads = false;     ///< that grow in from the rim; where these are no good, pairs of triangles that make good ones, as the rim has them
   bool features = true;           ///< creases that end at the rim on both sides of the hole are continued across it
   /// What of the mesh is continued, where that is not all around; none: `around`.
   const Connectivity* continued = nullptr;

@@ -25,4 +25,7 @@ std::vector<int> wanted_quads(const Points& vertices, const Connectivity& around
 /// whose quads are the best there is taken. An odd rim gets one triangle. None where a few poles do not do.
 std::optional<PlaneLayout> grown_quads(const PlanePoints& rim, const std::vector<int>& wanted);
 
+/// The layout with so many rings of quads around it, as many in each as the rim has edges.
+PlaneLayout with_rows(const PlaneLayout& layout, int rows);
+
 }  // namespace tripatch
