@@ -246,7 +246,8 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError("--size must be positive, --from and --direction must not be zero")
     deviation = mesh.deviation if args.kind == "deviation" else None
     if args.kind == "deviation" and deviation is None:
-        raise ValueError(f"{args.input} does not say how well its vertices are known; tripatch fill IN OUT.ply --deviation writes it")
+        said = "does not say how well its vertices are known; tripatch fill IN OUT.ply --deviation writes it"
+        raise ValueError(f"{args.input} {said}")
     image, told = picture(
         mesh.vertices,
         mesh.faces,

@@ -10,7 +10,8 @@ import numpy as np
 from .._types import Array, ArrayLike
 from .writing import FileError, write_over
 
-DEVIATION = "deviation"  # how well a vertex is known, one standard deviation in units of the mesh: as Blender's attribute is called
+#: How well a vertex is known, one standard deviation in units of the mesh; called as Blender's attribute.
+DEVIATION = "deviation"
 NOT_KNOWN = -1.0  # in place of a deviation
 
 

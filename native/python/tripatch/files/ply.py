@@ -126,7 +126,7 @@ class PlyFile(MeshFile):
         return np.array([self._text_row(vertex, row)[k] for row in range(vertex.count)], float)
 
     def with_deviation(self) -> PlyFile:
-        """The same file with a number `deviation` at every vertex, 0 where it had none; fills that are added write theirs there."""
+        """The same file with a number `deviation` at every vertex, 0 where it had none; fills write theirs there."""
         vertex, k = self._vertex, self._vertex.index(DEVIATION)
         if k >= 0 and (vertex.properties[k][2] or vertex.properties[k][1] not in "fd"):
             raise FileError(f"The vertices of the PLY file have a property {DEVIATION} that is not one float; rename it")
