@@ -97,6 +97,16 @@ TEST_CASE("the fewest rows of quads are taken that keep the tolerance", "[quad_c
   CHECK(beyond.faces.size() == rim.cover(patch, {.rows = most_extra_rows}).faces.size());
 }
 
+TEST_CASE("where no rows would come within a thousandth and nobody asked for it, none are added", "[quad_cover]") {
+  const Bump patch(0.9);
+  const Rim rim({4, 4, 4}, patch);
+  const Cover cover = rim.cover(patch, {});
+  REQUIRE(deviation(rim.cover(patch, {.rows = most_extra_rows}), 0.9) > 2e-3);
+  CHECK(cover.rows == 0);
+  CHECK(cover.warnings.empty());
+  CHECK(cover.faces.size() == rim.cover(patch, {.rows = 0}).faces.size());
+}
+
 TEST_CASE("without a tolerance quads stay within a thousandth of the hole's diameter", "[quad_cover]") {
   for (double height : {0.005, 0.02, 0.05}) {
     const Bump patch(height);

@@ -62,6 +62,7 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
     cover.split_edges.push_back({hole.rim[place], hole.rim[(place + 1) % hole.rim.size()]});
     cover.split_t.push_back(0.5);
   }
+  Cover plain;
   std::optional<double> tolerance = options.tolerance;
   const int first = options.rows.value_or(0), last = options.rows.value_or(most_extra_rows);
   for (int rows = first; rows <= last; ++rows) {
@@ -73,7 +74,9 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
     if (options.rows) return cover;
     if (!tolerance) tolerance = default_tolerance * diameter(patch.positions(cover.barycentric.topRows(cover.rim)));
     if (deviation(cover, patch) <= *tolerance) return cover;
+    if (rows == 0) plain = cover;
   }
+  if (!options.tolerance) return plain;  // what the rim is too coarse for no rows reach
   cover.warnings.emplace_back(too_few_rows);
   return cover;
 }

@@ -20,7 +20,7 @@ constexpr double default_tolerance = 1e-3;  ///< of the hole's diameter
 
 struct LayoutOptions {
   std::optional<int> rows;          ///< extra rows of quads round the pole(s); none: the fewest under `tolerance`, 0 to 4
-  std::optional<double> tolerance;  ///< deviation from the patch, scene units; none: 1e-3 of the hole's diameter
+  std::optional<double> tolerance;  ///< deviation from the patch, scene units; none: 1e-3 of the diameter where rows reach that
   bool split_odd = true;            ///< an odd rim: its longest edge is split, else a triangle is left at the pole
   std::array<double, 2> pole_offset = {0, 0};
 };
