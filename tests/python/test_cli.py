@@ -283,6 +283,31 @@ def test_more_than_the_method_keeps_is_refused(one, tmp_path, capsys):
     assert "G2" in err
 
 
+@pytest.mark.parametrize("every", [[], ["--all"]])
+def test_deviation_is_the_fills(one, every, tmp_path, capsys):
+    mesh, out = files.read(one), tmp_path / "out.ply"
+    spline = [*every, "--method", "polyharmonic_spline"]
+    assert run(capsys, "fill", one, out, "--deviation", *spline)[0] == 0
+    fill = tripatch.fill(mesh.vertices, mesh.faces, method="polyharmonic_spline")
+    told = files.read(out).deviation
+    assert (told[: len(mesh.vertices)] == 0).all() and fill.deviation.max() > 0
+    assert np.array_equal(told[len(mesh.vertices) :], fill.deviation.astype(np.float32))
+    code, _, err = run(capsys, "fill", one, out, "--deviation", *every)  # an exact patch
+    assert code == 0 and "How well it is known cannot be told of 1 of 1 fills" in err
+    told = files.read(out).deviation
+    assert (told[: len(mesh.vertices)] == 0).all() and (told[len(mesh.vertices) :] == -1).all()
+    assert run(capsys, "fill", one, out, *spline)[0] == 0
+    assert files.read(out).deviation is None  # nobody asked
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".off", ".stl", ".vtk"])
+def test_deviation_goes_into_ply_files_only(one, suffix, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(tripatch, "fill", lambda *_, **__: pytest.fail("something was computed"))
+    out = tmp_path / f"out{suffix}"
+    code, _, err = run(capsys, "fill", one, out, "--deviation")
+    assert code == 2 and "Only PLY files hold the deviation" in err and not out.exists()
+
+
 def test_every_option_of_fill_is_there():
     fill = next(a for a in cli.parser()._actions if a.dest == "command").choices["fill"]
     parameters = {*inspect.signature(tripatch.fill).parameters, *inspect.signature(tripatch.choose_holes).parameters}
