@@ -87,8 +87,9 @@ def _surface_colors(made, mesh, vertices, triangles, settings):
             made.told.append("No deviation is known of this mesh")
             return None
         most = settings.deviation if settings.fixed_range else float(np.nan_to_num(values).max(initial=0.0))
-        made.told.append(f"Deviation up to {np.nan_to_num(values).max(initial=0.0):.3g} (red from {most:.3g})")
-        return quality.scale_colors(values, most)
+        grey = ", grey: not known" if np.isnan(values).any() else ""
+        made.told.append(f"Deviation up to {np.nan_to_num(values).max(initial=0.0):.3g} (red from {most:.3g}){grey}")
+        return quality.known_colors(values, most)
     return None
 
 

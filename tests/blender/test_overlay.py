@@ -130,6 +130,13 @@ def test_deviation_is_the_attribute_of_that_name(overlay, shown):
     assert "Deviation up to 0.25 (red from 0.25)" in made.told
     order = np.argsort(made.colors[:, 0] - made.colors[:, 2])
     assert made.colors[order[0], 2] > 0.8 and made.colors[order[-1], 0] > 0.8
+    assert not np.isclose(made.colors[:, :3], 0.75).all(axis=1).any()
+    values[ob.data.polygons[0].vertices[0]] = -1  # as a fill writes what it does not know
+    attribute.data.foreach_set("value", values)
+    ob.data.update()
+    made = seen(shown, ob, surface="DEVIATION")
+    assert "Deviation up to 0.25 (red from 0.25), grey: not known" in made.told
+    assert np.isclose(made.colors[:, :3], 0.75).all(axis=1).any()
 
 
 def test_folds_are_red_also_over_stripes(overlay, shown):

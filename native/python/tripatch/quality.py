@@ -24,6 +24,7 @@ _SCALE = np.array([(0.13, 0.30, 0.85), (0.15, 0.75, 0.70), (0.95, 0.85, 0.15), (
 #: Below zero, zero, above zero.
 _SIGNED = np.array([(0.10, 0.25, 0.80), (0.45, 0.65, 0.95), (0.88, 0.88, 0.86), (0.97, 0.65, 0.40), (0.80, 0.10, 0.10)])
 FOLD_COLOR = (1.0, 0.0, 0.05)
+GREY = 0.75  # of what no color speaks of
 
 
 def triangulated(faces: Any) -> tuple[Array, Array]:
@@ -258,6 +259,13 @@ def _blend(table: Array, t: Array) -> Array:
 def scale_colors(values: Array, most: float) -> Array:
     """Colors (k, 3) from blue at 0 to red at `most`."""
     return _blend(_SCALE, np.asarray(values) / max(most, 1e-30))
+
+
+def known_colors(values: Array, most: float) -> Array:
+    """The same, but grey where a value is nan: not known."""
+    colors = scale_colors(values, most)
+    colors[np.isnan(values)] = GREY
+    return colors
 
 
 def signed_colors(values: Array, most: float) -> Array:

@@ -15,7 +15,6 @@ from . import files, quality
 from ._types import Array, ArrayLike
 
 _BACKGROUND = (0.22, 0.22, 0.23)
-_GREY = 0.75  # of what no color speaks of
 _AT_ONCE = 300_000  # pairs of a triangle and a pixel that are looked at together: some 50 MB
 _FINER = 2  # pixels a side that are averaged into one
 SIZE, EYE, LINES = (960, 720), (1, -1.4, 0.9), 12
@@ -126,8 +125,7 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
         known = np.isfinite(values) & (values >= 0)
         largest = float(values[known].max(initial=0.0))
         most = settings.get("most") or largest
-        colors = quality.scale_colors(np.where(known, values, 0.0), most)
-        colors[~known] = _GREY
+        colors = quality.known_colors(np.where(known, values, np.nan), most)
         told = f"deviation up to {largest:.3g} (red from {most:.3g})" if largest else "no deviation is known of this mesh"
         return colors, told if known.all() or not largest else f"{told}, unknown at {int((~known).sum())} vertices (grey)"
     if len(edges):
@@ -141,7 +139,7 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
     told = f"{'seam' if len(edges) else 'edges'} within {largest:.3g} deg (red from {most:.3g} deg)"
     colors = quality.scale_colors(at, most)
     if len(edges):
-        colors[np.setdiff1d(np.arange(len(vertices)), edges)] = _GREY
+        colors[np.setdiff1d(np.arange(len(vertices)), edges)] = quality.GREY
     return colors, told
 
 
@@ -193,7 +191,7 @@ def picture(
     elif kind == "folds":
         bad = quality.folded(vertices, triangles)
         told = f"{int(bad.sum())} folded triangles"
-        color = np.where(bad[of][:, None], quality.FOLD_COLOR, _GREY) * _lit(normals, canvas.axes)[:, None]
+        color = np.where(bad[of][:, None], quality.FOLD_COLOR, quality.GREY) * _lit(normals, canvas.axes)[:, None]
     else:
         colors, told = _colors(kind, vertices, triangles, edges, {"most": most, "deviation": known})
         color = (colors[triangles[of]] * weights[:, :, None]).sum(axis=1) * _lit(normals, canvas.axes)[:, None]
