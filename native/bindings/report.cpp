@@ -26,7 +26,8 @@ void bind_report(py::module_& m) {
       .def_readonly("surroundings_error", &Report::surroundings_error,
                     "How well the mesh determines its own tangent planes, in degrees; 0 where they are known exactly.")
       .def_readonly("fairing", &Report::fairing, "Name of the energy that was made small; empty: none.")
-      .def_readonly("energy_before", &Report::energy_before, "That energy before fairing.")
+      .def_readonly("energy_before", &Report::energy_before,
+                    "That energy before fairing; where none serves, of the one that was asked for.")
       .def_readonly("energy_after", &Report::energy_after, "That energy of the fill.")
       .def_readonly("shape_path", &Report::shape_path,
                     R"(With shape="optimal": a list of (lambda by side, energy), the last of which was taken.)")

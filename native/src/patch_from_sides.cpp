@@ -54,11 +54,9 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
     const FoldCounter counter(kinks, continuity.tangent);
     FairResult result = fair(base, build(method, smoothed(sides), ribbons, own), fairing, &counter);
     made.patch = std::move(result.patch);
-    if (!result.gave_up) {
-      made.report.fairing = name_of(result.energy);
-      made.report.energy_before = result.before;
-      made.report.energy_after = result.after;
-    }
+    if (!result.gave_up) made.report.fairing = name_of(result.energy);
+    made.report.energy_before = result.before;
+    made.report.energy_after = result.after;
     for (std::string& warning : result.warnings) made.report.warnings.push_back(std::move(warning));
     folds = result.folds;
     made.gave_up = result.gave_up;
@@ -93,8 +91,10 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
   own.to_be_faired = false;
   MadePatch plain = construct_and_fair(sides, method, continuity, options, center, own, !made.gave_up, points);
   if (made.gave_up && (plain.report.folds == 0 || made.report.folds > 0)) {
+    const double bends = energy(*plain.patch, *options.fairing, size_of(*plain.patch));
     made.patch = plain.patch;
     made.report.folds = plain.report.folds;
+    made.report.energy_before = made.report.energy_after = bends;
   }
   return plain.report.folds < made.report.folds && !made.gave_up ? plain : made;
 }

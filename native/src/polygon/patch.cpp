@@ -169,11 +169,9 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
     const PolygonBase measured = base_of(smoothed_list(sides), asked, bulge, &made.domain, through, past_hooks);
     PolygonFairResult fair = fair_polygon(base, measured, fairing);
     made.patch = fair.patch;
-    if (!fair.gave_up) {
-      made.fairing = name_of(fairing.energy);
-      made.energy_before = fair.before;
-      made.energy_after = fair.after;
-    }
+    if (!fair.gave_up) made.fairing = name_of(fairing.energy);
+    made.energy_before = fair.before;
+    made.energy_after = fair.after;
     made.folds = fair.folds;
     made.gave_up = fair.gave_up;
     made.warnings = std::move(fair.warnings);

@@ -186,6 +186,7 @@ void made_fair(RoundPatch& made, std::vector<Harmonic>& terms, const RoundBase& 
                                              ? quadratic_candidates<RoundProblem>(measured, fairing, base.size)
                                              : geometric_candidates<RoundProblem>(measured, fairing);
   const std::optional<Eigen::Matrix3d> axis = axis_of(base);
+  made.energy_before = made.energy_after = std::isnan(found.before) ? 0 : found.before;
   made.gave_up = found.beyond && made.folds == 0;
   made.of_revolution = axis.has_value();
   if (made.gave_up) {
@@ -194,7 +195,6 @@ void made_fair(RoundPatch& made, std::vector<Harmonic>& terms, const RoundBase& 
     return;
   }
   made.fairing = name_of(fairing.energy);
-  made.energy_before = made.energy_after = std::isnan(found.before) ? 0 : found.before;
   for (const Candidate& candidate : found.best_first) {
     if (!(candidate.energy <= made.energy_before)) continue;
     std::vector<Harmonic> now = sum_of(base.terms, found.problem->correction(candidate.x, base, axis));

@@ -13,8 +13,8 @@ namespace tripatch {
 struct SplineFillOptions {
   /// Triangles: a third of the rim has so many edges inside the fill; none: edges as long as the rim's. Quads: extra rows around.
   std::optional<int> resolution;
-  bool quads = false;     ///< that grow in from the rim; where these are no good, pairs of triangles that make good ones, as the rim has them
-  bool features = true;           ///< creases that end at the rim on both sides of the hole are continued across it
+  bool quads = false;    ///< that grow in from the rim; where these are no good, pairs of triangles that make good ones
+  bool features = true;  ///< creases that end at the rim on both sides of the hole are continued across it
   /// What of the mesh is continued, where that is not all around; none: `around`.
   const Connectivity* continued = nullptr;
   std::vector<Through> through = {};  ///< met exactly inside

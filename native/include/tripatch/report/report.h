@@ -22,7 +22,7 @@ struct Report {
   std::vector<std::string> continuity = {"", "", ""};  ///< by side: Free, G0, G1 or G2, what was asked or what auto took
   double surroundings_error = 0;                       ///< degrees; 0 where the surroundings are known exactly
   std::string fairing;                                 ///< name of the energy that was made small, empty: none
-  double energy_before = 0;
+  double energy_before = 0;                            ///< of that energy, or of the one that was asked for where none serves
   double energy_after = 0;
   /// The optimiser's path where lambda of a Szilvasi-Nagy method was to be optimal: (lambda, thin-plate energy), the last was taken.
   std::vector<std::pair<std::array<double, 3>, double>> shape_path;
