@@ -397,7 +397,8 @@ def test_where_no_energy_serves_arrows_shape_the_plain_patch(shaping, monkeypatc
     made = triangular_rim(shaping)
     made.drag_corner(0, made.shape.corners[0] + 3)
     made.preview()
-    assert made.fill.sides and not made.fill.report.fairing and made.fill.report.energy_after == made.fill.report.energy_before > 0
+    report = made.fill.report
+    assert made.fill.sides and not report.fairing and report.energy_after == report.energy_before > 0
     patch, asked = shaping.tripatch.patch, []
     monkeypatch.setattr(shaping.tripatch, "patch", lambda *a, **k: asked.append(k["fairing"]) or patch(*a, **k))
     made.set_bulge(0, 1.3)
