@@ -306,7 +306,9 @@ class Shaping:
         """The first step of a drag of an arrow where the fill is no patch: reads the sides of the one that the next steps shape,
         and goes on showing the fill. Where the patch would fold there is none, and arrows change nothing, as at the end. Whether
         this is such a step."""
-        if self.fill is None or self.fill.sides or self._asked == self._asked_shape() or self._read_last != self._read_for():
+        if self.fill is None or self.fill.sides or given.get("method", "auto") != "auto":
+            return False
+        if self._asked == self._asked_shape() or self._read_last != self._read_for():
             return False
         self._filled, corners = self._read_for(), [self._loop[k] for k in self.corners()]
         own = given | {"method": "side_vertex" if len(corners) == 3 else "multi_sided", "fairing": None, "center_offset": 0.0}
