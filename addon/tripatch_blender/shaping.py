@@ -19,10 +19,12 @@ REACH = 60
 #: Of the size of the hole: an arrow at bulge 1. The arrows of three sides do not meet in the middle.
 ARROW = 0.14
 LEAST_BULGE = 0.05
-#: Vertices of a rim from which on the preview while dragging is coarser inside, so that a step stays fluent.
+#: Vertices of a rim from which on a step of a drag looks at fewer rings of the surroundings, and a mesh for it is coarser inside.
 _MANY = 72
-_FEW_RINGS = 2  # of the surroundings are looked at for it, and
-_COARSE = 12  # edges a side inside of such a preview
+_FEW_RINGS = 2
+_COARSE = 12  # edges a side
+_ROWS = 8  # from the rim to the middle, as it is shown without a mesh
+_PATCHES = ("side_vertex", "multi_sided")
 # While an arrow is dragged, what is shown between fills that lie so near to each other, in bulge and in the middle's height over
 # the hole's size, is blended of them: each would take as long as any fill.
 _STEP_OF_BULGE, _STEP_OF_MIDDLE = 0.1, 0.05
@@ -39,18 +41,56 @@ class Shape:
     round: bool = False  # no corners are wanted
 
 
+@dataclass
+class _Net:
+    """What of a fill is shown, beside its rim."""
+
+    places: Any  # of its points in the domain
+    vertices: Any  # (k, 3)
+    normals: Any  # (k, 3)
+    triangles: Any  # (t, 3) of the mesh's vertices and, after these, its own
+
+    @classmethod
+    def of_mesh(cls, fill):
+        triangles = [(f[0], f[k], f[k + 1]) for f in fill.faces for k in range(1, len(f) - 1)]
+        return cls(writeback.parameters(fill)[1], fill.vertices, fill.normals, np.array(triangles, np.int64).reshape(-1, 3))
+
+    @classmethod
+    def of_rows(cls, fill, count):
+        """In rows from its rim to its middle, which take no mesh to be made; None where not all of the rim is seen from there, or
+        edges are continued across. count: vertices of the mesh."""
+        rim = writeback.parameters(fill)[0]
+        if fill.sides:
+            middle = _middle_place(fill.patch)
+        else:
+            middle = rim.mean(axis=0, keepdims=True)
+            after = np.roll(rim, -1, axis=0) - middle
+            turns = (rim - middle)[:, 0] * after[:, 1] - (rim - middle)[:, 1] * after[:, 0]
+            if len(fill.feature_edges) or turns.min() * turns.max() <= 0:
+                return None
+        shares = np.arange(_ROWS - 1, 0, -1)[:, None, None] / _ROWS
+        places = np.vstack([(middle + shares * (rim - middle)).reshape(-1, rim.shape[1]), middle])
+        last = count + len(places) - 1
+        a = np.vstack([fill.rim, np.arange(count, last).reshape(-1, len(rim)), np.full(len(rim), last)])
+        b = np.roll(a, -1, axis=1)
+        beside = [np.stack(three, axis=-1).reshape(-1, 3) for three in ((a[:-1], b[:-1], a[1:]), (b[:-1], b[1:], a[1:]))]
+        triangles = np.vstack([beside[0], beside[1][: -len(rim)]])  # at the middle there is but one
+        return cls(places, fill.patch.evaluate(places), fill.patch.normal(places), triangles)
+
+
 class _Between:
     """The exact patches between the sides of a fill, by bulges and the middle, as points at the places of the fill's vertices."""
 
-    def __init__(self, fill, shape, size, fairing="auto"):
-        """shape: (*bulges, middle), of the fill. fairing: of the patches; None where the sides were found to allow none."""
-        self.fill = fill
-        self._sides, self._method, self._places = fill.sides, fill.report.method, writeback.parameters(fill)[1]
+    def __init__(self, fill, net, shape, size, fairing="auto"):
+        """net: what of the fill is shown. shape: (*bulges, middle), of the fill. fairing: of the patches; None where the sides
+        were found to allow none."""
+        self.fill, self.net = fill, net
+        self._sides, self._method, self._places = fill.sides, fill.report.method, net.places
         self._fairing = fairing
         self._steps = [_STEP_OF_BULGE] * (len(shape) - 1) + [_STEP_OF_MIDDLE * size]
         self._known, self._centers = {}, {}
         if fill.report.fairing or not fairing:
-            self._known[shape] = fill.vertices, fill.normals
+            self._known[shape] = net.vertices, net.normals
         if not shape[-1] and fill.report.fairing:
             self._centers[_bulge(shape[:-1])] = _middle_of(fill.patch)
 
@@ -125,8 +165,13 @@ class _Between:
 
 def _middle_of(patch: Any):
     """The middle of a patch and its normal."""
-    place = patch.domain.mean(axis=0)[None] if hasattr(patch, "domain") else np.full((1, 3), 1 / 3)
+    place = _middle_place(patch)
     return patch.evaluate(place)[0], patch.normal(place)[0]
+
+
+def _middle_place(patch: Any):
+    """(1, 2 or 3): of the middle in the domain."""
+    return patch.domain.mean(axis=0)[None] if hasattr(patch, "domain") else np.full((1, 3), 1 / 3)
 
 
 def _bulge(bulges):
@@ -161,7 +206,9 @@ class Shaping:
         self.refusal: tripatch.Refusal | str | None = None
         self.vertices: Any = None  # (k, 3) of the fill as it is shown
         self.normals: Any = None
-        self._triangles: Any = None  # its faces
+        self._net: Any = None  # on which it is
+        self._no_patch = False  # is between the corners that are being dragged
+        self._in_rows = True  # is what steps of a drag show, where they are no patches too
         self._filled = None  # what of the shape the surroundings were read for
         self._between: _Between | None = None  # fills between its sides; none where arrows change nothing
         self._asked: tuple | None = None  # bulges and the middle of the last fill,
@@ -280,46 +327,76 @@ class Shaping:
 
     def preview(self, quick=False):
         """Fills, and keeps the fill or its refusal. quick: where only bulges and the middle have changed, from the sides that
-        were read before; else coarser inside, without fairing where that is a step of its own."""
-        given, faces = self.options(), self._faces
-        if quick and (self._shape_anew() or self._read_sides(given)):
-            return self.fill
+        were read before; else without a mesh inside where none is needed to show it, and without a patch's fairing."""
         if quick:
-            given, faces = self._quick(given), self._nearest
+            return self.fill if self._shape_anew() or self._read_sides() else self._preview_corners()
+        given, self._no_patch = self.options(), False
         try:
-            corners = [self._loop[k] for k in self.corners()]
-            self.fill, self.refusal = tripatch.fill(self._positions, faces, rim=self._loop, corners=corners, **given), None
-            self.vertices, self.normals, self._triangles = self.fill.vertices, self.fill.normals, None
-            self._filled = self._between = None
-            self._asked, self._read_last = self._asked_shape(), self._read_for()
+            self._show(self._filled_with(self._faces, given))
             if self.fill.sides:
-                self._shape_between(self.fill, given, "auto" if quick or self.fill.report.fairing else None)
+                self._shape_between(self.fill, given, "auto" if self.fill.report.fairing else None)
         except (tripatch.Refusal, ValueError) as reason:
             self.refusal = str(reason)
         return self.fill
 
-    def _shape_between(self, fill, given, fairing):
-        self._filled = self._read_for()
-        self._between = _Between(fill, (*self._by_side(), given["center_offset"]), self.size, fairing)
+    def _filled_with(self, faces, given):
+        return tripatch.fill(self._positions, faces, rim=self._loop, corners=[self._loop[k] for k in self.corners()], **given)
 
-    def _read_sides(self, given):
+    def _show(self, fill, net=None):
+        self.fill, self.refusal, self._net = fill, None, net or _Net.of_mesh(fill)
+        self.vertices, self.normals = self._net.vertices, self._net.normals
+        self._filled = self._between = None
+        self._asked, self._read_last = self._asked_shape(), self._read_for()
+
+    def _preview_corners(self):
+        """A step of a drag of a corner. Where no patch lies between the corners, or one that folds, this step and the next ones
+        have none."""
+        given = self._quick(self.options())
+        may_change = self.arguments.get("method", "auto") == "auto" and given["method"] in _PATCHES
+        try:
+            fill = self._filled_with(self._nearest, given)
+            if not (fill.report.folds and may_change):
+                return self._show_step(fill, given)
+        except (tripatch.Refusal, ValueError) as reason:
+            self.refusal = str(reason)
+        if not may_change:
+            return self.fill
+        self._no_patch = True
+        return self._preview_corners()
+
+    def _show_step(self, fill, given):
+        net = _Net.of_rows(fill, len(self._positions)) if self._in_rows or fill.sides else None
+        if net is None and self._in_rows:  # a mesh for this one and the next ones
+            self._in_rows = False
+            fill = self._filled_with(self._nearest, self._quick(self.options()))
+        self._show(fill, net)
+        if fill.sides:
+            self._shape_between(fill, given, "auto")
+        return fill
+
+    def _shape_between(self, fill, given, fairing, net=None):
+        """net: what of it will be shown, where that is not what is."""
+        self._filled = self._read_for()
+        shape = (*self._by_side(), given["center_offset"])
+        self._between = _Between(fill, net or self._net, shape, self.size, fairing)
+
+    def _read_sides(self):
         """The first step of a drag of an arrow where the fill is no patch: reads the sides of the one that the next steps shape,
         and goes on showing the fill. Where the patch would fold there is none, and arrows change nothing, as at the end. Whether
         this is such a step."""
-        if self.fill is None or self.fill.sides or given.get("method", "auto") != "auto":
+        if self.fill is None or self.fill.sides or self.arguments.get("method", "auto") != "auto":
             return False
         if self._asked == self._asked_shape() or self._read_last != self._read_for():
             return False
-        self._filled, corners = self._read_for(), [self._loop[k] for k in self.corners()]
-        own = given | {"method": "side_vertex" if len(corners) == 3 else "multi_sided", "fairing": None, "center_offset": 0.0}
-        if len(self.rim) > _MANY:
-            own["resolution"] = _COARSE
+        self._filled = self._read_for()
+        given = self.options() | {"output": "triangles", "resolution": 1, "fairing": None, "center_offset": 0.0}
+        given["method"] = "side_vertex" if len(self.corners()) == 3 else "multi_sided"
         try:
-            plain = tripatch.fill(self._positions, self._nearest, rim=self._loop, corners=corners, **own)
+            plain = self._filled_with(self._nearest, given)
         except (tripatch.Refusal, ValueError):
             return True
         if plain.sides and not plain.report.folds:
-            self._shape_between(plain, own, "auto")
+            self._shape_between(plain, given, "auto", _Net.of_rows(plain, len(self._positions)))
         return True
 
     def _read_for(self):
@@ -340,37 +417,38 @@ class Shaping:
             self.vertices, self.normals = self._between.begun(shape) or self._between.at(shape)
         except ValueError:  # Refusal, InvalidArgument
             return False
-        if self.fill is not self._between.fill:
-            self.fill, self._triangles = self._between.fill, None
+        self.fill, self._net = self._between.fill, self._between.net
         self.refusal = None
         return True
 
     def _quick(self, given):
-        if len(self.rim) > _MANY:
-            given = given | {"resolution": _COARSE}
-        if len(self.corners()) == 3 and given.get("method", "auto") in ("auto", "side_vertex"):
-            given = given | {"method": "side_vertex", "fairing": None}
-        elif self._keeps_method(given):
-            given = given | {"method": self.fill.report.method}
-            if given["method"] == "polyharmonic_spline":  # which takes neither, and was taken nevertheless
-                given = given | {"bulge": 1.0, "center_offset": 0.0}
-            elif self.corners():
-                given = given | {"fairing": None}
+        """The options of a step: just the surface where that serves, without a mesh and, of sides, as they alone tell."""
+        method = self._quick_method(given.get("method", "auto"))
+        given = given | {"method": method, "output": "triangles"}
+        if method == "polyharmonic_spline":  # which takes neither, and was taken nevertheless
+            given = given | {"bulge": 1.0, "center_offset": 0.0}
+        elif method in _PATCHES and self.corners():
+            given["fairing"] = None
+        if method in _PATCHES or self._in_rows:
+            given["resolution"] = 1
+        elif len(self.rim) > _MANY:
+            given["resolution"] = _COARSE
         return given
 
-    def _keeps_method(self, given):
-        """Whether nothing but corners has moved since the last fill: then the method that it took is not looked for again."""
-        if self.fill is None or self._asked != self._asked_shape() or given.get("method", "auto") != "auto":
-            return False
-        return self.fill.report.method in ("multi_sided", "polyharmonic_spline")
+    def _quick_method(self, asked):
+        """Where nothing but corners has moved since the last fill, the method that it took is not looked for again."""
+        if asked != "auto":
+            return asked
+        if self._no_patch:
+            return "polyharmonic_spline"
+        if len(self.corners()) == 3:
+            return "side_vertex"
+        kept = self.fill.report.method if self.fill is not None and self._asked == self._asked_shape() else "auto"
+        return kept if kept in ("multi_sided", "polyharmonic_spline") else "auto"
 
     def surface(self):
         """(vertices (n, 3), triangles (t, 3)) of the fill, with the mesh's own vertices as far as it uses them."""
-        vertices = np.vstack([self._positions, self.vertices])
-        if self._triangles is None:
-            triangles = [(f[0], f[k], f[k + 1]) for f in self.fill.faces for k in range(1, len(f) - 1)]
-            self._triangles = np.array(triangles, dtype=np.int64).reshape(-1, 3)
-        return vertices, self._triangles
+        return np.vstack([self._positions, self.vertices]), self._net.triangles
 
     # Where the handles are.
 
@@ -387,10 +465,10 @@ class Shaping:
 
     def middle_handle(self):
         """(point, normal) of the fill's middle without its offset."""
-        if self.fill is None or not len(self.fill.vertices):
+        if self.fill is None or not len(self.vertices):
             return self.points.mean(axis=0), np.array([0.0, 0.0, 1.0])
-        rim, inside = writeback.parameters(self.fill)  # places in the domain: they stay where the surface moves
-        k = int(np.linalg.norm(inside - rim.mean(axis=0), axis=1).argmin())
+        rim = writeback.parameters(self.fill)[0]  # places in the domain: they stay where the surface moves
+        k = int(np.linalg.norm(self._net.places - rim.mean(axis=0), axis=1).argmin())
         normal = self.normals[k]
         return self.vertices[k] - self.shape.middle * normal, normal
 

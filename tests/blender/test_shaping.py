@@ -243,6 +243,22 @@ def wavy_rim(shaping):
     return square_rim(shaping, lambda x, y: 0.4 * np.sin(1.5 * x) * np.cos(y))
 
 
+def four_cornered_rim(shaping):
+    """Of a round hole in a plane, with four corners: no vertex of it must be one, none that is not makes a patch fold."""
+    angle, radii = np.arange(48) * np.pi / 24, np.linspace(1, 2, 7)
+    points = np.array([(r * np.cos(a), r * np.sin(a), 0) for r in radii for a in angle])
+    faces = [
+        (48 * j + k, 48 * j + 48 + k, 48 * j + 48 + (k + 1) % 48, 48 * j + (k + 1) % 48) for j in range(6) for k in range(48)
+    ]
+    return begun(shaping, scenes.add_mesh(points, faces), 6, 18, 30, 42)[1]
+
+
+def three_cornered_rim(shaping):
+    made = round_rim(shaping)
+    made.set_round(False)
+    return made
+
+
 def round_rim(shaping):
     return begun(shaping, scenes.add_mesh(*scenes.ring(80)), *range(80))[1]
 
@@ -278,7 +294,7 @@ def test_while_dragging_the_fill_is_the_one_that_is_made_at_the_end_without_read
 
 
 def test_while_corners_are_dragged_the_method_is_not_looked_for_again(shaping, monkeypatch):
-    made, methods = square_rim(shaping), []
+    made, methods = four_cornered_rim(shaping), []
     fill = shaping.tripatch.fill
 
     def watched(*arguments, **given):
@@ -288,6 +304,7 @@ def test_while_corners_are_dragged_the_method_is_not_looked_for_again(shaping, m
     monkeypatch.setattr(shaping.tripatch, "fill", watched)
     made.preview()
     taken = made.fill.report.method
+    assert taken == "multi_sided"
     made.begin_drag()
     for _ in range(2):
         made.drag_corner(0, made.shape.corners[0] + 1)
@@ -404,6 +421,57 @@ def test_where_no_energy_serves_arrows_shape_the_plain_patch(shaping, monkeypatc
     made.set_bulge(0, 1.3)
     made.preview(quick=True)
     assert asked == [None] * len(asked) and asked
+
+
+def surface_triangles(made):
+    vertices, triangles = made.surface()
+    return np.asarray(vertices)[triangles]
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+@pytest.mark.parametrize("make", [three_cornered_rim, four_cornered_rim])
+def test_a_step_of_a_corner_shows_the_patch_all_over_without_its_mesh(shaping, make, output):
+    made = make(shaping)
+    made.arguments = {"output": output}
+    made.preview()
+    made.begin_drag()
+    made.drag_corner(0, made.shape.corners[0] + 1)
+    made.preview(quick=True)
+    assert made.fill.sides and not made.fill.report.folds
+    edges = made.surface()[1][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    border = edges[~(edges[:, None] == edges[None, :, ::-1]).all(axis=2).any(axis=1)]
+    assert sorted(border[:, 0]) == sorted(made.fill.rim), "closed up to the rim"
+    triangles = surface_triangles(made)
+    areas = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
+    assert areas.min() > 0
+    exact = shaping.tripatch.fill(
+        made._positions, made._faces, rim=made._loop, corners=[made._loop[k] for k in made.corners()], fairing=None,
+        method=made.fill.report.method,
+    )  # fmt: skip
+    assert np.abs(exact.patch.evaluate(made._net.places) - made.vertices).max() < 1e-9 * made.size
+    point, normal = made.middle_handle()
+    assert np.linalg.norm(point - made.vertices[-1]) < 1e-12 and np.linalg.norm(normal) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("in_rows", [True, False])
+def test_where_the_patch_between_dragged_corners_folds_the_spline_is_shown_at_once(shaping, in_rows, monkeypatch):
+    made, fill, asked = square_rim(shaping), shaping.tripatch.fill, []
+    if not in_rows:  # as round a rim that no point sees all of
+        monkeypatch.setattr(shaping._Net, "of_rows", classmethod(lambda *_: None))
+    monkeypatch.setattr(shaping.tripatch, "fill", lambda *a, **k: asked.append(k.get("method", "auto")) or fill(*a, **k))
+    made.preview()
+    made.begin_drag()
+    for _ in range(2):
+        made.drag_corner(0, made.shape.corners[0] + 1)
+        made.preview(quick=True)
+        assert made.fill.report.method == "polyharmonic_spline" and not made.refusal
+        assert np.isfinite(surface_triangles(made)).all() and len(made.vertices) > 20
+    assert asked == ["auto", "multi_sided", *["polyharmonic_spline"] * (2 if in_rows else 3)]
+    shown = made.vertices
+    made.end_drag()
+    assert made.fill.report.method == "polyharmonic_spline"
+    apart = np.linalg.norm(shown[:, None] - made.fill.vertices[None], axis=2).min(axis=1).max()
+    assert apart < 0.15 * made.size, "what is made at the end"
 
 
 def test_other_corners_are_read_anew(shaping):
