@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/machines.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
@@ -48,6 +49,52 @@ struct Polygon {
 };
 
 std::array<Index, 2> ordered(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// What the apexes of a chord (i, k) are compared by, one after the other from vertex i + 1 on.
+struct Apexes {
+  std::array<const double*, 3> x;              // the vertices themselves
+  std::array<double, 3> start, chord;          // vertex i, and from there to k
+  std::array<const double*, 3> before, after;  // the normals at the chords (i, m) and (m, k)
+  const double *worst_before, *worst_after;    // of the fills beyond them
+  Index count;
+};
+
+#ifdef TRIPATCH_PACKS
+TRIPATCH_PACKED_INLINE Pack smaller(const Pack& a, const Pack& b) { return a < b ? a : b; }
+
+/// Whether a lane of a is not below s.
+TRIPATCH_PACKED_INLINE bool any_at_least(const Pack& a, double s) { return __builtin_ia32_movmskpd256(Pack(a >= s)) != 0; }
+
+/// The same bits as Filler::compare, of four apexes or more. only_best: where four are all worse than one before them, only so much as the
+/// fills beyond them tell.
+TRIPATCH_PACKED void compare_packed(const Apexes& apexes, bool only_best, double* score) {
+  const auto& [x, start, chord, before, after, worst_before, worst_after, count] = apexes;
+  const double e2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
+  const double tiny = std::numeric_limits<double>::min();
+  const Pack one = all_lanes(1);
+  double threshold = -std::numeric_limits<double>::infinity();
+  for (Index next = 0; next < count; next += lanes) {
+    const Index j = std::min(next, count - lanes);  // the last four overlap others
+    const Pack beyond = smaller(loaded(worst_before + j), loaded(worst_after + j));
+    if (!any_at_least(beyond, threshold)) {
+      store(beyond, score + j);
+      continue;
+    }
+    const Pack ux = loaded(x[0] + j) - start[0], uy = loaded(x[1] + j) - start[1], uz = loaded(x[2] + j) - start[2];
+    const Pack nx = uy * chord[2] - uz * chord[1], ny = uz * chord[0] - ux * chord[2], nz = ux * chord[1] - uy * chord[0];
+    const Pack square = nx * nx + ny * ny + nz * nz, lengths = e2 + ux * ux + uy * uy + uz * uz;
+    const Pack least = smaller(square / (lengths * lengths * flat + tiny), one);
+    const Pack cosine = smaller(nx * loaded(before[0] + j) + ny * loaded(before[1] + j) + nz * loaded(before[2] + j),
+                                nx * loaded(after[0] + j) + ny * loaded(after[1] + j) + nz * loaded(after[2] + j));
+    const Pack size = cosine < 0 ? -cosine : cosine;
+    const Pack angle = cosine * size / (square + tiny) * least - (one - least);
+    const Pack found = smaller((angle + rounder) - rounder, beyond);
+    store(found, score + j);
+    if (only_best && any_at_least(found, threshold))
+      for (int lane = 0; lane < lanes; ++lane) threshold = std::max(threshold, found[lane]);
+  }
+}
+#endif
 
 class Filler {
 public:
@@ -274,7 +321,8 @@ private:
   /// The scores of all apexes of chord (i, k) where the worst angle counts, that over the faces beyond among them.
   void score_angles(Index i, Index k, Index n, const Polygon& polygon) {
     const Index first = i + 1, count = k - i - 1;
-    compare(i, k, n);
+    const bool are_final = k - i < n - 1 && !polygon.normals[i].isZero() && !polygon.normals[k - 1].isZero();
+    compare(i, k, n, are_final);
     double* const score = score_.data();
     if (polygon.normals[i].isZero()) rescore(score[0], i, first, k, normal_at(k, first), worst_(k, first));
     if (polygon.normals[k - 1].isZero()) rescore(score[count - 1], i, k - 1, k, normal_at(i, k - 1), worst_(i, k - 1));
@@ -286,8 +334,27 @@ private:
 
   /// The scores of all apexes of chord (i, k): the worst angle of the triangle with the two fills beyond it, and theirs. Written so
   /// that Eigen takes four at a time: without a branch.
-  void compare(Index i, Index k, Index n) {
+  void compare(Index i, Index k, Index n, [[maybe_unused]] bool only_best) {
     const Index from = i + 1, count = k - i - 1;
+#ifdef TRIPATCH_PACKS
+    static const bool packs = __builtin_cpu_supports("avx2");
+    if (packs && count >= lanes) {
+      const auto row = [&](const Square& square, Index of) { return square.data() + of * n + from; };
+      Apexes apexes;
+      for (int c = 0; c < 3; ++c) {
+        apexes.x[c] = x_[c].data() + from;
+        apexes.start[c] = x_[c][i];
+        apexes.chord[c] = x_[c][k] - x_[c][i];
+        apexes.before[c] = row(normal_[c], i);
+        apexes.after[c] = row(normal_[c], k);
+      }
+      apexes.worst_before = row(worst_, i);
+      apexes.worst_after = row(worst_, k);
+      apexes.count = count;
+      compare_packed(apexes, only_best, score_.data());
+      return;
+    }
+#endif
     const auto of = [&](const Square& square, Index row) { return Eigen::Map<const Row>(square.data() + row * n + from, count); };
     auto nx = work_[0].head(count), ny = work_[1].head(count), nz = work_[2].head(count), square = work_[3].head(count),
          least = work_[4].head(count), score = score_.head(count);
