@@ -82,6 +82,29 @@ TEST_CASE("between sides whose planes are ten degrees apart at the corners there
   CHECK(apart(above) < 10.1);
 }
 
+TEST_CASE("a patch that folds between given corners has no faces made where a surface takes its place") {
+  const Skirts hole({8, 8, 8, 8}, [](double t) { return 20 * t; });
+  const Mesh mesh = hole.mesh();
+  const Connectivity around(mesh);
+  const std::vector<Index> beside = {4, 8, 16, 24};  // the first in the middle of a side, which has a corner in it now
+  const PolygonFill whole = fill_with_polygon(mesh, around, hole.rim, beside, {}),
+                    alone = fill_with_polygon(mesh, around, hole.rim, beside, {}, false);
+  REQUIRE(whole.fill.report.folds > 0);
+  CHECK(whole.fill.faces.size() > 0);
+  CHECK(alone.fill.faces.size() == 0);
+  CHECK((alone.crumpled && alone.fill.report.folds == whole.fill.report.folds));
+  CHECK(alone.fill.rim_normals == whole.fill.rim_normals);
+  FillOptions options;
+  options.rim = hole.rim;
+  options.corners = std::vector<Index>();
+  for (Index place : beside) options.corners->push_back(hole.rim[place]);
+  const Fill filled = fill(mesh, options);
+  CHECK(filled.report.method == "polyharmonic_spline");
+  CHECK(filled.faces.size() > 0);
+  const PolygonFill unfolded = fill_with_polygon(mesh, around, hole.rim, hole.corners, {}, false);
+  CHECK((unfolded.fill.report.folds == 0 && unfolded.fill.faces.size() > 0));
+}
+
 /// Degrees between the planes of three sides at their corners, the most.
 double planes_apart(const Skirts& hole) {
   const Mesh mesh = hole.mesh();

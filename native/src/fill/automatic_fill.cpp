@@ -66,13 +66,15 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
                        const FillOptions& options) {
   check_counts(options, corners.size());
   SplineBeside any_rim(ground, rim, corners, options);
+  const std::string smooth = "the rim has " + std::to_string(corners.size()) + " smooth sides";
+  CorneredRim found;
   std::string reason;
   std::optional<Fill> patch;
   try {
-    const CorneredRim found = cornered(ground, rim, corners);
+    found = cornered(ground, rim, corners);
     if (zigzag(ground.mesh, found.rim, found.places) > smooth_sides) return any_rim("the sides between the corners zigzag");
-    PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options);
-    made.fill.report.method_reason = "the rim has " + std::to_string(corners.size()) + " smooth sides";
+    PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options, false);
+    made.fill.report.method_reason = smooth;
     const std::vector<std::string>& kept = made.fill.report.continuity;
     const bool beside_sharp = std::find(kept.begin(), kept.end(), "Free") != kept.end();
     if (!given && beside_sharp && corners.size() == 2 && !is_shaped_by_hand(options))
@@ -95,8 +97,12 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     Fill planar = fill_with_planes_of(ground, *patch, options, reason);
     if (planar.patch && harm(planar.report) <= harm(other.report)) return planar;
   }
-  const bool better = !patch || harm(other.report) <= harm(patch->report);
-  return better ? other : std::move(*patch);
+  if (!patch || is_harmless(other.report)) return other;
+  if (patch->report.folds > 0) {  // its mesh too is needed now
+    patch = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill;
+    patch->report.method_reason = smooth;
+  }
+  return harm(other.report) <= harm(patch->report) ? other : std::move(*patch);
 }
 
 /// The end of a prism of so few walls has a corner at every vertex: of more it may be a coarse tube.
@@ -127,7 +133,7 @@ Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, const F
   check_counts(options, 1);
   try {
     check_positions(ground.mesh, ground.left, rim);
-    PolygonFill made = fill_round(ground.mesh, ground.left, rim, options);
+    PolygonFill made = fill_round(ground.mesh, ground.left, rim, options, false);
     made.fill.report.method_reason =
         made.of_revolution ? "the rim is round, and what surrounds it of revolution" : "the rim is round";
     if (made.crumpled) return any_rim("a patch over the round rim would fold or crumple");

@@ -418,7 +418,7 @@ void in_order_of_triangles(std::vector<T>& values) {
 }  // namespace
 
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                              const std::vector<Index>& corners, const FillOptions& options) {
+                              const std::vector<Index>& corners, const FillOptions& options, bool folded_too) {
   PolygonPatchOptions own = polygon_options(options);
   std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
   SideTerms terms = terms_of_sides(BySide<SideContinuity>(from_first_corner(options.continuity.values())), angles);
@@ -432,11 +432,16 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   const PlanePoints rim_uv = rim_places(made.domain, known.parameters);
   Points points(r, 3);
   for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(rim[k]);
-  const PlaneCover cover = options.output == Output::quads
-                               ? quads_of(made.domain.center(), *made.patch, rim_uv, points,
-                                          rim_corners(mesh, around, rim, corners), layout_options(options), made.met)
-                               : triangles_of(made.domain.center(), made.domain.sides(), *made.patch, rim_uv, points, corners,
-                                              joined_rows(around, rim), options.resolution, made.met);
+  PlaneCover cover;
+  if (made.folds > 0 && !folded_too) {
+    // nothing is laid out
+  } else if (options.output == Output::quads) {
+    cover = quads_of(made.domain.center(), *made.patch, rim_uv, points, rim_corners(mesh, around, rim, corners),
+                     layout_options(options), made.met);
+  } else {
+    cover = triangles_of(made.domain.center(), made.domain.sides(), *made.patch, rim_uv, points, corners,
+                         joined_rows(around, rim), options.resolution, made.met);
+  }
   fill.rim = rim;
   fill.rim_uv = rim_uv;
   fill.rim_normals = made.patch->normals(as_rows(rim_uv));
@@ -626,7 +631,8 @@ constexpr int most_waves = 48;
 
 }  // namespace
 
-PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options) {
+PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
+                       bool folded_too) {
   const Index r = static_cast<Index>(rim.size());
   if (r < least_round) throw Refusal("A round rim has six edges or more", rim);
   const auto [first, backwards] = own_beginning(mesh, around, rim);
@@ -652,7 +658,9 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   fill.sides = {made.side};
   const bool quads = options.output == Output::quads, even = r % 2 == 0 || options.odd == Odd::split;
   PlaneCover cover;
-  if (quads && even) {  // laid out where the geometry begins, which of many equal layouts is taken hangs on it
+  if (made.folds > 0 && !folded_too) {
+    // nothing is laid out
+  } else if (quads && even) {  // laid out where the geometry begins, which of many equal layouts is taken hangs on it
     cover = quads_of(Vec2::Zero(), *as_known.patch, known_uv, points, {}, layout_options(options), as_known.met);
     const Vec2 turn = on_circle(begin);
     cover.uv *= (Eigen::Matrix2d() << turn[0], -turn[1], turn[1], turn[0]).finished();

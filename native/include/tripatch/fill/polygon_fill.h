@@ -57,12 +57,14 @@ bool excluded_by(const Fill& patch, const Fill& spline, double diameter);
 /// Whether the spline misses planes along the rim by so many degrees which the sides of the patch know so many times better.
 bool misses_known_planes(const Fill& patch, const Fill& spline, double degrees, double times);
 
+/// folded_too: else a patch that folds has no faces, which take most of the time.
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                              const std::vector<Index>& corners, const FillOptions& options);
+                              const std::vector<Index>& corners, const FillOptions& options, bool folded_too = true);
 
 /// A round rim has at least so many edges.
 constexpr Index least_round = 6;
-/// The patch over a disc whose rim has no corners. rim: in the direction of new faces, least_round edges or more.
-PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options);
+/// The patch over a disc whose rim has no corners. rim: in the direction of new faces, least_round edges or more. folded_too: as above.
+PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
+                       bool folded_too = true);
 
 }  // namespace tripatch
