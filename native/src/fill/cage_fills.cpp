@@ -47,7 +47,7 @@ constexpr Index most_fair = 1000;
 constexpr const char* grown_reason = "the quads go on from those around the hole";
 constexpr const char* placed_reason =
     "the fairest cage would run off: its vertices lie where the faces around the hole would go on";
-
+constexpr const char* guessed_reason = "the rim has no clear corners: the cage lies between four of its vertices";
 constexpr const char* many_reason = "so many vertices lie where the faces around the hole would go on";
 
 /// Whether the patch's own shape is asked for.
@@ -219,8 +219,13 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
     if (follows) cages.report_energies(h, fills[h].report);
     if (kept[h]) fills[h].report.folds = 0;  // of a patch that the cage is not fitted to
     complete_report(holes[h], options, {}, fills[h].report);
-    if (cages.laid_out(h).layout.grown) fills[h].report.method_reason = grown_reason;
-    if (placed) fills[h].report.method_reason = first_placed ? many_reason : placed_reason;
+    std::string& reason = fills[h].report.method_reason;
+    if (placed)
+      reason = first_placed ? many_reason : placed_reason;
+    else if (cages.laid_out(h).layout.grown)
+      reason = grown_reason;
+    else if (holes[h].guessed)
+      reason = guessed_reason;
   }
   if (on_mesh == OnMeshWhere::everywhere || untangled) return fills;
   fills = with_triangle_if_that_folds_less(ground, holes, options, std::move(fills));
@@ -251,10 +256,7 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
   std::vector<Fill> fills = cages_together(ground, holes, options);
   for (std::size_t h = 0; h < holes.size(); ++h) {
     const SidedRim& hole = holes[h];
-    Report& report = fills[h].report;
-    if (hole.guessed && report.method_reason != grown_reason && report.method_reason != placed_reason &&
-        report.method_reason != many_reason)
-      report.method_reason = "the rim has no clear corners: the cage lies between four of its vertices";
+    const Report& report = fills[h].report;
     if (holes.size() == 1 && !hole.given && !is_harmless(report)) {
       std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(ground, hole.rim);
       for (const bool by_angle : {false, true}) {
