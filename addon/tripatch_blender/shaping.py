@@ -79,7 +79,7 @@ class _Net:
 
 
 class _Between:
-    """The exact patches between the sides of a fill, by bulges and the middle, as points at the places of the fill's vertices."""
+    """The exact patches between the sides of a fill, by bulges and the middle, as points at the places of a net."""
 
     def __init__(self, fill, net, shape, size, fairing="auto"):
         """net: what of the fill is shown. shape: (*bulges, middle), of the fill. fairing: of the patches; None where the sides
