@@ -52,7 +52,7 @@ TEST_CASE("A sum of polyharmonic kernels and polynomials is what its formula say
   for (Index k = 0; k < at.rows(); ++k) CHECK(sum.values(at.row(k)).row(0) == found.row(k));
 
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(at.rows(), 9);
-  sum.evaluate(at, true, jets.data());
+  sum.evaluate(at, 1, jets.data());
   CHECK((jets.leftCols<3>() - expected).cwiseAbs().maxCoeff() < 1e-12);
   const double h = 1e-5;
   for (int axis = 0; axis < 2; ++axis) {
@@ -62,6 +62,25 @@ TEST_CASE("A sum of polyharmonic kernels and polynomials is what its formula say
     const Points slope = (sum.values(high) - sum.values(low)) / (2 * h);
     CHECK((jets.middleCols<3>(3 + 3 * axis) - slope).cwiseAbs().maxCoeff() < 1e-6);
   }
+
+  using SecondJets = Eigen::Matrix<double, Eigen::Dynamic, 18, Eigen::RowMajor>;
+  SecondJets second(at.rows(), 18);
+  sum.evaluate(at, 2, second.data());
+  CHECK((second.leftCols<9>() - jets).cwiseAbs().maxCoeff() < 1e-12);
+  const Index apart = at.rows() - 2;  // the first and the last are at a center, where the lowest orders have no second derivative
+  for (int axis = 0; axis < 2; ++axis) {
+    PlanePoints low = at, high = at;
+    low.col(axis).array() -= h;
+    high.col(axis).array() += h;
+    Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> before(at.rows(), 9), after(at.rows(), 9);
+    sum.evaluate(low, 1, before.data());
+    sum.evaluate(high, 1, after.data());
+    const Eigen::MatrixXd bend = (after - before).rightCols<6>().middleRows(1, apart) / (2 * h);
+    const int own = axis == 0 ? 9 : 15;  // half of the second derivative
+    CHECK((2 * second.middleCols(own, 3).middleRows(1, apart) - bend.middleCols(3 * axis, 3)).cwiseAbs().maxCoeff() < 1e-5);
+    CHECK((second.middleCols(12, 3).middleRows(1, apart) - bend.middleCols(3 - 3 * axis, 3)).cwiseAbs().maxCoeff() < 1e-5);
+  }
+  CHECK(second.allFinite());
 }
 
 TEST_CASE("slopes without a limit at a center go over a ten-millionth from one side to the other", "[thresholds]") {
@@ -71,7 +90,7 @@ TEST_CASE("slopes without a limit at a center go over a ten-millionth from one s
   PlanePoints at = PlanePoints::Zero(4, 2);
   for (int k = 0; k < 4; ++k) at(k, 0) = away[k];
   std::array<double, 36> out;
-  sum.evaluate(at, true, out.data());
+  sum.evaluate(at, 1, out.data());
   const auto slope = [&](int k) { return out[9 * k + 3] / out[9 * 3 + 3]; };
   CHECK(slope(0) == Approx(0.5));
   CHECK(slope(1) == Approx(0.95));

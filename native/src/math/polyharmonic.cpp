@@ -110,7 +110,7 @@ template <int Lanes>
 void PolyharmonicSum::values_at(const PlanePoints& at, Index first, double* out) const {
   using Values = Lane<Lanes>;
   const auto [x, y] = lanes_of<Lanes>(at, first);
-  std::array<Values, 3> sum = polynomials_at<Values>(x, y);
+  std::array<Values, 3> sum = polynomials_at<Values, 0>(x, y)[0];
   bool added = odd_.empty();
 #ifdef TRIPATCH_PACKS
   if constexpr (Lanes == 2 * lanes) {
@@ -145,33 +145,42 @@ void PolyharmonicSum::add_terms(const std::vector<Term>& terms, const Values& x,
   sum = {a, b, c};
 }
 
-template <int Lanes>
-void PolyharmonicSum::slopes_at(const PlanePoints& at, Index first, double* out) const {
+template <int Lanes, int Order>
+void PolyharmonicSum::derivatives_at(const PlanePoints& at, Index first, double* out) const {
   using Values = Lane<Lanes>;
   const auto [x, y] = lanes_of<Lanes>(at, first);
-  std::array<Values, 3> sum, by_u, by_v;
-  sum = polynomials_at<Values>(x, y, &by_u, &by_v);
+  Jets<Values, Order> sum = polynomials_at<Values, Order>(x, y);
   const double* const c = centers_.data();
   for (Index i = 0; i < centers_.rows(); ++i) {
     const Values dx = x - c[2 * i], dy = y - c[2 * i + 1], square = dx * dx + dy * dy;
     const Values apart = square.max(beside_center * beside_center);
-    // slope: of the kernel, over the way from the center
-    const auto add = [&](const Term& term, const Values& kernel, const Values& slope) {
+    // slope: of the kernel, over the way from the center; bend: the slope's own, likewise
+    const auto add = [&](const Term& term, const Values& kernel, const Values& slope, const auto& bend) {
       const double* const w = term.weights.data() + 3 * i;
-      const Values u = slope * dx, v = slope * dy;
-      for (int axis = 0; axis < 3; ++axis) {
-        sum[axis] += w[axis] * kernel;
-        by_u[axis] += w[axis] * u;
-        by_v[axis] += w[axis] * v;
+      const auto add_all = [&](std::array<Values, 3>& to, const Values& values) {
+        for (int axis = 0; axis < 3; ++axis) to[axis] += w[axis] * values;
+      };
+      add_all(sum[0], kernel);
+      add_all(sum[1], slope * dx);
+      add_all(sum[2], slope * dy);
+      if constexpr (Order == 2) {
+        // beside a center as a ten-millionth from it along u
+        const auto beside = square < beside_center * beside_center;
+        const Values a = beside.select(beside_center, dx), b = beside.select(0, dy), bent = bend(), bent_a = bent * a;
+        add_all(sum[3], 0.5 * (slope + bent_a * a));
+        add_all(sum[4], bent_a * b);
+        add_all(sum[5], 0.5 * (slope + bent * b * b));
       }
     };
     Values root = apart.sqrt(), lower = root;  // lower: the kernel over the squared distance
     for (int power = 1; const Term& term : odd_) {
-      for (; power < term.exponent / 2; ++power) lower *= apart;
-      if (term.exponent == 1)
-        add(term, square.sqrt(), root.inverse());
+      const int e = term.exponent;
+      for (; power < e / 2; ++power) lower *= apart;
+      const Values& own = lower;
+      if (e == 1)
+        add(term, square.sqrt(), root.inverse(), [&] { return Values(-(root * apart).inverse()); });
       else
-        add(term, lower * square, term.exponent * lower);
+        add(term, own * square, e * own, [&] { return Values((e * (e - 2)) * own / apart); });
     }
     const auto times = [](Values x, const Values& factor, int power) {
       for (int k = 0; k < power; ++k) x *= factor;
@@ -180,63 +189,67 @@ void PolyharmonicSum::slopes_at(const PlanePoints& at, Index first, double* out)
     for (const Term& term : even_) {
       const int half = term.exponent / 2;
       const Values slope = times(half * apart.log() + 1, apart, half - 1);
-      add(term, times(square.max(least_square).log(), square, half), 2 * slope);
+      const auto bend = [&] {
+        return Values(4 * times(half * (half - 1) * apart.log() + (2 * half - 1), apart, half - 1) / apart);
+      };
+      add(term, times(square.max(least_square).log(), square, half), 2 * slope, bend);
     }
   }
   const Index count = std::min<Index>(Lanes, at.rows() - first);
   for (Index k = 0; k < count; ++k)
-    for (int axis = 0; axis < 3; ++axis) {
-      out[9 * (first + k) + axis] = sum[axis][k];
-      out[9 * (first + k) + 3 + axis] = by_u[axis][k];
-      out[9 * (first + k) + 6 + axis] = by_v[axis][k];
-    }
+    for (const std::array<Values, 3>& each : sum)
+      for (int axis = 0; axis < 3; ++axis)
+        out[3 * static_cast<Index>(sum.size()) * (first + k) + 3 * (&each - sum.data()) + axis] = each[axis][k];
 }
 
-/// By u, of polynomials by v; with their derivatives where there is room for them.
-template <class Values>
-std::array<Values, 3> PolyharmonicSum::polynomials_at(const Values& x, const Values& y, std::array<Values, 3>* by_u,
-                                                      std::array<Values, 3>* by_v) const {
-  std::array<Values, 3> sum;
+/// By u, of polynomials by v.
+template <class Values, int Order>
+PolyharmonicSum::Jets<Values, Order> PolyharmonicSum::polynomials_at(const Values& x, const Values& y) const {
+  Jets<Values, Order> sum;
   for (int axis = 0; axis < 3; ++axis) {
-    sum[axis].setZero();
-    if (by_u) (*by_u)[axis].setZero();
-    if (by_v) (*by_v)[axis].setZero();
+    for (std::array<Values, 3>& each : sum) each[axis].setZero();
     for (int i = degree_; i >= 0; --i) {
-      Values own = Values::Zero(), slope = Values::Zero();
+      std::array<Values, Order + 1> own;  // by v
+      own.fill(Values::Zero());
       for (int j = degree_ - i; j >= 0; --j) {
-        if (by_v) slope = slope * y + own;
-        own = own * y + polynomial_(monomial_row(degree_, i, j), axis);
+        for (int d = Order; d > 0; --d) own[d] = own[d] * y + own[d - 1];
+        own[0] = own[0] * y + polynomial_(monomial_row(degree_, i, j), axis);
       }
-      if (by_u) (*by_u)[axis] = (*by_u)[axis] * x + sum[axis];
-      if (by_v) (*by_v)[axis] = (*by_v)[axis] * x + slope;
-      sum[axis] = sum[axis] * x + own;
+      if constexpr (Order == 2) sum[3][axis] = sum[3][axis] * x + sum[1][axis];
+      if constexpr (Order == 2) sum[4][axis] = sum[4][axis] * x + sum[2][axis];
+      if constexpr (Order == 2) sum[5][axis] = sum[5][axis] * x + own[2];
+      if constexpr (Order >= 1) sum[1][axis] = sum[1][axis] * x + sum[0][axis];
+      if constexpr (Order >= 1) sum[2][axis] = sum[2][axis] * x + own[1];
+      sum[0][axis] = sum[0][axis] * x + own[0];
     }
   }
   return sum;
 }
 
-void PolyharmonicSum::evaluate(const PlanePoints& at, bool slopes, double* out) const {
+void PolyharmonicSum::evaluate(const PlanePoints& at, int order, double* out) const {
   constexpr int eight = 8, four = 4, two = 2;  // as many as registers hold
   Index k = 0;
 #ifdef TRIPATCH_PACKS
   static const bool packs = __builtin_cpu_supports("avx2");
-  for (; packs && !slopes && k + four < at.rows(); k += eight) {
+  for (; packs && order == 0 && k + four < at.rows(); k += eight) {
     check_interruption();
     values_at<eight>(at, k, out);
   }
 #endif
-  for (; k < at.rows(); k += slopes ? two : four) {
+  for (; k < at.rows(); k += order > 0 ? two : four) {
     check_interruption();
-    if (slopes)
-      slopes_at<two>(at, k, out);
-    else
+    if (order == 0)
       values_at<four>(at, k, out);
+    else if (order == 1)
+      derivatives_at<two, 1>(at, k, out);
+    else
+      derivatives_at<two, 2>(at, k, out);
   }
 }
 
 Points PolyharmonicSum::values(const PlanePoints& at) const {
   Points out(at.rows(), 3);
-  evaluate(at, false, out.data());
+  evaluate(at, 0, out.data());
   return out;
 }
 

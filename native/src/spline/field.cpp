@@ -321,16 +321,16 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
 
 void Field::evaluate(const double* b, Index n, int order, double* out) const {
   const Index stride = jet_size(order) * 3;
-  if (order < 2) {
-    const PlanePoints at = normalised(Eigen::Map<const Points>(b, n, 3).leftCols<2>());
-    sum_->evaluate(at, order == 1, out);
-    if (order == 1)
-      for (Index k = 0; k < n; ++k)
-        for (int c = 3; c < 9; ++c) out[9 * k + c] /= size_;
+  constexpr int by_sum = 2;
+  if (order <= by_sum) {
+    sum_->evaluate(normalised(Eigen::Map<const Points>(b, n, 3).leftCols<2>()), order, out);
+    const double squared = size_ * size_;
+    for (Index k = 0; k < n; ++k)
+      for (Index c = 3; c < stride; ++c) out[stride * k + c] /= c < 9 ? size_ : squared;
   } else {
-    std::fill_n(out, n * jet_size(std::min(order, max_order)) * 3, 0.0);
+    std::fill_n(out, n * stride, 0.0);
     for (const Part& part : parts_)
-      with_order<2, max_order>(order, [&](auto constant) { jets<constant.value>(part, b, n, out); });
+      with_order<by_sum + 1, max_order>(order, [&](auto constant) { jets<constant.value>(part, b, n, out); });
   }
   for (Index k = 0; k < n; ++k)
     for (int axis = 0; axis < 3; ++axis) out[k * stride + axis] += origin_[axis];

@@ -28,8 +28,8 @@ public:
   /// weights: a row for each center; polynomial: a row for each u^i v^j, i + j up to the order's degree, j the faster.
   void add(double order, double share, const Eigen::MatrixXd& weights, const Eigen::MatrixXd& polynomial);
 
-  /// Values at n places, 3 numbers each; with slopes 9: those by u and by v after them.
-  void evaluate(const PlanePoints& at, bool slopes, double* out) const;
+  /// Values at n places and derivatives by u and v to an order of 0, 1 or 2, in the order and with the factors of a Surface's.
+  void evaluate(const PlanePoints& at, int order, double* out) const;
   Points values(const PlanePoints& at) const;
 
 private:
@@ -38,9 +38,11 @@ private:
     int step;        // powers of the squared distance more than of the term before
     Points weights;  // times share and sign
   };
-  template <class Values>
-  std::array<Values, 3> polynomials_at(const Values& x, const Values& y, std::array<Values, 3>* by_u = nullptr,
-                                       std::array<Values, 3>* by_v = nullptr) const;
+  /// A number of each axis, to an order: the value, then as of evaluate.
+  template <class Values, int Order>
+  using Jets = std::array<std::array<Values, 3>, (Order + 1) * (Order + 2) / 2>;
+  template <class Values, int Order>
+  Jets<Values, Order> polynomials_at(const Values& x, const Values& y) const;
   template <int Lanes>
   using Lane = Eigen::Array<double, Lanes, 1>;
   void add_odd_terms(const Lane<8>& x, const Lane<8>& y, std::array<Lane<8>, 3>& sum) const;
@@ -49,8 +51,8 @@ private:
                  std::array<Values, 3>& sum) const;
   template <int Lanes>
   void values_at(const PlanePoints& at, Index first, double* out) const;
-  template <int Lanes>
-  void slopes_at(const PlanePoints& at, Index first, double* out) const;
+  template <int Lanes, int Order>
+  void derivatives_at(const PlanePoints& at, Index first, double* out) const;
 
   PlanePoints centers_;
   std::vector<Term> odd_, even_;  // by their exponents
