@@ -157,3 +157,21 @@ TEST_CASE("polygon layout: asked for again it is the same, and what differs in r
   CHECK(first[2].uv != first[0].uv);
   CHECK((first[3].uv.rows() != first[0].uv.rows() || first[3].uv != first[0].uv));
 }
+
+TEST_CASE("polygon layout: of more than two rows each further one is a ring more, before that the layout may change",
+          "[thresholds]") {
+  std::mt19937 random(3);
+  int others = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    std::vector<Index> counts;
+    for (int i = 0, n = 3 + trial % 5; i < n; ++i) counts.push_back(2 + static_cast<Index>(random() % 7));
+    const Outline given = outline(counts);
+    const auto faces = [&](int rows) { return polygon_layout(given.rim, given.corners, rows).faces.size(); };
+    const Index ring = given.rim.rows();
+    CAPTURE(counts);
+    CHECK(faces(3) - faces(2) == ring);
+    CHECK(faces(5) - faces(2) == 3 * ring);
+    others += faces(2) - faces(1) != ring;
+  }
+  CHECK(others > 0);
+}

@@ -372,7 +372,18 @@ std::vector<Choice> choices_of(const Region& region, const std::vector<RimCorner
   return choices;
 }
 
-PlaneLayout best_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
+/// Extra rows with which layouts are tried; with more, what was the fairest with these is taken. Of 292 outlines of three to seven sides of 2
+/// to 8 edges, four rows: half are laid out otherwise than if they were chosen with four, and the least sine is less by .003 in their mean and
+/// by .05 at most (.004 and .05 with one; .019 where two rows are chosen with one).
+constexpr int most_rows_of_trials = 2;
+
+/// The plan of the fairest layout, and that one, of these rows.
+struct Chosen {
+  Plan plan;
+  PlaneLayout layout;
+};
+
+Chosen best_plan(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
   const Region region(rim);
   std::vector<Choice> choices = choices_of(region, corners);
   std::vector<Plan> plans;
@@ -394,11 +405,11 @@ PlaneLayout best_layout(const PlanePoints& rim, const std::vector<RimCorner>& co
     const bool longer = 2 * first >= edges;
     more.insert(more.begin() + (longer ? 1 : 2),
                 {longer ? corners[0].place + first / 2 : (corners[1].place + edges + corners[0].place) / 2, 1});
-    return best_layout(rim, more, rows);
+    return best_plan(rim, more, rows);
   }
   std::stable_sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return coarse(a.cost) < coarse(b.cost); });
   std::vector<std::size_t> tried(corners.size() + 1);
-  std::optional<PlaneLayout> best;
+  std::optional<Chosen> best;
   double best_score = 0;
   for (const Plan& plan : plans) {
     if (tried[plan.rings > 0 ? 0 : plan.sides.size()]++ >= (rim.rows() > many_edges ? layouts_of_many_tried : layouts_tried))
@@ -406,28 +417,33 @@ PlaneLayout best_layout(const PlanePoints& rim, const std::vector<RimCorner>& co
     PlaneLayout layout = laid_out(rim, plan, region, rows);
     const double score = score_of_trial(layout, static_cast<double>(layout.poles.size()) + plan.irregular);
     if (best && !clearly_more(score, best_score)) continue;
-    best = std::move(layout);
+    best = Chosen{plan, std::move(layout)};
     best_score = score;
   }
   return std::move(*best);
 }
 
-/// Of one rim while its fill is shaped, with each number of rows that is tried. A choice.
+/// Of one rim while its fill is shaped, or of two that are compared. A choice.
 constexpr std::size_t kept_layouts = 6;
 
 }  // namespace
 
 PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
-  static Kept<PlaneLayout> last(kept_layouts);
+  static Kept<Chosen> last(kept_layouts);
+  const int tried = std::min(rows, most_rows_of_trials);
   Key key;
-  key.add(rows);
+  key.add(tried);
   for (const RimCorner& corner : corners) {
     key.add(static_cast<double>(corner.place));
     key.add(corner.quads);
   }
   for (Index k = 0; k < rim.rows(); ++k) key.add(rim.row(k));
-  if (const auto kept = last.find(key)) return *kept;
-  return *last.keep(std::move(key), std::make_shared<const PlaneLayout>(best_layout(rim, corners, rows)));
+  std::shared_ptr<const Chosen> chosen = last.find(key);
+  if (!chosen) chosen = last.keep(std::move(key), std::make_shared<const Chosen>(best_plan(rim, corners, tried)));
+  if (rows == tried) return chosen->layout;
+  PlaneLayout layout = laid_out(rim, chosen->plan, Region(rim), rows);
+  smooth_trial(layout);
+  return layout;
 }
 
 }  // namespace tripatch

@@ -10,6 +10,8 @@
 #include <numeric>
 #include <optional>
 
+#include "tripatch/math/machines.h"
+
 namespace tripatch {
 namespace {
 
@@ -143,6 +145,96 @@ Second ratio(const Second& a, double b) { return a * (1 / b); }
 Second ratio(double a, const Second& b) { return a * one_over(b); }
 double ratio(double a, double b) { return a / b; }
 
+#ifdef TRIPATCH_PACKS
+/// The same of four corners at a time, in the same order of operations and with nothing fused: to the last bit.
+namespace packed {
+
+struct Second {
+  Pack value, u, v, uu, uv, vv;
+
+  TRIPATCH_PACKED_INLINE friend Second operator+(const Second& a, const Second& b) {
+    return {a.value + b.value, a.u + b.u, a.v + b.v, a.uu + b.uu, a.uv + b.uv, a.vv + b.vv};
+  }
+  TRIPATCH_PACKED_INLINE friend Second operator-(const Second& a, const Second& b) {
+    return {a.value - b.value, a.u - b.u, a.v - b.v, a.uu - b.uu, a.uv - b.uv, a.vv - b.vv};
+  }
+  TRIPATCH_PACKED_INLINE friend Second operator+(const Second& a, const Pack& b) {
+    return {a.value + b, a.u, a.v, a.uu, a.uv, a.vv};
+  }
+  TRIPATCH_PACKED_INLINE friend Second operator+(const Pack& b, const Second& a) { return a + b; }
+  TRIPATCH_PACKED_INLINE friend Second operator*(const Pack& s, const Second& a) {
+    return {s * a.value, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv};
+  }
+  TRIPATCH_PACKED_INLINE friend Second operator*(const Second& a, const Pack& s) { return s * a; }
+  TRIPATCH_PACKED_INLINE friend Second operator*(const Second& a, const Second& b) {
+    return {a.value * b.value,
+            a.value * b.u + a.u * b.value,
+            a.value * b.v + a.v * b.value,
+            a.value * b.uu + a.u * b.u + a.uu * b.value,
+            a.value * b.uv + a.u * b.v + a.v * b.u + a.uv * b.value,
+            a.value * b.vv + a.v * b.v + a.vv * b.value};
+  }
+};
+
+TRIPATCH_PACKED_INLINE Pack one_over(const Pack& x) { return 1 / x; }
+TRIPATCH_PACKED_INLINE Second one_over(const Second& a) {
+  const Pack f = 1 / a.value, slope = -f * f, bend = -slope * f, u = bend * a.u, v = bend * a.v;
+  return {f, slope * a.u, slope * a.v, slope * a.uu + u * a.u, slope * a.uv + u * a.v + v * a.u, slope * a.vv + v * a.v};
+}
+TRIPATCH_PACKED_INLINE Pack ratio(const Pack& a, const Pack& b) { return a / b; }
+template <class A, class B>
+TRIPATCH_PACKED_INLINE auto ratio(const A& a, const B& b) {
+  return a * one_over(b);
+}
+
+template <class T>
+struct Arm {
+  T to[3];
+  T square;
+};
+template <class T>
+TRIPATCH_PACKED_INLINE Arm<T> arm_of(const T (&to)[3]) {
+  return {{to[0], to[1], to[2]}, to[0] * to[0] + to[1] * to[1] + to[2] * to[2]};
+}
+/// Each lane of its own scale.
+TRIPATCH_PACKED_INLINE Arm<Pack> arm_between(const Pack& scale, const Pack (&from)[3], const Pack (&to)[3]) {
+  const Pack way[3] = {scale * (to[0] - from[0]), scale * (to[1] - from[1]), scale * (to[2] - from[2])};
+  return arm_of(way);
+}
+/// From where a vertex moves.
+TRIPATCH_PACKED_INLINE Second way_from(const Pack& scale, const Second& moving, const Pack& to) {
+  return scale * Second{to - moving.value, -moving.u, -moving.v, -moving.uu, -moving.uv, -moving.vv};
+}
+TRIPATCH_PACKED_INLINE Arm<Second> arm_from(const Pack& scale, const Second (&moving)[3], const Pack (&to)[3]) {
+  const Second way[3] = {way_from(scale, moving[0], to[0]), way_from(scale, moving[1], to[1]), way_from(scale, moving[2], to[2])};
+  return arm_of(way);
+}
+TRIPATCH_PACKED_INLINE Arm<Second> backwards(const Arm<Second>& arm) {
+  const Pack minus = all_lanes(-1);
+  return {{minus * arm.to[0], minus * arm.to[1], minus * arm.to[2]}, arm.square};
+}
+
+/// As Smoother's, between edges of quads none of which is turned over.
+template <class A, class B>
+TRIPATCH_PACKED_INLINE auto distortion(const Pack (&n)[3], const Arm<A>& next, const Arm<B>& last, bool in_space, bool sharp) {
+  const auto &a = next.to, &b = last.to;
+  auto area = a[0] * b[1] - a[1] * b[0];
+  if (in_space) area = n[0] * (a[1] * b[2] - a[2] * b[1]) + n[1] * (a[2] * b[0] - a[0] * b[2]) + n[2] * area;
+  if (sharp) {
+    auto power = ratio(next.square * last.square, area * area);
+    for (int k = 1; k < sharp_power; k *= 2) power = power * power;
+    const auto shape = ratio(next.square, last.square);
+    return power + all_lanes(spacing) * (shape + one_over(shape));
+  }
+  const auto once = all_lanes(0.5) * ratio(next.square + last.square, area);
+  auto power = once;
+  for (int k = 1; k < distortion_power; ++k) power = power * once;
+  return power;
+}
+
+}  // namespace packed
+#endif
+
 template <class T>
 using Vector = std::array<T, 3>;
 template <class A, class B>
@@ -174,6 +266,8 @@ public:
         corners_.push_back(corner);
       }
     }
+    for (std::vector<Own>& all : at_)
+      std::stable_sort(all.begin(), all.end(), [](const Own& a, const Own& b) { return a.is < b.is; });
   }
 
   void run(int sweeps, int sharpening) {
@@ -221,25 +315,26 @@ private:
     return place;
   }
 
+  /// The surface about the vertices; what does not move, those of the rim, the first time only.
   void read_surface() {
-    const Index n = layout_.uv.rows();
-    taylor_.assign(n, Taylor::Zero());
-    normal_.assign(n, Vec3::UnitZ());
+    const Index n = layout_.uv.rows(), first = taylor_.empty() ? 0 : layout_.rim;
+    taylor_.resize(n, Taylor::Zero());
+    normal_.resize(n, Vec3::UnitZ());
+    x_.resize(n);
     base_ = layout_.uv;
-    const Points rows = in_plane(layout_.uv);
+    const Points rows = in_plane(layout_.uv.bottomRows(n - first));
     if (surface_) {
-      surface_->evaluate(rows.data(), n, 2, taylor_[0].data());
-      for (Index v = 0; v < n; ++v) normal_[v] = Vec3(taylor_[v].row(1)).cross(Vec3(taylor_[v].row(2))).stableNormalized();
-      for (Index v = 0; border_ && v < layout_.rim; ++v) taylor_[v].row(0) = border_->row(v);
+      surface_->evaluate(rows.data(), n - first, 2, taylor_[first].data());
+      for (Index v = first; v < n; ++v) normal_[v] = Vec3(taylor_[v].row(1)).cross(Vec3(taylor_[v].row(2))).stableNormalized();
+      for (Index v = first; border_ && v < layout_.rim; ++v) taylor_[v].row(0) = border_->row(v);
     } else {
-      for (Index v = 0; v < n; ++v) {
-        taylor_[v].row(0) = rows.row(v);
+      for (Index v = first; v < n; ++v) {
+        taylor_[v].row(0) = rows.row(v - first);
         taylor_[v].row(1) = Vec3::UnitX();
         taylor_[v].row(2) = Vec3::UnitY();
       }
     }
-    x_.resize(n);
-    for (Index v = 0; v < n; ++v) x_[v] = taylor_[v].row(0);
+    for (Index v = first; v < n; ++v) x_[v] = taylor_[v].row(0);
   }
 
   Points positions() const {
@@ -300,7 +395,102 @@ private:
     return power;
   }
 
+#ifdef TRIPATCH_PACKS
+  /// Whether the corners at a vertex can be looked at by fours: all of quads, none turned over.
+  bool in_packs(Index v) const {
+    static const bool are_there = __builtin_cpu_supports("avx2");
+    return are_there && bound_ == 0 &&
+           std::ranges::none_of(at_[v], [&](const Own& own) { return corners_[own.corner].triangle; });
+  }
+
+  /// Up to four corners at a vertex which see it alike; beyond the last it again.
+  struct Four {
+    std::array<const Corner*, lanes> corner;
+    int is;
+    std::size_t count;
+  };
+  Four four_from(const std::vector<Own>& all, std::size_t first) const {
+    Four four = {{}, all[first].is, 0};
+    for (int l = 0; l < lanes; ++l) {
+      const std::size_t next = first + four.count;
+      if (next < all.size() && all[next].is == four.is) ++four.count;
+      four.corner[l] = &corners_[all[first + four.count - 1].corner];
+    }
+    return four;
+  }
+  TRIPATCH_PACKED_INLINE static void gather(const Four& four, int k, const std::vector<Vec3>& rows, Pack (&out)[3]) {
+    const Vec3 &a = rows[four.corner[0]->v[k]], &b = rows[four.corner[1]->v[k]], &c = rows[four.corner[2]->v[k]],
+               &d = rows[four.corner[3]->v[k]];
+    for (int x = 0; x < 3; ++x) out[x] = Pack{a[x], b[x], c[x], d[x]};
+  }
+  TRIPATCH_PACKED_INLINE static Pack next_scales(const Four& four) {
+    return Pack{four.corner[0]->next, four.corner[1]->next, four.corner[2]->next, four.corner[3]->next};
+  }
+  TRIPATCH_PACKED_INLINE static Pack last_scales(const Four& four) {
+    return Pack{four.corner[0]->last, four.corner[1]->last, four.corner[2]->last, four.corner[3]->last};
+  }
+
+  /// The distortions at a vertex that moves, in the order of its corners.
+  TRIPATCH_PACKED Second sum_in_packs(Index v, const Vector<Second>& moving) const {
+    packed::Second way[3];
+    for (int x = 0; x < 3; ++x) {
+      const Second& m = moving[x];
+      way[x] = {all_lanes(m.value), all_lanes(m.u), all_lanes(m.v), all_lanes(m.uu), all_lanes(m.uv), all_lanes(m.vv)};
+    }
+    const std::vector<Own>& all = at_[v];
+    const bool in_space = surface_ != nullptr;
+    Second sum;
+    for (std::size_t first = 0; first < all.size();) {
+      const Four four = four_from(all, first);
+      const Pack next = next_scales(four), last = last_scales(four);
+      Pack normal[3], own[3], one[3], other[3];
+      gather(four, 0, normal_, normal);
+      gather(four, 0, x_, own);
+      gather(four, 1, x_, one);
+      gather(four, 2, x_, other);
+      packed::Second found;
+      if (four.is == 0) {
+        found =
+            packed::distortion(normal, packed::arm_from(next, way, one), packed::arm_from(last, way, other), in_space, sharp_);
+      } else if (four.is == 1) {
+        found = packed::distortion(normal, packed::backwards(packed::arm_from(next, way, own)),
+                                   packed::arm_between(last, own, other), in_space, sharp_);
+      } else {
+        found = packed::distortion(normal, packed::arm_between(next, own, one),
+                                   packed::backwards(packed::arm_from(last, way, own)), in_space, sharp_);
+      }
+      for (std::size_t l = 0; l < four.count; ++l)
+        sum = sum + Second{found.value[l], found.u[l], found.v[l], found.uu[l], found.uv[l], found.vv[l]};
+      first += four.count;
+    }
+    return sum;
+  }
+
+  TRIPATCH_PACKED double cost_in_packs(Index v, const Vec3& x) const {
+    const std::vector<Own>& all = at_[v];
+    double sum = 0;
+    for (std::size_t first = 0; first < all.size();) {
+      const Four four = four_from(all, first);
+      Pack normal[3], at[3][3];
+      gather(four, 0, normal_, normal);
+      for (int k = 0; k < 3; ++k) gather(four, k, x_, at[k]);
+      for (int axis = 0; axis < 3; ++axis) at[four.is][axis] = all_lanes(x[axis]);
+      const Pack found = packed::distortion(normal, packed::arm_between(next_scales(four), at[0], at[1]),
+                                            packed::arm_between(last_scales(four), at[0], at[2]), surface_ != nullptr, sharp_);
+      for (std::size_t l = 0; l < four.count; ++l) {
+        if (!(found[l] > 0)) return INFINITY;
+        sum += found[l];
+      }
+      first += four.count;
+    }
+    return sum;
+  }
+#endif
+
   double cost_at(Index v, const Vec3& x) const {
+#ifdef TRIPATCH_PACKS
+    if (in_packs(v)) return cost_in_packs(v, x);
+#endif
     double sum = 0;
     const auto place = [&](Index w) -> const Vec3& { return w == v ? x : x_[w]; };
     for (const Own& own : at_[v]) {
@@ -334,6 +524,17 @@ private:
     return distortion(corner, arm(corner.next, place(0), place(1)), backwards(arms_[own.last]));
   }
 
+  /// The distortions at a vertex that moves.
+  Second sum_at(Index v, const Vector<Second>& moving) {
+#ifdef TRIPATCH_PACKS
+    if (in_packs(v)) return sum_in_packs(v, moving);
+#endif
+    read_arms(v, moving);
+    Second sum;
+    for (const Own& own : at_[v]) sum = sum + distortion_of(own);
+    return sum;
+  }
+
   void move(Index v) {
     const Eigen::Vector2d d = (layout_.uv.row(v) - base_.row(v)).transpose();
     const Taylor& t = taylor_[v];
@@ -345,9 +546,7 @@ private:
                    t(3, k),
                    t(4, k),
                    t(5, k)};
-    read_arms(v, moving);
-    Second sum;
-    for (const Own& own : at_[v]) sum = sum + distortion_of(own);
+    const Second sum = sum_at(v, moving);
     const Eigen::Vector2d gradient(sum.u, sum.v);
     Eigen::Matrix2d hessian;
     hessian << 2 * sum.uu, sum.uv, sum.uv, 2 * sum.vv;
@@ -360,7 +559,8 @@ private:
     double shortest = INFINITY;
     for (const Own& own : at_[v])
       for (Index w : corners_[own.corner].v)
-        if (w != v) shortest = std::min(shortest, (x_[w] - x_[v]).norm());
+        if (w != v) shortest = std::min(shortest, (x_[w] - x_[v]).squaredNorm());
+    shortest = std::sqrt(shortest);
     const double length = (t.row(1) * step[0] + t.row(2) * step[1]).norm();
     if (length > longest_step * shortest) step *= longest_step * shortest / length;
     for (int half = 0; half < halvings; ++half, step *= 0.5) {
@@ -447,8 +647,10 @@ void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening, const Surface
   if (layout.uv.rows() > layout.rim) Smoother(layout, surface, border, held).run(sweeps, sharpening);
 }
 
+void smooth_trial(PlaneLayout& layout) { smooth_quads(layout, sweeps_of_trials, angles_of_trials); }
+
 double score_of_trial(PlaneLayout& layout, double irregular) {
-  smooth_quads(layout, sweeps_of_trials, angles_of_trials);
+  smooth_trial(layout);
   const QuadQuality quality = quad_quality(as_rows(layout.uv), layout.faces);
   return quality.least + mean_weight * quality.mean - pole_price * irregular;
 }

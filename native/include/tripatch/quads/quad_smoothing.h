@@ -36,8 +36,10 @@ void spread_inside(const Faces& faces, Index rim, Points& rows);
 void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening = 0, const Surface* surface = nullptr,
                   const Points* border = nullptr, const std::vector<Index>& held = {});
 
-/// Smooths a layout that is only tried, a few sweeps in its plane. Returns what it is worth beside others: its least scaled Jacobian, and a
-/// share of the mean, less what its irregular vertices cost.
+/// Smooths a layout a few sweeps in its plane, as far as layouts are that are tried.
+void smooth_trial(PlaneLayout& layout);
+/// The same of one that is tried. Returns what it is worth beside others: its least scaled Jacobian, and a share of the mean, less what its
+/// irregular vertices cost.
 double score_of_trial(PlaneLayout& layout, double irregular);
 
 }  // namespace tripatch
