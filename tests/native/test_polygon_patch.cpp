@@ -493,6 +493,28 @@ TEST_CASE("polygon patch: one that is kept is taken where nothing has changed, a
   }
 }
 
+TEST_CASE("polygon patch: the middle at one place after the other is as at each alone") {
+  for (int n : {4, 6})
+    for (const Known& known : {saddle, sphere})
+      for (const auto& fairing : {Fairing::automatic, Fairing::thin_plate, Fairing::quadric_variation}) {
+        CAPTURE(n, static_cast<int>(fairing));
+        const SideList sides = sides_between(known, ring(n));
+        const auto at = [&](double offset, double tension = 0) {
+          PolygonPatchOptions options;
+          options.fairing = fairing;
+          options.center_offset = offset;
+          options.tension = tension;
+          const PolygonPatch made = polygon_patch(sides, options);
+          return made.patch->positions(polygon_grid(made.domain, 6));
+        };
+        const Points last = at(0.07);
+        for (double tension : {0.11, 0.12, 0.13, 0.14, 0.15}) at(0, tension);  // only the last few are kept
+        at(0.03);
+        CHECK(at(-0.02) != last);
+        CHECK(at(0.07) == last);
+      }
+}
+
 TEST_CASE("polygon patch: vertices of quads go to places inside as long as no quad turns over") {
   const PolygonPatch made = polygon_patch(sides_between(plane, ring(4)), plain);
   constexpr int edges = 6;

@@ -119,9 +119,9 @@ PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measu
                                                     ? quadratic_candidates<PolygonProblem>(measured, options, base.boundary.size)
                                                     : geometric_candidates<PolygonProblem>(measured, options);
   PolygonFairResult plain;
-  plain.patch = base.patch;
+  plain.patch = base.patch();
   plain.before = plain.after = std::isnan(candidates.before) ? 0 : candidates.before;  // of a plane both parts are nothing
-  plain.folds = count_polygon_folds(*base.patch, domain, base.sides);
+  plain.folds = count_polygon_folds(*base.patch(), domain, base.sides);
   if (candidates.beyond && plain.folds == 0) {
     plain.gave_up = true;
     plain.warnings = {
@@ -131,7 +131,7 @@ PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measu
   for (const Candidate& candidate : candidates.best_first) {
     if (!(candidate.energy <= plain.before)) continue;
     PolygonFairResult now = plain;
-    now.patch = sum(base.patch, candidates.problem->correction(candidate.x, base.sides));
+    now.patch = sum(base.patch(), candidates.problem->correction(candidate.x, base.sides));
     if (!base.through.empty()) now.patch = with_points(now.patch, domain, base.through, base.boundary.size);
     now.after = candidate.energy;
     now.folds = count_polygon_folds(*now.patch, domain, base.sides);
@@ -141,8 +141,24 @@ PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measu
   return plain;
 }
 
+std::shared_ptr<const PolygonAtNodes> KnownAtNodes::find(int nodes) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = by_nodes_.find(nodes);
+  return found == by_nodes_.end() ? nullptr : found->second;
+}
+
+void KnownAtNodes::add(int nodes, std::shared_ptr<const PolygonAtNodes> at_nodes) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  by_nodes_.insert_or_assign(nodes, std::move(at_nodes));
+}
+
 SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, const std::vector<InnerPoint>& points, double size) {
-  if (points.empty()) return patch;
+  const SurfacePtr lift = lift_to(patch, domain, points, size);
+  return lift ? sum(patch, lift) : patch;
+}
+
+SurfacePtr lift_to(const SurfacePtr& patch, const PolygonDomain& domain, const std::vector<InnerPoint>& points, double size) {
+  if (points.empty()) return {};
   // unknowns: functions by x, y, z; of all solutions the shortest
   Index conditions = 0;
   for (const InnerPoint& p : points) conditions += p.normal ? 5 : 3;
@@ -150,7 +166,7 @@ SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, con
   while (3 * polynomials_to(degree) < 2 * conditions) ++degree;
   const Index count = polynomials_to(degree);
   Points coefficients = Points::Zero(count, 3);
-  SurfacePtr out = patch;
+  SurfacePtr out = patch, lift;
   for (int round = 0; round < 2; ++round) {  // a second time for the last digits
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(conditions, 3 * count), right(conditions, 1);
     Index row = 0;
@@ -173,9 +189,10 @@ SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, con
     if (!x.allFinite() || (met - right).norm() > points_met * size)
       throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
     for (int c = 0; c < 3; ++c) coefficients.col(c) += x.col(0).segment(c * count, count);
-    out = sum(patch, std::make_shared<Lift>(domain, degree, coefficients));
+    lift = std::make_shared<Lift>(domain, degree, coefficients);
+    out = sum(patch, lift);
   }
-  return out;
+  return lift;
 }
 
 Index count_polygon_folds(const Surface& patch, const PolygonDomain& domain, const SideList& sides) {

@@ -77,7 +77,8 @@ PolygonBase base_of(const SideList& sides, const Asked& asked, const std::vector
   PolygonBase base;
   base.sides = sides;
   base.boundary = polygon_boundary(sides, {bulge, asked.tangent, past_hooks}, domain);
-  base.patch = with_points(corner_blend(base.boundary), base.boundary.domain, through, base.boundary.size);
+  base.blend = corner_blend(base.boundary);
+  base.lift = lift_to(base.blend, base.boundary.domain, through, base.boundary.size);
   const std::vector<bool> agree = curvature_agrees(sides);
   for (std::size_t i = 0; i < sides.size(); ++i) {
     base.slopes_free.push_back(asked.tangent[i] && bulge[i] == 1);
@@ -142,13 +143,14 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
 }
 
 PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
-                       const std::vector<double>& bulge, const std::vector<InnerPoint>& through, bool past_hooks) {
+                       const std::vector<double>& bulge, const std::vector<InnerPoint>& through, bool past_hooks,
+                       const std::shared_ptr<KnownAtNodes>& known) {
   PolygonPatch made;
   made.sides = sides;
   const PolygonBase base = base_of(sides, asked, bulge, options.domain ? &*options.domain : nullptr, through, past_hooks);
   made.domain = base.boundary.domain;
   made.corner_mismatch_deg = base.boundary.corner_mismatch_deg;
-  made.patch = base.patch;
+  made.patch = base.patch();
   if (options.fairing) {
     FairingOptions fairing;
     fairing.energy = *options.fairing;
@@ -166,7 +168,9 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
       fairing.rough_nodes = strip_rough_nodes;
       fairing.second_cross = fairing.slopes = strip_waves;
     }
-    const PolygonBase measured = base_of(smoothed_list(sides), asked, bulge, &made.domain, through, past_hooks);
+    PolygonBase measured = base_of(smoothed_list(sides), asked, bulge, &made.domain, through, past_hooks);
+    if (known) measured.known = known;
+    made.known = measured.known;
     PolygonFairResult fair = fair_polygon(base, measured, fairing);
     made.patch = fair.patch;
     if (!fair.gave_up) made.fairing = name_of(fairing.energy);
@@ -188,10 +192,12 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
 
 /// The same; where it folds, past hooks of the sides, if that is asked for and folds less.
 PolygonPatch unfolded(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
-                      const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
-  PolygonPatch made = made_with(sides, options, asked, bulge, through, false);
+                      const std::vector<double>& bulge, const std::vector<InnerPoint>& through,
+                      const std::shared_ptr<KnownAtNodes>& known) {
+  PolygonPatch made = made_with(sides, options, asked, bulge, through, false, known);
   if (made.folds == 0 || !options.past_hooks) return made;
-  PolygonPatch other = made_with(sides, options, asked, bulge, through, true);
+  PolygonPatch other = made_with(sides, options, asked, bulge, through, true, {});
+  other.known = made.known;  // what is pulled is tried without first, too
   return other.folds < made.folds ? other : made;
 }
 
@@ -199,9 +205,10 @@ PolygonPatch unfolded(const SideList& sides, const PolygonPatchOptions& options,
 constexpr std::size_t kept_patches = 4;
 
 /// unfolded, which depends on nothing else than this key: a fill that somebody shapes has the same patch with other faces, and the
-/// same patch whose middle is moved.
+/// same patch whose middle is moved. known: of the patch without the points.
 PolygonPatch made_or_kept(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
-                          const std::vector<double>& bulge, const std::vector<InnerPoint>& through) {
+                          const std::vector<double>& bulge, const std::vector<InnerPoint>& through,
+                          const std::shared_ptr<KnownAtNodes>& known = {}) {
   static Kept<PolygonPatch> last(kept_patches);
   Key key;
   for (const Side& side : sides) {
@@ -222,7 +229,7 @@ PolygonPatch made_or_kept(const SideList& sides, const PolygonPatchOptions& opti
     key.add(point.normal);
   }
   if (const auto kept = last.find(key)) return *kept;
-  return *last.keep(std::move(key), std::make_shared<const PolygonPatch>(unfolded(sides, options, asked, bulge, through)));
+  return *last.keep(std::move(key), std::make_shared<const PolygonPatch>(unfolded(sides, options, asked, bulge, through, known)));
 }
 
 }  // namespace
@@ -247,7 +254,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
     }
     for (const Through& t : options.through)
       through.push_back({nearest_place(*made.patch, made.domain, t.point), t.point, t.normal});
-    made = made_or_kept(sides, options, wanted, bulge, through);
+    made = made_or_kept(sides, options, wanted, bulge, through, made.known);
     for (std::size_t k = through.size() - options.through.size(); k < through.size(); ++k) made.met.push_back(through[k].uv);
   }
   made.patch = std::make_shared<OverPolygon>(made.domain, made.patch);

@@ -16,6 +16,21 @@ namespace {
 
 bool is(const std::vector<bool>& flags, int i, bool otherwise) { return flags.empty() ? otherwise : static_cast<bool>(flags[i]); }
 
+/// As it is known; where it is not, without slopes, which the problem has yet to make.
+std::shared_ptr<const PolygonAtNodes> at_nodes(const PolygonBase& base, const PolygonSpace& space, int nodes) {
+  if (base.lift)
+    if (auto known = base.known->find(nodes)) return known;
+  return std::make_shared<const PolygonAtNodes>(PolygonAtNodes{plane_derivatives(*base.blend, space.uv), {}});
+}
+
+/// Derivatives of the patch: always of its two parts, so that they do not depend on what was known.
+std::vector<Derivatives> whole_at(const PolygonBase& base, const Points& uv, std::vector<Derivatives> blend) {
+  if (!base.lift) return blend;
+  const std::vector<Derivatives> lift = plane_derivatives(*base.lift, uv);
+  for (std::size_t k = 0; k < blend.size(); ++k) blend[k] += lift[k];
+  return blend;
+}
+
 }  // namespace
 
 /// phi_i F(t_i) with F = -(a r + b c') has 2 F' dt/dnu as second derivative along nu.
@@ -27,7 +42,7 @@ CurvatureFollowing PolygonProblem::followed(const PolygonBase& base) const {
     if (!is(base.curvature, i, false) || base.sides[i].q.empty() || slopes_.scale[i][0] == 0) continue;
     const PolygonRibbon& ribbon = base.boundary.ribbons[i];
     FollowedSide side =
-        followed_side(base.sides[i], i, ribbon.alpha, ribbon.beta, along.t, derivatives_across(*base.patch, d, i, along.t));
+        followed_side(base.sides[i], i, ribbon.alpha, ribbon.beta, along.t, derivatives_across(*base.patch(), d, i, along.t));
     const Vec2 nu = d.inward(i);
     for (int k = 0; k < SideBasis::points; ++k) {
       const Vec2 p = d.on_side(i, along.t[k]);
@@ -41,11 +56,16 @@ CurvatureFollowing PolygonProblem::followed(const PolygonBase& base) const {
 }
 
 PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes)
-    : PolygonProblem(base, options,
+    : PolygonProblem(base, options, nodes,
                      polygon_space(base.boundary.domain, options.degree, options.second_cross, options.slopes, nodes)) {}
 
-PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, std::shared_ptr<const PolygonSpace> space)
-    : EnergyProblem(*space, plane_derivatives(*base.patch, space->uv), options, base.boundary.size, space->combination.cols()),
+PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes,
+                               const std::shared_ptr<const PolygonSpace>& space)
+    : PolygonProblem(base, options, nodes, space, at_nodes(base, *space, nodes)) {}
+
+PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes,
+                               std::shared_ptr<const PolygonSpace> space, const std::shared_ptr<const PolygonAtNodes>& known)
+    : EnergyProblem(*space, whole_at(base, space->uv, known->blend), options, base.boundary.size, space->combination.cols()),
       space_(std::move(space)),
       of_(base) {
   const int n = base.boundary.domain.sides();
@@ -58,8 +78,13 @@ PolygonProblem::PolygonProblem(const PolygonBase& base, const FairingOptions& op
     slopes_.first.push_back(fields_);
     fields_ += options.slopes * static_cast<Index>(directions[i].size());
   }
-  basis_.setZero(27 * space_->uv.rows(), fields_);
-  for (int i = 0; i < n; ++i) add_slopes(i, directions[i]);
+  if (known->slopes.size() > 0) {
+    basis_ = known->slopes;
+  } else {
+    basis_.setZero(27 * space_->uv.rows(), fields_);
+    for (int i = 0; i < n; ++i) add_slopes(i, directions[i]);
+    if (base.lift) base.known->add(nodes, std::make_shared<const PolygonAtNodes>(PolygonAtNodes{known->blend, basis_}));
+  }
   following_.emplace(followed(base));
   hold_points();
 }

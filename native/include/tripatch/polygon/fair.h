@@ -5,7 +5,9 @@
 //   - the slopes alpha and beta of each side between the corners: phi_i (side weight) times (a r + b c')(t_i).
 #pragma once
 
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,15 +25,35 @@ struct InnerPoint {
   std::optional<Vec3> normal;
 };
 
+/// What is the same at the nodes wherever a patch is pulled to inside.
+struct PolygonAtNodes {
+  std::vector<Derivatives> blend;  ///< derivatives of the patch before it meets any points
+  RowMajor slopes;                 ///< and of what the free slopes add, as an EnergyProblem has them
+};
+
+/// The same by nodes a direction, for patches of one boundary that differ by their points alone; from any thread.
+class KnownAtNodes {
+public:
+  std::shared_ptr<const PolygonAtNodes> find(int nodes) const;
+  void add(int nodes, std::shared_ptr<const PolygonAtNodes> at_nodes);
+
+private:
+  mutable std::mutex mutex_;
+  std::map<int, std::shared_ptr<const PolygonAtNodes>> by_nodes_;
+};
+
 /// A patch of `boundary` that keeps G1 to `sides`, and what is asked of it besides.
 struct PolygonBase {
   SideList sides;
   PolygonBoundary boundary;
-  SurfacePtr patch;
+  SurfacePtr blend, lift;           ///< the patch before it meets points, and what makes it meet them; none: no points
   std::vector<bool> slopes_free;    ///< by side; empty: all
   std::vector<bool> position_only;  ///< by side: the derivative across is free in all directions; empty: none
   std::vector<bool> curvature;      ///< by side: curvature that is followed by least squares; empty: none
   std::vector<InnerPoint> through;  ///< met by `patch`: what is added vanishes there
+  std::shared_ptr<KnownAtNodes> known = std::make_shared<KnownAtNodes>();
+
+  SurfacePtr patch() const { return lift ? sum(blend, lift) : blend; }
 };
 
 /// An energy of a surface over a polygon, as energy() for a triangle.
@@ -54,7 +76,9 @@ struct PolygonFairResult {
 };
 PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measured, const FairingOptions& options);
 
-/// The patch lifted by least-norm multiples of the squared bubble so that it meets the points.
+/// Least-norm multiples of the squared bubble that, added to the patch, make it meet the points; none for none.
+SurfacePtr lift_to(const SurfacePtr& patch, const PolygonDomain& domain, const std::vector<InnerPoint>& points, double size);
+/// The patch with them.
 SurfacePtr with_points(const SurfacePtr& patch, const PolygonDomain& domain, const std::vector<InnerPoint>& points, double size);
 
 /// Places of a grid over the polygon where the patch faces away from what its sides show, and neighbors whose normals are 60 degrees or more

@@ -1,6 +1,7 @@
 // From n sides to a patch over a polygon: base, fairing, curvature, inner points.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +42,7 @@ struct PolygonPatch : Faired {
   std::vector<double> seam_angle_max,
       seam_angle_rms;                   ///< by side, degrees: against the sides, outside of 1% at corners of two planes
   std::vector<std::string> continuity;  ///< by side: Free, G0, G1 or G2
+  std::shared_ptr<KnownAtNodes> known;  ///< of its fairing
 };
 
 PolygonPatch polygon_patch(const SideList& sides, const PolygonPatchOptions& options = {});

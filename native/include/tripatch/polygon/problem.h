@@ -28,7 +28,10 @@ public:
   SurfacePtr correction(const Eigen::VectorXd& x, const SideList& sides) const;
 
 private:
-  PolygonProblem(const PolygonBase& base, const FairingOptions& options, std::shared_ptr<const PolygonSpace> space);
+  PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes,
+                 const std::shared_ptr<const PolygonSpace>& space);
+  PolygonProblem(const PolygonBase& base, const FairingOptions& options, int nodes, std::shared_ptr<const PolygonSpace> space,
+                 const std::shared_ptr<const PolygonAtNodes>& known);
   std::vector<PiecewisePolynomial> directions_of(const SideList& sides, int i) const;
   PiecewisePolynomial combination(const Eigen::VectorXd& x, int i, std::size_t direction) const;
   void add_slopes(int i, const std::vector<PiecewisePolynomial>& directions);
