@@ -23,7 +23,7 @@ HOLES = {
 SLIDERS = {
     "bulge": [{"bulge": 1 + k / 40} for k in range(9)],
     "density": [{"resolution": 8 + k} for k in range(9)],
-    "rows of quads": [{"output": "quads", "resolution": 8 + k} for k in range(9)],
+    "rows of quads": [{"output": "quads", "rows": k} for k in range(9)],
     "center": [{"center_offset": k / 500} for k in range(9)],
 }
 SLIDER_HOLE = (316, (12, 12))
