@@ -13,7 +13,6 @@ namespace {
 
 constexpr double sides_tolerance = 1e-13;  ///< of a side's polynomials, of their largest value: a thousand times the rounding
 constexpr double parallel = 1e-6;          ///< sine of the angle between derivatives that span no plane, see spans_plane
-constexpr double beside_it = 1e-4;         ///< of an edge: how far from such a place the normal is read
 constexpr double flat = 1e-6;              ///< of a side's length: a derivative at its end that is none
 constexpr double beside_break = 1e-9;      ///< of the parameter: where the directions before and behind a break are read
 constexpr double kink = 0.1;  ///< degrees between two pieces of the rim's curve: it has a kink, of which a warning tells
@@ -30,13 +29,13 @@ FaceEdge face_beside(const Connectivity& around, Index a, Index b) {
   return {around.face(*corner), static_cast<int>(around.place(*corner))};
 }
 
-/// Normal of the limit surface; at a place where its two derivatives are parallel, the one beside it.
-Vec3 unit_normal(const LimitSurface& surface, const FaceEdge& place, double t, const LimitJet& jet) {
-  if (spans_plane(jet)) return jet.pu.cross(jet.pv).normalized();
-  LimitJet beside;
-  const double inside = t < 0.5 ? t + beside_it : t - beside_it;
-  surface.evaluate_edge(place.face, place.edge, {&inside, 1}, {&beside, 1});
-  return beside.pu.cross(beside.pv).stableNormalized();
+/// Normal of the limit surface at t of a face's edge; where its two derivatives are parallel, as at an end of the edge, its limit from within
+/// the edge: that of the cross product over the way to there.
+Vec3 unit_normal(double t, const LimitJet& jet) {
+  const Vec3 normal = jet.pu.cross(jet.pv);
+  if (spans_plane(jet)) return normal.normalized();
+  const Vec3 change = jet.puu.cross(jet.pv) + jet.pu.cross(jet.puv);
+  return (t < 0.5 ? 1 : -1) * change.stableNormalized();
 }
 
 /// Second derivative in the direction of r, its normal part: the second fundamental form of (r, r) along n.
@@ -107,11 +106,10 @@ Side side_on(const LimitSurface& surface, const Connectivity& around, const std:
           },
           3, tolerance);
     };
-    const auto across = [&](double t, const LimitJet& j) { return Vec3(-edges * j.pu.cross(unit_normal(surface, place, t, j))); };
+    const auto across = [&](double t, const LimitJet& j) { return Vec3(-edges * j.pu.cross(unit_normal(t, j))); };
     c.push_back(field([&](double, const LimitJet& j) { return Vec3(j.p - start.p); }));
     r.push_back(field(across));
-    q.push_back(
-        field([&](double t, const LimitJet& j) { return second_across(j, unit_normal(surface, place, t, j), across(t, j)); }));
+    q.push_back(field([&](double t, const LimitJet& j) { return second_across(j, unit_normal(t, j), across(t, j)); }));
   }
   Side side = {PiecewisePolynomial::joined(c) + PiecewisePolynomial::constant(std::span<const double>(start.p.data(), 3)),
                PiecewisePolynomial::joined(r), PiecewisePolynomial::joined(q)};
