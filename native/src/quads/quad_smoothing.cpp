@@ -146,7 +146,8 @@ Second ratio(double a, const Second& b) { return a * one_over(b); }
 double ratio(double a, double b) { return a / b; }
 
 #ifdef TRIPATCH_PACKS
-/// The same of four corners at a time, in the same order of operations and with nothing fused: to the last bit.
+/// The same of four corners at a time, in the same order of operations and with nothing fused: to the last bit. Written again, for what is
+/// inlined must be marked for these machines, or it is taken apart into halves before it gets there.
 namespace packed {
 
 struct Second {
