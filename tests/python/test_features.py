@@ -226,3 +226,35 @@ def test_a_crease_has_no_more_edges_than_the_rim_however_short_those_at_its_ends
     fill = tripatch.fill(vertices, faces, rim=rim)
     assert 0 < len(fill.feature_edges) <= len(rim)
     assert len(fill.faces) < len(rim) ** 2
+
+
+@pytest.mark.parametrize("cuts", [1, 2, 4])
+def test_a_box_that_has_lost_a_wall_and_what_is_beside_it_is_closed(cuts):
+    """Loop cuts in Blender's cube, its upper wall deleted with the upper part of two others: what is left tells all of it."""
+    n = cuts + 1
+    vertices, faces = box(n)
+    middles = np.array([vertices[face].mean(axis=0) for face in faces])
+    gone = (middles[:, 2] > 0.99) | ((middles[:, :2].max(axis=1) > 0.99) & (middles[:, 2] > 1 - 2 / n))
+    left = [face for face, lost in zip(faces, gone, strict=True) if not lost]
+    (fill,) = tripatch.fill_all(vertices, left)
+    assert "walls" in fill.report.method_reason and fill.report.warnings == []
+    assert np.abs(np.abs(fill.vertices).max(axis=1) - 1).max() < 1e-12
+    assert np.abs(fill.vertices - 1).max(axis=1).min() < 1e-12  # the corner is there
+    (rounded,) = tripatch.fill_all(vertices, left, features=False)
+    assert np.abs(np.vstack([vertices[np.unique(left)], rounded.vertices]) - 1).max(axis=1).min() > 0.05
+
+
+def box(n):
+    """The cube from -1 to 1 with n x n quads a face, vertices shared."""
+    grid = np.linspace(-1, 1, n + 1)
+    points, faces = [], []
+    for axis in range(3):
+        for side in (-1, 1):
+            u, v = np.meshgrid(grid, grid, indexing="ij")
+            own = np.stack([np.full_like(u, side), u, v], axis=-1).reshape(-1, 3)
+            at = np.arange((n + 1) ** 2).reshape(n + 1, n + 1) + sum(map(len, points))
+            points.append(np.roll(own, axis, axis=1))
+            quads = np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]], axis=-1).reshape(-1, 4)
+            faces.append(quads if side > 0 else quads[:, ::-1])
+    vertices, number = np.unique(np.round(np.concatenate(points), 12), axis=0, return_inverse=True)
+    return vertices, number.ravel()[np.concatenate(faces)].tolist()

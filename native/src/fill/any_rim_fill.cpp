@@ -34,6 +34,7 @@ Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, c
   const Connectivity continued(ground.mesh, beyond);
   options.continued = &continued;
   Fill fill = fill_with_spline(ground.mesh, around, rim, {}, options);
+  if (!fill.feature_edges.empty()) return fill;  // each part goes on from what is beside it
   const auto sharp = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
   fill.report.warnings.push_back(sharp_sides_sentence + std::to_string(sharp) + " of its " + std::to_string(angles.size()) +
                                  " sides: the fill is not continued there");

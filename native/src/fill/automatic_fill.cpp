@@ -191,12 +191,13 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   if (!corners) found = at_places(checked, corners_between_sides(ground.mesh, ground.left, checked));
   if (options.features) {
     const Features near = find_features(ground.mesh, ground.left, checked);
-    const auto goes_on = [&](const Connectivity& around) { return !find_features(ground.mesh, around, checked).creases.empty(); };
-    if (!near.creases.empty() && (!ground.is_part() || goes_on(Connectivity(ground.mesh, options.replaced))))
-      return any_rim("a crease of the surroundings goes on across the hole");
+    const auto goes_on = [&](const Connectivity& around) { return find_features(ground.mesh, around, checked).found(); };
+    if (near.found() && (!ground.is_part() || goes_on(Connectivity(ground.mesh, options.replaced))))
+      return any_rim(near.walls ? "flat walls around the hole meet in it"
+                                : "a crease of the surroundings goes on across the hole");
     const auto is_known = [&](Index v) { return ground.left.knows(v); };
     // what is not there need not be sought again
-    options.features = !near.creases.empty() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
+    options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
   }
   if (makes_polygon(found) || (inner && found.size() == 3)) return fill_between_many(ground, rim, found, false, options);
   try {

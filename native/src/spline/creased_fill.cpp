@@ -5,6 +5,7 @@
 #include <deque>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "tripatch/math/ties.h"
@@ -60,6 +61,7 @@ public:
       else
         meet(crease);
     }
+    if (features.walls) join(*features.walls);
   }
 
   const std::vector<VertexLoop>& loops() const { return loops_; }
@@ -169,6 +171,50 @@ private:
     }
   }
 
+  /// New points of a straight crease between two rows.
+  VertexLoop straight(Index from, Index to, double before, double after, Index least) {
+    const Vec3 a = point(from), b = point(to);
+    Points chain(2, 3), end(1, 3);
+    chain << (2 * a - b).transpose(), a.transpose();
+    end << b.transpose();
+    return points_along(from, to, CreaseCurve(chain, end, (before + after) / 2), before, after, least);
+  }
+
+  /// Walls that meet in a line, in a node, or in two.
+  void join(const FlatWalls& walls) {
+    const std::size_t n = walls.first.size();
+    const Index r = static_cast<Index>(rim_.size());
+    std::vector<double> sizes;
+    for (Index place : walls.first) sizes.push_back(size(place));
+    const double mean = std::accumulate(sizes.begin(), sizes.end(), 0.0) / static_cast<double>(n);
+    VertexLoop nodes;
+    for (const Vec3& node : walls.nodes) nodes.push_back(add(node, 0));
+    std::vector<VertexLoop> creases;  // from the beginning of each wall's piece
+    if (nodes.empty()) {
+      creases.push_back(straight(rim_[walls.first[0]], rim_[walls.first[1]], sizes[0], sizes[1], 2));
+      creases.emplace_back(creases[0].rbegin(), creases[0].rend());
+    }
+    for (std::size_t i = 0; i < walls.node.size(); ++i)
+      creases.push_back(straight(rim_[walls.first[i]], nodes[walls.node[i]], sizes[i], mean, 1));
+    std::vector<VertexLoop> between;  // a node and the next
+    for (std::size_t k = 0; k + 1 < nodes.size(); ++k) between.push_back(straight(nodes[k], nodes[k + 1], mean, mean, 1));
+    loops_.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t next = (i + 1) % n;
+      VertexLoop part;
+      for (Index k = walls.first[i]; k % r != walls.first[next]; ++k) part.push_back(rim_[k % r]);
+      part.insert(part.end(), creases[next].begin(), creases[next].end() - 1);
+      const std::vector<Index> beside = walls.nodes_beside(i);
+      for (std::size_t k = 0; k + 1 < beside.size(); ++k) {
+        VertexLoop way = between[std::min(beside[k], beside[k + 1])];
+        if (beside[k] > beside[k + 1]) std::reverse(way.begin(), way.end());
+        part.insert(part.end(), way.begin(), way.end() - 1);
+      }
+      if (!nodes.empty()) part.insert(part.end(), creases[i].rbegin(), creases[i].rend() - 1);
+      loops_.push_back(std::move(part));
+    }
+  }
+
   const Mesh& mesh_;
   const VertexLoop& rim_;
   Index first_;
@@ -181,6 +227,7 @@ private:
 /// For each part the faces on its side of the creases: from its piece of the rim on across edges that are not sharp.
 std::vector<std::vector<Index>> faces_of_parts(const Mesh& mesh, const Connectivity& around, const Features& features,
                                                const std::vector<VertexLoop>& loops) {
+  if (features.walls) return features.walls->faces;
   std::set<EdgeKey> barred(features.barred.begin(), features.barred.end());
   for (const Crease& crease : features.creases)
     for (const CreaseEnd& end : crease.ends)
@@ -260,6 +307,8 @@ CreasedPart creased_part(const Mesh& mesh, const Connectivity& around, const Div
   if (options.resolution)
     part.options.resolution =
         std::max(1, static_cast<int>(std::lround((1 - tie) * length / (3 * std::max(division.even(), 1e-300)))));
+  else if (r == 3)
+    part.options.resolution = 1;  // a triangle has no surface where nothing is asked of it
   return part;
 }
 
@@ -489,7 +538,7 @@ bool meet_inside(const std::vector<Through>& through, const Division& division, 
 
 std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivity& around, const VertexLoop& rim,
                                              const Features& features, const PlaneFillOptions& options) {
-  if (features.creases.empty()) return {};
+  if (!features.found()) return {};
   const Division division(mesh, rim, features, options);
   if (grazes_rim(division, rim)) return {};
   const std::vector<std::vector<Index>> faces = faces_of_parts(mesh, around, features, division.loops());
@@ -500,6 +549,7 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
     const Mesh own{part.vertices, part.faces};
     fills.push_back(fill_over_plane(own, Connectivity(own), {part.loop}, part.options));
     if (!fills.back().surface || fills.back().doubles_edges) return {};
+    if (features.walls) fills.back().plainer.clear();  // a wall of which nothing is left is as flat as its rim
     parts.push_back(part);
   }
   if (!meet_inside(options.through, division, parts, fills)) return {};

@@ -23,9 +23,6 @@ using EdgePair = std::array<Index, 2>;
 // degrees, edges of drums, corners of three planes, chamfers; without noise, with 2 and 6% of an edge. Two percentages tell by how much
 // fills are farther in the geometric mean: with half, with twice of it.
 constexpr double one_degree = std::numbers::pi / 180;
-/// Between the faces at a sharp edge at least: the sides of a cylinder of 14 corners stay below it (-12%, 127%; with 35 degrees 26%). Of 89 holes
-/// in scanned and modelled meshes, with edges of 15 degrees and more at the rim, half of it fills one otherwise, 12% farther.
-constexpr double least_crease_angle = 25 * one_degree;
 /// And so many times what three quarters of the edges around stay below, and the half of those beside the crease: noise of a tenth of an
 /// edge, and coarse triangles of anything round, stay below that (-2%, 29%; share of 0.38: 3%).
 constexpr double above_noise = 3, ordinary_share = 0.75;
@@ -136,11 +133,13 @@ public:
   }
 
   /// Pairs of ends that see each other, the best first, none across another; where three or more meet at a point, those that go
-  /// straight_on on before, others after.
-  std::vector<Crease> creases(std::vector<CreaseEnd> ends) const {
+  /// straight_on on before, others after, and these only where no walls meet.
+  std::vector<Crease> creases(std::vector<CreaseEnd> ends, bool any_wall) const {
     std::vector<Crease> out = pairs(ends, straight_on);
-    if (out.empty())
+    if (out.empty()) {
       if (std::optional<Crease> met = meet(ends)) return {std::move(*met)};
+      if (any_wall) return {};
+    }
     std::vector<Crease> others = pairs(ends, 2 * widest_view);
     return others.size() > out.size() ? others : out;
   }
@@ -352,14 +351,18 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   if (!(across > 0) || !std::isfinite(across)) return features;
   std::vector<Index> at_rim = rim;
   std::sort(at_rim.begin(), at_rim.end());
-  if (!EdgeAngles(mesh, around, at_rim).any_is_crease()) return features;  // as at most holes: nothing ends there
+  const bool any_wall = flat_walls(mesh, around, rim, across, {}).has_value();
+  if (!any_wall && !EdgeAngles(mesh, around, at_rim).any_is_crease()) return features;  // as at most holes: nothing ends there
   const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, most_crease_rings);
   features.vertices = disc.vertices;
   std::sort(features.vertices.begin(), features.vertices.end());
   const EdgeAngles angles(mesh, around, features.vertices);
   const CreaseFinder finder(mesh, around, rim, angles, across);
-  features.creases = finder.creases(finder.ends());
-  if (!features.creases.empty()) features.barred = angles.all_sharp();
+  features.creases = finder.creases(finder.ends(), any_wall);
+  if (!features.creases.empty())
+    features.barred = angles.all_sharp();
+  else if (any_wall)
+    features.walls = flat_walls(mesh, around, rim, across, features.vertices);
   return features;
 }
 

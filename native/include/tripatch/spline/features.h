@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/spline/flat_walls.h"
 
 namespace tripatch {
 
@@ -30,8 +32,12 @@ struct Crease {
 
 struct Features {
   std::vector<Crease> creases;               ///< none crosses another
+  std::optional<FlatWalls> walls;            ///< where no creases go straight on or meet at a point
   std::vector<Index> vertices;               ///< of the surroundings that were looked at, sorted
   std::vector<std::array<Index, 2>> barred;  ///< their sharp edges, lower vertex first, sorted: surfaces end there
+
+  /// Whether anything goes on across the hole.
+  bool found() const { return !creases.empty() || walls; }
 };
 
 /// rim: as new faces traverse it. An edge is sharp where its faces are 25 degrees or more apart, and three times as much as at

@@ -1,0 +1,276 @@
+// Holes in solids with flat walls: what was there is known, so the closed mesh has the solid's volume and area, however the solid lies.
+#include <Eigen/Geometry>
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "tripatch/fill.h"
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/mesh/border_loops.h"
+#include "tripatch/spline/features.h"
+
+using namespace tripatch;
+
+namespace {
+
+/// A closed mesh, or what is left of one.
+struct Solid {
+  Points vertices = Points(0, 3);
+  Faces faces;
+
+  Solid(const std::vector<Vec3>& points, const std::vector<std::vector<Index>>& of)
+      : vertices(static_cast<Index>(points.size()), 3) {
+    for (Index k = 0; k < vertices.rows(); ++k) vertices.row(k) = points[static_cast<std::size_t>(k)];
+    for (const std::vector<Index>& face : of) faces.add(face);
+  }
+
+  /// Without the faces whose middles are gone, and the vertices that no face is at then.
+  Solid without(const std::function<bool(const Vec3&)>& gone) const {
+    std::map<Index, Index> number;
+    std::vector<Vec3> points;
+    std::vector<std::vector<Index>> kept;
+    for (Index f = 0; f < faces.size(); ++f) {
+      Vec3 middle = Vec3::Zero();
+      for (Index v : faces[f]) middle += Vec3(vertices.row(v)) / static_cast<double>(faces[f].size());
+      if (gone(middle)) continue;
+      kept.emplace_back();
+      for (Index v : faces[f]) {
+        const auto [own, is_new] = number.emplace(v, static_cast<Index>(points.size()));
+        if (is_new) points.push_back(vertices.row(v));
+        kept.back().push_back(own->second);
+      }
+    }
+    return {points, kept};
+  }
+  Solid moved(const std::function<Vec3(const Vec3&)>& map) const {
+    Solid out = *this;
+    for (Index k = 0; k < vertices.rows(); ++k) out.vertices.row(k) = map(vertices.row(k));
+    return out;
+  }
+  Mesh mesh() const { return {vertices, faces}; }
+  std::vector<Index> rim() const {
+    const auto loops = border_loops(Connectivity(mesh()));
+    REQUIRE(loops.size() == 1);
+    return loops[0];
+  }
+  double across() const { return diameter(mesh(), rim()); }
+  Features features() const { return find_features(mesh(), Connectivity(mesh()), rim()); }
+};
+
+/// The cube from -1 to 1, each of its faces n x n quads.
+Solid cube(int n) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<Index>> faces;
+  std::map<std::array<int, 3>, Index> at;
+  const auto vertex = [&](const std::array<int, 3>& p) {
+    const auto [found, is_new] = at.emplace(p, static_cast<Index>(points.size()));
+    if (is_new) points.push_back(Vec3(p[0], p[1], p[2]) * 2 / n - Vec3::Ones());
+    return found->second;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int side : {0, n})
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          std::vector<Index> face;
+          for (const auto& [u, v] : {std::array{0, 0}, std::array{1, 0}, std::array{1, 1}, std::array{0, 1}}) {
+            std::array<int, 3> p;
+            p[axis] = side;
+            p[(axis + 1) % 3] = i + (side ? u : v);
+            p[(axis + 2) % 3] = j + (side ? v : u);
+            face.push_back(vertex(p));
+          }
+          faces.push_back(face);
+        }
+  return {points, faces};
+}
+
+/// A prism of n walls with radius 1.
+Solid prism(int n, double height) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<Index>> faces(2);
+  for (const double z : {0.0, height})
+    for (int k = 0; k < n; ++k) {
+      const double a = 2 * std::numbers::pi * k / n;
+      points.emplace_back(std::cos(a), std::sin(a), z);
+    }
+  for (Index k = 0; k < n; ++k) {
+    faces[0].push_back(n - 1 - k);
+    faces[1].push_back(n + k);
+    faces.push_back({k, (k + 1) % n, n + (k + 1) % n, n + k});
+  }
+  return {points, faces};
+}
+
+/// The base and walls of a pyramid over n corners at radius 1, from there up to 0.3 of it below the top, which is at (0, 0, height). One
+/// vertex of the rim is lower: a flat one tells nothing.
+Solid pyramid(int n, double height) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<Index>> faces(1);
+  for (const double share : {0.3, 0.6, 1.0})
+    for (int k = 0; k < n; ++k) {
+      const double a = 2 * std::numbers::pi * k / n, own = share == 0.3 && k == 0 ? 0.4 : share;
+      points.emplace_back(own * std::cos(a), own * std::sin(a), height * (1 - own));
+    }
+  for (Index k = 0; k < n; ++k) {
+    faces[0].push_back(3 * n - 1 - k);
+    for (Index row = 0; row < 2; ++row)
+      faces.push_back({row * n + k, (row + 1) * n + k, (row + 1) * n + (k + 1) % n, row * n + (k + 1) % n});
+  }
+  return {points, faces};
+}
+
+struct Measures {
+  double volume = 0, area = 0;
+};
+
+/// Of a mesh and its fill. Every edge has two faces, which pass it in opposite directions.
+Measures closed(const Mesh& mesh, const Fill& fill) {
+  Points points(mesh.vertices.rows() + fill.vertices.rows(), 3);
+  points << mesh.vertices, fill.vertices;
+  Measures out;
+  std::set<std::array<Index, 2>> edges;
+  const Vec3 origin = mesh.vertices.row(0);
+  for (const FacesRef& faces : {mesh.faces, FacesRef(fill.faces)})
+    for (Index f = 0; f < faces.size(); ++f) {
+      const auto face = faces[f];
+      Vec3 twice = Vec3::Zero();
+      for (std::size_t k = 0; k < face.size(); ++k) {
+        REQUIRE(edges.insert({face[k], face[(k + 1) % face.size()]}).second);
+        if (k == 0 || k + 1 == face.size()) continue;
+        const Vec3 a = Vec3(points.row(face[0])) - origin, b = Vec3(points.row(face[k])) - origin,
+                   c = Vec3(points.row(face[k + 1])) - origin;
+        twice += (b - a).cross(c - a);
+        out.volume += a.dot(b.cross(c)) / 6;
+      }
+      out.area += twice.norm() / 2;
+    }
+  for (const auto& [a, b] : edges) REQUIRE(edges.count({b, a}) == 1);
+  return out;
+}
+
+Fill filled(const Solid& solid, Output output = Output::triangles) {
+  FillOptions options;
+  options.rim = solid.rim();
+  options.output = output;
+  return fill(solid.mesh(), options);
+}
+
+bool at_corner(const Vec3& p) { return p.minCoeff() > 0.1; }
+/// Over the edge of the walls y = 1 and z = 1, with both ends of it.
+bool at_edge(const Vec3& p) { return std::min(p[1], p[2]) > 0.1; }
+/// The wall z = 1 and what is beside it of the walls x = 1 and y = 1.
+bool at_top(const Vec3& p) { return p[2] > 0.9 || (std::max(p[0], p[1]) > 0.9 && p[2] > 0.1); }
+
+}  // namespace
+
+TEST_CASE("what a box has lost at an edge, a corner, two of them, or with a whole wall comes back", "[flat_walls]") {
+  const auto turned = [](double scale, const Vec3& shift) {
+    const Eigen::Matrix3d turn = Eigen::Quaterniond(0.3, -0.5, 0.4, 0.7).normalized().toRotationMatrix();
+    return [=](const Vec3& p) { return Vec3(scale * (turn * p) + shift); };
+  };
+  const auto gone = GENERATE(0, 1, 2);
+  const auto n = GENERATE(2, 3, 5);
+  const Solid whole = cube(n), open = whole.without(std::array{&at_corner, &at_edge, &at_top}[static_cast<std::size_t>(gone)]);
+  INFO("gone " << gone << ", n " << n);
+  REQUIRE(open.features().found());
+  for (const auto& [scale, shift] : {std::pair(1.0, 0.0), std::pair(1e-6, 0.0), std::pair(1e6, 3e6), std::pair(1.0, 1e4)})
+    for (const Output output : {Output::triangles, Output::quads}) {
+      INFO("gone " << gone << ", n " << n << ", scale " << scale << ", shift " << shift);
+      const Solid lying = open.moved(turned(scale, Vec3::Constant(shift)));
+      const Fill fill = filled(lying, output);
+      const Measures made = closed(lying.mesh(), fill);
+      CHECK(made.volume / std::pow(scale, 3) == Approx(8).epsilon(1e-9));
+      CHECK(made.area / std::pow(scale, 2) == Approx(24).epsilon(1e-9));
+      CHECK(fill.report.triangles_folded == 0);
+      CHECK(fill.report.warnings.empty());
+      CHECK_FALSE(fill.feature_edges.empty());
+    }
+}
+
+TEST_CASE("walls that meet in a point by fours and more are a pyramid's", "[flat_walls]") {
+  for (int n = 4; n <= 8; ++n) {
+    const Solid open = pyramid(n, 2);
+    const std::optional<FlatWalls> walls = open.features().walls;
+    INFO("n " << n);
+    REQUIRE(walls);
+    CHECK(walls->nodes.size() == 1);
+    const double base = n * std::sin(2 * std::numbers::pi / n) / 2;
+    CHECK(closed(open.mesh(), filled(open)).volume == Approx(base * 2 / 3).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("walls are not continued beyond a wall that has lost nothing", "[flat_walls]") {
+  for (int n = 7; n < 16; ++n)
+    for (const int lost : {2, 3})
+      for (const double height : {0.5, 2.0}) {
+        const Solid whole = prism(n, height);
+        const double last = 2 * std::numbers::pi * lost / n;
+        const Solid open = whole.without([&](const Vec3& p) {
+          return p.head(2).norm() > 0.5 && std::fmod(std::atan2(p[1], p[0]) + 2 * std::numbers::pi, 2 * std::numbers::pi) < last;
+        });
+        INFO(n << " walls, " << lost << " lost, height " << height);
+        CHECK_FALSE(open.features().walls);
+        CHECK(filled(open).feature_edges.empty());
+      }
+}
+
+TEST_CASE("no crease shows at the rim of a lost face, and none is made", "[flat_walls]") {
+  const Solid octahedron({{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+                         {{1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}});
+  CHECK_FALSE(octahedron.features().walls);
+  CHECK(closed(octahedron.mesh(), filled(octahedron)).volume == Approx(4.0 / 3).epsilon(1e-9));
+  const Solid open = cube(3).without([](const Vec3& p) { return p[2] > 0.9; });  // a cap is as likely as any
+  CHECK_FALSE(open.features().walls);
+}
+
+TEST_CASE("vertices are in a plane within 1e-4 of the hole", "[flat_walls]") {
+  const Solid open = cube(5).without(at_corner);
+  for (const double off : {0.8, 1.25}) {
+    const Solid bent = open.moved([&](const Vec3& p) {
+      const bool beside = (p - Vec3(-0.2, 0.6, 1)).norm() < 1e-9;
+      return Vec3(beside ? p + Vec3(0, 0, off * 1e-4 * open.across()) : p);
+    });
+    CHECK(bent.features().walls.has_value() == (off < 1));
+  }
+}
+
+TEST_CASE("a wall of which nothing is left is told by a rim that turns by 20 degrees", "[flat_walls]") {
+  for (const double degrees : {18.0, 22.0}) {
+    const double a = degrees * std::numbers::pi / 180;
+    // the wall x = 1 is gone, with what is beside it; of its two edges that are left one runs aslant
+    const Solid open = cube(4).without([](const Vec3& p) { return p[0] > 0.9 || (p[0] > 0.1 && std::max(p[1], p[2]) > 0.9); });
+    REQUIRE(open.features().walls);
+    const Solid sheared = open.moved([&](const Vec3& p) { return Vec3(p[0], p[1] + p[2] / std::tan(a), p[2]); });
+    CHECK(sheared.features().walls.has_value() == (degrees > 20));
+  }
+}
+
+TEST_CASE("walls that meet more than a diameter away do not close a hole", "[flat_walls]") {
+  double height = 1;
+  const auto farness = [&] {
+    const Solid open = pyramid(4, height);
+    const Vec3 top(0, 0, height);
+    double least = 10 * height;
+    for (Index v : open.rim()) least = std::min(least, (Vec3(open.vertices.row(v)) - top).norm());
+    return least / open.across();
+  };
+  for (const double share : {0.9, 1.1}) {
+    while (farness() < share) height *= 1.01;
+    const Solid open = pyramid(4, height);
+    const Mesh mesh = open.mesh();
+    CHECK(flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (share < 1));
+  }
+}
+
+TEST_CASE("no more than eight planes are looked at", "[flat_walls]") {
+  for (const int n : {8, 9}) {
+    const Solid open = pyramid(n, 2);
+    const Mesh mesh = open.mesh();
+    CHECK(flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (n == 8));
+  }
+}
