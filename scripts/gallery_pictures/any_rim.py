@@ -66,7 +66,7 @@ def on_edges(lift, n=20, radius=0.5, seed=5):
     return lift(*points.T), faces, sorted(tripatch.find_holes(faces), key=len)[-2]
 
 
-def solid(figure, place, vertices, faces, title, new=(), creases=()):
+def solid(figure, place, vertices, faces, title, new=(), creases=(), zoom=1.3):
     """Flat shading, the new faces in another color, creases drawn."""
     axes = figure.add_subplot(*place, projection="3d")
     axes.plot_trisurf(*vertices.T, triangles=faces, color="0.85", edgecolor="0.45", linewidth=0.25)
@@ -75,7 +75,7 @@ def solid(figure, place, vertices, faces, title, new=(), creases=()):
     for a, b in creases:
         axes.plot(*vertices[[a, b]].T, color="#b02020", linewidth=1.8, zorder=10)
     axes.set_title(title, y=0.97)
-    axes.set_box_aspect(np.ptp(vertices, axis=0), zoom=1.3)
+    axes.set_box_aspect(np.ptp(vertices, axis=0), zoom=zoom)
     axes.view_init(32, 35)
     axes.set_axis_off()
 
@@ -100,6 +100,40 @@ def draw_creases(path):
             whole = np.vstack([vertices, fill.vertices])
             title = "creases go on" if features else "features=False"
             solid(figure, (2, 3, 3 * row + 2 + column), whole, near, title, fill.faces, fill.feature_edges)
+    figure.tight_layout()
+    figure.savefig(path, dpi=90)
+    plt.close(figure)
+
+
+def box(n):
+    """The cube from -1 to 1 with n x n quads a face."""
+    grid = np.linspace(-1, 1, n + 1)
+    u, v = (a.ravel() for a in np.meshgrid(grid, grid, indexing="ij"))
+    at = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    quads = np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]], axis=-1).reshape(-1, 4)
+    points, faces = [], []
+    for k, (axis, side) in enumerate((axis, side) for axis in range(3) for side in (-1, 1)):
+        points.append(np.roll(np.column_stack([np.full_like(u, side), u, v]), axis, axis=1))
+        faces.append((quads if side > 0 else quads[:, ::-1]) + k * at.size)
+    vertices, number = np.unique(np.round(np.concatenate(points), 12), axis=0, return_inverse=True)
+    return vertices, number.ravel()[np.concatenate(faces)]
+
+
+def draw_walls(path):
+    """A box without a corner, an edge, a wall: as it is, rounded off, and closed by its walls."""
+    vertices, faces = box(4)
+    x, y, z = vertices[faces].mean(axis=1).T
+    holes = np.minimum(np.minimum(x, y), z) > 0.1, np.minimum(x, z) > 0.1, (z > 0.9) | ((np.maximum(x, y) > 0.9) & (z > 0.1))
+    figure = plt.figure(figsize=(10, 9.5))
+    for column, gone in enumerate(holes):
+        left = faces[~gone]
+        triangles = np.vstack([left[:, :3], left[:, [0, 2, 3]]])
+        solid(figure, (3, 3, 1 + column), vertices, triangles, "the hole", zoom=1)
+        for row, features in enumerate((False, True)):
+            (fill,) = tripatch.fill_all(vertices, left.tolist(), features=features)
+            whole = np.vstack([vertices, fill.vertices])
+            title = "walls go on" if features else "features=False"
+            solid(figure, (3, 3, 4 + 3 * row + column), whole, triangles, title, fill.faces, fill.feature_edges, zoom=1)
     figure.tight_layout()
     figure.savefig(path, dpi=90)
     plt.close(figure)
@@ -193,9 +227,10 @@ def cube_sphere(n):
 
 
 def draw(folder):
-    """Writes hill.png, creases.png and grown.png into a folder."""
+    """Writes hill.png, creases.png, walls.png and grown.png into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     draw_creases(folder / "creases.png")
+    draw_walls(folder / "walls.png")
     draw_grown(folder / "grown.png")
 
     def hill(x, y):

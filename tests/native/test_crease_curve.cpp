@@ -2,7 +2,7 @@
 #include <cmath>
 #include <random>
 
-#include "tripatch/spline/crease_curve.h"
+#include "tripatch/creases/crease_curve.h"
 
 using namespace tripatch;
 

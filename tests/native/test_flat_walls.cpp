@@ -9,10 +9,10 @@
 #include <set>
 #include <vector>
 
+#include "tripatch/creases/features.h"
 #include "tripatch/fill.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/mesh/border_loops.h"
-#include "tripatch/spline/features.h"
 
 using namespace tripatch;
 

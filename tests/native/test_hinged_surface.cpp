@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "tripatch/creases/hinged_surface.h"
 #include "tripatch/math/jet.h"
-#include "tripatch/spline/hinged_surface.h"
 
 using namespace tripatch;
 

@@ -8,7 +8,7 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/mesh/vertex_normals.h"
-#include "tripatch/spline/features.h"
+#include "tripatch/creases/features.h"
 
 namespace tripatch::testing {
 

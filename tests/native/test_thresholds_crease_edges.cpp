@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "test_rings.h"
-#include "tripatch/spline/creased_fill.h"
+#include "tripatch/creases/creased_fill.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

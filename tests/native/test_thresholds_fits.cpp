@@ -5,8 +5,8 @@
 #include <random>
 
 #include "test_drafts.h"
+#include "tripatch/creases/crease_curve.h"
 #include "tripatch/estimate/plane_fit.h"
-#include "tripatch/spline/crease_curve.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "test_rings.h"
-#include "tripatch/spline/creased_fill.h"
+#include "tripatch/creases/creased_fill.h"
 #include "tripatch/spline/least_bent.h"
 #include "tripatch/spline/plane_fill.h"
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "tripatch/creases/features.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/triangle_fill.h"
@@ -18,7 +19,6 @@
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/meanwhile.h"
-#include "tripatch/spline/features.h"
 
 namespace tripatch {
 

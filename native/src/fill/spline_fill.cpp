@@ -6,6 +6,8 @@
 #include <tuple>
 
 #include "tripatch/constructions/methods.h"
+#include "tripatch/creases/creased_fill.h"
+#include "tripatch/creases/features.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
@@ -18,9 +20,7 @@
 #include "tripatch/quads/grown_quads.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
-#include "tripatch/spline/creased_fill.h"
 #include "tripatch/spline/disc.h"
-#include "tripatch/spline/features.h"
 #include "tripatch/spline/plane_fill.h"
 #include "tripatch/spline/plane_patch.h"
 

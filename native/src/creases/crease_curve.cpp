@@ -1,4 +1,4 @@
-#include "tripatch/spline/crease_curve.h"
+#include "tripatch/creases/crease_curve.h"
 
 #include <algorithm>
 #include <cmath>

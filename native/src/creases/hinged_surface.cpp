@@ -1,4 +1,4 @@
-#include "tripatch/spline/hinged_surface.h"
+#include "tripatch/creases/hinged_surface.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "tripatch/spline/flat_walls.h"
+#include "tripatch/creases/flat_walls.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -14,11 +14,10 @@
 namespace tripatch {
 namespace {
 
-constexpr double one_degree = std::numbers::pi / 180;
 /// Of the hole's diameter: vertices of one plane are no farther from it.
 constexpr double in_plane = 1e-4;
 /// Between edges of the rim that tell the plane of a wall that has no face left, at least.
-constexpr double least_turn = 20 * one_degree;
+constexpr double least_turn = 20 * std::numbers::pi / 180;
 /// Of the hole's diameter, from the nearest vertex of the rim: where walls meet farther off, the fill would leave the hole.
 constexpr double farthest_node = 1;
 /// Planes beside a rim, and as many of walls that have no face left.

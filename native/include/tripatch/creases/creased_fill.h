@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "tripatch/spline/features.h"
+#include "tripatch/creases/features.h"
 #include "tripatch/spline/plane_fill.h"
 
 namespace tripatch {

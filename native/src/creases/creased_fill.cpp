@@ -1,4 +1,4 @@
-#include "tripatch/spline/creased_fill.h"
+#include "tripatch/creases/creased_fill.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +8,13 @@
 #include <numeric>
 #include <set>
 
+#include "tripatch/creases/crease_curve.h"
+#include "tripatch/creases/hinged_surface.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
-#include "tripatch/spline/crease_curve.h"
-#include "tripatch/spline/hinged_surface.h"
 
 namespace tripatch {
 namespace {

@@ -1,4 +1,4 @@
-#include "tripatch/spline/features.h"
+#include "tripatch/creases/features.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

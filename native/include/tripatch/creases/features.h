@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "tripatch/creases/flat_walls.h"
 #include "tripatch/mesh/connectivity.h"
-#include "tripatch/spline/flat_walls.h"
 
 namespace tripatch {
 
