@@ -104,6 +104,34 @@ def test_vertex_groups_and_point_attributes_are_blended():
         assert mesh.attributes["N"].data[v.index].value == 7
 
 
+@pytest.mark.parametrize("quads", ["FIXED", "ALTERNATE"])
+def test_the_edges_of_a_box_that_come_back_are_sharp_as_those_that_are_left(quads):
+    """A wall is gone with a part of two others: some of the new edges begin where no sharp edge ends, only diagonals of faces."""
+
+    def is_gone(x, y, z):
+        return z > 0.9 or (max(x, y) > 0.9 and z > 0.1)
+
+    bm = bmesh.new()
+    bmesh.ops.create_cube(bm, size=2)
+    bmesh.ops.subdivide_edges(bm, edges=bm.edges[:], cuts=3, use_grid_fill=True)
+    for edge in bm.edges:
+        edge.smooth = edge.calc_face_angle() < 0.1
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if is_gone(*f.calc_center_median())], context="FACES")
+    bmesh.ops.triangulate(bm, faces=bm.faces[:], quad_method=quads)
+    old = {tuple(sorted(tuple(v.co) for v in e.verts)) for e in bm.edges}
+    mesh = bpy.data.meshes.new("box")
+    bm.to_mesh(mesh)
+    bm.free()
+    ob = scenes.object_of(mesh)
+    scenes.edit(ob, mode="EDGE")
+    assert bpy.ops.mesh.fill_smooth(output="triangles") == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(ob.data)
+    assert all(len(e.link_faces) == 2 for e in bm.edges)
+    new = [e for e in bm.edges if tuple(sorted(tuple(v.co) for v in e.verts)) not in old]
+    assert sum(e.calc_face_angle() > 0.1 for e in new) >= 5
+    assert all(e.smooth == (e.calc_face_angle() < 0.1) for e in new)
+
+
 def test_creases_seams_and_sharp_edges_stay_and_do_not_spread():
     ob = scenes.add_hole()
     (bm,) = scenes.edit(ob, mode="EDGE")
