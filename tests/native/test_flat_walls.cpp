@@ -164,7 +164,7 @@ bool at_corner(const Vec3& p) { return p.minCoeff() > 0.1; }
 /// Over the edge of the walls y = 1 and z = 1, with both ends of it.
 bool at_edge(const Vec3& p) { return std::min(p[1], p[2]) > 0.1; }
 /// The wall z = 1 and what is beside it of the walls x = 1 and y = 1.
-bool at_top(const Vec3& p) { return p[2] > 0.9 || (std::max(p[0], p[1]) > 0.9 && p[2] > 0.1); }
+bool at_top(const Vec3& p) { return std::max({p[0], p[1], p[2]}) > 0.999 && p[2] > 0.1; }
 
 }  // namespace
 
@@ -190,6 +190,13 @@ TEST_CASE("what a box has lost at an edge, a corner, two of them, or with a whol
       CHECK(fill.report.warnings.empty());
       CHECK_FALSE(fill.feature_edges.empty());
     }
+}
+
+TEST_CASE("a wall of which nothing is left may have a rim of hundreds of edges", "[flat_walls]") {
+  const Solid open = cube(150).without(at_top);
+  const Measures made = closed(open.mesh(), filled(open));
+  CHECK(made.volume == Approx(8).epsilon(1e-9));
+  CHECK(made.area == Approx(24).epsilon(1e-9));
 }
 
 TEST_CASE("walls that meet in a point by fours and more are a pyramid's", "[flat_walls]") {

@@ -15,6 +15,7 @@
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/disc.h"
 
 namespace tripatch {
 namespace {
@@ -307,8 +308,8 @@ CreasedPart creased_part(const Mesh& mesh, const Connectivity& around, const Div
   if (options.resolution)
     part.options.resolution =
         std::max(1, static_cast<int>(std::lround((1 - tie) * length / (3 * std::max(division.even(), 1e-300)))));
-  else if (r == 3)
-    part.options.resolution = 1;  // a triangle has no surface where nothing is asked of it
+  else if (r == 3 || (faces.empty() && r > long_rim))  // else a triangle has no surface, a long rim by itself none
+    part.options.resolution = static_cast<int>(r / 3);
   return part;
 }
 

@@ -128,13 +128,16 @@ private:
       return !in ? none : (p < seen_ ? 1.0 : 2.0) / (4 * static_cast<double>(n_));  // all together less than a change
     };
     Eigen::MatrixXd costs(n_, planes);
+    for (Index k = 0; k < n_; ++k)
+      for (std::size_t p = 0; p < planes; ++p) costs(k, p) = cost(k, p);
     std::vector<Eigen::MatrixXd> change;  // at the beginning of each edge, from one plane to another
     for (Index k = 0; k < n_; ++k) {
       change.emplace_back(planes, planes);
-      for (std::size_t p = 0; p < planes; ++p) {
-        costs(k, p) = cost(k, p);
-        for (std::size_t q = 0; q < planes; ++q) change[k](p, q) = p == q ? 0 : is_shown(k, p, q) ? 1 : none;
-      }
+      for (std::size_t p = 0; p < planes; ++p)
+        for (std::size_t q = 0; q < planes; ++q) {
+          const bool may = std::isfinite(costs((k + n_ - 1) % n_, p)) && std::isfinite(costs(k, q));
+          change[k](p, q) = p == q ? 0 : may && is_shown(k, p, q) ? 1 : none;
+        }
     }
     double least = none;
     std::vector<std::size_t> best;
