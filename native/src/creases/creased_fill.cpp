@@ -175,13 +175,13 @@ private:
   /// New points of a straight crease between two rows.
   VertexLoop straight(Index from, Index to, double before, double after, Index least) {
     const Vec3 a = point(from), b = point(to);
-    Points chain(2, 3), end(1, 3);
-    chain << (2 * a - b).transpose(), a.transpose();
+    Points start(2, 3), end(1, 3);
+    start << (2 * a - b).transpose(), a.transpose();
     end << b.transpose();
-    return points_along(from, to, CreaseCurve(chain, end, (before + after) / 2), before, after, least);
+    return points_along(from, to, CreaseCurve(start, end, (before + after) / 2), before, after, least);
   }
 
-  /// Walls that meet in a line, in a node, or in two.
+  /// Walls that meet in a line across the hole, or in nodes.
   void join(const FlatWalls& walls) {
     const std::size_t n = walls.first.size();
     const Index r = static_cast<Index>(rim_.size());

@@ -9,8 +9,9 @@
 
 namespace tripatch {
 
-/// Between the faces at a sharp edge at least, of the holes in features.cpp: the sides of a cylinder of 14 corners stay below it (-12%, 127%; with 35 degrees 26%). Of 89 holes
-/// in scanned and modelled meshes, with edges of 15 degrees and more at the rim, half of it fills one otherwise, 12% farther.
+/// Between the faces at a sharp edge at least, of the holes in features.cpp: the sides of a cylinder of 14 corners stay below it (-12%,
+/// 127%; with 35 degrees 26%). Of 89 holes in scanned and modelled meshes, with edges of 15 degrees and more at the rim, half of it fills
+/// one otherwise, 12% farther.
 inline constexpr double least_crease_angle = 25 * std::numbers::pi / 180;
 
 /// Two or more flat walls that close a hole. Of wall i the piece of the rim from first[i] to first[i + 1] is part, and the straight
