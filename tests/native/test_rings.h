@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
+#include "tripatch/creases/features.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/mesh/vertex_normals.h"
-#include "tripatch/creases/features.h"
 
 namespace tripatch::testing {
 
