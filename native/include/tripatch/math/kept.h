@@ -1,6 +1,7 @@
 // The last few results of what takes long and is asked for again and again, as while somebody moves a slider.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <deque>
@@ -49,16 +50,19 @@ private:
   std::vector<std::uint64_t> bits_;
 };
 
-/// Results by key, the latest first; from any thread.
+/// Results by key, those last asked for first; from any thread.
 template <class Value>
 class Kept {
 public:
   explicit Kept(std::size_t most) : most_(most) {}
 
-  std::shared_ptr<const Value> find(const Key& key) const {
+  std::shared_ptr<const Value> find(const Key& key) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (const auto& [own, value] : last_)
-      if (own == key) return value;
+    for (auto entry = last_.begin(); entry != last_.end(); ++entry) {
+      if (!(entry->first == key)) continue;
+      std::rotate(last_.begin(), entry, entry + 1);
+      return last_.front().second;
+    }
     return {};
   }
   std::shared_ptr<const Value> keep(Key key, std::shared_ptr<const Value> value) {
@@ -70,7 +74,7 @@ public:
 
 private:
   std::size_t most_;
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::deque<std::pair<Key, std::shared_ptr<const Value>>> last_;
 };
 
