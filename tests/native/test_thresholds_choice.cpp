@@ -161,7 +161,8 @@ TEST_CASE("the open end of an uneven prism of up to six walls has a corner at ev
     for (Index k = 0; k < walls; ++k) {
       const double place = static_cast<double>(k),
                    angle = 2 * M_PI * (place + 0.35 * std::sin(3 * place + 3)) / static_cast<double>(walls);
-      const Vec3 corner = (1 + 0.4 * std::cos(5 * place + 6)) * Vec3(std::cos(angle), std::sin(angle), 0);
+      const Vec3 corner =
+          (1 + 0.4 * std::cos(5 * place + 6)) * Vec3(std::cos(angle), std::sin(angle), 0.001 * std::cos(place));  // not flat
       vertices.row(k) = corner;
       vertices.row(walls + k) = corner - Vec3::UnitZ();
       const Index next = (k + 1) % walls;

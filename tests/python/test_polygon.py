@@ -408,3 +408,17 @@ def test_a_round_patch_whose_side_leads_outwards_says_that_it_folds():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         tripatch.patch([tripatch.Side.from_functions(circle, along, circle)], fairing=None)
+
+
+@pytest.mark.parametrize("edges", [10, 16, 40])
+def test_what_closes_the_base_of_a_flat_cone_stays_at_the_hole(edges):
+    # its wall goes on outwards: a surface of revolution that continues it came back from 1.3 diameters away
+    angles = 2 * np.pi * np.arange(edges) / edges
+    circle = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    vertices = np.concatenate([circle, 0.6 * circle + [0, 0, 0.3], [[0, 0, 0.75]]])
+    following = (np.arange(edges) + 1) % edges
+    faces = [[j, k, edges + k, edges + j] for j, k in enumerate(following)]
+    faces += [[edges + j, edges + k, 2 * edges] for j, k in enumerate(following)]
+    fill = tripatch.fill(vertices, faces)
+    assert np.linalg.norm(fill.vertices, axis=1).max() < 2
+    assert fill.report.triangles_folded <= fill.report.rim_folded  # the solid's own edge is that sharp

@@ -184,6 +184,7 @@ private:
   /// Walls that meet in a line across the hole, or in nodes.
   void join(const FlatWalls& walls) {
     const std::size_t n = walls.first.size();
+    if (n == 1) return;
     const Index r = static_cast<Index>(rim_.size());
     std::vector<double> sizes;
     for (Index place : walls.first) sizes.push_back(size(place));
@@ -560,6 +561,9 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
   points.bottomRows(fill.vertices.rows()) = fill.vertices;
   fill.folds = count_folded_edges(points, Points(0, 3), faces_of(fill.triangles), faces_beyond_rows(mesh, around, {rim}));
   fill.rim_folds = folds_of_rim(mesh, around, {rim});
+  // walls that meet so sharply leave no other way either
+  if (features.walls && std::ranges::all_of(fills, [](const PlaneFill& part) { return part.folds == 0; }))
+    fill.rim_folds = std::max(fill.rim_folds, fill.folds);
   if (fill.folds > fill.rim_folds || crosses_itself(points, fill.triangles)) return {};
   return fill;
 }

@@ -18,10 +18,18 @@ namespace {
 constexpr double in_plane = 1e-4;
 /// Between edges of the rim that tell the plane of a wall that has no face left, at least.
 constexpr double least_turn = 20 * std::numbers::pi / 180;
+/// Between a flat rim and walls that end there, at least: the corner of a box with chamfers of one face (35 degrees) is a rounded one's.
+constexpr double least_end_angle = 40 * std::numbers::pi / 180;
+/// The same where it is enough that half of the rim's edges have it.
+constexpr double clear_end_angle = 60 * std::numbers::pi / 180;
+/// Between faces of one wall, at most.
+constexpr double in_one_wall = 1 * std::numbers::pi / 180;
 /// Of the hole's diameter, from the nearest vertex of the rim: where walls meet farther off, the fill would leave the hole.
 constexpr double farthest_node = 1;
-/// Planes beside a rim, and as many of walls that have no face left.
-constexpr std::size_t most_planes = 8;
+/// Planes beside a rim, as a prism has them whose walls meet at least_crease_angle; and planes that may be those of walls without faces.
+constexpr std::size_t most_planes = 16, most_unseen = 8;
+/// Walls of a hole of which no face is left: what one vertex of a solid takes with it.
+constexpr std::size_t most_lost = 3;
 
 struct Plane {
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
@@ -40,20 +48,55 @@ public:
         across_(across),
         within_(in_plane * across) {}
 
-  /// Between the planes that are seen, else with one more.
+  /// Those that are seen, where they meet; else as few as will do, with others that are lost.
   std::optional<FlatWalls> walls() {
-    if (!read_planes() || is_flat()) return {};
+    if (const Plane flat = plane_of_rim(); contains(flat, rim_)) return wall_of(flat);
+    if (!read_planes()) return {};
     std::optional<Meeting> best = meeting();
-    const std::vector<Plane> unseen = best ? std::vector<Plane>() : unseen_planes();
-    for (const Plane& plane : unseen) {
-      planes_.resize(seen_);
-      planes_.push_back(plane);
-      std::optional<Meeting> found = meeting();
-      if (found && (!best || std::pair(found->walls.first.size(), found->area) < std::pair(best->walls.first.size(), best->area)))
-        best = std::move(found);
+    if (best) return best->walls;
+    const std::vector<Plane> unseen = unseen_planes();
+    for (std::size_t lost = 1; lost <= std::min(most_lost, unseen.size()); ++lost) {
+      std::vector<char> taken(unseen.size(), 0);
+      std::fill(taken.begin(), taken.begin() + lost, 1);
+      std::optional<Meeting> with_lost;
+      do {
+        take_better(unseen, taken, with_lost);
+      } while (std::prev_permutation(taken.begin(), taken.end()));
+      if (with_lost && (!best || with_lost->walls.first.size() < best->walls.first.size())) best = std::move(with_lost);
     }
     if (!best) return {};
     return best->walls;
+  }
+
+  /// walls_end_at_flat_rim.
+  bool walls_end() const {
+    const Plane flat = plane_of_rim();
+    if (n_ < 4 || !contains(flat, rim_)) return false;
+    std::vector<Vec3> normal;
+    Index least = 0, clear = 0;
+    for (Index k = 0; k < n_; ++k) {
+      const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
+      if (!corner) return false;
+      normal.push_back(area_vector(mesh_, around_.face(*corner)));
+      if (normal.back().isZero(0)) return false;
+      const double angle = angle_between(normal.back(), flat.normal);
+      if (angle < least_crease_angle) return false;
+      least += angle > least_end_angle;
+      clear += angle > clear_end_angle;
+    }
+    if (least < n_ && 2 * clear < n_) return false;
+    std::size_t walls = 0;
+    for (Index k = 0; k < n_; ++k) {
+      const Vec3 &here = normal[k], &before = normal[(k + n_ - 1) % n_];
+      const double turn = angle_between(here, before);
+      if (turn > in_one_wall && turn < least_crease_angle) return false;
+      walls += turn >= least_crease_angle;
+      for (Connectivity::Corner c : around_.at(rim_[k])) {  // between two walls is nothing else, as in a ball of triangles
+        const Vec3 own = area_vector(mesh_, around_.face(c));
+        if (std::min(angle_between(own, here), angle_between(own, before)) > in_one_wall) return false;
+      }
+    }
+    return walls > 1 && walls <= most_planes;
   }
 
 private:
@@ -61,6 +104,16 @@ private:
     FlatWalls walls;
     double area = 0;
   };
+
+  /// Where the planes that are seen meet with these, if they are fewer than those of `best`, or as many with less area.
+  void take_better(const std::vector<Plane>& unseen, const std::vector<char>& taken, std::optional<Meeting>& best) {
+    planes_.resize(seen_);
+    for (std::size_t k = 0; k < unseen.size(); ++k)
+      if (taken[k]) planes_.push_back(unseen[k]);
+    std::optional<Meeting> found = meeting();
+    const auto rank = [](const Meeting& m) { return std::pair(m.walls.first.size(), m.area); };
+    if (found && (!best || rank(*found) < rank(*best))) best = std::move(found);
+  }
 
   Vec3 point(Index v) const { return mesh_.vertices.row(v); }
   Vec3 at(Index place) const { return point(rim_[place % n_]); }
@@ -100,20 +153,36 @@ private:
         return contains(plane, at(k + n_ - 1)) && contains(plane, at(k)) && contains(plane, at(k + 1));
       };
       if (std::any_of(planes_.begin(), planes_.end(), holds) || std::any_of(found.begin(), found.end(), holds)) continue;
-      if (found.size() == most_planes) return {};
+      if (found.size() == most_unseen) return {};
       found.push_back({across.stableNormalized(), at(k)});
     }
     return found;
   }
 
-  bool is_flat() const {
+  /// As new faces face.
+  Plane plane_of_rim() const {
     Plane flat;
     for (Index k = 0; k < n_; ++k) {
       flat.point += at(k) / static_cast<double>(n_);
       flat.normal += (at(k) - at(0)).cross(at(k + 1) - at(0));
     }
     flat.normal = flat.normal.stableNormalized();
-    return contains(flat, rim_);
+    return flat;
+  }
+
+  /// The one wall in whose plane the rim is, where it goes on beside some of it and ends at the rest.
+  std::optional<FlatWalls> wall_of(const Plane& flat) const {
+    Index goes_on = 0;
+    for (Index k = 0; k < n_; ++k) {
+      const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
+      if (!corner) return {};
+      const Index face = around_.face(*corner);
+      const bool same = lies_in(face, flat);
+      if (!same && angle_between(area_vector(mesh_, face), flat.normal) < least_crease_angle) return {};
+      goes_on += same;
+    }
+    if (goes_on == 0 || goes_on == n_) return {};
+    return FlatWalls{{0}, {}, {}, {faces_in(flat)}};
   }
 
   /// The wall that each edge is part of: as few changes around the rim as its planes allow, each where a crease shows.
@@ -145,6 +214,7 @@ private:
       std::vector<std::vector<std::size_t>> before(n_, std::vector<std::size_t>(planes, 0));
       Eigen::VectorXd sum = Eigen::VectorXd::Constant(planes, none);
       sum[begin] = costs(0, begin);
+      if (!std::isfinite(sum[begin])) continue;
       for (Index k = 1; k < n_; ++k) {
         Eigen::VectorXd next(planes);
         for (std::size_t p = 0; p < planes; ++p) next[p] = costs(k, p) + (sum + change[k].col(p)).minCoeff(&before[k][p]);
@@ -176,15 +246,22 @@ private:
     return false;
   }
 
-  /// Whether a wall has lost nothing: its border, as far as it is the rim, turns around it on the whole.
+  /// By how much the border of a wall turns at a place, to the left as it goes on around the wall; none where it does not pass there.
+  std::optional<double> turn(std::size_t wall, Index place) const {
+    const Index k = place % n_, last = (k + n_ - 1) % n_;
+    if (beside_[k] != wall_[wall] || beside_[last] != wall_[wall]) return {};
+    const Vec3 before = at(k) - at(last), after = at(k + 1) - at(k);
+    return std::atan2(before.cross(after).dot(planes_[wall_[wall]].normal), before.dot(after));
+  }
+
+  /// Whether a wall has lost nothing: its border, as far as it is the rim, turns around it on the whole, or is straight between two of
+  /// its corners.
   bool ends_at_rim(std::size_t wall) const {
     double turned = 0;
-    for (Index k = first_[wall] + 1; k < end_of(wall); ++k) {
-      if (beside_[k % n_] != wall_[wall] || beside_[(k - 1) % n_] != wall_[wall]) continue;
-      const Vec3 before = at(k) - at(k - 1), after = at(k + 1) - at(k);
-      turned += std::atan2(before.cross(after).dot(planes_[wall_[wall]].normal), before.dot(after));
-    }
-    return turned < -least_turn;
+    for (Index k = first_[wall] + 1; k < end_of(wall); ++k) turned += turn(wall, k).value_or(0);
+    if (turned < -least_turn) return true;
+    const bool corners = turn(wall, first_[wall]).value_or(0) < -least_turn && turn(wall, end_of(wall)).value_or(0) < -least_turn;
+    return corners && turned < least_turn;
   }
 
   /// Whether the crease between two walls that meet at a place of the rim can be seen there.
@@ -192,8 +269,11 @@ private:
     const double turn = angle_between(planes_[here].normal, planes_[before].normal);
     if (turn < least_crease_angle || (std::max(here, before) >= seen_ && turn > std::numbers::pi - least_crease_angle))
       return false;
-    const std::size_t beside = beside_[place];  // a third wall, if it has both edges
-    if (beside == beside_[(place + n_ - 1) % n_] && beside != here && beside != before) return true;
+    const std::size_t beside = beside_[place], last = beside_[(place + n_ - 1) % n_];
+    if (beside == last && beside != here && beside != before) return true;  // a third wall, which has both edges
+    // where the border of one leaves the other, no face of which is left
+    if (here >= seen_ && beside == before && !contains(planes_[here], at(place + n_ - 1))) return true;
+    if (before >= seen_ && last == here && !contains(planes_[before], at(place + 1))) return true;
     const Index v = rim_[place];
     const Plane &one_wall = planes_[before], &other_wall = planes_[here];
     for (Connectivity::Corner c : around_.at(v)) {
@@ -271,16 +351,22 @@ private:
 
   /// For each wall those in its plane.
   std::vector<std::vector<Index>> faces() const {
+    std::vector<std::vector<Index>> out;
+    for (const std::size_t p : wall_) out.push_back(p < seen_ ? faces_in(planes_[p]) : std::vector<Index>());
+    return out;
+  }
+
+  /// Those whose vertices are all near.
+  std::vector<Index> faces_in(const Plane& plane) const {
     Numbering at_near(mesh_.faces.size());
     for (Index v : near_)
       for (Connectivity::Corner c : around_.at(v)) at_near.add(around_.face(c));
-    std::vector<std::vector<Index>> out(wall_.size());
+    std::vector<Index> out;
     for (Index f : at_near.items()) {
       const auto face = mesh_.faces[f];
-      if (!std::all_of(face.begin(), face.end(), [&](Index v) { return std::binary_search(near_.begin(), near_.end(), v); }))
-        continue;
-      for (std::size_t i = 0; i < wall_.size(); ++i)
-        if (wall_[i] < seen_ && lies_in(f, planes_[wall_[i]])) out[i].push_back(f);
+      const bool near =
+          std::all_of(face.begin(), face.end(), [&](Index v) { return std::binary_search(near_.begin(), near_.end(), v); });
+      if (near && lies_in(f, plane)) out.push_back(f);
     }
     return out;
   }
@@ -311,6 +397,10 @@ std::vector<Index> FlatWalls::nodes_beside(std::size_t wall) const {
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
                                     const std::vector<Index>& near) {
   return WallFinder(mesh, around, rim, across, near).walls();
+}
+
+bool walls_end_at_flat_rim(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across) {
+  return WallFinder(mesh, around, rim, across, {}).walls_end();
 }
 
 }  // namespace tripatch

@@ -112,10 +112,30 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   return fill;
 }
 
-Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOptions& options, const std::string& reason) {
-  std::vector<Index> all(static_cast<std::size_t>(ground.mesh.faces.size()));
+namespace {
+
+/// In its surroundings no face is left.
+Connectivity without_faces(const Mesh& mesh) {
+  std::vector<Index> all(static_cast<std::size_t>(mesh.faces.size()));
   std::iota(all.begin(), all.end(), Index(0));
-  const Connectivity nothing(ground.mesh, all);
+  return Connectivity(mesh, all);
+}
+
+}  // namespace
+
+Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
+  const Connectivity nothing = without_faces(ground.mesh);
+  Fill fill = fill_with_spline(ground.mesh, ground.left, rim, {},
+                               {options.resolution, options.output == Output::quads, false, &nothing, options.through});
+  fill.report.method_reason = "the hole has lost a flat wall";
+  fill.report.warnings = {
+      "The mesh meets the flat rim of the hole at an angle all around: the fill is flat; continuity G1 continues it"
+      " all the same"};
+  return fill;
+}
+
+Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOptions& options, const std::string& reason) {
+  const Connectivity nothing = without_faces(ground.mesh);
   SplineFillOptions own = {options.resolution, options.output == Output::quads, false, &nothing, options.through,
                            patch.rim_normals};
   Fill fill = fill_with_spline(ground.mesh, ground.left, patch.rim, {}, own);

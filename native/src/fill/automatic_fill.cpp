@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tripatch/creases/features.h"
+#include "tripatch/creases/flat_walls.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/triangle_fill.h"
@@ -34,6 +35,11 @@ constexpr double one_surface = 10;
 constexpr double far_off_planes = 2, worth_their_planes = 4;
 /// But where the planes are not known to so many degrees the mesh is rough, and the spline knows it.
 constexpr double well_known_planes = 1.5;
+
+/// Whether a patch leaves the hole although nobody has pulled at it.
+bool runs_away(const Ground& ground, const Fill& patch, const FillOptions& options) {
+  return !is_shaped_by_hand(options) && leaves_hole(ground.mesh, patch.rim, patch.vertices);
+}
 
 /// The spline of a rim, which nearly every patch is compared with: made beside the patch where a core is free for it.
 class SplineBeside {
@@ -81,13 +87,13 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
       return any_rim("two sides that are not continued tell less than the rim as a whole");
     if (!given && !beside_sharp && made.planes_apart_deg > one_surface)
       return any_rim("the tangent planes of the " + std::to_string(corners.size()) + " sides differ at the corners");
-    if (!made.crumpled) {
+    if (!made.crumpled && !runs_away(ground, made.fill, options)) {
       if (is_shaped_by_hand(options) || beside_sharp) return std::move(made.fill);
       Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
                             " sides alone");
       return excluded_by(made.fill, spline, diameter(ground.mesh, rim)) ? spline : std::move(made.fill);
     }
-    reason = "a patch between " + std::to_string(corners.size()) + " corners would fold or crumple";
+    reason = "a patch between " + std::to_string(corners.size()) + " corners would fold, crumple or leave the hole";
     patch = std::move(made.fill);
   } catch (const Refusal& refusal) {
     reason = "no patch fits between " + std::to_string(corners.size()) + " sides: " + refusal.what();
@@ -136,7 +142,8 @@ Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, const F
     PolygonFill made = fill_round(ground.mesh, ground.left, rim, options, false);
     made.fill.report.method_reason =
         made.of_revolution ? "the rim is round, and what surrounds it of revolution" : "the rim is round";
-    if (made.crumpled) return any_rim("a patch over the round rim would fold or crumple");
+    if (made.crumpled || runs_away(ground, made.fill, options))
+      return any_rim("a patch over the round rim would fold, crumple or leave the hole");
     if (made.of_revolution || is_shaped_by_hand(options)) return std::move(made.fill);
     Fill spline = any_rim("the surroundings as a whole tell of another surface than the round rim alone");
     return excluded_by(made.fill, spline, diameter(ground.mesh, rim)) ? spline : std::move(made.fill);
@@ -156,6 +163,19 @@ std::string without_advice(std::string said) {
   said = said.substr(0, said.find("; "));
   said[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(said[0])));
   return said;
+}
+
+/// Whether the hole has lost a flat wall, and no sides are found which by themselves continue none of those that are left.
+bool lost_a_wall(const Ground& ground, const std::vector<Index>& rim, std::vector<Index> corners, const FillOptions& options) {
+  const auto is_open = [](SideContinuity c) { return c == SideContinuity::automatic; };
+  if (is_shaped_by_hand(options) || !std::ranges::all_of(options.continuity, is_open)) return false;
+  if (!walls_end_at_flat_rim(ground.mesh, ground.left, rim, diameter(ground.mesh, rim))) return false;
+  if (corners.empty()) corners = corners_between_sharp(ground, rim);
+  if (corners.size() < 2 || corners.size() > static_cast<std::size_t>(most_sides)) return true;
+  std::vector<Index> places;
+  for (std::size_t k = 0; k < rim.size(); ++k)
+    if (std::ranges::find(corners, rim[k]) != corners.end()) places.push_back(static_cast<Index>(k));
+  return !std::ranges::all_of(sharp_sides(ground.mesh, ground.left, rim, places), [](double angle) { return angle > 0; });
 }
 
 /// Degrees between the tangent planes of three sides at their corners, the most.
@@ -199,6 +219,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     // what is not there need not be sought again
     options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
   }
+  if (!corners && lost_a_wall(ground, checked, found, options)) return fill_flat(ground, checked, options);
   if (makes_polygon(found) || (inner && found.size() == 3)) return fill_between_many(ground, rim, found, false, options);
   try {
     hole = make_hole(ground.mesh, ground.left, rim, three(corners));
@@ -214,7 +235,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
   std::string reason;
   std::optional<Fill> patch;
-  bool apart = false;
+  bool apart = false, away = false;
   try {
     patch = fill_with_patch(ground, hole, options);
     const bool own_choice = !corners && hole.rim.size() >= least_edges_apart && not_taken(options).empty();
@@ -222,20 +243,22 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     const bool no_one_surface = planes_apart > one_surface && !any_sharp(sharp_sides_of(ground, hole));
     apart = no_one_surface && planes_apart > no_surface;
     const bool folds = patch->report.folds > 0 || patch->report.triangles_folded > 0, crosses = patch->report.crosses_itself;
-    if (!folds && !crosses && !apart) {
+    away = runs_away(ground, *patch, options);
+    if (!folds && !crosses && !apart && !away) {
       if (!no_one_surface || is_shaped_by_hand(options)) return std::move(*patch);
       Fill spline = any_rim("the surroundings as a whole tell of another surface than their three sides alone");
       return excluded_by(*patch, spline, diameter(ground.mesh, hole.rim)) ? spline : std::move(*patch);
     }
     reason = folds     ? "a patch between three corners would fold"
              : crosses ? "a patch between three corners would cross itself"
+             : away    ? "a patch between three corners would leave the hole"
                        : "the tangent planes of the three sides differ at the corners";
   } catch (const Refusal& refusal) {
     reason = std::string("no patch fits between three sides: ") + refusal.what();
   }
   Fill other = any_rim(reason);
   const bool better = !patch || harm(other.report) < harm(patch->report) ||
-                      (harm(other.report) == harm(patch->report) && (patch->report.folds > 0 || apart));
+                      (harm(other.report) == harm(patch->report) && (patch->report.folds > 0 || apart || away));
   return better ? other : std::move(*patch);
 }
 

@@ -139,4 +139,12 @@ double diameter(const Points& rim) {
 
 double diameter(const Mesh& mesh, const std::vector<Index>& rim) { return diameter(Points(mesh.vertices(rim, Eigen::all))); }
 
+bool leaves_hole(const Mesh& mesh, const std::vector<Index>& rim, const Points& inside) {
+  const double size = diameter(mesh, rim);
+  for (Index k = 0; k < inside.rows(); ++k)
+    if (std::none_of(rim.begin(), rim.end(), [&](Index v) { return (mesh.vertices.row(v) - inside.row(k)).norm() <= size; }))
+      return true;
+  return false;
+}
+
 }  // namespace tripatch

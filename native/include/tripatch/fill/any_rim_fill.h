@@ -21,6 +21,9 @@ Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOpti
 Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
                   const std::string& reason);
 
+/// In the plane of a flat rim.
+Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
+
 /// Whether a warning of such a fill says that it leaves out what meets it at an angle.
 bool is_of_sharp_sides(const std::string& warning);
 

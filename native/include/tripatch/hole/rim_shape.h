@@ -38,4 +38,7 @@ constexpr double smooth_sides = 0.2;
 double diameter(const Points& rim);
 double diameter(const Mesh& mesh, const std::vector<Index>& rim);
 
+/// Whether one of these points is farther from the rim's vertices than the hole is large: nobody expects a fill there.
+bool leaves_hole(const Mesh& mesh, const std::vector<Index>& rim, const Points& inside);
+
 }  // namespace tripatch
