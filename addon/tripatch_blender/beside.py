@@ -59,8 +59,7 @@ def _new_object(ob, vertices, faces, materials, smooth):
     for modifier in list(new.modifiers):
         if modifier.type != "MIRROR":  # what mirrors the hole mirrors its fill
             new.modifiers.remove(modifier)
-    new.vertex_groups.clear()
-    new.data = mesh
+    new.data = mesh  # and with it no vertex groups, which belong to the mesh
     for slot, old in zip(new.material_slots, ob.material_slots):
         slot.link = old.link
         if old.link == "OBJECT":
@@ -116,7 +115,9 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         vertices.append(points)
         count += len(points)
         outcome.reports.append(fill.report)
-        outcome.rim_edges.append(len(own.loop))
+        outcome.rim_edges.append(len(fill.border))
+        if options.arguments.get("output", "triangles") != "triangles":
+            outcome.diameters.append(filling.diameter(own.loop, matrix))
         outcome.notes += fill.report.warnings
         if rim.replaced:
             outcome.notes.append("The selected faces stay: without them the modifier would draw the surface around otherwise")

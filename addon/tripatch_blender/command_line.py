@@ -11,7 +11,7 @@ import sys
 import bmesh
 import bpy
 
-from . import beside, filling, layers, library, selection, subdivision, writeback
+from . import beside, filling, layers, library, mirrored, selection, subdivision, writeback
 from .library import arguments as by_table
 from .library import np, tripatch
 from .properties import OPTIONS
@@ -142,20 +142,42 @@ def _fill_mesh(ob, matrix, arguments, options):
     try:
         bm.from_mesh(mesh)
         with writeback.deviation_layers(bm, options.deviation):
-            return _fill_rims(ob, bm, matrix, _rims(bm, matrix, arguments), arguments, options)
+            return _fill_rims(ob, bm, matrix, arguments, options)
     finally:
         bm.free()
 
 
-def _fill_rims(ob, bm, matrix, rims, arguments, options):
+def _fill_rims(ob, bm, matrix, arguments, options):
     mesh = ob.data
     if options.arguments["surroundings"] == "limit":
-        return beside.fill_rims(ob, bm, matrix, rims, options)[0]
+        return beside.fill_rims(ob, bm, matrix, _rims(bm, matrix, arguments), options)[0]
     keys = mesh.shape_keys
     cage = options.arguments["output"] == "cage"
     modifier = subdivision.usable(ob) if cage else None
     active = keys.reference_key.name if keys else None
-    outcome, new_faces = filling.fill_rims(bm, mesh, matrix, rims, options, active, modifier)
+    halves, new_faces = filling.Outcome(), []
+    named = bool(getattr(arguments, "rim", []) or getattr(arguments, "corners", []))
+    if not named:
+        bm.verts.index_update()
+        for half in mirrored.half_rims(ob, bm, []):
+            made, faces = mirrored.fill(bm, mesh, matrix, half, options, getattr(arguments, "outer", False), active, modifier)
+            if made is not None:
+                halves.add(made)
+                new_faces += faces
+    try:
+        given = _rims(bm, matrix, arguments)
+        rims = [rim for rim in given if not mirrored.is_joined(ob, rim)]
+        if named and not rims:
+            raise selection.UnusableError(mirrored.JOINED)
+    except selection.UnusableError:
+        if not halves.reports and not halves.refused:
+            raise
+        rims = []
+    if not rims and not halves.reports and not halves.refused:
+        raise selection.UnusableError(filling.NO_HOLE)
+    outcome, made = filling.fill_rims(bm, mesh, matrix, rims, options, active, modifier)
+    outcome.add(halves)
+    new_faces += made
     if new_faces:
         bm.to_mesh(mesh)
         mesh.update()

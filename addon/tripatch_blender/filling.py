@@ -413,7 +413,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             loops.append(plan.loop)
             outcome.rim_edges.append(len(rim.loop))
             if options.arguments.get("output", "triangles") != "triangles":
-                outcome.diameters.append(_diameter(rim.loop, matrix))
+                outcome.diameters.append(diameter(rim.loop, matrix))
             outcome.reports.append(plan.fill.report)
             outcome.notes += [*plan.fill.report.warnings, *notes]
             if options.deviation and plan.fill.deviation is None:
@@ -430,7 +430,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     return outcome, new_faces
 
 
-def _diameter(loop, matrix):
+def diameter(loop, matrix):
     """Of a hole, in the world: the largest distance of two vertices of its rim."""
     points = np.array([v.co for v in loop], dtype=np.float64) @ matrix[:3, :3].T
     return float(max(np.linalg.norm(points - p, axis=1).max() for p in points))

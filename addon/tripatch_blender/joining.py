@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import bpy
 
 NAME = "Join Live Fill"
@@ -93,6 +95,36 @@ def join(ob, fill, distance):
     modifier[named["Fill"]], modifier[named["Distance"]] = fill, float(distance)
     _first(ob, modifier)
     return modifier
+
+
+def by_groups(ob):
+    """The first modifier of an object that goes by its vertex groups, or None."""
+    for modifier in ob.modifiers if ob.vertex_groups else ():
+        names = [p.identifier for p in modifier.bl_rna.properties if p.identifier.startswith("vertex_group")]
+        if modifier.type == "ARMATURE" and modifier.use_vertex_groups or any(getattr(modifier, name) for name in names):
+            return modifier
+    return None
+
+
+@cache
+def keeps_groups():
+    """Whether a mesh that is joined keeps its vertex groups: Blender 3.4 makes attributes of them. It is tried."""
+    objects = []
+    for name in ("TriPatch", "TriPatch Fill"):
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+        objects.append(bpy.data.objects.new(name, mesh))
+        objects[-1].vertex_groups.new(name="Group").add([0, 1, 2], 1, "REPLACE")
+        bpy.context.scene.collection.objects.link(objects[-1])
+    try:
+        join(objects[0], objects[1], 0)
+        evaluated = objects[0].evaluated_get(bpy.context.evaluated_depsgraph_get())
+        kept = all(len(v.groups) for v in evaluated.to_mesh().vertices)
+        evaluated.to_mesh_clear()
+    finally:
+        for ob in objects:
+            bpy.data.meshes.remove(ob.data)  # and the object with it
+    return kept
 
 
 def part(ob, fill):

@@ -304,9 +304,12 @@ def _fill_patches(fill, settings):
 def _follow(fill):
     """Fills anew; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed."""
     settings = settings_of(fill)
-    mesh, outcome = (_fill_hole if settings["kind"] == "hole" else _fill_patches)(fill, settings)
+    of_hole = settings["kind"] == "hole"
+    mesh, outcome = (_fill_hole if of_hole else _fill_patches)(fill, settings)
     fill[_SETTINGS], fill[_PROBLEM] = json.dumps(settings), ""
     _replace(fill, mesh)
+    if of_hole:
+        selection.name_groups(fill, *around(fill))
     return outcome
 
 
@@ -359,6 +362,12 @@ def _keep_hole(ob, loop, how, options):
     UnusableError if it cannot be filled. loop: BMVert, their indices up to date."""
     if options.arguments.get("surroundings") == "limit":
         raise UnusableError("A live fill follows the mesh; choose Surroundings: Mesh")
+    if sum(material is None for material in ob.data.materials) > 1 and any(slot.link == "OBJECT" for slot in ob.material_slots):
+        raise UnusableError(f"Materials of {ob.name} are linked to the object; a live fill needs them linked to the mesh (Data)")
+    if (modifier := joining.by_groups(ob)) and not joining.keeps_groups():
+        raise UnusableError(
+            f"In this Blender a joined mesh has no vertex groups, by which {modifier.name} goes; turn off Keep Live"
+        )
     # it must not move the vertices of what it follows, crease its edges or split them
     fixed = {"cage_rim": "smooth", "odd": "triangle"}
     applying = {"cage": fixed, "quads": {"odd": "triangle"}}.get(options.arguments.get("output"), {})

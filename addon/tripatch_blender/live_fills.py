@@ -6,7 +6,7 @@ from typing import Any
 import bpy
 from bpy.props import StringProperty
 
-from . import following, library, live, sentences
+from . import following, library, live, panel, sentences
 
 _PICK = {
     "name": "Fill",
@@ -104,7 +104,7 @@ class VIEW3D_PT_tripatch_live(bpy.types.Panel):
             row.operator(OBJECT_OT_update_live_fill.bl_idname, text="", icon="FILE_REFRESH").fill = fill.name
             row.operator(OBJECT_OT_apply_live_fill.bl_idname, text="Apply").fill = fill.name
             if live.problem_of(fill):
-                self.layout.label(text=live.problem_of(fill))
+                panel.sentence(self.layout, context, live.problem_of(fill))
 
 
 _classes = (OBJECT_OT_apply_live_fill, OBJECT_OT_update_live_fill, VIEW3D_PT_tripatch_live)

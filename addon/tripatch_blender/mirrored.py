@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import bmesh
 from mathutils import Matrix, Vector
 
-from . import filling, selection
+from . import filling, normals, selection
 
 # Of the mean length of a fill's edges: vertices that are nearer to the mirror plane are put on it, else slivers would be cut.
 _NEAR = 0.25
@@ -22,6 +22,8 @@ _PERPENDICULAR = 1e-4
 # Scene units: vertices that a cut puts on a mirror plane are as near, and a Mirror that merges nothing still has them on it.
 _ON = 1e-6
 _NONE = frozenset()
+#: What is said of a border that is_joined.
+JOINED = "The border lies on the plane of a Mirror modifier, which joins it to its image"
 
 
 @dataclass
@@ -197,6 +199,7 @@ def image_of(bm, half):
     def keep(faces):
         for plane, side in zip(planes, sides, strict=True):
             faces = _cut(bm, faces, plane, side, set(image) | set(chain))
+            _put_shapes_on(bm, faces, plane, chain)
         cut.extend(faces)
         return cut
 
@@ -212,8 +215,17 @@ def image_of(bm, half):
 def fill(bm, mesh, matrix, half, options, outer=True, active=None, modifier=None):
     """Fills a hole that a Mirror cuts in half. Returns (filling.Outcome, new faces), or (None, []) for the outer border of a mesh
     where that is left. active, modifier: see filling.fill_rims."""
+    told = _NormalsOnPlane(bm, mesh, half[0], [half[1][0], half[1][-1]])
+    try:
+        return _fill(bm, mesh, matrix, half, options, told, outer, active, modifier)
+    finally:
+        told.write()
+
+
+def _fill(bm, mesh, matrix, half, options, told, outer, active, modifier):
     own = [v.index for v in half[1]]
     with image_of(bm, half) as (rim, keep):
+        told.write()
         if rim is None:
             return filling.Outcome(refused=[filling.Refused("The hole at the mirror plane is not whole", own)]), []
         if not outer and filling.is_outer(bm, matrix, rim):
@@ -221,10 +233,51 @@ def fill(bm, mesh, matrix, half, options, outer=True, active=None, modifier=None
         options = replace(options, mirrored=True)
         outcome, new_faces = filling.fill_rims(bm, mesh, matrix, [rim], options, active, modifier)
         new_faces = keep(new_faces)
+        told.read(new_faces)
         outcome.faces = len(new_faces)
     for each in outcome.refused:
         each.vertices = own
     return outcome, new_faces
+
+
+def _put_shapes_on(bm, faces, plane, chain):
+    """New vertices on a mirror plane are on it in all shapes in which the ends of the rim are."""
+    ends = [v for v in (chain[0], chain[-1]) if abs(plane.height(v.co)) <= plane.within]
+    layers = [layer for layer in bm.verts.layers.shape.values() if all(abs(plane.height(v[layer])) <= plane.within for v in ends)]
+    for v in {v for f in faces for v in f.verts} - set(chain):
+        if abs(plane.height(v.co)) <= _ON:
+            for layer in layers:
+                v[layer] = plane.on(v[layer])
+
+
+class _NormalsOnPlane:
+    """Custom normals are told from the faces around a vertex: while images are there they are told anew, and once more when these
+    are gone."""
+
+    def __init__(self, bm, mesh, planes, ends):
+        self._bm, self._mesh, self._planes, self._ends = bm, mesh, planes, ends
+        self._told = normals.has_custom_normals(bm, mesh) and normals.free_layer(bm) is None
+        self._smooth = {e: e.smooth for v in ends for e in v.link_edges}
+        self._values = {}  # by face and vertex: writing ends the validity of a corner
+        self._take(ends)
+
+    def _take(self, vertices):
+        if self._told:
+            found = normals.corner_normals(self._bm, self._mesh, vertices)
+            self._values = {(corner.face, corner.vert): normal for corner, normal in found.items()}
+
+    def read(self, new_faces):
+        """With the images, at new vertices too."""
+        on_planes = {v for f in new_faces for v in f.verts if any(abs(p.height(v.co)) <= p.within for p in self._planes)}
+        self._take(on_planes | set(self._ends))
+
+    def write(self):
+        for edge, smooth in self._smooth.items() if self._told else ():
+            edge.smooth = smooth  # images are of no account for what parts normals now
+        left = {(f, v): n for (f, v), n in self._values.items() if f.is_valid and v.is_valid}
+        if left:
+            corners = {next(c for c in f.loops if c.vert == v): n for (f, v), n in left.items()}
+            normals.set_corner_normals(self._bm, self._mesh, corners)
 
 
 def _cut(bm, faces, plane, side, old):

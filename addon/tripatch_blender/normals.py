@@ -124,7 +124,8 @@ def set_corner_normals(bm, mesh, normals):
         for loop, other in zip(corners, (corner for f in encoded.faces for corner in f.loops), strict=True):
             if loop in normals:
                 # Different normals within one fan part it, as Blender does it: by a sharp edge.
-                if not other.edge.smooth:
-                    loop.edge.smooth = False
+                for edge, own in ((other.edge, loop.edge), (other.link_loop_prev.edge, loop.link_loop_prev.edge)):
+                    if not edge.smooth:
+                        own.smooth = False
                 loop.copy_from(other)
         encoded.free()

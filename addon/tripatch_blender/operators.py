@@ -92,6 +92,10 @@ def _declared():
 _FILTERS = {"max_edges": 64, "max_diameter": 1.0, "corner_count": (2, 6)}
 
 
+#: What the properties computed_... are where nothing was.
+_NEVER = {"output": "", "resolution": 0, "rows": -1, "tolerance": 0}
+
+
 class FillSmooth(Construction, waiting.Waiting):
     """What the operator does under either of its names."""
 
@@ -128,7 +132,7 @@ class FillSmooth(Construction, waiting.Waiting):
         default=False,
     )
     # What was computed the last time: a value that is still the same was not chosen by anyone, and is computed anew.
-    computed_output: StringProperty(options=_HIDDEN)
+    computed_output: StringProperty(options={"HIDDEN"})
     computed_resolution: IntProperty(default=0, options={"HIDDEN"})
     computed_rows: IntProperty(default=-1, options={"HIDDEN"})
     computed_tolerance: FloatProperty(options={"HIDDEN"})
@@ -198,8 +202,9 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _is_computed(self, name, none):
         """Whether nobody has chosen a property: then it is computed."""
-        value = getattr(self, name)
-        return value == none or not self.properties.is_property_set(name) or value == getattr(self, "computed_" + name)
+        value, last = getattr(self, name), getattr(self, "computed_" + name)
+        # what the menu remembers from the last time counts as not set, but then there is what was computed
+        return value in (none, last) or (last == _NEVER[name] and not self.properties.is_property_set(name))
 
     def _fill_halves(self, ob, bm, matrix, options, halves, outer):
         """Fills the holes that a Mirror modifier cuts in half; returns (Outcome, new faces). outer: outer borders too."""
@@ -240,7 +245,7 @@ class FillSmooth(Construction, waiting.Waiting):
                 given[option.name] = tuple(value) if option.count > 1 else value
         return given
 
-    def _show_computed(self, outcome):
+    def _show_computed(self, context, outcome):
         """The panel shows the numbers that were taken."""
         if outcome.reports:
             self.sides = max(len(report.corners) for report in outcome.reports)
@@ -250,6 +255,9 @@ class FillSmooth(Construction, waiting.Waiting):
                 setattr(self, "computed_" + density, computed)
             if self.output != "triangles" and outcome.diameters and self._is_computed("tolerance", 0):
                 self.tolerance = self.computed_tolerance = filling.TOLERANCE * max(outcome.diameters)
+        for region in context.area.regions if context.area else ():
+            if region.type == "HUD":
+                region.tag_redraw()  # it shows what an operator before had, until the mouse goes over it
 
     def perform(self, context):
         live_ones = self.keep_live and self.surroundings != "limit"  # they are made in copies
@@ -276,7 +284,7 @@ class FillSmooth(Construction, waiting.Waiting):
                 outcome.add(self._fill(ob), name)
             except selection.UnusableError as reason:
                 unusable.append(filling.Refused.because(reason, ob).of(name))
-        self._show_computed(outcome)
+        self._show_computed(context, outcome)
         refused = outcome.refused + (unusable if selected or not outcome.reports else [])
         told = [sentences.for_people(each.sentence) for each in refused]
         self.reasons = "\n".join(told)
@@ -316,8 +324,7 @@ class FillSmooth(Construction, waiting.Waiting):
             return rims, refused
         apart = [rim for rim in rims if not mirrored.is_joined(ob, rim)]
         if rims and not apart and not refused:
-            sentence = "The border lies on the plane of a Mirror modifier, which joins it to its image"
-            raise selection.UnusableError(sentence, [v for rim in rims for v in rim.loop])
+            raise selection.UnusableError(mirrored.JOINED, [v for rim in rims for v in rim.loop])
         return apart, refused
 
     def _rims_meant(self, bm, matrix, selected, everything):

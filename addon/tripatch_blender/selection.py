@@ -231,6 +231,13 @@ class Selected:
         _flush(bm, faces)
 
 
+def name_groups(ob, like):
+    """Gives an object whose mesh is new the vertex groups that another has, by which the weights of its vertices are numbered:
+    their names live in the mesh, and what writes a BMesh into it writes none."""
+    for group in like.vertex_groups[len(ob.vertex_groups) :]:
+        ob.vertex_groups.new(name=group.name)
+
+
 def _flush(bm, faces):
     """Selects what goes with the vertices or edges of these faces, where nothing else is selected: select_flush_mode without
     going through all of the mesh."""

@@ -10,7 +10,7 @@ import copy
 from dataclasses import dataclass, field
 from typing import Any
 
-from . import filling, selection, writeback
+from . import filling, mirrored, selection, writeback
 from .library import np, tripatch
 from .selection import Rim, UnusableError
 
@@ -186,6 +186,8 @@ class Shaping:
         """UnusableError if there is nothing that could be filled. Indices must be up to date."""
         if rim.replaced:
             raise UnusableError("The tool shapes holes; delete the selected faces first")
+        if mirrored.is_joined(ob, rim):
+            raise UnusableError("A Mirror modifier joins this border to its image: Smooth Fill fills such halves, the tool none")
         self.name, self.arguments = ob.name, dict(arguments or {})
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         positions, faces, _ = selection.Surroundings(bm, matrix).around(rim)

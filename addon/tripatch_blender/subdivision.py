@@ -7,7 +7,7 @@ import bmesh
 import bpy
 
 from .library import np
-from .selection import Rim, UnusableError, edges_of
+from .selection import Rim, UnusableError, edges_of, name_groups
 
 # Modifiers that leave every vertex and edge where it is.
 _HARMLESS = {
@@ -69,6 +69,7 @@ def _evaluated(ob, bm, names, read):
     bm.to_mesh(mesh)
     twin = ob.copy()
     twin.data = mesh
+    name_groups(twin, ob)
     bpy.context.scene.collection.objects.link(twin)
     try:
         for other in list(twin.modifiers):

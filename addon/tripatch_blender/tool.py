@@ -15,6 +15,8 @@ from mathutils import Matrix, Vector
 from . import layers, library, overlay, sentences, shaping, shown, waiting
 from .library import np, quality
 
+# Seconds without a change after which an arrow rests, and the fill itself is shown.
+_RESTS = 0.25
 _COLOR = (0.16, 0.36, 0.62)
 _RIM = (1.0, 0.75, 0.2, 1.0)
 _HINT = "Drag corners, arrows for bulge and the middle   Click: another hole   Ctrl Click: corner   Enter: fill   Esc: leave it"
@@ -56,6 +58,8 @@ def stop():
     """Ends it, and leaves nothing behind."""
     if _state.handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_state.handle, "WINDOW")
+    if bpy.app.timers.is_registered(_settle):
+        bpy.app.timers.unregister(_settle)
     _state.__init__()
     overlay.redraw()
 
@@ -65,6 +69,22 @@ def changed():
     _state.drawn = None
     _state.problem = sentences.for_people(str(_state.shaping.refusal or "")) if _state.shaping else ""
     overlay.redraw()
+
+
+def _settle():
+    """Of a timer: an arrow rests, or was let go, of which Blender does not tell."""
+    if current() and _object():
+        current().end_drag()
+        changed()
+
+
+def _pulled():
+    """After an arrow has changed the shape."""
+    current().preview(quick=True)
+    changed()
+    if bpy.app.timers.is_registered(_settle):
+        bpy.app.timers.unregister(_settle)
+    bpy.app.timers.register(_settle, first_interval=_RESTS)
 
 
 def arguments(settings):
@@ -411,8 +431,7 @@ def bulge_handlers(k):
         made = current()
         if made and k < len(made.shape.bulges):
             made.set_bulge(k, value / (shaping.ARROW * made.size))
-            made.preview(quick=True)
-            changed()
+            _pulled()
 
     return get, put
 
@@ -424,8 +443,7 @@ def middle_handlers():
     def put(value):
         if current():
             current().set_middle(value)
-            current().preview(quick=True)
-            changed()
+            _pulled()
 
     return get, put
 

@@ -362,3 +362,20 @@ def test_a_modifier_is_added_where_asked(run):
     assert run("--output", "cage", "--resolution", "0", "--add-modifier")[0] == 0
     bpy.ops.wm.open_mainfile(filepath=str(run.out))
     assert [m.type for m in bpy.data.objects["Cage"].modifiers] == ["SUBSURF"]
+
+
+def test_a_mirror_joins_its_cut_and_halves_of_holes_are_filled(run):
+    from test_modifiers import add_half_with_holes, whole_borders
+
+    add_half_with_holes((0, -1), (1, 0.8))
+    assert run("--all")[0] == 0
+    bpy.ops.wm.open_mainfile(filepath=str(run.out))
+    assert whole_borders(bpy.data.objects["Half"]) == [80]
+
+
+def test_a_half_without_a_hole_is_left(run):
+    from test_modifiers import add_half_with_holes
+
+    add_half_with_holes()
+    status, _, said = run("--all")
+    assert status == 1 and "Nothing to fill" in said

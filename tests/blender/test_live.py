@@ -478,6 +478,19 @@ def test_other_modifiers_with_no_fill_stay(live, following):
     assert [m.name for m in ob.modifiers] == ["Mine"]
 
 
+def test_materials_of_an_object_are_not_mixed_up(live):
+    """Joined meshes have one empty slot: faces of all others would get its material."""
+    ob = scenes.add_hole()
+    for name in ("A", "B"):
+        ob.data.materials.append(None)
+        ob.material_slots[-1].link = "OBJECT"
+        ob.material_slots[-1].material = bpy.data.materials.new(name)
+    scenes.edit(ob)
+    with pytest.raises(RuntimeError, match="linked to the object"):
+        bpy.ops.mesh.fill_three_sided(keep_live=True)
+    assert not live.fills()
+
+
 def test_a_refused_hole_leaves_no_object(live):
     ob = scenes.add_mesh(*scenes.square_hole())
     (bm,) = scenes.edit(ob)

@@ -373,3 +373,88 @@ def test_a_cage_of_half_a_hole_is_that_of_the_whole():
     assert len(half) == len(every)
     apart = np.linalg.norm(half[:, None] - every[None], axis=2)
     assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 1e-3
+
+
+def posed(ob, by=(0, 2, 0)):
+    """An armature of one bone, moved, that moves all of a mesh by a vertex group."""
+    bones = bpy.data.objects.new("Bones", bpy.data.armatures.new("Bones"))
+    bpy.context.collection.objects.link(bones)
+    bpy.context.view_layer.objects.active = bones
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = bones.data.edit_bones.new("Bone")
+    bone.head, bone.tail = (0, 0, 0), (0, 0, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bones.pose.bones["Bone"].location = by
+    ob.vertex_groups.new(name="Other")
+    ob.vertex_groups.new(name="Bone").add(range(len(ob.data.vertices)), 1, "REPLACE")
+    modifier = ob.modifiers.new("Armature", "ARMATURE")
+    modifier.object, modifier.show_in_editmode = bones, True
+    bpy.context.view_layer.objects.active = ob
+    bpy.context.view_layer.update()
+
+
+def test_what_a_modifier_moves_by_a_vertex_group_is_noticed():
+    cage(posed)
+    with pytest.raises(RuntimeError, match="Armature.*moves the rim"):
+        smooth(output="cage")
+
+
+def test_a_live_fill_goes_with_the_vertex_groups_of_its_mesh():
+    ob = scenes.add_mesh(*scenes.square_hole())
+    posed(ob)
+    (bm,) = scenes.edit(ob)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    if bpy.app.version < (4, 0):
+        with pytest.raises(RuntimeError, match="no vertex groups, by which Armature goes"):
+            smooth(keep_live=True)
+        assert not ob.children and len(ob.modifiers) == 1
+        return
+    assert smooth(keep_live=True) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    made = evaluated(ob)
+    moved = np.array([v.co.z for v in made.verts]) - np.array([0.6 * (v.co.x**2 + v.co.y**2) for v in made.verts])
+    assert len(made.verts) > len(ob.data.vertices) and np.ptp(moved) < 0.02 and abs(moved.mean()) > 1
+    (fill,) = (o for o in bpy.data.objects if o.parent == ob)
+    assert [g.name for g in fill.vertex_groups] == [g.name for g in ob.vertex_groups] == ["Other", "Bone"]
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_custom_normals_at_a_mirror_plane_stay(output):
+    ob = add_half()
+    mesh = ob.data
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
+    wanted = scenes.corner_normals(mesh) + np.random.default_rng(0).normal(size=(len(mesh.loops), 3)) * 0.2
+    mesh.normals_split_custom_set((wanted / np.linalg.norm(wanted, axis=1, keepdims=True)).tolist())
+    before = scenes.corner_normals(mesh)
+    filled_part(ob, output, "rim", lambda v: v.co.x)
+    after = scenes.corner_normals(mesh)[: len(before)]
+    turned = np.degrees(np.arccos(np.clip((before * after).sum(axis=1), -1, 1)))
+    assert turned.max() < 0.5
+    on_plane = [k for k, c in enumerate(mesh.loops) if k >= len(before) and abs(mesh.vertices[c.vertex_index].co.x) < 1e-6]
+    flat = np.array([p.normal for p in mesh.polygons for _ in p.loop_indices])
+    assert (scenes.corner_normals(mesh)[on_plane] * flat[on_plane]).sum(axis=1).min() > 0.7
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_shapes_of_half_a_fill_stay_on_the_mirror_plane(output):
+    ob = add_half()
+    for v in ob.data.vertices:
+        v.co.y += 0.03 * np.sin(7 * v.co.x)  # so that the triangles of the halves are none of each other's images
+    ob.shape_key_add(name="Basis")
+    for p in ob.shape_key_add(name="Wide").data:
+        p.co.x *= 2.5
+        p.co.z += 0.2 * p.co.x + 0.2
+    filled_part(ob, output, "rim", lambda v: v.co.x)
+    basis, wide = ([np.array(p.co) for p in ob.data.shape_keys.key_blocks[name].data] for name in ("Basis", "Wide"))
+    assert max(abs(w[0]) for b, w in zip(basis, wide) if abs(b[0]) < 1e-6) < 1e-6
+    ob.data.shape_keys.key_blocks["Wide"].value = 1
+    assert len(scenes.border_loops(evaluated(ob))) == 1
+
+
+def test_the_tool_leaves_halves_to_the_operator(addon):
+    shaping = sys.modules[addon.__name__ + ".shaping"]
+    (bm,) = scenes.edit(add_half())
+    scenes.select(bm, [v for v in bm.verts if v.is_boundary and np.hypot(*v.co.xy) < 0.7])
+    with pytest.raises(shaping.UnusableError, match="Mirror"):
+        shaping.from_selection(bpy.context.object, bm)

@@ -492,3 +492,18 @@ def test_the_header_says_what_helps(tool):
     bmesh.update_edit_mesh(ob.data)
     assert bpy.ops.mesh.shape_fill() == {"FINISHED"}
     assert tool._state.problem.endswith("Mesh > Normals > Recalculate Outside turns them")
+
+
+def test_when_an_arrow_rests_the_fill_itself_is_shown(shaping, tool):
+    _, _, made = lattice_hole(shaping)
+    tool.start(made)
+    for handlers, values in ((tool.bulge_handlers(0), (0.1, 0.12)), (tool.middle_handlers(), (0.01, 0.02))):
+        for value in values:
+            handlers[1](value * made.size)
+            assert bpy.app.timers.is_registered(tool._settle)
+        tool._settle()
+        drawn = made.surface()[0].copy()
+        made.preview()
+        assert drawn.shape == made.surface()[0].shape and np.array_equal(drawn, made.surface()[0])
+    tool.stop()
+    assert not bpy.app.timers.is_registered(tool._settle)

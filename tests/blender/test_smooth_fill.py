@@ -573,3 +573,19 @@ def test_a_visible_hole_is_filled_while_another_is_hidden():
     assert smooth() == {"FINISHED"}
     left = scenes.border_loops(bmesh.from_edit_mesh(ob.data))
     assert len(left) == 2 and all(v.hide for v in left[0])
+
+
+def remembered(addon, **values):
+    """Blender remembers the properties of the last call from a menu, and says that none of them is set."""
+    state = operator(addon, computed_output="triangles", computed_resolution=9, **values)
+    state.properties.is_property_set = lambda _name: False
+    scenes.edit(scenes.add_hole(holes=((3, 3, 4),)))
+    assert state.execute(bpy.context) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return state
+
+
+def test_what_was_chosen_stays_for_the_next_call_from_a_menu(addon):
+    assert remembered(addon, output="quads").output == "quads"
+    assert remembered(addon, output="triangles", resolution=7).resolution == 7
+    assert remembered(addon, output="triangles", resolution=9).resolution == 4  # was computed, and is computed anew

@@ -193,6 +193,16 @@ def test_limit_of_selected_faces_is_that_of_the_whole_cage():
     assert bits(own[list(own_border)]) <= bits(points)
 
 
+def test_vertex_groups_stay_where_a_limit_surface_is_filled(addon):
+    ob = add_cage()
+    ob.vertex_groups.new(name="Bone").add(range(len(ob.data.vertices)), 0.7, "REPLACE")
+    set_output(ob, surroundings="limit")
+    assert [g.name for g in ob.vertex_groups] == ["Bone"]
+    assert {round(g.weight, 3) for v in ob.data.vertices for g in v.groups} == {0.7}
+    (made,) = (o for o in bpy.data.objects if o.type == "MESH" and o != ob)
+    assert not made.vertex_groups
+
+
 def test_materials_and_shading_come_along():
     ob = add_cage()
     for name in "AB":
