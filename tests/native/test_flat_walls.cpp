@@ -308,6 +308,27 @@ TEST_CASE("no crease shows at the rim of a lost face, and none is made", "[flat_
   CHECK_FALSE(open.features().walls);
 }
 
+TEST_CASE("a hole in the middle of a wall is flat whatever is around the wall", "[flat_walls]") {
+  for (const int n : {3, 5, 9}) {
+    const Solid open =
+        cube(n).without([&](const Vec3& p) { return p[2] > 0.999 && p.head<2>().cwiseAbs().maxCoeff() < 1.01 / n; });
+    INFO("n " << n);
+    CHECK(closed(open.mesh(), filled(open)).volume == Approx(8).epsilon(1e-9));
+    CHECK(open.features().walls);
+  }
+  std::vector<Vec3> points;
+  std::vector<std::vector<Index>> faces;
+  for (Index i = 0; i < 20; ++i)
+    for (Index j = 0; j < 20; ++j) points.emplace_back(i, j, 0);
+  for (Index i = 0; i < 19; ++i)
+    for (Index j = 0; j < 19; ++j)
+      if (i != 9 || j != 9) faces.push_back({20 * i + j, 20 * i + 20 + j, 20 * i + 21 + j, 20 * i + j + 1});
+  const Solid sheet(points, faces);  // of a sheet any fill is
+  const Mesh flat = sheet.mesh();
+  const std::vector<Index> rim = {189, 190, 210, 209};
+  CHECK_FALSE(flat_walls(flat, Connectivity(flat), rim, diameter(flat, rim), {}));
+}
+
 TEST_CASE("the tip of a ball of triangles is no lost wall", "[flat_walls]") {
   const double g = std::numbers::phi;  // an icosahedron without what is at the vertex (0, 1, g)
   const Solid whole({{-1, g, 0},

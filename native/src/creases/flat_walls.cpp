@@ -31,6 +31,9 @@ constexpr std::size_t most_planes = 16, most_unseen = 8;
 /// Walls of a hole of which no face is left: what one vertex of a solid takes with it.
 constexpr std::size_t most_lost = 3;
 
+/// Around a rim in a plane: where all of that is flat, any fill is.
+constexpr int flat_rings = 6;
+
 struct Plane {
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
 };
@@ -170,7 +173,7 @@ private:
     return flat;
   }
 
-  /// The one wall in whose plane the rim is, where it goes on beside some of it and ends at the rest.
+  /// The one wall in whose plane the rim is, where it goes on beside some of it and ends at the rest, or not far from it.
   std::optional<FlatWalls> wall_of(const Plane& flat) const {
     Index goes_on = 0;
     for (Index k = 0; k < n_; ++k) {
@@ -181,8 +184,21 @@ private:
       if (!same && angle_between(area_vector(mesh_, face), flat.normal) < least_crease_angle) return {};
       goes_on += same;
     }
-    if (goes_on == 0 || goes_on == n_) return {};
+    if (goes_on == 0 || (goes_on == n_ && is_in(flat, flat_rings))) return {};
     return FlatWalls{{0}, {}, {}, {faces_in(flat)}};
+  }
+
+  /// Whether all faces in so many rings around the rim lie in a plane.
+  bool is_in(const Plane& plane, int rings) const {
+    Numbering seen(mesh_.vertices.rows());
+    for (Index v : rim_) seen.add(v);
+    for (std::size_t from = 0; rings > 0; --rings)
+      for (const std::size_t to = seen.items().size(); from < to; ++from)
+        for (Connectivity::Corner c : around_.at(seen.items()[from])) {
+          if (!lies_in(around_.face(c), plane)) return false;
+          for (Index w : mesh_.faces[around_.face(c)]) seen.add(w);
+        }
+    return true;
   }
 
   /// The wall that each edge is part of: as few changes around the rim as its planes allow, each where a crease shows.

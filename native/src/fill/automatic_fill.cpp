@@ -213,8 +213,9 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     const Features near = find_features(ground.mesh, ground.left, checked);
     const auto goes_on = [&](const Connectivity& around) { return find_features(ground.mesh, around, checked).found(); };
     if (near.found() && (!ground.is_part() || goes_on(Connectivity(ground.mesh, options.replaced))))
-      return any_rim(near.walls ? "flat walls around the hole meet in it"
-                                : "a crease of the surroundings goes on across the hole");
+      return any_rim(near.walls && near.walls->first.size() == 1 ? "a flat wall goes on over the hole"
+                     : near.walls                                ? "flat walls around the hole meet in it"
+                                                                 : "a crease of the surroundings goes on across the hole");
     const auto is_known = [&](Index v) { return ground.left.knows(v); };
     // what is not there need not be sought again
     options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
