@@ -155,15 +155,11 @@ def _fill_rims(ob, bm, matrix, arguments, options):
     cage = options.arguments["output"] == "cage"
     modifier = subdivision.usable(ob) if cage else None
     active = keys.reference_key.name if keys else None
-    halves, new_faces = filling.Outcome(), []
     named = bool(getattr(arguments, "rim", []) or getattr(arguments, "corners", []))
-    if not named:
-        bm.verts.index_update()
-        for half in mirrored.half_rims(ob, bm, []):
-            made, faces = mirrored.fill(bm, mesh, matrix, half, options, getattr(arguments, "outer", False), active, modifier)
-            if made is not None:
-                halves.add(made)
-                new_faces += faces
+    bm.verts.index_update()
+    cut = [] if named else mirrored.half_rims(ob, bm, [])
+    outer = getattr(arguments, "outer", False)
+    halves, new_faces, _ = mirrored.fill_halves(ob, bm, matrix, cut, options, outer, active, modifier)
     try:
         given = _rims(bm, matrix, arguments)
         rims = [rim for rim in given if not mirrored.is_joined(ob, rim)]

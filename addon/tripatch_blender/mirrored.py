@@ -222,6 +222,23 @@ def fill(bm, mesh, matrix, half, options, outer=True, active=None, modifier=None
         told.write()
 
 
+def fill_halves(ob, bm, matrix, halves, options, outer, active=None, modifier=None):
+    """Fills the holes that a Mirror modifier cuts in half. Returns (filling.Outcome, new faces, chains of the holes that were
+    filled). outer: outer borders too."""
+    outcome, new_faces, filled = filling.Outcome(), [], []
+    for half in halves:
+        made, faces = fill(bm, ob.data, matrix, half, options, outer, active, modifier)
+        if made is None:
+            continue
+        new_faces += faces
+        for each in made.refused:
+            each.ob = ob
+        outcome.add(made)
+        if made.reports:
+            filled.append(half[1])
+    return outcome, new_faces, filled
+
+
 def _fill(bm, mesh, matrix, half, options, told, outer, active, modifier):
     own = [v.index for v in half[1]]
     with image_of(bm, half) as (rim, keep):

@@ -208,20 +208,12 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _fill_halves(self, ob, bm, matrix, options, halves, outer):
         """Fills the holes that a Mirror modifier cuts in half; returns (Outcome, new faces). outer: outer borders too."""
-        outcome, kept = filling.Outcome(), []
         modifier = subdivision.usable(ob) if self.output == "cage" else None
         active = ob.active_shape_key.name if ob.active_shape_key else None
-        for half in halves:
-            made, new_faces = mirrored.fill(bm, ob.data, matrix, half, options, outer, active, modifier)
-            if made is None:
-                continue
-            kept += new_faces
-            for each in made.refused:
-                each.ob = ob
-            outcome.add(made)
-            if made.reports:
-                seam.remember(bm, ob.data.name, [], [half[1]])
-        return outcome, kept
+        outcome, new_faces, filled = mirrored.fill_halves(ob, bm, matrix, halves, options, outer, active, modifier)
+        if filled:
+            seam.remember(bm, ob.data.name, [], filled[-1:])
+        return outcome, new_faces
 
     def _options(self):
         arguments = self.construction() | {option.name: plain(getattr(self, option.name)) for option in self._applying()}

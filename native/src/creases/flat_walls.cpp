@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -185,7 +186,7 @@ private:
       goes_on += same;
     }
     if (goes_on == 0 || (goes_on == n_ && is_in(flat, flat_rings))) return {};
-    return FlatWalls{{0}, {}, {}, {faces_in(flat)}};
+    return FlatWalls{{0}, {}, {}, {in_plane_of(flat, near_faces())}};
   }
 
   /// Whether all faces in so many rings around the rim lie in a plane.
@@ -367,22 +368,28 @@ private:
 
   /// For each wall those in its plane.
   std::vector<std::vector<Index>> faces() const {
+    const std::vector<Index> all = near_faces();
     std::vector<std::vector<Index>> out;
-    for (const std::size_t p : wall_) out.push_back(p < seen_ ? faces_in(planes_[p]) : std::vector<Index>());
+    for (const std::size_t p : wall_) out.push_back(p < seen_ ? in_plane_of(planes_[p], all) : std::vector<Index>());
+    return out;
+  }
+
+  std::vector<Index> in_plane_of(const Plane& plane, const std::vector<Index>& faces) const {
+    std::vector<Index> out;
+    std::ranges::copy_if(faces, std::back_inserter(out), [&](Index f) { return lies_in(f, plane); });
     return out;
   }
 
   /// Those whose vertices are all near.
-  std::vector<Index> faces_in(const Plane& plane) const {
+  std::vector<Index> near_faces() const {
     Numbering at_near(mesh_.faces.size());
     for (Index v : near_)
       for (Connectivity::Corner c : around_.at(v)) at_near.add(around_.face(c));
     std::vector<Index> out;
     for (Index f : at_near.items()) {
       const auto face = mesh_.faces[f];
-      const bool near =
-          std::all_of(face.begin(), face.end(), [&](Index v) { return std::binary_search(near_.begin(), near_.end(), v); });
-      if (near && lies_in(f, plane)) out.push_back(f);
+      if (std::all_of(face.begin(), face.end(), [&](Index v) { return std::binary_search(near_.begin(), near_.end(), v); }))
+        out.push_back(f);
     }
     return out;
   }

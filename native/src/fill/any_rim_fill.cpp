@@ -19,9 +19,7 @@ const std::string sharp_sides_sentence = "The mesh meets the hole at an angle al
 /// The spline, which does not continue what meets the hole at an angle. given: corners of the rim, in its order; none: as detected.
 Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, const std::vector<Index>& rim,
                              const std::vector<Index>& given, SplineFillOptions options) {
-  std::vector<Index> places;
-  for (std::size_t k = 0; k < rim.size(); ++k)
-    if (std::find(given.begin(), given.end(), rim[k]) != given.end()) places.push_back(static_cast<Index>(k));
+  std::vector<Index> places = places_in(rim, given);
   try {
     if (given.empty()) places = detect_corners(ground.mesh, around, rim);
   } catch (const Refusal&) {  // faces without area tell nothing

@@ -172,10 +172,8 @@ bool lost_a_wall(const Ground& ground, const std::vector<Index>& rim, std::vecto
   if (!walls_end_at_flat_rim(ground.mesh, ground.left, rim, diameter(ground.mesh, rim))) return false;
   if (corners.empty()) corners = corners_between_sharp(ground, rim);
   if (corners.size() < 2 || corners.size() > static_cast<std::size_t>(most_sides)) return true;
-  std::vector<Index> places;
-  for (std::size_t k = 0; k < rim.size(); ++k)
-    if (std::ranges::find(corners, rim[k]) != corners.end()) places.push_back(static_cast<Index>(k));
-  return !std::ranges::all_of(sharp_sides(ground.mesh, ground.left, rim, places), [](double angle) { return angle > 0; });
+  const std::vector<double> angles = sharp_sides(ground.mesh, ground.left, rim, places_in(rim, corners));
+  return !std::ranges::all_of(angles, [](double angle) { return angle > 0; });
 }
 
 /// Degrees between the tangent planes of three sides at their corners, the most.

@@ -66,6 +66,13 @@ std::vector<Index> at_places(const std::vector<Index>& loop, const std::vector<I
   return vertices;
 }
 
+std::vector<Index> places_in(const std::vector<Index>& loop, const std::vector<Index>& vertices) {
+  std::vector<Index> places;
+  for (std::size_t k = 0; k < loop.size(); ++k)
+    if (std::find(vertices.begin(), vertices.end(), loop[k]) != vertices.end()) places.push_back(static_cast<Index>(k));
+  return places;
+}
+
 CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners) {
   CorneredRim out;
   out.rim = check_topology(ground.left, rim);
@@ -75,8 +82,7 @@ CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const 
     if (std::find(out.rim.begin(), out.rim.end(), v) == out.rim.end())
       throw Refusal("Corner vertex " + std::to_string(v) + " is not on the rim", {v});
   std::rotate(out.rim.begin(), std::find(out.rim.begin(), out.rim.end(), corners[0]), out.rim.end());
-  for (std::size_t k = 0; k < out.rim.size(); ++k)
-    if (std::find(corners.begin(), corners.end(), out.rim[k]) != corners.end()) out.places.push_back(static_cast<Index>(k));
+  out.places = places_in(out.rim, corners);
   if (out.places.size() != corners.size()) throw InvalidArgument("A corner is given twice");
   return out;
 }

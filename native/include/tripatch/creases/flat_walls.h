@@ -14,7 +14,7 @@ namespace tripatch {
 /// one otherwise, 12% farther.
 inline constexpr double least_crease_angle = 25 * std::numbers::pi / 180;
 
-/// Two or more flat walls that close a hole. Of wall i the piece of the rim from first[i] to first[i + 1] is part, and the straight
+/// Flat walls that close a hole, one or more. Of wall i the piece of the rim from first[i] to first[i + 1] is part, and the straight
 /// creases at both ends of it: two walls share one that crosses the hole, more meet by threes in nodes, each joined to the next.
 struct FlatWalls {
   std::vector<Index> first;               ///< places in the rim, ascending
@@ -29,7 +29,8 @@ struct FlatWalls {
 /// rim: as new faces traverse it, `across` in diameter. Walls are planes of the faces beside the rim, and one at most of which no face is
 /// left, as the rim's edges tell it. None where these planes are too many, where they do not meet in the hole, where a crease between two
 /// of them does not show at the rim, as an edge of the mesh that ends there or as a corner of a third wall, or where a wall seems to
-/// have lost nothing. A flat rim is none of walls: a cap may lie on it. Faces are sought among those whose vertices are all `near`, sorted.
+/// have lost nothing. Of a flat rim one wall, which goes on beside all or some of it and ends at the rest or near by, else none: a cap may
+/// lie on it. Faces are sought among those whose vertices are all `near`, sorted.
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
                                     const std::vector<Index>& near);
 

@@ -42,6 +42,8 @@ Hole hole_of(const Ground& ground, const std::optional<std::vector<Index>>& rim,
 std::optional<std::array<Index, 3>> three(const Corners& corners);
 
 std::vector<Index> at_places(const std::vector<Index>& loop, const std::vector<Index>& places);
+/// The other way round: where in a loop some of its vertices are, in its order.
+std::vector<Index> places_in(const std::vector<Index>& loop, const std::vector<Index>& vertices);
 
 /// A rim from its first corner on, with the places of the corners.
 struct CorneredRim {
