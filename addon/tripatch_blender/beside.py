@@ -16,6 +16,13 @@ from .library import np, tripatch, words
 _SAME_POINT = 2e-6
 
 
+def collections_of(ob):
+    """Those that show an object: it may be in others too, which no scene has, as that of a rigid body world."""
+    own = [c for c in ob.users_collection if c.library is None]
+    shown = {c for scene in bpy.data.scenes for c in (scene.collection, *scene.collection.children_recursive)}
+    return [c for c in own if c in shown] or own or [bpy.context.scene.collection]
+
+
 def _read_off(border, drawn, tree):
     """Border points (k, 3) with those that the modifier made in their places, and how many have none."""
     within = _SAME_POINT * np.ptp(drawn, axis=0).max()
@@ -64,7 +71,7 @@ def _new_object(ob, vertices, faces, materials, smooth):
         slot.link = old.link
         if old.link == "OBJECT":
             slot.material = old.material
-    for collection in ob.users_collection:
+    for collection in collections_of(ob):
         collection.objects.link(new)
     new.select_set(False)
     return new

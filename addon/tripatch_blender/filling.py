@@ -99,6 +99,8 @@ class Outcome:
         return words.filled(self.reports, **told)
 
 
+#: What is said of a rim of no extent.
+A_POINT = "All vertices of the rim are at the same place"
 #: Condition of an object's matrix from which on float32, in which Blender has it, leaves no digit of its inverse.
 SCALED_TO_NOTHING = 1e7
 
@@ -202,6 +204,12 @@ def _in_shape_key(bm, planned, name, in_key, world):
     return []
 
 
+def _is_a_point(rim):
+    """Whether all of a rim lies at one point, to what the last digit of float32 leaves."""
+    places = np.array([v.co for v in rim.loop], dtype=np.float64)
+    return np.ptp(places, axis=0).max() <= np.finfo(np.float32).eps * np.abs(places).max()
+
+
 def fills(rims, arrays, options, progress=None, **arguments):
     """A tripatch.Fill or Refusal for each rim, all made at once; the rims' vertices are numbered as in the arrays.
 
@@ -216,6 +224,9 @@ def fills(rims, arrays, options, progress=None, **arguments):
     caged, any_rim = given.get("output") == "cage", given.get("method", "auto") in ANY_RIM
     whatever = any_rim and not caged and given.get("surroundings") != "limit"
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
+        if _is_a_point(rim):
+            results[k] = tripatch.Refusal(A_POINT, loop)
+            continue
         try:
             corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset, whatever)
         except tripatch.Refusal as refusal:
@@ -537,11 +548,10 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None
         if hidden:
             raise UnusableError(OTHERS_HIDDEN if borders else "The rims of the mesh are hidden; reveal them first")
         raise UnusableError(OUTER_ONLY if borders else NO_HOLE, borders)
-    count, rims = len(rims), filtered(bm, matrix, rims, filters)
+    every, rims = rims, filtered(bm, matrix, rims, filters)
     if not rims:
-        raise UnusableError(
-            f"None of the {count} holes is as Holes asks for" if count > 1 else "The hole is not as Holes asks for"
-        )
+        none = f"None of the {len(every)} holes is as Holes asks for" if len(every) > 1 else "The hole is not as Holes asks for"
+        raise UnusableError(none, [v for rim in every for v in rim.loop])
     if hidden and any_rim and not filters.get("outer", False):
         rims = [rim for rim in rims if not is_outer(bm, matrix, rim)]
         if not rims:

@@ -36,7 +36,12 @@ def _fill(name):
 
 
 def _is_new(block):
-    return isinstance(block, bpy.types.Object) and live.is_live(block) and block.name not in _following.names
+    return (
+        isinstance(block, bpy.types.Object)
+        and live.is_live(block)
+        and block.name not in _following.names
+        and not live.is_deleted(block)
+    )
 
 
 def _follows(fill, changed):
@@ -62,7 +67,7 @@ def _on_change(_scene, depsgraph):
     if not changed:
         return
     fills = {name: _fill(name) for name in _following.names}
-    if None in fills.values() or any(map(_is_new, changed)):
+    if any(fill is None or live.is_deleted(fill) for fill in fills.values()) or any(map(_is_new, changed)):
         _look_for_all()
         return
     for name, fill in fills.items():
@@ -100,7 +105,7 @@ def _tick():
     if _following.stale or not all(map(_fill, _following.pending)):
         _following.stale = False
         scan()
-        joining.remove_empty()
+        joining.remove_empty(live.is_deleted)
         _following.pending.update(_following.names)
     pending, _following.pending = _following.pending, set()
     for name in sorted(pending):

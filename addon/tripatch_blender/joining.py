@@ -77,13 +77,19 @@ def _first(ob, modifier):
         bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=0)
 
 
+def _joining(ob):
+    """The modifiers of an object that join fills to it."""
+    found = [m for m in ob.modifiers if m.type == "NODES" and m.node_group and m.node_group.name.startswith(NAME)]
+    return [m for m in found if "Fill" in _identifiers(m.node_group)]
+
+
+def _fill_of(modifier):
+    return modifier.get(_identifiers(modifier.node_group)["Fill"])
+
+
 def modifier_of(ob, fill):
     """The modifier that joins a fill to an object, or None."""
-    for modifier in ob.modifiers:
-        if modifier.type == "NODES" and modifier.node_group and modifier.node_group.name.startswith(NAME):
-            if modifier.get(_identifiers(modifier.node_group)["Fill"]) == fill:
-                return modifier
-    return None
+    return next((modifier for modifier in _joining(ob) if _fill_of(modifier) == fill), None)
 
 
 def join(ob, fill, distance):
@@ -134,9 +140,11 @@ def part(ob, fill):
         ob.modifiers.remove(modifier)
 
 
-def remove_empty():
-    """Removes the modifiers whose fill has been deleted."""
+def remove_empty(is_deleted):
+    """Removes the modifiers whose fill has been deleted. is_deleted: of an object that is still in the file."""
     for ob in bpy.data.objects if NAME in bpy.data.node_groups else ():
         if ob.library is None and ob.override_library is None:
-            while (modifier := modifier_of(ob, None)) is not None:
-                ob.modifiers.remove(modifier)
+            for modifier in _joining(ob):
+                fill = _fill_of(modifier)
+                if fill is None or is_deleted(fill):
+                    ob.modifiers.remove(modifier)

@@ -13,7 +13,7 @@ import zlib
 import bmesh
 import bpy
 
-from . import between_patches, filling, joining, layers, mirrored, selection, sentences, waiting, writeback
+from . import beside, between_patches, filling, joining, layers, mirrored, selection, sentences, waiting, writeback
 from .library import np
 from .selection import Rim, UnusableError
 
@@ -26,9 +26,15 @@ def is_live(ob):
     return _SETTINGS in ob and ob.library is None
 
 
+def is_deleted(ob):
+    """Whether an object is in no scene, nor in a collection that may be shown as an instance: Blender keeps what it deletes as
+    long as something points to it."""
+    return bpy.context.scene.objects.get(ob.name) != ob and not ob.users_collection
+
+
 def fills():
     """The live fills of this file."""
-    return [ob for ob in bpy.data.objects if is_live(ob)]
+    return [ob for ob in bpy.data.objects if is_live(ob) and not is_deleted(ob)]
 
 
 def settings_of(fill):
@@ -49,7 +55,7 @@ def around(fill):
     """The objects that a fill follows; UnusableError where one has been deleted."""
     names = sorted(key for key in fill.keys() if key.startswith(_AROUND))
     objects = [fill[key] for key in names]
-    if not objects or any(ob is None or not bpy.context.scene.objects.get(ob.name) for ob in objects):
+    if not objects or any(ob is None or is_deleted(ob) for ob in objects):
         raise UnusableError("An object that it followed is gone; apply it, or delete it")
     return objects
 
@@ -382,7 +388,8 @@ def _keep_hole(ob, loop, how, options):
     }
     fill = bpy.data.objects.new(f"{ob.name} Fill", bpy.data.meshes.new(f"{ob.data.name} Fill"))
     _remember(fill, json.loads(json.dumps(settings, default=list)), [ob])
-    ob.users_collection[0].objects.link(fill)
+    for collection in beside.collections_of(ob):
+        collection.objects.link(fill)
     try:
         outcome = _follow(fill)
         waiting.goes_on()
@@ -403,6 +410,18 @@ def keep_patches(fill, objects, **between):
     _remember(fill, {"kind": "patches", "between": json.loads(json.dumps(between, default=list))}, objects)
 
 
+def _check_is_shown(ob):
+    """UnusableError if Blender would not edit an object here."""
+    what = f"{ob.name}, whose hole it fills,"
+    if bpy.context.scene not in ob.users_scene:
+        scene = next((f"in the scene '{scene.name}'" for scene in ob.users_scene), "in no scene")
+        raise UnusableError(f"{what} is {scene}; apply it there")
+    if ob.library or ob.data.library:
+        raise UnusableError(f"{what} is linked from another file; make it local first")
+    if bpy.context.view_layer.objects.get(ob.name) != ob or ob.hide_viewport:
+        raise UnusableError(f"{what} is switched off in the viewport; switch it on in the Outliner first")
+
+
 def apply(fill):
     """Ends a live fill. One of a hole becomes faces of the mesh around, in all its shapes; one between objects, or of a mesh that
     is gone, is a mesh of its own already. Leaves object mode as it was."""
@@ -417,6 +436,7 @@ def apply(fill):
     (ob,) = objects
     edited = ob.mode == "EDIT"
     if not edited:
+        _check_is_shown(ob)
         bpy.context.view_layer.objects.active = ob
         bpy.ops.object.mode_set(mode="EDIT")
     try:

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import re
 import sys
 
 import bmesh
@@ -153,6 +154,94 @@ def test_a_failure_leaves_the_last_good_fill_and_says_so(live, following):
     bmesh.update_edit_mesh(ob.data)
     after_a_change(following)
     assert live.problem_of(fill) == "" and shown(ob)[2] == 36
+
+
+@pytest.mark.parametrize("shape", [scenes.flat, scenes.bowl])
+def test_a_rim_that_is_a_point_is_refused_and_leaves_the_last_good_fill(live, following, shape):
+    ob, fill = kept(shape)
+    good = points(fill)
+    bm = bmesh.from_edit_mesh(ob.data)
+    for v in scenes.border_loops(bm)[0]:
+        v.co = (0.1, 0.2, 0.3)
+    bmesh.update_edit_mesh(ob.data)
+    after_a_change(following)
+    said = r"All vertices of the rim are at the same place \(vertices .*\); Mesh > Merge > By Distance joins such vertices"
+    assert re.fullmatch(said, live.problem_of(fill))
+    assert (points(fill) == good).all()
+    bm = bmesh.from_edit_mesh(ob.data)
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.mesh.fill_smooth()
+
+
+def in_another_scene(*objects):
+    """A scene with these objects, that is looked at."""
+    scene = bpy.data.scenes.new("Other")
+    for ob in objects:
+        scene.collection.objects.link(ob)
+    bpy.context.window.scene = scene
+    return scene
+
+
+def test_looked_at_in_another_scene_it_follows_and_says_where_it_can_be_applied(live, following):
+    ob, fill = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    while after_a_change(following):
+        pass
+    before, home = points(fill), bpy.context.scene
+    scene = in_another_scene(fill)
+    try:
+        for v in ob.data.vertices:
+            v.co.z += 0.5
+        ob.data.update()
+        following.follow(fill.name)
+        assert live.problem_of(fill) == ""
+        assert points(fill) == pytest.approx(before + [0, 0, 0.5], abs=1e-5)
+        with pytest.raises(RuntimeError, match=f"Hole, whose hole it fills, is in the scene '{home.name}'; apply it there"):
+            bpy.ops.object.apply_live_fill(fill="Hole Fill")
+    finally:
+        bpy.context.window.scene = home
+        bpy.data.scenes.remove(scene)
+    assert bpy.ops.object.apply_live_fill(fill="Hole Fill") == {"FINISHED"}
+
+
+def test_where_the_mesh_is_switched_off_apply_says_so(live, following):
+    ob, fill = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = fill
+    ob.hide_viewport = True
+    with pytest.raises(RuntimeError, match="switch it on in the Outliner"):
+        bpy.ops.object.apply_live_fill()
+    ob.hide_viewport = False
+    assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
+
+
+def test_a_fill_that_is_deleted_as_a_person_deletes_it_gives_the_hole_back(live, following):
+    """Blender keeps the object as long as the modifier points to it."""
+    ob, fill = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after_a_change(following)
+    assert shown(ob)[2] == 36
+    bpy.ops.object.select_all(action="DESELECT")
+    fill.select_set(True)
+    bpy.context.view_layer.objects.active = fill
+    assert bpy.ops.object.delete() == {"FINISHED"}
+    assert after_a_change(following)
+    assert shown(ob)[2] == 48 and not ob.modifiers
+    assert live.fills() == []
+
+
+def test_a_fill_is_where_its_mesh_is_seen(live, following):
+    """The collection of a rigid body world, which comes first by its name, is in no scene."""
+    ob = scenes.add_hole()
+    hidden = bpy.data.collections.new("A")
+    hidden.objects.link(ob)
+    scenes.edit(ob)
+    assert bpy.ops.mesh.fill_smooth(keep_live=True) == {"FINISHED"}
+    (fill,) = live.fills()
+    assert fill.name in bpy.context.scene.objects
+    assert [c.name for c in fill.users_collection] == [c.name for c in ob.users_collection if c != hidden]
+    bpy.data.collections.remove(hidden)
 
 
 TURNED = "Mesh > Normals > Recalculate Outside turns them"
