@@ -8,9 +8,10 @@ the fill is cut where it meets its images, and what was only there for the momen
 from __future__ import annotations
 
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import bmesh
+import bpy
 from mathutils import Matrix, Vector
 
 from . import filling, normals, selection
@@ -33,6 +34,7 @@ class _Plane:
     point: Vector
     normal: Vector
     within: float  # vertices that are as near count as on it
+    flipped: dict = field(default_factory=dict)  # vertex groups, by number, that the modifier exchanges, as .L and .R
 
     def height(self, co):
         return (co - self.point).dot(self.normal)
@@ -44,17 +46,24 @@ class _Plane:
         return co - 2 * self.height(co) * self.normal
 
 
+def _flipped(ob):
+    """{number of a vertex group: of the one of the other side} of an object, by their names."""
+    number = {group.name: group.index for group in ob.vertex_groups}
+    other = {group.index: number.get(bpy.utils.flip_name(group.name)) for group in ob.vertex_groups}
+    return {own: flipped for own, flipped in other.items() if flipped not in (own, None)}
+
+
 def planes_of(ob):
     """The mirror planes of the Mirror modifiers that join a mesh to its image."""
     for modifier in ob.modifiers:
         if modifier.type != "MIRROR" or not (modifier.show_viewport and modifier.use_mirror_merge):
             continue
-        other = modifier.mirror_object
+        other, flipped = modifier.mirror_object, _flipped(ob) if modifier.use_mirror_vertex_groups else {}
         matrix = ob.matrix_world.inverted_safe() @ other.matrix_world if other else Matrix()
         for axis in range(3):
             if modifier.use_axis[axis]:
                 normal = matrix.to_3x3().inverted_safe().transposed().col[axis].normalized()  # pyright: ignore[reportIndexIssue]
-                yield _Plane(matrix.translation.copy(), normal, max(modifier.merge_threshold, _ON))
+                yield _Plane(matrix.translation.copy(), normal, max(modifier.merge_threshold, _ON), flipped)
 
 
 def is_joined(ob, rim):
@@ -157,6 +166,33 @@ def _around(vertices):
     return sorted(faces, key=lambda f: f.index)
 
 
+def _weights(bm, vertex):
+    """Of a vertex in its vertex groups, as a dictionary that is of use when they have changed."""
+    layer = bm.verts.layers.deform.active
+    return dict(vertex[layer].items()) if layer else {}
+
+
+def _give_weights(bm, vertex, weights):
+    layer = bm.verts.layers.deform.active
+    vertex[layer].clear()
+    for group, weight in weights.items():
+        vertex[layer][group] = weight
+
+
+def _evened(weights, flipped):
+    """Weights on a mirror plane, where the Mirror modifier gives both groups of a pair their mean."""
+    of_both = {**weights, **{flipped[group]: 0.0 for group in weights if flipped.get(group, group) not in weights}}
+    return {group: (weight + of_both[flipped.get(group, group)]) / 2 for group, weight in of_both.items()}
+
+
+def _even_out(bm, vertices, plane):
+    """Gives vertices on a mirror plane the weights that they are seen with. Returns what they had."""
+    had = {v: _weights(bm, v) for v in vertices} if plane.flipped else {}
+    for v, weights in had.items():
+        _give_weights(bm, v, _evened(weights, plane.flipped))
+    return had
+
+
 def _add_image(bm, faces, plane):
     """Mirrors faces into the BMesh, joined to it on the plane. Returns the new vertices."""
     edges, own = {e for f in faces for e in f.edges}, {v for f in faces for v in f.verts}
@@ -168,6 +204,8 @@ def _add_image(bm, faces, plane):
         v.co = plane.image(v.co)
         for layer in bm.verts.layers.shape.values():
             v[layer] = plane.image(v[layer])
+        if plane.flipped:
+            _give_weights(bm, v, {plane.flipped.get(group, group): weight for group, weight in _weights(bm, v).items()})
     bmesh.ops.reverse_faces(bm, faces=copies)
     on_plane = {v: original[v] for v in vertices if abs(plane.height(original[v].co)) <= plane.within}
     bmesh.ops.weld_verts(bm, targetmap=on_plane)
@@ -188,8 +226,9 @@ def image_of(bm, half):
     planes, chain = half
     sides = [1 if sum(plane.height(v.co) for v in chain) > 0 else -1 for plane in planes]
     bm.faces.index_update()
-    around, image = _around(chain), []
+    around, image, had = _around(chain), [], {}
     for plane in planes:
+        had = _even_out(bm, _on_plane(chain, plane), plane) | had
         images = sorted({f for v in image for f in v.link_faces}, key=lambda f: f.index)
         image += _add_image(bm, [*around, *images], plane)
         bm.verts.index_update()
@@ -200,6 +239,7 @@ def image_of(bm, half):
         for plane, side in zip(planes, sides, strict=True):
             faces = _cut(bm, faces, plane, side, set(image) | set(chain))
             _put_shapes_on(bm, faces, plane, chain)
+            _even_out(bm, _new_on_plane(faces, plane, chain), plane)
         cut.extend(faces)
         return cut
 
@@ -207,6 +247,8 @@ def image_of(bm, half):
         yield _whole_rim(chain), keep
     finally:
         bmesh.ops.delete(bm, geom=[v for v in image if v.is_valid], context="VERTS")
+        for v, weights in had.items():
+            _give_weights(bm, v, weights)
         bm.verts.index_update()
         bm.faces.index_update()
         cut[:] = [f for f in cut if f.is_valid]
@@ -257,14 +299,23 @@ def _fill(bm, mesh, matrix, half, options, told, outer, active, modifier):
     return outcome, new_faces
 
 
+def _on_plane(chain, plane):
+    """The ends of the rim that are on a mirror plane."""
+    return [v for v in (chain[0], chain[-1]) if abs(plane.height(v.co)) <= plane.within]
+
+
+def _new_on_plane(faces, plane, chain):
+    """The new vertices of some faces that are on it."""
+    return [v for v in {v for f in faces for v in f.verts} - set(chain) if abs(plane.height(v.co)) <= _ON]
+
+
 def _put_shapes_on(bm, faces, plane, chain):
     """New vertices on a mirror plane are on it in all shapes in which the ends of the rim are."""
-    ends = [v for v in (chain[0], chain[-1]) if abs(plane.height(v.co)) <= plane.within]
+    ends = _on_plane(chain, plane)
     layers = [layer for layer in bm.verts.layers.shape.values() if all(abs(plane.height(v[layer])) <= plane.within for v in ends)]
-    for v in {v for f in faces for v in f.verts} - set(chain):
-        if abs(plane.height(v.co)) <= _ON:
-            for layer in layers:
-                v[layer] = plane.on(v[layer])
+    for v in _new_on_plane(faces, plane, chain):
+        for layer in layers:
+            v[layer] = plane.on(v[layer])
 
 
 class _NormalsOnPlane:

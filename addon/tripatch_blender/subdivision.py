@@ -110,6 +110,17 @@ def _changes(ob, modifier, verb):
     )
 
 
+def _refuse_first(ob, bm, modifiers, places):
+    """UnusableError: the first of some modifiers that does not leave the rim, which is at some places, where it is."""
+    names = [m.name for m in modifiers]
+    for k, modifier in enumerate(modifiers):
+        points = _evaluated(ob, bm, names[: k + 1], _points)
+        if not len(points):  # as a node group makes it whose output nothing is linked to
+            raise _changes(ob, modifier, "leaves nothing of the mesh before it is subdivided")
+        if not _stays(points, places):
+            raise _changes(ob, modifier, "moves the rim before the cage is subdivided")
+
+
 def cage_before(ob, bm, modifier, rims=None, mirrored=False):
     """The cage that the modifiers before make of a BMesh: the BMesh itself, or a new one in which it comes first, vertices and
     faces (a mirror image follows it). UnusableError if they leave nothing of it.
@@ -126,8 +137,7 @@ def cage_before(ob, bm, modifier, rims=None, mirrored=False):
         others = [m for m in changing if m.type not in _HARMLESS_BEFORE]
         names = [m.name for m in changing]
         if others and not _stays(_evaluated(ob, bm, names, _points), places):
-            moving = [m for k, m in enumerate(changing) if not _stays(_evaluated(ob, bm, names[: k + 1], _points), places)]
-            raise _changes(ob, moving[0], "moves the rim before the cage is subdivided")
+            _refuse_first(ob, bm, changing, places)
         changing = [m for m in changing if m not in others]
     if not changing:
         return bm

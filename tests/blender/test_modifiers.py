@@ -87,6 +87,40 @@ def test_what_moves_the_rim_is_named():
     assert [tuple(v.co) for v in bmesh.from_edit_mesh(ob.data).verts] == before
 
 
+def group(kind):
+    """A node group that makes nothing of a mesh."""
+    made = bpy.data.node_groups.new("Group", "GeometryNodeTree")
+    if hasattr(made, "interface"):
+        made.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+        made.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    else:
+        made.inputs.new("NodeSocketGeometry", "Geometry")
+        made.outputs.new("NodeSocketGeometry", "Geometry")
+    start = made.nodes.new("NodeGroupInput")
+    if kind != "no output":
+        end = made.nodes.new("NodeGroupOutput")
+    if kind == "muted link":
+        made.links.new(start.outputs[0], end.inputs[0]).is_muted = True
+    return made
+
+
+@pytest.mark.parametrize("kind", ["no output", "no link", "muted link"])
+@pytest.mark.parametrize("first", [False, True])
+def test_a_node_group_that_leaves_nothing_is_named(kind, first):
+    """As Blender shows nothing of the mesh; another modifier before it is not blamed."""
+
+    def change(ob):
+        if not first:
+            solidify(ob)
+        ob.modifiers.new("Empty", "NODES").node_group = group(kind)
+
+    ob = cage(change)
+    with pytest.raises(RuntimeError, match="The modifier 'Empty' of Cage.* leaves nothing of the mesh before it is subdivided"):
+        smooth()
+    ob.modifiers["Empty"].show_in_editmode = False
+    assert smooth() == {"FINISHED"}
+
+
 def height(x, y):
     return 0.4 * np.cos(1.2 * x) * np.cos(y) + 0.1 * y
 
@@ -278,6 +312,59 @@ def test_attributes_of_a_half():
     assert {p.material_index for p in new} == {0, 1}
     assert all(p.material_index == (p.center.y > 0) for p in new if abs(p.center.y) > 0.15)
     assert len({tuple(v.co) for v in mesh.vertices}) == len(mesh.vertices), "nothing of the image is left"
+
+
+def weights_of(ob, names=("Arm.L", "Arm.R")):
+    """(vertices, names)"""
+    numbers = {ob.vertex_groups[name].index: k for k, name in enumerate(names)}
+    found = np.zeros((len(ob.data.vertices), len(names)))
+    for v in ob.data.vertices:
+        for g in v.groups:
+            if g.group in numbers:
+                found[v.index, numbers[g.group]] = g.weight
+    return found
+
+
+@pytest.mark.parametrize("smoothly", [False, True])
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_groups_of_two_sides_are_those_of_the_whole(output, smoothly):
+    """A Mirror exchanges .L and .R in the image: a half has the weights that a fill of the whole has, on the plane both the same.
+    smoothly: the modeller's weights are even on the plane; else all of the half has the one group."""
+
+    def weighted(ob):
+        arm = [ob.vertex_groups.new(name=name) for name in ("Arm.L", "Arm.R", "Spine")]
+        for v in ob.data.vertices:
+            share = 0.5 + 0.5 * min(v.co.x / 0.8, 1) if smoothly else 1.0
+            for g, weight in zip(arm, (share, 1 - share, 0.25), strict=True):
+                if weight:
+                    g.add([v.index], weight, "REPLACE")
+
+    ob = add_half()
+    weighted(ob)
+    old = len(ob.data.vertices)
+    before = weights_of(ob)
+    new = filled_part(ob, output, "nothing", None)
+    weights = weights_of(ob)
+    assert (weights[:old] == before).all()
+    weights = weights[old:]
+    on_plane = abs(new[:, 0]) < 1e-5
+    assert on_plane.sum() > 2
+    assert weights[on_plane] == pytest.approx(0.5, abs=1e-5)
+    assert (weights[~on_plane, 0] > weights[~on_plane, 1]).all()
+    assert weights.sum(axis=1) == pytest.approx(1, abs=1e-5)
+    assert weights_of(ob, ["Spine"])[old:] == pytest.approx(0.25, abs=1e-5)
+    if smoothly:
+        right = 0.5 + 0.5 * np.minimum(new[:, 0] / 0.8, 1)
+        assert np.abs(weights[:, 0] - right).max() < 0.05
+
+
+def test_groups_stay_on_their_side_where_the_mirror_does_not_exchange_them():
+    ob = add_half()
+    ob.modifiers["Mirror"].use_mirror_vertex_groups = False
+    for name, weight in (("Arm.L", 1.0), ("Arm.R", 0.0)):
+        ob.vertex_groups.new(name=name).add(range(len(ob.data.vertices)), weight, "REPLACE")
+    filled_part(ob, "triangles", "nothing", None)
+    assert weights_of(ob) == pytest.approx(np.tile([1.0, 0.0], (len(ob.data.vertices), 1)), abs=1e-6)
 
 
 def test_a_half_that_cannot_be_filled_is_left_as_it_was():
