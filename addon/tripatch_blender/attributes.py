@@ -17,6 +17,8 @@ _LOOP_LAYERS = ("float", "float_vector", "float_color", "color", "uv")
 _PICKED = ("int", "bool", "string")
 # The selection of UVs, and normals: not the rim's to give.
 _OWN = (".", "custom_normal")
+# What Blender names with a dot and is the rim's to give: what a brush was painted with.
+_GIVEN = (".sculpt_mask",)
 # UVs of two faces at one vertex that differ by less, of the extent along the rim, are one.
 _SAME_UV = 1e-4
 # Creases and bevel weights are 0 inside a fill.
@@ -39,7 +41,7 @@ def write(element, layer, kind, value):
 def _layers(access, kinds):
     for kind in kinds:
         for name, layer in getattr(access, kind, {}).items() if hasattr(access, kind) else ():
-            if not name.startswith(_OWN):
+            if not name.startswith(_OWN) or name in _GIVEN:
                 yield kind, name, layer
 
 
@@ -172,7 +174,7 @@ class Shares:
 
 
 def uv_charts(bm, ends, blend, positions, faces):
-    """UV maps that seams of the surroundings part at the rim: {name: (the part of each new face, UV of every corner)}.
+    """UV maps that seams of the surroundings part at the rim: {name: UV of every corner of the new faces}.
 
     Each part of the rim between two seams is continued by the affine map that its faces have, whose errors along the rim are
     blended away inside. positions (r + k, 3): of the rim and the vertices inside; faces: of places in it.
@@ -201,8 +203,24 @@ def uv_charts(bm, ends, blend, positions, faces):
             for end in np.flatnonzero(mine):
                 at_rim[at[end]] = left[end]
             everywhere.append(places @ own[:2] + own[2] + np.vstack([at_rim, blend(left)]))
-        found[name] = of_faces, [everywhere[p][k] for p, at in zip(of_faces, faces, strict=True) for k in at]
+        found[name] = [everywhere[p][k] for p, at in zip(of_faces, faces, strict=True) for k in at]
     return found
+
+
+def uv_jumps(bm, faces):
+    """The edges of some faces at which a UV map of the faces on both sides differs."""
+    edges = [edge for edge in {e for f in faces for e in f.edges} if len(edge.link_loops) == 2]
+    jumping = np.zeros(len(edges), bool)
+    for _, _, layer in _layers(bm.loops.layers, ("uv",)):
+        own, other = np.zeros((2, len(edges), 2, 2))
+        for k, edge in enumerate(edges):
+            a, b = edge.link_loops
+            beyond = (b.link_loop_next, b) if a.vert != b.vert else (b, b.link_loop_next)
+            own[k] = a[layer].uv, a.link_loop_next[layer].uv
+            other[k] = beyond[0][layer].uv, beyond[1][layer].uv
+        within = _SAME_UV * max(np.ptp(own.reshape(-1, 2), axis=0).max(initial=0), 1e-12) if len(edges) else 0
+        jumping |= (np.abs(own - other) > within).any(axis=(1, 2))
+    return [edge for edge, jumps in zip(edges, jumping, strict=True) if jumps]
 
 
 class _Plane:

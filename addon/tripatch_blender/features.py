@@ -66,7 +66,7 @@ def _take_over(bm, edge, reached):
     """reached: (distance, edge outside). Numbers are blended by inverse distances, as along a line; the rest is the nearest's."""
     _, nearest = min(reached, key=lambda pair: pair[0])
     weights = [1 / max(length, 1e-30) for length, _ in reached]
-    edge.smooth, edge.seam = nearest.smooth, nearest.seam
+    edge.smooth, edge.seam = nearest.smooth, edge.seam or nearest.seam  # it may part UVs already
     for kind, layer, blended in edge_layers(bm):
         if not blended:
             edge[layer] = nearest[layer]

@@ -140,15 +140,11 @@ def _models(faces, around, looks, nearest_edge):
     return [around[looks.edge_near(edge, looks.of_face(at))] for edge, at in zip(edges, faces, strict=True)]
 
 
-def _continue_seams(new_faces, parts, loop):
-    """Marks as seam what parts the UVs of the new faces, if the surroundings have seams that end at the rim."""
-    if not any(edge.seam for v in loop for edge in v.link_edges):
-        return
-    part = dict(zip(new_faces, parts, strict=True))
-    for face in new_faces:
-        for edge in face.edges:
-            if len({part[other] for other in edge.link_faces if other in part}) > 1:
-                edge.seam = True
+def _continue_seams(bm, new_faces, loop):
+    """Marks as seam where the UVs of the new faces jump, if the surroundings have seams that end at the rim."""
+    if any(edge.seam for v in loop for edge in v.link_edges):
+        for edge in attributes.uv_jumps(bm, new_faces):
+            edge.seam = True
 
 
 def _write_one(bm, planned, shading, custom):
@@ -207,9 +203,9 @@ def _write_one(bm, planned, shading, custom):
         for corner, k in zip(made.loops, at, strict=True):
             continued = attributes.ends_of_corner(k, len(loop), own) if k < len(loop) else ()
             corners.append((corner, k - len(loop), continued))
-    attributes.blend_corners(bm, ends, corners, blend, nearest, {name: uv for name, (_, uv) in charts.items()})
-    for parts, _ in charts.values():
-        _continue_seams(new_faces, parts, loop)
+    attributes.blend_corners(bm, ends, corners, blend, nearest, charts)
+    if with_corners:
+        _continue_seams(bm, new_faces, loop)
     if custom is not None:
         tangent = [planned.tangent[on_side[k]] if planned.tangent else True for k in range(len(loop))]
         _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)

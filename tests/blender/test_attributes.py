@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scenes
 import tasks
+from mathutils import Vector
 
 fill = bpy.ops.mesh.fill_three_sided
 
@@ -514,6 +515,77 @@ def test_a_uv_seam_is_continued_and_no_face_is_stretched(shape):
     assert len(between) > seams
     ends = [v for v in bm.verts if sum(e.seam for e in v.link_edges) == 1]
     assert all(any(e.is_boundary for e in v.link_edges) for v in ends), "the seam goes on from rim to rim"
+
+
+def with_seams(ob):
+    """Edit mode; seams are where the UVs jump."""
+    (bm,) = scenes.edit(ob)
+    layer = bm.loops.layers.uv.active
+    for e in bm.edges:
+        e.seam = len(e.link_loops) == 2 and jumps(e, layer)
+    return bm
+
+
+def jumps(edge, layer):
+    """Whether the UVs of the faces on both sides differ."""
+    a, b = edge.link_loops
+    ends = (b.link_loop_next, b) if a.vert != b.vert else (b, b.link_loop_next)
+    return any((x[layer].uv - y[layer].uv).length > 1e-3 for x, y in zip((a, a.link_loop_next), ends, strict=True))
+
+
+def sphere():
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=16)
+
+
+def ball():
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=6)
+    bpy.ops.transform.tosphere(value=1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+@pytest.mark.parametrize(
+    "make, at",
+    [(sphere, (-0.56, 0, -0.83)), (sphere, (-0.98, 0, 0.2)), (sphere, (0, 0, 1)), (ball, (-1, 1, 1)), (ball, (-0.1, 0.7, 0.7))],
+)
+def test_wherever_the_uvs_of_a_fill_jump_there_is_a_seam(make, at):
+    make()
+    ob = bpy.context.object
+    bm = with_seams(ob)
+    near = min((v for v in bm.verts if any(e.seam for e in v.link_edges)), key=lambda v: (v.co.normalized() - Vector(at)).length)
+    faces = {f for g in near.link_faces for v in g.verts for f in v.link_faces}
+    bmesh.ops.delete(bm, geom=list(faces), context="FACES")
+    seams = sum(e.seam for e in bm.edges)
+    bmesh.update_edit_mesh(ob.data)
+    assert bpy.ops.mesh.fill_smooth() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bm = scenes.checked(ob)
+    layer = bm.loops.layers.uv.active
+    assert sum(e.seam for e in bm.edges) > seams
+    assert [e for e in bm.edges if jumps(e, layer) != e.seam] == []
+
+
+def test_the_mask_of_sculpting_is_blended():
+    ob = scenes.add_hole()
+    mesh = ob.data
+    if hasattr(mesh, "vertex_paint_masks"):  # Blender 3
+        bm = bmesh.new()
+        bm.from_mesh(mesh)
+        layer = bm.verts.layers.paint_mask.verify()
+        for v in bm.verts:
+            v[layer] = 0.5 + 0.5 * v.co.x
+        bm.to_mesh(mesh)
+    else:
+        mask = mesh.attributes.new(".sculpt_mask", "FLOAT", "POINT")
+        for v in mesh.vertices:
+            mask.data[v.index].value = 0.5 + 0.5 * v.co.x
+    old = len(mesh.vertices)
+    fill_in_edit_mode(ob)
+    bm = scenes.checked(ob)
+    layer = bm.verts.layers.paint_mask.active if hasattr(mesh, "vertex_paint_masks") else bm.verts.layers.float[".sculpt_mask"]
+    off = [abs(v[layer] - 0.5 - 0.5 * v.co.x) for v in list(bm.verts)[old:]]
+    assert len(off) > 2 and max(off) < 0.01
 
 
 @pytest.mark.skipif(
