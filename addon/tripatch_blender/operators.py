@@ -196,7 +196,7 @@ class FillSmooth(Construction, waiting.Waiting):
         modified = list(map(subdivision.modifier_of, context.objects_in_mode_unique_data))
         row("surroundings", active=any(modified) and "surroundings" in applying)
         for name in _OF_CAGES[1:]:
-            if name != "tolerance" or self.tolerance or not self.reasons:
+            if name != "tolerance" or self.tolerance:  # computed by a fill that it applies to; until then it says nothing
                 row(name, active=name in applying)
         row("add_modifier", active=self.output == "cage" and not all(modified))
 

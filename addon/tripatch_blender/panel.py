@@ -10,6 +10,8 @@ import bpy
 
 # A character is about so many pixels wide in Blender's font at the scale 1; a line is never shorter than so many characters.
 _CHARACTER, _SHORTEST = 6.3, 28
+#: Pixels of one of Blender's units at the scale 1.
+UNIT = 20
 
 
 class Rows:
@@ -61,10 +63,12 @@ def folded(operator, name, label):
     yield Rows(operator, body)
 
 
-def _lines(context, text, beside):
-    """A sentence in lines as wide as the panel. beside: pixels that are taken."""
+def _lines(context, text, beside, width=None):
+    """A sentence in lines as wide as the panel. beside: pixels that are taken; width: of a panel that is no region, at the scale
+    1."""
     region = context.region
-    width = region.width / bpy.context.preferences.system.ui_scale if region else 0
+    if width is None:
+        width = region.width / (bpy.context.preferences.system.ui_scale or 1) if region else 0
     return textwrap.wrap(text, max(_SHORTEST, int((width - beside) / _CHARACTER)))
 
 
@@ -79,8 +83,9 @@ def reasons(layout, context, text):
             box.label(text=line, icon="ERROR" if k == 0 else "BLANK1")
 
 
-def sentence(layout, context, text):
+def sentence(layout, context, text, width=None):
+    """Text in lines. width: see _lines."""
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for line in _lines(context, text, 40):
+    for line in _lines(context, text, 40, width):
         column.label(text=line)

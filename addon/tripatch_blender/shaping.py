@@ -19,6 +19,8 @@ REACH = 60
 #: Of the size of the hole: an arrow at bulge 1. The arrows of three sides do not meet in the middle.
 ARROW = 0.14
 LEAST_BULGE = 0.05
+#: Of the way from a side to the middle: where the arrow of the side ends at the most, so that none meets another.
+_CLEAR = 0.8
 #: Vertices of a rim from which on a step of a drag looks at fewer rings of the surroundings, and a mesh for it is coarser inside.
 _MANY = 72
 _FEW_RINGS = 2
@@ -465,6 +467,12 @@ class Shaping:
             handles.append((place, self.points[place], away / max(np.linalg.norm(away), 1e-30)))
         return handles
 
+    def room(self, k, handle):
+        """How much of an arrow of the hole's size at the handle of a side still ends before the middle, where all meet."""
+        _, point, _ = handle
+        way = np.linalg.norm(self.points.mean(axis=0) - point)
+        return max(_CLEAR * way - self.shape.bulges[k] * ARROW * self.size, 0.0)
+
     def middle_handle(self):
         """(point, normal) of the fill's middle without its offset."""
         if self.fill is None or not len(self.vertices):
@@ -497,6 +505,15 @@ class Shaping:
         active = ob.active_shape_key.name if ob.active_shape_key else None
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         return filling.fill_rims(bm, ob.data, matrix, [rim], filling.Options(self.options()), active)
+
+
+#: How large arrows are beside Blender's own, and how small they get in a hole that is small in the view.
+LARGE, SMALL = 0.9, 0.1
+
+
+def arrow_scale(room, size):
+    """How large an arrow is drawn that has room for so many pixels. size: pixels of one at the scale 1."""
+    return min(LARGE, max(SMALL, room / size))  # the smallest where nothing is known of the room
 
 
 def rims_at(bm, screen_of, mouse):

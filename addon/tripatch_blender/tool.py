@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tool of edit mode that shapes a hole by hand: what it shows, what mouse and keys do. What is done stands in shaping.py."""
 
+import textwrap
 import traceback
 from typing import Any
 
@@ -12,11 +13,13 @@ from bpy.props import BoolProperty, EnumProperty, PointerProperty
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
-from . import layers, library, overlay, sentences, shaping, shown, waiting
+from . import layers, library, overlay, panel, sentences, shaping, shown, waiting
 from .library import np, quality
 
 # Seconds without a change after which an arrow rests, and the fill itself is shown.
 _RESTS = 0.25
+# Characters of a problem that a header shows, and how wide its whole sentence is, in Blender's units.
+_BEGINNING, _WIDE = 48, 20
 _COLOR = (0.16, 0.36, 0.62)
 _RIM = (1.0, 0.75, 0.2, 1.0)
 _HINT = "Drag corners, arrows for bulge and the middle   Click: another hole   Ctrl Click: corner   Enter: fill   Esc: leave it"
@@ -173,6 +176,20 @@ def on_screen(context, point):
     return (float("nan"),) * 2 if at is None else (at.x, at.y)
 
 
+def _pixel(context, point):
+    """The length of a pixel at a point."""
+    at = Vector(point)
+    one = context.region_data.view_matrix.inverted().col[0].to_3d()
+    a, b = (Vector(on_screen(context, p)) for p in (at, at + one))
+    return 1 / max((b - a).length, 1e-6)
+
+
+def _gizmo_size():
+    """Pixels of a gizmo at the scale 1."""
+    preferences = bpy.context.preferences
+    return preferences.view.gizmo_size * preferences.system.ui_scale
+
+
 # Operators.
 
 
@@ -314,14 +331,11 @@ class VIEW3D_GT_tripatch_corner(bpy.types.Gizmo):
     def _facing(self, context):
         """Towards the eye, some pixels large."""
         turn = context.region_data.view_matrix.to_3x3().inverted().to_4x4()
-        return Matrix.Translation(self.matrix_basis.translation) @ turn @ Matrix.Scale(self.scale_basis * self._pixel(context), 4)
-
-    def _pixel(self, context):
-        """The length of a pixel at the corner."""
-        at = self.matrix_basis.translation
-        one = context.region_data.view_matrix.inverted().col[0].to_3d()
-        a, b = (Vector(on_screen(context, p)) for p in (at, at + one))
-        return 1 / max((b - a).length, 1e-6)
+        return (
+            Matrix.Translation(self.matrix_basis.translation)
+            @ turn
+            @ Matrix.Scale(self.scale_basis * _pixel(context, self.matrix_basis.translation), 4)
+        )
 
     def draw(self, context):
         self.seen = self._facing(context)
@@ -389,7 +403,7 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         gizmo.draw_style, gizmo.use_draw_value = "BOX", True  # pyright: ignore[reportAttributeAccessIssue]
         gizmo.color, gizmo.alpha = color, 0.8
         gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
-        gizmo.scale_basis, gizmo.line_width = 0.9, 3.0
+        gizmo.scale_basis, gizmo.line_width = shaping.LARGE, 3.0
         return gizmo
 
     def _make(self, made):
@@ -415,6 +429,8 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         for gizmo, place in zip(self.corners, made.corners()):
             gizmo.matrix_basis = Matrix.Translation(Vector(made.points[place]))
         handles = [(point, direction) for _, point, direction in made.side_handles()] + [made.middle_handle()]
+        for k, (gizmo, handle) in enumerate(zip(self.arrows, made.side_handles())):
+            gizmo.scale_basis = shaping.arrow_scale(made.room(k, handle) / max(_pixel(context, handle[1]), 1e-30), _gizmo_size())
         for gizmo, (point, direction) in zip((*self.arrows, self.middle), handles):
             turn = Vector(direction).to_track_quat("Z", "Y").to_matrix().to_4x4()
             gizmo.matrix_basis = Matrix.Translation(Vector(point)) @ turn
@@ -448,6 +464,29 @@ def middle_handlers():
     return get, put
 
 
+class VIEW3D_PT_tripatch_problem(bpy.types.Panel):
+    """What hinders the fill, in whole"""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_label = "Why Not"
+    bl_ui_units_x = _WIDE
+
+    def draw(self, context):
+        panel.sentence(self.layout, context, _state.problem, panel.UNIT * _WIDE)
+
+
+def _draw_problem(context, layout):
+    """In the sidebar in lines; in a header, which is one line, its beginning, and a click shows it in whole."""
+    if not _state.problem:
+        return
+    if context.region is not None and context.region.type == "UI":
+        panel.sentence(layout, context, _state.problem)
+        return
+    beginning = textwrap.shorten(_state.problem, _BEGINNING, placeholder=" ...")
+    layout.popover(VIEW3D_PT_tripatch_problem.__name__, text=beginning, icon="ERROR")
+
+
 class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
     bl_space_type = "VIEW_3D"
     bl_context_mode = "EDIT_MESH"
@@ -473,8 +512,7 @@ class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
         layout.prop(settings, "round")
         layout.operator("mesh.shape_fill_confirm", text="Fill")
         layout.operator("mesh.shape_fill_cancel", text="Leave")
-        if _state.problem:
-            layout.label(text=_state.problem, icon="ERROR")
+        _draw_problem(context, layout)
 
 
 _classes = (
@@ -484,6 +522,7 @@ _classes = (
     MESH_OT_shape_fill_cancel,
     VIEW3D_GT_tripatch_corner,
     VIEW3D_GGT_tripatch,
+    VIEW3D_PT_tripatch_problem,
 )
 _HANDLERS = (("undo_post", _on_undo), ("redo_post", _on_undo), ("load_pre", _on_load))
 

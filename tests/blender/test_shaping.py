@@ -1,6 +1,7 @@
 """The tool that shapes a hole: what gizmos and keys call. That they call it is tried in a window (tests/gui)."""
 
 import sys
+import types
 
 import bmesh
 import bpy
@@ -492,6 +493,54 @@ def test_the_header_says_what_helps(tool):
     bmesh.update_edit_mesh(ob.data)
     assert bpy.ops.mesh.shape_fill() == {"FINISHED"}
     assert tool._state.problem.endswith("Mesh > Normals > Recalculate Outside turns them")
+
+
+class Layout:
+    """Takes down what a layout is told to show."""
+
+    def __init__(self):
+        self.said, self.popovers = [], []
+
+    def column(self, **_given):
+        return self
+
+    def label(self, text):
+        self.said.append(text)
+
+    def popover(self, panel, text, icon):
+        self.popovers.append((panel, text))
+
+
+@pytest.mark.parametrize("region", ["UI", "TOOL_HEADER"])
+def test_a_problem_can_be_read_in_whole(tool, region):
+    """In the sidebar in lines; a header has one line, which a click on its beginning opens."""
+    tool._state.problem = problem = "The mesh folds back at the rim near vertex 17; " * 4 + "and so on"
+    context, layout = types.SimpleNamespace(region=types.SimpleNamespace(type=region, width=300)), Layout()
+    tool._draw_problem(context, layout)
+    if region != "UI":
+        ((name, text),) = layout.popovers
+        assert not layout.said and len(text) < 50 and text[:30] == problem[:30]
+        layout = types.SimpleNamespace(layout=Layout())
+        getattr(bpy.types, name).draw(layout, context)
+        layout = layout.layout
+    assert " ".join(layout.said) == problem and max(map(len, layout.said)) < 70
+    tool.stop()
+
+
+@pytest.mark.parametrize("pixels", [100, 200, 400, 2000])
+@pytest.mark.parametrize("make", [lattice_hole, lambda shaping: square_rim(shaping)])
+def test_arrows_of_the_sides_end_before_they_meet(shaping, make, pixels):
+    """pixels: that the hole takes in the view."""
+    made = make(shaping)
+    made = made[-1] if isinstance(made, tuple) else made
+    pixel, size = made.size / pixels, 75
+    middle = made.points.mean(axis=0)
+    for k, handle in enumerate(made.side_handles()):
+        _, point, direction = handle
+        length = made.shape.bulges[k] * shaping.ARROW * made.size  # where it begins
+        length += shaping.arrow_scale(made.room(k, handle) / pixel, size) * size * pixel
+        assert length < np.linalg.norm(middle - point)
+    assert shaping.arrow_scale(float("nan"), size) == shaping.SMALL
 
 
 def test_when_an_arrow_rests_the_fill_itself_is_shown(shaping, tool):

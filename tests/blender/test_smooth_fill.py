@@ -127,6 +127,16 @@ def test_of_all_holes_those_that_the_filters_let_through(filters, left, everythi
     assert border_lengths(ob) == left
 
 
+def test_holes_that_the_filters_keep_out_are_selected_by_hand(addon):
+    ob = three_holes()
+    (bm,) = scenes.edit(ob)
+    rims = {v.index for loop in scenes.border_loops(bm)[:-1] for v in loop}
+    state = operator(addon, corner_count=(4, 6), use_corner_count=True)
+    assert state.invoke(bpy.context, None) == {"FINISHED"}
+    assert state.said == [({"WARNING"}, "None of the 3 holes is as Holes asks for")]
+    assert {v.index for v in bmesh.from_edit_mesh(ob.data).verts if v.select} == rims
+
+
 def pinched():
     """A bowl whose hole has two vertices at one place, its rim selected; and which vertices they are."""
     ob = scenes.add_hole()
@@ -258,6 +268,13 @@ def test_six_rows_are_seen_before_anything_is_opened(addon):
         rows = shown(operator(addon, output=output), panels=())  # Blender 3
         assert rows[:6] == ["output", density, "continuity", "bulge", "tension", "center_offset"]
         assert rows[6:] == ["show_sides", "show_subdivision", "show_advanced"]
+
+
+def test_a_tolerance_that_nothing_has_computed_is_not_shown(addon):
+    scenes.edit(scenes.add_hole())
+    for tolerance in (0, 0.01):
+        rows = shown(operator(addon, output="triangles", tolerance=tolerance), panels=("TRIPATCH_subdivision",))
+        assert ("tolerance" in rows) == bool(tolerance) and "cage_rim" in rows
 
 
 def test_folded_parts_open(addon):
