@@ -99,8 +99,19 @@ def _busy():
 
 def _tick():
     """Fills anew what has changed; comes again only if something is left."""
-    if _busy():
-        return 1.0
+    return 1.0 if _busy() else _fill_pending()
+
+
+def _at_once():
+    """What else would be done soon, where nothing would be done later: without a window there are no timers."""
+    if _following.stale or _following.pending:
+        _stop_timer()
+        if _fill_pending() is not None:
+            _look_soon()
+
+
+def _fill_pending():
+    """Fills anew what has changed. Returns the seconds until what is left, or None."""
     began = time.perf_counter()
     if _following.stale or not all(map(_fill, _following.pending)):
         _following.stale = False
@@ -181,7 +192,24 @@ def _on_import(*_):
     scan()
 
 
+@persistent
+def _before_save(*_):
+    """The file has what was asked for: opened again it would not know that something is left to do."""
+    _at_once()
+
+
+@persistent
+def _before_render(scene, *_):
+    """Before each frame that is rendered without a window. With one, Blender renders in a thread of its own, in which nothing of
+    the file may be changed; and there is someone who has keyed not all that was changed."""
+    if bpy.app.background and _following.names:
+        scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)
+        _following.pending.update(_following.names)
+        _at_once()
+
+
 _HANDLERS = [("load_post", _on_load), ("undo_post", _on_undo), ("redo_post", _on_undo)]
+_HANDLERS += [("save_pre", _before_save), ("render_pre", _before_render)]
 if hasattr(bpy.app.handlers, "blend_import_post"):  # from 4.4
     _HANDLERS.append(("blend_import_post", _on_import))
 

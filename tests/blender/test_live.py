@@ -522,6 +522,64 @@ def test_it_follows_a_keyed_shape_key_from_frame_to_frame(live, following):
     assert key.value == 1
 
 
+class Seen(bpy.types.RenderEngine):
+    """Takes down what it is to render."""
+
+    bl_idname = "TRIPATCH_SEEN"
+    bl_label = "Seen"
+    bl_use_preview = False
+    frames: dict = {}
+
+    def render(self, depsgraph):
+        mesh = depsgraph.objects["Hole"].data
+        points = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.vertices.foreach_get("co", points)
+        self.frames[depsgraph.scene.frame_current] = points.reshape(-1, 3).astype(float)
+
+
+@pytest.fixture
+def rendered(tmp_path):
+    """What is rendered of frames 1 to 3: {frame: points of the mesh with its fill}."""
+    scene = bpy.context.scene
+    before = scene.render.engine, scene.frame_end, scene.render.filepath, scene.camera
+    bpy.utils.register_class(Seen)
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(camera)
+    scene.render.engine, scene.frame_end, scene.render.filepath, scene.camera = Seen.bl_idname, 3, str(tmp_path) + "/", camera
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    Seen.frames.clear()
+    yield Seen.frames
+    scene.render.engine, scene.frame_end, scene.render.filepath, scene.camera = before
+    scene.frame_set(1)
+    bpy.utils.unregister_class(Seen)
+
+
+def test_an_animation_that_is_rendered_without_a_window_has_the_fill_of_each_frame(live, following, rendered):
+    ob, key, fill = kept_in_its_basis()
+    for frame, key.value in ((1, 0.0), (3, 1.0)):
+        key.keyframe_insert("value", frame=frame)
+    while after_a_change(following):
+        pass
+    assert bpy.ops.render.render(animation=True) == {"FINISHED"}
+    assert sorted(rendered) == [1, 2, 3]
+    for frame, value in ((1, 0), (2, 0.5), (3, 1)):
+        points = rendered[frame]
+        assert len(points) > len(ob.data.vertices)
+        assert points[:, 2] == pytest.approx(0.6 * value * (points[:, :2] ** 2).sum(axis=1), abs=2e-3)
+
+
+def test_a_file_is_saved_with_what_was_still_to_be_filled(live, following, tmp_path):
+    ob, fill = kept()
+    while after_a_change(following):
+        pass
+    before = points(fill)
+    move(ob, 0.5)
+    bpy.context.view_layer.update()
+    assert bpy.app.timers.is_registered(following._tick) and (points(fill) == before).all()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"), copy=True)
+    assert points(fill) == pytest.approx(before + [0, 0, 0.5], abs=1e-5)
+
+
 def test_a_deleted_fill_leaves_nothing_and_comes_back_with_undo(live, following):
     ob, _ = kept()
     name, handlers = ob.name, (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post)
