@@ -192,6 +192,8 @@ def _in_shape_key(bm, planned, name, in_key, world):
     if not isinstance(in_key, tripatch.Refusal) and cage:
         if in_key.faces != fill.faces or (in_key.split_edges[0] != fill.split_edges[0]).any():
             in_key = tripatch.Refusal("its cage would have other faces", [])
+    elif not isinstance(in_key, tripatch.Refusal) and in_key.patch is None:
+        in_key = tripatch.Refusal("its hole is closed with plain triangles, which have no surface", [])
     if isinstance(in_key, tripatch.Refusal):
         planned.in_shape_keys[name] = _moved_with_rim(planned, bm.verts.layers.shape[name])
         return [f"Shape key '{name}' follows its rim only: {words.refused(in_key)}"]
@@ -204,7 +206,7 @@ def _in_shape_key(bm, planned, name, in_key, world):
     return []
 
 
-def _is_a_point(rim):
+def is_a_point(rim):
     """Whether all of a rim lies at one point, to what the last digit of float32 leaves."""
     places = np.array([v.co for v in rim.loop], dtype=np.float64)
     return np.ptp(places, axis=0).max() <= np.finfo(np.float32).eps * np.abs(places).max()
@@ -224,7 +226,7 @@ def fills(rims, arrays, options, progress=None, **arguments):
     caged, any_rim = given.get("output") == "cage", given.get("method", "auto") in ANY_RIM
     whatever = any_rim and not caged and given.get("surroundings") != "limit"
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
-        if _is_a_point(rim):
+        if is_a_point(rim):
             results[k] = tripatch.Refusal(A_POINT, loop)
             continue
         try:

@@ -61,6 +61,8 @@ class _Net:
     def of_rows(cls, fill, count):
         """In rows from its rim to its middle, which take no mesh to be made; None where not all of the rim is seen from there, or
         edges are continued across. count: vertices of the mesh."""
+        if fill.patch is None:  # plain triangles
+            return None
         rim = writeback.parameters(fill)[0]
         if fill.sides:
             middle = _middle_place(fill.patch)
@@ -190,6 +192,8 @@ class Shaping:
             raise UnusableError("The tool shapes holes; delete the selected faces first")
         if mirrored.is_joined(ob, rim):
             raise UnusableError("A Mirror modifier joins this border to its image: Smooth Fill fills such halves, the tool none")
+        if filling.is_a_point(rim):
+            raise UnusableError(filling.A_POINT, rim.loop)
         self.name, self.arguments = ob.name, dict(arguments or {})
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         positions, faces, _ = selection.Surroundings(bm, matrix).around(rim)

@@ -128,6 +128,15 @@ def border_loops(bm):
     return sorted(loops, key=len)
 
 
+def is_rim(ob):
+    """For each vertex of a mesh in object mode whether it is on its shortest border loop."""
+    bm = bmesh.new()
+    bm.from_mesh(ob.data)
+    rim = {v.index for v in border_loops(bm)[0]}
+    bm.free()
+    return [v.index in rim for v in ob.data.vertices]
+
+
 def select(bm, vertices=(), edges=(), faces=()):
     for element in (*vertices, *edges, *faces):
         element.select = True

@@ -235,6 +235,22 @@ def test_a_shape_that_cannot_be_filled_follows_its_rim(capfd):
     assert "Shape key 'Point' follows its rim only" in capfd.readouterr().out
 
 
+def test_a_shape_that_has_no_surface_follows_its_rim(capfd):
+    """A mouth that closes to a point: its hole would be closed with plain triangles."""
+    ob = scenes.add_mesh(*scenes.square_hole())
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="Closed")
+    for point, rim in zip(key.data, scenes.is_rim(ob), strict=True):
+        if rim:
+            point.co = (0.01, 0.02, 0.03)
+    ob.active_shape_key_index = 0
+    old = len(ob.data.vertices)
+    fill_in_edit_mode(ob, method="polyharmonic_spline")
+    assert "Shape key 'Closed' follows its rim only: its hole is closed with plain triangles" in capfd.readouterr().out
+    places = np.array([point.co for point in ob.data.shape_keys.key_blocks["Closed"].data])
+    assert np.abs(places[old:] - [0.01, 0.02, 0.03]).max() < 0.02
+
+
 def custom_normals(ob, tilt=0.0):
     """Gives a bowl its true normals, tilted, as custom normals."""
     mesh = ob.data

@@ -495,6 +495,27 @@ def test_the_header_says_what_helps(tool):
     assert tool._state.problem.endswith("Mesh > Normals > Recalculate Outside turns them")
 
 
+def test_a_fill_of_plain_triangles_is_shown_as_they_are(shaping):
+    """It has no surface of which rows could be shown while a corner is dragged."""
+    fill = square_rim(shaping).preview()
+    assert shaping._Net.of_rows(fill, 1000) is not None
+    plain = types.SimpleNamespace(patch=None, sides=[], uv=fill.uv, feature_edges=[], rim=fill.rim)
+    for name in ("rim_uv", "rim_barycentric", "barycentric"):
+        setattr(plain, name, getattr(fill, name))
+    assert shaping._Net.of_rows(plain, 1000) is None
+
+
+def test_a_rim_that_is_a_point_is_not_shaped(shaping):
+    ob = scenes.add_hole()
+    (bm,) = scenes.edit(ob)
+    loop = scenes.border_loops(bm)[0]
+    for v in loop[1:]:
+        v.co = loop[0].co
+    scenes.select_rim(bm, loop)
+    with pytest.raises(shaping.UnusableError, match="All vertices of the rim are at the same place"):
+        shaping.from_selection(ob, bm)
+
+
 class Layout:
     """Takes down what a layout is told to show."""
 
