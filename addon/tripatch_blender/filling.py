@@ -155,10 +155,17 @@ class _ToObject:
         return n / np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-30)
 
 
+def _tangent(report):
+    """By side whether a fill is tangent to its surroundings; empty for one of no sides, such as the spline, and quads round corners
+    that it has none at."""
+    if report.method == "polyharmonic_spline" or len(report.continuity) != max(len(report.corners), 1):
+        return ()
+    return tuple(each in ("G1", "G2") for each in report.continuity)
+
+
 def _planned(bm, rim, world, fill, count):
     """A `Planned` fill; Refusal if its faces cannot be joined to the mesh. count: vertices that the fill counts as the mesh's."""
     own, vertex = _ToObject(world), {v.index: v for v in rim.loop}
-    continuity = () if fill.report.method == "polyharmonic_spline" else fill.report.continuity  # it has no sides
     planned = writeback.Planned(
         rim,
         fill,
@@ -167,7 +174,7 @@ def _planned(bm, rim, world, fill, count):
         own.points(fill.vertices),
         own.normals(fill.normals),
         own.normals(fill.rim_normals),
-        tuple(each in ("G1", "G2") for each in continuity),
+        _tangent(fill.report),
     )
     planned.moved = list(zip([vertex[v] for v in fill.moved[0].tolist()], own.points(fill.moved[1]), strict=True))
     obstacle = writeback.obstacle(bm, planned)

@@ -309,12 +309,13 @@ def torn():
 
 @pytest.mark.parametrize("make", [with_four_corners, torn])
 @pytest.mark.parametrize("method", ["auto", "polyharmonic_spline"])
+@pytest.mark.parametrize("output", ["triangles", "quads"])
 @pytest.mark.parametrize("tilt", [0, 0.5])
-def test_custom_normals_go_over_the_seam_of_any_rim(make, method, tilt):
+def test_custom_normals_go_over_the_seam_of_any_rim(make, method, output, tilt):
     ob = make()
     custom_normals(ob, tilt)
     before, count = scenes.corner_normals(ob.data), len(ob.data.vertices)
-    fill_in_edit_mode(ob, method=method)
+    fill_in_edit_mode(ob, method=method, output=output)
     after = scenes.corner_normals(ob.data)
     assert angle(after[: len(before)], before).max() < 0.1
     assert not any(e.use_edge_sharp for e in ob.data.edges), "nothing parts the seam"
