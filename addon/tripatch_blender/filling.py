@@ -156,8 +156,8 @@ class _ToObject:
 
 
 def _tangent(report):
-    """By side whether a fill is tangent to its surroundings; empty for one of no sides, such as the spline, and quads round corners
-    that it has none at."""
+    """By side whether a fill is tangent to its surroundings; empty for one of no sides, such as the spline, or quads that go on
+    as a grid."""
     if report.method == "polyharmonic_spline" or len(report.continuity) != max(len(report.corners), 1):
         return ()
     return tuple(each in ("G1", "G2") for each in report.continuity)

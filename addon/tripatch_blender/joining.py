@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cache
 
 import bpy
+
+from .selection import UnusableError
 
 NAME = "Join Live Fill"
 #: Of the shortest rim edge: what the merge may close. Both borders have the same positions to the bit of a float.
@@ -69,12 +72,18 @@ def group():
 
 
 def _first(ob, modifier):
-    """Moves a modifier to the top of the stack: what deforms or subdivides the mesh does so to the fill too."""
-    if hasattr(ob.modifiers, "move"):
-        ob.modifiers.move(len(ob.modifiers) - 1, 0)
-        return
-    with bpy.context.temp_override(object=ob, active_object=ob):
-        bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=0)
+    """Moves a modifier to the top of the stack: what deforms or subdivides the mesh does so to the fill too. Returns the one that
+    it cannot pass, or None."""
+    while at := ob.modifiers.find(modifier.name):
+        with suppress(RuntimeError):
+            if hasattr(ob.modifiers, "move"):
+                ob.modifiers.move(at, at - 1)
+            else:
+                with bpy.context.temp_override(object=ob, active_object=ob):
+                    bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=at - 1)
+        if ob.modifiers.find(modifier.name) == at:
+            return ob.modifiers[at - 1]
+    return None
 
 
 def _joining(ob):
@@ -93,13 +102,21 @@ def modifier_of(ob, fill):
 
 
 def join(ob, fill, distance):
-    """Makes an object show its mesh and a fill as one."""
+    """Makes an object show its mesh and a fill as one. UnusableError where another modifier stays before it, as Multiresolution
+    does, whose details are those of the object's own mesh."""
     modifier = ob.modifiers.new(fill.name, "NODES")
     modifier.node_group = group()
     modifier.show_in_editmode = True
     named = _identifiers(modifier.node_group)
     modifier[named["Fill"]], modifier[named["Distance"]] = fill, float(distance)
-    _first(ob, modifier)
+    before = _first(ob, modifier)
+    if before is not None:
+        name = before.name
+        ob.modifiers.remove(modifier)
+        raise UnusableError(
+            f"The modifier '{name}' of {ob.name} needs the object's own mesh, so that no live fill can be joined before it; "
+            "turn off Keep Live"
+        )
     return modifier
 
 

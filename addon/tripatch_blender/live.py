@@ -393,15 +393,14 @@ def _keep_hole(ob, loop, how, options):
     try:
         outcome = _follow(fill)
         waiting.goes_on()
+        fill.parent, fill.display_type, fill.hide_render = ob, "WIRE", True
+        joining.join(ob, fill, joining.WITHIN * min((a.co - b.co).length for a, b in selection.pairs(loop)))
     except (UnusableError, ValueError, waiting.Ends) as reason:
         bpy.data.meshes.remove(fill.data)  # and the object with it
         if isinstance(reason, (_LeftOut, waiting.Ends)):
             raise
         raise UnusableError(str(reason)) from None
     outcome.live.append(fill.name)
-    fill.parent, fill.display_type, fill.hide_render = ob, "WIRE", True
-    shortest = min((a.co - b.co).length for a, b in selection.pairs(loop))
-    joining.join(ob, fill, joining.WITHIN * shortest)
     return outcome
 
 

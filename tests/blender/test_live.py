@@ -174,6 +174,21 @@ def test_a_rim_that_is_a_point_is_refused_and_leaves_the_last_good_fill(live, fo
         bpy.ops.mesh.fill_smooth()
 
 
+@pytest.mark.parametrize("kind", ["MULTIRES", "SOFT_BODY"])
+def test_a_modifier_that_needs_the_mesh_itself_is_named_and_nothing_is_left(live, following, kind):
+    """No other that makes faces may stand before it."""
+    ob = scenes.add_hole()
+    ob.modifiers.new("Own", kind)
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    names = set(bpy.data.objects.keys()), set(bpy.data.meshes.keys())
+    scenes.edit(ob)
+    with pytest.raises(RuntimeError, match="The modifier 'Own' of Hole needs the object's own mesh, .*; turn off Keep Live"):
+        bpy.ops.mesh.fill_smooth(keep_live=True)
+    assert (set(bpy.data.objects.keys()), set(bpy.data.meshes.keys())) == names
+    assert [m.name for m in ob.modifiers] == ["Own", "Subdivision"]
+    assert bpy.ops.mesh.fill_smooth() == {"FINISHED"}
+
+
 def in_another_scene(*objects):
     """A scene with these objects, that is looked at."""
     scene = bpy.data.scenes.new("Other")
