@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import zlib
+from contextlib import contextmanager
 
 import bmesh
 import bpy
@@ -421,6 +422,40 @@ def _check_is_shown(ob):
         raise UnusableError(f"{what} is switched off in the viewport; switch it on in the Outliner first")
 
 
+@contextmanager
+def _edited(ob):
+    """Edit mode of an object inside, and again of those that are edited now. UnusableError if it cannot be."""
+    if ob.mode == "EDIT":
+        yield
+        return
+    _check_is_shown(ob)
+    objects, others = bpy.context.view_layer.objects, []
+    if bpy.context.mode == "EDIT_MESH":
+        others = [objects.active, *(other for other in bpy.context.objects_in_mode if other != objects.active)]
+        bpy.ops.object.mode_set(mode="OBJECT")
+    selected = bpy.context.selected_objects
+    _only_selected([ob])
+    try:
+        bpy.ops.object.mode_set(mode="EDIT")
+        yield
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
+        if others:
+            _only_selected(others)
+            bpy.ops.object.mode_set(mode="EDIT")
+        for other in bpy.context.view_layer.objects:
+            other.select_set(other in selected)
+
+
+def _only_selected(objects):
+    """The first becomes the active one."""
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    for ob in objects:
+        ob.select_set(True)
+    bpy.context.view_layer.objects.active = objects[0]
+
+
 def apply(fill):
     """Ends a live fill. One of a hole becomes faces of the mesh around, in all its shapes; one between objects, or of a mesh that
     is gone, is a mesh of its own already. Leaves object mode as it was."""
@@ -433,18 +468,9 @@ def apply(fill):
         forget(fill)
         return fill
     (ob,) = objects
-    edited = ob.mode == "EDIT"
-    if not edited:
-        _check_is_shown(ob)
-        bpy.context.view_layer.objects.active = ob
-        bpy.ops.object.mode_set(mode="EDIT")
-    try:
-        with layers.standing_aside(bpy.context, [ob]):
-            _apply_hole(ob, bmesh.from_edit_mesh(ob.data), settings)
-            bmesh.update_edit_mesh(ob.data)
-    finally:
-        if not edited:
-            bpy.ops.object.mode_set(mode="OBJECT")
+    with _edited(ob), layers.standing_aside(bpy.context, [ob]):
+        _apply_hole(ob, bmesh.from_edit_mesh(ob.data), settings)
+        bmesh.update_edit_mesh(ob.data)
     joining.part(ob, fill)
     bpy.data.meshes.remove(fill.data)  # and the object with it
     return ob

@@ -5,7 +5,12 @@ from __future__ import annotations
 
 import re
 
+from . import properties
+
 _NUMBERED = re.compile(r"\b([Ss]ides?|[Cc]orners?) (\d+)( and (\d+))?\b")
+
+#: Options by the names that scripts give them.
+_OPTIONS = re.compile(r"(?<=^For )[\w, ]+(?= smooth sides are needed)")
 
 #: What Blender has against it.
 _REMEDIES = (
@@ -23,9 +28,19 @@ def _one_more(match):
     return f"{kind} {int(first) + 1}" + (f" and {int(second) + 1}" if second else "")
 
 
+def _labels(match):
+    """Names of options as the panel has them."""
+    options = properties.OPTIONS
+
+    def label(word):
+        return (options[word].label or properties.words(word)) if word in options else word
+
+    return re.sub(r"\w+", lambda word: label(word[0]), match[0])
+
+
 def for_people(sentence):
-    """The sentence with sides and corners from 1, and with its remedy."""
-    told = _NUMBERED.sub(_one_more, sentence).replace("; merge them first", "")
+    """The sentence with sides and corners from 1, options as the panel names them, and with its remedy."""
+    told = _OPTIONS.sub(_labels, _NUMBERED.sub(_one_more, sentence)).replace("; merge them first", "")
     told = told.replace("set the resolution by hand", "choose the Density")
     for cause, remedy in _REMEDIES:
         if cause.search(told):

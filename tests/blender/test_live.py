@@ -341,6 +341,21 @@ def test_apply_makes_it_mesh(live, following, mode):
     assert "Hole Fill" not in bpy.data.objects and not ob.modifiers
 
 
+def test_apply_leaves_others_in_edit_mode_and_what_is_selected(live, following):
+    ob, fill = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    edited = [scenes.add_hole(), scenes.add_hole()]
+    scenes.edit(*edited)
+    edited[0].select_set(False)
+    active = bpy.context.view_layer.objects.active
+    assert bpy.ops.object.apply_live_fill(fill=fill.name) == {"FINISHED"}
+    assert set(bpy.context.objects_in_mode) == set(edited) and ob.mode == "OBJECT"
+    assert bpy.context.view_layer.objects.active == active
+    assert [each.select_get() for each in (*edited, ob)] == [False, True, False]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert scenes.checked(ob).faces and not scenes.border_loops(scenes.checked(ob))[1:]
+
+
 def test_apply_fills_every_shape_key(live, following):
     ob, key = flat_with_a_bowl()
     scenes.edit(ob)

@@ -414,6 +414,8 @@ def test_sides_and_corners_count_from_one_in_sentences(addon):
     assert for_people("Corner vertex 7 is not on the rim") == "Corner vertex 7 is not on the rim"
     rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand"
     assert for_people(rows) == "Four extra rows of quads do not reach the tolerance; choose the Density"
+    needed = " smooth sides are needed, between which a patch lies without folds: not applied"
+    assert for_people("For center_offset, bulge and tension" + needed) == "For Center, Bulge and Tension" + needed
     assert "Recalculate Outside" in for_people("The face at vertex 3 is turned against its neighbors")
 
 
