@@ -10,7 +10,7 @@ import bpy
 
 from . import seam, selection, subdivision, waiting, writeback
 from .library import ANY_RIM, np, tripatch, words
-from .selection import Surroundings, UnusableError
+from .selection import OptionsError, Surroundings, UnusableError
 
 
 @dataclass
@@ -51,7 +51,7 @@ class Refused:
 
     @classmethod
     def because(cls, reason, ob):
-        """From an UnusableError, while its BMesh is there."""
+        """From an UnusableError or OptionsError, while its BMesh is there."""
         return cls(str(reason), [v.index for v in reason.vertices if v.is_valid], ob)
 
     def of(self, name):
@@ -276,17 +276,33 @@ def _is_by_side(arguments):
     return any(isinstance(value, BySide) for value in arguments.values())
 
 
+@contextmanager
+def _saying_what_does_not_go():
+    """What the library says of options that do not go together, as a person may choose them, is an OptionsError."""
+    try:
+        yield
+    except (UnusableError, tripatch.Refusal):
+        raise
+    except ValueError as reason:
+        raise OptionsError(str(reason)) from None
+
+
+def _fill_all(*mesh, **arguments):
+    with _saying_what_does_not_go():
+        return waiting.fill_all(*mesh, **arguments)
+
+
 def _shared_or_each(mesh, loops, corners, arguments, counts=None):
     """tripatch.fill_all; where values differ by side each number of sides has a call of its own. counts: the numbers of sides
     where the corners do not say them."""
     if not _is_by_side(arguments):
-        return waiting.fill_all(*mesh, loops, corners=corners, **arguments)
+        return _fill_all(*mesh, loops, corners=corners, **arguments)
     counts = counts or [len(each) for each in corners]
     results: list[tripatch.Fill | tripatch.Refusal | None] = [None] * len(loops)
     for count in set(counts):
         same = [k for k, each in enumerate(counts) if each == count]
         own = for_sides(arguments, count)
-        made = waiting.fill_all(*mesh, [loops[k] for k in same], corners=[corners[k] for k in same], **own)
+        made = _fill_all(*mesh, [loops[k] for k in same], corners=[corners[k] for k in same], **own)
         for k, fill in zip(same, made, strict=True):
             results[k] = fill
     return results
@@ -542,7 +558,8 @@ def filtered(bm, matrix, rims, filters):
         return rims
     positions, faces, _ = Surroundings(bm, matrix).around(*rims)
     # The far borders of the faces around rims are no rims.
-    chosen = {frozenset(loop.tolist()) for loop in tripatch.choose_holes(positions, faces, **(filters | {"outer": True}))}
+    with _saying_what_does_not_go():
+        chosen = {frozenset(loop.tolist()) for loop in tripatch.choose_holes(positions, faces, **(filters | {"outer": True}))}
     return [rim for rim in rims if frozenset(v.index for v in rim.loop) in chosen]
 
 

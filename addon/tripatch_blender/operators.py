@@ -269,12 +269,13 @@ class FillSmooth(Construction, waiting.Waiting):
         self.reasons, self.all_holes = "", False
         outcome, unusable = filling.Outcome(), []
         meant = self._meant(selected or objects)
-        waiting.ahead([partial(self._fill, ob) for ob in meant], selection.UnusableError)
+        refusals = selection.UnusableError, selection.OptionsError
+        waiting.ahead([partial(self._fill, ob) for ob in meant], *refusals)
         for ob in meant:
             name = ob.name if len(objects) > 1 else ""
             try:
                 outcome.add(self._fill(ob), name)
-            except selection.UnusableError as reason:
+            except refusals as reason:
                 unusable.append(filling.Refused.because(reason, ob).of(name))
         self._show_computed(context, outcome)
         refused = outcome.refused + (unusable if selected or not outcome.reports else [])

@@ -23,6 +23,12 @@ class UnusableError(ValueError):
         self.vertices = list(vertices)
 
 
+class OptionsError(ValueError):
+    """Options that a person has chosen do not go together; the message says which."""
+
+    vertices = ()
+
+
 @dataclass
 class Rim:
     """A hole to be filled, by vertices of the BMesh."""

@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import re
 
-from . import properties
+from . import library, properties
 
 _NUMBERED = re.compile(r"\b([Ss]ides?|[Cc]orners?) (\d+)( and (\d+))?\b")
 
 #: Options by the names that scripts give them.
-_OPTIONS = re.compile(r"(?<=^For )[\w, ]+(?= smooth sides are needed)")
+_OPTIONS = re.compile(r"(?<=^For )[\w, ]+(?= smooth sides are needed)|(?<=does not take )[\w, ]+")
+#: Names of options and methods that are no words.
+_NAMES = re.compile(r"\b[a-z]+(_[a-z0-9]+)+\b")
 
 #: What Blender has against it.
 _REMEDIES = (
@@ -29,18 +31,20 @@ def _one_more(match):
 
 
 def _labels(match):
-    """Names of options as the panel has them."""
-    options = properties.OPTIONS
+    """Names of options and methods as the panel has them."""
 
     def label(word):
-        return (options[word].label or properties.words(word)) if word in options else word
+        option = properties.OPTIONS.get(word)
+        if option is None:
+            return properties.words(word) if word in library.tripatch.METHODS else word
+        return option.label or properties.words(word)
 
     return re.sub(r"\w+", lambda word: label(word[0]), match[0])
 
 
 def for_people(sentence):
     """The sentence with sides and corners from 1, options as the panel names them, and with its remedy."""
-    told = _OPTIONS.sub(_labels, _NUMBERED.sub(_one_more, sentence)).replace("; merge them first", "")
+    told = _NAMES.sub(_labels, _OPTIONS.sub(_labels, _NUMBERED.sub(_one_more, sentence))).replace("; merge them first", "")
     told = told.replace("set the resolution by hand", "choose the Density")
     for cause, remedy in _REMEDIES:
         if cause.search(told):

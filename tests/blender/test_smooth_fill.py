@@ -277,6 +277,26 @@ def test_a_tolerance_that_nothing_has_computed_is_not_shown(addon):
         assert ("tolerance" in rows) == bool(tolerance) and "cage_rim" in rows
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"method": "polyharmonic_spline", "tension": 5.0}, "Polyharmonic Spline does not take Tension"),
+        ({"method": "polyharmonic_spline", "output": "cage"}, "Polyharmonic Spline makes no cages; choose another method"),
+        ({"use_corner_count": True, "corner_count": (6, 2)}, "Corners must be the least and the most"),
+    ],
+)
+def test_options_that_do_not_go_together_are_said_and_can_be_changed(addon, options, said):
+    """Whoever chooses them in the panel reads why, and can choose others."""
+    ob = scenes.add_hole()
+    scenes.edit(ob)
+    with pytest.raises(RuntimeError, match=f"Error: {said}"):
+        smooth(**options)
+    state = operator(addon, **options)
+    assert state.invoke(bpy.context, None) == {"FINISHED"}
+    assert state.reasons.startswith(said) and state.said[0][0] == {"WARNING"}
+    assert len(border_lengths(ob)) == 2
+
+
 def test_folded_parts_open(addon):
     scenes.edit(scenes.add_hole())
     state = operator(addon, show_advanced=True, all_holes=True, show_holes=True)
@@ -416,6 +436,8 @@ def test_sides_and_corners_count_from_one_in_sentences(addon):
     assert for_people(rows) == "Four extra rows of quads do not reach the tolerance; choose the Density"
     needed = " smooth sides are needed, between which a patch lies without folds: not applied"
     assert for_people("For center_offset, bulge and tension" + needed) == "For Center, Bulge and Tension" + needed
+    said = "Polyharmonic Spline does not take Center and Tension"
+    assert for_people("polyharmonic_spline does not take center_offset and tension") == said
     assert "Recalculate Outside" in for_people("The face at vertex 3 is turned against its neighbors")
 
 
