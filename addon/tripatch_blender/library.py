@@ -22,7 +22,7 @@ else:
 
 
 #: Methods that fill holes with any number of corners.
-ANY_RIM = ("auto", "polyharmonic_spline", "multi_sided")
+ANY_RIM = ("auto", "polyharmonic_spline", "quad_rows", "multi_sided")
 
 
 def poll(operator, context, mode, sentence):

@@ -156,6 +156,15 @@ const std::vector<Method> all = {
      {},
      {},
      {0, 0}},
+    {rows_method,
+     "Rows of quads around a rectangular hole go on across it: their mixed differences are least",
+     "Birkhoff and Gordon 1968",
+     true,
+     "G1",
+     {},
+     {},
+     {},
+     {4, 4}},
 };
 
 }  // namespace

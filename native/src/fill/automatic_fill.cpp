@@ -12,6 +12,7 @@
 #include "tripatch/creases/flat_walls.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/polygon_fill.h"
+#include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/corners.h"
@@ -190,7 +191,10 @@ bool keeps_better_planes(const Fill& patch, const Fill& spline) {
          misses_known_planes(patch, spline, far_off_planes, worth_their_planes);
 }
 
-Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, FillOptions options) {
+namespace {
+
+/// Without a look at rows of quads.
+Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, FillOptions options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
   if (!options.islands.empty()) return any_rim("the hole has islands");
   if (corners && corners->empty())
@@ -259,6 +263,42 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   const bool better = !patch || harm(other.report) < harm(patch->report) ||
                       (harm(other.report) == harm(patch->report) && (patch->report.folds > 0 || apart || away));
   return better ? other : std::move(*patch);
+}
+
+/// Rows of quads, where quads are asked for as they come and the hole was a block of such rows.
+std::optional<Fill> rows_across(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+                                const FillOptions& options) {
+  const bool as_they_come = !corners && options.output == Output::quads && options.resolution.value_or(0) == 0;
+  if (!as_they_come || !options.islands.empty() || is_shaped_by_hand(options)) return {};
+  try {
+    return fill_with_rows(ground, check_topology(ground.left, rim), options.output);
+  } catch (const Refusal&) {  // another way may be open
+    return {};
+  }
+}
+
+/// Of the hole's diameter: so nearly the rim itself comes out where it is continued in the same way, that nothing else need be tried.
+constexpr double surely_rows = 1e-6;
+
+}  // namespace
+
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+                          const FillOptions& options) {
+  std::optional<Fill> rows = rows_across(ground, rim, corners, options);
+  if (!rows) return fill_by_sides(ground, rim, corners, options);
+  rows->report.method_reason = "rows of quads go on across the hole";
+  const double enough = surely_rows * diameter(ground.mesh, rim);
+  if (is_harmless(rows->report) && (rows->deviation.size() == 0 || rows->deviation[0] < enough)) return std::move(*rows);
+  try {
+    Fill other = fill_by_sides(ground, rim, corners, options);
+    if (other.deviation.size() > 0 || rows->vertices.rows() == 0)
+      return rows_are_nearer(*rows, other) ? std::move(*rows) : std::move(other);
+    const Fill spline = fill_any_rim(ground, rim, corners, options, "");
+    const bool by_energy = other.sides.empty() || off_by_rows(*rows) < off_by_energy(other, diameter(ground.mesh, rim));
+    return by_energy && rows_are_nearer(*rows, spline) ? std::move(*rows) : std::move(other);
+  } catch (const Refusal&) {
+    return std::move(*rows);
+  }
 }
 
 }  // namespace tripatch

@@ -10,6 +10,7 @@
 #include "tripatch/fill/cage_fills.h"
 #include "tripatch/fill/ground.h"
 #include "tripatch/fill/polygon_fill.h"
+#include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
@@ -126,13 +127,15 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
                    const FillOptions& options) {
   const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
   const bool automatic = options.method == automatic_method && of_mesh;
-  if (!automatic && options.method != spline_method) {
+  const bool any_rim = options.method == spline_method || options.method == rows_method;
+  if (!automatic && !any_rim) {
     const bool polygon = options.method == polygon_method || options.method == patch_method;
     if (polygon && of_mesh)
       if (std::optional<Fill> fill = fill_with_many_sides(ground, rim, corners, options)) return std::move(*fill);
     return fill_with_patch(ground, hole_of(ground, rim, corners), options);
   }
   const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
+  if (options.method == rows_method) return fill_with_rows_only(ground, loop, corners, options);
   if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");
   return fill_as_the_rim_asks(ground, loop, corners, options);
 }
@@ -160,8 +163,8 @@ void check_for_holes(const FillOptions& options) {
   if (!options.through.empty() && (!meets || options.surroundings != SurroundingsFrom::mesh))
     throw InvalidArgument("through is met by the methods auto, " + std::string(polygon_method) + " and " +
                           std::string(spline_method) + ", beside surroundings that are a mesh");
-  if (options.method == spline_method && options.output == Output::cage)
-    throw InvalidArgument(std::string(spline_method) + " makes no cages; choose another method, or triangles or quads");
+  if ((options.method == spline_method || options.method == rows_method) && options.output == Output::cage)
+    throw InvalidArgument(options.method + " makes no cages; choose another method, or triangles or quads");
 }
 
 using Results = std::vector<std::variant<Fill, Refused>>;

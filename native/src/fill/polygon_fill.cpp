@@ -275,13 +275,15 @@ bool misses_known_planes(const Fill& patch, const Fill& spline, double degrees, 
   return spline_error > degrees && patch.report.surroundings_error * times < spline_error;
 }
 
+double off_by_energy(const Fill& patch, double diameter) { return unknown_by_energy * patch.report.energy_after * diameter; }
+
 bool excluded_by(const Fill& patch, const Fill& spline, double diameter) {
   if (!spline.patch || spline.deviation.size() == 0 || patch.vertices.rows() == 0) return false;
   if (!is_harmless(spline.report)) return false;
   if (misses_known_planes(patch, spline, misses_planes, known_better)) return false;
   const double said = spline.deviation.norm() / std::sqrt(static_cast<double>(spline.deviation.size()));
   const double apart = distance_from(*spline.patch, spline.vertices, spline.uv, patch.vertices);
-  const bool unknown = unknown_by_energy * patch.report.energy_after * diameter > said;
+  const bool unknown = off_by_energy(patch, diameter) > said;
   return apart > (unknown ? they_agree : clearly_off) * said;
 }
 

@@ -1,4 +1,5 @@
-// Which path a hole takes: the exact patch where its sides are smooth, else the surface over a plane.
+// Which path a hole takes: rows of quads that go on where it was a block of them, the exact patch where its sides are smooth, else the
+// surface over a plane.
 #pragma once
 
 #include "tripatch/fill/ground.h"
@@ -10,6 +11,7 @@ namespace tripatch {
 /// and it misses them.
 bool keeps_better_planes(const Fill& patch, const Fill& spline);
 
-Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, FillOptions options);
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+                          const FillOptions& options);
 
 }  // namespace tripatch

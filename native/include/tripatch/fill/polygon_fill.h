@@ -51,6 +51,8 @@ struct PolygonFill {
   bool of_revolution = false;   ///< as its surroundings are
   double planes_apart_deg = 0;  ///< the most by which the tangent planes of two sides differ at their corner
 };
+/// How far a patch is known, scene units: so far off it may be by its energy, which is nothing on spheres and quadrics.
+double off_by_energy(const Fill& patch, double diameter);
 /// Whether a fill from the surroundings as a whole, which states how well it is known, tells of another surface than the patch between
 /// the sides; diameter: of the hole.
 bool excluded_by(const Fill& patch, const Fill& spline, double diameter);

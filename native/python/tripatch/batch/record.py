@@ -125,7 +125,8 @@ def of_hole(settings: Settings, name: str, result: Any = None, **values: Any) ->
 def reported(report: dict[str, Any]) -> dict[str, Any]:
     """What a line says of a fill's report."""
     values = {name: report.get(name) for name in _REPORTED}
-    if report.get("method") == "polyharmonic_spline":  # a fill without sides: no angle was measured, which is not 0
+    # a fill without sides: no angle was measured, which is not 0
+    if report.get("method") in ("polyharmonic_spline", "quad_rows"):
         values |= dict.fromkeys(("continuity", "seam_angle_max", "seam_angle_rms"))
     cage = report.get("cage_deviation_max")
     return values | {"fairing": report.get("fairing") or None} | ({} if cage else dict.fromkeys(_OF_CAGES))

@@ -1,0 +1,25 @@
+// The path of a hole that was a block in rows of quads: the rows go on across it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tripatch/fill/ground.h"
+#include "tripatch/output/fill_result.h"
+
+namespace tripatch {
+
+/// Quads, or halves of these, as many as the rim's edges ask for, on a surface through all rows. rim: in the direction of new faces. None
+/// where it is no such block, where the surroundings meet it at an angle, or an edge of the mesh would be doubled. `deviation` is what
+/// the rim's own sides are missed by where they are continued in this way (see continued_rows).
+std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index>& rim, Output output);
+
+/// The same, insisted on; a Refusal says what it needs. corners: none, or those of the block.
+Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options);
+
+/// How far their new vertices are off, scene units, as far as the rim tells.
+double off_by_rows(const Fill& rows);
+/// Whether rows are the better fill, beside what is made without them.
+bool rows_are_nearer(const Fill& rows, const Fill& other);
+
+}  // namespace tripatch

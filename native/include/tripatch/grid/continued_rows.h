@@ -1,0 +1,23 @@
+// Rows of quads continued across a hole: new vertices such that mixed differences of the rows are least.
+#pragma once
+
+#include "tripatch/grid/quad_rows.h"
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// What is made of rows around a hole.
+struct ContinuedRows {
+  Points inside;      ///< (n - 1) (m - 1): (i, j) is row (i - 1) (m - 1) + j - 1
+  int order = 0;      ///< of the differences: 1, 2 or 3
+  double missed = 0;  ///< scene units: see below
+};
+
+/// The vertices p(i, j) inside with the least sum of squares of their mixed differences, of order k along the rows and along the columns,
+/// which are the discrete form of Birkhoff and Gordon's equation d^2k p / du^k dv^k = 0 (The draftsman's and related equations, 1968).
+/// What it gives is blended from the rows around, k of them: for k = 1 a Coons patch of the rim, for k = 2 one that meets the slopes
+/// around too, whatever creases and bevels run across. The order is the one that best makes the rim itself out of what lies around it:
+/// by `missed` a side of it is missed where it is unknown too, in the median of the sides, as it would be in the middle of the block.
+ContinuedRows continued_rows(const PointsRef& vertices, const QuadRows& rows);
+
+}  // namespace tripatch

@@ -1,0 +1,371 @@
+// Rows of quads that go on across a hole: which holes are blocks of such rows, what is put into them, and the surface through it.
+#include <catch2/catch.hpp>
+
+#include "test_surfaces.h"
+#include "tripatch/fill.h"
+#include "tripatch/fill/rows_fill.h"
+#include "tripatch/grid/continued_rows.h"
+#include "tripatch/grid/quad_rows.h"
+#include "tripatch/grid/rows_surface.h"
+#include "tripatch/math/linear.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+using At = std::function<Vec3(double, double)>;
+
+/// A grid of quads, places (i, j) from -beyond on, with a block of n x m quads from (0, 0) on taken out.
+struct Grid {
+  Index n, m, beyond, columns, rows;
+  Points vertices;
+  Faces faces;
+  std::vector<Index> rim;
+
+  Grid(Index block_n, Index block_m, Index rows_beyond, const At& at)
+      : n(block_n), m(block_m), beyond(rows_beyond), columns(n + 2 * beyond + 1), rows(m + 2 * beyond + 1) {
+    vertices.resize(columns * rows, 3);
+    for (Index i = 0; i < columns; ++i)
+      for (Index j = 0; j < rows; ++j)
+        vertices.row(i * rows + j) = at(static_cast<double>(i - beyond), static_cast<double>(j - beyond)).transpose();
+    for (Index i = 0; i + 1 < columns; ++i)
+      for (Index j = 0; j + 1 < rows; ++j) {
+        const bool gone = i >= beyond && i < beyond + n && j >= beyond && j < beyond + m;
+        const Index a = i * rows + j;
+        if (!gone) faces.add(std::array{a, a + rows, a + rows + 1, a + 1});
+      }
+    for (Index i = 0; i < n; ++i) rim.push_back(vertex(i, 0));
+    for (Index j = 0; j < m; ++j) rim.push_back(vertex(n, j));
+    for (Index i = n; i > 0; --i) rim.push_back(vertex(i, m));
+    for (Index j = m; j > 0; --j) rim.push_back(vertex(0, j));
+  }
+  Index vertex(Index i, Index j) const { return (i + beyond) * rows + j + beyond; }
+  std::optional<QuadRows> known() const { return quad_rows(Connectivity(faces, vertices.rows()), rim); }
+};
+
+Vec3 flat(double i, double j) { return {i, j, 0}; }
+
+/// The farthest that what is continued lies from where it was.
+double off(const Grid& grid, const At& at) {
+  const ContinuedRows made = continued_rows(grid.vertices, grid.known().value());
+  double most = 0;
+  for (Index i = 1; i < grid.n; ++i)
+    for (Index j = 1; j < grid.m; ++j) {
+      const Vec3 truth = at(static_cast<double>(i), static_cast<double>(j));
+      most = std::max(most, (Vec3(made.inside.row((i - 1) * (grid.m - 1) + j - 1)) - truth).norm());
+    }
+  return most;
+}
+double off(Index n, Index m, Index beyond, const At& at) { return off(Grid(n, m, beyond, at), at); }
+
+Vec3 on_ball(double i, double j, double step) {
+  const double u = step * i, v = step * j - 0.4;
+  return {std::cos(v) * std::cos(u), std::cos(v) * std::sin(u), std::sin(v)};
+}
+
+}  // namespace
+
+TEST_CASE("a block of quads is found with the rows around it, wherever its rim begins") {
+  const Grid grid(4, 3, 2, flat);
+  for (std::size_t turn = 0; turn < grid.rim.size(); ++turn) {
+    std::vector<Index> rim = grid.rim;
+    std::rotate(rim.begin(), rim.begin() + static_cast<std::ptrdiff_t>(turn), rim.end());
+    const std::optional<QuadRows> rows = quad_rows(Connectivity(grid.faces, grid.vertices.rows()), rim);
+    REQUIRE(rows);
+    CHECK(rows->n() * rows->m() == 12);
+    CHECK(rows->beyond() == std::array<Index, 4>{2, 2, 2, 2});
+    for (Index i = rows->first(0); i <= rows->last(0); ++i)  // neighbors in the rows are neighbors in the grid
+      for (Index j = rows->first(1); j <= rows->last(1); ++j) {
+        const bool inside = i > 0 && i < rows->n() && j > 0 && j < rows->m();
+        CHECK((rows->at(i, j) < 0) == inside);
+        if (!inside && i < rows->last(0) && rows->at(i + 1, j) >= 0)
+          CHECK((grid.vertices.row(rows->at(i, j)) - grid.vertices.row(rows->at(i + 1, j))).norm() == Approx(1));
+      }
+  }
+}
+
+TEST_CASE("rows end beside a triangle and at the border of the mesh, on that side alone") {
+  Grid grid(3, 3, 2, flat);
+  Faces faces;
+  const Index at = grid.vertex(-1, 1);
+  for (Index f = 0; f < grid.faces.size(); ++f) {
+    const auto face = grid.faces[f];
+    if (face[0] == at) {  // a quad beside the side at i = 0, cut in two
+      faces.add(std::array{face[0], face[1], face[2]});
+      faces.add(std::array{face[0], face[2], face[3]});
+    } else {
+      faces.add(face);
+    }
+  }
+  const std::optional<QuadRows> rows = quad_rows(Connectivity(faces, grid.vertices.rows()), grid.rim);
+  CHECK_FALSE(rows);  // the diagonal ends at the rim: five of its vertices have three faces
+  grid = Grid(3, 3, 1, flat);
+  REQUIRE(grid.known());
+  CHECK(grid.known()->beyond() == std::array<Index, 4>{1, 1, 1, 1});
+  faces = Faces();
+  for (Index f = 0; f < grid.faces.size(); ++f) {
+    const auto face = grid.faces[f];
+    const bool corner = face[0] == grid.vertex(-1, -1);  // of the ring around: a triangle there ends two sides' rows
+    if (corner)
+      faces.add(std::array{face[1], face[2], face[3]});
+    else
+      faces.add(face);
+  }
+  const std::optional<QuadRows> three = quad_rows(Connectivity(faces, grid.vertices.rows()), grid.rim);
+  REQUIRE(three);
+  CHECK(std::ranges::count(three->beyond(), Index{1}) == 3);  // one of the two may still have a row, that ends at the corner
+}
+
+TEST_CASE("other rims are no blocks") {
+  const Grid grid(3, 2, 2, flat);
+  std::vector<Index> ring;  // an L: five corners turn one way, one the other
+  Faces faces;
+  for (Index f = 0; f < grid.faces.size(); ++f)
+    if (grid.faces[f][0] != grid.vertex(-1, 0)) faces.add(grid.faces[f]);
+  std::vector<Index> rim = grid.rim;
+  rim.insert(rim.end() - 1, {grid.vertex(-1, 1), grid.vertex(-1, 0)});
+  rim.erase(rim.end() - 1);
+  rim.insert(rim.begin(), grid.vertex(0, 1));
+  std::rotate(rim.begin(), rim.begin() + 1, rim.end());
+  CHECK_FALSE(quad_rows(Connectivity(faces, grid.vertices.rows()), rim));
+}
+
+TEST_CASE("the last rows around a tube are a block: its rows meet themselves") {
+  const Index around = 6, along = 6;
+  Points vertices(around * (along + 1), 3);
+  Faces faces;
+  for (Index k = 0; k < vertices.rows(); ++k) {
+    const double turn = 2 * M_PI * static_cast<double>(k % around) / around;
+    vertices.row(k) << std::cos(turn), std::sin(turn), static_cast<double>(k / around);
+  }
+  const auto at = [&](Index i, Index j) { return j * around + (i % around); };
+  for (Index j = 0; j < along; ++j)
+    for (Index i = 0; i < around; ++i)
+      if (!(i < 4 && j > 1 && j < 4)) faces.add(std::array{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+  std::vector<Index> rim;
+  for (Index i = 0; i < 4; ++i) rim.push_back(at(i, 2));
+  for (Index j = 2; j < 4; ++j) rim.push_back(at(4, j));
+  for (Index i = 4; i > 0; --i) rim.push_back(at(i, 4));
+  for (Index j = 4; j > 2; --j) rim.push_back(at(0, j));
+  const std::optional<QuadRows> rows = quad_rows(Connectivity(faces, vertices.rows()), rim);
+  REQUIRE(rows);
+  CHECK(rows->beyond() == std::array<Index, 4>{2, 2, 2, 2});
+  const ContinuedRows made = continued_rows(vertices, *rows);
+  for (Index k = 0; k < made.inside.rows(); ++k) CHECK(made.inside.row(k).head<2>().norm() == Approx(1).margin(0.02));
+}
+
+TEST_CASE("what runs along rows and what runs across them is continued exactly, creases too") {
+  const At bevels = [](double i, double j) {  // a bevel across the rows, a step and a wave across the columns
+    return Vec3(i, j + (j > 2 ? 0.5 : 0), std::min(std::abs(i - 1.5), 1.0) + (j > 3 ? 1 : 0) + 0.3 * std::sin(j));
+  };
+  CHECK(off(5, 6, 2, bevels) < 1e-12);
+  CHECK(off(5, 6, 1, bevels) < 1e-12);
+}
+
+TEST_CASE("cubics along rows are continued exactly, whatever they are from row to row") {
+  const At cubic = [](double i, double j) {
+    const double wild = std::sin(7 * j * j);
+    return Vec3(i + 0.1 * j, j + 0.01 * i * i * wild, 0.02 * i * i * i * wild + std::cos(j));
+  };
+  const Grid grid(6, 5, 3, cubic);
+  const QuadRows rows = grid.known().value();
+  CHECK(continued_rows(grid.vertices, rows).order >= 2);
+  CHECK(off(grid, cubic) < 1e-10);
+}
+
+TEST_CASE("on a ball, what is continued comes nearer with the fourth power of the rows' distance and more") {
+  double last = 0;
+  for (const double step : {0.2, 0.1, 0.05}) {
+    const double now = off(6, 4, 3, [&](double i, double j) { return on_ball(i, j, step); });
+    if (last > 0) CHECK(now < last / 16);
+    last = now;
+  }
+  CHECK(last < 1e-7);
+}
+
+TEST_CASE("rows are continued alike in a mirror, turned, moved and as large as one likes") {
+  const At at = [](double i, double j) { return Vec3(i + 0.2 * std::sin(j), j, 0.3 * std::sin(0.8 * i) * std::cos(j)); };
+  const Grid grid(5, 4, 2, at);
+  const Points plain = continued_rows(grid.vertices, grid.known().value()).inside;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  for (const double size : {1e-6, 1.0, 1e6}) {
+    const auto moved = [&](const Points& p) {
+      return Points((size * p * turn.transpose()).rowwise() + size * Eigen::RowVector3d(3, -2, 5));
+    };
+    const Points other = continued_rows(moved(grid.vertices), grid.known().value()).inside;
+    CHECK((other - moved(plain)).norm() < 1e-11 * size);
+  }
+  Grid mirrored(5, 4, 2, [&](double i, double j) { return at(5 - i, j); });
+  const Points back = continued_rows(mirrored.vertices, mirrored.known().value()).inside;
+  for (Index i = 1; i < 5; ++i)
+    for (Index j = 1; j < 4; ++j) CHECK((back.row((i - 1) * 3 + j - 1) - plain.row((4 - i) * 3 + j - 1)).norm() < 1e-12);
+}
+
+TEST_CASE("a bevel beside one side says nothing of the block") {
+  const At at = [](double i, double j) { return Vec3(i, j, i < 0 ? 2 * i : 0.05 * i * i * std::cos(0.5 * j)); };
+  const Grid grid(4, 4, 3, at);
+  const ContinuedRows made = continued_rows(grid.vertices, grid.known().value());
+  CHECK(made.missed < 0.05);  // the side at i = 0 is missed by some 2
+}
+
+TEST_CASE("the surface through rows meets them, is twice differentiable and cubic") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> some(-1, 1);
+  const std::vector<double> u = {-1, 0, 0.7, 2, 3.5}, v = {-2, -1, 0, 0.5, 1.5, 2};
+  Points points(30, 3);
+  for (Index k = 0; k < 30; ++k) points.row(k) << some(random), some(random), some(random);
+  const RowsSurface surface(u, v, points);
+  const auto jets = [&](double x, double y) {
+    std::array<double, 45> out{};
+    const std::array<double, 3> place = {x, y, 0};
+    surface.evaluate(place.data(), 1, 4, out.data());
+    return out;
+  };
+  for (std::size_t i = 0; i < u.size(); ++i)
+    for (std::size_t j = 0; j < v.size(); ++j)
+      CHECK((Vec3::Map(jets(u[i], v[j]).data()) - points.row(static_cast<Index>(i * v.size() + j)).transpose()).norm() < 1e-12);
+  for (double knot : {0.7, 2.0}) {  // values, slopes and curvatures on both sides
+    const auto before = jets(knot - 1e-12, 0.3), after = jets(knot + 1e-12, 0.3);
+    for (std::size_t k = 0; k < 18; ++k) CHECK(before[k] == Approx(after[k]).margin(1e-9));
+  }
+  const double h = 1e-5;
+  const auto here = jets(1.1, 0.2), right = jets(1.1 + h, 0.2), left = jets(1.1 - h, 0.2), up = jets(1.1, 0.2 + h),
+             down = jets(1.1, 0.2 - h);
+  for (int order = 0; order < 4; ++order)
+    for (int j = 0; j <= order; ++j)
+      for (int x = 0; x < 3; ++x) {
+        const int i = order - j;
+        const auto at = [&](const auto& jet, int a, int b) { return jet[static_cast<std::size_t>(3 * jet_index(a, b) + x)]; };
+        CHECK((i + 1) * at(here, i + 1, j) == Approx((at(right, i, j) - at(left, i, j)) / (2 * h)).margin(1e-5));
+        CHECK((j + 1) * at(here, i, j + 1) == Approx((at(up, i, j) - at(down, i, j)) / (2 * h)).margin(1e-5));
+      }
+}
+
+TEST_CASE("a fill of rows is quads with the rim's own vertices, on a surface with its normals, facing as the mesh does") {
+  const At at = [](double i, double j) { return on_ball(i, j, 0.1); };
+  const Grid grid(5, 3, 3, at);
+  FillOptions options;
+  options.rim = grid.rim;
+  const Mesh mesh{grid.vertices, grid.faces};
+  const Ground ground(mesh, options.rim, options);
+  const std::optional<Fill> fill = fill_with_rows(ground, grid.rim, Output::quads);
+  REQUIRE(fill);
+  CHECK(fill->faces.size() == 15);
+  CHECK(fill->vertices.rows() == 8);
+  CHECK(fill->report.triangles_folded == 0);
+  const Points on = fill->patch->positions(as_rows(fill->uv));
+  CHECK((on - fill->vertices).norm() < 1e-12);
+  for (Index k = 0; k < fill->vertices.rows(); ++k)
+    CHECK(testing::degrees_between(Vec3(fill->normals.row(k)), Vec3(fill->vertices.row(k))) < 0.02);
+  for (Index k = 0; k < fill->rim_normals.rows(); ++k)
+    CHECK(testing::degrees_between(Vec3(fill->rim_normals.row(k)),
+                                   Vec3(grid.vertices.row(fill->rim[static_cast<std::size_t>(k)]))) < 0.02);
+  const std::optional<Fill> halves = fill_with_rows(ground, grid.rim, Output::triangles);
+  CHECK(halves->faces.size() == 30);
+  CHECK((halves->vertices - fill->vertices).norm() == 0);
+}
+
+TEST_CASE("a single row is no fill where the mesh joins what it would join") {
+  const Grid grid(4, 1, 1, flat);
+  FillOptions options;
+  options.rim = grid.rim;
+  const Mesh mesh{grid.vertices, grid.faces};
+  CHECK(fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads)->faces.size() == 4);
+  Faces more = grid.faces;  // a further face at the edge that the new quads would share
+  Points vertices = stacked(grid.vertices, Points(Points::Constant(1, 3, 2)));
+  more.add(std::array{grid.vertex(2, 0), vertices.rows() - 1, grid.vertex(2, 1)});
+  const Mesh joined{vertices, more};
+  const Ground ground(joined, options.rim, options);
+  CHECK_FALSE(fill_with_rows(ground, grid.rim, Output::quads));
+}
+
+TEST_CASE("rows are taken where they are off by less than a quarter of what they miss", "[thresholds]") {
+  Fill rows, other;
+  rows.vertices = Points::Zero(1, 3);
+  rows.deviation = Eigen::VectorXd::Constant(1, 0.04);
+  other.deviation = Eigen::VectorXd::Constant(5, 0.0101);
+  CHECK(rows_are_nearer(rows, other));
+  other.deviation.setConstant(0.0099);
+  CHECK_FALSE(rows_are_nearer(rows, other));
+  other.report.triangles_folded = 1;
+  CHECK(rows_are_nearer(rows, other));
+  rows.report.triangles_folded = 2;
+  CHECK_FALSE(rows_are_nearer(rows, other));
+}
+
+TEST_CASE("what is missed is said as of the middle, alike in small blocks and in large ones", "[thresholds]") {
+  const At waves = [](double i, double j) { return Vec3(i, j, std::sin(0.25 * i + 0.4) * std::cos(0.25 * j)); };
+  std::vector<double> ratios;
+  for (const Index n : {3, 6, 12}) {
+    const Grid grid(n, n, 3, waves);
+    ratios.push_back(continued_rows(grid.vertices, grid.known().value()).missed / off(grid, waves));
+  }
+  const auto [least, most] = std::ranges::minmax(ratios);
+  CHECK(most < 4 * least);  // to the power of 1 or 3 of the edges across it is more than 4 or 8 times
+  CHECK(least > 0.3);
+  CHECK(most < 5);
+}
+
+TEST_CASE("of more than 200 edges a side no rows are continued", "[thresholds]") {
+  for (const Index n : {200, 201}) {
+    const Grid grid(n, 2, 1, flat);
+    FillOptions options;
+    options.rim = grid.rim;
+    const Mesh mesh{grid.vertices, grid.faces};
+    CHECK(fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads).has_value() == (n == 200));
+  }
+}
+
+TEST_CASE("rows that miss the rim by less than a millionth of the hole are taken without a look at others", "[thresholds]") {
+  for (const double jitter : {1e-8, 1e-4}) {  // in a plane, of which a spline knows all
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> some(-jitter, jitter);
+    const Grid grid(4, 4, 3, [&](double i, double j) { return Vec3(i + some(random), j + some(random), 0); });
+    FillOptions options;
+    options.rim = grid.rim;
+    options.output = Output::quads;
+    const Fill made = fill({grid.vertices, grid.faces}, options);
+    CHECK((made.report.method == "quad_rows") == (jitter < 1e-6));
+  }
+}
+
+TEST_CASE("the surface goes through two rows beyond the rim", "[thresholds]") {
+  const At at = [](double i, double j) { return Vec3(i, j, 0.1 * std::cos(2 * i)); };
+  const Grid grid(4, 4, 3, at);
+  FillOptions options;
+  options.rim = grid.rim;
+  const Mesh mesh{grid.vertices, grid.faces};
+  const Fill made = fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads).value();
+  const Index low = std::ranges::find(made.rim, grid.vertex(0, 2)) - made.rim.begin(),
+              high = std::ranges::find(made.rim, grid.vertex(4, 2)) - made.rim.begin();
+  const Vec2 here = made.rim_uv.row(low), step = (made.rim_uv.row(high).transpose() - here) / 4;
+  const auto missed = [&](double rows) {
+    const Vec2 place = here - rows * step;
+    Points row(1, 3);
+    row << place[0], place[1], 0;
+    return std::abs(made.patch->positions(row)(0, 2) - at(-rows, 2)[2]);
+  };
+  CHECK(missed(1) < 0.01);  // steps are not quite equal
+  CHECK(missed(2) < 0.02);
+  CHECK(missed(3) > 0.1);
+}
+
+TEST_CASE("rows that lie next to each other stay a thousandth of the mean step apart in the domain", "[thresholds]") {
+  for (const double width : {1e-2, 1e-5}) {
+    const Grid grid(4, 3, 2, [&](double i, double j) { return Vec3(i < 2 ? i : i - 1 + width, j, 0); });
+    FillOptions options;
+    options.rim = grid.rim;
+    const Mesh mesh{grid.vertices, grid.faces};
+    const Fill made = fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads).value();
+    double least = INFINITY;
+    for (std::size_t k = 0; k < made.rim.size(); ++k) {
+      const Index a = static_cast<Index>(k), b = static_cast<Index>((k + 1) % made.rim.size());
+      least = std::min(least, (made.rim_uv.row(b) - made.rim_uv.row(a)).norm());
+    }
+    if (width > 1e-3)
+      CHECK(least == Approx(width));
+    else
+      CHECK(least > 50 * width);
+  }
+}

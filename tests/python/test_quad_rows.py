@@ -1,0 +1,218 @@
+"""Quads in the place of a block of quads: rows that go on across the hole."""
+
+import numpy as np
+import pytest
+import tripatch
+
+
+def grid(columns, rows, at):
+    """Vertices and quads of a grid; at: arrays i, j -> x, y, z."""
+    i, j = np.meshgrid(np.arange(columns + 1.0), np.arange(rows + 1.0), indexing="ij")
+    index = np.arange((columns + 1) * (rows + 1)).reshape(columns + 1, rows + 1)
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1)
+    return np.stack(np.broadcast_arrays(*at(i, j)), axis=-1).reshape(-1, 3).astype(float), quads, index
+
+
+def hole(columns, rows, block, at):
+    """Vertices with those inside left, faces without a block (first column, first row, columns, rows), its rim and its inside."""
+    vertices, quads, index = grid(columns, rows, at)
+    a, b, n, m = block
+    gone = np.zeros(quads.shape[:2], bool)
+    gone[a : a + n, b : b + m] = True
+    low, high, left, right = index[a : a + n, b], index[a + n, b : b + m], index[a + n : a : -1, b + m], index[a, b + m : b : -1]
+    return (
+        vertices,
+        quads[~gone].tolist(),
+        np.concatenate([low, high, left, right]).tolist(),
+        index[a + 1 : a + n, b + 1 : b + m].ravel(),
+    )
+
+
+def tube(i, j):
+    turn = i / 16 * 2 * np.pi
+    return np.cos(turn) * (1 + 0.1 * np.sin(j / 3)), np.sin(turn), 0.3 * j
+
+
+def torus(i, j):
+    u, v = 2 * np.pi * i / 24, 2 * np.pi * j / 12
+    return (2 + 0.7 * np.cos(v)) * np.cos(u), (2 + 0.7 * np.cos(v)) * np.sin(u), 0.7 * np.sin(v)
+
+
+def bevel(i, j):
+    """A bevelled edge along a wave."""
+    across = np.array([0, 1, 2, 2.6, 2.8, 2.9, 2.95, 3, 3, 3, 3])[i.astype(int)]
+    down = np.array([0, 0, 0, 0.05, 0.15, 0.3, 0.5, 1, 2, 3, 4])[i.astype(int)]
+    return across, 0.7 * j, -down + 0.2 * np.sin(j)
+
+
+def far(found, points):
+    """Root mean square of the distances of points to the nearest ones found."""
+    apart = np.linalg.norm(np.asarray(points)[:, None] - np.asarray(found)[None], axis=-1).min(axis=1)
+    return np.sqrt((apart**2).mean())
+
+
+def coons(vertices, rim, n, m):
+    """Of the rim alone, as Grid Fill and others blend it."""
+    p = vertices[rim]
+    low, high, left, right = (
+        p[: n + 1],
+        p[n : n + m + 1],
+        p[n + m : 2 * n + m + 1][::-1],
+        np.vstack([p[2 * n + m :], p[:1]])[::-1],
+    )
+    inside = []
+    for i in range(1, n):
+        for j in range(1, m):
+            u, v = i / n, j / m
+            corners = (1 - u) * (1 - v) * low[0] + u * (1 - v) * low[-1] + (1 - u) * v * left[0] + u * v * left[-1]
+            inside.append((1 - v) * low[i] + v * left[i] + (1 - u) * right[j] + u * high[j] - corners)
+    return np.array(inside)
+
+
+@pytest.mark.parametrize(
+    "at, within",
+    [(tube, 1e-3), (torus, 3e-3), (bevel, 1e-12)],
+    ids=["tube", "torus", "bevel"],
+)
+def test_the_quads_that_were_there_come_back(at, within):
+    """Ten times nearer than a patch of the rim alone, where that is not exact itself, and than a surface over a plane."""
+    vertices, faces, rim, inside = hole(10, 12, (2, 3, 5, 6), at)
+    fill = tripatch.fill(vertices, faces, rim=rim, output="quads")
+    size = np.linalg.norm(np.ptp(vertices[rim], axis=0))
+    assert fill.report.method == "quad_rows" and "rows of quads" in fill.report.method_reason
+    assert len(fill.faces) == 30 and {len(f) for f in fill.faces} == {4} and not fill.report.poles
+    assert fill.report.triangles_folded == 0 and not fill.report.warnings
+    off = far(fill.vertices, vertices[inside]) / size
+    assert off < within
+    spline = tripatch.fill(vertices, faces, rim=rim, output="quads", method="polyharmonic_spline")
+    assert off * 10 < far(spline.vertices, vertices[inside]) / size
+    assert off * 10 < max(far(coons(vertices, rim, 5, 6), vertices[inside]) / size, 1e-11)
+
+
+def test_the_deviation_is_honest():
+    """Within two of it lie nine vertices in ten of many blocks, and it is no more than twenty times too large in the mean."""
+    within, ratios = [], []
+    for at in (tube, torus, bevel):
+        for n in range(2, 7):
+            for m in range(2, 7):
+                vertices, faces, rim, inside = hole(10, 12, (2, 3, n, m), at)
+                fill = tripatch.fill(vertices, faces, rim=rim, output="quads", method="quad_rows")
+                off = np.linalg.norm(fill.vertices[:, None] - vertices[inside][None], axis=-1).min(axis=1)
+                within += (off <= 2 * fill.deviation + 1e-12).tolist()
+                ratios.append((fill.deviation[0] + 1e-9) / (np.sqrt((off**2).mean()) + 1e-9))
+    assert np.mean(within) >= 0.9
+    assert np.exp(np.mean(np.log(ratios))) < 20
+
+
+def test_beside_a_smooth_ball_in_other_rows_the_patch_or_the_spline_stays():
+    """A cube made a ball: its rows meet at angles, and four smooth sides tell more than rows do."""
+
+    def ball(i, j):
+        x, y = np.tan((i - 8) / 16 * 1.2), np.tan((j - 8) / 16 * 1.2)
+        length = np.sqrt(x * x + y * y + 1)
+        return x / length, y / length, 1 / length
+
+    vertices, faces, rim, _ = hole(16, 16, (4, 4, 8, 8), ball)
+    fill = tripatch.fill(vertices, faces, rim=rim, output="quads")
+    assert fill.report.method != "quad_rows"
+    assert np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() < 2e-4
+
+
+def test_numbering_and_where_the_rim_begins_change_nothing():
+    vertices, faces, rim, _ = hole(9, 9, (2, 3, 4, 3), torus)
+    plain = tripatch.fill(vertices, faces, rim=rim, output="quads")
+    random = np.random.default_rng(5)
+    order = random.permutation(len(vertices))
+    place = np.argsort(order)
+    renamed = [
+        place[f].tolist()[k % 4 :] + place[f].tolist()[: k % 4]
+        for k, f in enumerate(np.array(faces)[random.permutation(len(faces))])
+    ]
+    turned = np.roll(place[rim], 5)[::-1].tolist()
+    other = tripatch.fill(vertices[order], renamed, rim=turned, output="quads")
+    assert far(other.vertices, plain.vertices) < 1e-12
+    middles = [
+        np.vstack([own, fill.vertices])[np.array(fill.faces)].mean(axis=1)
+        for own, fill in ((vertices, plain), (vertices[order], other))
+    ]
+    assert far(*middles) < 1e-12
+
+
+def test_a_single_row_joins_what_is_opposite():
+    vertices, faces, rim, _ = hole(10, 12, (2, 3, 1, 6), bevel)
+    fill = tripatch.fill(vertices, faces, rim=rim, output="quads")
+    assert len(fill.vertices) == 0 and len(fill.faces) == 6
+    assert fill.report.deviation_max is None
+
+
+def test_noise_is_not_made_larger():
+    vertices, faces, rim, inside = hole(12, 12, (3, 3, 6, 6), torus)
+    noise = 0.02 * np.random.default_rng(1).normal(size=vertices.shape)
+    fill = tripatch.fill(vertices + noise, faces, rim=rim, output="quads", method="quad_rows")
+    assert far(fill.vertices, vertices[inside]) < 3 * 0.02 * np.sqrt(3)
+
+
+def test_triangles_are_halves_where_it_is_asked_for():
+    vertices, faces, rim, _ = hole(10, 12, (2, 3, 5, 6), tube)
+    fill = tripatch.fill(vertices, faces, rim=rim, method="quad_rows")
+    assert len(fill.faces) == 60 and {len(f) for f in fill.faces} == {3}
+
+
+def test_many_holes_at_once():
+    vertices, quads, index = grid(20, 10, torus)
+    gone = np.zeros(quads.shape[:2], bool)
+    gone[2:5, 2:6] = gone[10:14, 3:7] = True
+    faces = quads[~gone].tolist()
+    rims = [r for r in tripatch.find_holes(faces) if len(r) < 20]
+    assert len(rims) == 2
+    fills = tripatch.fill_all(vertices, faces, rims=rims, output="quads")
+    assert [fill.report.method for fill in fills] == ["quad_rows"] * 2
+
+
+def test_what_rows_cannot_give_is_made_in_another_way():
+    vertices, faces, rim, _ = hole(10, 12, (2, 3, 5, 6), tube)
+    corners = [rim[k] for k in (0, 5, 11, 16)]
+    for options in (
+        {"bulge": 1.2},
+        {"resolution": 2},
+        {"corners": corners},
+        {"output": "triangles"},
+        {"through": [vertices[rim].mean(axis=0) * 1.1]},
+    ):
+        fill = tripatch.fill(vertices, faces, rim=rim, **{"output": "quads", **options})
+        assert fill.report.method != "quad_rows", options
+
+
+def test_insisted_on_it_says_what_it_needs():
+    vertices, faces, rim, _ = hole(10, 12, (2, 3, 5, 6), tube)
+    ask = {"rim": rim, "method": "quad_rows"}
+    with pytest.raises(ValueError, match="quad_rows does not take bulge"):
+        tripatch.fill(vertices, faces, output="quads", bulge=1.2, **ask)
+    with pytest.raises(ValueError, match="no cages"):
+        tripatch.fill(vertices, faces, output="cage", **ask)
+    with pytest.raises(tripatch.Refusal, match="four corners"):
+        tripatch.fill(vertices, faces, output="quads", corners=[rim[k] for k in (0, 4, 11, 16)], **ask)
+    assert (
+        tripatch.fill(vertices, faces, output="quads", corners=[rim[k] for k in (5, 0, 11, 16)], **ask).report.method
+        == "quad_rows"
+    )
+    less = [f for f in faces if rim[2] not in f]
+    with pytest.raises(tripatch.Refusal, match="three quads at each of its four corners"):
+        tripatch.fill(
+            vertices, less, output="quads", rim=next(r for r in tripatch.find_holes(less) if rim[0] in r), method="quad_rows"
+        )
+
+
+def test_rows_of_no_size_and_far_away_say_so_or_serve():
+    vertices, faces, rim, inside = hole(10, 12, (2, 3, 5, 6), tube)
+    far_off = tripatch.fill(vertices + 1e6, faces, rim=rim, output="quads")
+    assert far_off.report.method == "quad_rows" and far(far_off.vertices - 1e6, vertices[inside]) < 1e-3
+    flat = vertices.copy()
+    flat[rim[3]] = flat[rim[4]]
+    with pytest.raises(tripatch.Refusal, match="Merge by Distance|length|place"):
+        tripatch.fill(flat, faces, rim=rim, output="quads", method="quad_rows")
+    broken = vertices.copy()
+    row = next(v for f in faces for v in f if rim[2] in f and v not in rim)
+    broken[row] = np.nan
+    with pytest.raises(tripatch.Refusal, match="finite|number"):
+        tripatch.fill(broken, faces, rim=rim, output="quads", method="quad_rows")
