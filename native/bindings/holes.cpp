@@ -9,6 +9,7 @@
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/unjoined.h"
 
 using namespace tripatch;
 
@@ -45,6 +46,14 @@ void bind_holes(py::module_& m) {
           }
           return listed(loops);
         });
+  m.attr("not_joined") = not_joined;
+  m.def("_told_of_unjoined", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                                const std::vector<std::vector<Index>>& rims) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    py::gil_scoped_release release;
+    return told_of_unjoined({points, faces}, rims);
+  });
   m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                             const std::vector<Index>& rim, const std::vector<Index>& replaced, bool any_number) {
     const FacesRef faces = faces_from(offsets, corners);

@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tripatch
-from test_cli import sphere_hole, square, write_obj
+from shapes import cube_sphere
+from test_cli import sphere_hole, square, unjoined, write_obj
 from test_crossings import trefoil
 from tripatch import __main__ as cli
 from tripatch import files
@@ -92,7 +93,7 @@ def test_the_same_as_fill(tmp_path, capsys):
 #: The names of docs/batch.md, in their order: what outside programs rely on.
 FILE = (
     "schema line tripatch options input sha256 output status reason vertices faces new_vertices new_faces holes filled refused "
-    "left folded"
+    "left folded unjoined"
 ).split()
 HOLE = (
     "schema line tripatch options input object hole vertex edges diameter status reason where new_vertices new_faces crease_max "
@@ -126,6 +127,32 @@ def test_a_file_whose_fill_crosses_itself_is_filled_partly(tmp_path, capsys):
     (hole,) = (line for line in lines(tmp_path / "out") if line["line"] == "hole" and line["status"] == "filled")
     assert hole["crosses_itself"]
     assert heads(tmp_path / "out")["knot.obj"]["status"] == "partly"
+
+
+def test_of_faces_that_are_not_joined_is_said_what_joins_them(tmp_path, capsys):
+    """Where every face has vertices of its own, of a ball in two halves, and of two faces beside a hole, which are left."""
+    source = tmp_path / "in"
+    source.mkdir()
+    vertices, faces = sphere_hole(3, rings=2)
+    write_obj(source / "soup.obj", unjoined(vertices, faces))
+    points, quads = cube_sphere(4)
+    of_half = [[v + len(points) * bool(points[q].mean(axis=0)[2] > 0) for v in q] for q in quads]
+    write_obj(source / "halves.obj", (np.concatenate([points, points]), of_half))
+    face = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
+    pair = np.concatenate([face, face + [1, 0, 0]]), [[0, 1, 2, 3], [4, 5, 6, 7]]
+    write_obj(source / "pair.obj", pair, sphere_hole(3, rings=2, center=5))
+    write_obj(source / "whole.obj", (vertices, faces))
+    expected = {"halves.obj": 2, "pair.obj": 2, "soup.obj": len(faces), "whole.obj": 0}
+    for more in ([], ["--dry-run"]):
+        code, out, _ = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, *more)
+        assert code == (0 if more else 3)
+        assert f"{4 + len(faces)} rims in 3 files lie upon other borders" in out and "Merge by Distance" in out
+    made = heads(tmp_path / "out")
+    assert {name: head["unjoined"] for name, head in made.items()} == expected
+    holes = [line for line in lines(tmp_path / "out") if line["line"] == "hole" and line["input"] != "whole.obj"]
+    assert {hole["status"] for hole in holes} == {"filled", "left", "refused"}
+    told = [" ".join([hole["reason"] or "", *(hole["warnings"] or [])]) for hole in holes]
+    assert sum("Merge by Distance" in each for each in told) == 4 + len(faces)
 
 
 def test_filters_and_reasons_of_a_dry_run(tmp_path, capsys):

@@ -94,7 +94,7 @@ std::vector<std::string> told_of_unjoined(const Mesh& mesh, std::span<const std:
     if (upon == 0) continue;
     const std::string many = upon == rim.size() ? "All" : std::to_string(upon) + " of the " + std::to_string(rim.size());
     told[r] = many + " edges of the rim, as that between vertices " + std::to_string(one[0]) + " and " + std::to_string(one[1]) +
-              ", lie upon other borders: faces meet there without being joined; Merge by Distance joins them";
+              ", lie upon other borders: " + not_joined + "; Merge by Distance joins them";
   }
   return told;
 }

@@ -10,6 +10,9 @@
 
 namespace tripatch {
 
+/// What every sentence of told_of_unjoined says, and none else.
+inline constexpr const char* not_joined = "faces meet there without being joined";
+
 /// For each rim a sentence where edges of it lie upon other edges of the border, with both ends at the same places to the bit; else
 /// nothing. Takes time by the vertices of the mesh, and by its faces where there are such vertices.
 std::vector<std::string> told_of_unjoined(const Mesh& mesh, std::span<const std::vector<Index>> rims);

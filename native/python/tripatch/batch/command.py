@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__, arguments
+from .. import __version__, _native, arguments
 from ..filling import fill_all
 from . import emit, inputs, journal, pictures, record, scheduling, serial
 from .in_words import given
@@ -160,6 +160,20 @@ def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) ->
     return entries, stopped
 
 
+def _counted(number: int, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def _of_unjoined(heads: Sequence[dict[str, Any]]) -> list[str]:
+    """Nothing, or a part of a sentence."""
+    rims = [head["unjoined"] for head in heads if head["unjoined"]]
+    if not rims:
+        return []
+    lie = "lies" if sum(rims) == 1 else "lie"
+    where = f"{_counted(sum(rims), 'rim')} in {_counted(len(rims), 'file')}"
+    return [f"{where} {lie} upon other borders ({_native.not_joined}; Merge by Distance joins them)"]
+
+
 def _listing(entries: Sequence[dict[str, Any]]) -> int:
     """What a dry run says."""
     meant = 0
@@ -171,14 +185,12 @@ def _listing(entries: Sequence[dict[str, Any]]) -> int:
             meant += hole["status"] == record.LISTED
             ob = f"{hole['object']}, " if hole["object"] else ""
             place = f"hole through vertex {hole['vertex']}, {hole['edges']} edges, {hole['diameter']:.3g} wide"
-            what = "would be filled" if hole["status"] == record.LISTED else hole["reason"]
+            filled = ["would be filled"] if hole["status"] == record.LISTED else []
+            what = ". ".join(filter(None, [*filled, hole["reason"]]))
             print(f"{head['input']}: {ob}{place if hole['vertex'] is not None else ''}: {what}")
-    print(f"{meant} {'hole' if meant == 1 else 'holes'} in {len(entries)} files would be filled")
+    said = [f"{meant} {'hole' if meant == 1 else 'holes'} in {len(entries)} files would be filled"]
+    print("; ".join(said + _of_unjoined([entry["lines"][0] for entry in entries])))
     return DONE if meant else NOTHING
-
-
-def _counted(number: int, word: str) -> str:
-    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def _summary(entries: Sequence[dict[str, Any]]) -> str:
@@ -193,6 +205,7 @@ def _summary(entries: Sequence[dict[str, Any]]) -> str:
         said.append(f"{_counted(refused, 'hole')} refused")
     if folded:
         said.append(f"{_counted(folded, 'fill')} folded")
+    said += _of_unjoined(heads)
     bad = [head["status"] for head in heads if head["status"] in (record.UNREADABLE, *record.PASSING)]
     if bad:
         kinds = ", ".join(f"{bad.count(kind)} {kind}" for kind in dict.fromkeys(sorted(bad)))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import files
+from .. import _arrays, _native, files
 from .._types import Array
 from ..errors import Refusal
 from ..filling import fill_all
@@ -92,6 +92,12 @@ def _faces(mesh: files.MeshFile) -> Any:
     return np.array(mesh.faces, np.int64) if len(sizes) == 1 and sizes <= {3, 4} else mesh.faces
 
 
+def _unjoined(vertices: Array, faces: Any, loops: list[Any]) -> dict[int, str]:
+    """Of loops that are not filled: what a fill would say where they lie upon other borders, else "". By lowest vertex."""
+    told = _native._told_of_unjoined(*_arrays.mesh(vertices, faces), loops) if loops else []
+    return {int(loop[0]): each for loop, each in zip(loops, told, strict=True)}
+
+
 def _left(vertices: Array, faces: Any, loops: list[Any], settings: Settings) -> dict[int, str]:
     """Why loops are not filled: lowest vertex -> sentence."""
     choosing = settings.choosing()
@@ -105,7 +111,8 @@ def _left(vertices: Array, faces: Any, loops: list[Any], settings: Settings) -> 
                 reasons.setdefault(int(loop[0]), said)
     for loop in loops:
         reasons.setdefault(int(loop[0]), "An outer border of an open mesh, and no hole; --outer takes these too")
-    return reasons
+    unjoined = _unjoined(vertices, faces, loops)
+    return {first: f"{said}. {unjoined[first]}" if unjoined[first] else said for first, said in reasons.items()}
 
 
 def _diameter(points: Array) -> float:
@@ -134,6 +141,7 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
     if settings.mode == CROP:
         return {"crops": [crops.of_fill(vertices, faces, results[meant[int(loops[k][0])]]) for _, k, _ in wanted]}
 
+    unjoined = _unjoined(vertices, faces, chosen) if settings.mode == LIST else {}
     sharp = _creases(vertices, faces, results)
     lines = []
     for k, loop in enumerate(loops):
@@ -144,7 +152,7 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
         elif first not in meant:
             line = record.of_hole(settings, name, **place, status=record.LEFT, reason=reasons[first])
         elif settings.mode == LIST:
-            line = record.of_hole(settings, name, **place, status=record.LISTED)
+            line = record.of_hole(settings, name, **place, status=record.LISTED, reason=unjoined[first] or None)
         else:
             line = record.of_hole(settings, name, results[meant[first]], **place, crease_max=sharp[meant[first]])
         lines.append(line)

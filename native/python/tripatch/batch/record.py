@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import _native
 from ..errors import Refusal
 from .settings import Settings
 
@@ -41,6 +42,7 @@ _FILE = {
     "refused": 0,
     "left": 0,
     "folded": 0,
+    "unjoined": 0,
 }
 _REPORTED = {
     "method": None,
@@ -141,7 +143,9 @@ def outcome(holes: list[dict[str, Any]]) -> dict[str, Any]:
         status = PARTLY if count[REFUSED] or folded or crossing else FILLED
     else:
         status = LISTED if count[LISTED] else REFUSED if count[REFUSED] else NOTHING
+    told = [" ".join([hole["reason"] or "", *(hole["warnings"] or [])]) for hole in holes]
     values = {"status": status, "holes": len(holes), "folded": folded, "left": count[LEFT]}
+    values |= {"unjoined": sum(_native.not_joined in each for each in told)}
     values |= {"filled": count[FILLED], "refused": count[REFUSED]}
     values |= {name: sum(hole[name] or 0 for hole in holes) for name in ("new_vertices", "new_faces")}
     return values
