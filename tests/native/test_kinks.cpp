@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "test_surfaces.h"
+#include "tripatch/fairing/folds.h"
 #include "tripatch/fairing/kinks.h"
 #include "tripatch/fill.h"
 
@@ -76,7 +77,37 @@ std::pair<double, double> tear(const Surface& patch) {
   return {gap, angle};
 }
 
+/// A flat triangle, but that its normal on side 0 points down between two parameters.
+class DownBetween final : public Surface {
+public:
+  DownBetween(double from, double to) : from_(from), to_(to) {}
+  void evaluate(const double* b, Index n, int order, double* out) const override {
+    for (Index k = 0; k < n; ++k, b += 3, out += 3 * jet_size(order)) {
+      const double t = b[2] / (b[1] + b[2]);
+      std::fill_n(out, 3 * jet_size(order), 0.0);
+      Vec3::Map(out) = Vec3(b[0], b[1], 0);
+      if (order < 1) continue;
+      Vec3::Map(out + 3) = Vec3::UnitX();
+      Vec3::Map(out + 6) = Vec3(0, b[0] == 0 && t > from_ && t < to_ ? -1 : 1, 0);
+    }
+  }
+
+private:
+  double from_, to_;
+};
+
 }  // namespace
+
+TEST_CASE("a patch that folds on one side of a kink folds, whichever way the side runs", "[thresholds]") {
+  const Sides sides = kinked(hills);
+  CHECK(count_folds(DownBetween(0, 0), sides) == 0);
+  for (const double kink : {0.25, 0.5, 0.75}) {
+    const Index before = count_folds(DownBetween(kink - 1e-4, kink), sides);
+    CHECK(before > 0);
+    CHECK(count_folds(DownBetween(kink, kink + 1e-4), sides) == before);
+    CHECK(count_folds(DownBetween(kink + 1e-4, kink + 2e-4), sides) == 0);  // farther off it is seen only at points of the grid
+  }
+}
 
 TEST_CASE("patches of sides with kinks are whole and keep the sides") {
   const Sides sides = kinked(hills);

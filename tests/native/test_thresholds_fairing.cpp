@@ -1,5 +1,6 @@
 // What counts as a fold, on both sides of its thresholds; those of kinks are in test_kinks.
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "test_surfaces.h"
 #include "tripatch/fairing/folds.h"
@@ -37,6 +38,27 @@ private:
   Eigen::Matrix3d turn_;
 };
 
+/// A surface whose corner 0 is another's corner k.
+class Begun final : public Surface {
+public:
+  Begun(const Surface& surface, int k) : surface_(surface), k_(k) {}
+  void evaluate(const double* b, Index n, int order, double* out) const override {
+    for (Index m = 0; m < n; ++m, b += 3, out += 3 * jet_size(order)) {
+      const std::array<double, 3> at = {b[k_], b[(k_ + 1) % 3], b[(k_ + 2) % 3]};
+      surface_.evaluate(at.data(), 1, order, out);
+      if (order < 1) continue;
+      std::array<Vec3, 3> by = {Vec3::Map(out + 3), Vec3::Map(out + 6), Vec3::Zero()};
+      std::rotate(by.begin(), by.begin() + (3 - k_) % 3, by.end());  // by b[0], b[1], b[2]
+      Vec3::Map(out + 3) = by[0] - by[2];
+      Vec3::Map(out + 6) = by[1] - by[2];
+    }
+  }
+
+private:
+  const Surface& surface_;
+  int k_;
+};
+
 Sides flat_sides(double tilt_at_corner = 0) {
   const SurfacePtr flat =
       std::make_shared<BezierTriangle>((Points(3, 3) << 0, std::sqrt(0.75), 0, -0.5, 0, 0, 0.5, 0, 0).finished());
@@ -70,5 +92,16 @@ TEST_CASE("beside a corner whose planes are a degree apart neighbors are not com
     const FoldCounter folds(flat_sides(tilt));
     CHECK((folds(Bent(0.87, 70)) > 0) == (tilt < 1));  // between rows of the grid
     CHECK(folds(Bent(0.835, 70)) > 0);
+  }
+}
+
+TEST_CASE("neighbors of which one is beside such a corner are not compared, whichever corner it is", "[thresholds]") {
+  const Sides sides = flat_sides(1.1);
+  const Bent across(0.85, 70);  // between the last row that is compared and the first that is not
+  for (int k = 0; k < 3; ++k) {
+    Sides begun = sides;
+    std::rotate(begun.begin(), begun.begin() + (3 - k) % 3, begun.end());
+    CHECK(FoldCounter(begun)(Begun(across, k)) == 0);
+    CHECK(FoldCounter(begun)(Begun(Bent(0.835, 70), k)) > 0);
   }
 }

@@ -217,6 +217,11 @@ def test_a_cage_between_three_smooth_sides_is_the_same_in_a_mirror(seed, fairing
     assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) < 1e-8 * hole_size(points, rim)
 
 
+@pytest.mark.parametrize("seed", [36, 1026])
+def test_where_a_patch_folds_on_one_side_of_a_kink_cages_are_the_same_in_a_mirror(seed):
+    change_of_vertices(seed, "mirrored", "cage")
+
+
 def change_of_vertices(seed, look, output):
     points, faces, rim = uneven_hole(seed)
     if len(rim) > 50:

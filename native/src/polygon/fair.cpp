@@ -216,7 +216,8 @@ Index count_polygon_folds(const Surface& patch, const PolygonDomain& domain, con
   }
   for (const auto& [a, b] : edges) {
     const Vec3 p = normals.row(a), q = normals.row(b);
-    folds += p.dot(q) <= folded_apart && p.norm() > 0 && q.norm() > 0 && !near_crease(uv.row(a).head<2>());
+    folds += p.dot(q) <= folded_apart && p.norm() > 0 && q.norm() > 0 && !near_crease(uv.row(a).head<2>()) &&
+             !near_crease(uv.row(b).head<2>());
   }
   return folds;
 }

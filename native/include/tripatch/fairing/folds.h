@@ -21,7 +21,8 @@ constexpr double folds_one_plane = 1;
 constexpr double beside_crease = 0.15;
 
 /// Folds on a grid: points with (P_1 x P_2) . n <= 0, n the side-weight blend of the rim's normals, and neighbors whose normals are far
-/// apart, but for the neighborhood of corners and kinks whose planes differ.
+/// apart, but for the neighborhood of corners and kinks whose planes differ. On a kink of a side a patch has a normal on either side of it: the
+/// one that folds sooner counts, whichever way the side runs.
 class FoldCounter {
 public:
   /// Of patches between these sides.
@@ -33,12 +34,14 @@ public:
 
 private:
   bool near_crease(const Eigen::RowVector3d& b) const;
+  void look_at_both_sides(const Surface& patch, Points& normals) const;
 
   const Kinks* kinks_ = nullptr;
   std::array<bool, 3> tangent_ = {};
   RimNormals rim_;
   std::array<bool, 3> clear_;  // corner: one tangent plane for both sides
   std::vector<Eigen::RowVector3d> creases_;
+  std::vector<std::array<Index, 2>> on_kinks_;  // points of the grid on kinks: side, and which of its points
 };
 
 inline Index count_folds(const Surface& patch, const Sides& sides) { return FoldCounter(sides)(patch); }
