@@ -217,8 +217,18 @@ def test_a_cage_between_three_smooth_sides_is_the_same_in_a_mirror(seed, fairing
     assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) < 1e-8 * hole_size(points, rim)
 
 
-@pytest.mark.parametrize("seed", [36, 1026])
+@pytest.mark.parametrize("seed", [36, 592, 1026])
 def test_where_a_patch_folds_on_one_side_of_a_kink_cages_are_the_same_in_a_mirror(seed):
+    change_of_vertices(seed, "mirrored", "cage")
+
+
+@pytest.mark.parametrize("seed", [52, 108, 326, 356, 654, 762])
+def test_whether_quads_go_on_from_those_around_does_not_hang_on_the_way_a_rim_runs(seed):
+    change_of_vertices(seed, "mirrored", "cage")
+
+
+@pytest.mark.parametrize("seed", [354, 360, 550, 566, 638, 954, 964])
+def test_what_folds_or_crosses_of_a_limit_surface_does_so_in_a_mirror_too(seed):
     change_of_vertices(seed, "mirrored", "cage")
 
 

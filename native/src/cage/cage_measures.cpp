@@ -18,6 +18,16 @@ double root_mean_square(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
+/// Quads begin where their shorter diagonal does, along which they are then cut, whichever corner they began at and in a mirror too.
+void begin_at_shorter_diagonals(LimitMesh& surface) {
+  for (Index f = 0; f < surface.faces.size(); ++f) {
+    if (surface.faces[f].size() != 4) continue;
+    const auto corner = surface.faces.corners.begin() + surface.faces.offsets[f];
+    const auto apart = [&](Index a, Index b) { return (surface.vertices.row(a) - surface.vertices.row(b)).norm(); };
+    if (apart(corner[1], corner[3]) < apart(corner[0], corner[2])) std::rotate(corner, corner + 1, corner + 4);
+  }
+}
+
 }  // namespace
 
 Eigen::VectorXd CageFit::deviation(std::size_t h, const Surface& patch) const {
@@ -92,8 +102,9 @@ CageMeasures CageFit::measures(std::size_t h, const Surface& patch) const {
   measures.deviation_rms = root_mean_square(distances);
   measure_surroundings(h, measures);
   measure_rim(h, measures);
-  const LimitMesh surface =
+  LimitMesh surface =
       sample_limit(limit_, closed_.mesh(), settings_.loop, closed_.first_face[h], closed_.first_face[h + 1], folds_level);
+  begin_at_shorter_diagonals(surface);
   const Points none(0, 3);
   EdgesByVertex edges = edges_of_triangles(surface.vertices.rows(), 0, surface.faces, {});
   measures.triangles_folded = count_folded_edges(surface.vertices, none, surface.faces, {}, edges);

@@ -51,18 +51,28 @@ QuadLayout as_given(const PlaneLayout& walked, const Beginning& first) {
   return layout;
 }
 
+/// A rim from where its geometry begins it, and in which direction: what its vertices want is rounded along it.
+struct Walk {
+  Beginning first;
+  std::vector<Index> rim;
+};
+
+Walk walk_of(const std::vector<Index>& rim, const Points& vertices) {
+  Walk walk = {beginning_of(vertices(rim, Eigen::all), {}), {}};
+  const Index r = static_cast<Index>(rim.size());
+  for (Index k = 0; k < r; ++k) walk.rim.push_back(rim[walk.first.at(k, r)]);
+  return walk;
+}
+
 }  // namespace
 
 std::optional<QuadLayout> grown_layout(const std::vector<Index>& rim, const Points& vertices, const Connectivity& left,
                                        WantedQuads which) {
-  const Index r = static_cast<Index>(rim.size());
-  const Beginning first = beginning_of(vertices(rim, Eigen::all), {});
-  std::vector<Index> walk;
-  for (Index k = 0; k < r; ++k) walk.push_back(rim[first.at(k, r)]);
+  const Walk walk = walk_of(rim, vertices);
   const std::optional<PlaneLayout> grown =
-      grown_quads(seen(vertices(walk, Eigen::all)), wanted_quads(vertices, left, walk, which));
+      grown_quads(seen(vertices(walk.rim, Eigen::all)), wanted_quads(vertices, left, walk.rim, which));
   if (!grown) return {};
-  QuadLayout layout = as_given(*grown, first);
+  QuadLayout layout = as_given(*grown, walk.first);
   layout.grown = true;
   return layout;
 }
@@ -71,10 +81,12 @@ bool grows_on(const SidedRim& rim, const Points& vertices, const Connectivity& l
   const auto is_quad = [&](Connectivity::Corner c) { return left.faces()[left.face(c)].size() == 4; };
   const auto in_quads = [&](Index v) { return std::ranges::all_of(left.at(v), is_quad); };
   if (!rim.guessed && !std::ranges::all_of(rim.rim, in_quads)) return false;
-  const std::vector<int> wanted = wanted_quads(vertices, left, rim.rim);
+  const Walk walk = walk_of(rim.rim, vertices);
+  const std::vector<int> wanted = wanted_quads(vertices, left, walk.rim);
   const auto off = [&](const auto& quads) {
     int sum = 0;
-    for (std::size_t k = 0; k < wanted.size(); ++k) sum += std::abs(wanted[k] - quads(static_cast<Index>(k)));
+    const Index r = static_cast<Index>(wanted.size());
+    for (Index k = 0; k < r; ++k) sum += std::abs(wanted[static_cast<std::size_t>(k)] - quads(walk.first.at(k, r)));
     return sum;
   };
   const int between_corners = off([&](Index k) { return std::ranges::count(rim.corners, k) > 0 ? 1 : 2; });

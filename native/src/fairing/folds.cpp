@@ -18,8 +18,16 @@ FoldCounter::FoldCounter(const Sides& sides) : rim_(sides) {
     clear_[k] = degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)) < folds_one_plane;
   for (int i = 0; i < 3; ++i)
     for (double t : kinks_of(sides[i])) {
-      const double row = t * fold_grid_rows;
-      if (std::abs(row - std::round(row)) < beside_kink) on_kinks_.push_back({i, static_cast<Index>(std::round(row))});
+      for (Index inwards = 0; inwards <= fold_grid_rows; ++inwards) {  // along delta_i
+        const double exact = t * fold_grid_rows - 0.5 * static_cast<double>(inwards);
+        const Index row = std::lround(exact), other = fold_grid_rows - inwards - row;
+        if (row < 1 || other < 1 || std::abs(exact - static_cast<double>(row)) > beside_kink) continue;
+        OnKink& point = on_kinks_.emplace_back();
+        point.side = i;
+        point.rows[i] = inwards;
+        point.rows[(i + 1) % 3] = other;
+        point.rows[(i + 2) % 3] = row;
+      }
       if (planes_apart(sides[i], t) < folds_one_plane) continue;
       creases_.emplace_back(Eigen::RowVector3d::Zero());
       creases_.back()[(i + 1) % 3] = 1 - t;
@@ -41,20 +49,24 @@ bool FoldCounter::near_crease(const Eigen::RowVector3d& b) const {
 }
 
 void FoldCounter::look_at_both_sides(const Surface& patch, Points& normals) const {
-  for (const auto& [i, row] : on_kinks_) {
-    std::array<Index, 3> rows = {};
-    rows[(i + 1) % 3] = fold_grid_rows - row;
-    rows[(i + 2) % 3] = row;
-    Eigen::RowVector3d at(rows[0], rows[1], rows[2]), along = Eigen::RowVector3d::Zero();
-    at /= fold_grid_rows;
-    along[(i + 1) % 3] = -beside_kink;
-    along[(i + 2) % 3] = beside_kink;
-    Points beside(2, 3);
-    beside << at - along, at + along;
-    const Points seen = patch.normals(beside);
-    const Vec3 rim = rim_.at(at.data());
-    const Index worse = seen.row(1).dot(rim) < seen.row(0).dot(rim) ? 1 : 0;
-    normals.row(TriangularGrid{fold_grid_rows}.at(rows[1], rows[2])) = seen.row(worse);
+  Points beside(2 * static_cast<Index>(on_kinks_.size()), 3);
+  Index k = 0;
+  for (const OnKink& point : on_kinks_)
+    for (const double way : {-beside_kink, beside_kink}) {
+      auto at = beside.row(k++);
+      at << point.rows[0], point.rows[1], point.rows[2];
+      at /= fold_grid_rows;
+      at[(point.side + 1) % 3] -= way;
+      at[(point.side + 2) % 3] += way;
+    }
+  const Points seen = patch.normals(beside);
+  k = 0;
+  for (const OnKink& point : on_kinks_) {
+    const Eigen::RowVector3d middle = 0.5 * (beside.row(k) + beside.row(k + 1));
+    const Vec3 rim = rim_.at(middle.data());
+    normals.row(TriangularGrid{fold_grid_rows}.at(point.rows[1], point.rows[2])) =
+        seen.row(seen.row(k + 1).dot(rim) < seen.row(k).dot(rim) ? k + 1 : k);
+    k += 2;
   }
 }
 
@@ -62,7 +74,7 @@ Index FoldCounter::operator()(const Surface& patch) const {
   static const Points b = TriangularGrid{fold_grid_rows}.barycentric();
   const SurfacePtr given(SurfacePtr(), &patch), seen = kinks_ ? kinks_->restored(given, tangent_) : given;
   Points normals = seen->normals(b);
-  look_at_both_sides(*seen, normals);
+  if (!on_kinks_.empty()) look_at_both_sides(*seen, normals);
   Index folds = 0;
   for (Index k = 0; k < b.rows(); ++k) {
     const double* at = b.row(k).data();

@@ -21,8 +21,8 @@ constexpr double folds_one_plane = 1;
 constexpr double beside_crease = 0.15;
 
 /// Folds on a grid: points with (P_1 x P_2) . n <= 0, n the side-weight blend of the rim's normals, and neighbors whose normals are far
-/// apart, but for the neighborhood of corners and kinks whose planes differ. On a kink of a side a patch has a normal on either side of it: the
-/// one that folds sooner counts, whichever way the side runs.
+/// apart, but for the neighborhood of corners and kinks whose planes differ. On a kink of a side, and on the line
+/// inwards along which a restored patch turns, it has a normal on either side: the one that folds sooner counts, whichever way the side runs.
 class FoldCounter {
 public:
   /// Of patches between these sides.
@@ -41,7 +41,11 @@ private:
   RimNormals rim_;
   std::array<bool, 3> clear_;  // corner: one tangent plane for both sides
   std::vector<Eigen::RowVector3d> creases_;
-  std::vector<std::array<Index, 2>> on_kinks_;  // points of the grid on kinks: side, and which of its points
+  struct OnKink {
+    int side;
+    std::array<Index, 3> rows;  // barycentric coordinates
+  };
+  std::vector<OnKink> on_kinks_;  // points of the grid on kinks, and where what is restored there has its own
 };
 
 inline Index count_folds(const Surface& patch, const Sides& sides) { return FoldCounter(sides)(patch); }
