@@ -118,3 +118,11 @@ TEST_CASE("a fair cage goes on with a sphere, much nearer than the least third d
     for (int j = 3; j <= 8; ++j) off = std::max(off, std::abs(found.row(i * 12 + j).norm() - 1));
   CHECK(off < 2e-3);
 }
+
+TEST_CASE("a cage without vertices inside has an empty system") {
+  const Grid flat(3, [](int i, int j) { return Eigen::RowVector3d(i, j, 0); });
+  CageSystem system(flat.vertices, {});
+  system.prepare({});
+  CHECK(system.zero().g.size() == 0);
+  CHECK(system.zero().h.nonZeros() == 0);
+}

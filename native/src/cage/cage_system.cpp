@@ -52,6 +52,7 @@ void CageSystem::prepare(const std::vector<const Sums*>& together) {
     sizes.segment<3>(3 * static_cast<Index>(k)).setConstant(3 * static_cast<int>(rows_[k].size()));
   }
   pattern_.resize(n, n);
+  if (n == 0) return solver_.analyzePattern(pattern_);  // of a matrix without columns Eigen would compress a second one
   pattern_.reserve(sizes);
   for (Index column = 0; column < n; ++column)
     for (int k : rows_[column / 3])
