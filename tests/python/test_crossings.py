@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import tripatch
 from test_cli import run, write_obj
+from test_invariance import uneven_hole
 
 TOUCHING = 1e-6  # of an edge: what passes by less is not looked at
 
@@ -150,3 +151,17 @@ def test_a_tube_slit_along_a_seam_is_not_lined_with_its_own_back(edges):
     fill = tripatch.fill(vertices, [[k, k + 1, edges + 2 + k, edges + 1 + k] for k in range(edges)])
     assert fill.report.triangles_folded == 0
     assert not crosses(np.concatenate([vertices, fill.vertices]), fill.faces)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 66, 236, 280, 320])
+def test_a_cage_whose_own_faces_cross_says_so_where_its_limit_surface_does_not(seed):
+    points, left, rim = uneven_hole(seed)
+    fill = tripatch.fill(points, left, rim=rim, output="cage")
+    points = np.concatenate([points, fill.vertices])
+    cut = [
+        f if np.linalg.norm(points[f[0]] - points[f[2]]) <= np.linalg.norm(points[f[1]] - points[f[3]]) else [*f[1:], f[0]]
+        for f in fill.faces
+    ]
+    told = [warning for warning in fill.report.warnings if "faces of the cage cross each other near vertex" in warning]
+    assert not fill.report.crosses_itself
+    assert crosses(points, cut) == bool(told) == (seed > 2)

@@ -251,7 +251,11 @@ void CageFill::report(std::size_t h, Report& report) const {
   report.corners_moved_max = measures.corners_moved;
   report.triangles_folded = measures.triangles_folded;
   report.crosses_itself = measures.crossing.has_value();
-  if (measures.crossing) tell_crossing(mesh_.vertices, holes_[h].rim, *measures.crossing, report);
+  if (measures.crossing)
+    tell_crossing(mesh_.vertices, holes_[h].rim, *measures.crossing, report);
+  else if (measures.faces_crossing)
+    tell_crossing(mesh_.vertices, holes_[h].rim, *measures.faces_crossing, report,
+                  "The limit surface does not cross itself, but faces of the cage cross each other");
   report.rows = rows_;
   report_seam(measures, laid_out_[h].hole, report);
   report_poles(h, report);

@@ -19,11 +19,11 @@ double root_mean_square(const Eigen::VectorXd& values) {
 }
 
 /// Quads begin where their shorter diagonal does, along which they are then cut, whichever corner they began at and in a mirror too.
-void begin_at_shorter_diagonals(LimitMesh& surface) {
-  for (Index f = 0; f < surface.faces.size(); ++f) {
-    if (surface.faces[f].size() != 4) continue;
-    const auto corner = surface.faces.corners.begin() + surface.faces.offsets[f];
-    const auto apart = [&](Index a, Index b) { return (surface.vertices.row(a) - surface.vertices.row(b)).norm(); };
+void begin_at_shorter_diagonals(const Points& vertices, Faces& faces) {
+  for (Index f = 0; f < faces.size(); ++f) {
+    if (faces[f].size() != 4) continue;
+    const auto corner = faces.corners.begin() + faces.offsets[f];
+    const auto apart = [&](Index a, Index b) { return (vertices.row(a) - vertices.row(b)).norm(); };
     if (apart(corner[1], corner[3]) < apart(corner[0], corner[2])) std::rotate(corner, corner + 1, corner + 4);
   }
 }
@@ -104,11 +104,15 @@ CageMeasures CageFit::measures(std::size_t h, const Surface& patch) const {
   measure_rim(h, measures);
   LimitMesh surface =
       sample_limit(limit_, closed_.mesh(), settings_.loop, closed_.first_face[h], closed_.first_face[h + 1], folds_level);
-  begin_at_shorter_diagonals(surface);
+  begin_at_shorter_diagonals(surface.vertices, surface.faces);
   const Points none(0, 3);
   EdgesByVertex edges = edges_of_triangles(surface.vertices.rows(), 0, surface.faces, {});
   measures.triangles_folded = count_folded_edges(surface.vertices, none, surface.faces, {}, edges);
   for (const Crossing& each : find_crossings(surface.vertices, none, surface.faces, edges, 1)) measures.crossing = each.where;
+  Faces own;
+  for (Index f = closed_.first_face[h]; f < closed_.first_face[h + 1]; ++f) own.add(closed_.faces[f]);
+  begin_at_shorter_diagonals(closed_.vertices, own);
+  for (const Crossing& each : find_crossings(closed_.vertices, none, own, 1)) measures.faces_crossing = each.where;
   return measures;
 }
 

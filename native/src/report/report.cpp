@@ -36,10 +36,11 @@ void report_corners(const std::vector<Index>& rim, std::span<const Index> corner
                                 std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
 }
 
-void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report) {
+void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
+                   const std::string& what) {
   const auto far = [&](Index v) { return (Vec3(vertices.row(v)) - where).squaredNorm(); };
   const Index near = *std::min_element(rim.begin(), rim.end(), [&](Index a, Index b) { return clearly_less(far(a), far(b)); });
-  report.warnings.push_back("The fill crosses itself near vertex " + std::to_string(near) + " of the rim");
+  report.warnings.push_back(what + " near vertex " + std::to_string(near) + " of the rim");
 }
 
 void tell_folds(Report& report) {

@@ -29,6 +29,7 @@ struct CageMeasures {
   double corners_moved = 0;                           ///< largest movement of the limit at the corners
   Index triangles_folded = 0;                         ///< edges of the fill's limit surface, see count_folded_edges
   std::optional<Vec3> crossing;                       ///< where the fill's limit surface goes through itself
+  std::optional<Vec3> faces_crossing;                 ///< where the fill's own faces do
   std::vector<std::vector<double>>
       seam_angles;  ///< by side, degrees, between the limit normals of the two faces along each rim edge; -1: none there
 };

@@ -62,7 +62,8 @@ void report_corners(const std::vector<Index>& rim, std::span<const Index> corner
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
                    Report& report);
 /// Tells of faces that go through each other, and near which vertex of the rim.
-void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report);
+void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
+                   const std::string& what = "The fill crosses itself");
 /// Tells of a patch that folds.
 void tell_folds(Report& report);
 
