@@ -126,3 +126,8 @@ TEST_CASE("samples that make no field are refused") {
   broken(4, 1) = NAN;
   CHECK_THROWS_AS(Field(at, broken, {}), InvalidArgument);
 }
+
+TEST_CASE("at no places a field has no deviation") {
+  const PlanePoints at = scattered(100, 0.4, 9);
+  CHECK(Field(at, over(at, wave), {{2, 3, 4, 5, 6}, 0.1}).deviation(PlanePoints(0, 2), Points(0, 3)).size() == 0);
+}

@@ -343,6 +343,7 @@ PolyharmonicSum Field::alone(const Part& part) const {
 }
 
 VectorXd Field::deviation(const PlanePoints& points, const Points& directions) const {
+  if (points.rows() == 0) return {};  // Eigen solves for no columns at a null pointer
   const PlanePoints at = normalised(points);
   const Index n = points_.rows(), few = std::min(n, deviation_samples);
   PlanePoints some(few, 2);
