@@ -1,7 +1,8 @@
 """These tests run in a Blender: `bpy` as a module (pytest), or Debian's (blender --background --python tests/blender/run.py).
 
 TRIPATCH_ZIP names the packaged add-on, which is then installed as a user would install it, into a user folder of its own: that is
-what scripts/test does. Without it, while developing, the add-on and the package come from the source tree.
+what scripts/test does. Without it, while developing, the add-on and the package come from the source tree; TRIPATCH_PACKAGES
+names a folder where the package is installed instead.
 """
 
 import os
@@ -38,8 +39,9 @@ def _enable() -> str:
     if archive:
         name = _install(archive)
     else:
-        sys.path[:0] = [str(ROOT / "native" / "python"), str(ROOT / "addon")]
-        for folder in (ROOT / "build" / "env" / "dev").glob("lib/python3.*/site-packages"):
+        packages = os.environ.get("TRIPATCH_PACKAGES")
+        sys.path[:0] = [packages or str(ROOT / "native" / "python"), str(ROOT / "addon")]
+        for folder in () if packages else (ROOT / "build" / "env" / "dev").glob("lib/python3.*/site-packages"):
             site.addsitedir(str(folder))  # what pip install -e . made there finds the compiled module
         name = "tripatch_blender"
         addon_utils.enable(name)
