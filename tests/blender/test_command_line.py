@@ -266,7 +266,11 @@ def test_linked_meshes_are_refused(run, tmp_path):
     assert "Far" in err
 
 
-def blender(blend, *arguments, script=SCRIPT, setup=""):
+#: Where a package is installed that is to be tested, it comes before that of the source tree, which the script would take.
+INSTALLED = "import tripatch" if os.environ.get("TRIPATCH_PACKAGES") else ""
+
+
+def blender(blend, *arguments, script=SCRIPT, setup=INSTALLED):
     """Runs a script as a program would: in Debian's Blender, or in a Python with bpy that opens the file first."""
     if bpy.app.binary_path and Path(bpy.app.binary_path).name.startswith("blender"):
         command = [bpy.app.binary_path, "--background", str(blend), "--python", str(script), "--", *arguments]

@@ -18,16 +18,6 @@ double root_mean_square(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
-/// Quads begin where their shorter diagonal does, along which they are then cut, whichever corner they began at and in a mirror too.
-void begin_at_shorter_diagonals(const Points& vertices, Faces& faces) {
-  for (Index f = 0; f < faces.size(); ++f) {
-    if (faces[f].size() != 4) continue;
-    const auto corner = faces.corners.begin() + faces.offsets[f];
-    const auto apart = [&](Index a, Index b) { return (vertices.row(a) - vertices.row(b)).norm(); };
-    if (apart(corner[1], corner[3]) < apart(corner[0], corner[2])) std::rotate(corner, corner + 1, corner + 4);
-  }
-}
-
 }  // namespace
 
 Eigen::VectorXd CageFit::deviation(std::size_t h, const Surface& patch) const {
@@ -102,9 +92,8 @@ CageMeasures CageFit::measures(std::size_t h, const Surface& patch) const {
   measures.deviation_rms = root_mean_square(distances);
   measure_surroundings(h, measures);
   measure_rim(h, measures);
-  LimitMesh surface =
+  const LimitMesh surface =
       sample_limit(limit_, closed_.mesh(), settings_.loop, closed_.first_face[h], closed_.first_face[h + 1], folds_level);
-  begin_at_shorter_diagonals(surface.vertices, surface.faces);
   const Points none(0, 3);
   EdgesByVertex edges = edges_of_triangles(surface.vertices.rows(), 0, surface.faces, {});
   measures.triangles_folded = count_folded_edges(surface.vertices, none, surface.faces, {}, edges);
