@@ -137,7 +137,8 @@ TEST_CASE("the last rows around a tube are a block: its rows meet themselves") {
   Faces faces;
   for (Index k = 0; k < vertices.rows(); ++k) {
     const double turn = 2 * M_PI * static_cast<double>(k % around) / around;
-    vertices.row(k) << std::cos(turn), std::sin(turn), static_cast<double>(k / around);
+    const Index row = k / around;
+    vertices.row(k) << std::cos(turn), std::sin(turn), static_cast<double>(row);
   }
   const auto at = [&](Index i, Index j) { return j * around + (i % around); };
   for (Index j = 0; j < along; ++j)
@@ -236,7 +237,7 @@ TEST_CASE("the surface through rows meets them, is twice differentiable and cubi
     for (int j = 0; j <= order; ++j)
       for (int x = 0; x < 3; ++x) {
         const int i = order - j;
-        const auto at = [&](const auto& jet, int a, int b) { return jet[static_cast<std::size_t>(3 * jet_index(a, b) + x)]; };
+        const auto at = [&](const auto& jet, int a, int b) { return jet[3 * static_cast<std::size_t>(jet_index(a, b)) + static_cast<std::size_t>(x)]; };
         CHECK((i + 1) * at(here, i + 1, j) == Approx((at(right, i, j) - at(left, i, j)) / (2 * h)).margin(1e-5));
         CHECK((j + 1) * at(here, i, j + 1) == Approx((at(up, i, j) - at(down, i, j)) / (2 * h)).margin(1e-5));
       }

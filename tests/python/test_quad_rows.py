@@ -216,3 +216,24 @@ def test_rows_of_no_size_and_far_away_say_so_or_serve():
     broken[row] = np.nan
     with pytest.raises(tripatch.Refusal, match="finite|number"):
         tripatch.fill(broken, faces, rim=rim, output="quads", method="quad_rows")
+
+
+@pytest.mark.parametrize("at", [torus, tube, bevel], ids=["torus", "tube", "bevel"])
+def test_of_a_cage_the_rows_of_its_points_go_on(at):
+    """Then its limit surface is the one that was there: ten times nearer than the fairest cage, which who shapes it still gets."""
+    vertices, faces, rim, inside = hole(10, 12, (2, 3, 5, 6), at)
+    cage = tripatch.fill(vertices, faces, rim=rim, output="cage")
+    assert "rows of quads" in cage.report.method_reason
+    assert len(cage.faces) == 30 and not cage.report.poles and cage.report.triangles_folded == 0
+    off = far(cage.vertices, vertices[inside])
+    other = tripatch.fill(vertices, faces, rim=rim, output="cage", bulge=1.0001)
+    assert "rows of quads" not in other.report.method_reason
+    assert off * 10 < far(other.vertices, vertices[inside])
+    assert cage.report.seam_angle_max <= max(other.report.seam_angle_max, 1e-3)
+
+
+def test_a_cage_of_loops_or_with_an_exact_rim_is_no_matter_of_rows():
+    vertices, faces, rim, _ = hole(10, 12, (2, 3, 5, 6), tube)
+    for options in ({"cage_rim": "exact"}, {"resolution": 1}):
+        cage = tripatch.fill(vertices, faces, rim=rim, output="cage", **options)
+        assert "rows of quads" not in cage.report.method_reason, options

@@ -277,9 +277,6 @@ std::optional<Fill> rows_across(const Ground& ground, const std::vector<Index>& 
   }
 }
 
-/// Of the hole's diameter: so nearly the rim itself comes out where it is continued in the same way, that nothing else need be tried.
-constexpr double surely_rows = 1e-6;
-
 }  // namespace
 
 Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
@@ -287,8 +284,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   std::optional<Fill> rows = rows_across(ground, rim, corners, options);
   if (!rows) return fill_by_sides(ground, rim, corners, options);
   rows->report.method_reason = "rows of quads go on across the hole";
-  const double enough = surely_rows * diameter(ground.mesh, rim);
-  if (is_harmless(rows->report) && (rows->deviation.size() == 0 || rows->deviation[0] < enough)) return std::move(*rows);
+  if (are_sure(ground.mesh, *rows)) return std::move(*rows);
   try {
     Fill other = fill_by_sides(ground, rim, corners, options);
     if (other.deviation.size() > 0 || rows->vertices.rows() == 0)

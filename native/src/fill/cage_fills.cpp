@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tripatch/cage/cage_fill.h"
+#include "tripatch/fill/cage_in_rows.h"
 #include "tripatch/fill/cage_on_mesh.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/triangle_fill.h"
@@ -44,6 +45,7 @@ constexpr double likely = 3.5;
 constexpr Index many = 150;
 /// If it folds or crosses itself there, it is made fair after all up to so many vertices, which takes three seconds.
 constexpr Index most_fair = 1000;
+constexpr const char* rows_reason = "rows of quads go on across the hole";
 constexpr const char* grown_reason = "the quads go on from those around the hole";
 constexpr const char* placed_reason =
     "the fairest cage would run off: its vertices lie where the faces around the hole would go on";
@@ -61,6 +63,14 @@ enum class OnMeshWhere { nowhere, run_off, everywhere, untangled };
 
 std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options,
                                  OnMeshWhere on_mesh = OnMeshWhere::run_off);
+
+/// Puts the vertices of a cage where rows of quads go on, if the hole was a block of them; whether it was.
+bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
+  if (options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0) return false;
+  const std::optional<Points> points = cage_in_rows(ground, hole, cage.laid_out(0));
+  if (points) cage.place(*points);
+  return points.has_value();
+}
 
 /// Puts the vertices of a cage, if it has run off, where the mesh around would go on; whether it did.
 bool place_on_mesh(const Ground& ground, const SidedRim& hole, const FillOptions& options, OnMeshWhere where, CageFill& cage) {
@@ -185,8 +195,10 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
   const bool alone = follows && holes.size() == 1,
              of_many = alone && cages.inside(0).rows() > many && on_mesh != OnMeshWhere::nowhere;
   const bool untangled = on_mesh == OnMeshWhere::untangled;
-  bool placed = of_many && place_on_mesh(ground, holes[0], options, untangled ? on_mesh : OnMeshWhere::everywhere, cages);
-  const bool first_placed = placed;
+  const bool in_rows = alone && on_mesh == OnMeshWhere::run_off && place_in_rows(ground, holes[0], options, cages);
+  bool placed =
+      in_rows || (of_many && place_on_mesh(ground, holes[0], options, untangled ? on_mesh : OnMeshWhere::everywhere, cages));
+  const bool first_placed = placed && !in_rows;
   if (!placed) {
     cages.make_fair();
     placed = alone && place_on_mesh(ground, holes[0], options, on_mesh, cages);
@@ -220,7 +232,9 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
     if (kept[h]) fills[h].report.folds = 0;  // of a patch that the cage is not fitted to
     complete_report(holes[h], options, {}, fills[h].report);
     std::string& reason = fills[h].report.method_reason;
-    if (placed)
+    if (in_rows)
+      reason = rows_reason;
+    else if (placed)
       reason = first_placed ? many_reason : placed_reason;
     else if (cages.laid_out(h).layout.grown)
       reason = grown_reason;

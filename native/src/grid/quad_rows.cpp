@@ -5,8 +5,18 @@
 namespace tripatch {
 namespace {
 
-/// The vertices beyond a row of them, which new faces would traverse in this direction: across one quad an edge. Empty where no quads lie
-/// side by side there.
+/// Places of the rim where three faces meet, as rows turn there; none where not all is known.
+std::vector<Index> corners_of_rows(const Connectivity& around, const std::vector<Index>& rim) {
+  std::vector<Index> corners;
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    if (!around.knows(rim[k])) return {};
+    if (around.at(rim[k]).size() == 3) corners.push_back(static_cast<Index>(k));
+  }
+  return corners;
+}
+
+}  // namespace
+
 std::vector<Index> row_beyond(const Connectivity& around, const std::vector<Index>& row) {
   std::vector<Index> next(row.size(), -1);
   for (std::size_t k = 0; k + 1 < row.size(); ++k) {
@@ -23,18 +33,6 @@ std::vector<Index> row_beyond(const Connectivity& around, const std::vector<Inde
   }
   return next;
 }
-
-/// Places of the rim where three faces meet, as rows turn there; none where not all is known.
-std::vector<Index> corners_of_rows(const Connectivity& around, const std::vector<Index>& rim) {
-  std::vector<Index> corners;
-  for (std::size_t k = 0; k < rim.size(); ++k) {
-    if (!around.knows(rim[k])) return {};
-    if (around.at(rim[k]).size() == 3) corners.push_back(static_cast<Index>(k));
-  }
-  return corners;
-}
-
-}  // namespace
 
 std::vector<std::array<Index, 2>> QuadRows::outermost(int side) const {
   std::vector<std::array<Index, 2>> places;

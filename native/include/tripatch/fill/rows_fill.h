@@ -17,6 +17,8 @@ std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index
 /// The same, insisted on; a Refusal says what it needs. corners: none, or those of the block.
 Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options);
 
+/// Whether the rim tells so well how rows go on that nothing else need be tried.
+bool are_sure(const Mesh& mesh, const Fill& rows);
 /// How far their new vertices are off, scene units, as far as the rim tells.
 double off_by_rows(const Fill& rows);
 /// Whether rows are the better fill, beside what is made without them.

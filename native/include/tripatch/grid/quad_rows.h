@@ -41,6 +41,10 @@ private:
   Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic> vertex_;
 };
 
+/// The vertices beyond a row of them, which faces on this side of it traverse in its direction: across one quad an edge. Empty where no
+/// quads lie side by side there.
+std::vector<Index> row_beyond(const Connectivity& around, const std::vector<Index>& row);
+
 /// Of a rim in the direction of new faces: three faces meet at four of its vertices alone, its corners, opposite sides have as many
 /// edges, and rows of quads lie beside one of them at least. None where that is not so.
 std::optional<QuadRows> quad_rows(const Connectivity& around, const std::vector<Index>& rim);
