@@ -164,7 +164,7 @@ def with_triangle(vertices, left, rim):
     return vertices, left, [a, len(vertices) - 1, *rim[1:]]
 
 
-def polygons(figure, place, vertices, faces, new, title, view):
+def polygons(figure, place, vertices, faces, new, title, view, zoom=1.25):
     axes = figure.add_subplot(*place, projection="3d")
     for some, color in ((faces, "0.88"), (new, "#8db3e2")):
         if not len(some):
@@ -176,7 +176,7 @@ def polygons(figure, place, vertices, faces, new, title, view):
     used = vertices[sorted({v for f in [*faces, *new] for v in f})]
     axes.set(xlim=(used[:, 0].min(), used[:, 0].max()), ylim=(used[:, 1].min(), used[:, 1].max()))
     axes.set(zlim=(used[:, 2].min(), used[:, 2].max()))
-    axes.set_box_aspect(np.ptp(used, axis=0), zoom=1.25)
+    axes.set_box_aspect(np.ptp(used, axis=0), zoom=zoom)
     axes.view_init(*view)
     axes.set_title(title, y=1.0)
     axes.set_axis_off()
@@ -209,6 +209,59 @@ def draw_grown(path):
     plt.close(figure)
 
 
+def rows_of_quads(columns, rows, block, at):
+    """A grid of quads without a block (first column, first row, columns, rows); vertices, faces left and the rim."""
+    i, j = np.meshgrid(np.arange(columns + 1.0), np.arange(rows + 1.0), indexing="ij")
+    index = np.arange(i.size).reshape(i.shape)
+    gone = np.zeros((columns, rows), bool)
+    gone[block[0] : block[0] + block[2], block[1] : block[1] + block[3]] = True
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1)[~gone].tolist()
+    inside = set(index[block[0] + 1 : block[0] + block[2], block[1] + 1 : block[1] + block[3]].ravel().tolist())
+    used = [k for k in range(i.size) if k not in inside]
+    number = {old: new for new, old in enumerate(used)}
+    faces = [[number[v] for v in f] for f in quads]
+    vertices = np.stack(np.broadcast_arrays(*at(i, j)), axis=-1).reshape(-1, 3)[used]
+    rim = next(r for r in tripatch.find_holes(faces) if len(r) == 2 * (block[2] + block[3]))
+    return vertices, faces, rim
+
+
+def draw_rows(path):
+    """Blocks of quads taken out of a bevel, a bent tube and stairs: the hole, the surface over a plane, rows that go on."""
+
+    def bevel(i, j):
+        k = i.astype(int)
+        across = np.array([0, 1, 2, 3, 3.55, 3.85, 4, 4, 4, 4, 4])[k]
+        down = np.array([0, 0, 0, 0, 0.15, 0.45, 1, 2, 3, 4, 5])[k]
+        return across, 0.8 * j, -down + 0.5 * np.sin(0.6 * j)
+
+    def tube(i, j):
+        turn, bend = np.pi * i / 8, 0.16 * j
+        radius = 3 + np.cos(turn)
+        return radius * np.cos(bend), radius * np.sin(bend), np.sin(turn)
+
+    def stairs(i, j):
+        step = np.array([0, 0, 1, 1, 2, 2, 3, 3, 4])[i.astype(int)]
+        return step + 0.2 * np.sin(j / 2), 0.7 * j, np.array([0, 1, 1, 2, 2, 3, 3, 4, 4])[i.astype(int)]
+
+    meshes = [
+        (rows_of_quads(10, 12, (2, 3, 6, 6), bevel), (35, 30)),
+        (rows_of_quads(9, 14, (2, 4, 5, 6), tube), (60, 65)),
+        (rows_of_quads(8, 10, (2, 3, 5, 4), stairs), (35, 215)),
+    ]
+    figure = plt.figure(figsize=(12, 11))
+    for row, ((vertices, left, rim), view) in enumerate(meshes):
+        polygons(figure, (3, 3, 3 * row + 1), vertices, left, [], f"{len(rim)} edges", view, 1.1)
+        for column, (method, title) in enumerate(
+            (("polyharmonic_spline", "a surface over a plane"), ("auto", "rows that go on"))
+        ):
+            fill = tripatch.fill(vertices, left, rim=rim, output="quads", method=method)
+            whole = np.vstack([vertices, fill.vertices])
+            polygons(figure, (3, 3, 3 * row + 2 + column), whole, left, fill.faces, title, view, 1.1)
+    figure.tight_layout()
+    figure.savefig(path, dpi=80)
+    plt.close(figure)
+
+
 def cube_sphere(n):
     """A cube of n x n quads a side, blown up to the unit sphere."""
     points, faces = {}, []
@@ -227,11 +280,12 @@ def cube_sphere(n):
 
 
 def draw(folder):
-    """Writes hill.png, creases.png, walls.png and grown.png into a folder."""
+    """Writes hill.png, creases.png, walls.png, grown.png and rows.png into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     draw_creases(folder / "creases.png")
     draw_walls(folder / "walls.png")
     draw_grown(folder / "grown.png")
+    draw_rows(folder / "rows.png")
 
     def hill(x, y):
         return 0.5 * np.exp(-0.9 * (x * x + y * y))

@@ -237,7 +237,9 @@ TEST_CASE("the surface through rows meets them, is twice differentiable and cubi
     for (int j = 0; j <= order; ++j)
       for (int x = 0; x < 3; ++x) {
         const int i = order - j;
-        const auto at = [&](const auto& jet, int a, int b) { return jet[3 * static_cast<std::size_t>(jet_index(a, b)) + static_cast<std::size_t>(x)]; };
+        const auto at = [&](const auto& jet, int a, int b) {
+          return jet[3 * static_cast<std::size_t>(jet_index(a, b)) + static_cast<std::size_t>(x)];
+        };
         CHECK((i + 1) * at(here, i + 1, j) == Approx((at(right, i, j) - at(left, i, j)) / (2 * h)).margin(1e-5));
         CHECK((j + 1) * at(here, i, j + 1) == Approx((at(up, i, j) - at(down, i, j)) / (2 * h)).margin(1e-5));
       }

@@ -220,7 +220,7 @@ def test_rows_of_no_size_and_far_away_say_so_or_serve():
 
 @pytest.mark.parametrize("at", [torus, tube, bevel], ids=["torus", "tube", "bevel"])
 def test_of_a_cage_the_rows_of_its_points_go_on(at):
-    """Then its limit surface is the one that was there: ten times nearer than the fairest cage, which who shapes it still gets."""
+    """Then its limit surface is the one that was there: ten times nearer than the fairest cage, which shaping by hand takes."""
     vertices, faces, rim, inside = hole(10, 12, (2, 3, 5, 6), at)
     cage = tripatch.fill(vertices, faces, rim=rim, output="cage")
     assert "rows of quads" in cage.report.method_reason
