@@ -119,6 +119,7 @@ def test_a_vertex_is_on_a_mirror_plane_as_near_as_the_mirror_merges_and_to_a_mil
         type="MIRROR",
         show_viewport=True,
         use_mirror_merge=True,
+        use_mirror_vertex_groups=False,
         mirror_object=None,
         use_axis=(True, False, False),
         merge_threshold=0.0,

@@ -441,7 +441,7 @@ def long_fill(w):
     """Blender stays awake and says how far it is; Esc ends it; one that is waited for is one undo step."""
     sheet(w, "Sheet")
     before, hole = counts(), positions()
-    set_patience(0.5)
+    set_patience(0.1)
     with w.override():
         assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=1000) == {"RUNNING_MODAL"}
     yield
@@ -482,7 +482,7 @@ def long_redo(w):
     yield
     filled = counts()
     assert _is_filled(before)
-    set_patience(0.5)
+    set_patience(0.1)
     last_operator().resolution = 1000
     with w.override():
         bpy.ops.ed.undo_redo()

@@ -64,15 +64,16 @@ private:
   std::vector<Vec3> points_;
 };
 
-bool is_placed(const Mesh& mesh, const std::vector<Index>& rim) {
+bool is_placed(const Mesh& mesh, const std::vector<Index>& rim, const std::optional<std::vector<Index>>& corners = {}) {
   FillOptions options;
   options.rim = rim;
+  options.corners = corners;
   options.output = Output::cage;
   return fill(mesh, options).report.method_reason.find("would run off") != std::string::npos;
 }
 
 /// Whether the cage of 4 x 4 quads that are missing in a grid is placed where the mesh goes on. The grid has waves along both of its
-/// directions, so many to a side of the hole and the height of so many edges.
+/// directions, so many to a side of the hole and the height of so many edges. Between corners that are given: without them its rows go on.
 bool is_placed_in_waves(double waves, double height) {
   constexpr Index n = 12, hole = 4, first = (n - hole) / 2, last = first + hole;
   const auto at = [](Index i, Index j) { return i * (n + 1) + j; };
@@ -90,7 +91,7 @@ bool is_placed_in_waves(double waves, double height) {
   for (Index k = 0; k < hole; ++k) rim.push_back(at(last, first + k));
   for (Index k = 0; k < hole; ++k) rim.push_back(at(last - k, last));
   for (Index k = 0; k < hole; ++k) rim.push_back(at(first, last - k));
-  return is_placed({vertices, faces}, rim);
+  return is_placed({vertices, faces}, rim, std::vector<Index>{rim[0], rim[hole], rim[2 * hole], rim[3 * hole]});
 }
 
 }  // namespace

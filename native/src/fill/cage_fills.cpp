@@ -66,7 +66,8 @@ std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRi
 
 /// Puts the vertices of a cage where rows of quads go on, if the hole was a block of them; whether it was.
 bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
-  if (options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0) return false;
+  if (hole.given || options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
+    return false;
   const std::optional<Points> points = cage_in_rows(ground, hole, cage.laid_out(0));
   if (points) cage.place(*points);
   return points.has_value();
