@@ -96,7 +96,8 @@ bool doubles_an_edge(const Connectivity& around, const std::vector<Index>& rim, 
   const auto place = [&](Index v) { return std::find(rim.begin(), rim.end(), v) - rim.begin(); };
   for (Index f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0, m = faces[f].size(); k < m; ++k) {
-      const auto [a, b] = std::minmax(place(faces[f][k]), place(faces[f][(k + 1) % m]));
+      const Index from = place(faces[f][k]), to = place(faces[f][(k + 1) % m]);
+      const auto [a, b] = std::minmax(from, to);
       if (b == r || b - a == 1 || b - a == r - 1) continue;
       if (std::binary_search(joined.begin(), joined.end(), std::array<Index, 2>{a, b})) return true;
     }
