@@ -283,7 +283,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
                           const FillOptions& options) {
   std::optional<Fill> rows = rows_across(ground, rim, corners, options);
   if (!rows) return fill_by_sides(ground, rim, corners, options);
-  rows->report.method_reason = "rows of quads go on across the hole";
+  rows->report.method_reason = rows_reason;
   if (are_sure(ground.mesh, *rows)) return std::move(*rows);
   try {
     Fill other = fill_by_sides(ground, rim, corners, options);

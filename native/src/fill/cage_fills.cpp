@@ -12,6 +12,7 @@
 #include "tripatch/fill/cage_in_rows.h"
 #include "tripatch/fill/cage_on_mesh.h"
 #include "tripatch/fill/polygon_fill.h"
+#include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
@@ -45,7 +46,6 @@ constexpr double likely = 3.5;
 constexpr Index many = 150;
 /// If it folds or crosses itself there, it is made fair after all up to so many vertices, which takes three seconds.
 constexpr Index most_fair = 1000;
-constexpr const char* rows_reason = "rows of quads go on across the hole";
 constexpr const char* grown_reason = "the quads go on from those around the hole";
 constexpr const char* placed_reason =
     "the fairest cage would run off: its vertices lie where the faces around the hole would go on";

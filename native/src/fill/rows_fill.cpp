@@ -89,19 +89,10 @@ Faces faces_of(const QuadRows& rows, const Block& block, Output output) {
   return faces;
 }
 
-/// Whether an edge between two rim vertices would be there twice: only single rows have such edges.
-bool doubles_an_edge(const Connectivity& around, const std::vector<Index>& rim, const Faces& faces) {
-  const std::vector<std::array<Index, 2>> joined = joined_rows(around, rim);
-  const Index r = static_cast<Index>(rim.size());
-  const auto place = [&](Index v) { return std::find(rim.begin(), rim.end(), v) - rim.begin(); };
-  for (Index f = 0; f < faces.size(); ++f)
-    for (std::size_t k = 0, m = faces[f].size(); k < m; ++k) {
-      const Index from = place(faces[f][k]), to = place(faces[f][(k + 1) % m]);
-      const auto [a, b] = std::minmax(from, to);
-      if (b == r || b - a == 1 || b - a == r - 1) continue;
-      if (std::binary_search(joined.begin(), joined.end(), std::array<Index, 2>{a, b})) return true;
-    }
-  return false;
+/// Whether an edge of the mesh would be there twice: only single rows have edges between vertices of the rim, and no others.
+bool doubles_an_edge(const Connectivity& around, const std::vector<Index>& rim, Faces faces) {
+  for (Index& v : faces.corners) v = std::find(rim.begin(), rim.end(), v) - rim.begin();
+  return doubles_edges(around, rim, faces);
 }
 
 /// The surface, and places and normals of the rim and of what is new.
@@ -193,8 +184,7 @@ Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, co
   if (!fill || (corners && (corners->size() != 4 || std::ranges::any_of(*corners, is_other))))
     throw Refusal(
         "No rows of quads go on across the hole: its rim has to be that of a block of quads, with three quads at each of its "
-        "four corners"
-        " and as many edges on opposite sides; other methods fill it",
+        "four corners and as many edges on opposite sides; other methods fill it",
         rim);
   fill->report.method_reason = "it was asked for";
   return std::move(*fill);

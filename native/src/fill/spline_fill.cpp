@@ -117,19 +117,6 @@ std::vector<std::array<Index, 3>> halves_of(const Faces& faces) {
   return triangles;
 }
 
-/// Whether an inner edge of the faces joins two of the rim's vertices that the mesh joins.
-bool doubles_edges(const Connectivity& around, const std::vector<Index>& rim, const Faces& faces) {
-  const Index r = static_cast<Index>(rim.size());
-  const std::vector<std::array<Index, 2>> joined = joined_rows(around, rim);
-  for (Index f = 0; f < faces.size(); ++f)
-    for (std::size_t k = 0, m = faces[f].size(); k < m; ++k) {
-      const auto [a, b] = std::minmax(faces[f][k], faces[f][(k + 1) % m]);
-      if (b >= r || b - a == 1 || b - a == r - 1) continue;
-      if (std::binary_search(joined.begin(), joined.end(), std::array{a, b})) return true;
-    }
-  return false;
-}
-
 /// The same fill with quads that grow in from the rim; empty where they are not good.
 std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                                           WantedQuads which, int rows, PlaneFill& made) {

@@ -39,9 +39,8 @@ Differences differences(int order, const Span& span, Index first, Index last) {
   return d;
 }
 
-/// x with the least |a x + b|; a has full rank.
-Eigen::MatrixXd least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  const OrthonormalColumns columns = orthonormal_columns(a, false);
+/// x with the least |a x + b|, from the columns of a, which has full rank.
+Eigen::MatrixXd least_squares(const OrthonormalColumns& columns, const Eigen::MatrixXd& b) {
   return -columns.triangle.triangularView<Eigen::Upper>().solve(columns.basis.transpose() * b);
 }
 
@@ -51,7 +50,7 @@ std::array<Eigen::MatrixXd, 3> solved(const PointsRef& vertices, const QuadRows&
   const Differences d = differences(order, u, rows.first(0), rows.last(0)),
                     e = differences(order, v, rows.first(1), rows.last(1));
   if (d.of.rows() < u.unknown() || e.of.rows() < v.unknown()) return {};
-  const Eigen::MatrixXd du = d.unknown(u), ev = e.unknown(v);
+  const OrthonormalColumns du = orthonormal_columns(d.unknown(u), false), ev = orthonormal_columns(e.unknown(v), false);
   std::array<Eigen::MatrixXd, 3> inside;
   for (int x = 0; x < 3; ++x) {
     Eigen::MatrixXd known = Eigen::MatrixXd::Zero(d.last - d.first + 1, e.last - e.first + 1);

@@ -69,4 +69,16 @@ std::vector<std::array<Index, 2>> joined_rows(const Connectivity& around, const 
   return joined;
 }
 
+bool doubles_edges(const Connectivity& around, const std::vector<Index>& rim, const Faces& faces) {
+  const Index r = static_cast<Index>(rim.size());
+  const std::vector<std::array<Index, 2>> joined = joined_rows(around, rim);
+  for (Index f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0, m = faces[f].size(); k < m; ++k) {
+      const auto [a, b] = std::minmax(faces[f][k], faces[f][(k + 1) % m]);
+      if (b >= r || b - a == 1 || b - a == r - 1) continue;
+      if (std::binary_search(joined.begin(), joined.end(), std::array{a, b})) return true;
+    }
+  return false;
+}
+
 }  // namespace tripatch

@@ -9,6 +9,9 @@
 
 namespace tripatch {
 
+/// Why such a fill is made, where nobody asked for it.
+constexpr const char* rows_reason = "rows of quads go on across the hole";
+
 /// Quads, or halves of these, as many as the rim's edges ask for, on a surface through all rows. rim: in the direction of new faces. None
 /// where it is no such block, where the surroundings meet it at an angle, or an edge of the mesh would be doubled. `deviation` is what
 /// the rim's own sides are missed by where they are continued in this way (see continued_rows).

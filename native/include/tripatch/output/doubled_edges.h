@@ -18,4 +18,7 @@ std::vector<std::array<Index, 2>> halve_doubled_edges(const Connectivity& mesh, 
 /// Pairs of rows of a rim's vertices that the mesh joins by an edge, the lower first, sorted; rim edges are among them.
 std::vector<std::array<Index, 2>> joined_rows(const Connectivity& around, const std::vector<Index>& rim);
 
+/// Whether an inner edge of faces joins two of the rim's vertices, which are the first rows, that the mesh joins.
+bool doubles_edges(const Connectivity& around, const std::vector<Index>& rim, const Faces& faces);
+
 }  // namespace tripatch
