@@ -199,6 +199,9 @@ def _in_shape_key(bm, planned, name, in_key, world):
     if not isinstance(in_key, tripatch.Refusal) and cage:
         if in_key.faces != fill.faces or (in_key.split_edges[0] != fill.split_edges[0]).any():
             in_key = tripatch.Refusal("its cage would have other faces", [])
+    elif not isinstance(in_key, tripatch.Refusal) and in_key.report.method == "quad_rows" and in_key.faces == fill.faces:
+        planned.in_shape_keys[name] = own.points(in_key.vertices)
+        return []
     elif not isinstance(in_key, tripatch.Refusal) and in_key.patch is None:
         in_key = tripatch.Refusal("its hole is closed with plain triangles, which have no surface", [])
     if isinstance(in_key, tripatch.Refusal):

@@ -176,7 +176,6 @@ def test_what_rows_cannot_give_is_made_in_another_way():
         {"bulge": 1.2},
         {"resolution": 2},
         {"corners": corners},
-        {"output": "triangles"},
         {"through": [vertices[rim].mean(axis=0) * 1.1]},
     ):
         fill = tripatch.fill(vertices, faces, rim=rim, **{"output": "quads", **options})
@@ -190,16 +189,17 @@ def test_insisted_on_it_says_what_it_needs():
         tripatch.fill(vertices, faces, output="quads", bulge=1.2, **ask)
     with pytest.raises(ValueError, match="no cages"):
         tripatch.fill(vertices, faces, output="cage", **ask)
-    with pytest.raises(tripatch.Refusal, match="four corners"):
+    with pytest.raises(tripatch.Refusal, match="rows close inside"):
         tripatch.fill(vertices, faces, output="quads", corners=[rim[k] for k in (0, 4, 11, 16)], **ask)
     assert (
         tripatch.fill(vertices, faces, output="quads", corners=[rim[k] for k in (5, 0, 11, 16)], **ask).report.method
         == "quad_rows"
     )
     less = [f for f in faces if rim[2] not in f]
-    with pytest.raises(tripatch.Refusal, match="three quads at each of its four corners"):
+    cut = [half for f in less for half in ([f[:3], [f[0], *f[2:]]] if rim[0] in f else [f])]
+    with pytest.raises(tripatch.Refusal, match="rows close inside"):
         tripatch.fill(
-            vertices, less, output="quads", rim=next(r for r in tripatch.find_holes(less) if rim[0] in r), method="quad_rows"
+            vertices, cut, output="quads", rim=next(r for r in tripatch.find_holes(cut) if rim[0] in r), method="quad_rows"
         )
 
 

@@ -265,13 +265,21 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
   return better ? other : std::move(*patch);
 }
 
-/// Rows of quads, where quads are asked for as they come and the hole was a block of such rows.
+/// Whether all faces at a rim are quads.
+bool is_in_quads(const Ground& ground, const std::vector<Index>& rim) {
+  const auto is_quad = [&](Connectivity::Corner c) { return ground.mesh.faces[ground.left.face(c)].size() == 4; };
+  return std::ranges::all_of(rim, [&](Index v) { return std::ranges::all_of(ground.left.at(v), is_quad); });
+}
+
+/// Rows of quads, where faces are asked for as they come, quads or in a mesh of quads, and such rows end at the hole.
 std::optional<Fill> rows_across(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                                 const FillOptions& options) {
-  const bool as_they_come = !corners && options.output == Output::quads && options.resolution.value_or(0) == 0;
+  const bool as_they_come = !corners && options.resolution.value_or(0) == 0;
   if (!as_they_come || !options.islands.empty() || is_shaped_by_hand(options)) return {};
   try {
-    return fill_with_rows(ground, check_topology(ground.left, rim), options.output);
+    const std::vector<Index> checked = check_topology(ground.left, rim);
+    if (options.output == Output::triangles && !is_in_quads(ground, checked)) return {};
+    return fill_with_rows(ground, checked, options.output, options.features);
   } catch (const Refusal&) {  // another way may be open
     return {};
   }
@@ -284,9 +292,11 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   std::optional<Fill> rows = rows_across(ground, rim, corners, options);
   if (!rows) return fill_by_sides(ground, rim, corners, options);
   rows->report.method_reason = rows_reason;
-  if (are_sure(ground.mesh, *rows)) return std::move(*rows);
+  const bool quads = options.output == Output::quads;
+  if (quads && are_sure(ground.mesh, *rows)) return std::move(*rows);
   try {
     Fill other = fill_by_sides(ground, rim, corners, options);
+    if (!quads && other.patch && other.deviation.size() == 0) return other;  // exact, and as fine as triangles can be
     if (other.deviation.size() > 0 || rows->vertices.rows() == 0)
       return rows_are_nearer(*rows, other) ? std::move(*rows) : std::move(other);
     const Fill spline = fill_any_rim(ground, rim, corners, options, "");

@@ -64,11 +64,11 @@ enum class OnMeshWhere { nowhere, run_off, everywhere, untangled };
 std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options,
                                  OnMeshWhere on_mesh = OnMeshWhere::run_off);
 
-/// Puts the vertices of a cage where rows of quads go on, if the hole was a block of them; whether it was.
+/// Puts the vertices of a cage where rows of quads go on, if they do; whether they do.
 bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
   if (hole.given || options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
     return false;
-  const std::optional<Points> points = cage_in_rows(ground, hole, cage.laid_out(0));
+  const std::optional<Points> points = cage_in_rows(ground, cage.laid_out(0));
   if (points) cage.place(*points);
   return points.has_value();
 }

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "tripatch/cage/sided_rim.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/fill/rows_in_mesh.h"
+#include "tripatch/grid/continued_quads.h"
 #include "tripatch/grid/continued_rows.h"
 #include "tripatch/grid/quad_rows.h"
 #include "tripatch/grid/rows_surface.h"
@@ -21,6 +24,8 @@ namespace {
 
 /// Of the side of a block, in edges: of more the matrices of its differences would take longer than other fills.
 constexpr Index most_edges = 200;
+/// Vertices inside an outline that is no block, for the same reason.
+constexpr Index most_inside = 2000;
 /// Rows beyond the rim that the surface goes through.
 constexpr Index rows_of_surface = 2;
 /// Of the mean distance of rows: no two are nearer to each other in the surface's domain.
@@ -69,24 +74,27 @@ private:
   const Points& inside_;
 };
 
-Faces faces_of(const QuadRows& rows, const Block& block, Output output) {
+Faces quads_of(const QuadRows& rows, const Block& block) {
   Faces faces;
   for (Index i = 0; i < rows.n(); ++i)
-    for (Index j = 0; j < rows.m(); ++j) {
-      const std::array<std::array<Index, 2>, 4> at = {{{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}};
-      std::array<Index, 4> quad{};
-      std::array<Vec3, 4> points;
-      for (std::size_t k = 0; k < 4; ++k) quad[k] = block.vertex(at[k][0], at[k][1]), points[k] = block.at(at[k][0], at[k][1]);
-      if (output == Output::quads) {
-        faces.add(quad);
-        continue;
-      }
-      const bool other = clearly_less((points[3] - points[1]).norm(), (points[2] - points[0]).norm());
-      const std::size_t k = other ? 1 : 0;  // the shorter diagonal
-      faces.add(std::array{quad[k], quad[k + 1], quad[k + 2]});
-      faces.add(std::array{quad[k], quad[k + 2], quad[(k + 3) % 4]});
-    }
+    for (Index j = 0; j < rows.m(); ++j)
+      faces.add(std::array{block.vertex(i, j), block.vertex(i + 1, j), block.vertex(i + 1, j + 1), block.vertex(i, j + 1)});
   return faces;
+}
+
+/// Cuts each quad along its shorter diagonal.
+void halve_quads(const Mesh& mesh, Fill& fill) {
+  const Index n = mesh.vertices.rows();
+  const auto at = [&](Index v) { return v < n ? Vec3(mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
+  Faces halves;
+  for (Index f = 0; f < fill.faces.size(); ++f) {
+    const std::span<const Index> quad = fill.faces[f];
+    const bool other = clearly_less((at(quad[3]) - at(quad[1])).norm(), (at(quad[2]) - at(quad[0])).norm());
+    const std::size_t k = other ? 1 : 0;
+    halves.add(std::array{quad[k], quad[k + 1], quad[k + 2]});
+    halves.add(std::array{quad[k], quad[k + 2], quad[(k + 3) % 4]});
+  }
+  fill.faces = std::move(halves);
 }
 
 /// Whether an edge of the mesh would be there twice: only single rows have edges between vertices of the rim, and no others.
@@ -149,28 +157,112 @@ void report_rows(const Mesh& mesh, const Connectivity& around, double missed, Fi
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, {fill.rim}), report);
 }
 
-}  // namespace
+/// What is left to be told of quads that are made.
+void complete(const Ground& ground, double missed, Output output, bool features, Fill& fill) {
+  fill.deviation = Eigen::VectorXd::Constant(fill.vertices.rows(), missed);
+  const RowsInMesh in_mesh(ground, fill);
+  if (!fill.patch) fill.rim_normals = in_mesh.normals_of_rim(), fill.normals = in_mesh.normals_of_new();
+  if (features) fill.feature_edges = in_mesh.creases();
+  if (output == Output::triangles) halve_quads(ground.mesh, fill);
+  report_rows(ground.mesh, ground.left, missed, fill);
+}
 
-std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index>& rim, Output output) {
-  const std::optional<QuadRows> rows = quad_rows(ground.left, rim);
-  if (!rows || rows->n() > most_edges || rows->m() > most_edges) return {};
-  const Index n = rows->n(), m = rows->m();
+std::optional<Fill> fill_block(const Ground& ground, const std::vector<Index>& rim, const QuadRows& rows, Output output,
+                               bool features) {
+  const Index n = rows.n(), m = rows.m();
   Fill fill;
-  fill.rim = rim_from_corner(*rows, rim);
+  fill.rim = rim_from_corner(rows, rim);
   check_positions(ground.mesh, ground.left, fill.rim);
   const std::array<Index, 4> corners = {0, n, n + m, 2 * n + m};
   const bool is_strip = n == 1 || m == 1;
-  ContinuedRows made = continued_rows(ground.mesh.vertices, *rows);
+  ContinuedRows made = continued_rows(ground.mesh.vertices, rows);
   if (!made.inside.allFinite() || !std::isfinite(made.missed)) return {};
   fill.vertices = std::move(made.inside);
-  const Block block(ground.mesh, *rows, fill.vertices);
-  fill.faces = faces_of(*rows, block, output);
+  const Block block(ground.mesh, rows, fill.vertices);
+  fill.faces = quads_of(rows, block);
   if (is_strip && doubles_an_edge(ground.left, fill.rim, fill.faces)) return {};
-  put_on_surface(*rows, block, fill);
-  fill.deviation = Eigen::VectorXd::Constant(fill.vertices.rows(), made.missed);
+  put_on_surface(rows, block, fill);
   for (Index place : corners) fill.report.corners.push_back(fill.rim[static_cast<std::size_t>(place)]);
-  report_rows(ground.mesh, ground.left, made.missed, fill);
+  complete(ground, made.missed, output, features, fill);
   return fill;
+}
+
+/// A layout with its faces, and the vertices inside, in the order in which they are reached from the rim's first edge: whatever the shape
+/// of the rim, as of a shape key, fills of one outline have the same faces.
+QuadLayout in_order_from_rim(const QuadLayout& layout) {
+  const Connectivity mesh(layout.faces, layout.barycentric.rows());
+  QuadLayout ordered = layout;
+  ordered.faces = Faces();
+  std::vector<Index> number(static_cast<std::size_t>(layout.barycentric.rows()), -1);
+  Index count = layout.rim;
+  for (Index k = 0; k < count; ++k) number[static_cast<std::size_t>(k)] = k;
+  std::vector<char> is_taken(static_cast<std::size_t>(layout.faces.size()), 0);
+  std::vector<std::array<Index, 2>> edges = {{0, 1}};
+  for (std::size_t next = 0; next < edges.size(); ++next) {
+    const auto corner = mesh.edge(edges[next][0], edges[next][1]);
+    if (!corner || std::exchange(is_taken[static_cast<std::size_t>(mesh.face(*corner))], 1)) continue;
+    const std::span<const Index> quad = layout.faces[mesh.face(*corner)];
+    std::array<Index, 4> face{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Index v = quad[(mesh.place(*corner) + k) % 4], w = quad[(mesh.place(*corner) + k + 1) % 4];
+      Index& own = number[static_cast<std::size_t>(v)];
+      if (own < 0) own = count++;
+      ordered.barycentric.row(own) = layout.barycentric.row(v);
+      face[k] = own;
+      edges.push_back({w, v});
+    }
+    ordered.faces.add(face);
+  }
+  for (Index& pole : ordered.poles) pole = number[static_cast<std::size_t>(pole)];
+  return ordered;
+}
+
+/// The layout of quads that the rim alone tells of: all faces around are quads, whose rows close inside, or but for a right angle.
+std::optional<QuadLayout> layout_of_rows(const Ground& ground, const std::vector<Index>& rim) {
+  Index turns = 0;  // right angles of the rim
+  for (const Index v : rim) {
+    if (!ground.left.knows(v)) return {};
+    const auto at = ground.left.at(v);
+    for (const Connectivity::Corner c : at)
+      if (ground.mesh.faces[ground.left.face(c)].size() != 4) return {};
+    turns += static_cast<Index>(at.size()) - 2;
+  }
+  if (turns < 3 || turns > 5) return {};
+  const std::optional<QuadLayout> layout = grown_layout(rim, ground.mesh.vertices, ground.left);
+  if (!layout || std::ranges::any_of(layout->faces.offsets, [](Index at) { return at % 4 != 0; })) return {};
+  return in_order_from_rim(*layout);
+}
+
+}  // namespace
+
+std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<Index>& rim, const QuadLayout& layout,
+                                        Output output, bool features) {
+  const Index n = ground.mesh.vertices.rows(), r = layout.rim;
+  const QuadsInside quads = {rim, layout.faces, layout.barycentric.rows() - r};
+  if (quads.inside > most_inside || !go_on(ground.left, quads) || doubles_edges(ground.left, rim, layout.faces)) return {};
+  check_positions(ground.mesh, ground.left, rim);
+  ContinuedRows made = continued_quads(ground.mesh.vertices, ground.left, quads);
+  if (made.order == 0 || !made.inside.allFinite()) return {};
+  Fill fill;
+  fill.rim = rim;
+  fill.vertices = std::move(made.inside);
+  fill.faces = layout.faces;
+  for (Index& v : fill.faces.corners) v = v < r ? rim[static_cast<std::size_t>(v)] : n + v - r;
+  if (layout.in_plane) {
+    fill.rim_uv = layout.barycentric.topRows(r).leftCols(2);
+    fill.uv = layout.barycentric.bottomRows(quads.inside).leftCols(2);
+  }
+  for (const Index pole : layout.poles)
+    fill.report.poles.push_back({n + pole - r, std::ranges::count(layout.faces.corners, pole)});
+  complete(ground, made.missed, output, features, fill);
+  return fill;
+}
+
+std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index>& rim, Output output, bool features) {
+  if (const std::optional<QuadRows> rows = quad_rows(ground.left, rim))
+    return rows->n() > most_edges || rows->m() > most_edges ? std::nullopt : fill_block(ground, rim, *rows, output, features);
+  const std::optional<QuadLayout> layout = layout_of_rows(ground, rim);
+  return layout ? fill_with_rows_over(ground, rim, *layout, output, features) : std::nullopt;
 }
 
 Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
@@ -179,12 +271,13 @@ Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, co
   if (!ignored.empty()) throw InvalidArgument(std::string(rows_method) + " does not take " + ignored);
   if (options.surroundings == SurroundingsFrom::limit)
     throw Refusal("Limit surroundings are read for holes with three corners only: quad_rows reads the mesh", {});
-  std::optional<Fill> fill = fill_with_rows(ground, check_topology(ground.left, rim), options.output);
+  std::optional<Fill> fill = fill_with_rows(ground, check_topology(ground.left, rim), options.output, options.features);
   const auto is_other = [&](Index v) { return std::ranges::find(fill->report.corners, v) == fill->report.corners.end(); };
-  if (!fill || (corners && (corners->size() != 4 || std::ranges::any_of(*corners, is_other))))
+  if (!fill || (corners && (corners->size() != fill->report.corners.size() || std::ranges::any_of(*corners, is_other))))
     throw Refusal(
-        "No rows of quads go on across the hole: its rim has to be that of a block of quads, with three quads at each of its "
-        "four corners and as many edges on opposite sides; other methods fill it",
+        "No rows of quads go on across the hole: the faces at its rim have to be quads whose rows close inside it, but for one "
+        "pole "
+        "where three or five rows meet; other methods fill it",
         rim);
   fill->report.method_reason = "it was asked for";
   return std::move(*fill);

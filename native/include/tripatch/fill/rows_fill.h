@@ -6,6 +6,7 @@
 
 #include "tripatch/fill/ground.h"
 #include "tripatch/output/fill_result.h"
+#include "tripatch/quads/quad_layout.h"
 
 namespace tripatch {
 
@@ -15,7 +16,11 @@ constexpr const char* rows_reason = "rows of quads go on across the hole";
 /// Quads, or halves of these, as many as the rim's edges ask for, on a surface through all rows. rim: in the direction of new faces. None
 /// where it is no such block, where the surroundings meet it at an angle, or an edge of the mesh would be doubled. `deviation` is what
 /// the rim's own sides are missed by where they are continued in this way (see continued_rows).
-std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index>& rim, Output output);
+std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index>& rim, Output output, bool features = true);
+
+/// The same over a layout of quads, rim: its first vertices. None where rows do not go on in it (see go_on).
+std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<Index>& rim, const QuadLayout& layout,
+                                        Output output, bool features = true);
 
 /// The same, insisted on; a Refusal says what it needs. corners: none, or those of the block.
 Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options);
