@@ -209,24 +209,37 @@ def draw_grown(path):
     plt.close(figure)
 
 
-def rows_of_quads(columns, rows, block, at):
-    """A grid of quads without a block (first column, first row, columns, rows); vertices, faces left and the rim."""
+def without_faces(vertices, faces, gone):
+    """Vertices that are left, faces without some, and the rim of these."""
+    left = [f for k, f in enumerate(faces) if k not in gone]
+    used = sorted({v for f in left for v in f})
+    number = {old: new for new, old in enumerate(used)}
+    beside = {number[v] for k in gone for v in faces[k] if v in number}
+    faces = [[number[v] for v in f] for f in left]
+    return vertices[used], faces, next(r for r in tripatch.find_holes(faces) if set(r) <= beside)
+
+
+def rows_of_quads(columns, rows, cells, at):
+    """A grid of quads without some cells (column, row); vertices, faces left and the rim."""
     i, j = np.meshgrid(np.arange(columns + 1.0), np.arange(rows + 1.0), indexing="ij")
     index = np.arange(i.size).reshape(i.shape)
-    gone = np.zeros((columns, rows), bool)
-    gone[block[0] : block[0] + block[2], block[1] : block[1] + block[3]] = True
-    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1)[~gone].tolist()
-    inside = set(index[block[0] + 1 : block[0] + block[2], block[1] + 1 : block[1] + block[3]].ravel().tolist())
-    used = [k for k in range(i.size) if k not in inside]
-    number = {old: new for new, old in enumerate(used)}
-    faces = [[number[v] for v in f] for f in quads]
-    vertices = np.stack(np.broadcast_arrays(*at(i, j)), axis=-1).reshape(-1, 3)[used]
-    rim = next(r for r in tripatch.find_holes(faces) if len(r) == 2 * (block[2] + block[3]))
-    return vertices, faces, rim
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4).tolist()
+    vertices = np.stack(np.broadcast_arrays(*at(i, j)), axis=-1).reshape(-1, 3)
+    return without_faces(vertices, quads, {column * rows + row for column, row in cells})
+
+
+def bevelled_box_without_a_corner(n, straight):
+    """Of n x n quads a side; straight: the share of its sides that is not bevelled."""
+    vertices, faces = cube_sphere(n)
+    vertices = vertices / np.abs(vertices).max(axis=1, keepdims=True)
+    middles = np.array([vertices[f].mean(axis=0) for f in faces])
+    inner = np.clip(vertices, -straight, straight)
+    bevelled = inner + (1 - straight) * (vertices - inner) / np.linalg.norm(vertices - inner, axis=1, keepdims=True)
+    return without_faces(bevelled * [1, 1.2, 0.9], faces, set(np.flatnonzero(middles.min(axis=1) > 0.1).tolist()))
 
 
 def draw_rows(path):
-    """Blocks of quads taken out of a bevel, a bent tube and stairs: the hole, the surface over a plane, rows that go on."""
+    """Quads taken out of a bevelled edge, a bent tube and the corner of a box: the hole, the surface over a plane, rows that go on."""
 
     def bevel(i, j):
         k = i.astype(int)
@@ -239,24 +252,25 @@ def draw_rows(path):
         radius = 3 + np.cos(turn)
         return radius * np.cos(bend), radius * np.sin(bend), np.sin(turn)
 
-    def stairs(i, j):
-        step = np.array([0, 0, 1, 1, 2, 2, 3, 3, 4])[i.astype(int)]
-        return step + 0.2 * np.sin(j / 2), 0.7 * j, np.array([0, 1, 1, 2, 2, 3, 3, 4, 4])[i.astype(int)]
-
+    block = [(2 + i, 3 + j) for i in range(6) for j in range(6)]
+    cross = [(2 + i, 4 + j) for i in range(5) for j in range(6) if i in (1, 2) or j in (2, 3, 4)]
     meshes = [
-        (rows_of_quads(10, 12, (2, 3, 6, 6), bevel), (35, 30)),
-        (rows_of_quads(9, 14, (2, 4, 5, 6), tube), (60, 65)),
-        (rows_of_quads(8, 10, (2, 3, 5, 4), stairs), (35, 215)),
+        (rows_of_quads(10, 12, block, bevel), (35, 30)),
+        (rows_of_quads(9, 14, cross, tube), (60, 65)),
+        (bevelled_box_without_a_corner(14, 0.8), (35, 40)),
     ]
     figure = plt.figure(figsize=(12, 11))
     for row, ((vertices, left, rim), view) in enumerate(meshes):
-        polygons(figure, (3, 3, 3 * row + 1), vertices, left, [], f"{len(rim)} edges", view, 1.1)
+        toward = np.array([np.cos(np.radians(view[1])), np.sin(np.radians(view[1])), np.tan(np.radians(view[0]))])
+        normals = [np.cross(*(vertices[f[k]] - vertices[f[0]] for k in (1, 2))) for f in left]
+        seen = left if row < 2 else [f for f, normal in zip(left, normals, strict=True) if normal @ toward > 0]
+        polygons(figure, (3, 3, 3 * row + 1), vertices, seen, [], f"{len(rim)} edges", view, 1.1)
         for column, (method, title) in enumerate(
             (("polyharmonic_spline", "a surface over a plane"), ("auto", "rows that go on"))
         ):
             fill = tripatch.fill(vertices, left, rim=rim, output="quads", method=method)
             whole = np.vstack([vertices, fill.vertices])
-            polygons(figure, (3, 3, 3 * row + 2 + column), whole, left, fill.faces, title, view, 1.1)
+            polygons(figure, (3, 3, 3 * row + 2 + column), whole, seen, fill.faces, title, view, 1.1)
     figure.tight_layout()
     figure.savefig(path, dpi=80)
     plt.close(figure)

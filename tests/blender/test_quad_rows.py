@@ -58,7 +58,7 @@ def test_by_hand_the_panel_may_ask_for_rows_and_for_bulge(rows):
 
 
 def l_shaped_hole(shape_key=None):
-    """A grid of which an L is deleted; shape_key: heights by place in another shape. Returns the object and the middles of the L's faces."""
+    """A grid of which an L is deleted; shape_key: heights in another shape. Returns it and the middles of the L's faces."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=12, y_subdivisions=12, size=12)
     ob = bpy.context.object
     if shape_key:

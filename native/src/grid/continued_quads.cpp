@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <optional>
 
 #include "tripatch/grid/mixed_differences.h"
+#include "tripatch/math/interruption.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/ties.h"
 
@@ -187,13 +189,16 @@ bool go_on(const Connectivity& around, const QuadsInside& quads) {
     if (quads.faces[f].size() != 4) return false;
     for (const Index v : quads.faces[f]) ++count[static_cast<std::size_t>(v)];
   }
+  Index poles = std::count_if(count.begin() + r, count.end(), [](Index quads_there) { return quads_there != 4; });
   for (Index k = 0; k < r; ++k) {
     const Index v = quads.rim[static_cast<std::size_t>(k)];
-    if (!around.knows(v) || static_cast<Index>(around.at(v).size()) + count[static_cast<std::size_t>(k)] != 4) return false;
-    for (const Connectivity::Corner c : around.at(v))
+    if (!around.knows(v)) return false;
+    const auto at = around.at(v);
+    for (const Connectivity::Corner c : at)
       if (around.faces()[around.face(c)].size() != 4) return false;
+    poles += std::abs(static_cast<Index>(at.size()) + count[static_cast<std::size_t>(k)] - 4);
   }
-  return std::count_if(count.begin() + r, count.end(), [](Index quads_there) { return quads_there != 4; }) <= 1;
+  return poles <= 1;
 }
 
 ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& around, const QuadsInside& quads) {
@@ -206,6 +211,7 @@ ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& aro
   const std::vector<RimSide> sides = SidesOfRim(quads).sides();
   std::array<std::optional<Continued>, most_order> made;
   for (int order = 1; order <= most_order && !sides.empty(); ++order) {
+    check_interruption();
     const MixedDifferences differences(neighborhood, quads, rim, beyond, order);
     if (!differences.determined()) continue;
     std::vector<double> by_side;

@@ -1,4 +1,4 @@
-// The path of a hole that was a block in rows of quads: the rows go on across it.
+// The path of a hole in rows of quads: they go on across it.
 #pragma once
 
 #include <optional>
@@ -13,9 +13,10 @@ namespace tripatch {
 /// Why such a fill is made, where nobody asked for it.
 constexpr const char* rows_reason = "rows of quads go on across the hole";
 
-/// Quads, or halves of these, as many as the rim's edges ask for, on a surface through all rows. rim: in the direction of new faces. None
-/// where it is no such block, where the surroundings meet it at an angle, or an edge of the mesh would be doubled. `deviation` is what
-/// the rim's own sides are missed by where they are continued in this way (see continued_rows).
+/// Quads, or halves of these, as many as the rim's edges ask for: of a block (see quad_rows) on a surface through all rows, of other outlines
+/// (see go_on) without one. rim: in the direction of new faces. None where no rows go on, where the surroundings meet the rim at an angle,
+/// or an edge of the mesh would be doubled. `deviation` is what the rim's own sides are missed by where they are continued in this way
+/// (see continued_rows, continued_quads). features: whether creases that go on are told of.
 std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index>& rim, Output output, bool features = true);
 
 /// The same over a layout of quads, rim: its first vertices. None where rows do not go on in it (see go_on).

@@ -15,8 +15,8 @@ struct QuadsInside {
   Index inside = 0;        ///< vertices, which follow
 };
 
-/// Whether all faces at a rim are quads, and the rows that end there go on in these: four quads meet at each of its vertices, and inside
-/// at all but one at most.
+/// Whether all faces at a rim are quads, and the rows that end there go on in these: four quads meet at each of its vertices and inside, but
+/// for one vertex where three or five do. More such poles the rim does not tell the places of.
 bool go_on(const Connectivity& around, const QuadsInside& quads);
 
 /// The vertices inside with the least sum of squares of mixed differences, as continued_rows has them in blocks, over all quads that are
