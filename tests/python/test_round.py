@@ -184,7 +184,19 @@ def test_quads_in_a_round_rim_are_rings_about_a_grid(edges, profile):
         normal = np.cross(p[2] - p[0], p[3] - p[1])
         assert min(np.cross(p[k - 1] - p[k - 2], p[k] - p[k - 1]) @ normal for k in range(4)) > 0
     one = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), output="quads", odd="triangle")
-    assert sum(len(f) == 3 for f in one.faces) >= edges % 2 and len(one.split_edges[0]) == 0
+    assert sum(len(f) == 3 for f in one.faces) == edges % 2 and len(one.split_edges[0]) == 0
+    assert len(one.faces) == len(fill.faces) and one.report.poles[0][1] == 3
+
+
+@pytest.mark.parametrize("profile", ["tube", "cone", "sphere"])
+def test_quads_in_a_round_rim_are_as_large_as_its_own(profile):
+    """At the end of a tube they were nearly three times as large."""
+    vertices, faces = revolved(profile, 32)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(32), corners=(), output="quads")
+    corners = np.concatenate([vertices, fill.vertices])[np.array(fill.faces)]
+    area = np.linalg.norm(np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1) / 2
+    assert area.mean() < 1.5 * np.linalg.norm(vertices[1] - vertices[0]) ** 2
+    assert (fill.report.rows > 0) == (profile == "tube")
 
 
 def rim_end(radial, axial, bend):

@@ -658,15 +658,14 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   fill.rim_normals = made.patch->normals(as_rows(rim_uv));
   fill.patch = made.patch;
   fill.sides = {made.side};
-  const bool quads = options.output == Output::quads, even = r % 2 == 0 || options.odd == Odd::split;
+  const bool quads = options.output == Output::quads, laid_out = made.folds == 0 || folded_too;
   PlaneCover cover;
-  if (made.folds > 0 && !folded_too) {
-    // nothing is laid out
-  } else if (quads && even) {  // laid out where the geometry begins, which of many equal layouts is taken hangs on it
+  if (laid_out && quads) {  // where the geometry begins: which of many equal layouts is taken hangs on it
     cover = quads_of(Vec2::Zero(), *as_known.patch, known_uv, points, {}, layout_options(options), as_known.met);
     const Vec2 turn = on_circle(begin);
     cover.uv *= (Eigen::Matrix2d() << turn[0], -turn[1], turn[1], turn[0]).finished();
-  } else {
+  }
+  if (laid_out && cover.faces.size() == 0) {
     cover = triangles_of(Vec2::Zero(), 3, *made.patch, rim_uv, points, {}, joined_rows(around, rim),
                          quads ? std::nullopt : options.resolution, made.met, quads);
   }

@@ -31,6 +31,65 @@ double middle_deviation(const PlaneLayout& layout, const Points& vertices, const
   return (patch.positions(surface_rows(uv)) - middle).rowwise().norm().maxCoeff();
 }
 
+/// Squares of a round rim's edges that a quad may cover on average where nobody says how many rows there are. Between quads as large as in a
+/// disc (0.9 of them) and in a half sphere without extra rows (1.7).
+constexpr double largest_quad = 1.25;
+
+double squares_a_quad(const PlaneLayout& layout, const Points& vertices) {
+  double area = 0, length = 0;
+  for (Index f = 0; f < layout.faces.size(); ++f) {
+    const auto face = layout.faces[f];
+    const auto at = [&](std::size_t k) { return Vec3(vertices.row(face[k])); };
+    for (std::size_t k = 2; k < face.size(); ++k) area += 0.5 * (at(k - 1) - at(0)).cross(at(k) - at(0)).norm();
+  }
+  for (Index k = 0; k < layout.rim; ++k) length += (vertices.row((k + 1) % layout.rim) - vertices.row(k)).norm();
+  const double edge = length / static_cast<double>(layout.rim);
+  return area / static_cast<double>(layout.faces.size()) / std::max(edge * edge, 1e-300);
+}
+
+/// Rows of a rim, and after that of `place` another.
+template <class Rows>
+Rows with_row(const Rows& rim, Index place, const Eigen::RowVectorXd& row) {
+  Rows more(rim.rows() + 1, rim.cols());
+  more << rim.topRows(place + 1), row, rim.bottomRows(rim.rows() - place - 1);
+  return more;
+}
+
+PlanePoints with_middle(const PlanePoints& rim, Index place) {
+  return with_row(rim, place, 0.5 * (rim.row(place) + rim.row((place + 1) % rim.rows())));
+}
+
+/// Without a vertex of the rim, which lies amid an edge: of the two quads there a quad and a triangle are left. None where it is not in two.
+std::optional<PlaneLayout> without_middle(PlaneLayout layout, Index middle) {
+  Faces faces;
+  int before = 0, after = 0;
+  const auto left = [middle](Index v) { return v - (v > middle); };
+  for (Index f = 0; f < layout.faces.size(); ++f) {
+    std::vector<Index> face(layout.faces[f].begin(), layout.faces[f].end());
+    const auto at = std::find(face.begin(), face.end(), middle);
+    const bool beside = at != face.end();
+    if (beside) std::rotate(face.begin(), at, face.end());  // the vertex, and the others forwards
+    const bool ends = beside && face[3] == (middle + layout.rim - 1) % layout.rim;
+    for (Index& v : face) v = left(v);
+    if (ends) {  // the edge's beginning, and its end in place of its middle
+      face[0] = left((middle + 1) % layout.rim);
+      ++before;
+    } else if (beside) {
+      face.erase(face.begin());
+      ++after;
+    }
+    faces.add(face);
+  }
+  if (before != 1 || after != 1) return {};
+  layout.faces = std::move(faces);
+  for (Index& pole : layout.poles) pole = left(pole);
+  const Index behind = layout.uv.rows() - middle - 1;
+  layout.uv.middleRows(middle, behind) = layout.uv.bottomRows(behind).eval();
+  layout.uv.conservativeResize(layout.uv.rows() - 1, Eigen::NoChange);
+  --layout.rim;
+  return layout;
+}
+
 Points on_surface(const PlaneLayout& layout, const Surface& patch, const Points& border) {
   Points vertices = patch.positions(surface_rows(layout.uv));
   vertices.topRows(layout.rim) = border;
@@ -108,37 +167,43 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
   PlanePoints rim = given;
   Points border = points;
   for (Index k = 0; k < given.rows(); ++k) cover.rim_rows.push_back(k);
-  if (given.rows() % 2 == 1 && options.split_odd) {
-    const Index place = static_cast<Index>(longest_edge(points)), n = given.rows(), next = (place + 1) % n;
-    cover.split = {place, next};
+  const bool odd = given.rows() % 2 == 1, halved = odd && !options.split_odd && corners.empty();
+  const Index place = odd ? static_cast<Index>(longest_edge(points)) : 0;
+  if (odd && options.split_odd) {
+    cover.split = {place, (place + 1) % given.rows()};
     cover.rim_rows.insert(cover.rim_rows.begin() + place + 1, -1);
-    rim.resize(n + 1, 2);
-    rim << given.topRows(place + 1), 0.5 * (given.row(place) + given.row(next)), given.bottomRows(n - place - 1);
-    border.resize(n + 1, 3);
-    border << points.topRows(place + 1), patch.positions(surface_rows(rim.row(place + 1))), points.bottomRows(n - place - 1);
+    rim = with_middle(given, place);
+    border = with_row(points, place, patch.positions(surface_rows(rim.row(place + 1))));
     for (RimCorner& corner : corners) corner.place += corner.place > place;
-  } else if (given.rows() % 2 == 1) {
+  } else if (odd) {
     cover.warnings.emplace_back("The rim has an odd number of edges: the quads leave one triangle");
   }
   cover.rim = rim.rows();
   // rows along the rim put two quads into each corner: none is added that is not asked for
-  const int first = options.rows.value_or(0), last = options.rows || !options.tolerance ? first : most_extra_rows;
+  const bool as_rim = !options.tolerance && corners.empty();
+  const int first = options.rows.value_or(0), last = options.rows || !(options.tolerance || as_rim) ? first : most_extra_rows;
   bool near = false, meets = met.empty();
-  for (int rows = first; rows <= last && !(near && meets); ++rows) {
-    PlaneLayout layout = polygon_layout(rim, corners, rows);
+  for (int rows = first; rows <= last && !(near && (meets || as_rim)); ++rows) {
+    PlaneLayout layout = polygon_layout(halved ? with_middle(rim, place) : rim, corners, rows);
+    if (halved) {
+      std::optional<PlaneLayout> joined = without_middle(std::move(layout), place + 1);
+      if (!joined) return {};
+      layout = std::move(*joined);
+    }
     Points vertices = smoothed_on(layout, patch, border);
     if (!met.empty()) {
       std::optional<Points> at = smoothed_at(layout, patch, border, met);
       meets = at.has_value();
       if (meets) vertices = std::move(*at);
     }
-    near = first == last || middle_deviation(layout, vertices, patch) <= *options.tolerance;
+    near = first == last || (as_rim ? squares_a_quad(layout, vertices) <= largest_quad
+                                    : middle_deviation(layout, vertices, patch) <= *options.tolerance);
     cover.uv = std::move(layout.uv);
     cover.faces = std::move(layout.faces);
     cover.poles = std::move(layout.poles);
     cover.rows = rows;
   }
-  if (!near) cover.warnings.emplace_back(too_few_rows);
+  if (!near && !as_rim) cover.warnings.emplace_back(too_few_rows);
   if (!meets) cover.warnings.emplace_back("The points inside lie on the quads' surface, but no vertices of them lie there");
   return cover;
 }

@@ -24,7 +24,9 @@ struct PlaneCover {
 };
 
 /// rim: places in a convex domain and `points` in space, a row each; corners: as polygon_layout takes them. met: places inside that
-/// become vertices, as far as no quad is turned over by that; a warning else.
+/// become vertices, as far as no quad is turned over by that; a warning else. Without corners, and where neither rows nor a tolerance are
+/// given, as many rows as make the quads about as large as squares of the rim's edges. No faces where a rim that stays odd has neither corners
+/// nor a layout with one triangle.
 PlaneCover cover_polygon_with_quads(const PlanePoints& rim, const Points& points, std::vector<RimCorner> corners,
                                     const Surface& patch, const LayoutOptions& options, const std::vector<Vec2>& met = {});
 

@@ -1,0 +1,113 @@
+// Quads in round rims: how many rows they get, and what becomes of an odd number of edges.
+#include <algorithm>
+#include <map>
+
+#include "test_surfaces.h"
+#include "tripatch/output/polygon_cover.h"
+
+using namespace tripatch;
+using namespace tripatch::testing;
+
+namespace {
+
+/// A paraboloid over the unit disc, so high in its middle.
+SurfacePtr cap(double height) {
+  return formula_surface([height](const auto& b) {
+    const auto u = b[0], v = b[1];
+    JetPoint<std::decay_t<decltype(u)>::order> p;
+    p.x = {u, v, height - height * (u * u + v * v)};
+    return p;
+  });
+}
+
+struct Rim {
+  PlanePoints uv;
+  Points points;
+};
+
+Rim circle(Index edges) {
+  Rim rim{PlanePoints(edges, 2), Points::Zero(edges, 3)};
+  for (Index k = 0; k < edges; ++k) {
+    const double angle = whole * static_cast<double>(k) / static_cast<double>(edges);
+    rim.uv.row(k) << std::cos(angle), std::sin(angle);
+  }
+  rim.points.leftCols(2) = rim.uv;
+  return rim;
+}
+
+PlaneCover cover_of(Index edges, const Surface& surface, const LayoutOptions& options) {
+  const Rim rim = circle(edges);
+  return cover_polygon_with_quads(rim.uv, rim.points, {}, surface, options);
+}
+
+Points places_of(const PlaneCover& cover, const Surface& surface) {
+  Points at = Points::Zero(cover.uv.rows(), 3);
+  at.leftCols(2) = cover.uv;
+  return surface.positions(at);
+}
+
+/// How often each edge is passed from one end to the other.
+std::map<std::pair<Index, Index>, int> edges_of(const Faces& faces) {
+  std::map<std::pair<Index, Index>, int> found;
+  for (Index f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < faces[f].size(); ++k) ++found[{faces[f][k], faces[f][(k + 1) % faces[f].size()]}];
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("polygon cover: an odd round rim that is not split leaves one triangle, and every edge has a face on either side") {
+  for (const Index edges : {9, 15, 21, 33})
+    for (const int rows : {0, 2}) {
+      LayoutOptions options;
+      options.rows = rows;
+      options.split_odd = false;
+      const SurfacePtr flat = cap(0);
+      const PlaneCover cover = cover_of(edges, *flat, options);
+      REQUIRE(cover.rim == edges);
+      CHECK_FALSE(cover.split);
+      int triangles = 0;
+      for (Index f = 0; f < cover.faces.size(); ++f) triangles += cover.faces[f].size() == 3;
+      CHECK(triangles == 1);
+      CHECK(cover.warnings.size() == 1);
+      for (const auto& [edge, times] : edges_of(cover.faces)) {
+        CHECK(times == 1);
+        const auto [a, b] = edge;
+        const bool along = a < edges && b == (a + 1) % edges;
+        CHECK(edges_of(cover.faces).contains({b, a}) != along);
+      }
+      CHECK(quad_quality(places_of(cover, *flat), cover.faces).least > 0.5);
+      options.split_odd = true;
+      const PlaneCover split = cover_of(edges, *flat, options);
+      CHECK(split.split);
+      CHECK(split.faces.size() == cover.faces.size());
+      CHECK(split.poles.size() == cover.poles.size());
+    }
+}
+
+TEST_CASE("polygon cover: quads in a round rim that nobody counts cover 1.25 squares of its edges at most", "[thresholds]") {
+  constexpr Index edges = 32;
+  LayoutOptions none, plain;
+  plain.rows = 0;
+  const auto squares = [&](double height) {
+    const SurfacePtr surface = cap(height);
+    const PlaneCover cover = cover_of(edges, *surface, plain);
+    Points at = places_of(cover, *surface);
+    double area = 0;
+    for (Index f = 0; f < cover.faces.size(); ++f) {
+      const auto corner = [&](int k) { return Vec3(at.row(cover.faces[f][k])); };
+      area += 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+      area += 0.5 * (corner(2) - corner(0)).cross(corner(3) - corner(0)).norm();
+    }
+    const double edge = 2 * std::sin(whole / 2 / edges);
+    return area / static_cast<double>(cover.faces.size()) / (edge * edge);
+  };
+  double lower = 0, higher = 2;
+  while (higher - lower > 1e-3) (squares((lower + higher) / 2) < 1.25 ? lower : higher) = (lower + higher) / 2;
+  CHECK(cover_of(edges, *cap(0), none).rows == 0);
+  CHECK(cover_of(edges, *cap(0.99 * lower), none).rows == 0);
+  CHECK(cover_of(edges, *cap(1.01 * higher), none).rows == 1);
+  CHECK(cover_of(edges, *cap(4 * higher), none).rows == most_extra_rows);  // no more than these, and no warning
+  CHECK(cover_of(edges, *cap(4 * higher), none).warnings.empty());
+  CHECK(cover_of(edges, *cap(4 * higher), plain).rows == 0);
+}
