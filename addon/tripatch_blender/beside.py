@@ -134,6 +134,6 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         outcome.notes.append(f"{missing} points of the border are not on the surface that the modifier draws")
     waiting.goes_on()
     new = _new_object(ob, np.vstack(vertices), faces, materials, smooth)
-    outcome.faces = len(faces)
+    outcome.count(faces, options.arguments.get("output"))
     outcome.beside.append(new.name)
     return outcome, new

@@ -24,6 +24,15 @@ class Options:
     mirrored: bool = False  # what a Mirror modifier makes is in the BMesh
 
 
+def going_on(corners):
+    """What holes are filled with where a person has not chosen, as arguments of tripatch.fill: with what they lie among. corners:
+    as selection.beside counts them."""
+    if not corners or corners[3] > corners[4]:
+        return {"output": "triangles"}
+    # What lies around stays quads: where an edge is split, one becomes a pentagon.
+    return {"output": "quads", "odd": "triangle"}
+
+
 #: Of a hole's diameter: the tolerance of quads and cages where none is given, as the library's option says.
 TOLERANCE = 1e-3
 #: A panel has rows for so many sides.
@@ -67,6 +76,7 @@ class Outcome:
     refused: list = field(default_factory=list)  # Refused
     notes: list = field(default_factory=list)  # sentences on holes that were filled
     faces: int = 0
+    triangles: int = 0  # among them, where quads were to be made
     rim_edges: list = field(default_factory=list)  # of each filled hole
     diameters: list = field(default_factory=list)  # likewise, in the world
     cage_rim: str = ""  # of fills that are cages
@@ -79,11 +89,17 @@ class Outcome:
         self.refused += [refused.of(name) for refused in other.refused]
         self.notes += [prefix + sentence for sentence in other.notes]
         self.faces += other.faces
+        self.triangles += other.triangles
         self.rim_edges += other.rim_edges
         self.diameters += other.diameters
         self.cage_rim = other.cage_rim or self.cage_rim
         self.beside += other.beside
         self.live += other.live
+
+    def count(self, faces, output):
+        """The new faces, as lists of vertices or corners."""
+        self.faces = len(faces)
+        self.triangles = sum(len(face) == 3 for face in faces) if output == "quads" else 0
 
     def density(self, output):
         """What was computed where none was asked for: edges of new faces along a side, extra rows of quads; None: not known."""
@@ -96,7 +112,8 @@ class Outcome:
     def sentence(self):
         """'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'"""
         told = {"cage_rim": self.cage_rim, "quads": self.faces, "limit": bool(self.beside), "into": self.beside + self.live}
-        return words.filled(self.reports, **told)
+        left = f"; {self.triangles} of {self.faces} new faces are triangles" if self.triangles else ""
+        return words.filled(self.reports, **told) + left
 
 
 #: What is said of a rim of no extent.
@@ -463,7 +480,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     if planned:
         new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
     new_faces = [face for face in new_faces if face.is_valid]
-    outcome.faces = len(new_faces)
+    outcome.count([face.verts for face in new_faces], options.arguments.get("output"))
     if loops:
         seam.remember(bm, mesh.name, loops)
     return outcome, new_faces

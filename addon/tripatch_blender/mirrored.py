@@ -293,7 +293,7 @@ def _fill(bm, mesh, matrix, half, options, told, outer, active, modifier):
         outcome, new_faces = filling.fill_rims(bm, mesh, matrix, [rim], options, active, modifier)
         new_faces = keep(new_faces)
         told.read(new_faces)
-        outcome.faces = len(new_faces)
+        outcome.count([face.verts for face in new_faces], options.arguments.get("output"))
     for each in outcome.refused:
         each.vertices = own
     return outcome, new_faces

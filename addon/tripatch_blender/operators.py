@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """mesh.fill_smooth, and mesh.fill_three_sided, which is its name of before."""
 
+from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -67,6 +69,11 @@ def _declared():
         default=0,
         soft_min=1,
     )
+    made["output"] = properties.of(
+        OPTIONS["output"],
+        description=f"{properties.seen(OPTIONS['output'])}. Until it is changed: quads, but triangles where the rims run along "
+        "more triangles than quads, and a cage under a Subdivision modifier",
+    )
     made["rows"] = properties.of(
         density,
         name="Density",
@@ -88,12 +95,18 @@ def _declared():
     return made
 
 
+def _selected(bm, mesh):
+    """What is, and whether all holes are meant."""
+    selected = selection.Selected(bm, mesh)
+    return selected, not selected.vertices or selected.is_all(bm)
+
+
 #: What filters begin with.
 _FILTERS = {"max_edges": 64, "max_diameter": 1.0, "corner_count": (2, 6)}
 
 
 #: What the properties computed_... are where nothing was.
-_NEVER = {"output": "", "resolution": 0, "rows": -1, "tolerance": 0}
+_NEVER = {"output": "", "odd": "", "resolution": 0, "rows": -1, "tolerance": 0}
 
 
 class FillSmooth(Construction, waiting.Waiting):
@@ -132,7 +145,8 @@ class FillSmooth(Construction, waiting.Waiting):
         default=False,
     )
     # What was computed the last time: a value that is still the same was not chosen by anyone, and is computed anew.
-    computed_output: StringProperty(options={"HIDDEN"})
+    computed_output: StringProperty(options=_HIDDEN)  # of this selection, as `output` is
+    computed_odd: StringProperty(options={"HIDDEN"})
     computed_resolution: IntProperty(default=0, options={"HIDDEN"})
     computed_rows: IntProperty(default=-1, options={"HIDDEN"})
     computed_tolerance: FloatProperty(options={"HIDDEN"})
@@ -253,22 +267,50 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def perform(self, context):
         live_ones = self.keep_live and self.surroundings != "limit"  # they are made in copies
+        self._looked_at = {}
         with layers.standing_aside(context, [] if live_ones else context.objects_in_mode_unique_data):
-            return self._execute(context)
+            try:
+                return self._execute(context)
+            finally:
+                self._looked_at.clear()
 
-    def _choose_output(self, objects):
+    def _choose_output(self, objects, meant):
+        """What nobody has chosen. objects: that are selected; meant: those of them that have what is to be filled."""
         if self._is_computed("output", None):
             # Who models under a Subdivision modifier wants a cage; an object of its own is asked for by name.
             caged = self.surroundings == "mesh" and all(map(subdivision.modifier_of, objects))
-            self.output = self.computed_output = "cage" if caged else "triangles"
+            # A script that says how many edges its triangles have has chosen them.
+            counted = not self.computed_output and self.properties.is_property_set("resolution") and self.resolution > 0
+            beside = Counter() if caged or counted else sum(map(self._beside_rims, meant), Counter())
+            self.output = "cage" if caged else filling.going_on(beside)["output"]
+            self.computed_output = "" if counted and not caged else self.output
+        if self._is_computed("odd", None):
+            goes_on = self.output == self.computed_output == "quads"
+            self.odd = self.computed_odd = "triangle" if goes_on else OPTIONS["odd"].default
+
+    def _beside_rims(self, ob):
+        """Of the faces along the rims of an object that are to be filled: how many have so many corners. The rims are kept for
+        the fill, unless the mesh is changed before, by halves of holes or by layers, which end the validity of what was found."""
+        bm = bmesh.from_edit_mesh(ob.data)
+        bm.verts.index_update()
+        bm.faces.index_update()
+        selected, everything = _selected(bm, ob.data)
+        halves = mirrored.half_rims(ob, bm, [] if everything else selected.vertices) if self.surroundings != "limit" else []
+        rims = [selection.Rim(chain) for _, chain in halves]
+        with suppress(selection.UnusableError, selection.OptionsError):
+            found = self._rims(ob, bm, filling.world_matrix(ob.name, ob.matrix_world), selected, everything)
+            if not (halves or self.deviation):
+                self._looked_at[ob.name] = bm, selected, everything, found
+            rims += found[0]
+        return selection.beside(bm, rims)
 
     def _execute(self, context):
         objects = context.objects_in_mode_unique_data
         selected = [ob for ob in objects if ob.data.total_vert_sel]
-        self._choose_output(selected or objects)
         self.reasons, self.all_holes = "", False
-        outcome, unusable = filling.Outcome(), []
         meant = self._meant(selected or objects)
+        self._choose_output(selected or objects, meant)
+        outcome, unusable = filling.Outcome(), []
         refusals = selection.UnusableError, selection.OptionsError
         waiting.ahead([partial(self._fill, ob) for ob in meant], *refusals)
         for ob in meant:
@@ -359,9 +401,8 @@ class FillSmooth(Construction, waiting.Waiting):
         bm.verts.index_update()
         bm.faces.index_update()
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
-        selected = selection.Selected(bm, mesh)
+        _, selected, everything, known = self._looked_at.get(ob.name) or (bm, *_selected(bm, mesh), None)
         options = self._options()
-        everything = not selected.vertices or selected.is_all(bm)
         halved, new_faces = filling.Outcome(), []
         if self.surroundings != "limit":
             halves = mirrored.half_rims(ob, bm, [] if everything else selected.vertices)
@@ -371,7 +412,7 @@ class FillSmooth(Construction, waiting.Waiting):
             else:
                 halved, new_faces = self._fill_halves(ob, bm, matrix, options, halves, outer)
         try:
-            rims, refused = self._rims(ob, bm, matrix, selected, everything)
+            rims, refused = known or self._rims(ob, bm, matrix, selected, everything)
         except selection.UnusableError:
             if not halved.reports and not halved.refused:
                 raise

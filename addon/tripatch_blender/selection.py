@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from itertools import compress
 from operator import attrgetter
@@ -49,6 +50,12 @@ def pairs(loop):
 def edges_of(bm, loop):
     """The edges of a loop of vertices, from each vertex to the next."""
     return [bm.edges.get((a, b)) for a, b in pairs(loop)]
+
+
+def beside(bm, rims):
+    """Counter of the numbers of corners of the faces that rims run along, but those that are replaced: one for each edge."""
+    edges = [(edge, rim) for rim in rims for edge in edges_of(bm, rim.loop) if edge]
+    return Counter(len(face.verts) for edge, rim in edges for face in edge.link_faces if face not in rim.replaced)
 
 
 def _by_index(elements):

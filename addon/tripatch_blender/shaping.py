@@ -194,7 +194,9 @@ class Shaping:
             raise UnusableError("A Mirror modifier joins this border to its image: Smooth Fill fills such halves, the tool none")
         if filling.is_a_point(rim):
             raise UnusableError(filling.A_POINT, rim.loop)
-        self.name, self.arguments = ob.name, dict(arguments or {})
+        self.name = ob.name
+        self._going_on = filling.going_on(selection.beside(bm, [rim]))
+        self.set_arguments(arguments or {})
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         positions, faces, _ = selection.Surroundings(bm, matrix).around(rim)
         used = sorted({v for face in faces for v in face})
@@ -222,6 +224,10 @@ class Shaping:
         self._asked: tuple | None = None  # bulges and the middle of the last fill,
         self._read_last: Any = None  # and the rest of its shape
         self._before = None
+
+    def set_arguments(self, given):
+        """Of tripatch.fill, in place of those that go on with what lies around."""
+        self.arguments = self._going_on | given
 
     def _rings(self, count):
         near, faces = set(self._loop), []

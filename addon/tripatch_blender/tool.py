@@ -9,7 +9,7 @@ import bmesh
 import bpy
 import gpu
 from bpy.app.handlers import persistent
-from bpy.props import BoolProperty, EnumProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, PointerProperty, StringProperty
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
@@ -91,8 +91,8 @@ def _pulled():
 
 
 def arguments(settings):
-    """Of tripatch.fill, as the tool's settings have them."""
-    return {"output": settings.output}
+    """Of tripatch.fill, as far as they were chosen in the tool's settings."""
+    return {"output": settings.chosen} if settings.chosen else {}
 
 
 def _drawn():
@@ -139,15 +139,21 @@ def _on_load(*_):
     stop()
 
 
+_OUTPUTS = [("triangles", "Triangles", "Triangles as fine as the rim"), ("quads", "Quads", "Quads round one pole or more")]
+
+
 class TripatchTool(bpy.types.PropertyGroup):
     """Settings of the tool."""
 
     output: EnumProperty(
         name="Output",
-        description="What the hole is filled with",
-        items=[("triangles", "Triangles", "Triangles as fine as the rim"), ("quads", "Quads", "Quads round one pole or more")],
-        update=lambda settings, _: _renew(settings),
+        description="What the hole is filled with. Until it is changed: quads, but triangles where the rim runs along more "
+        "triangles than quads",
+        items=_OUTPUTS,
+        get=lambda settings: [name for name, *_ in _OUTPUTS].index(_output(settings)),
+        set=lambda settings, place: _choose_output(settings, _OUTPUTS[place][0]),
     )
+    chosen: StringProperty(options={"HIDDEN"})  # of these, by a person; none: what goes on with the faces around
     round: BoolProperty(
         name="Round",
         description="The rim has no corners: the fill runs out of it the same way all around",
@@ -156,10 +162,22 @@ class TripatchTool(bpy.types.PropertyGroup):
     )
 
 
-def _renew(settings):
-    if _state.shaping:
-        _state.shaping.arguments = arguments(settings)
-        _state.shaping.preview()
+def _output(settings):
+    made = _state.shaping
+    return settings.chosen or (made.arguments["output"] if made else _OUTPUTS[0][0])
+
+
+def _choose_output(settings, output):
+    """By a person: what would be taken anyway is no choice."""
+    made = _state.shaping
+    settings.chosen = ""
+    if made:
+        made.set_arguments({})
+    if not made or made.arguments["output"] != output:
+        settings.chosen = output
+    if made:
+        made.set_arguments(arguments(settings))
+        made.preview()
         changed()
 
 

@@ -144,11 +144,20 @@ def _sheet(height, count=30, size=2.0):
     return bm
 
 
-def fender():
-    """The crown of a wheel arch: bent hard across, softly along, flaring outwards."""
+def _fender(**values):
     bm = _sheet(lambda x, y: 1.2 * np.exp(-3 * (y - 0.15 * x * x) ** 2) - 0.12 * x * x + 0.05 * x)
     gone = {f for f in bm.faces if abs(f.calc_center_median().x) < 0.5 and abs(f.calc_center_median().y) < 0.4}
-    return open_up(bm, gone, within=0.04, outer=_border(bm))
+    return open_up(bm, gone, outer=_border(bm), **values)
+
+
+def fender():
+    """The crown of a wheel arch: bent hard across, softly along, flaring outwards."""
+    return _fender(within=0.04, options={"output": "triangles"})
+
+
+def fender_of_quads():
+    """The same, as it was: its quads bend by 50 degrees."""
+    return _fender(within=0.004, bend=51)
 
 
 def _border(bm):
@@ -469,6 +478,7 @@ ALL = [
     mixed_fillets_but_tips,
     replaced_corner,
     fender,
+    fender_of_quads,
     jagged,
     pipe_junction,
     four_corners,

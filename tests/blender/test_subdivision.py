@@ -223,7 +223,7 @@ def test_a_modifier_makes_the_cage_the_default():
     assert all(e.is_manifold for e in bm.edges) and {len(f.verts) for f in bm.faces} == {4}
     bm.free()
     plain = add_cage(levels=None)
-    set_output(plain)
+    set_output(plain, output="triangles")
     assert 3 in {len(p.vertices) for p in plain.data.polygons}
 
 

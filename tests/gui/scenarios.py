@@ -60,8 +60,14 @@ def face_menu(w):
     yield from w.picture("filled-from-the-menu")
 
 
+def _more_density(w):
+    """A click on the right arrow of the second row of the panel."""
+    hud = w.region("HUD")
+    yield from w.click_at(hud.x + hud.width - 14, hud.y + hud.height - 62)
+
+
 def panel_rows(w):
-    """The panel opens; an arrow of Density fills anew; Sides unfolds."""
+    """The panel opens; among quads it shows them; an arrow of Density fills anew; Sides unfolds."""
     rounded_corner(w)
     yield
     yield from _fill_by_key(w)
@@ -69,16 +75,68 @@ def panel_rows(w):
     assert filled[1] == 0
     yield from _open_panel(w)
     yield from w.picture("blender-redo-panel")
-    hud = w.region("HUD")
-    place = hud.x + hud.width - 14, hud.y + hud.height - 62  # the arrow of the second row
-    yield from w.click_at(*place)
-    assert last_operator().resolution == 11, f"resolution is {last_operator().resolution} after a click on its arrow"
-    assert counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
+    assert last_operator().output == "quads" and last_operator().rows == 0
+    assert all(len(f.verts) == 4 for f in mesh().faces if f.select)
+    yield from _more_density(w)
+    assert last_operator().rows == 1, f"rows are {last_operator().rows} after a click on their arrow"
+    assert last_operator().output == "quads" and counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
     hud = w.region("HUD")
     folded, place = hud.height, (hud.x + 20, hud.y + 18 + 2 * 23)  # the third row from below
     yield from w.click_at(*place)
     assert w.region("HUD").height > folded + 20 and (PANELS or last_operator().show_sides)
     yield from w.picture("sides-unfolded")
+
+
+def panel_of_triangles(w):
+    """Triangles among quads, for one who chooses them: an arrow of Density fills anew, with triangles again."""
+    rounded_corner(w)
+    with w.override():
+        bpy.ops.ed.undo_push(message="Corner")
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0, output="triangles")
+    yield
+    filled = counts()
+    assert filled[1] == 0
+    yield from _open_panel(w)
+    yield from _more_density(w)
+    assert last_operator().resolution == 11, f"resolution is {last_operator().resolution} after a click on its arrow"
+    assert last_operator().output == "triangles" and counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
+
+
+def output_for_every_mesh(w):
+    """By the key again and again: what one mesh was filled with is not remembered for the next."""
+    for name, triangulated, modified, expected in (
+        ("Quads", False, False, "quads"),
+        ("Again", False, False, "quads"),
+        ("Triangles", True, False, "triangles"),
+        ("Cage", False, True, "cage"),
+        ("After", False, False, "quads"),
+        ("Cage again", False, True, "cage"),
+    ):
+        sheet(w, name)
+        with w.override():
+            bm = mesh()
+            if triangulated:
+                bmesh.ops.triangulate(bm, faces=bm.faces)
+                bmesh.update_edit_mesh(bpy.context.object.data)
+            if modified:
+                bpy.context.object.modifiers.new("Subdivision", "SUBSURF")
+            bpy.ops.ed.undo_push(message=name)
+        before = counts()
+        yield
+        yield from _fill_by_key(w)
+        assert _is_filled(before)
+        assert last_operator().output == expected, f"{name}: {last_operator().output}, not {expected}"
+        corners = {len(f.verts) for f in mesh().faces if f.select}
+        assert corners == ({3} if expected == "triangles" else {4}), f"{name}: {corners}"
+    last_operator().output = "triangles"  # as the panel would
+    with w.override():
+        bpy.ops.ed.undo_redo()
+    yield
+    assert {len(f.verts) for f in mesh().faces if f.select} == {3}
+    sheet(w, "The next")
+    yield
+    yield from _fill_by_key(w)
+    assert last_operator().output == "quads"
 
 
 def filters(w):
@@ -201,7 +259,7 @@ def repeated_elsewhere(w):
     sheet(w, "Other")
     before = counts()
     with w.override():
-        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0)
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0, output="triangles")
     yield
     first = last_operator().resolution
     assert first > 1 and _is_filled(before)
@@ -478,7 +536,7 @@ def long_redo(w):
         bpy.ops.ed.undo_push(message="Sheet")  # to which the last step goes back
     before = counts()
     with w.override():  # the Density that was chosen before stays, if nothing else is asked for
-        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0)
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0, output="triangles")
     yield
     filled = counts()
     assert _is_filled(before)
@@ -683,6 +741,8 @@ ALL = [
     face_menu,
     filters,  # before others unfold more of the panel
     panel_rows,
+    panel_of_triangles,
+    output_for_every_mesh,
     undo_and_redo,
     search,
     context_menu,
