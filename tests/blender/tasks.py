@@ -152,7 +152,7 @@ def _fender(**values):
 
 def fender():
     """The crown of a wheel arch: bent hard across, softly along, flaring outwards."""
-    return _fender(within=0.04, options={"output": "triangles"})
+    return _fender(within=0.04, options={"output": "triangles", "method": "polyharmonic_spline"})
 
 
 def fender_of_quads():

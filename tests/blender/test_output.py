@@ -200,13 +200,18 @@ def test_an_odd_rim_among_quads_gets_one_triangle_and_they_stay_quads(addon):
 
 
 def test_the_status_bar_counts_the_triangles_among_quads(addon):
-    """A sharp edge across the hole, along which it is cut; none where all are quads."""
-    for make in (tasks.crease, tasks.on_the_mirror_plane):
-        task, state = make(), operator(addon)
-        assert state.execute(bpy.context) == {"FINISHED"}
-        new = [len(f.verts) for f in bmesh.from_edit_mesh(task.ob.data).faces if f.select]
+    """Where points inside are met; none where all are quads."""
+    for inside in (True, False):
+        ob, state = grid(), operator(addon)
+        (bm,) = scenes.edit(ob)
+        rim(bm)
+        if inside:
+            bm.verts.new((0.0, 0.02, 0.05)).select = True
+        assert state.execute(bpy.context) == {"FINISHED"} and state.output == "quads"
+        new = [len(f.verts) for f in bmesh.from_edit_mesh(ob.data).faces if f.select]
         ((_, said),) = state.said
-        assert (f"; {new.count(3)} of {len(new)} new faces are triangles" in said) == (3 in new) == (make == tasks.crease)
+        assert (f"; {new.count(3)} of {len(new)} new faces are triangles" in said) == (3 in new) == ("triangles" in said)
+        assert inside or 3 not in new
         bpy.ops.object.mode_set(mode="OBJECT")
 
 

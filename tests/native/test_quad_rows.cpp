@@ -297,6 +297,23 @@ TEST_CASE("rows are taken where they are off by less than a quarter of what they
   CHECK_FALSE(rows_are_nearer(rows, other));
 }
 
+TEST_CASE("sides tell more than rows that miss the rim by 1.2 degrees and five times what is not known of the sides",
+          "[thresholds]") {
+  Fill rows, patch;
+  patch.sides.resize(3);
+  const auto tell = [&](double made, double known) {
+    rows.report.surroundings_error = made;
+    patch.report.surroundings_error = known;
+    return sides_tell_more(rows, patch);
+  };
+  CHECK_FALSE(tell(1.19, 0.01));
+  CHECK(tell(1.21, 0.01));
+  CHECK(tell(10, 1.99));
+  CHECK_FALSE(tell(10, 2.01));
+  patch.sides.clear();
+  CHECK_FALSE(tell(10, 0.01));
+}
+
 TEST_CASE("what is missed is said as of the middle, alike in small blocks and in large ones", "[thresholds]") {
   const At waves = [](double i, double j) { return Vec3(i, j, std::sin(0.25 * i + 0.4) * std::cos(0.25 * j)); };
   std::vector<double> ratios;
