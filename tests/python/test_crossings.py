@@ -1,11 +1,17 @@
 """Fills that go through themselves: none that need not, and those that must say so."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 import tripatch
 from test_cli import run, write_obj
 from test_invariance import uneven_hole
 
+#: Holes cut at random in real meshes, with the faces at their rims, in thousandths of the hole: rims that come close to
+#: themselves, where triangles of the least worst angle cross.
+REAL = json.loads((Path(__file__).parents[1] / "data" / "crossing_rims.json").read_text())
 TOUCHING = 1e-6  # of an edge: what passes by less is not looked at
 
 
@@ -38,10 +44,10 @@ def ribbon(loop, beside):
     )
 
 
-def jagged(seed):
-    """A rim of 6 to 20 vertices around a middle, and a strip outside."""
+def jagged(seed, n=None):
+    """A rim of 6 to 20 vertices, or so many, around a middle, and a strip outside."""
     rng = np.random.default_rng(seed)
-    n = int(rng.integers(6, 21))
+    n = n or int(rng.integers(6, 21))
     turn, radius, height = np.sort(rng.uniform(0, 2 * np.pi, n)), rng.uniform(0.3, 1, n), rng.normal(0, 0.6, n)
     out = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
     loop = radius[:, None] * out + height[:, None] * [0, 0, 1]
@@ -62,6 +68,25 @@ def test_a_jagged_rim_is_filled_without_crossings(seed, output):
     fill = tripatch.fill(vertices, faces, rim=rim, output=output)
     assert crosses(np.concatenate([vertices, fill.vertices]), fill.faces) == fill.report.crosses_itself
     assert not fill.report.crosses_itself and not any("crosses itself" in warning for warning in fill.report.warnings)
+
+
+@pytest.mark.parametrize("n", [50, 80, 110])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_very_jagged_rim_is_filled_without_crossings(seed, n):
+    """Of nearly all of these rims the triangles of the least worst angle cross."""
+    vertices, faces, rim = jagged(seed, n)
+    fill = tripatch.fill(vertices, faces, rim=rim)
+    assert not fill.report.crosses_itself
+    assert not crosses(np.concatenate([vertices, fill.vertices]), fill.faces)
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_a_rim_close_to_itself_is_filled_without_crossings(name):
+    mesh = REAL[name]
+    vertices = np.array(mesh["vertices"], float)
+    fill = tripatch.fill(vertices, mesh["faces"], rim=range(mesh["rim"]))
+    assert not fill.report.crosses_itself
+    assert not crosses(np.concatenate([vertices, fill.vertices]), fill.faces)
 
 
 @pytest.mark.parametrize("n", [16, 31])

@@ -39,15 +39,9 @@ std::optional<Crossing> passed(const CrossingTriangle& of, int k, const Crossing
   const Index a = of.corner[k], b = of.corner[(k + 1) % 3];
   for (Index v : through.corner)
     if (v == a || v == b) return {};
-  const Vec3 &p = of.p[k], &q = of.p[(k + 1) % 3];
-  const double over = (p - through.p[0]).dot(through.normal), under = (q - through.p[0]).dot(through.normal);
-  if (!(std::min(std::abs(over), std::abs(under)) > least) || (over > 0) == (under > 0)) return {};
-  const Vec3 at = p + over / (over - under) * (q - p);
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 way = through.p[(i + 1) % 3] - through.p[i];
-    if (!(way.cross(at - through.p[i]).dot(through.normal) > least * way.norm())) return {};
-  }
-  return Crossing{{a, b}, through.corner, at};
+  const std::optional<Vec3> where = passage(of.p[k], of.p[(k + 1) % 3], through.p, through.normal, least);
+  if (!where) return {};
+  return Crossing{{a, b}, through.corner, *where};
 }
 
 /// Whether the plane of a triangle has corners of another on both sides.
@@ -160,6 +154,18 @@ private:
 };
 
 }  // namespace
+
+std::optional<Vec3> passage(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& triangle, const Vec3& normal,
+                            double least) {
+  const double over = (from - triangle[0]).dot(normal), under = (to - triangle[0]).dot(normal);
+  if (!(std::min(std::abs(over), std::abs(under)) > least) || (over > 0) == (under > 0)) return {};
+  const Vec3 at = from + over / (over - under) * (to - from);
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 way = triangle[(i + 1) % 3] - triangle[i];
+    if (!(way.cross(at - triangle[i]).dot(normal) > least * way.norm())) return {};
+  }
+  return at;
+}
 
 std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::size_t most) {
   EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), faces, {});

@@ -583,14 +583,14 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
 }
 
 /// Triangles without a surface: the rim's own, or those that join its edges to its middle where only that leaves no fold between them and
-/// no crossing, and folds no more over the faces beyond.
-PlaneFill plain(const Rim& rim) {
+/// no crossing, and folds no more over the faces beyond; or folds less, where the rim's own are not the first: those crossed.
+PlaneFill plain(const Rim& rim, bool are_first) {
   PlaneFill fill;
   fill.triangles = rim.rough;
   fill.folds = fill.rim_folds = rim.own_folds;
   fill.doubles_edges = rim.doubles_edges;
   const bool crossed = crosses_itself(rim.points, rim.rough);
-  const bool serves = folded_edges(rim.points, rim.rough, {}) == 0 && !crossed;
+  const bool serves = (are_first || fill.folds == 0) && folded_edges(rim.points, rim.rough, {}) == 0 && !crossed;
   if (serves || !rim.surroundings.islands.empty()) return fill;
   const Index r = rim.points.rows();
   Points points(r + 1, 3);
@@ -866,7 +866,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   rim.folds = rim.own_folds = folded_edges(rim.points, rim.rough, rim.beyond);
   if (!rough.crossing.empty()) rim.folds = std::min(rim.folds, folded_edges(rim.points, rough.crossing, rim.beyond));
   rim.doubles_edges = rough.doubles_edges;
-  PlaneFill best = plain(rim);
+  PlaneFill best = plain(rim, rough.crossing.empty());
   const Points plain_points = points_of(rim, best);
   rim.folds_of_plain = folded_edges(plain_points, best.triangles, {});
   best.plainer = "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
