@@ -232,6 +232,11 @@ def test_what_folds_or_crosses_of_a_limit_surface_does_so_in_a_mirror_too(seed):
     change_of_vertices(seed, "mirrored", "cage")
 
 
+@pytest.mark.parametrize("seed", [135, 279])
+def test_whether_a_rim_is_round_does_not_hang_on_its_first_vertex(seed):
+    change_of_vertices(seed, "relabelled", "triangles")
+
+
 def change_of_vertices(seed, look, output):
     points, faces, rim = uneven_hole(seed)
     if len(rim) > 50:

@@ -1,7 +1,6 @@
 #include "tripatch/hole/clear_corners.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -84,8 +83,7 @@ bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<In
   double most = 0;
   for (double turn : shape.turn) most = std::max(most, std::abs(turn));
   if (clearly_more(most, std::max(over_beside * 2 * M_PI / static_cast<double>(n), least_turn))) return false;
-  const std::array<Index, 2> halves = {0, n / 2};
-  return zigzag(mesh, rim, halves) <= smooth_sides;
+  return zigzag(mesh, rim, {}) <= smooth_sides;
 }
 
 std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {

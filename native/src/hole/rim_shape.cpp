@@ -107,14 +107,17 @@ RimShape measure_alone(const Mesh& mesh, const std::vector<Index>& rim) {
 
 double zigzag(const Mesh& mesh, const Loop& rim, std::span<const Index> places) {
   const Index n = static_cast<Index>(rim.size());
+  const auto direction = [&](Index k) -> Vec3 {
+    const auto a = mesh.vertices.row(rim[k % n]), b = mesh.vertices.row(rim[(k + 1) % n]);
+    return Vec3(b - a).stableNormalized();
+  };
   std::vector<double> off;
+  const auto look_at = [&](Index k) { off.push_back((direction(k) - 0.5 * (direction(k + n - 1) + direction(k + 1))).norm()); };
+  if (places.empty())
+    for (Index k = 0; k < n; ++k) look_at(k);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Index first = places[i], edges = (places[(i + 1) % places.size()] - first + n) % n;
-    const auto direction = [&](Index k) -> Vec3 {
-      const auto a = mesh.vertices.row(rim[(first + k) % n]), b = mesh.vertices.row(rim[(first + k + 1) % n]);
-      return Vec3(b - a).stableNormalized();
-    };
-    for (Index k = 1; k + 1 < edges; ++k) off.push_back((direction(k) - 0.5 * (direction(k - 1) + direction(k + 1))).norm());
+    for (Index k = 1; k + 1 < edges; ++k) look_at(first + k);
   }
   if (off.empty()) return 0;
   const auto third = off.begin() + static_cast<std::ptrdiff_t>((off.size() - 1) / 3);
