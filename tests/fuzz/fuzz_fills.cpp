@@ -88,6 +88,7 @@ FillOptions take_options(Bytes& bytes, const Mesh& mesh) {
   o.subdivision.level = std::min(o.subdivision.level, 3);  // finer ones only take longer
   if (o.resolution) o.resolution = std::min(*o.resolution, 24);
   if (o.tolerance && *o.tolerance < 1e-4) o.tolerance = 1e-4;
+  if (bytes.seldom(3)) o.output = bytes.flag() ? Output::quads : Output::cage;
   return o;
 }
 

@@ -29,6 +29,20 @@ OwnMesh shape(Bytes& bytes) {
   return ball(n % 3 + 1);
 }
 
+/// A grid of quads in place of which a block is missing, as rows of quads need it; on a torus rows may come back to where they began.
+OwnMesh around_block(Bytes& bytes) {
+  const int n = bytes.whole(3, 14), m = bytes.whole(3, 14);
+  OwnMesh mesh = grid(n, m, false, bytes.flag());
+  const int low = bytes.byte() % n, left = bytes.byte() % m, high = low + 1 + bytes.byte() % 6,
+            right = left + 1 + bytes.byte() % 6;
+  Faces faces;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < m; ++j)
+      if (i < low || i >= high || j < left || j >= right) faces.add(mesh.faces[Index(i) * m + j]);
+  mesh.faces = faces;
+  return mesh;
+}
+
 }  // namespace
 
 OwnMesh grid(int n, int m, bool cut, bool closed) {
@@ -85,9 +99,11 @@ OwnMesh ball(int times) {
 
 OwnMesh take_mesh(Bytes& bytes) {
   if (bytes.seldom(4)) return wild(bytes);
-  OwnMesh mesh = shape(bytes);
+  const bool block = bytes.seldom(3);
+  OwnMesh mesh = block ? around_block(bytes) : shape(bytes);
   std::vector<char> gone(mesh.faces.size(), 0);
-  for (Index f : bytes.indices(40, 255)) gone[f % mesh.faces.size()] = 1;
+  for (Index f : bytes.indices(block ? 2 : 40, 255))
+    if (mesh.faces.size() > 0) gone[f % mesh.faces.size()] = 1;
   Faces left;
   for (Index f = 0; f < mesh.faces.size(); ++f)
     if (!gone[f]) left.add(mesh.faces[f]);

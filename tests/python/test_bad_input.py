@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import tripatch
 from scipy.spatial import Delaunay
-from shapes import octant
+from shapes import cube_sphere, octant
 from tripatch import __main__ as cli
 from tripatch import words
 
@@ -286,3 +286,21 @@ def test_the_patch_far_away_is_of_the_same_kind():
         assert np.abs(far.patch.evaluate(center) - away - near.patch.evaluate(center)).max() < 1e-6
         if "method" not in options:
             assert far.patch.energy("thin_plate") == pytest.approx(near.patch.energy("thin_plate"), rel=1e-3)
+
+
+@pytest.mark.parametrize("far", [1e308, -1.7e308])
+def test_what_comes_to_no_finite_positions_is_refused(far):
+    """A cage beside the limit surface, whose sums of coordinates overflow."""
+    vertices, faces = cube_sphere(4)
+    left = faces[1:]
+    rim = max(tripatch.find_holes(left), key=len)
+    near = set(rim)
+    for _ in range(2):
+        before, near = near, near | {v for face in left if near & set(face) for v in face}
+    away = sorted(near - before)
+    vertices[away[len(away) // 2], 0] = far
+    options = {"output": "cage", "surroundings": "limit", "resolution": 24, "corners": [rim[0], rim[1], rim[2]]}
+    with pytest.raises(tripatch.Refusal, match="no finite positions"):
+        tripatch.fill(vertices, left, rim=rim, **options)
+    (result,) = tripatch.fill_all(vertices, left, [rim], corners=[options.pop("corners")], **options)
+    assert "no finite positions" in str(result)

@@ -272,6 +272,7 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
   for (std::size_t h = 0; h < holes.size(); ++h) {
     const SidedRim& hole = holes[h];
     const Report& report = fills[h].report;
+    refuse_infinite(fills[h].vertices, hole.rim);
     if (holes.size() == 1 && !hole.given && !is_harmless(report)) {
       std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(ground, hole.rim);
       for (const bool by_angle : {false, true}) {
