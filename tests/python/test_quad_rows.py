@@ -237,3 +237,15 @@ def test_a_cage_of_loops_or_with_an_exact_rim_is_no_matter_of_rows():
     for options in ({"cage_rim": "exact"}, {"resolution": 1}):
         cage = tripatch.fill(vertices, faces, rim=rim, output="cage", **options)
         assert "rows of quads" not in cage.report.method_reason, options
+
+
+@pytest.mark.parametrize("far", [1e200, 6e224, 1e300, 1e308])
+@pytest.mark.parametrize("rows", [1, 2, 3])
+def test_rows_with_a_vertex_beyond_all_measure_are_left_to_other_methods(far, rows):
+    vertices, faces, rim, _ = hole(12, 12, (4, 5, 3, 2), lambda i, j: (i, j, 0.1 * np.sin(i) * np.cos(j)))
+    vertices[(4 - rows) * 13 + 6, 2] = far
+    try:
+        fill = tripatch.fill(vertices, faces, rim=rim, output="quads")
+    except tripatch.Refusal:
+        return
+    assert np.isfinite(fill.vertices).all() and np.isfinite(fill.normals).all() and np.isfinite(fill.rim_normals).all()
