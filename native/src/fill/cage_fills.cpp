@@ -279,7 +279,7 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
         if (!guess || (hole.guessed && !by_angle)) continue;
         guess->by_angle = by_angle;
         std::vector<Fill> others = cages_together(ground, {*guess}, options);
-        if (is_harmless(others[0].report)) return others;
+        if (is_harmless(others[0].report) && others[0].vertices.allFinite()) return others;
       }
     }
     refuse_if_harmful(hole, report);
