@@ -317,7 +317,7 @@ def _shared_or_each(mesh, loops, corners, arguments, counts=None):
     where the corners do not say them."""
     if not _is_by_side(arguments):
         return _fill_all(*mesh, loops, corners=corners, **arguments)
-    counts = counts or [len(each) for each in corners]
+    counts = counts or [len(each or ()) or 1 for each in corners]
     results: list[tripatch.Fill | tripatch.Refusal | None] = [None] * len(loops)
     for count in set(counts):
         same = [k for k, each in enumerate(counts) if each == count]
@@ -359,6 +359,11 @@ def _plans(bm, rims, there, world, keys, options, around, cage, progress):
     return results
 
 
+def _is_cage_in_rows(plan):
+    """Whether rows of quads go on in a cage, which they do where no corners are given."""
+    return plan.cage and plan.fill.report.method_reason.startswith("rows of quads")
+
+
 def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
     """Fills the same holes in another shape, and adds that to the plans and the notes on them."""
     left = {k: plan for k, (plan, _) in enumerate(results) if not isinstance(plan, tripatch.Refusal)}
@@ -366,7 +371,7 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
         return
     *in_shape, arguments["replaced"] = shape.around(*rims)
     loops = {k: [v.index for v in rims[k].loop] for k in left}
-    same = {k: plan.fill.report.corners for k, plan in left.items()}
+    same = {k: None if _is_cage_in_rows(plan) else plan.fill.report.corners for k, plan in left.items()}
     method = {k: plan.fill.report.method for k, plan in left.items()}  # what auto takes may differ from shape to shape
     made = {}
     for k, plan in left.items():
@@ -374,7 +379,7 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
             moved = _moved_with_rim(plan, bm.verts.layers.shape[name])[list(guides)]
             points = moved @ world[:3, :3].T + world[:3, 3]
             own = arguments | {"method": method[k]}
-            made[k] = _through(in_shape, loops[k], same[k], guides.values(), own, len(same[k]) or 1, points)
+            made[k] = _through(in_shape, loops[k], same[k], guides.values(), own, len(same[k] or ()) or 1, points)
     for each in sorted(set(method.values())):
         own = [k for k in left if k not in made and method[k] == each]
         there = [loops[k] for k in own], [same[k] for k in own]

@@ -239,7 +239,7 @@ def bevelled_box_without_a_corner(n, straight):
 
 
 def draw_rows(path):
-    """Quads taken out of a bevelled edge, a bent tube and the corner of a box: the hole, the surface over a plane, rows that go on."""
+    """Quads out of a bevelled edge, a bent tube and the corner of a box: the hole, the surface over a plane, rows that go on."""
 
     def bevel(i, j):
         k = i.astype(int)

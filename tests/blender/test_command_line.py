@@ -95,7 +95,7 @@ def test_any_rim_is_filled_by_default(run):
     report = run.out.with_suffix(".json")
     status, _, err = run("--report", str(report))
     assert (status, err) == (0, "")
-    assert json.loads(report.read_text())[0]["filled"][0]["method"] == "polyharmonic_spline"
+    assert json.loads(report.read_text())[0]["filled"][0]["method"] == "quad_rows"
 
 
 @pytest.mark.parametrize(("of_fill", "of_rim", "status"), [(1, 0, 3), (1, 1, 0), (0, 2, 0)])

@@ -262,6 +262,7 @@ std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<
   for (const Index pole : layout.poles)
     fill.report.poles.push_back({n + pole - r, std::ranges::count(layout.faces.corners, pole)});
   complete(ground, made.missed, output, features, fill);
+  if (!fill.normals.allFinite() || !fill.rim_normals.allFinite()) return {};  // as of a block
   return fill;
 }
 
