@@ -178,7 +178,7 @@ def test_a_tube_slit_along_a_seam_is_not_lined_with_its_own_back(edges):
     assert not crosses(np.concatenate([vertices, fill.vertices]), fill.faces)
 
 
-@pytest.mark.parametrize("seed", [0, 2, 66, 236, 280, 320])
+@pytest.mark.parametrize("seed", [0, 2, 66, 236, 284, 382])
 def test_a_cage_whose_own_faces_cross_says_so_where_its_limit_surface_does_not(seed):
     points, left, rim = uneven_hole(seed)
     fill = tripatch.fill(points, left, rim=rim, output="cage")

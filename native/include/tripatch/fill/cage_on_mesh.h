@@ -9,13 +9,14 @@
 namespace tripatch {
 
 /// Places and normals of the vertices inside a layout, on the surface over a plane that continues the faces around the hole. None where no
-/// such surface is found or only a plainer one. untangled: smoothed in its plane, for where they cross as they are. The deviation is the
-/// largest on that surface, scene units; 0: unknown.
+/// such surface is found or only a plainer one. The deviation is the largest on that surface, scene units; 0: unknown.
 struct OnMesh {
   Points points, normals;
   double deviation = 0;
 };
+/// As they are spread evenly; smoothed on the surface; or smoothed in its plane, for where they cross as they are.
+enum class Smoothed { no, on_surface, in_plane };
 std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, const CageHole& laid_out,
-                                   const FillOptions& options, bool untangled = false);
+                                   const FillOptions& options, Smoothed smoothed);
 
 }  // namespace tripatch
