@@ -262,15 +262,16 @@ def draw_rows(path):
     figure = plt.figure(figsize=(12, 11))
     for row, ((vertices, left, rim), view) in enumerate(meshes):
         toward = np.array([np.cos(np.radians(view[1])), np.sin(np.radians(view[1])), np.tan(np.radians(view[0]))])
+        zoom = 1.1 if row < 2 else 0.95
         normals = [np.cross(*(vertices[f[k]] - vertices[f[0]] for k in (1, 2))) for f in left]
         seen = left if row < 2 else [f for f, normal in zip(left, normals, strict=True) if normal @ toward > 0]
-        polygons(figure, (3, 3, 3 * row + 1), vertices, seen, [], f"{len(rim)} edges", view, 1.1)
+        polygons(figure, (3, 3, 3 * row + 1), vertices, seen, [], f"{len(rim)} edges", view, zoom)
         for column, (method, title) in enumerate(
             (("polyharmonic_spline", "a surface over a plane"), ("auto", "rows that go on"))
         ):
             fill = tripatch.fill(vertices, left, rim=rim, output="quads", method=method)
             whole = np.vstack([vertices, fill.vertices])
-            polygons(figure, (3, 3, 3 * row + 2 + column), whole, seen, fill.faces, title, view, 1.1)
+            polygons(figure, (3, 3, 3 * row + 2 + column), whole, seen, fill.faces, title, view, zoom)
     figure.tight_layout()
     figure.savefig(path, dpi=80)
     plt.close(figure)
