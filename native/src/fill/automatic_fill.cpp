@@ -14,6 +14,7 @@
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/triangle_fill.h"
+#include "tripatch/grid/continued_quads.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_checks.h"
@@ -265,12 +266,6 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
   return better ? other : std::move(*patch);
 }
 
-/// Whether all faces at a rim are quads.
-bool is_in_quads(const Ground& ground, const std::vector<Index>& rim) {
-  const auto is_quad = [&](Connectivity::Corner c) { return ground.mesh.faces[ground.left.face(c)].size() == 4; };
-  return std::ranges::all_of(rim, [&](Index v) { return std::ranges::all_of(ground.left.at(v), is_quad); });
-}
-
 /// Rows of quads, where faces are asked for as they come, quads or in a mesh of quads, and such rows end at the hole.
 std::optional<Fill> rows_across(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                                 const FillOptions& options) {
@@ -278,7 +273,7 @@ std::optional<Fill> rows_across(const Ground& ground, const std::vector<Index>& 
   if (!as_they_come || !options.islands.empty() || is_shaped_by_hand(options)) return {};
   try {
     const std::vector<Index> checked = check_topology(ground.left, rim);
-    if (options.output == Output::triangles && !is_in_quads(ground, checked)) return {};
+    if (options.output == Output::triangles && !is_among_quads(ground.left, checked)) return {};
     return fill_with_rows(ground, checked, options.output, options.features);
   } catch (const Refusal&) {  // another way may be open
     return {};

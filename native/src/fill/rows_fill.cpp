@@ -226,14 +226,9 @@ QuadLayout in_order_from_rim(const QuadLayout& layout) {
 
 /// The layout of quads that the rim alone tells of: all faces around are quads, whose rows close inside, or but for a right angle.
 std::optional<QuadLayout> layout_of_rows(const Ground& ground, const std::vector<Index>& rim) {
+  if (!is_among_quads(ground.left, rim)) return {};
   Index turns = 0;  // right angles of the rim
-  for (const Index v : rim) {
-    if (!ground.left.knows(v)) return {};
-    const auto at = ground.left.at(v);
-    for (const Connectivity::Corner c : at)
-      if (ground.mesh.faces[ground.left.face(c)].size() != 4) return {};
-    turns += static_cast<Index>(at.size()) - 2;
-  }
+  for (const Index v : rim) turns += static_cast<Index>(ground.left.at(v).size()) - 2;
   if (turns < 3 || turns > 5) return {};
   const std::optional<QuadLayout> layout = grown_layout(rim, ground.mesh.vertices, ground.left);
   if (!layout || std::ranges::any_of(layout->faces.offsets, [](Index at) { return at % 4 != 0; })) return {};
@@ -284,8 +279,7 @@ Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, co
   if (!fill || (corners && (corners->size() != fill->report.corners.size() || std::ranges::any_of(*corners, is_other))))
     throw Refusal(
         "No rows of quads go on across the hole: the faces at its rim have to be quads whose rows close inside it, but for one "
-        "pole "
-        "where three or five rows meet; other methods fill it",
+        "pole where three or five rows meet; other methods fill it",
         rim);
   fill->report.method_reason = "it was asked for";
   return std::move(*fill);

@@ -182,7 +182,13 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
+bool is_among_quads(const Connectivity& around, const std::vector<Index>& rim) {
+  const auto is_quad = [&](Connectivity::Corner c) { return around.faces()[around.face(c)].size() == 4; };
+  return std::ranges::all_of(rim, [&](Index v) { return around.knows(v) && std::ranges::all_of(around.at(v), is_quad); });
+}
+
 bool go_on(const Connectivity& around, const QuadsInside& quads) {
+  if (!is_among_quads(around, quads.rim)) return false;
   const Index r = static_cast<Index>(quads.rim.size());
   std::vector<Index> count(static_cast<std::size_t>(r + quads.inside), 0);
   for (Index f = 0; f < quads.faces.size(); ++f) {
@@ -192,11 +198,7 @@ bool go_on(const Connectivity& around, const QuadsInside& quads) {
   Index poles = std::count_if(count.begin() + r, count.end(), [](Index quads_there) { return quads_there != 4; });
   for (Index k = 0; k < r; ++k) {
     const Index v = quads.rim[static_cast<std::size_t>(k)];
-    if (!around.knows(v)) return false;
-    const auto at = around.at(v);
-    for (const Connectivity::Corner c : at)
-      if (around.faces()[around.face(c)].size() != 4) return false;
-    poles += std::abs(static_cast<Index>(at.size()) + count[static_cast<std::size_t>(k)] - 4);
+    poles += std::abs(static_cast<Index>(around.at(v).size()) + count[static_cast<std::size_t>(k)] - 4);
   }
   return poles <= 1;
 }

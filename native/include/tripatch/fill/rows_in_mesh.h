@@ -18,7 +18,6 @@ public:
   std::vector<std::array<Index, 2>> creases() const;
 
 private:
-  Vec3 at(Index v) const { return points_.row(v); }
   bool is_sharp(Index from, Index to) const;
   bool is_inside(Index from, Index to) const;
   /// The vertex straight on where four quads meet, else -1.

@@ -15,7 +15,10 @@ struct QuadsInside {
   Index inside = 0;        ///< vertices, which follow
 };
 
-/// Whether all faces at a rim are quads, and the rows that end there go on in these: four quads meet at each of its vertices and inside, but
+/// Whether all faces at a rim are known, and quads.
+bool is_among_quads(const Connectivity& around, const std::vector<Index>& rim);
+
+/// Whether a rim is among quads, and the rows that end there go on in these: four quads meet at each of its vertices and inside, but
 /// for one vertex where three or five do. More such poles the rim does not tell the places of.
 bool go_on(const Connectivity& around, const QuadsInside& quads);
 

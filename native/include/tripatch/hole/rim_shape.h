@@ -27,8 +27,8 @@ RimShape measure_alone(const Mesh& mesh, const std::vector<Index>& rim);
 /// How far the sides are from smooth curves, judged by the rim alone: the distance of a unit edge direction from the mean of the
 /// directions before and after it, exceeded at two thirds of the inner edges of the sides. Of smooth sides it falls with the square
 /// of the edge length, and kinks here and there do not count; where a rim zigzags between irregular triangles it is a third or more.
-/// 0 where no side has three edges. places: of the corners in the rim, in rim order; none: it
-/// is one side, which goes round.
+/// 0 where no side has three edges. places: of the corners in the rim, in rim order; none: it is one
+/// side, which goes round.
 double zigzag(const Mesh& mesh, const std::vector<Index>& rim, std::span<const Index> places);
 /// Sides up to here are smooth. Coarse sides of the smooth surfaces that were tried (8 edges) stay below 0.16, rims of deleted
 /// irregular triangles begin at 0.3.
