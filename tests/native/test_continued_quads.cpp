@@ -164,6 +164,25 @@ TEST_CASE("what is a sum along rows and across is continued exactly across an L,
   CHECK(made.missed < 1e-9);
 }
 
+TEST_CASE("rows go on across an outline whose inside hangs together by one row of quads only", "[quad_rows]") {
+  Quads grid = Quads::grid(18);
+  Faces left;
+  const QuadsInside quads = grid.taken_out(
+      [](const Vec3& p) {
+        const bool high = p[1] > 2 && p[1] < 8;
+        return high && ((p[0] > 2 && p[0] < 8) || (p[0] > 10 && p[0] < 16) || (p[0] > 2 && p[0] < 16 && p[1] > 4 && p[1] < 5));
+      },
+      left);
+  REQUIRE(quads.inside == 50);
+  for (Index v = 0; v < grid.vertices.rows(); ++v) {
+    const double x = grid.vertices(v, 0), y = grid.vertices(v, 1);
+    grid.vertices(v, 2) = 0.01 * x * x * x + std::sin(y);
+  }
+  const ContinuedRows made = continued_quads(grid.vertices, Connectivity(left, grid.vertices.rows()), quads);
+  REQUIRE(made.order > 0);
+  CHECK(farthest(made.inside, grid.vertices(grid.lost, Eigen::all)) < 1e-9);
+}
+
 TEST_CASE("the corner of a box comes back round its pole, and rows do not go on past two", "[quad_rows]") {
   const Quads corner = Quads::corner(6);
   Faces left;

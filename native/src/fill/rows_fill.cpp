@@ -25,7 +25,7 @@ namespace {
 /// Of the side of a block, in edges: of more the matrices of its differences would take longer than other fills.
 constexpr Index most_edges = 200;
 /// Vertices inside an outline that is no block, for the same reason: of so many it takes half a second.
-constexpr Index most_inside = 1000;
+constexpr Index most_inside = 2000;
 /// Rows beyond the rim that the surface goes through.
 constexpr Index rows_of_surface = 2;
 /// Of the mean distance of rows: no two are nearer to each other in the surface's domain.
