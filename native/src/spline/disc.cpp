@@ -9,6 +9,7 @@
 
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
+#include "tripatch/spline/plane_triangles.h"
 
 namespace tripatch {
 namespace {
@@ -147,14 +148,23 @@ private:
   void cut(std::span<const Index> face) {
     const std::size_t n = face.size();
     if (n < 3) return;
-    face_.clear();
-    for (Index v : face) face_.push_back(row_.find(v));
-    if (n == 4) {
-      const auto d = [&](std::size_t a, std::size_t b) { return (point(face[a]) - point(face[b])).squaredNorm(); };
-      if (clearly_less(d(1, 3), d(0, 2))) std::rotate(face_.begin(), face_.begin() + 1, face_.end());
+    Points corners(static_cast<Index>(n), 3);
+    for (std::size_t k = 0; k < n; ++k) corners.row(static_cast<Index>(k)) = point(face[k]).transpose();
+    const Triangles triangles = triangulate_face(corners);
+    const Index first = triangles.front()[0];
+    bool is_fan = true;
+    for (const std::array<Index, 3>& t : triangles) {
+      disc_.triangles.push_back({row_.find(face[t[0]]), row_.find(face[t[1]]), row_.find(face[t[2]])});
+      is_fan = is_fan && t[0] == first;
     }
-    disc_.faces.add(face_);
-    for (std::size_t k = 1; k + 1 < n; ++k) disc_.triangles.push_back({face_[0], face_[k], face_[k + 1]});
+    if (is_fan) {
+      face_.clear();
+      for (std::size_t k = 0; k < n; ++k) face_.push_back(row_.find(face[(static_cast<std::size_t>(first) + k) % n]));
+      disc_.faces.add(face_);
+      return;
+    }
+    for (auto t = disc_.triangles.end() - static_cast<std::ptrdiff_t>(triangles.size()); t != disc_.triangles.end(); ++t)
+      disc_.faces.add(*t);
   }
 
   /// Distances of the vertices from `first` on, from those before them and among each other.

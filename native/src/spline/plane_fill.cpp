@@ -16,10 +16,10 @@
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/disc.h"
-#include "tripatch/spline/ear_clipping.h"
 #include "tripatch/spline/layout.h"
 #include "tripatch/spline/least_bent.h"
 #include "tripatch/spline/met_points.h"
+#include "tripatch/spline/plane_triangles.h"
 #include "tripatch/spline/reference.h"
 #include "tripatch/spline/rough_fill.h"
 #include "tripatch/spline/unfold.h"
@@ -212,24 +212,9 @@ M rows_of(const M& all, const std::vector<Index>& rows) {
   return out;
 }
 
-bool positive(const PlanePoints& uv, const Triangles& triangles) {
-  for (const std::array<Index, 3>& t : triangles) {
-    const Eigen::RowVector2d a = uv.row(t[1]) - uv.row(t[0]), b = uv.row(t[2]) - uv.row(t[0]);
-    if (!(a[0] * b[1] - a[1] * b[0] > tie * a.norm() * b.norm())) return false;  // along straight rims many have no area
-  }
-  return true;
-}
-
 /// Triangles of the rim's polygon in the plane, none turned over: the rough ones where they are that.
 Triangles domain_triangles(const PlanePoints& uv, const Rim& rim) {
-  if (positive(uv, rim.rough)) return rim.rough;
-  Points flat = Points::Zero(uv.rows(), 3);
-  flat.leftCols(2) = uv;
-  RimSurroundings in_plane;
-  in_plane.islands = rim.surroundings.islands;
-  Triangles triangles = rough_fill(flat, in_plane).triangles;
-  if (positive(uv, triangles)) return triangles;
-  return in_plane.islands.empty() ? cut_ears(uv) : Triangles();
+  return all_positive(uv, rim.rough) ? rim.rough : triangulate_polygon(uv, rim.surroundings.islands);
 }
 
 /// Whether points stay nearer to the rim, or to what shall be met, than a hole's diameter.
@@ -321,7 +306,7 @@ void meet(const std::vector<Through>& through, const PlaneFillOptions& options, 
   result.surface = sum(result.field, result.met);
   for (std::size_t k = 0; k < through.size(); ++k)
     insert_row(polygon, result.met_uv.row(static_cast<Index>(k)), through[k].point);
-  if (positive(polygon.uv, polygon.triangles))
+  if (all_positive(polygon.uv, polygon.triangles))
     result.made = remesh(polygon, options.resolution, *result.surface);
   else
     result.made.points.setConstant(std::numeric_limits<double>::quiet_NaN());
