@@ -42,6 +42,13 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   return triangles;
 }
 
+/// Places and normals that came of the vertices of a face or an edge.
+void check_finite(const Points& points, Index row, std::span<const Index> of) {
+  if (!points.row(row).allFinite())
+    throw Refusal("Coordinates at vertex " + std::to_string(of[0]) + " are too large to compute with; move what lies far away",
+                  {of.begin(), of.end()});
+}
+
 /// Barycentric points (resolution - j - k, j, k) / resolution of a face that lie inside it, row by row.
 Points inside_lattice(int resolution) {
   Points b((resolution - 1) * (resolution - 2) / 2, 3);
@@ -135,6 +142,8 @@ std::vector<Side> smooth_edges(const Lattice& lattice, NormalCurve curve, Smooth
       const Index row = lattice.on_edge(static_cast<Index>(e), k);
       out.vertices.row(row) = sides[e].c(t);
       out.normals.row(row) = sides[e].normal(t);
+      check_finite(out.vertices, row, lattice.edges[e]);
+      check_finite(out.normals, row, lattice.edges[e]);
     }
   }
   return sides;
@@ -164,8 +173,11 @@ void smooth_faces(const Lattice& lattice, const std::vector<Side>& sides, Smooth
     patch->evaluate(inside.data(), inside.rows(), 1, jets.data());
     for (Index k = 0; k < inside.rows(); ++k) {
       const double* jet = &jets[9 * k];
-      out.vertices.row(lattice.first_inside(f) + k) = Vec3::Map(jet);
-      out.normals.row(lattice.first_inside(f) + k) = outer * Vec3::Map(jet + 3).cross(Vec3::Map(jet + 6)).stableNormalized();
+      const Index row = lattice.first_inside(f) + k;
+      out.vertices.row(row) = Vec3::Map(jet);
+      out.normals.row(row) = outer * Vec3::Map(jet + 3).cross(Vec3::Map(jet + 6)).stableNormalized();
+      check_finite(out.vertices, row, t);
+      check_finite(out.normals, row, t);
     }
   }
 }

@@ -132,11 +132,22 @@ void check_faces(const Mesh& mesh, const FillOptions& options, const Fill& fill)
 void check_fill(const Mesh& mesh, const FillOptions& options, const Fill& fill) {
   require(fill.vertices.allFinite(), "a new vertex is not finite");
   require(fill.normals.allFinite(), "a normal is not finite");
+  require(fill.rim_normals.allFinite(), "a normal at the rim is not finite");
+  require(fill.moved_to.allFinite(), "a vertex moves to where is no place");
   require(fill.faces.size() > 0, "a fill without faces");
   require(fill.normals.rows() == fill.vertices.rows() || fill.normals.rows() == 0, "normals of other vertices");
   for (Index k = 0; k < fill.normals.rows(); ++k) require(fill.normals.row(k).norm() < 1 + 1e-6, "a normal is longer than one");
   require(std::isfinite(fill.report.seam_angle_max), "the seam's angle is not finite");
   check_faces(mesh, options, fill);
+}
+
+/// What is refused as a mistake of the caller names what was given: no step on the way may take what another made for a mistake.
+void check_mistake(const std::string& told) {
+  const auto names = [&](const std::string& word) { return told.find(word) != std::string::npos; };
+  bool known =
+      names("vertex") || names("vertices") || names("corner") || names("Corner") || names("No method") || names("quality");
+  for (const Option& option : tripatch::options()) known = known || names(option.name);
+  require(known, ("a mistake that names nothing that was given: " + told).c_str());
 }
 
 }  // namespace
@@ -160,7 +171,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const Refusal& refusal) {
     require(std::string(refusal.what()).size() > 10, "a refusal without a sentence");
     for (Index v : refusal.where()) require(v >= 0 && v < mesh.vertices.rows(), "a refusal names a vertex that is not there");
-  } catch (const InvalidArgument&) {
+  } catch (const InvalidArgument& mistake) {
+    check_mistake(mistake.what());
   }
   return 0;
 }

@@ -5,6 +5,7 @@
 #include "bytes.h"
 #include "tripatch/boundary/bezier_rectangle.h"
 #include "tripatch/boundary/nurbs_surface.h"
+#include "tripatch/boundary/ribbon.h"
 #include "tripatch/fill.h"
 #include "tripatch/math/jet.h"
 #include "tripatch/patch/bezier_triangle.h"
@@ -86,6 +87,15 @@ double reach(const Side& side) {
   return most;
 }
 
+/// How large the derivatives are that patches take across the sides: what is added up of them keeps fifteen digits of these.
+double steepness(const Sides& sides) {
+  double most = 0;
+  const Boundary boundary = make_boundary(sides);
+  for (const Ribbon& ribbon : boundary.ribbons)
+    for (int k = 0; k <= 20; ++k) most = std::max(most, Vec3(ribbon.d(k / 20.0)).norm());
+  return most;
+}
+
 /// Edges of surfaces as the sides of a hole, their ends brought together.
 void check_patch(Bytes& bytes, std::vector<Side> found) {
   Sides sides = {found[0], found[1], found[2]};
@@ -99,6 +109,7 @@ void check_patch(Bytes& bytes, std::vector<Side> found) {
   if (bytes.flag()) options.fairing.reset();
   const MadePatch made = patch_from_sides(sides, options);
   const double size = std::max({reach(sides[0]), reach(sides[1]), reach(sides[2])});
+  const double rounding = 1e-5 * (1 + size) + 1e-14 * steepness(sides);
   for (int i = 0; i < 3; ++i)
     for (double t : {0.0, 0.4, 1.0}) {
       std::array<double, 3> b = {0, 0, 0};
@@ -107,7 +118,7 @@ void check_patch(Bytes& bytes, std::vector<Side> found) {
       const Vec3 p = made.patch->positions(Eigen::Map<const Points>(b.data(), 1, 3)).row(0);
       require(p.allFinite(), "a patch is not finite");
       const Vec3 q = sides[i].c(t);
-      const bool met = (p - q).norm() <= 1e-5 * (1 + size) || !std::isfinite(size);
+      const bool met = (p - q).norm() <= rounding || !std::isfinite(size);
       require(met, ("a patch by " + options.method + " does not meet its side").c_str());
     }
 }

@@ -149,3 +149,18 @@ TEST_CASE("the limit surface of a cage of triangles goes with the cage however f
     CHECK(stencils.pv.rowwise().sum().cwiseAbs().maxCoeff() < 1e-12);
   }
 }
+
+TEST_CASE("stencils exist for every quality there is, and no other is taken") {
+  Cage cage = cube(false);
+  for (const int quality : {1, 2, 9, 10}) {
+    Subdivision settings;
+    settings.quality = quality;
+    const LimitStencils stencils = LimitSurface(cage.mesh(), settings).stencils(0, std::vector<FacePlace>{{0, 0.01, 0.02}});
+    CHECK((stencils.p.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-13);
+  }
+  for (const int quality : {-1, 0, 11, 15}) {
+    Subdivision settings;
+    settings.quality = quality;
+    CHECK_THROWS_AS(LimitSurface(cage.mesh(), settings), InvalidArgument);
+  }
+}

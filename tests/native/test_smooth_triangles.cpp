@@ -286,6 +286,9 @@ TEST_CASE("what cannot be smoothed is refused by name") {
   soup = icosphere(0);
   soup.vertices(7, 2) = std::nan("");
   CHECK(message(soup) == "The position of vertex 7 is not finite");
+  soup = sheet(3);
+  soup.vertices.col(2).setConstant(std::numeric_limits<double>::max());  // finite, but no longer as a sum
+  CHECK_THAT(message(soup), Catch::Contains("too large to compute with"));
   soup = icosphere(0);
   Points normals = soup.vertices;
   normals.row(4).setZero();

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <string>
 
@@ -114,6 +115,7 @@ double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {
     for (double t : {0.25, 0.5, 0.75}) size = std::max({size, (c(t) - a).norm(), (c(t) - b).norm()});
   }
   if (!(size > 0)) throw Refusal("The three sides have no length");
+  if (!std::isfinite(size)) throw Refusal(beyond_measure);
   for (int i = 0; i < 3; ++i) {
     const double gap = (curves[i](1) - curves[(i + 1) % 3](0)).norm();
     if (!(gap <= sides_meet * size))

@@ -284,14 +284,14 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
   for (std::size_t h = 0; h < holes.size(); ++h) {
     const SidedRim& hole = holes[h];
     const Report& report = fills[h].report;
-    refuse_infinite(fills[h].vertices, hole.rim);
+    refuse_infinite(fills[h], hole.rim);
     if (holes.size() == 1 && !hole.given && !is_harmless(report)) {
       std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(ground, hole.rim);
       for (const bool by_angle : {false, true}) {
         if (!guess || (hole.guessed && !by_angle)) continue;
         guess->by_angle = by_angle;
         std::vector<Fill> others = cages_together(ground, {*guess}, options);
-        if (is_harmless(others[0].report) && others[0].vertices.allFinite()) return others;
+        if (is_harmless(others[0].report) && is_finite(others[0])) return others;
       }
     }
     refuse_if_harmful(hole, report);

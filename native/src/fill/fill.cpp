@@ -143,7 +143,7 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
 Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
   Fill fill = fill_as_asked(ground, rim, corners, options);
-  refuse_infinite(fill.vertices, fill.rim);
+  refuse_infinite(fill, fill.rim);
   Report& report = fill.report;
   if (report.triangles_folded > 0 && report.method != spline_method)
     report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});

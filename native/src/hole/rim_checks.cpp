@@ -141,13 +141,6 @@ void check_finite(const Mesh& mesh, const Connectivity& around, const std::vecto
           throw Refusal("Vertex " + std::to_string(w) + " at the rim has no finite position", {w});
 }
 
-void refuse_infinite(const Points& made, const std::vector<Index>& rim) {
-  if (made.allFinite()) return;
-  throw Refusal(
-      "Coordinates around the hole are too large to compute with: the fill has no finite positions; move what lies far away",
-      {rim[0]});
-}
-
 void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   check_finite(mesh, around, rim);
   double length = 0;

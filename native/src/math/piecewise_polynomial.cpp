@@ -215,7 +215,7 @@ PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<
     }
     f(t, values);
     for (double v : values) {
-      if (!std::isfinite(v)) throw InvalidArgument("a side's function returned a number that is not finite");
+      if (!std::isfinite(v)) throw Refusal(beyond_measure);
       scale = std::max(scale, std::abs(v));
     }
     std::vector<Piece> next;

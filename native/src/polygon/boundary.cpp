@@ -129,6 +129,7 @@ SideList closed(SideList sides) {
     throw InvalidArgument("a patch has from 2 to " + std::to_string(most_sides) + " sides; " + std::to_string(n) + " are given");
   const double size = size_of(sides);
   if (!(size > 0)) throw Refusal("The sides have no length");
+  if (!std::isfinite(size)) throw Refusal(beyond_measure);
   std::vector<Vec3> corner(n);
   for (int k = 0; k < n; ++k) {
     const int before = (k + n - 1) % n;

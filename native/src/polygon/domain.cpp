@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/piecewise_polynomial.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -43,6 +44,12 @@ Eigen::VectorXd closing_lengths(const std::vector<double>& turns, const std::vec
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
   const Eigen::MatrixXd correction = least_squares(directions, -directions * ones);
   return wanted.cwiseProduct(ones + correction.col(0));
+}
+
+/// Angles and lengths of what numbers beyond all measure made.
+void check_measured(const std::vector<double>& measured) {
+  for (double each : measured)
+    if (!std::isfinite(each)) throw Refusal(beyond_measure);
 }
 
 }  // namespace
@@ -103,6 +110,7 @@ Vec2 PolygonDomain::kept_inside(Vec2 p, double margin) const {
 }
 
 PolygonDomain lens_like(const std::vector<double>& turns) {
+  check_measured(turns);
   const double turn = std::clamp(0.5 * (turns[0] + turns[1]), std::numbers::pi - widest_corner, most_turn);
   const double height = 0.5 * std::tan(0.5 * (std::numbers::pi - turn));  // over half the length
   const PolygonDomain unit = PolygonDomain::lens(2, height);
@@ -112,6 +120,8 @@ PolygonDomain lens_like(const std::vector<double>& turns) {
 }
 
 PolygonDomain polygon_like(std::vector<double> turns, const std::vector<double>& given) {
+  check_measured(turns);
+  check_measured(given);
   const std::size_t n = turns.size();
   const double equal = 2 * std::numbers::pi / static_cast<double>(n);
   double mean = 0;

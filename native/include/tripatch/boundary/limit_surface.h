@@ -12,11 +12,14 @@
 
 namespace tripatch {
 
+/// Of Subdivision::quality, as of the modifier; OpenSubdiv makes no stencils of finer ones.
+constexpr int least_quality = 1, most_quality = 10;
+
 /// The settings of a Subdivision modifier, in Blender's own terms.
 struct Subdivision {
   bool loop = false;               ///< Loop's scheme, for triangles only, which Blender has not; else Catmull-Clark
   bool preserve_corners = false;   ///< boundary_smooth: false "All", true "Keep Corners"
-  std::optional<int> quality = 3;  ///< how far irregular places are isolated; none: the true limit
+  std::optional<int> quality = 3;  ///< how far irregular places are isolated, 1 to 10; none: the true limit
   bool use_limit_surface = true;   ///< false: the refined points of `level`, not their limit
   int level = 2;                   ///< of the modifier
   std::vector<std::array<Index, 2>> crease_edges;

@@ -19,9 +19,6 @@ std::vector<Index> check_topology(const Connectivity& around, const std::vector<
 /// All positions at the rim must be finite. Else a Refusal.
 void check_finite(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
-/// Refuses what a fill came to where numbers went beyond all measure. made: its new vertices.
-void refuse_infinite(const Points& made, const std::vector<Index>& rim);
-
 /// Rim edges must have a length, rim vertices places of their own; all positions at the rim must be finite. Else a Refusal.
 void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 

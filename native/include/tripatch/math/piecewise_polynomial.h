@@ -11,6 +11,9 @@
 
 namespace tripatch {
 
+/// Refused so: what is computed of finite numbers and is not finite itself.
+inline constexpr const char* beyond_measure = "Numbers along a side are too large to compute with; move what lies far away";
+
 class PiecewisePolynomial {
 public:
   PiecewisePolynomial() = default;
@@ -31,7 +34,8 @@ public:
   static PiecewisePolynomial hermite(std::span<const double> parameters, std::span<const double> values,
                                      std::span<const double> derivatives, int dimension);
   /// Adaptive Chebyshev fit of a function sampled in batches: f(t, out) with out |t| x dimension. Pieces are halved until the
-  /// error at check points is under tolerance times the largest value, or the pieces are shorter than 2^-max_depth.
+  /// error at check points is under tolerance times the largest value, or the pieces are shorter than 2^-max_depth. A Refusal
+  /// where a value is not finite: whoever takes functions from outside has looked at theirs, what is computed here overflowed.
   static PiecewisePolynomial fit(const std::function<void(std::span<const double>, std::span<double>)>& f, int dimension,
                                  double tolerance = 1e-13, int degree = 9, int max_depth = 9);
 

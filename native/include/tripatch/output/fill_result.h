@@ -41,4 +41,9 @@ struct Fill {
   Report report;
 };
 
+/// Whether all positions and normals are.
+bool is_finite(const Fill& fill);
+/// Refuses what came of numbers beyond all measure. rim: of the hole.
+void refuse_infinite(const Fill& fill, const std::vector<Index>& rim);
+
 }  // namespace tripatch
