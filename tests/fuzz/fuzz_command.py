@@ -93,7 +93,8 @@ def one_value(given):
     except (ValueError, TypeError, argparse.ArgumentTypeError) as error:
         assert len(str(error)) > 10, error
         return
-    if given.ConsumeIntInRange(0, 15) == 0 and "fill" in option.functions and option.kind != "subdivision":
+    # seldom, as a fill takes a hundred times as long as all before; not 0, which is what there is when the bytes have come to an end
+    if given.ConsumeIntInRange(0, 255) == 7 and "fill" in option.functions and option.kind != "subdivision":
         fill_with({name: found})
 
 
@@ -125,7 +126,7 @@ def one_command(given):
     except (ValueError, TypeError) as error:
         assert len(str(error)) > 10, error
         return
-    if not args.all and given.ConsumeBool():
+    if not args.all and given.ConsumeIntInRange(0, 15) == 7:
         fill_with(options)
 
 

@@ -169,6 +169,9 @@ def test_what_cannot_be_met_is_said():
         tripatch.fill(vertices, faces, **options, through=[(0, 1)])
     with pytest.raises(ValueError, match="no length"):
         tripatch.fill(vertices, faces, **options, through=[[(0, 0, 1), (0, 0, 0)]])
+    for wrong in (3.5, "0,0,1", [10**400], [[(0, 0, 1), (0,)]], [(0, 0, "up")]):
+        with pytest.raises(TypeError, match="through must hold points"):
+            tripatch.fill(vertices, faces, **options, through=wrong)
     with pytest.raises(ValueError, match="through is met by"):
         tripatch.fill(vertices, faces, rim=np.arange(edges), method="gregory", through=[(0, 0, 1)])
 

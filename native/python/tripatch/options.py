@@ -131,11 +131,17 @@ def _position(value: Any, option: Option) -> list[float]:
 
 def _points(value: Any, option: Option) -> list[tuple[list[float], list[float] | None]]:
     """Points, each with its normal or None, of points, pairs and polylines."""
+    wanted = f"{option.name} must hold points (3,), pairs of a point and a normal, or polylines (m, 3)"
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise TypeError(f"{wanted}, not {value!r:.60}")
     found: list[tuple[list[float], list[float] | None]] = []
     for one in value:
-        given = np.asarray(one, dtype=np.float64)
+        try:
+            given = np.asarray(one, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise TypeError(f"{wanted}, not {one!r:.60}") from None
         if given.ndim not in (1, 2) or given.shape[-1] != 3 or len(given) < 2 or not np.isfinite(given).all():
-            raise ValueError(f"{option.name} must hold points (3,), pairs of a point and a normal, or polylines (m, 3)")
+            raise ValueError(wanted)
         if given.ndim == 1:
             found.append((given.tolist(), None))
         elif len(given) == 2:
