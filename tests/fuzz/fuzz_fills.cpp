@@ -15,6 +15,13 @@ using fuzz::require;
 
 namespace {
 
+/// How many fills there were, said at the end: an input may ask for many, or come to none.
+struct Count {
+  long filled = 0, refused = 0;
+
+  ~Count() { std::fprintf(stderr, "%ld fills, %ld refusals\n", filled, refused); }
+} count;
+
 /// Values of options from bytes: an option that is not there keeps its default.
 struct Taker {
   Bytes& bytes;
@@ -130,6 +137,7 @@ void check_faces(const Mesh& mesh, const FillOptions& options, const Fill& fill)
 }
 
 void check_fill(const Mesh& mesh, const FillOptions& options, const Fill& fill) {
+  ++count.filled;
   require(fill.vertices.allFinite(), "a new vertex is not finite");
   require(fill.normals.allFinite(), "a normal is not finite");
   require(fill.rim_normals.allFinite(), "a normal at the rim is not finite");
@@ -139,6 +147,12 @@ void check_fill(const Mesh& mesh, const FillOptions& options, const Fill& fill) 
   for (Index k = 0; k < fill.normals.rows(); ++k) require(fill.normals.row(k).norm() < 1 + 1e-6, "a normal is longer than one");
   require(std::isfinite(fill.report.seam_angle_max), "the seam's angle is not finite");
   check_faces(mesh, options, fill);
+}
+
+void check_refusal(const Mesh& mesh, const Refused& refused) {
+  ++count.refused;
+  require(refused.reason.size() > 10, "a refusal without a sentence");
+  for (Index v : refused.where) require(v >= 0 && v < mesh.vertices.rows(), "a refusal names a vertex that is not there");
 }
 
 /// What is refused as a mistake of the caller names what was given: no step on the way may take what another made for a mistake.
@@ -164,13 +178,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (several) {
       options.rim.reset();
       for (const auto& result : fill_all(mesh, rims, options))
-        if (const Fill* fill = std::get_if<Fill>(&result)) check_fill(mesh, options, *fill);
+        if (const Fill* fill = std::get_if<Fill>(&result))
+          check_fill(mesh, options, *fill);
+        else
+          check_refusal(mesh, std::get<Refused>(result));
     } else {
       check_fill(mesh, options, fill(mesh, options));
     }
   } catch (const Refusal& refusal) {
-    require(std::string(refusal.what()).size() > 10, "a refusal without a sentence");
-    for (Index v : refusal.where()) require(v >= 0 && v < mesh.vertices.rows(), "a refusal names a vertex that is not there");
+    check_refusal(mesh, refused(refusal));
   } catch (const InvalidArgument& mistake) {
     check_mistake(mistake.what());
   }

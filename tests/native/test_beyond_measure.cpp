@@ -87,3 +87,38 @@ TEST_CASE("a fill without finite normals is refused") {
   options.method = spline_method;
   CHECK_THROWS_AS(fill({wave.points, wave.faces}, options), Refusal);
 }
+
+TEST_CASE("what a cage is refused for names vertices of the mesh only") {
+  // faces that pass a vertex twice cannot be subdivided, with the fill, whose vertices inside have numbers that nobody knows
+  Points points(11, 3);
+  points << 2.19, 0.19, -0.72, 3.55, -3.31, 5.25, 2.56, 7.62, 4.31, 3.69, 2.31, -3.91, 2.5, -6.94, -2.5, 2.33, 4.37, -6.5, 4.88,
+      -7.31, -6.19, -7.19, -5.88, -1, 5.64, 6.31, 6.69, 3.06, -2.88, 4.21, -3.9e15, 9.1e196, -0.75;
+  Faces faces;
+  for (const Loop& face : {Loop{7, 4, 3, 9, 1, 3}, Loop{10, 1, 9}, Loop{6, 8, 3, 4}, Loop{1, 5, 5}}) faces.add(face);
+  FillOptions options;
+  options.output = Output::cage;
+  options.cage_rim = CageRim::move;
+  const auto results = fill_all({points, faces}, {{3, 8, 6, 4, 7}}, options);
+  const Refused* refused = std::get_if<Refused>(&results[0]);
+  REQUIRE(refused);
+  CHECK(refused->reason.find("cannot be subdivided") != std::string::npos);
+  for (Index v : refused->where) CHECK(v < points.rows());
+}
+
+TEST_CASE("a cage in a mesh whose squares of lengths are none is refused as too small") {
+  Wave wave(false);
+  wave.points *= 1e-244;
+  FillOptions options;
+  options.output = Output::cage;
+  options.rim = wave.rim;
+  for (const bool corners : {false, true}) {
+    if (corners) options.corners = {30, 32, 50, 48};
+    try {
+      const Fill made = fill({wave.points, wave.faces}, options);
+      CHECK(is_finite(made));
+    } catch (const Refusal& refusal) {
+      CHECK(std::string(refusal.what()).find("Vertex 8") == std::string::npos);
+      for (Index v : refusal.where()) CHECK(v < wave.points.rows());
+    }
+  }
+}

@@ -1,4 +1,5 @@
 // What decides on places, edges and faces around a cage, on both sides of each threshold.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -17,8 +18,8 @@ using namespace tripatch::testing;
 
 namespace {
 
-/// A square of two triangles, and how many it has with a vertex put in.
-std::vector<std::array<Index, 3>> with_row(const Eigen::RowVector2d& at) {
+/// A square of two triangles.
+PlanePolygon square() {
   PlanePolygon square;
   square.uv.resize(4, 2);
   square.uv << 0, 0, 1, 0, 1, 1, 0, 1;
@@ -26,17 +27,40 @@ std::vector<std::array<Index, 3>> with_row(const Eigen::RowVector2d& at) {
   square.points.leftCols<2>() = square.uv;
   square.rim = 4;
   square.triangles = {{0, 1, 2}, {0, 2, 3}};
-  insert_row(square, at, Vec3(at[0], at[1], 0));
-  return square.triangles;
+  return square;
+}
+
+/// Its triangles with a vertex put in.
+std::vector<std::array<Index, 3>> with_row(const Eigen::RowVector2d& at) {
+  PlanePolygon polygon = square();
+  insert_row(polygon, at, Vec3(at[0], at[1], 0));
+  return polygon.triangles;
 }
 
 }  // namespace
 
 TEST_CASE("a place is on an edge or a vertex that is a millionth of the domain away", "[thresholds]") {
-  CHECK(with_row({0.5, 0.97e-6}).size() == 3);  // the triangle is halved
+  CHECK(with_row({0.5, 0.97e-6}).size() == 2);  // no vertex in an edge of the border
   CHECK(with_row({0.5, 1.03e-6}).size() == 4);
-  CHECK(with_row({0.97e-6, 0}).size() == 2);  // the vertex that is there
-  CHECK(with_row({1.03e-6, 0}).size() > 2);
+  const auto has = [](const std::vector<std::array<Index, 3>>& all, const std::array<Index, 3>& t) {
+    return std::find(all.begin(), all.end(), t) != all.end();
+  };
+  const double beside = 0.97e-6 * std::sqrt(2.0), away = 1.03e-6 * std::sqrt(2.0);
+  CHECK(with_row({0.5, 0.5 - beside}).size() == 4);
+  CHECK(has(with_row({0.5, 0.5 - away}), {0, 2, 3}));
+  CHECK_FALSE(has(with_row({0.5, 0.5 - beside}), {0, 2, 3}));  // both triangles are halved
+  for (const double away_from_middle : {0.97e-6, 1.03e-6}) {
+    PlanePolygon fan = square();
+    CHECK(insert_row(fan, {0.5, 0.5}, Vec3(0.5, 0.5, 0)));
+    REQUIRE(fan.triangles.size() == 4);
+    const double step = away_from_middle * std::sqrt(0.5);
+    CHECK(insert_row(fan, {0.5 + step, 0.5 + step}, Vec3(0.5, 0.5, 0)));
+    CHECK(fan.triangles.size() == (away_from_middle < 1e-6 ? 4 : 6));  // the vertex that is there
+  }
+  PlanePolygon fan = square();
+  insert_row(fan, {0.5, 0.5}, Vec3(0.5, 0.5, 0));
+  CHECK_FALSE(insert_row(fan, {0.5 + 1.2e-6, 0.5},
+                         Vec3(0.5, 0.5, 0)));  // on all edges of the middle, which would be left without triangles
 }
 
 TEST_CASE("a rim is split at the first of the edges that are longest to a billionth", "[thresholds]") {

@@ -117,7 +117,13 @@ std::unique_ptr<CageFit> CageFill::lay_out(int rows) {
     check_interruption();
     if (open_[h]) laid_out_[h] = {split_.holes[h], layout_of(h, rows)};
   }
-  return std::make_unique<CageFit>(split_.mesh(), laid_out_, split_.settings, replaced_, options_);
+  try {
+    return std::make_unique<CageFit>(split_.mesh(), laid_out_, split_.settings, replaced_, options_);
+  } catch (const Refusal& refusal) {  // of the closed cage, which has vertices that the mesh has not
+    std::vector<Index> where = refusal.where();
+    std::erase_if(where, [&](Index v) { return v >= mesh_.vertices.rows(); });
+    throw Refusal(refusal.what(), std::move(where));
+  }
 }
 
 /// Of the holes where the fairest cage is kept.

@@ -45,6 +45,11 @@ ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, con
     for (int c = 0; c < 3; ++c) corners.row(c) = mesh.vertices.row(hole.rim[hole.corners[c]]);
     cage.vertices.middleRows(cage.first_vertex[k], inside) = layout.barycentric.bottomRows(inside) * corners;
   }
+  for (std::size_t k = 0; k < holes.size(); ++k)
+    if (!cage.vertices.middleRows(cage.first_vertex[k], cage.first_vertex[k + 1] - cage.first_vertex[k]).allFinite())
+      throw Refusal(
+          "Coordinates around the hole are too large or too small to compute with; move what lies far away, or scale the mesh",
+          {holes[k].hole.rim[0]});
   return cage;
 }
 

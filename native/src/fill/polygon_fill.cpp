@@ -103,7 +103,8 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
   polygon.joined = std::move(joined);
   for (const Vec2& there : met) {
     const PlanePoints own = there.cwiseProduct(walk.turn).transpose();
-    insert_row(polygon, own, Vec3(walk.surface->positions(as_rows(own)).row(0)));
+    if (!insert_row(polygon, own, Vec3(walk.surface->positions(as_rows(own)).row(0))))
+      throw Refusal("The inner points cannot all be met: one of them lies on the rim");
   }
   PlaneTriangulation made = remesh(polygon, resolution, *walk.surface);
   PlaneCover cover;

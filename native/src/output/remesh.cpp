@@ -400,19 +400,27 @@ private:
 
 }  // namespace
 
-void insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3& point) {
+namespace {
+
+bool all_have_triangles(const std::vector<std::array<Index, 3>>& triangles, Index rows) {
+  std::vector<char> has(static_cast<std::size_t>(rows), 0);
+  for (const std::array<Index, 3>& t : triangles)
+    for (Index v : t) has[static_cast<std::size_t>(v)] = 1;
+  return std::find(has.begin(), has.end(), 0) == has.end();
+}
+
+}  // namespace
+
+bool insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3& point) {
   const Index row = polygon.uv.rows();
   const double near = beside_edge * (polygon.uv.colwise().maxCoeff() - polygon.uv.colwise().minCoeff()).maxCoeff();
   for (Index k = 0; k < row; ++k)
     if ((polygon.uv.row(k) - uv).norm() <= near) {
       if (k >= polygon.rim) polygon.points.row(k) = point;
-      return;
+      return true;
     }
-  polygon.uv.conservativeResize(row + 1, 2);
-  polygon.uv.row(row) = uv;
-  polygon.points.conservativeResize(row + 1, 3);
-  polygon.points.row(row) = point;
   std::vector<std::array<Index, 3>> kept;
+  std::vector<std::array<Index, 2>> split;  // edges that it lies on, each of each of its triangles
   for (const std::array<Index, 3>& t : polygon.triangles) {
     std::array<double, 3> height{};  // over the edge opposite each corner
     for (int k = 0; k < 3; ++k) {
@@ -423,10 +431,25 @@ void insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3&
       kept.push_back(t);
       continue;
     }
-    for (int k = 0; k < 3; ++k)
-      if (height[k] > near) kept.push_back({t[(k + 1) % 3], t[(k + 2) % 3], row});
+    for (int k = 0; k < 3; ++k) {
+      const Index from = t[(k + 1) % 3], to = t[(k + 2) % 3];
+      if (height[k] > near)
+        kept.push_back({from, to, row});
+      else
+        split.push_back({from, to});
+    }
   }
+  const bool is_inside = std::any_of(kept.begin(), kept.end(), [&](const auto& t) { return t[2] == row; });
+  const auto has_both = [&](const std::array<Index, 2>& e) {
+    return std::find(split.begin(), split.end(), std::array{e[1], e[0]}) != split.end();
+  };
+  if (!is_inside || !std::all_of(split.begin(), split.end(), has_both) || !all_have_triangles(kept, row + 1)) return false;
   polygon.triangles = std::move(kept);
+  polygon.uv.conservativeResize(row + 1, 2);
+  polygon.uv.row(row) = uv;
+  polygon.points.conservativeResize(row + 1, 3);
+  polygon.points.row(row) = point;
+  return true;
 }
 
 double triangles_wanted(const PlanePolygon& polygon, std::optional<int> resolution) {

@@ -304,9 +304,10 @@ void meet(const std::vector<Through>& through, const PlaneFillOptions& options, 
   result.met_uv = nearest_places(*result.field, polygon.uv, polygon.triangles, through);
   result.met = std::make_shared<MetPoints>(*result.field, result.rim_uv, result.met_uv, through, options.planes);
   result.surface = sum(result.field, result.met);
+  bool inside = true;
   for (std::size_t k = 0; k < through.size(); ++k)
-    insert_row(polygon, result.met_uv.row(static_cast<Index>(k)), through[k].point);
-  if (all_positive(polygon.uv, polygon.triangles))
+    inside = inside && insert_row(polygon, result.met_uv.row(static_cast<Index>(k)), through[k].point);
+  if (inside && all_positive(polygon.uv, polygon.triangles))
     result.made = remesh(polygon, options.resolution, *result.surface);
   else
     result.made.points.setConstant(std::numeric_limits<double>::quiet_NaN());
