@@ -93,7 +93,7 @@ def one_value(given):
     except (ValueError, TypeError, argparse.ArgumentTypeError) as error:
         assert len(str(error)) > 10, error
         return
-    # seldom, as a fill takes a hundred times as long as all before; not 0, which is what there is when the bytes have come to an end
+    # seldom, as a fill takes a hundred times as long as all before; not 0, which is all there is where the bytes end
     if given.ConsumeIntInRange(0, 255) == 7 and "fill" in option.functions and option.kind != "subdivision":
         fill_with({name: found})
 

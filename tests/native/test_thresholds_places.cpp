@@ -63,6 +63,18 @@ TEST_CASE("a place is on an edge or a vertex that is a millionth of the domain a
                          Vec3(0.5, 0.5, 0)));  // on all edges of the middle, which would be left without triangles
 }
 
+TEST_CASE("a place where triangles lie over each other is no place for a vertex") {
+  PlanePolygon twice = square();
+  twice.uv.conservativeResize(6, 2);
+  twice.uv.bottomRows(2) << 0.2, 0.1, 0.9, 0.15;
+  twice.points.conservativeResize(6, 3);
+  twice.triangles.push_back({4, 5, 2});
+  const auto before = twice.triangles;
+  CHECK_FALSE(insert_row(twice, {0.7, 0.3}, Vec3(0.7, 0.3, 0)));
+  CHECK(twice.triangles == before);
+  CHECK(twice.uv.rows() == 6);
+}
+
 TEST_CASE("a rim is split at the first of the edges that are longest to a billionth", "[thresholds]") {
   Points square(4, 3);
   for (const double longer : {0.97e-9, 1.03e-9}) {

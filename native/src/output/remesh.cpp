@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -402,11 +403,27 @@ private:
 
 namespace {
 
-bool all_have_triangles(const std::vector<std::array<Index, 3>>& triangles, Index rows) {
-  std::vector<char> has(static_cast<std::size_t>(rows), 0);
-  for (const std::array<Index, 3>& t : triangles)
-    for (Index v : t) has[static_cast<std::size_t>(v)] = 1;
-  return std::find(has.begin(), has.end(), 0) == has.end();
+/// Whether the last row is inside one ring of triangles, and every other in some.
+bool is_inside_one_ring(const std::vector<std::array<Index, 3>>& triangles, Index last) {
+  std::vector<char> has(static_cast<std::size_t>(last), 0);
+  std::map<Index, Index> next;  // along the ring
+  for (const std::array<Index, 3>& t : triangles) {
+    for (int k = 0; k < 3; ++k) {
+      if (t[k] < last)
+        has[static_cast<std::size_t>(t[k])] = 1;
+      else if (!next.emplace(t[(k + 1) % 3], t[(k + 2) % 3]).second)
+        return false;
+    }
+  }
+  if (next.empty() || std::find(has.begin(), has.end(), 0) != has.end()) return false;
+  std::size_t steps = 0;
+  const Index start = next.begin()->first;
+  for (Index v = start; steps == 0 || v != start; ++steps) {
+    const auto found = next.find(v);
+    if (found == next.end() || steps > next.size()) return false;
+    v = found->second;
+  }
+  return steps == next.size();
 }
 
 }  // namespace
@@ -420,7 +437,6 @@ bool insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3&
       return true;
     }
   std::vector<std::array<Index, 3>> kept;
-  std::vector<std::array<Index, 2>> split;  // edges that it lies on, each of each of its triangles
   for (const std::array<Index, 3>& t : polygon.triangles) {
     std::array<double, 3> height{};  // over the edge opposite each corner
     for (int k = 0; k < 3; ++k) {
@@ -431,19 +447,10 @@ bool insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3&
       kept.push_back(t);
       continue;
     }
-    for (int k = 0; k < 3; ++k) {
-      const Index from = t[(k + 1) % 3], to = t[(k + 2) % 3];
-      if (height[k] > near)
-        kept.push_back({from, to, row});
-      else
-        split.push_back({from, to});
-    }
+    for (int k = 0; k < 3; ++k)
+      if (height[k] > near) kept.push_back({t[(k + 1) % 3], t[(k + 2) % 3], row});
   }
-  const bool is_inside = std::any_of(kept.begin(), kept.end(), [&](const auto& t) { return t[2] == row; });
-  const auto has_both = [&](const std::array<Index, 2>& e) {
-    return std::find(split.begin(), split.end(), std::array{e[1], e[0]}) != split.end();
-  };
-  if (!is_inside || !std::all_of(split.begin(), split.end(), has_both) || !all_have_triangles(kept, row + 1)) return false;
+  if (!is_inside_one_ring(kept, row)) return false;
   polygon.triangles = std::move(kept);
   polygon.uv.conservativeResize(row + 1, 2);
   polygon.uv.row(row) = uv;

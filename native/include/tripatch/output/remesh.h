@@ -32,8 +32,8 @@ struct PlaneTriangulation {
 };
 
 /// Makes a place inside a row that stays, and splits the triangles that it lies in. A row that lies there already is moved to the point.
-/// False, and all as it was, for a place outside or on an edge of the border, which must not be split, or so near to another row that
-/// this would be left without triangles.
+/// False, and all as it was, for a place outside, on an edge of the border, which must not be split, where triangles lie over each other,
+/// or so near to another row that this would be left without triangles.
 bool insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3& point);
 
 /// How many triangles remesh() aims at: 2.3 to a squared edge length. Costs no more than the size of the polygon times some 200.
