@@ -59,6 +59,15 @@ def refused(data: bytes, name: str, tmp_path) -> str:
 
 # ---------------------------------------------------------------------------------------------------- OBJ
 
+
+def test_a_backslash_before_a_space_continues_no_line_of_a_new_vertex(tmp_path):
+    """Found by fuzzing: a new vertex repeats what the file says of the nearest, and its line swallowed the face after it."""
+    data = b"v 0 0 0\nv 1 0 0 beside \\ \nv 0 1 0\nf 1 2 3\n"
+    after = filled(data, "a.obj", tmp_path, [fan([0, 1, 2], 3, (0.9, 0.1, 1))])
+    assert b"v 0.9 0.1 1.0 beside \\ \n" in after
+    assert reread(after, "b.obj", tmp_path).faces == [[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+
+
 OBJ_V = b"".join(b"v %d %d %d\n" % tuple(p) for p in FRAME.astype(int))
 OBJ = OBJ_V + b"".join(b"f " + b" ".join(b"%d" % (v + 1) for v in q) + b"\n" for q in QUADS)
 

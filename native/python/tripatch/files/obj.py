@@ -150,4 +150,5 @@ class ObjFile(MeshFile):
                 out.write(self._eol)
             if data and not data.endswith((b"\n", b"\r")):
                 out.write(self._eol)
-            out.writelines(line + self._eol for line in self._new)
+            # a backslash that was followed by a space continued no line, and must not where it is repeated
+            out.writelines(line + b" " * line.endswith(b"\\") + self._eol for line in self._new)
