@@ -230,3 +230,18 @@ TEST_CASE("three sides are as large whichever way they are walked") {
   }
   CHECK(check_curves(curves) == Approx(check_curves(back)));
 }
+
+TEST_CASE("a ribbon of numbers that overflow is refused") {
+  Sides sides;
+  for (int i = 0; i < 3; ++i) {
+    const double a = 2 * M_PI * i / 3, b = 2 * M_PI * (i + 1) / 3;
+    const std::array<double, 6> along = {std::cos(a), std::sin(a), 0, std::cos(b), std::sin(b), 0};
+    const std::array<double, 6> across = {std::cos(a), std::sin(a), 0, std::cos(b), std::sin(b), 0};
+    sides[i].c = PiecewisePolynomial::bezier(along, 3);
+    sides[i].r = PiecewisePolynomial::bezier(across, 3);
+  }
+  CHECK(make_boundary(sides).ribbons[1].d.is_finite());
+  const std::array<double, 6> beyond = {std::cos(0.1), INFINITY, 0, 1, 0, 0};
+  sides[1].r = PiecewisePolynomial::bezier(beyond, 3);
+  CHECK_THROWS_AS(make_boundary(sides), Refusal);
+}

@@ -179,6 +179,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
       const std::array<double, 6> net = {d0[0], d0[1], d0[2], d1[0], d1[1], d1[2]};
       ribbon.d = PiecewisePolynomial::bezier(net, 3);
     }
+    if (!ribbon.c.is_finite() || !ribbon.d.is_finite()) throw Refusal(beyond_measure);
   }
   return boundary;
 }

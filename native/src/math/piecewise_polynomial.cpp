@@ -395,6 +395,10 @@ PiecewisePolynomial PiecewisePolynomial::linear(double a, double b) {
   return bezier(net, 1);
 }
 
+bool PiecewisePolynomial::is_finite() const {
+  return std::all_of(coefficients_.begin(), coefficients_.end(), [](double c) { return std::isfinite(c); });
+}
+
 double arc_length(const PiecewisePolynomial& curve) {
   constexpr int steps = 32;
   double length = 0;

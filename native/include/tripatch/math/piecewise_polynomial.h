@@ -47,6 +47,8 @@ public:
   Index pieces() const { return static_cast<Index>(breaks_.size()) - 1; }
   const std::vector<double>& breaks() const { return breaks_; }
   bool empty() const { return breaks_.size() < 2; }
+  /// Whether all its coefficients are.
+  bool is_finite() const;
 
   /// Taylor coefficients at t up to `order`: out[k * dimension + x] is the k-th derivative over k!. Outside [0, 1] the end
   /// pieces are continued.
