@@ -56,6 +56,26 @@ TEST_CASE("a quad counts as a fan of two triangles, and a triangle without area 
   CHECK(count_folded_edges(square, Points(0, 3), quad) == 0);
 }
 
+TEST_CASE("quads begin where their shorter diagonal does, of two that are as long but for rounding where they began") {
+  Points quad(4, 3);
+  quad << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0;
+  const auto first = [&](Index from) {
+    Faces faces;
+    faces.add(std::array<Index, 4>{from, (from + 1) % 4, (from + 2) % 4, (from + 3) % 4});
+    faces.add(std::array<Index, 3>{1, 2, 3});
+    begin_at_shorter_diagonals(quad.topRows(3), quad.bottomRows(1), faces);
+    CHECK(faces[1][0] == 1);
+    for (std::size_t k = 0; k < 4; ++k) CHECK(faces[0][k] == (faces[0][0] + static_cast<Index>(k)) % 4);
+    return faces[0][0];
+  };
+  for (const double longer : {0.0, 1e-9}) {
+    quad.row(2) << 1 + longer, 1 + longer, 0;
+    for (Index from = 0; from < 4; ++from) CHECK(first(from) == from);
+  }
+  quad.row(2) << 1.1, 1.1, 0;
+  for (Index from = 0; from < 4; ++from) CHECK(first(from) % 2 == 1);
+}
+
 TEST_CASE("a triangle that is folded back over the face beyond its rim edge counts, whichever way the edge is named") {
   for (double angle : {60.0, 119.9, 120.1, 180.0}) {
     Hinge hinge(angle);

@@ -144,6 +144,33 @@ TEST_CASE("an odd rim has one triangle, and what turns by a right angle too litt
   CHECK(triangles == 1);
 }
 
+TEST_CASE("angles that are right but for rounding owe nothing, and three halves of them are rounded up") {
+  // the faces at each vertex of the rim end at given angles from the rim, turned out of the plane by rounding
+  const auto wanted = [](std::array<double, 2> quads, double rounding) {
+    Points vertices = Points::Zero(8, 3);
+    Faces faces;
+    std::vector<Index> rim;
+    for (Index k = 0; k < 2; ++k) {
+      const double all = std::numbers::pi / 2 * (4 - quads[static_cast<std::size_t>(k)]) + rounding;
+      const Index own = 4 * k;
+      vertices.row(own) << 9.0 * static_cast<double>(k), 0, 0;
+      for (Index j = 0; j < 3; ++j) {
+        const double turn = all * static_cast<double>(j) / 2;
+        vertices.row(own + 1 + j) << vertices(own, 0) + std::cos(turn), std::sin(turn), 0;
+      }
+      for (Index j = 0; j < 2; ++j) faces.add(std::array<Index, 3>{own, own + 1 + j, own + 2 + j});
+      rim.push_back(own);
+    }
+    return wanted_quads(vertices, Connectivity(Mesh{vertices, faces}), rim, WantedQuads::by_angle);
+  };
+  for (const double rounding : {-1e-9, 0.0, 1e-9}) {
+    CHECK(wanted({1.5, 2.4}, rounding) == std::vector<int>{2, 2});  // of the second the half is taken that the first got
+    CHECK(wanted({2.4, 2}, rounding) == std::vector<int>{2, 2});    // four tenths are left, and wait
+    CHECK(wanted({1.3, 2}, rounding) == std::vector<int>{1, 2});
+  }
+  CHECK(wanted({2.4, 2.2}, 0) == std::vector<int>{2, 3});
+}
+
 TEST_CASE("what is rounded at one vertex of a rim is made up for at the next") {
   // a hexagon of six triangles out of a plane of them: each vertex of its rim lacks 120 degrees, 1.33 quads
   Points vertices = Points::Zero(12, 3);

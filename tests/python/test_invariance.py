@@ -237,8 +237,30 @@ def test_whether_a_rim_is_round_does_not_hang_on_its_first_vertex(seed):
     change_of_vertices(seed, "relabelled", "triangles")
 
 
+@pytest.mark.parametrize("seed", [36, 40, 76, 141, 145, 176, 181, 211, 281])
+@pytest.mark.parametrize("look", ["mirrored", "turned", "scaled and moved"])
+def test_quads_in_a_round_rim_do_not_hang_on_which_of_two_equal_sums_is_rounded_up(seed, look):
+    """The same four corners of a grid are met twice, from either of two neighbors on."""
+    rng = np.random.default_rng(seed)
+    points, faces = wavy_hole(rng, 0)
+    points = points + 1e-3 * rng.normal(size=points.shape)
+    change_of(points, faces, max(tripatch.find_holes(faces), key=lambda loop: 0 in loop), seed, look, "quads")
+
+
+@pytest.mark.parametrize(("seed", "look"), [(142, "mirrored"), (222, "mirrored"), (247, "relabelled")])
+def test_whether_a_skew_quad_counts_as_folded_does_not_hang_on_the_corner_it_begins_at(seed, look):
+    rng = np.random.default_rng(seed)
+    points, faces, _ = closed_mesh(rng, "ring", "bumps")
+    points = points + 0.02 * np.linalg.norm(points[faces[0][0]] - points[faces[0][1]]) * rng.normal(size=points.shape)
+    left = with_hole(faces, rng, 0.15 * rng.random())
+    change_of(points, left, max(tripatch.find_holes(left), key=len), seed, look, "quads")
+
+
 def change_of_vertices(seed, look, output):
-    points, faces, rim = uneven_hole(seed)
+    change_of(*uneven_hole(seed), seed, look, output)
+
+
+def change_of(points, faces, rim, seed, look, output):
     if len(rim) > 50:
         return
     rng, size = np.random.default_rng(seed), hole_size(points, rim)

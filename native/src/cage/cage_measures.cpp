@@ -100,7 +100,7 @@ CageMeasures CageFit::measures(std::size_t h, const Surface& patch) const {
   for (const Crossing& each : find_crossings(surface.vertices, none, surface.faces, edges, 1)) measures.crossing = each.where;
   Faces own;
   for (Index f = closed_.first_face[h]; f < closed_.first_face[h + 1]; ++f) own.add(closed_.faces[f]);
-  begin_at_shorter_diagonals(closed_.vertices, own);
+  begin_at_shorter_diagonals(closed_.vertices, none, own);
   for (const Crossing& each : find_crossings(closed_.vertices, none, own, 1)) measures.faces_crossing = each.where;
   return measures;
 }

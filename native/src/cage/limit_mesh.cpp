@@ -5,6 +5,8 @@
 #include <map>
 #include <vector>
 
+#include "tripatch/report/folded_triangles.h"
+
 namespace tripatch {
 namespace {
 
@@ -106,22 +108,13 @@ void sample_polygon(SharedPoints& points, std::span<const Index> face, Index f, 
 
 }  // namespace
 
-void begin_at_shorter_diagonals(const Points& vertices, Faces& faces) {
-  for (Index f = 0; f < faces.size(); ++f) {
-    if (faces[f].size() != 4) continue;
-    const auto corner = faces.corners.begin() + faces.offsets[f];
-    const auto apart = [&](Index a, Index b) { return (vertices.row(a) - vertices.row(b)).norm(); };
-    if (apart(corner[1], corner[3]) < apart(corner[0], corner[2])) std::rotate(corner, corner + 1, corner + 4);
-  }
-}
-
 LimitMesh sample_limit(const LimitSurface& limit, const Mesh& cage, bool loop, Index first, Index last, int level) {
   LimitMesh mesh;
   SharedPoints points(limit, cage);
   for (Index f = first; f < last; ++f)
     (loop ? sample_triangle : sample_polygon)(points, cage.faces[f], f, 1 << level, mesh.faces);
   mesh.vertices = points.all();
-  begin_at_shorter_diagonals(mesh.vertices, mesh.faces);
+  begin_at_shorter_diagonals(mesh.vertices, Points(0, 3), mesh.faces);
   return mesh;
 }
 

@@ -15,8 +15,8 @@
 #include "tripatch/grid/rows_surface.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/math/ties.h"
 #include "tripatch/output/doubled_edges.h"
+#include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_patch.h"
 
 namespace tripatch {
@@ -90,15 +90,12 @@ Faces quads_of(const QuadRows& rows, const Block& block) {
 
 /// Cuts each quad along its shorter diagonal.
 void halve_quads(const Mesh& mesh, Fill& fill) {
-  const Index n = mesh.vertices.rows();
-  const auto at = [&](Index v) { return v < n ? Vec3(mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
+  begin_at_shorter_diagonals(mesh.vertices, fill.vertices, fill.faces);
   Faces halves;
   for (Index f = 0; f < fill.faces.size(); ++f) {
     const std::span<const Index> quad = fill.faces[f];
-    const bool other = clearly_less((at(quad[3]) - at(quad[1])).norm(), (at(quad[2]) - at(quad[0])).norm());
-    const std::size_t k = other ? 1 : 0;
-    halves.add(std::array{quad[k], quad[k + 1], quad[k + 2]});
-    halves.add(std::array{quad[k], quad[k + 2], quad[(k + 3) % 4]});
+    halves.add(std::array{quad[0], quad[1], quad[2]});
+    halves.add(std::array{quad[0], quad[2], quad[3]});
   }
   fill.faces = std::move(halves);
 }

@@ -126,19 +126,21 @@ std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& 
   const Points border = mesh.vertices(rim, Eigen::all), points = smoothed_on(*layout, *made.surface, border);
   if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= least_sine)) return {};
   const Index added = points.rows() - layout->rim;
-  Faces in_mesh = layout->faces;
+  Faces cut = layout->faces;
+  begin_at_shorter_diagonals(points, Points(0, 3), cut);
+  Faces in_mesh = cut;
   for (Index& v : in_mesh.corners)
     v = v < layout->rim ? rim[static_cast<std::size_t>(v)] : mesh.vertices.rows() + v - layout->rim;
   const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, {rim});
   if (count_folded_edges(mesh.vertices, points.bottomRows(added), in_mesh, beyond) > made.folds) return {};
-  if (crosses_itself(points, halves_of(layout->faces))) return {};
+  if (crosses_itself(points, halves_of(cut))) return {};
   const PlanePoints uv = layout->uv.bottomRows(added);
   const Points normals = made.surface->normals(as_rows(uv));
   made.deviation = deviation_at(made, uv, normals);
   made.vertices = points.bottomRows(added);
   made.uv = uv;
   made.normals = normals;
-  made.triangles = halves_of(layout->faces);
+  made.triangles = halves_of(cut);
   return layout;
 }
 

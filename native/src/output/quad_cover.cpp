@@ -2,14 +2,11 @@
 
 #include <algorithm>
 
+#include "tripatch/math/ties.h"
 #include "tripatch/quads/quad_layout.h"
 
 namespace tripatch {
 namespace {
-
-/// Relative difference up to which edges are equally long: far above the rounding of a mesh that was turned or scaled, so that the same
-/// edge is split in all of its positions.
-constexpr double same_length = 1e-9;
 
 /// The largest distance of the quads' middles from the patch: how far the flat-sided fill is from the smooth one.
 double deviation(const Cover& cover, const Surface& patch) {
@@ -37,7 +34,7 @@ std::size_t longest_edge(const PointsRef& rim) {
   const auto length = [&](Index k) { return (rim.row(k) - rim.row((k + 1) % n)).norm(); };
   Index place = 0;
   for (Index k = 1; k < n; ++k)
-    if (length(k) > (1 + same_length) * length(place)) place = k;
+    if (clearly_more(length(k), length(place))) place = k;  // so that the same edge is split wherever the mesh is
   return static_cast<std::size_t>(place);
 }
 

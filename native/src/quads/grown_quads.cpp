@@ -528,8 +528,8 @@ std::vector<int> wanted_quads(const Points& vertices, const Connectivity& around
   double owed = 0;
   for (const Index v : rim) {
     const double exact = v < around.vertices() ? quads_left(vertices, around, v, which) : 2;  // a new one is on an edge
-    const bool whole = exact == std::round(exact);
-    const int quads = std::max(1, static_cast<int>(std::lround(exact + (whole ? 0 : owed))));
+    const bool whole = coarse(exact) == std::round(exact);
+    const int quads = std::max(1, static_cast<int>(std::lround(coarse(exact + (whole ? 0 : owed)))));
     if (!whole) owed += exact - quads;
     wanted.push_back(quads);
   }

@@ -187,7 +187,7 @@ std::optional<Plan> best_cut(const Region& region, Plan plan) {
     trial.to = to;
     trial.edges = edges;
     const std::optional<double> cost = cut_cost(region, trial);
-    if (!cost || (best && best->cost <= *cost)) return false;
+    if (!cost || (best && !clearly_less(*cost, best->cost))) return false;
     trial.cost = *cost;
     best = std::move(trial);
     return true;
@@ -197,7 +197,7 @@ std::optional<Plan> best_cut(const Region& region, Plan plan) {
       const Vec2 p = region.at(plan.sides[plan.first], from), q = region.at(plan.sides[plan.second], to);
       const double ideal = std::max(1.0, (p - q).norm() / mean);
       for (double factor : {0.25, 0.5, 0.75, 1.0, 1.4, 2.0, 3.0})
-        for (Index parity : {0, 1}) look_at(from, to, static_cast<Index>(std::lround(factor * ideal)) + parity);
+        for (Index parity : {0, 1}) look_at(from, to, static_cast<Index>(std::lround(coarse(factor * ideal))) + parity);
     }
   for (bool better = best.has_value(); better;) {
     better = false;
@@ -219,7 +219,7 @@ std::vector<Plan> round_plans(const Region& region) {
       plan.rings = 1;
       plan.sides = sides_between({from, from + a, from + half, from + half + a}, edges);
       plan.cost = *piece_cost(region, plan.sides);
-      if (!best || plan.cost < best->cost) best = std::move(plan);
+      if (!best || clearly_less(plan.cost, best->cost)) best = std::move(plan);
     }
   std::vector<Plan> plans;
   if (best) plans.push_back(*best);

@@ -1,11 +1,13 @@
 #include "tripatch/report/folded_triangles.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
@@ -96,6 +98,16 @@ std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& 
     first += n;
   }
   return out;
+}
+
+void begin_at_shorter_diagonals(const PointsRef& vertices, const PointsRef& added, Faces& faces) {
+  const Places at(vertices, added);
+  for (Index f = 0; f < faces.size(); ++f) {
+    if (faces[f].size() != 4) continue;
+    const auto corner = faces.corners.begin() + faces.offsets[f];
+    const auto apart = [&](Index a, Index b) { return (at(a) - at(b)).norm(); };
+    if (clearly_less(apart(corner[1], corner[3]), apart(corner[0], corner[2]))) std::rotate(corner, corner + 1, corner + 4);
+  }
 }
 
 EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, std::span<const FaceBeyond> beyond) {

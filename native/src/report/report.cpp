@@ -51,9 +51,11 @@ void tell_folds(Report& report) {
 
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
                    Report& report) {
-  EdgesByVertex edges = edges_of_triangles(mesh.vertices.rows(), added.rows(), faces, beyond);
-  report.triangles_folded = count_folded_edges(mesh.vertices, added, faces, beyond, edges);
-  report.crosses_itself = !find_crossings(mesh.vertices, added, faces, edges, 1).empty();
+  Faces cut = faces;
+  begin_at_shorter_diagonals(mesh.vertices, added, cut);
+  EdgesByVertex edges = edges_of_triangles(mesh.vertices.rows(), added.rows(), cut, beyond);
+  report.triangles_folded = count_folded_edges(mesh.vertices, added, cut, beyond, edges);
+  report.crosses_itself = !find_crossings(mesh.vertices, added, cut, edges, 1).empty();
 }
 
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples) {

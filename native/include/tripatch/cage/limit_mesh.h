@@ -10,10 +10,6 @@ struct LimitMesh {
   Faces faces;  ///< quads, each from an end of its shorter diagonal on; of a cage of triangles triangles
 };
 
-/// Turns quads so that each begins where its shorter diagonal does: cut into fans they are then cut along that, whichever corner they began at
-/// and in a mirror too.
-void begin_at_shorter_diagonals(const Points& vertices, Faces& faces);
-
 /// Faces `first` to `last` - 1, each as a grid of 2^level quads a side (an n-gon has half as many on each side of a quarter),
 /// with one vertex where faces meet. limit: of `cage`, refined around these faces, with a quality.
 LimitMesh sample_limit(const LimitSurface& limit, const Mesh& cage, bool loop, Index first, Index last, int level);

@@ -26,6 +26,10 @@ std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& aroun
 std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& around,
                                           const std::vector<std::vector<Index>>& loops);
 
+/// Turns quads so that each begins where its shorter diagonal does: cut into fans they are then cut along that, whichever corner they began at
+/// and in a mirror too. Numbers as of count_folded_edges.
+void begin_at_shorter_diagonals(const PointsRef& vertices, const PointsRef& added, Faces& faces);
+
 /// Edges of triangles, every face cut into a fan from its first corner: 2 t + 1 comes along from the lower vertex of an edge of triangle
 /// t to its higher one, 2 t the other way. The faces beyond count on after the triangles. of_mesh, own: numbers of vertices.
 EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, std::span<const FaceBeyond> beyond);
