@@ -7,6 +7,7 @@
 
 #include "test_surfaces.h"
 #include "tripatch/fill.h"
+#include "tripatch/fill/rows_fill.h"
 #include "tripatch/grid/continued_quads.h"
 #include "tripatch/grid/mixed_differences.h"
 
@@ -201,6 +202,33 @@ TEST_CASE("the corner of a box comes back round its pole, and rows do not go on 
   cut.corners.pop_back();
   --cut.offsets.back();
   CHECK_FALSE(go_on(around, {quads.rim, cut, quads.inside}));
+}
+
+TEST_CASE("rows go on over up to 2,000 vertices inside, and all that is determined of so many", "[thresholds]") {
+  // an L: a bottom so long and wide, an arm so wide and long
+  const auto ell = [](std::array<Index, 2> bottom, std::array<Index, 2> arm) {
+    Quads grid = Quads::grid(std::max(bottom[0], bottom[1] + arm[1]) + 8);
+    Faces left;
+    const auto is_gone = [&](const Vec3& p) {
+      const Index x = static_cast<Index>(p[0]) - 4, y = static_cast<Index>(p[1]) - 4;
+      const bool low = x < bottom[0] && y < bottom[1], high = x < arm[0] && y < bottom[1] + arm[1];
+      return p.head<2>().minCoeff() > 4 && (low || high);
+    };
+    const QuadsInside quads = grid.taken_out(is_gone, left);
+    for (Index v = 0; v < grid.vertices.rows(); ++v)  // differences of the third order only are nothing
+      grid.vertices(v, 2) = 1e-3 * std::pow(grid.vertices(v, 0), 2) * std::sin(7 * std::pow(grid.vertices(v, 1), 2));
+    FillOptions options;
+    options.rim = quads.rim;
+    const Mesh mesh{grid.vertices, left};
+    const std::optional<Fill> fill = fill_with_rows(Ground(mesh, options.rim, options), quads.rim, Output::quads);
+    for (Index k = 0; fill && k < fill->vertices.rows(); ++k) {
+      const Vec3 p = fill->vertices.row(k);
+      CHECK(std::abs(p[2] - 1e-3 * p[0] * p[0] * std::sin(7 * p[1] * p[1])) < 1e-6);
+    }
+    return std::pair(quads.inside, fill.has_value());
+  };
+  CHECK(ell({51, 21}, {26, 40}) == std::pair(Index{2000}, true));
+  CHECK(ell({30, 24}, {24, 58}) == std::pair(Index{2001}, false));
 }
 
 TEST_CASE("what rows miss is told, by the rim or by another order", "[quad_rows]") {

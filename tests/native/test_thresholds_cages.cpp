@@ -8,6 +8,7 @@
 #include "tripatch/cage/cage_fit.h"
 #include "tripatch/cage/cage_layout.h"
 #include "tripatch/fill.h"
+#include "tripatch/fill/cage_fills.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
@@ -148,6 +149,30 @@ TEST_CASE("a cage's report warns of poles of more than seven triangles", "[thres
     CHECK(most == 14 - longest);
     CHECK(std::any_of(made.report.warnings.begin(), made.report.warnings.end(),
                       [](const std::string& said) { return said.find("Pole of valence 8") == 0; }) == (most > 7));
+  }
+}
+
+TEST_CASE("faces that reach four edges of the rim are strips, beside which a split edge may fold", "[thresholds]") {
+  constexpr Index n = 5;
+  const double edge = 2 * std::sin(M_PI / n), cosine = std::cos(2 * M_PI / n);
+  for (const double reach : {3.97, 4.03}) {
+    const double outer = cosine + std::sqrt(cosine * cosine - 1 + std::pow(reach * edge, 2));  // to the next vertex but outside
+    Points vertices(2 * n, 3);
+    Faces faces;
+    std::vector<Index> rim;
+    for (Index k = 0; k < n; ++k) {
+      const double turn = 2 * M_PI * static_cast<double>(k) / n;
+      vertices.row(k) << std::cos(turn), std::sin(turn), 0;
+      vertices.row(n + k) = outer * vertices.row(k);
+      faces.add(std::array<Index, 4>{(k + 1) % n, k, n + k, n + (k + 1) % n});
+      rim.push_back(k);
+    }
+    FillOptions options;
+    options.rim = rim;
+    const Mesh mesh{vertices, faces};
+    SidedRim hole;
+    hole.rim = rim;
+    CHECK(may_fold_by_splitting(Ground(mesh, options.rim, options), hole) == (reach > 4));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <numeric>
 
 #include "tripatch/cage/sided_rim.h"
@@ -26,11 +27,14 @@ namespace {
 constexpr Index most_edges = 200;
 /// Vertices inside an outline that is no block, for the same reason: of so many it takes half a second.
 constexpr Index most_inside = 2000;
-/// Rows beyond the rim that the surface goes through.
+/// Right angles by which the rim of a hole in a grid turns, and how many more or less a pole of five or three rows makes: rows go on past one.
+constexpr Index right_angles_of_grid = 4, most_poles = 1;
+/// Rows beyond the rim that the surface goes through: what the spline does at its ends is a fourteenth of that two rows within.
 constexpr Index rows_of_surface = 2;
-/// Of the mean distance of rows: no two are nearer to each other in the surface's domain.
+/// Of the mean distance of rows: no two are nearer to each other in the surface's domain, whose cubics would be divided by less. A choice.
 constexpr double least_step = 1e-3;
 /// Of the hole's diameter: so nearly the rim itself comes out where it is continued in the same way, that nothing else need be tried.
+/// A choice.
 constexpr double surely_rows = 1e-6;
 /// The rows' new vertices are off by so much of what the rim itself is missed by: .23 in the median of 352 blocks in thirty kinds of
 /// meshes, among them bevels, tubes, tori, subdivided heads and balls, metaballs. Where a spline says that it is off by less it is taken:
@@ -226,7 +230,7 @@ std::optional<QuadLayout> layout_of_rows(const Ground& ground, const std::vector
   if (!is_among_quads(ground.left, rim)) return {};
   Index turns = 0;  // right angles of the rim
   for (const Index v : rim) turns += static_cast<Index>(ground.left.at(v).size()) - 2;
-  if (turns < 3 || turns > 5) return {};
+  if (std::abs(turns - right_angles_of_grid) > most_poles) return {};
   const std::optional<QuadLayout> layout = grown_layout(rim, ground.mesh.vertices, ground.left);
   if (!layout || std::ranges::any_of(layout->faces.offsets, [](Index at) { return at % 4 != 0; })) return {};
   return in_order_from_rim(*layout);

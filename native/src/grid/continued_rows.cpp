@@ -96,7 +96,10 @@ double missed(const PointsRef& vertices, const QuadRows& rows, int order) {
 
 }  // namespace
 
-double middle_over_first(double across) { return std::pow(0.25 * across, 2); }
+/// Of L steps x^2 (L - x)^2 is (L / 2)^4 in the middle, and about L^2 after the first: the square of so much of L.
+constexpr double middle_share = 0.25;
+
+double middle_over_first(double across) { return std::pow(middle_share * across, 2); }
 
 ContinuedRows continued_rows(const PointsRef& vertices, const QuadRows& rows) {
   ContinuedRows best{{}, 1, missed(vertices, rows, 1)};
