@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tripatch/fill.h"
+#include "tripatch/output/doubled_edges.h"
 
 using namespace tripatch;
 
@@ -121,4 +122,55 @@ TEST_CASE("a cage in a mesh whose squares of lengths are none is refused as too 
       for (Index v : refusal.where()) CHECK(v < wave.points.rows());
     }
   }
+}
+
+TEST_CASE("a cage that would join vertices of the rim where the mesh does is refused") {
+  // among others around three triangles in a row: an edge of the mesh is a diagonal of its rim
+  Points points(21, 3);
+  points << 0, 0, 0, 0, 0.5, -0.25, 0, 1, -1, 0.166666667, 0, 0.0277777778, 0.166666667, 0.5, -0.222222222, 0.166666667, 1,
+      -0.972222222, 8.83333333, -10.5625, -3.01388889, 0.333333333, 0.5, -0.138888889, 7.45833333, 6.2043457, -5.20138889,
+      -4.5625, -6.5, -5.50927734, 0.5, 0.5, 0, -4, -0.5625, 5.75, 0.666666667, 0, 0.444444444, 0.666666667, 0.5, 0.194444444,
+      0.666666667, 1, -0.555555556, 0.833333333, 0, 0.694444444, 0.833333333, 0.5, 0.444444444, 0.833333333, 1, -0.305555556,
+      -6.1875, -1.14892578, 1.8125, 1, 0.5, 0.75, 1, 1, 0;
+  Faces faces;
+  for (const Loop& face : {Loop{1, 4, 5}, Loop{3, 6, 7}, Loop{6, 10, 7}, Loop{9, 12, 13}, Loop{9, 13, 10}, Loop{12, 16, 13},
+                           Loop{15, 18, 19}, Loop{16, 19, 20}, Loop{16, 20, 17}})
+    faces.add(face);
+  FillOptions options;
+  options.output = Output::cage;
+  const std::vector<Loop> rims = {{1, 5, 4}, {15, 19, 18}, {3, 7, 10, 6}, {16, 17, 20, 19}, {9, 10, 13, 16, 12}};
+  const auto results = fill_all({points, faces}, rims, options);
+  for (std::size_t k = 0; k < rims.size(); ++k)
+    if (const Fill* fill = std::get_if<Fill>(&results[k]))
+      CHECK_FALSE(doubles_edges_of_mesh(Connectivity(Mesh{points, faces}), rims[k], fill->faces));
+}
+
+TEST_CASE("surroundings beyond all measure are no mistake of the caller where a second model of them is made") {
+  // a ring of triangles and quads around an edge, one vertex of which lies at 7e148
+  Points points(39, 3);
+  points << 1.4, 0, 0, 0.8, 0, 0.346410162, 0.8, 0, -0.346410162, 1.23963844, 0.650612441, 0, 0.708364821, 0.371778538,
+      0.346410162, 1e+09, 0.0592785376, -1.03391016, 1e+150, -3.20841829, -3.3125, 0.454451797, 0.658387093, 0.346410162,
+      0.454451797, 0.658387093, -0.346410162, 0.168751352, 1.38979242, 0, 0.0964293442, 0.794167099, 0.346410162, 0.0964293442,
+      0.794167099, -0.346410162, -0.496446842, 1.30902274, 0, -0.28368391, 0.748012994, 0.346410162, -0.28368391, 0.748012994,
+      -0.346410162, -1.04791505, 0.928371722, 0, 6.0261914, -1.34450187, 5.22141016, -3.0363086, 5.65549813, -2.03708399,
+      3.66607208, -3.35245807, 3.875, -0.776753454, 0.191452531, 0.346410162, -0.776753454, 0.191452531, -0.346410162,
+      -1.35931854, -0.33504193, 0, -0.776753454, -0.191452531, 0.346410162, -1.27675345, 1.99604747, -5.59641016, -1.04791505,
+      -0.928371722, 0, -0.598808599, -0.530498127, 0.346410162, -0.598808599, -0.530498127, -0.346410162, -0.496446842,
+      -1.30902274, 0, -0.28368391, -0.748012994, 0.346410162, -0.28368391, -0.748012994, -0.346410162, 0.168751352, -1.38979242,
+      0, 0.0964293442, -0.794167099, 0.346410162, 0.0964293442, -0.794167099, -0.346410162, 0.795290645, -1.15217741, 0,
+      0.454451797, -0.658387093, 0.346410162, -2.9830482, 4.59161291, -2.34641016, 1.05213844, 7.51695326e+148, -5.56274414,
+      0.708364821, -0.371778538, 0.346410162, 0.940298414, -3.18427854, -7.90158594;
+  Faces faces;
+  for (const Loop& face :
+       {Loop{0, 3, 4, 1},     Loop{2, 5, 3, 0},     Loop{3, 6, 7, 4},     Loop{4, 7, 8, 5},     Loop{5, 8, 6, 3},
+        Loop{6, 9, 10, 7},    Loop{9, 12, 13, 10},  Loop{12, 15, 16, 13}, Loop{15, 18, 19, 16}, Loop{18, 21, 22, 19},
+        Loop{21, 24, 25, 22}, Loop{24, 27, 28, 25}, Loop{25, 28, 29, 26}, Loop{26, 29, 27, 24}, Loop{27, 30, 31, 28},
+        Loop{28, 31, 32, 29}, Loop{29, 32, 30, 27}, Loop{30, 33, 34, 31}, Loop{31, 34, 35, 32}, Loop{32, 35, 33, 30},
+        Loop{33, 36, 37, 34}, Loop{34, 37, 38, 35}, Loop{35, 38, 36, 33}, Loop{36, 0, 1, 37},   Loop{37, 1, 2, 38},
+        Loop{38, 2, 0, 36}})
+    faces.add(face);
+  FillOptions options;
+  options.output = Output::quads;
+  const auto results = fill_all({points, faces}, {{6, 8, 7, 10, 13, 16, 19, 22, 25, 26, 24, 21, 18, 15, 12, 9}}, options);
+  if (const Fill* fill = std::get_if<Fill>(&results[0])) CHECK(is_finite(*fill));
 }

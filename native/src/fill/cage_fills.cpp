@@ -19,6 +19,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
+#include "tripatch/output/doubled_edges.h"
 #include "tripatch/patch_from_sides.h"
 
 namespace tripatch {
@@ -285,6 +286,10 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
     const SidedRim& hole = holes[h];
     const Report& report = fills[h].report;
     refuse_infinite(fills[h], hole.rim);
+    if (doubles_edges_of_mesh(ground.left, hole.rim, fills[h].faces))
+      throw Refusal(
+          "A cage would join two vertices of the rim by an edge that the mesh has already; choose other corners, or triangles",
+          at_places(hole.rim, hole.corners));
     if (holes.size() == 1 && !hole.given && !is_harmless(report)) {
       std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(ground, hole.rim);
       for (const bool by_angle : {false, true}) {

@@ -104,12 +104,6 @@ void halve_quads(const Mesh& mesh, Fill& fill) {
   fill.faces = std::move(halves);
 }
 
-/// Whether an edge of the mesh would be there twice: only single rows have edges between vertices of the rim, and no others.
-bool doubles_an_edge(const Connectivity& around, const std::vector<Index>& rim, Faces faces) {
-  for (Index& v : faces.corners) v = std::find(rim.begin(), rim.end(), v) - rim.begin();
-  return doubles_edges(around, rim, faces);
-}
-
 /// The surface, and places and normals of the rim and of what is new.
 void put_on_surface(const QuadRows& rows, const Block& block, Fill& fill) {
   std::array<Index, 2> first{}, last{};
@@ -187,7 +181,8 @@ std::optional<Fill> fill_block(const Ground& ground, const std::vector<Index>& r
   fill.vertices = std::move(made.inside);
   const Block block(ground.mesh, rows, fill.vertices);
   fill.faces = quads_of(rows, block);
-  if (is_strip && doubles_an_edge(ground.left, fill.rim, fill.faces)) return {};
+  // only single rows have edges between vertices of the rim, and no others
+  if (is_strip && doubles_edges_of_mesh(ground.left, fill.rim, fill.faces)) return {};
   put_on_surface(rows, block, fill);
   if (!fill.normals.allFinite() || !fill.rim_normals.allFinite()) return {};  // beside coordinates beyond all measure
   for (Index place : corners) fill.report.corners.push_back(fill.rim[static_cast<std::size_t>(place)]);

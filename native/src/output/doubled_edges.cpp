@@ -81,4 +81,9 @@ bool doubles_edges(const Connectivity& around, const std::vector<Index>& rim, co
   return false;
 }
 
+bool doubles_edges_of_mesh(const Connectivity& around, const std::vector<Index>& rim, Faces faces) {
+  for (Index& v : faces.corners) v = std::find(rim.begin(), rim.end(), v) - rim.begin();
+  return doubles_edges(around, rim, faces);
+}
+
 }  // namespace tripatch

@@ -414,7 +414,12 @@ bool take_second(const Rim& rim, const SecondModel& second, double share, Attemp
   FieldOptions fields;
   fields.orders = {order_of_difference};
   fields.unit = std::max(rim.edge, 1e-300);
-  const SurfacePtr change = std::make_shared<Field>(places, difference, fields);
+  SurfacePtr change;
+  try {
+    change = std::make_shared<Field>(places, difference, fields);
+  } catch (const InvalidArgument&) {  // places on a line, or numbers beyond all measure
+    return false;
+  }
   Points points = result.made.points;
   points.bottomRows(added) =
       result.on_field.bottomRows(added) + change->positions(as_rows(PlanePoints(result.made.uv.bottomRows(added))));

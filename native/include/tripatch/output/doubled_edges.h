@@ -20,5 +20,7 @@ std::vector<std::array<Index, 2>> joined_rows(const Connectivity& around, const 
 
 /// Whether an inner edge of faces joins two of the rim's vertices, which are the first rows, that the mesh joins.
 bool doubles_edges(const Connectivity& around, const std::vector<Index>& rim, const Faces& faces);
+/// The same of faces by the mesh's own vertices and further ones.
+bool doubles_edges_of_mesh(const Connectivity& around, const std::vector<Index>& rim, Faces faces);
 
 }  // namespace tripatch
