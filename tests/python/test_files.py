@@ -309,6 +309,15 @@ def test_obj_round_trip(tmp_path_factory, case):
 
 # ---------------------------------------------------------------------------------------------------- OFF
 
+
+@pytest.mark.parametrize("one", ["+1", "0_1", "01"])
+def test_counts_of_an_off_file_go_up_however_they_are_written(one, tmp_path):
+    """Found by fuzzing: a count with a sign stayed, and the new faces were not read again."""
+    data = f"OFF 3 {one} 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".encode()
+    after = filled(data, "a.off", tmp_path, [fan([0, 1, 2], 3)])
+    assert len(reread(after, "b.off", tmp_path).faces) == 4
+
+
 OFF = (
     b"OFF # a frame\n# counts follow\n8 4 12\n\n"
     + b"".join(b"%d %d %d\n" % tuple(p) for p in FRAME.astype(int))

@@ -97,7 +97,7 @@ class OffFile(MeshFile):
         lines = list(self._lines)
         text, comment_sign, comment = lines[self._counts_line].partition(b"#")
         added = iter((len(self._new_vertices), len(self._new_faces), self._new_edges if self._edges else 0))
-        text = re.sub(rb"(?<!\S)\d+(?!\S)", lambda old: b"%d" % (int(old[0]) + next(added)), text, count=3)
+        text = re.sub(rb"(?<!\S)[+-]?\d[\d_]*(?!\S)", lambda old: b"%d" % (int(old[0]) + next(added)), text, count=3)
         lines[self._counts_line] = text + comment_sign + comment
         first, second = self._cut
         lines[first - 1] = self._ended(lines[first - 1])
