@@ -9,6 +9,7 @@
 #include "tripatch/fill.h"
 #include "tripatch/fill/rows_fill.h"
 #include "tripatch/grid/continued_quads.h"
+#include "tripatch/grid/continued_rows.h"
 #include "tripatch/grid/mixed_differences.h"
 
 using namespace tripatch;
@@ -229,6 +230,28 @@ TEST_CASE("rows go on over up to 2,000 vertices inside, and all that is determin
   };
   CHECK(ell({51, 21}, {26, 40}) == std::pair(Index{2000}, true));
   CHECK(ell({30, 24}, {24, 58}) == std::pair(Index{2001}, false));
+}
+
+TEST_CASE("an outline that is a block is continued as that block", "[quad_rows]") {
+  for (const double wave : {0.3, 0.9, 2.5}) {
+    Quads grid = Quads::grid(11);  // of 5 x 5 quads, three rows around
+    Faces left;
+    const QuadsInside quads =
+        grid.taken_out([](const Vec3& p) { return p.head<2>().minCoeff() > 3 && p.head<2>().maxCoeff() < 8; }, left);
+    for (Index v = 0; v < grid.vertices.rows(); ++v)
+      grid.vertices(v, 2) = std::sin(wave * grid.vertices(v, 0) + 0.4) * std::cos(0.8 * wave * grid.vertices(v, 1));
+    const Connectivity around(left, grid.vertices.rows());
+    const ContinuedRows as_outline = continued_quads(grid.vertices, around, quads),
+                        as_block = continued_rows(grid.vertices, quad_rows(around, quads.rim).value());
+    REQUIRE(as_outline.order == as_block.order);
+    CHECK(as_outline.inside.rows() == as_block.inside.rows());
+    for (Index k = 0; k < as_outline.inside.rows(); ++k)
+      CHECK((as_block.inside.rowwise() - as_outline.inside.row(k)).rowwise().norm().minCoeff() < 1e-10);
+    if (wave > 1)  // else another order is farther off than that
+      CHECK(as_outline.missed == Approx(as_block.missed));
+    else
+      CHECK(as_outline.missed > as_block.missed);
+  }
 }
 
 TEST_CASE("what rows miss is told, by the rim or by another order", "[quad_rows]") {

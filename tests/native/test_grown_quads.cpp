@@ -144,6 +144,38 @@ TEST_CASE("an odd rim has one triangle, and what turns by a right angle too litt
   CHECK(triangles == 1);
 }
 
+TEST_CASE("rings of quads around a layout are as many in each as the rim has edges, and none turns over") {
+  const Index side = 4, n = 4 * side;
+  PlanePoints rim(n, 2);
+  std::vector<int> wanted;
+  for (Index k = 0; k < n; ++k) {
+    const double along = static_cast<double>(k % side), all = static_cast<double>(side);
+    const std::array<Vec2, 4> place = {Vec2(3 + along, 2), Vec2(3 + all, 2 + along), Vec2(3 + all - along, 2 + all),
+                                       Vec2(3, 2 + all - along)};
+    rim.row(k) = place[static_cast<std::size_t>(k / side)];
+    wanted.push_back(k % side == 0 ? 1 : 2);
+  }
+  const std::optional<PlaneLayout> plain = grown_quads(rim, wanted);
+  REQUIRE(plain);
+  for (const int rows : {1, 2, 3}) {
+    const PlaneLayout made = with_rows(*plain, rows);
+    CHECK(made.rim == n);
+    CHECK(made.uv.rows() == plain->uv.rows() + rows * n);
+    CHECK(made.faces.size() == plain->faces.size() + rows * n);
+    CHECK(made.poles.size() == 4);  // the grid's corners
+    CHECK((made.uv.topRows(n) - rim).norm() == 0);
+    CHECK(quad_quality(as_rows(made.uv), made.faces).least > 0.4);
+  }
+}
+
+TEST_CASE("a vertex on an edge of the rim, which the mesh has not, runs on") {
+  Points vertices = Points::Zero(4, 3);
+  vertices << 0, 0, 0, 1, 0, 0, 0, -1, 0, 1, -1, 0;
+  Faces faces;
+  faces.add(std::array<Index, 4>{0, 2, 3, 1});
+  CHECK(wanted_quads(vertices, Connectivity(Mesh{vertices, faces}), {0, 4, 1}) == std::vector<int>{3, 2, 3});
+}
+
 TEST_CASE("angles that are right but for rounding owe nothing, and three halves of them are rounded up") {
   // the faces at each vertex of the rim end at given angles from the rim, turned out of the plane by rounding
   const auto wanted = [](std::array<double, 2> quads, double rounding) {

@@ -269,6 +269,125 @@ TEST_CASE("a fill of rows is quads with the rim's own vertices, on a surface wit
   CHECK((halves->vertices - fill->vertices).norm() == 0);
 }
 
+namespace {
+
+/// The middles of a fill's faces, sorted.
+std::vector<std::array<double, 3>> middles(const Grid& grid, const Fill& fill) {
+  const Points all = stacked(grid.vertices, fill.vertices);
+  std::vector<std::array<double, 3>> found;
+  for (Index f = 0; f < fill.faces.size(); ++f) {
+    Vec3 middle = Vec3::Zero();
+    for (const Index v : fill.faces[f]) middle += all.row(v).transpose() / static_cast<double>(fill.faces[f].size());
+    found.push_back({middle[0], middle[1], middle[2]});
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+double farthest(const std::vector<std::array<double, 3>>& some, const std::vector<std::array<double, 3>>& others) {
+  if (some.size() != others.size()) return INFINITY;
+  double most = 0;
+  for (std::size_t k = 0; k < some.size(); ++k)
+    most = std::max(most, (Vec3::Map(some[k].data()) - Vec3::Map(others[k].data())).norm());
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("the points of a cage without corners are those of the rows, whatever block it is and wherever its rim begins") {
+  const At at = [](double i, double j) { return Vec3(i + 0.01 * j, j + 0.02 * i, 0.03 * i * i - 0.02 * j * j + 0.01 * i * j); };
+  for (const std::array<Index, 2> size : {std::array<Index, 2>{2, 2}, {2, 5}, {5, 2}, {3, 4}, {4, 3}, {6, 5}}) {
+    const Grid grid(size[0], size[1], 3, at);
+    const Mesh mesh{grid.vertices, grid.faces};
+    for (const std::size_t turn : {std::size_t{0}, std::size_t{1}, grid.rim.size() / 2}) {
+      FillOptions options;
+      options.rim = grid.rim;
+      std::rotate(options.rim->begin(), options.rim->begin() + static_cast<std::ptrdiff_t>(turn), options.rim->end());
+      const std::optional<Fill> rows = fill_with_rows(Ground(mesh, options.rim, options), *options.rim, Output::quads);
+      REQUIRE(rows);
+      options.output = Output::cage;
+      const Fill cage = fill(mesh, options);
+      CHECK(cage.report.method_reason == rows_reason);
+      CHECK(cage.report.poles.empty());
+      CHECK(farthest(middles(grid, cage), middles(grid, *rows)) < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("cages far apart are made together as each by itself, and a rim that is refused leaves the others") {
+  constexpr Index n = 26, m = 10;
+  const auto at = [](Index i, Index j) { return i * (m + 1) + j; };
+  Points vertices((n + 1) * (m + 1), 3);
+  Faces faces;
+  for (Index i = 0; i <= n; ++i)
+    for (Index j = 0; j <= m; ++j) {
+      const double x = static_cast<double>(i), y = static_cast<double>(j);
+      vertices.row(at(i, j)) << x, y, 0.2 * std::sin(0.5 * x) * std::cos(0.4 * y);
+      const bool gone = j >= 4 && j < 6 && ((i >= 4 && i < 7) || (i >= 19 && i < 22));
+      if (i < n && j < m && !gone) faces.add(std::array{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  const auto rim = [&](Index first) {
+    std::vector<Index> loop;
+    for (Index i = 0; i < 3; ++i) loop.push_back(at(first + i, 4));
+    for (Index j = 4; j < 6; ++j) loop.push_back(at(first + 3, j));
+    for (Index i = 3; i > 0; --i) loop.push_back(at(first + i, 6));
+    for (Index j = 6; j > 4; --j) loop.push_back(at(first, j));
+    return loop;
+  };
+  const Mesh mesh{vertices, faces};
+  FillOptions options;
+  options.output = Output::cage;
+  std::size_t told = 0;
+  const auto results = fill_all(mesh, {rim(4), rim(11), rim(19)}, options, {}, [&](std::size_t done) { told = done; });
+  CHECK(told == 3);
+  REQUIRE(results.size() == 3);
+  CHECK(std::holds_alternative<Refused>(results[1]));
+  for (const std::size_t k : {0, 2}) {
+    options.rim = rim(k == 0 ? 4 : 19);
+    const Fill alone = fill(mesh, options);
+    REQUIRE(std::holds_alternative<Fill>(results[k]));
+    CHECK((std::get<Fill>(results[k]).vertices - alone.vertices).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("cages of other than a smooth rim, of triangles, with rows or corners that are given are not put into rows") {
+  const Grid grid(4, 3, 3, [](double i, double j) { return Vec3(i, j, 0.1 * std::sin(i) * std::cos(j)); });
+  const Mesh mesh{grid.vertices, grid.faces};
+  FillOptions plain;
+  plain.rim = grid.rim;
+  plain.output = Output::cage;
+  const auto reason = [&](const FillOptions& options) { return fill(mesh, options).report.method_reason; };
+  CHECK(reason(plain) == rows_reason);
+  FillOptions exact = plain, free = plain, more = plain, given = plain, tense = plain, raised = plain, centered = plain,
+              full = plain;
+  exact.cage_rim = CageRim::exact;
+  free.cage_rim = CageRim::move;
+  more.resolution = 1;
+  given.corners = {grid.vertex(0, 0), grid.vertex(4, 0), grid.vertex(4, 3), grid.vertex(0, 3)};
+  tense.tension = 0.2;
+  raised.center_offset = 0.1;
+  centered.center = Vec3(2, 1.5, 0.5);
+  full.bulge = each_side(1.2);
+  for (const FillOptions& other : {exact, free, more, given, tense, raised, centered, full}) CHECK(reason(other) != rows_reason);
+  plain.resolution = 0;
+  CHECK(reason(plain) == rows_reason);
+}
+
+TEST_CASE("what rows say of their surroundings is the angle that what is missed has over an edge of the rim") {
+  const Grid grid(4, 3, 2, [](double i, double j) { return Vec3(2 * i, j, 0.2 * std::sin(i) * std::cos(j)); });
+  FillOptions options;
+  options.rim = grid.rim;
+  const Mesh mesh{grid.vertices, grid.faces};
+  const Fill made = fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads).value();
+  double edges = 0;
+  for (std::size_t k = 0; k < grid.rim.size(); ++k)
+    edges += (grid.vertices.row(grid.rim[k]) - grid.vertices.row(grid.rim[(k + 1) % grid.rim.size()])).norm();
+  REQUIRE(made.deviation[0] > 1e-3);
+  const double angle = std::atan2(made.deviation[0], edges / static_cast<double>(grid.rim.size())) * 180 / M_PI;
+  CHECK(made.report.surroundings_error == Approx(angle));
+  CHECK(made.report.deviation_max.value() == made.deviation[0]);
+}
+
 TEST_CASE("a single row is no fill where the mesh joins what it would join") {
   const Grid grid(4, 1, 1, flat);
   FillOptions options;

@@ -176,6 +176,48 @@ TEST_CASE("faces that reach four edges of the rim are strips, beside which a spl
   }
 }
 
+TEST_CASE("beside a strip either edge of the rim may be the shorter one, and beside sides of an edge each all may fold",
+          "[thresholds]") {
+  // only at the first vertex is a face, the next or the last, more than four times as long as its shorter edge, the other of the two
+  Points vertices(10, 3);
+  vertices.topRows(5) << 0, 0, 0, 1, 0, 0, 3.5, 1, 0, 0, 5, 0, -3, 4, 0;
+  for (Index k = 0; k < 5; ++k) vertices.row(5 + k) = Vec3(1.1 * vertices(k, 0), 1.1 * vertices(k, 1) - 0.23, 0).transpose();
+  vertices.rowwise() += Eigen::RowVector3d(10, 10, 0);
+  for (const bool mirrored : {false, true}) {
+    if (mirrored) vertices.col(0) *= -1;
+    Faces faces;
+    SidedRim hole;
+    for (Index k = 0; k < 5; ++k) {
+      const Index next = (k + 1) % 5;
+      faces.add(mirrored ? std::array<Index, 4>{k, next, 5 + next, 5 + k} : std::array<Index, 4>{next, k, 5 + k, 5 + next});
+      hole.rim.push_back(mirrored ? (5 - k) % 5 : k);
+    }
+    FillOptions options;
+    options.rim = hole.rim;
+    const auto may_fold = [&] {
+      const Mesh mesh{vertices, faces};
+      return may_fold_by_splitting(Ground(mesh, options.rim, options), hole);
+    };
+    CHECK(may_fold());
+    Points longer = vertices;
+    vertices.row(1) += 0.4 * (vertices.row(1) - vertices.row(0));
+    CHECK_FALSE(may_fold());
+    vertices = longer;
+  }
+  Points triangle(6, 3);
+  triangle << 0, 0, 0, 1, 0, 0, 0.5, 0.9, 0, -0.2, -0.1, 0, 1.2, -0.1, 0, 0.5, 1.1, 0;
+  Faces faces;
+  SidedRim hole;
+  for (Index k = 0; k < 3; ++k) {
+    faces.add(std::array<Index, 4>{(k + 1) % 3, k, 3 + k, 3 + (k + 1) % 3});
+    hole.rim.push_back(k);
+  }
+  FillOptions options;
+  options.rim = hole.rim;
+  const Mesh mesh{triangle, faces};
+  CHECK(may_fold_by_splitting(Ground(mesh, options.rim, options), hole));
+}
+
 TEST_CASE("a fair cage has run off that is 0.04 of the hole's size from where the mesh would go on", "[thresholds]") {
   CHECK_FALSE(is_placed_in_waves(1, 0.39));
   CHECK(is_placed_in_waves(1, 0.42));
