@@ -9,7 +9,12 @@ from shapes import corner_removed, cube_sphere, octant
 
 
 def folded_edges(points, faces):
-    """Edges whose triangles face more than 120 degrees apart, faces cut into fans."""
+    """Edges whose triangles face more than 120 degrees apart, faces cut into fans, quads along the shorter diagonal."""
+
+    def across(a, b):
+        return np.linalg.norm(points[a] - points[b])
+
+    faces = [[*f[1:], f[0]] if len(f) == 4 and across(f[1], f[3]) < across(f[0], f[2]) else list(f) for f in faces]
     triangles = [(f[0], a, b) for f in faces for a, b in zip(f[1:], f[2:], strict=False)]
     corners = points[np.array(triangles)]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

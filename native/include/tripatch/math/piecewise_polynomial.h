@@ -12,7 +12,8 @@
 namespace tripatch {
 
 /// Refused so: what is computed of finite numbers and is not finite itself.
-inline constexpr const char* beyond_measure = "Numbers along a side are too large to compute with; move what lies far away";
+inline constexpr const char* beyond_measure =
+    "Numbers along a side are not finite, or too large to compute with; move what lies far away";
 
 class PiecewisePolynomial {
 public:

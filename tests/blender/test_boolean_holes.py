@@ -1,0 +1,44 @@
+"""Smooth Fill in holes that the Boolean modifier cut: the faces beside them are concave and have corners in a line."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+from mathutils import Euler
+
+
+def ball_cut_through(radius, turned):
+    """A unit ball without what a cylinder cuts off, its walls deleted; in edit mode, the rim of one of the two holes selected."""
+    bpy.ops.mesh.primitive_cylinder_add(radius=radius, depth=3, vertices=24, rotation=turned)
+    cutter = bpy.context.object
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24)
+    ball = bpy.context.object
+    modifier = ball.modifiers.new("cut", "BOOLEAN")
+    modifier.object = cutter
+    bpy.ops.object.modifier_apply(modifier=modifier.name)
+    bpy.data.objects.remove(cutter)
+    (bm,) = scenes.edit(ball, mode="EDGE")
+    walls = [f for f in bm.faces if f.calc_center_median().length < 0.97]
+    assert walls
+    bmesh.ops.delete(bm, geom=walls, context="FACES")
+    axis = np.array(Euler(turned).to_matrix())[:, 2]
+    scenes.select(bm, edges=[e for e in bm.edges if e.is_boundary and np.dot(axis, e.verts[0].co) > 0])
+    bmesh.update_edit_mesh(ball.data)
+    return ball
+
+
+@pytest.mark.parametrize("output", ["auto", "triangles"])
+@pytest.mark.parametrize(
+    "radius, turned", [(0.3, (0.3, 0.2, 0)), (0.4, (1.3, 0.1, 0.2)), (0.25, (0.8, 0.9, 0)), (0.42, (0.05, 0.02, 0))]
+)
+def test_the_ball_comes_back(radius, turned, output):
+    ball = ball_cut_through(radius, turned)
+    options = {} if output == "auto" else {"output": output}
+    assert bpy.ops.mesh.fill_smooth(**options) == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(ball.data)
+    new = np.array([v.co for f in bm.faces if f.select for v in f.verts])
+    assert len(new) > 50
+    height = 1 - np.sqrt(1 - radius**2)  # of the middle over the rim; new vertices of a plain fill would be so far inside the ball
+    assert np.abs(np.linalg.norm(new, axis=1) - 1).max() < 0.01 + 0.12 * height  # the rim itself is up to 0.01 off
+    assert not [e for e in bm.edges if len(e.link_faces) > 2]
