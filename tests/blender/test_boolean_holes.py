@@ -39,6 +39,8 @@ def test_the_ball_comes_back(radius, turned, output):
     bm = bmesh.from_edit_mesh(ball.data)
     new = np.array([v.co for f in bm.faces if f.select for v in f.verts])
     assert len(new) > 50
-    height = 1 - np.sqrt(1 - radius**2)  # of the middle over the rim; new vertices of a plain fill would be so far inside the ball
+    height = 1 - np.sqrt(
+        1 - radius**2
+    )  # of the middle over the rim; new vertices of a plain fill would be so far inside the ball
     assert np.abs(np.linalg.norm(new, axis=1) - 1).max() < 0.01 + 0.12 * height  # the rim itself is up to 0.01 off
     assert not [e for e in bm.edges if len(e.link_faces) > 2]
