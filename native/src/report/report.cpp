@@ -51,8 +51,11 @@ void tell_folds(Report& report) {
 
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
                    Report& report) {
-  Faces cut = faces;
-  begin_at_shorter_diagonals(mesh.vertices, added, cut);
+  Faces with_quads;  // not a copy of millions of triangles
+  for (Index f = 0; f < faces.size() && with_quads.size() == 0; ++f)
+    if (faces[f].size() == 4) with_quads = faces;
+  begin_at_shorter_diagonals(mesh.vertices, added, with_quads);
+  const Faces& cut = with_quads.size() > 0 ? with_quads : faces;
   EdgesByVertex edges = edges_of_triangles(mesh.vertices.rows(), added.rows(), cut, beyond);
   report.triangles_folded = count_folded_edges(mesh.vertices, added, cut, beyond, edges);
   report.crosses_itself = !find_crossings(mesh.vertices, added, cut, edges, 1).empty();
