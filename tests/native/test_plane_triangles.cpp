@@ -1,66 +1,78 @@
-// Faces with many corners cut into triangles: none is turned over, whatever corner the face begins at.
+// Triangles of simple polygons, and folds beside a rim.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
-#include "tripatch/spline/plane_triangles.h"
+#include "tripatch/spline/ear_clipping.h"
+#include "tripatch/spline/unfold.h"
 
 using namespace tripatch;
 
 namespace {
 
-Points rows(const std::vector<std::array<double, 2>>& corners, std::size_t first) {
-  Points made(static_cast<Index>(corners.size()), 3);
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const auto [x, y] = corners[(first + k) % corners.size()];
-    made.row(static_cast<Index>(k)) << x, 0.6 * y, 0.8 * y;  // in a plane askew
+/// A star: every other vertex nearer to the middle.
+PlanePoints star(Index n, double inner) {
+  PlanePoints p(n, 2);
+  for (Index k = 0; k < n; ++k) {
+    const double turn = 2 * M_PI * static_cast<double>(k) / static_cast<double>(n), r = k % 2 == 0 ? 1 : inner;
+    p.row(k) << r * std::cos(turn), r * std::sin(turn);
   }
-  return made;
+  return p;
 }
 
-/// The least and the sum of the areas, with the sign that they have along the face's normal.
-std::array<double, 2> areas(const Points& p, const Triangles& triangles) {
-  double least = INFINITY, sum = 0;
-  for (const auto& [a, b, c] : triangles) {
-    const Vec3 u = p.row(b) - p.row(a), v = p.row(c) - p.row(a);
-    const double area = 0.5 * u.cross(v).dot(Vec3(0, -0.8, 0.6));
-    least = std::min(least, area);
-    sum += area;
+double area(const PlanePoints& p, const std::array<Index, 3>& t) {
+  const Eigen::RowVector2d a = p.row(t[1]) - p.row(t[0]), b = p.row(t[2]) - p.row(t[0]);
+  return (a[0] * b[1] - a[1] * b[0]) / 2;
+}
+
+double shoelace(const PlanePoints& p) {
+  double twice = 0;
+  for (Index k = 0; k < p.rows(); ++k) {
+    const Index j = (k + 1) % p.rows();
+    twice += p(k, 0) * p(j, 1) - p(j, 0) * p(k, 1);
   }
-  return {least, sum};
+  return twice / 2;
 }
 
 }  // namespace
 
-TEST_CASE("concave faces, and such with corners in a line, are cut into triangles that cover them", "[plane_triangles]") {
-  struct Case {
-    std::vector<std::array<double, 2>> corners;
-    double area;
-  };
-  const std::vector<Case> cases = {
-      {{{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}, {0, 1}}, 3},  // an L of three squares
-      {{{0, 0}, {1, 0.2}, {2, 0}, {1, 2}}, 1.8},                              // a dart
-      {{{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 1}, {0, 1}}, 3},                  // a box, two corners in a line
-      {{{0, 0}, {4, 0}, {4, 1}, {3, 0.5}, {2, 0.3}, {1, 0.5}, {0, 1}}, 2.3},  // what a circle leaves of a box
-  };
-  for (const Case& each : cases)
-    for (std::size_t first = 0; first < each.corners.size(); ++first) {
-      const Points p = rows(each.corners, first);
-      const Triangles made = triangulate_face(p);
-      CHECK(made.size() == each.corners.size() - 2);
-      const auto [least, sum] = areas(p, made);
-      CHECK(least > 1e-3);
-      CHECK(sum == Approx(each.area));
+TEST_CASE("ears: every triangle counterclockwise, together the polygon") {
+  for (Index n : {3, 4, 7, 40, 3000})
+    for (double inner : {1.0, 0.97, 0.4}) {
+      if (n == 4 && inner < 0.5) continue;  // no simple polygon's business: see below
+      const PlanePoints p = star(n, inner);
+      const std::vector<std::array<Index, 3>> triangles = cut_ears(p);
+      REQUIRE(static_cast<Index>(triangles.size()) == n - 2);
+      double sum = 0, least = 1;
+      for (const std::array<Index, 3>& t : triangles) sum += area(p, t), least = std::min(least, area(p, t));
+      CHECK(least > 0);
+      CHECK(sum == Approx(shoelace(p)));
     }
 }
 
-TEST_CASE("convex faces are cut as a fan, quads along the shorter diagonal", "[plane_triangles]") {
-  CHECK(triangulate_face(rows({{0, 0}, {1, 0}, {1.2, 1}, {0, 1}}, 0)) == Triangles{{1, 2, 3}, {1, 3, 0}});
-  CHECK(triangulate_face(rows({{0, 0}, {1, 0}, {0.8, 0.8}, {0, 1}}, 0)) == Triangles{{0, 1, 2}, {0, 2, 3}});
-  CHECK(triangulate_face(rows({{0, 0}, {1, 0}, {1.5, 1}, {0.5, 2}, {-0.5, 1}}, 0)) == Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
+TEST_CASE("no ears of a polygon that crosses itself, or runs the other way") {
+  PlanePoints bow(4, 2);
+  bow << 0, 0, 1, 1, 1, 0, 0, 1;
+  CHECK(cut_ears(bow).empty());
+  CHECK(cut_ears(star(12, 0.9).colwise().reverse()).empty());
 }
 
-TEST_CASE("a face that crosses itself, or has no area, is cut as a fan", "[plane_triangles]") {
-  CHECK(triangulate_face(rows({{0, 0}, {2, 1}, {2, 0}, {0, 1}, {-3, 0.5}}, 0)).size() == 3);
-  CHECK(triangulate_face(Points::Zero(5, 3)) == Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
-  CHECK(triangulate_face(Points::Constant(5, 3, NAN)).size() == 3);
+TEST_CASE("a vertex that folds its triangles goes back between its neighbors, and no other moves") {
+  // a fan around a middle that lies beyond the rim, and one more vertex within its triangles
+  Points p(8, 3);
+  for (int k = 0; k < 6; ++k) p.row(k) << std::cos(M_PI * k / 3), std::sin(M_PI * k / 3), 0;
+  p.row(6) << 1.4, 0.1, 0;
+  p.row(7) << -0.3, 0.2, 0;
+  std::vector<std::array<Index, 3>> triangles = {{0, 1, 6}, {1, 2, 6}, {2, 7, 6}, {2, 3, 7},
+                                                 {3, 4, 7}, {4, 6, 7}, {4, 5, 6}, {5, 0, 6}};
+  const Points before = p;
+  Points same = p;
+  CHECK(unfold(same, triangles, 6, 10) > 0);  // as many are allowed
+  CHECK(same == before);
+  CHECK(unfold(p, triangles, 6, 0) == 0);
+  CHECK(p.topRows(6) == before.topRows(6));
+  CHECK(p.row(6).norm() < 1);
+  Points held = before;
+  CHECK(unfold(held, triangles, 8, 0) > 0);  // nothing may move
+  CHECK(held == before);
 }
