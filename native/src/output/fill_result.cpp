@@ -9,9 +9,8 @@ bool is_finite(const Fill& fill) {
 void refuse_infinite(const Fill& fill, const std::vector<Index>& rim) {
   if (is_finite(fill)) return;
   throw Refusal(
-      "Coordinates around the hole are too large or too small to compute with: the fill has no finite positions or normals; move "
-      "what "
-      "lies far away, or scale the mesh",
+      "Coordinates around the hole are too large or too small to compute with: the fill has no finite positions or normals; "
+      "move what lies far away, or scale the mesh",
       {rim[0]});
 }
 

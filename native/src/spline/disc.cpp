@@ -148,9 +148,12 @@ private:
   void cut(std::span<const Index> face) {
     const std::size_t n = face.size();
     if (n < 3) return;
-    Points corners(static_cast<Index>(n), 3);
-    for (std::size_t k = 0; k < n; ++k) corners.row(static_cast<Index>(k)) = point(face[k]).transpose();
-    const Triangles triangles = triangulate_face(corners);
+    Triangles triangles = {{0, 1, 2}};
+    if (n > 3) {
+      Points corners(static_cast<Index>(n), 3);
+      for (std::size_t k = 0; k < n; ++k) corners.row(static_cast<Index>(k)) = point(face[k]).transpose();
+      triangles = triangulate_face(corners);
+    }
     const Index first = triangles.front()[0];
     bool is_fan = true;
     for (const std::array<Index, 3>& t : triangles) {
