@@ -44,3 +44,28 @@ def test_the_ball_comes_back(radius, turned, output):
     )  # of the middle over the rim; new vertices of a plain fill would be so far inside the ball
     assert np.abs(np.linalg.norm(new, axis=1) - 1).max() < 0.01 + 0.12 * height  # the rim itself is up to 0.01 off
     assert not [e for e in bm.edges if len(e.link_faces) > 2]
+
+
+@pytest.mark.parametrize("output", ["auto", "triangles"])
+def test_beside_vertices_that_the_boolean_doubled(output):
+    """A cutter upon the axis of the ball meets its meridians at vertices: the rim has edges of no length."""
+    ball = ball_cut_through(0.42, (0, 0, 0))
+    bm = bmesh.from_edit_mesh(ball.data)
+    none = [e for e in bm.edges if e.select and e.calc_length() < 1e-7]
+    assert len(none) > 10
+    border = sum(e.is_boundary for e in bm.edges)
+    rim = sum(e.select for e in bm.edges)
+    other = sum(e.is_boundary and not e.select and e.calc_length() > 1e-7 for e in bm.edges)
+    options = {} if output == "auto" else {"output": output}
+    assert bpy.ops.mesh.fill_smooth(**options) == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(ball.data)
+    assert sum(e.is_boundary for e in bm.edges) == border - rim
+    assert not [e for e in bm.edges if len(e.link_faces) > 2]
+    new = np.array([v.co for f in bm.faces if f.select for v in f.verts])
+    assert np.abs(np.linalg.norm(new, axis=1) - 1).max() < 0.02  # a plain fill is 0.09 off
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.remove_doubles(threshold=1e-5)  # as the warning says
+    bm = bmesh.from_edit_mesh(ball.data)
+    assert not [e for e in bm.edges if e.calc_length() < 1e-7] and not [f for f in bm.faces if f.calc_area() < 1e-12]
+    assert not [e for e in bm.edges if len(e.link_faces) > 2]
+    assert sum(e.is_boundary for e in bm.edges) == other

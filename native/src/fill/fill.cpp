@@ -9,6 +9,7 @@
 #include "tripatch/fill/automatic_fill.h"
 #include "tripatch/fill/cage_fills.h"
 #include "tripatch/fill/ground.h"
+#include "tripatch/fill/merged_rims.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/triangle_fill.h"
@@ -123,6 +124,8 @@ std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::option
   return fill;
 }
 
+Fill fill_one_hole(const Mesh& mesh, const FillOptions& options);
+
 Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                    const FillOptions& options) {
   const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
@@ -135,6 +138,11 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
     return fill_with_patch(ground, hole_of(ground, rim, corners), options);
   }
   const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
+  if (!rim && has_edges_of_no_length(ground.mesh.vertices, loop)) {
+    FillOptions with_rim = options;
+    with_rim.rim = loop;
+    return fill_one_hole(ground.mesh, with_rim);
+  }
   if (options.method == rows_method) return fill_with_rows_only(ground, loop, corners, options);
   if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");
   return fill_as_the_rim_asks(ground, loop, corners, options);
@@ -178,6 +186,35 @@ void check_named(const Mesh& mesh, std::span<const std::vector<Index>> rims, con
   if (corners) check_vertices(*corners, n, "Corner");
 }
 
+/// Whether a rim is taken as it comes, its edges of no length too: cages, and single methods that are insisted on, ask for a clean one.
+bool takes_any_rim(const FillOptions& options) {
+  const bool any_rim = options.method == automatic_method || options.method == spline_method || options.method == rows_method;
+  return any_rim && options.output != Output::cage && options.surroundings == SurroundingsFrom::mesh;
+}
+
+/// A hole of a mesh near the origin.
+Fill fill_as_it_is(const Mesh& mesh, const FillOptions& options) {
+  const Ground ground(mesh, options.rim, options);
+  if (options.output == Output::cage)
+    return std::move(fill_with_cages(ground, {cage_rim_of(ground, options.rim, options.corners)}, options)[0]);
+  return fill_by_method(ground, options.rim, options.corners, options);
+}
+
+/// With vertices of the rim merged that lie at one place; nothing where there are none, or where that leads to no fill.
+std::optional<Fill> fill_merged(const Mesh& mesh, const FillOptions& options) {
+  if (!options.rim || !takes_any_rim(options)) return {};
+  std::vector<std::vector<Index>> rims = options.islands;
+  rims.push_back(*options.rim);
+  const MergedRims merged(mesh, rims, options);
+  if (!merged.any()) return {};
+  try {
+    Fill fill = fill_as_it_is(merged.mesh(), merged.options());
+    if (merged.bring_back(fill)) return fill;
+  } catch (const Refusal&) {  // what is said of the mesh as it is, is said of vertices that its user sees
+  }
+  return {};
+}
+
 Fill fill_one_hole(const Mesh& mesh, const FillOptions& options) {
   const Stopwatch watch;
   check_for_holes(options);
@@ -190,16 +227,40 @@ Fill fill_one_hole(const Mesh& mesh, const FillOptions& options) {
     near.bring_back(result);
     return result;
   }
-  const Ground ground(mesh, options.rim, options);
-  Fill result = options.output == Output::cage
-                    ? std::move(fill_with_cages(ground, {cage_rim_of(ground, options.rim, options.corners)}, options)[0])
-                    : fill_by_method(ground, options.rim, options.corners, options);
+  std::optional<Fill> merged = fill_merged(mesh, options);
+  Fill result = merged ? std::move(*merged) : fill_as_it_is(mesh, options);
   result.report.seconds = watch.seconds();
   return result;
 }
 
 Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>& rims, const FillOptions& options,
-                        const std::vector<std::optional<std::vector<Index>>>& corners, const Progress& progress) {
+                        const std::vector<Corners>& corners, const Progress& progress);
+
+/// The same of every hole: those that it leads to no fill of are filled as they are.
+Results fill_every_merged(const Mesh& mesh, const MergedRims& merged, const std::vector<std::vector<Index>>& rims,
+                          const FillOptions& options, const std::vector<Corners>& corners, const Progress& progress) {
+  std::vector<std::vector<Index>> merged_rims;
+  std::vector<Corners> merged_corners;
+  for (const std::vector<Index>& rim : rims) merged_rims.push_back(merged.merged(rim));
+  for (const Corners& each : corners) merged_corners.push_back(merged.merged(each));
+  Results results = fill_every_hole(merged.mesh(), merged_rims, merged.options(), merged_corners, progress);
+  for (std::size_t k = 0; k < rims.size(); ++k) {
+    Fill* const fill = std::get_if<Fill>(&results[k]);
+    if (fill ? merged.bring_back(*fill) : merged_rims[k].size() == rims[k].size()) continue;
+    FillOptions one = options;
+    one.rim = rims[k];
+    if (k < corners.size() && corners[k]) one.corners = corners[k];
+    try {
+      results[k] = fill_as_it_is(mesh, one);
+    } catch (const Refusal& refusal) {
+      results[k] = refused(refusal);
+    }
+  }
+  return results;
+}
+
+Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>& rims, const FillOptions& options,
+                        const std::vector<Corners>& corners, const Progress& progress) {
   if (options.center && rims.size() > 1)
     throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
   check_for_holes(options);
@@ -214,6 +275,9 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
       if (Fill* fill = std::get_if<Fill>(&result)) near.bring_back(*fill);
     return results;
   }
+  if (takes_any_rim(options))
+    if (const MergedRims merged(mesh, rims, options); merged.any())
+      return fill_every_merged(mesh, merged, rims, options, corners, progress);
   std::optional<std::vector<Index>> only;
   if (rims.size() == 1) only = rims[0];
   const Ground ground(mesh, only, options);
