@@ -5,7 +5,8 @@ import bpy
 import numpy as np
 import pytest
 import scenes
-from mathutils import Euler
+from mathutils import Euler, Vector
+from mathutils.bvhtree import BVHTree
 
 
 def ball_cut_through(radius, turned):
@@ -69,3 +70,40 @@ def test_beside_vertices_that_the_boolean_doubled(output):
     assert not [e for e in bm.edges if e.calc_length() < 1e-7] and not [f for f in bm.faces if f.calc_area() < 1e-12]
     assert not [e for e in bm.edges if len(e.link_faces) > 2]
     assert sum(e.is_boundary for e in bm.edges) == other
+
+
+@pytest.mark.parametrize("output", ["auto", "triangles"])
+@pytest.mark.parametrize("segments, radius", [(2, 0.337), (2, 0.31), (2, 0.36), (4, 0.3)])
+def test_a_ball_cut_out_of_a_bevel(segments, radius, output):
+    """The bevel's flat strips meet the hole at angles that differ all along the rim: no reason not to go on from them."""
+    bpy.ops.mesh.primitive_cube_add()
+    box = bpy.context.object
+    bevel = box.modifiers.new("bevel", "BEVEL")
+    bevel.segments, bevel.width = segments, 0.35
+    bpy.ops.object.modifier_apply(modifier=bevel.name)
+    strip = min(box.data.polygons, key=lambda f: (f.center - Vector((0.95, 0, -0.77))).length)
+    center = strip.center.copy()
+    bpy.ops.mesh.primitive_uv_sphere_add(
+        radius=radius, segments=24, ring_count=12, location=center, rotation=strip.normal.to_track_quat("Z", "Y").to_euler()
+    )
+    cutter = bpy.context.object
+    bpy.context.view_layer.objects.active = box
+    was = bmesh.new()
+    was.from_mesh(box.data)
+    tree = BVHTree.FromBMesh(was)
+    cut = box.modifiers.new("cut", "BOOLEAN")
+    cut.object = cutter
+    bpy.ops.object.modifier_apply(modifier=cut.name)
+    bpy.data.objects.remove(cutter)
+    (bm,) = scenes.edit(box, mode="EDGE")
+    inside = [f for f in bm.faces if 0.9 * radius < (f.calc_center_median() - center).length < radius]
+    assert len(inside) > 50
+    bmesh.ops.delete(bm, geom=inside, context="FACES")
+    scenes.select(bm, edges=[e for e in bm.edges if e.is_boundary])
+    bmesh.update_edit_mesh(box.data)
+    options = {} if output == "auto" else {"output": output}
+    assert bpy.ops.mesh.fill_smooth(**options) == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(box.data)
+    assert not [e for e in bm.edges if e.link_faces and len(e.link_faces) != 2]
+    off = [tree.find_nearest(v.co)[3] for f in bm.faces if f.select for v in f.verts]
+    assert len(off) > 50 and max(off) < 0.2 * radius

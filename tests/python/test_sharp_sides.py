@@ -79,6 +79,14 @@ def test_the_spline_does_not_run_on_beyond_walls(corners):
     assert any(f"{len(corners)} of its {len(corners)} sides" in warning for warning in fill.report.warnings)
 
 
+@pytest.mark.parametrize("corners", [TRIANGLE, PENTAGON])
+def test_g1_makes_the_spline_go_on_from_walls(corners):
+    vertices, faces, rim, _ = column(slope, corners)
+    fill = tripatch.fill(vertices, faces, rim=rim, method="polyharmonic_spline", continuity="G1")
+    assert not any("at an angle" in warning for warning in fill.report.warnings)
+    assert distance(fill, slope) > 0.15
+
+
 @pytest.mark.parametrize("method", ["auto", "polyharmonic_spline"])
 def test_the_sides_that_a_face_goes_on_beyond_are_continued(method):
     """A cylinder's face that has a wall along one side, and goes on beyond the two others."""

@@ -16,7 +16,30 @@ namespace {
 
 const std::string sharp_sides_sentence = "The mesh meets the hole at an angle along ";
 
-/// The spline, which does not continue what meets the hole at an angle. given: corners of the rim, in its order; none: as detected.
+/// How much larger a fill that goes on from its surroundings is at least than one that meets all of them at an angle: as a cap of a sphere
+/// than its disc where they meet at 25 degrees, from which on an edge tells faces apart. Of balls and cylinders cut through bevels it was
+/// 0.8 to 1.04 times as large, and 3 to 9 times nearer.
+constexpr double larger_at_angle = 1.05;
+
+/// Of the new faces, scene units squared.
+double area(const Mesh& mesh, const Fill& fill) {
+  const Index n = mesh.vertices.rows();
+  double twice = 0;
+  for (Index f = 0; f < fill.faces.size(); ++f) {
+    Points corners(static_cast<Index>(fill.faces[f].size()), 3);
+    for (Index k = 0; k < corners.rows(); ++k) {
+      const Index v = fill.faces[f][static_cast<std::size_t>(k)];
+      corners.row(k) = v < n ? Vec3(mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n));
+    }
+    Vec3 sum = Vec3::Zero();
+    for (Index k = 2; k < corners.rows(); ++k)
+      sum += Vec3(corners.row(k - 1) - corners.row(0)).cross(Vec3(corners.row(k) - corners.row(0)));
+    twice += sum.norm();
+  }
+  return twice / 2;
+}
+
+/// The spline, which does not continue what meets the hole at an angle, unless that is the plainer way. given: corners of the rim, in its order; none: as detected.
 Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, const std::vector<Index>& rim,
                              const std::vector<Index>& given, SplineFillOptions options) {
   std::vector<Index> places = places_in(rim, given);
@@ -34,6 +57,11 @@ Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, c
   Fill fill = fill_with_spline(ground.mesh, around, rim, {}, options);
   if (!fill.feature_edges.empty()) return fill;  // each part goes on from what is beside it
   const auto sharp = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
+  options.continued = nullptr;
+  Fill smooth = fill_with_spline(ground.mesh, around, rim, {}, options);
+  const double larger = std::cmp_equal(sharp, angles.size()) ? larger_at_angle : 1;
+  const bool as_plain = area(ground.mesh, smooth) < larger * area(ground.mesh, fill);
+  if (as_plain && harm(smooth.report) <= harm(fill.report)) return smooth;
   fill.report.warnings.push_back(sharp_sides_sentence + std::to_string(sharp) + " of its " + std::to_string(angles.size()) +
                                  " sides: the fill is not continued there");
   return fill;
@@ -97,8 +125,8 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
     if (at.size() != corners->size()) throw InvalidArgument("A corner is given twice");
   }
   const Connectivity& around = all ? *all : ground.left;
-  const bool looks_for_sharp =
-      islands.empty() && (!corners || !corners->empty()) && ignored.find("continuity") == std::string::npos;
+  const bool open = std::ranges::all_of(options.continuity, [](SideContinuity c) { return c == SideContinuity::automatic; });
+  const bool looks_for_sharp = islands.empty() && (!corners || !corners->empty()) && open;
   Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)
                               : fill_with_spline(ground.mesh, around, loop, islands, own);
   fill.report.method_reason = reason;
