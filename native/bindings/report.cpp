@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/spline/plane_triangles.h"
 
 using namespace tripatch;
 
@@ -15,7 +16,38 @@ std::vector<std::string> told_of_patch(std::vector<std::string> warnings, tripat
   return std::move(told.warnings);
 }
 
+namespace {
+
+/// Corners of the triangles of all faces, one after another, and the face of each triangle.
+std::array<std::vector<Index>, 2> triangles_of(const Eigen::Map<const Points>& vertices, const FacesRef& faces) {
+  std::vector<Index> corners, of_face;
+  for (Index f = 0; f < faces.size(); ++f) {
+    const auto face = faces[f];
+    if (face.size() < 3) continue;
+    for (Index v : face)
+      if (v < 0 || v >= vertices.rows())
+        throw InvalidArgument("face " + std::to_string(f) + " names vertex " + std::to_string(v) + " of " +
+                              std::to_string(vertices.rows()) + " vertices");
+    Points at(static_cast<Index>(face.size()), 3);
+    for (std::size_t k = 0; k < face.size(); ++k) at.row(static_cast<Index>(k)) = vertices.row(face[k]);
+    for (const std::array<Index, 3>& triangle : triangulate_face(at)) {
+      for (Index k : triangle) corners.push_back(face[k]);
+      of_face.push_back(f);
+    }
+  }
+  return {std::move(corners), std::move(of_face)};
+}
+
+}  // namespace
+
 void bind_report(py::module_& m) {
+  m.def("_triangles_of", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::array<std::vector<Index>, 2> made;
+    interruptibly([&] { made = triangles_of(points, faces); });
+    return py::make_tuple(array_from(made[0]), array_from(made[1]));
+  });
   py::class_<Report>(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.")
       .def_readonly("seam_angle_max", &Report::seam_angle_max,
                     "Largest angle between the fill and the surroundings used, in degrees.")

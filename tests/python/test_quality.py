@@ -152,6 +152,47 @@ def test_triangles_of_mixed_faces():
     assert array.tolist() == [[3, 4, 5], [3, 5, 6]]
 
 
+ELL = np.array([(0, 0, 0), (4, 0, 0), (4, 4, 0), (3, 4, 0), (3, 1, 0), (0, 1, 0)], float)  # an L on its side
+ELL_FACE = [0, 1, 2, 3, 4, 5]
+
+
+@pytest.mark.parametrize("first", range(6))
+def test_triangles_of_a_concave_face_lie_in_it(first):
+    face = ELL_FACE[first:] + ELL_FACE[:first]
+    triangles, of = quality.triangulated([[0, 1, 5], face], ELL)
+    assert of.tolist() == [0, 1, 1, 1, 1]
+    assert quality.triangle_normals(ELL, triangles[1:])[:, 2].min() > 0
+    assert quality.triangle_normals(ELL, triangles[1:])[:, 2].sum() == pytest.approx(2 * 7)
+
+
+def test_quads_are_cut_along_the_shorter_diagonal_unless_that_lies_outside():
+    kite = np.array([(0, 0, 0), (5, -1, 0), (6, 0, 0), (5, 1, 0)], float)
+    triangles, _ = quality.triangulated(np.array([[0, 1, 2, 3]]), kite)
+    assert sorted(map(sorted, triangles.tolist())) == [[0, 1, 3], [1, 2, 3]]
+    kite[2, 0] = 4.5  # an arrow: from 1 to 3 is outside
+    triangles, _ = quality.triangulated([[0, 1, 2, 3]], kite)
+    assert sorted(map(sorted, triangles.tolist())) == [[0, 1, 2], [0, 2, 3]]
+
+
+def test_triangles_of_odd_faces():
+    with pytest.raises(ValueError, match="face 1 names vertex 6 of 6 vertices"):
+        quality.triangulated([[0, 1, 2], [0, 1, 2, 6]], ELL)
+    nowhere = ELL.copy()
+    nowhere[3] = np.nan
+    triangles, of = quality.triangulated([ELL_FACE, [0, 1], [0, 1, 2]], nowhere)
+    assert triangles[:4].tolist() == [[0, k, k + 1] for k in range(1, 5)] and of.tolist() == [0, 0, 0, 0, 2]
+    for none in ([], np.zeros((0, 4), int)):
+        triangles, of = quality.triangulated(none, ELL)
+        assert triangles.shape == (0, 3) and of.shape == (0,)
+
+
+def test_a_picture_of_a_concave_face_leaves_out_what_is_outside():
+    for first in range(6):
+        image, _ = view.picture(ELL, [ELL_FACE[first:] + ELL_FACE[:first]], "folds", size=(40, 40), toward=(0, 0, 1))
+        seen = (image != image[0, 0]).any(axis=2)
+        assert not seen[:26, :26].any() and seen[10:34, 31:34].all() and seen[31:34, 6:34].all()
+
+
 def test_highlight_lines_stay_and_zebra_moves_with_the_eye():
     normals = quality.unit(np.random.default_rng(1).normal(size=(50, 3)))
     assert np.ptp(quality.stripes(normals, (0, 0, 1), 0)) == 0

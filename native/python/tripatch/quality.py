@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from . import _native
 from ._types import Array, ArrayLike
 
 #: Degrees between the triangles of an edge from which on the surface counts as folded there, as in `Report.triangles_folded`.
@@ -27,19 +28,26 @@ FOLD_COLOR = (1.0, 0.0, 0.05)
 GREY = 0.75  # of what no color speaks of
 
 
-def triangulated(faces: Any) -> tuple[Array, Array]:
-    """Triangles (t, 3), a fan in every face, and for each triangle the number of its face (t,)."""
+def triangulated(faces: Any, vertices: ArrayLike | None = None) -> tuple[Array, Array]:
+    """Triangles (t, 3), and for each triangle the number of its face (t,).
+
+    A fan in every face; with the vertices (n, 3), quads are cut along the shorter diagonal, and concave faces and those with
+    corners in a line so that no triangle is turned over.
+    """
     if isinstance(faces, np.ndarray):
-        faces = np.asarray(faces, dtype=np.int64)
-        corners = faces.shape[1] - 2
-        fans = [faces[:, [0, k + 1, k + 2]] for k in range(corners)]
-        return np.stack(fans, axis=1).reshape(-1, 3), np.repeat(np.arange(len(faces)), corners)
-    sizes = np.array([len(f) for f in faces], dtype=np.int64)
-    flat = np.fromiter((v for f in faces for v in f), dtype=np.int64, count=int(sizes.sum()))
-    starts, count = np.concatenate([[0], np.cumsum(sizes)[:-1]]), np.maximum(sizes - 2, 0)
+        sizes = np.full(len(faces), faces.shape[1], dtype=np.int64)
+        flat = np.asarray(faces, dtype=np.int64).ravel()
+    else:
+        sizes = np.array([len(f) for f in faces], dtype=np.int64)
+        flat = np.fromiter((v for f in faces for v in f), dtype=np.int64, count=int(sizes.sum()))
+    offsets = np.concatenate([[0], np.cumsum(sizes)])
+    if vertices is not None and sizes.max(initial=0) > 3:
+        corners, of_face = _native._triangles_of(np.asarray(vertices, dtype=np.float64), offsets, flat)
+        return corners.reshape(-1, 3), of_face
+    count = np.maximum(sizes - 2, 0)
     of_face = np.repeat(np.arange(len(sizes)), count)
     step = np.arange(len(of_face)) - np.repeat(np.cumsum(count) - count, count)
-    first = starts[of_face]
+    first = offsets[of_face]
     return np.column_stack([flat[first], flat[first + step + 1], flat[first + step + 2]]), of_face
 
 

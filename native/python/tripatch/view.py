@@ -168,7 +168,7 @@ def picture(
         deviation: (n,) what that kind shows; below 0 or nan: unknown.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
-    triangles, _ = quality.triangulated(faces)
+    triangles, _ = quality.triangulated(faces, vertices)
     if not len(triangles):
         raise ValueError("There is no face to draw")
     edges = np.array([pair for rim in rims for pair in zip(rim, [*rim[1:], rim[0]])], dtype=np.int64).reshape(-1, 2)
