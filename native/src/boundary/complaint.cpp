@@ -1,8 +1,13 @@
 #include "tripatch/boundary/complaint.h"
 
 #include <opensubdiv/far/error.h>
+#include <opensubdiv/vtr/types.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <vector>
+
+#include "tripatch/mesh/submesh.h"
 
 namespace tripatch {
 namespace {
@@ -25,6 +30,9 @@ void set_callbacks() {
   static_cast<void>(set);
 }
 
+/// Corners of a face, and faces at a vertex, at most.
+constexpr Index most = OpenSubdiv::Vtr::VALENCE_LIMIT;
+
 }  // namespace
 
 Complaint::Complaint() : outer_(innermost) {
@@ -40,5 +48,30 @@ bool Complaint::takes_error(const char* message) {
 }
 
 bool Complaint::takes_warning() { return innermost != nullptr; }
+
+Refusal not_subdivided(const std::string& what, const FacesRef& faces, std::span<const Index> some, const Complaint& complaint) {
+  const std::string cannot = what + " cannot be subdivided: ",
+                    too_many = "; subdivision takes " + std::to_string(most) + " at most";
+  const Submesh part = submesh(faces, {some.begin(), some.end()});
+  const std::vector<Index>& vertices = part.vertex.items();
+  for (Index f : part.face) {
+    const Index size = static_cast<Index>(faces[f].size());
+    if (size > most)
+      return {cannot + "a face at vertex " + std::to_string(faces[f][0]) + " has " + std::to_string(size) + " corners" + too_many,
+              {faces[f][0]}};
+  }
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const Index count = static_cast<Index>(part.faces_at(static_cast<int>(v)).size());
+    if (count > most)
+      return {cannot + std::to_string(count) + " faces meet at vertex " + std::to_string(vertices[v]) + too_many, {vertices[v]}};
+  }
+  for (Index f : part.face) {
+    std::vector<Index> face(faces[f].begin(), faces[f].end());
+    std::sort(face.begin(), face.end());
+    const auto twice = std::adjacent_find(face.begin(), face.end());
+    if (twice != face.end()) return {cannot + "a face passes vertex " + std::to_string(*twice) + " twice", {*twice}};
+  }
+  return {cannot + "OpenSubdiv says of it: " + complaint.text(), vertices};
+}
 
 }  // namespace tripatch

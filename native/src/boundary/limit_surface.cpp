@@ -62,9 +62,9 @@ public:
     if (part.face.empty()) throw Refusal("The cage has no faces around the hole");
     for (Index f : part.face) {
       if (settings.loop && cage.faces[f].size() != 3)
-        throw Refusal("Loop subdivision takes triangles only; face " + std::to_string(f) + " has " +
+        throw Refusal("Loop subdivision takes triangles only; a face at vertex " + std::to_string(cage.faces[f][0]) + " has " +
                           std::to_string(cage.faces[f].size()) + " corners",
-                      {cage.faces[f].begin(), cage.faces[f].end()});
+                      {cage.faces[f].begin(), cage.faces[f].end()});  // by vertices: the faces of a closed cage are others
       local_face.add(f);
       sizes.push_back(static_cast<int>(cage.faces[f].size()));
     }
@@ -72,7 +72,7 @@ public:
       if (!cage.vertices.row(v).allFinite()) throw Refusal("Vertex " + std::to_string(v) + " is not finite", {v});
       vertices.push_back({cage.vertices.row(v)});
     }
-    describe(settings);
+    describe(cage.faces, settings);
   }
 
   /// The cage's own numbers of the vertices.
@@ -104,7 +104,7 @@ private:
     for (Index v : settings.loose_vertices) check(v, "loose_vertices");
   }
 
-  void describe(const Subdivision& settings) {
+  void describe(const FacesRef& faces, const Subdivision& settings) {
     std::map<std::pair<int, int>, double> edge_sharpness;
     std::map<int, double> vertex_sharpness;
     for (std::size_t k = 0; k < settings.crease_edges.size(); ++k) {
@@ -149,10 +149,7 @@ private:
     factory.validateFullTopology = true;
     const Complaint complaint;
     refiner.reset(Factory::Create(topology, factory));
-    if (!refiner)
-      throw Refusal(
-          "The cage cannot be subdivided: " + (complaint.text().empty() ? "its topology is not valid" : complaint.text()),
-          vertex_of());
+    if (!refiner) throw not_subdivided("The cage", faces, part.face, complaint);
   }
 
   /// Blender's own: a border corner of one face whose two edges are creased is sharpened by the lesser of the two; a vertex on a

@@ -5,6 +5,8 @@
 #include <opensubdiv/far/topologyRefinerFactory.h>
 
 #include <memory>
+#include <numeric>
+#include <vector>
 
 #include "tripatch/boundary/complaint.h"
 
@@ -48,7 +50,11 @@ std::unique_ptr<far::TopologyRefiner> refiner_of(const Mesh& mesh) {
   options.SetVtxBoundaryInterpolation(sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
   const Complaint complaint;
   std::unique_ptr<far::TopologyRefiner> refiner(Factory::Create(topology, Factory::Options(sdc::SCHEME_CATMARK, options)));
-  if (!refiner) throw Refusal("The mesh cannot be subdivided" + (complaint.text().empty() ? "" : ": " + complaint.text()));
+  if (!refiner) {
+    std::vector<Index> all(mesh.faces.size());
+    std::iota(all.begin(), all.end(), Index{0});
+    throw not_subdivided("The mesh", mesh.faces, all, complaint);
+  }
   return refiner;
 }
 

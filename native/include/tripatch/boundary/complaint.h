@@ -1,7 +1,10 @@
 // What OpenSubdiv says about a cage that it cannot take.
 #pragma once
 
+#include <span>
 #include <string>
+
+#include "tripatch/types.h"
 
 namespace tripatch {
 
@@ -9,8 +12,7 @@ namespace tripatch {
 ///
 /// OpenSubdiv has one callback for the whole process and does not tell which one is set, so there is nothing to restore. It is set
 /// once, before the first cage, and takes only what a Complaint waits for: all other messages, of other users of the same copy of the
-/// library, are printed. Who sets a callback later than that replaces this one; refusals then
-/// say only that the topology is not valid. (What is shipped has a copy of OpenSubdiv of its own, with hidden symbols.)
+/// library, are printed. Who sets a callback later than that replaces this one. (What is shipped has a copy of OpenSubdiv of its own, with hidden symbols.)
 class Complaint {
 public:
   Complaint();
@@ -29,5 +31,9 @@ private:
   Complaint* outer_;
   std::string text_;
 };
+
+/// Why `what` (the cage), of these faces of a mesh, cannot be subdivided: in words and numbers of the mesh, and where; in OpenSubdiv's
+/// own, quoted, where the reason is none of those that it is known for.
+Refusal not_subdivided(const std::string& what, const FacesRef& faces, std::span<const Index> some, const Complaint& complaint);
 
 }  // namespace tripatch
