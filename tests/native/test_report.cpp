@@ -166,3 +166,21 @@ TEST_CASE("angles are told to two digits, from 99.5 degrees on to three", "[thre
   CHECK_THAT(report.warnings[0], Catch::Contains("differ by 99 degrees"));
   CHECK_THAT(report.warnings[1], Catch::Contains("differ by 99.6 degrees"));
 }
+
+TEST_CASE("where faces cross is found with quads cut as they are measured: along the shorter diagonal") {
+  // a quad that begins at its longer diagonal, at z = 0; the shorter lies at z = 1, where a needle goes through
+  Points points(7, 3);
+  points << -2, 0, 0, 0, -1, 1, 2, 0, 0, 0, 1, 1, 0.1, 0, 0.5, 0.1, 0.1, 1.5, -0.1, 0.1, 1.5;
+  Faces faces;
+  faces.add(std::array<Index, 4>{0, 1, 2, 3});
+  faces.add(std::array<Index, 3>{4, 5, 6});
+  const Mesh mesh = {points, Faces()};
+  Report report;
+  measure_faces(mesh, Points(0, 3), faces, {}, report);
+  CHECK(report.crosses_itself);
+  const auto where = place_of_crossing(mesh, Points(0, 3), faces);
+  REQUIRE(where);
+  CHECK((*where - Vec3(0, 0, 1)).norm() < 0.2);
+  points.bottomRows(3).col(2).array() += 2;
+  CHECK(!place_of_crossing({points, Faces()}, Points(0, 3), faces));
+}

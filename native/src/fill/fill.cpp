@@ -21,7 +21,6 @@
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/surface.h"
-#include "tripatch/report/crossings.h"
 #include "tripatch/spline/plane_fill.h"
 #include "tripatch/spline/plane_patch.h"
 
@@ -156,8 +155,8 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
   if (report.triangles_folded > 0 && report.method != spline_method)
     report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
   if (report.crosses_itself)
-    tell_crossing(ground.mesh.vertices, fill.rim, find_crossings(ground.mesh.vertices, fill.vertices, fill.faces, 1).at(0).where,
-                  report);
+    if (const auto where = place_of_crossing(ground.mesh, fill.vertices, fill.faces))
+      tell_crossing(ground.mesh.vertices, fill.rim, *where, report);
   return fill;
 }
 

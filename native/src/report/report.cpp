@@ -61,6 +61,13 @@ void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces,
   report.crosses_itself = !find_crossings(mesh.vertices, added, cut, edges, 1).empty();
 }
 
+std::optional<Vec3> place_of_crossing(const Mesh& mesh, const PointsRef& added, const Faces& faces) {
+  Faces cut = faces;
+  begin_at_shorter_diagonals(mesh.vertices, added, cut);
+  const std::vector<Crossing> found = find_crossings(mesh.vertices, added, cut, 1);
+  return found.empty() ? std::nullopt : std::optional(found[0].where);
+}
+
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples) {
   std::array<bool, 3> clear;  // corner: one tangent plane for both sides
   for (int k = 0; k < 3; ++k)

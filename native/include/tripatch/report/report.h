@@ -61,6 +61,8 @@ void report_corners(const std::vector<Index>& rim, std::span<const Index> corner
 /// What speaks against the faces that are delivered: vertices beyond those of the mesh are rows of `added`.
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
                    Report& report);
+/// Where faces so measured go through each other; none: nowhere.
+std::optional<Vec3> place_of_crossing(const Mesh& mesh, const PointsRef& added, const Faces& faces);
 /// Tells of faces that go through each other, and near which vertex of the rim.
 void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
                    const std::string& what = "The fill crosses itself");
