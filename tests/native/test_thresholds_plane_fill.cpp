@@ -47,6 +47,17 @@ TEST_CASE("surroundings are followed over a quarter of the hole's diameter, and 
   CHECK(filled(Rings(radii(0.0052, 60), flat), coarse_inside()).rings == 40);
 }
 
+TEST_CASE("nothing is laid out where half of the rim's edges are 2e-10 of its size or less", "[thresholds]") {
+  const auto told = [](double out) {  // edges of about 0.13 in a rim with one vertex far out
+    Rings rings(radii(0.1, 3), flat);
+    rings.vertices(0, 0) += out;
+    return filled(rings).plainer;
+  };
+  const double edge = Rings(radii(0.1, 3), flat).vertices.row(2).head<2>().norm() * 2 * std::sin(M_PI / 24);
+  CHECK(told(edge / 2.1e-10).find("nothing beside its size") == std::string::npos);
+  CHECK(told(edge / 1.9e-10).find("nothing beside its size") != std::string::npos);
+}
+
 TEST_CASE("a field has a hundred samples more than the rim has vertices, 160 at least and 600 at most", "[thresholds]") {
   CHECK(samples(filled(Rings(radii(0.1, 5), flat))) == 96);  // all there are: three rings, no long edges
   CHECK(samples(filled(Rings(radii(0.02, 20), flat))) == 160);
