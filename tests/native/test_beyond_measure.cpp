@@ -1,4 +1,5 @@
 // Coordinates so large that what is computed of them overflows: a fill is finite, or refused in a sentence about them.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -87,6 +88,27 @@ TEST_CASE("a fill without finite normals is refused") {
   options.rim = wave.rim;
   options.method = spline_method;
   CHECK_THROWS_AS(fill({wave.points, wave.faces}, options), Refusal);
+}
+
+TEST_CASE("a rim that is closed with plain triangles gets the same in a mirror") {
+  for (const double turned : {1.0, -1.0}) {
+    Wave wave(false);
+    wave.points.col(0) *= turned;
+    wave.points(wave.rim[0], 2) = 1e16;
+    Faces faces;
+    for (Index f = 0; f < wave.faces.size(); ++f) {
+      Loop face(wave.faces[f].begin(), wave.faces[f].end());
+      if (turned < 0) std::reverse(face.begin(), face.end());
+      faces.add(face);
+    }
+    FillOptions options;
+    options.rim = wave.rim;
+    options.method = spline_method;
+    const Fill filled = fill({wave.points, faces}, options);
+    CHECK(filled.vertices.rows() == 0);
+    CHECK(filled.faces.size() == static_cast<Index>(wave.rim.size()) - 2);
+    CHECK(filled.report.warnings.back().find("nothing beside its size") != std::string::npos);
+  }
 }
 
 TEST_CASE("what a cage is refused for names vertices of the mesh only") {

@@ -295,8 +295,7 @@ void bring_back(const CanonicalPart& part, const Mesh& mesh, const std::vector<s
     mirror(fill.vertices);
     mirror(fill.normals);
     mirror(fill.rim_normals);
-    fill.uv.col(1) *= -1;
-    fill.rim_uv.col(1) *= -1;
+    for (PlanePoints* uv : {&fill.uv, &fill.rim_uv}) uv->array().rowwise() *= Eigen::Array<double, 1, 2>(1, -1);
   }
   if (const auto* plane = dynamic_cast<const PlanePatch*>(fill.patch.get()))
     fill.patch = std::make_shared<PlanePatch>(part.mirrored ? mirrored(plane->surface()) : plane->surface(), fill.rim_uv);
