@@ -108,7 +108,7 @@ def python_lines(text):
 def other_number(code, value):
     if ITERATION.search(code):
         return "1"  # a step more of what has converged is seen by nobody
-    return str(int(value) + 1) if value.isdigit() else f"{3 * float(value):g}"
+    return str(int(value) + 1) if value.isdigit() else f"{3 * float(value) or 1:g}"
 
 
 def changes(text, python):

@@ -1,4 +1,5 @@
 // Faces with many corners cut into triangles: none is turned over, whatever corner the face begins at.
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
 

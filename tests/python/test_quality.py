@@ -127,6 +127,38 @@ def test_a_seam_angle_is_less_wrong_the_finer_the_mesh():
     assert error(48) < error(24) / 4
 
 
+def test_a_seam_in_stairs_over_a_smooth_surface_has_no_angle():
+    """Past every corner lies the other side of the seam, and little else near it."""
+    n = 8
+    vertices, triangles = grid(lambda x, y: 0.4 * (x * x + y * y), n, twist=0)
+    at = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    stairs = [edge for i in range(2, 6) for edge in ((at[i, i], at[i + 1, i]), (at[i + 1, i], at[i + 1, i + 1]))]
+    assert quality.seam_angles(vertices, triangles, np.array(stairs)).max() < 0.5
+
+
+def test_what_lies_behind_a_corner_of_a_seam_goes_along_another_side():
+    vertices, triangles = grid(lambda x, y: 0 * x, 4, twist=0)
+    at = np.arange(25).reshape(5, 5)
+    straight = np.array([(at[i, 2], at[i + 1, 2]) for i in range(4)])
+    around = quality._Around(vertices + [3, 2, 1], triangles, straight)
+    assert around._turned == around._seam
+    bent = np.array([(at[0, 2], at[1, 2]), (at[1, 2], at[2, 2]), (at[2, 2], at[2, 3]), (at[2, 3], at[2, 4])])
+    around = quality._Around(vertices + [3, 2, 1], triangles, bent)
+    assert around._turned - around._seam == {pair for pair in around.of_edge if at[2, 2] in pair} - around._seam
+
+
+def test_normals_of_corners_are_those_of_vertices_but_at_sharp_edges():
+    for degrees, smooth in ((20, True), (100, False)):  # half of it from the normal of the vertex
+        angle = np.radians(degrees)
+        vertices = np.array([(0, 0, 0), (0, 1, 0), (1, 0.5, 0), (-np.cos(angle), 0.5, np.sin(angle))])
+        triangles = np.array([(0, 2, 1), (0, 1, 3)])
+        corners = quality.corner_normals(vertices, triangles)
+        own = quality.unit(quality.triangle_normals(vertices, triangles))
+        expected = quality.vertex_normals(vertices, triangles)[triangles] if smooth else np.repeat(own[:, None], 3, axis=1)
+        assert corners == pytest.approx(expected, abs=1e-12)
+        assert quality.edge_angles(vertices, triangles)[1] == pytest.approx([degrees])
+
+
 def test_an_edge_that_is_none_has_no_angle():
     vertices, triangles = grid(lambda x, y: 0 * x)
     assert np.isnan(quality.seam_angles(vertices, triangles, [(0, 1), (0, N * N)])).all()
@@ -198,6 +230,7 @@ def test_highlight_lines_stay_and_zebra_moves_with_the_eye():
     assert np.ptp(quality.stripes(normals, (0, 0, 1), 0)) == 0
     a, b = (quality.stripes(normals, (0, 0, 1), 8, quality.unit(np.array(eye, float))) for eye in ((0, 1, 0), (1, 1, 1)))
     assert np.abs(a - b).max() > 0.5
+    assert quality.stripes(normals, (0, 0, 5), 8) == pytest.approx(quality.stripes(normals, (0, 0, 1), 8))
     turn = np.array([(0, 1, 0), (-1, 0, 0), (0, 0, 1.0)])  # about the direction: equal slopes stay equal
     assert quality.stripes(normals @ turn, (0, 0, 1), 8) == pytest.approx(quality.stripes(normals, (0, 0, 1), 8))
 
@@ -215,6 +248,18 @@ def test_a_picture_has_the_lines_of_the_side_that_is_seen(inside_out):
     assert np.abs(image[20, 20] - 255 * (0.06 + 0.88 * np.clip(0.5 + 4 * (stripe - 0.5), 0, 1))).max() <= 2
 
 
+def test_a_picture_has_the_normal_of_a_vertex_where_that_lies():
+    hill = grid(lambda x, y: -0.35 * (x * x + y * y), 2, twist=0)  # its top in the middle
+    image, _ = view.picture(*hill, "highlight", size=(60, 60), toward=(0, 0, 1), direction=(1, 0, 0), lines=4.5)
+    assert image[28:32, 28:32].min() > 225  # a bright stripe, for the normal is across the direction
+
+
+def test_the_brightest_light_is_as_bright_as_colors_are():
+    normals = quality.unit(np.random.default_rng(3).normal(size=(5000, 3)))
+    lit = view._lit(normals, np.eye(3))
+    assert 0.35 <= lit.min() < 0.36 and 0.99 < lit.max() < 1.005
+
+
 def read_png(path):
     """Our own unfiltered kind only."""
     data, at, body = path.read_bytes(), 8, b""
@@ -223,6 +268,7 @@ def read_png(path):
         kind, part = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
         assert struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0] == zlib.crc32(kind + part)
         if kind == b"IHDR":
+            assert part[8:] == bytes([8, 2, 0, 0, 0])  # eight bits of red, green and blue each
             width, height = struct.unpack(">II", part[:8])
         body += part if kind == b"IDAT" else b""
         at += 12 + length
@@ -267,6 +313,8 @@ def test_deviation_is_red_where_it_is_large_and_grey_where_nobody_knows(tmp_path
     image = read_png(out).astype(int)
     upper, left, right = image[20, 50], image[80, 20], image[80, 90]
     assert np.ptp(upper) <= 2 and left[2] > left[0] + 40 and right[0] > right[2] + 40
+    _, told = view.picture(*flat, kind="deviation", size=(20, 20), deviation=np.ones(len(flat[0])))
+    assert told == "deviation up to 1 (red from 1)"
     assert cli.main(["view", str(mesh), "--deviation", str(out), "--most", "100", "--from", "0,0,1"]) == 0
     assert "red from 100" in capsys.readouterr().out
     other = write(tmp_path / "in.obj", *flat)
@@ -339,3 +387,6 @@ def test_scales_of_color_go_one_way_and_back():
     assert np.ptp(middle) < 0.05
     beyond, ends = np.array([-1.0, 3.0, np.nan]), np.array([0.0, 2.0, 0.0])
     assert np.array_equal(quality.scale_colors(beyond, 2), quality.scale_colors(ends, 2))
+    assert np.array_equal(quality.signed_colors(2 * ends, 4), quality.signed_colors(ends, 2))
+    shares = np.concatenate([red, green, blue, quality.FOLD_COLOR, quality.signed_colors(np.linspace(-1, 1, 9), 1).ravel()])
+    assert 0 <= shares.min() and shares.max() <= 1
