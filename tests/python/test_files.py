@@ -170,12 +170,47 @@ def test_obj_split_face(tmp_path):
     assert reread(out, "b.obj", tmp_path).faces[-1] == [1, 2, 6, 8, 5]
 
 
+def test_obj_texture_coordinates_where_faces_are_split(tmp_path):
+    """Of an edge that is named against the face's direction, in faces without normals, one of which is written over two lines."""
+    data = OBJ_V + b"vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 1\nf 1 2 6 5\nf 2/1 3/2\\\n7/3 6/4\nf 3/1 4/2 8/3 7/4\nf 4 1 5 8\n"
+    second = fan([4, 5, 6, 7], 8, split=[((7, 6), 0.5)])  # of the third quad
+    out = filled(data, "a.obj", tmp_path, [fan([4, 5, 6, 7], 8, split=[((5, 6), 0.25)]), second])
+    kept, added = out[: out.index(b"v 1.5")], out[out.index(b"v 1.5") :].splitlines()
+    assert kept.split() == data.replace(b"f 2/1 3/2\\\n7/3 6/4\nf 3/1 4/2 8/3 7/4", b"").split()
+    assert (
+        b"vt 0.625 1.0" in added and b"f 2/1 3/2 7/3 9/5 6/4" in added
+    )  # three quarters of the way from the third to the fourth
+    assert b"vt 0.75 1.0" in added and b"f 3/1 4/2 8/3 10/6 7/4" in added
+    assert reread(out, "b.obj", tmp_path).faces[1] == [3, 0, 4, 7]
+
+
 def test_off_split_face(tmp_path):
     data = b"OFF\n8 4 0\n" + b"".join(b"%d %d %d\n" % tuple(p) for p in FRAME.astype(int))
     data += b"".join(b" 4  %d %d %d %d  255 0 %d # c\n" % (*q, k) for k, q in enumerate(QUADS))
     out = filled(data, "a.off", tmp_path, [SPLIT])
     assert b"\n 5  1 2 6 8 5  255 0 1 # c\n 4  2 3 7 6  255 0 2 # c\n" in out
     assert reread(out, "b.off", tmp_path).faces[1] == [1, 2, 6, 8, 5]
+
+
+@pytest.mark.parametrize("order,colors", [(">", True), ("<", False)])
+def test_off_binary_without_faces_is_of_the_documented_form_or_of_pmp(order, colors, tmp_path):
+    body = struct.pack(order + "3i", 8, 0, 0) + FRAME.astype(order + "f4").tobytes()
+    mesh = reread(b"OFF BINARY\n" + body, "a.off", tmp_path)
+    assert np.array_equal(mesh.vertices, FRAME) and not mesh.faces
+    assert (mesh._order, mesh._colors) == (order, colors)
+    many = struct.pack(order + "3i", 1000, 1, 0) + body[12:]
+    assert "damaged" in refused(b"OFF BINARY\n" + many, "a.off", tmp_path)
+
+
+@pytest.mark.parametrize("kind", [b"4OFF", b"nOFF", b"4nOFF"])
+def test_off_binary_of_other_dimensions_is_refused(kind, tmp_path):
+    assert "three dimensions" in refused(kind + b" BINARY\n" + bytes(12), "a.off", tmp_path)
+
+
+def test_the_face_that_names_no_vertex_is_named(tmp_path):
+    data = b"OFF\n8 3 0\n" + b"".join(b"%d %d %d\n" % tuple(p) for p in FRAME.astype(int))
+    for wrong in (b"8", b"-1"):
+        assert "Face 1 names" in refused(data + b"3 0 1 2\n4 0 1 2 " + wrong + b"\n3 0 1 2\n", "a.off", tmp_path)
 
 
 @pytest.mark.parametrize("colors", [False, True])
