@@ -121,3 +121,23 @@ def test_values_of_any_kind_are_refused_by_name(given):
     with pytest.raises((TypeError, ValueError), match=f"{next(iter(given))}|creases") as caught:
         options.checked("fill", given)
     assert caught.type in (TypeError, ValueError) and "incompatible function" not in str(caught.value)
+
+
+def test_points_to_meet_are_points_pairs_with_a_normal_and_polylines():
+    row = tripatch.OPTIONS["through"]
+    found = options._points([[1, 2, 3], ([1, 2, 3], [0, 0, 1]), [[0, 0, 0], [1, 0, 0], [2, 0, 1]]], row)
+    assert found == [([1, 2, 3], None), ([1, 2, 3], [0, 0, 1]), ([0, 0, 0], None), ([1, 0, 0], None), ([2, 0, 1], None)]
+    for wrong in (7, "text"):
+        with pytest.raises(TypeError, match=f"through must hold points .*, not {wrong!r}"):
+            options._points(wrong, row)
+
+
+def test_settings_of_a_modifier_are_read():
+    given = {"quality": 1, "vertex_creases": ([3, 4], [0.5, 1]), "edge_creases": ([[0, 1]], [0.25]), "loose_vertices": [7]}
+    settings = options.subdivision(given, 3)
+    assert (settings.quality, settings.level, settings.loose_vertices) == (1, 3, [7])
+    assert (settings.crease_vertices, settings.vertex_creases) == ([3, 4], [0.5, 1])
+    assert (settings.crease_edges, settings.edge_creases) == ([[0, 1]], [0.25])
+    for quality in (0, 11):
+        with pytest.raises(ValueError, match="quality"):
+            options.subdivision({"quality": quality})
