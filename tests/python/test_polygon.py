@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 import tripatch
+from shapes import octant
 
 
 def around(n, radius=0.5, per_side=8, rings=6):
@@ -422,3 +423,62 @@ def test_what_closes_the_base_of_a_flat_cone_stays_at_the_hole(edges):
     fill = tripatch.fill(vertices, faces)
     assert np.linalg.norm(fill.vertices, axis=1).max() < 2
     assert fill.report.triangles_folded <= fill.report.rim_folded  # the solid's own edge is that sharp
+
+
+@pytest.mark.parametrize("sides", [1, 3, 4])
+def test_places_on_a_side_are_the_sides_own(sides):
+    if sides == 1:
+        angle = 2 * np.pi * np.arange(24) / 24
+        rings = [np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(24, -0.5 * r * r)]) for r in (0.5, 0.6, 0.7, 0.8)]
+        vertices, at = np.concatenate(rings), np.arange(24)
+        faces = [
+            np.stack([at + 24 * j, at + 24 * (j + 1), np.roll(at, -1) + 24 * (j + 1), np.roll(at, -1) + 24 * j], 1)
+            for j in range(3)
+        ]
+        fill = tripatch.fill(vertices, np.concatenate(faces)[:, ::-1], rim=at, corners=())
+    elif sides == 3:
+        vertices, faces, rim = octant(6)
+        fill = tripatch.fill(vertices, faces, rim=rim, method="side_vertex")
+    else:
+        vertices, faces, corners = around(4)
+        fill = tripatch.fill(vertices, faces, rim=np.arange(32), corners=corners, method="multi_sided")
+    t = np.array([0, 0.125, 0.5, 1])
+    for i in range(sides):
+        places = fill.patch.on_side(i, t)
+        np.testing.assert_allclose(fill.patch.evaluate(places), fill.sides[i].evaluate(t)[0], atol=1e-9)
+
+
+def test_triangles_of_a_patch_take_one_edge_and_parameters_by_side():
+    vertices, faces, rim = octant(6)
+    patch = tripatch.fill(vertices, faces, rim=rim, method="side_vertex").patch
+    b, triangles = patch.triangles(1, resolution=1)
+    assert b.shape == (3, 3) and triangles.shape == (1, 3)
+    b, _ = patch.triangles([[0, 0.25, 1], 2, 1])
+    assert {tuple(row) for row in np.round(b, 9).tolist()} >= {(0, 0.75, 0.25), (0.5, 0, 0.5)}
+    for wrong, told in (([[0.1, 1], 1, 1], r"edges\[0\]"), ([1, [0, 0.5], 1], r"edges\[1\]"), ([1, 1, [[0, 1]]], r"edges\[2\]")):
+        with pytest.raises(ValueError, match=told):
+            patch.triangles(wrong)
+    with pytest.raises(TypeError, match="edges must be a whole number"):
+        patch.triangles([1.5, 1, 1])
+    for wrong in (True, 1.0):
+        with pytest.raises(TypeError, match="derivatives must be a whole number"):
+            patch.evaluate(b, derivatives=wrong)
+
+
+def test_parameters_of_sides_go_from_0_to_1():
+    def line(t):
+        return np.outer(t, [1.0, 0, 0])
+
+    def functions(rim):
+        return tripatch.Side.from_functions(
+            line, lambda t: line(np.ones_like(t)), lambda t: np.tile([0, 0, 1.0], (len(t), 1)), rim
+        )
+
+    for rim in ([0, 1], [0, 0.5, 1]):
+        assert functions(rim).evaluate([0.5])[0][0] == pytest.approx([0.5, 0, 0])
+    for rim in ([0], [0, 0.5, 0.9], [0.1, 1], [0, 0.5, 0.4, 1], [[0, 1]]):
+        with pytest.raises(ValueError, match="rise from 0 to 1"):
+            functions(rim)
+    for t in (1.5, -0.1):
+        with pytest.raises(ValueError, match="must lie in"):
+            functions(None).evaluate([t])
