@@ -133,7 +133,7 @@ def sources(python):
 def drawn(python, count, seed, only, again):
     """Mutants of all files, or those that an earlier run has printed into the file `again`."""
     rng = random.Random(seed)
-    known = {line.split(" # ")[0].strip() for line in EQUIVALENT.read_text().splitlines() if line.strip()}
+    known = {line.rsplit(" # ", 1)[0].strip() for line in EQUIVALENT.read_text().splitlines() if line.strip()}
     pool = []
     for path in sources(python):
         name = str(path.relative_to(ROOT))

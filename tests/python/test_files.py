@@ -172,7 +172,7 @@ def test_obj_split_face(tmp_path):
 
 def test_obj_texture_coordinates_where_faces_are_split(tmp_path):
     """Of an edge that is named against the face's direction, in faces without normals, one of which is written over two lines."""
-    data = OBJ_V + b"vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 1\nf 1 2 6 5\nf 2/1 3/2\\\n7/3 6/4\nf 3/1 4/2 8/3 7/4\nf 4 1 5 8\n"
+    data = OBJ_V + b"vt 0 0\nvt 1 0\nvt 1 1\nvt 0.5 1\nf 1 2 6 5\nf 2/1 3/2\\\n7/3 6/4\nf 3/1 4/2 8/3 7/4\nf 4 1\\\n5 8\n"
     second = fan([4, 5, 6, 7], 8, split=[((7, 6), 0.5)])  # of the third quad
     out = filled(data, "a.obj", tmp_path, [fan([4, 5, 6, 7], 8, split=[((5, 6), 0.25)]), second])
     kept, added = out[: out.index(b"v 1.5")], out[out.index(b"v 1.5") :].splitlines()

@@ -388,5 +388,7 @@ def test_scales_of_color_go_one_way_and_back():
     beyond, ends = np.array([-1.0, 3.0, np.nan]), np.array([0.0, 2.0, 0.0])
     assert np.array_equal(quality.scale_colors(beyond, 2), quality.scale_colors(ends, 2))
     assert np.array_equal(quality.signed_colors(2 * ends, 4), quality.signed_colors(ends, 2))
+    half = quality.signed_colors(np.array([-1, -0.5, 0, 0.5, 1]), 1)
+    assert len(np.unique(half, axis=0)) == 5  # it ends where it says
     shares = np.concatenate([red, green, blue, quality.FOLD_COLOR, quality.signed_colors(np.linspace(-1, 1, 9), 1).ravel()])
     assert 0 <= shares.min() and shares.max() <= 1
