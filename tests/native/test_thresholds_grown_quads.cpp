@@ -99,6 +99,22 @@ TEST_CASE("a round rim of eight edges gets a ring of quads where four corners wo
   CHECK(quads(126.9) == 4);
 }
 
+TEST_CASE("as many quads grow in a rim as an eighth of its edges squared, and four more", "[thresholds]") {
+  // where one vertex of 21 shows a corner the quads with the best angles are 64 around three poles: a triangle among them gives the rim 22 edges
+  for (const double height : {0.9, 0.95, 1.0}) {
+    const std::optional<PlaneLayout> odd = ellipse(21, height, {{5, 1}}).grown();
+    REQUIRE(odd);
+    CHECK(odd->faces.size() == 64);
+    CHECK(least(*odd) > 0.8);
+  }
+  // 66 around as many would be better here, too
+  Outline lobes = ellipse(22, 0.734, {{7, 1}, {14, 1}});
+  for (Index k = 0; k < 22; ++k) lobes.rim.row(k) *= 1 + 0.098 * std::cos(8 * std::numbers::pi * static_cast<double>(k) / 22);
+  const std::optional<PlaneLayout> even = lobes.grown();
+  REQUIRE(even);
+  CHECK(even->faces.size() < 64);
+}
+
 TEST_CASE("the best four of the layouts that are tried are smoothed", "[thresholds]") {
   // the best is among the first four as they are embedded, or just behind them
   const std::optional<PlaneLayout> even = ellipse(8, 0.8, {{0, 1}, {4, 1}}).grown(), odd = ellipse(9, 0.4, {{0, 1}}).grown();
