@@ -84,6 +84,11 @@ TEST_CASE("corners where the rim turns by five degrees take all of the floor, fr
   CHECK(floor_share(25.1) == 0);
 }
 
+TEST_CASE("a corner that turns back by 179 degrees turns either way and counts as convex", "[thresholds]") {
+  for (const double degrees : {90.0, 178.9, 179.1})
+    CHECK(make_boundary(turning(-degrees, 1)).turn_deg[0] == Approx(degrees < 179 ? -degrees : degrees));
+}
+
 TEST_CASE("and all of it where the tangents span a tenth of what the chords do, from 0.4 on none", "[thresholds]") {
   for (const double opening : {0.095, 0.12, 0.395, 0.405}) {
     const double sine = std::sin(4 * one_degree), chords = 2;  // of (1, 1) and (1, -1)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "test_triangles.h"
+#include "tripatch/report/crossings.h"
 #include "tripatch/spline/disc.h"
 #include "tripatch/spline/layout.h"
 #include "tripatch/spline/least_bent.h"
@@ -63,6 +64,24 @@ TEST_CASE("a triangle has no normal whose doubled area is a ten-thousandth of tw
     Points x(4, 3);  // over 1-3 there is a needle under the line, else the same plane
     x << 0.5, 1, 0, 0, 0, 0, 0.5, -1.25 * share, 0, 1, 0, 0;
     CHECK(has_edge(rough_fill(x).triangles, 1, 3) == (share > 1e-4));
+  }
+}
+
+TEST_CASE("triangles of rims of up to 1,000 vertices do not go through each other, of more they may", "[thresholds]") {
+  Points corners(6, 3);  // of their triangulations that with the least worst angle goes through itself
+  corners << -0.28, 0.57, -0.38, 0.08, -0.97, -0.08, 0.4, -0.53, 0.61, 0.4, -0.46, 0.58, 0.31, -0.27, -0.36, 0.58, -0.26, -0.3;
+  for (const Index n : {6, 500, 1000, 1001, 1100}) {
+    Points rim(n, 3);
+    for (Index side = 0, at = 0; side < 6; ++side) {
+      const Index from = at, end = n * (side + 1) / 6;
+      for (; at < end; ++at) {
+        const double t = static_cast<double>(at - from) / static_cast<double>(end - from);
+        rim.row(at) = (1 - t) * corners.row(side) + t * corners.row((side + 1) % 6);
+      }
+    }
+    const RoughFill made = rough_fill(rim);
+    CHECK(crosses_itself(rim, made.triangles) == (n > 1000));
+    CHECK(made.crossing.empty() == (n > 1000));
   }
 }
 

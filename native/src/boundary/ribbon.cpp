@@ -19,6 +19,8 @@ double fading(double x, double low, double high) { return smoothstep((high - x) 
 /// Degrees that a rim turns by at a corner: up to the first it is smooth there and takes all of the floor, from the second on none. A round
 /// rim between three sides turns by 4 where it has 90 edges; sides of the ten test holes turn by no more than 27 where they have no corner.
 constexpr double smooth_turn = 5, corner_turn = 25;
+/// From here on a rim turns back on itself: which way is rounding, and it counts as convex.
+constexpr double turns_back = 179;
 /// Of what the two tangents at a corner span over what the chords do, 1 for straight sides, 0 on a round rim: up to the first all of the
 /// floor is taken, from the second on none. A choice between the two.
 constexpr double round_opening = 0.1, straight_opening = 0.4;
@@ -120,7 +122,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     boundary.corner_mismatch_deg[k] = degrees_between(n_in, n_out);
     const double turn = degrees_between(before, after);
     const Vec3 up = before.cross(after);  // across the normals at a corner of a box whose face is gone: a tie
-    const bool backwards = up.dot(n_in + n_out) < -tie * up.norm() && turn < 179;
+    const bool backwards = up.dot(n_in + n_out) < -tie * up.norm() && turn < turns_back;
     boundary.turn_deg[k] = backwards ? -turn : turn;
     const double tangents = before.cross(after).norm(), chords = (in.c(1) - in.c(0)).cross(out.c(1) - out.c(0)).norm();
     const double opening = backwards || !(chords > 0) ? 0 : tangents / chords;

@@ -15,7 +15,9 @@ namespace {
 
 using Exponents = std::array<int, 3>;
 
-constexpr double precision = 1e-10;   // of the size: a residual below it is rounding
+constexpr double precision = 1e-10;  // of the size: a residual below it is rounding
+/// Degree up to which the extremals' gradient is zero to 1e-13 of the net; the condition of their systems grows to 3e11 at degree 20.
+constexpr int well_conditioned_degree = 12;
 constexpr double curves_meet = 1e-9;  // of the size: the largest gap between two curves at a corner
 
 /// All (i, j, k) of a degree in the order of a net.
@@ -296,9 +298,10 @@ BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std:
     const Eigen::MatrixXd inside = solve_symmetric(e.inside, -Eigen::MatrixXd(e.rim * rim));
     for (Index k = 0; k < inside.rows(); ++k) net.row(e.points.inside[k]) = inside.row(k);
   }
-  if (n > 12 && warnings)
+  if (n > well_conditioned_degree && warnings)
     warnings->push_back("The extremal of degree " + std::to_string(n) +
-                        " solves an ill-conditioned system: digits are lost above degree 12");
+                        " solves an ill-conditioned system: digits are lost above degree " +
+                        std::to_string(well_conditioned_degree));
   return BezierTriangle(std::move(net));
 }
 
