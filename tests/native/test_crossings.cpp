@@ -86,8 +86,8 @@ TEST_CASE("what touches a triangle does not cross it", "[thresholds]") {
   const double longest = std::sqrt(2.0);
   for (double scale : {1e-9, 1.0, 1e9}) {
     CHECK(all_crossings(scale * pierced(-0.1), two).empty());
-    CHECK(all_crossings(scale * pierced(0.9 * touching * longest), two).empty());
-    CHECK(all_crossings(scale * pierced(1.1 * touching * longest), two).size() == 2);
+    CHECK(all_crossings(scale * pierced(0.9e-6 * longest), two).empty());
+    CHECK(all_crossings(scale * pierced(1.1e-6 * longest), two).size() == 2);
   }
   Points beside = pierced(1);
   beside.bottomRows(3).col(0).array() += 2;
@@ -217,7 +217,7 @@ TEST_CASE("a triangle is surely seen from its front down to a millionth of its e
   for (double factor : {0.9, 1.1}) {
     Points points(4, 3);  // a square but for its narrow half
     points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0.5, 0.5, 0;
-    const double wanted = factor * surely_seen;  // area over squares, here w sqrt 2 / (2 + 1 / 2)
+    const double wanted = factor * 1e-6;  // area over squares, here w sqrt 2 / (2 + 1 / 2)
     points.row(3) += wanted * 2.5 / 2 * Vec3(-1, 1, 0);
     CHECK(is_surely_one_to_one(points, {{0, 1, 2}, {0, 2, 3}}) == (factor > 1));
   }
@@ -225,7 +225,7 @@ TEST_CASE("a triangle is surely seen from its front down to a millionth of its e
 
 TEST_CASE("edges of a border are surely apart from a trillionth of its size on", "[thresholds]") {
   for (double factor : {0.5, 2.0}) {  // a square ring cut open, whose ends lie a gap apart
-    const double gap = factor * surely_apart * 9;
+    const double gap = factor * 1e-12 * 9;
     Points points(10, 3);
     points << 0, 0, 0, 3, 0, 0, 3, 3, 0, 0, 3, 0, 0, gap, 0, 1, 1, 0, 2, 1, 0, 2, 2, 0, 1, 2, 0, 1, 1 + gap, 0;
     const Triangles ring = {{0, 1, 6}, {0, 6, 5}, {1, 2, 7}, {1, 7, 6}, {2, 3, 8}, {2, 8, 7}, {3, 4, 9}, {3, 9, 8}};

@@ -342,12 +342,12 @@ TEST_CASE("an edge of a closed line goes through a triangle within it, beyond wh
   const double longest = std::sqrt(2.0);
   for (double scale : {1e-9, 1.0, 1e9}) {
     CHECK(goes_through(scale * pierced(0.25, 0.5)));
-    CHECK(goes_through(scale * pierced(0.25, 1.1 * touching * longest)));
-    CHECK_FALSE(goes_through(scale * pierced(0.25, 0.9 * touching * longest)));
+    CHECK(goes_through(scale * pierced(0.25, 1.1e-6 * longest)));
+    CHECK_FALSE(goes_through(scale * pierced(0.25, 0.9e-6 * longest)));
     CHECK_FALSE(goes_through(scale * pierced(0.25, -0.5)));  // ends above it
     CHECK_FALSE(goes_through(scale * pierced(0.8, 0.5)));    // passes it
-    CHECK(goes_through(scale * pierced(1.1 * touching * longest, 0.5)));
-    CHECK_FALSE(goes_through(scale * pierced(0.9 * touching * longest, 0.5)));
+    CHECK(goes_through(scale * pierced(1.1e-6 * longest, 0.5)));
+    CHECK_FALSE(goes_through(scale * pierced(0.9e-6 * longest, 0.5)));
   }
   const ClosedLine line(pierced(0.25, 0.5), {3, 0, 1, 2, 5, 4});
   CHECK(line.goes_through({0, 1, 2}));        // by the last edge, from 4 to 3
