@@ -17,6 +17,12 @@ TEST_CASE("a clear corner turns by two and a half times what the vertices beside
   CHECK(times(2.53).clear().size() == 4);
 }
 
+TEST_CASE("a bend beside a corner that turns four times as much is no corner of its own", "[thresholds]") {
+  const auto times = [](double r) { return PlaneRim({90 * r / (r + 1), 90 / (r + 1), 0, 0, 0, 0}, 4).clear(); };
+  CHECK(times(3.95).empty());  // two corners an edge apart
+  CHECK(times(4.05) == std::vector<Index>{0, 6, 12, 18});
+}
+
 TEST_CASE("clear corners are two edges apart and three in the mean, and there are twelve at most", "[thresholds]") {
   CHECK(straight({90, 90}, 2, {3, 3}).clear().size() == 4);
   CHECK(straight({130, 50}, 2, {2, 4}).clear().size() == 4);
