@@ -410,3 +410,57 @@ TEST_CASE("walls in more than sixteen planes are not looked at", "[flat_walls]")
     CHECK(flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (n == 16));
   }
 }
+
+namespace {
+
+/// The walls below a flat rim, a square of side 2 or what its corners and the middles of its edges make, moved outwards by so much. Each leans
+/// by so many degrees against the rim's plane; the solid's lower cap is there.
+Solid below_square(const std::vector<double>& leaning, double bulge = 0) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<Index>> faces(1);
+  const auto out = [&](std::size_t k) { return 1 / std::tan(leaning[k % 4] * std::numbers::pi / 180); };
+  const std::array<Vec3, 4> normal = {-Vec3::UnitY(), Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitX()};
+  for (const bool low : {false, true})
+    for (std::size_t k = 0; k < 4; ++k) {  // side k leads from corner k to the next
+      const auto outwards = [&](std::size_t side) -> Vec3 { return low ? Vec3(out(side) * normal[side % 4]) : Vec3::Zero(); };
+      points.push_back(normal[(k + 3) % 4] + normal[k] + outwards(k + 3) + outwards(k) - (low ? 1 : 0) * Vec3::UnitZ());
+      if (bulge > 0) points.push_back((1 + bulge) * normal[k] + outwards(k) - (low ? 1 : 0) * Vec3::UnitZ());
+    }
+  const Index n = static_cast<Index>(points.size()) / 2;
+  for (Index k = 0; k < n; ++k) {
+    faces[0].push_back(2 * n - 1 - k);
+    faces.push_back({k, n + k, n + (k + 1) % n, (k + 1) % n});
+  }
+  return {points, faces};
+}
+
+bool walls_end(const Solid& open) {
+  return walls_end_at_flat_rim(open.mesh(), Connectivity(open.mesh()), open.rim(), open.across());
+}
+
+}  // namespace
+
+TEST_CASE("walls end at a flat rim that all lean against it by 40 degrees, or half of them by 60", "[flat_walls][thresholds]") {
+  CHECK(walls_end(below_square({90, 90, 90, 90})));
+  CHECK_FALSE(walls_end(below_square({39.5, 39.5, 39.5, 39.5})));
+  CHECK(walls_end(below_square({40.5, 40.5, 40.5, 40.5})));
+  CHECK_FALSE(walls_end(below_square({59.5, 59.5, 30, 30})));
+  CHECK(walls_end(below_square({60.5, 60.5, 30, 30})));
+  CHECK_FALSE(walls_end(below_square({60.5, 59.5, 30, 30})));
+}
+
+TEST_CASE("faces beside a flat rim are of one wall up to a degree between them, from 25 on of two", "[flat_walls][thresholds]") {
+  const auto bent = [](double degrees) { return below_square({90, 90, 90, 90}, std::tan(degrees * std::numbers::pi / 360)); };
+  CHECK(walls_end(bent(0.95)));
+  CHECK_FALSE(walls_end(bent(1.05)));
+  CHECK_FALSE(walls_end(bent(24.5)));
+  CHECK(walls_end(bent(25.5)));
+}
+
+TEST_CASE("a flat rim is a hole in a wall whose end is in the sixth ring around it or before", "[flat_walls][thresholds]") {
+  for (const int n : {11, 13}) {  // a quad in the middle of the top is gone: five or six rings of quads around it lie in it
+    const Solid open =
+        cube(n).without([&](const Vec3& p) { return p[2] > 0.999 && p.head<2>().cwiseAbs().maxCoeff() < 0.5 / n; });
+    CHECK(open.features().walls.has_value() == (n == 11));
+  }
+}
