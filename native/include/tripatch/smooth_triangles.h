@@ -23,6 +23,7 @@ struct SmoothMesh {
   std::vector<std::array<Index, 2>> edges;
 };
 
+/// Edges on a side that a triangle is cut into, at most: 65,536 triangles in its place. A choice, against slips of the hand.
 constexpr int max_smooth_resolution = 256;
 
 /// normals: n x 3, outer or inner, of any length; none: estimated, the faces' normals weighted by their angles. resolution: edges
