@@ -40,11 +40,13 @@ bool has_edges_of_no_length(const PointsRef& vertices, std::span<const Index> ri
 
 MergedRims::MergedRims(const Mesh& mesh, std::span<const std::vector<Index>> rims, const FillOptions& options)
     : mesh_(mesh), replaced_(options.replaced), options_(options) {
+  const auto has_none = [&](const std::vector<Index>& rim) { return !has_edges_of_no_length(mesh.vertices, rim); };
+  if (std::ranges::all_of(rims, has_none)) return;
   std::unordered_map<Index, int> passed;
   for (const std::vector<Index>& rim : rims)
     for (Index v : rim) ++passed[v];
   for (const std::vector<Index>& rim : rims)
-    if (has_edges_of_no_length(mesh.vertices, rim)) merge(rim, passed);
+    if (!has_none(rim)) merge(rim, passed);
   if (!any()) return;
   merge_faces();
   if (options_.rim) options_.rim = merged(*options_.rim);
