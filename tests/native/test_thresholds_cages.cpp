@@ -148,7 +148,7 @@ TEST_CASE("a cage's report warns of poles of more than seven triangles", "[thres
     for (const auto& [vertex, valence] : made.report.poles) most = std::max(most, valence);
     CHECK(most == 14 - longest);
     CHECK(std::any_of(made.report.warnings.begin(), made.report.warnings.end(),
-                      [](const std::string& said) { return said.find("Pole of valence 8") == 0; }) == (most > 7));
+                      [](const std::string& said) { return said.find("Pole of valence") == 0; }) == (most > 7));
   }
 }
 
