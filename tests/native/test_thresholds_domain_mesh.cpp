@@ -25,7 +25,41 @@ private:
   bool wants_flip(int, int, int, int) const override { return false; }
 };
 
+/// A regular hexagon of triangles around vertex 6, of which vertex 1 lies so far from there; vertex 6 may only be pulled onto vertex 0.
+class Hexagon final : public DomainMesh {
+public:
+  explicit Hexagon(double far) : DomainMesh(6) {
+    for (int k = 0; k < 7; ++k) {
+      const double angle = k * M_PI / 3, r = k == 6 ? 0 : k == 1 ? far : 1;
+      const Vec2 u(r * std::cos(angle), r * std::sin(angle));
+      add_vertex(Vec3(0, u[0], u[1]), Vec3(u[0], u[1], 0));
+    }
+    for (int k = 0; k < 6; ++k) triangles_.push_back({{6, k, (k + 1) % 6}, {-1, (k + 1) % 6, (k + 5) % 6}});
+    size_.assign(7, 2);
+    triangle_of_ = {0, 1, 2, 3, 4, 5, 0};
+  }
+  std::size_t triangles_left() {
+    collapse_short();
+    return alive_triangles();
+  }
+  double flattest() const { return shape_of(0, 1, 2); }
+
+private:
+  double wanted(const Vec3&) const override { return 2; }
+  bool wants_flip(int, int, int, int) const override { return false; }
+  bool may_join(int from, int) const override { return from == 0; }
+};
+
 }  // namespace
+
+TEST_CASE("an edge is taken away that leaves triangles of a shape of 0.4", "[thresholds]") {
+  for (const double far : {0.80, 0.83}) {
+    Hexagon hexagon(far);
+    CAPTURE(hexagon.flattest());
+    REQUIRE(std::abs(hexagon.flattest() - 0.4) < 0.025);
+    CHECK(hexagon.triangles_left() == (hexagon.flattest() < 0.4 ? 6 : 4));
+  }
+}
 
 TEST_CASE("a triangle of a domain has an area from a billionth of its longest edge on", "[thresholds]") {
   const auto has_area = [](double height) { return Star::positive(Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(0, 0.5, height)); };
