@@ -63,6 +63,30 @@ TEST_CASE("Triangles tell of no more than their vertices where they are not cut 
   CHECK(rounded.found().size() == 14);
 }
 
+TEST_CASE("Short edges are those that a quarter of all edges and lines across faces are shorter than") {
+  for (const Index small : {1, 2}) {  // quads with edges of 0.45, of five lines each; 25 are the walls', 1 to 2.2 long
+    const Walls walls(6, 2, false);
+    Points points(14 + 4 * small, 3);
+    points.topRows(14) = walls.points;
+    Faces faces = walls.faces;
+    for (Index k = 0; k < small; ++k) {
+      const Index a = 14 + 4 * k;
+      for (Index j = 0; j < 4; ++j)
+        points.row(a + j) << static_cast<double>(k) + (j == 1 || j == 2 ? 0.45 : 0), -9, j < 2 ? 0 : 0.45;
+      faces.add(std::array<Index, 4>{a, a + 1, a + 2, a + 3});
+    }
+    CHECK(points_on_long_edges(points, faces).empty() == (small == 1));  // 5 of 30 lines, 10 of 35
+  }
+}
+
+TEST_CASE("Two triangles are of one flat face whose planes meet at an angle with a sine of 1e-4") {
+  for (const double sine : {0.9e-4, 1.1e-4}) {
+    Walls wall(1, 6.1, true);
+    wall.points(1, 1) = sine * 6.1 / std::hypot(1, 6.1);  // so far from the other triangle's plane
+    CHECK(wall.found().empty() == (sine > 1e-4));
+  }
+}
+
 TEST_CASE("Flat triangles that are not much longer than wide come of no face that was cut") {
   for (const double height : {2.58, 2.66}) {  // a diagonal squared over twice the area is (1 + height^2) / height: 2.97 and 3.04
     Walls walls(6, height, true);
