@@ -402,6 +402,74 @@ TEST_CASE("walls that meet more than a diameter away do not close a hole", "[fla
   }
 }
 
+namespace {
+
+/// What is left of a solid of n kites above and n below, as a cube is one that stands on a corner: those below, and faces that cut off its corners
+/// where two of them meet one above.
+Solid lower_kites(int n) {
+  const double c = std::cos(std::numbers::pi / n), rise = 0.15, cut = 0.3;
+  const Vec3 lowest(0, 0, -rise * (1 + c) / (1 - c));
+  const auto corner = [&](Index k) {
+    const double a = std::numbers::pi * static_cast<double>(k) / n;
+    return Vec3(std::cos(a), std::sin(a), k % 2 ? rise : -rise);
+  };
+  std::vector<Vec3> points = {lowest};
+  std::vector<std::vector<Index>> faces;
+  for (Index k = 0; k < 2 * n; k += 2) {  // corner k is cut off, corner k + 1 is not
+    for (const Vec3& to : {lowest, corner(k - 1), corner(k + 1)}) points.push_back(corner(k) + cut * (to - corner(k)));
+    points.push_back(corner(k + 1));
+    const Index own = 1 + 2 * k, next = 1 + (2 * k + 4) % (4 * n);
+    faces.push_back({own + 2, own + 1, own});
+    faces.push_back({0, next, next + 1, own + 3, own + 2, own});
+  }
+  return {points, faces};
+}
+
+/// A prism of n walls that has lost its cap and the upper ends of its walls: of two nothing, of the two beside these half, of the others all.
+Solid jagged_prism(Index n) {
+  const auto corner = [&](Index k, double height) {
+    const double a = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
+    return Vec3(std::cos(a), std::sin(a), height);
+  };
+  std::vector<Vec3> points;
+  std::vector<std::vector<Index>> faces(1);
+  for (Index k = 0; k < n; ++k) {
+    points.push_back(corner(k, 0));
+    faces[0].push_back(n - 1 - k);
+  }
+  for (Index k = 0; k < n; ++k) points.push_back(corner(k, k < 3 ? 1 : 0.5 + 0.1 * std::sin(2.5 * static_cast<double>(k))));
+  points.emplace_back((corner(2, 1) + corner(3, 1)) / 2);
+  points.emplace_back((corner(n - 1, 1) + corner(n, 1)) / 2);
+  for (Index k = 0; k < n; ++k) {
+    const Index next = (k + 1) % n;
+    faces.push_back({k, next, n + next});
+    if (k == 2) faces.back().push_back(2 * n);
+    if (k == n - 1) faces.back().push_back(2 * n + 1);
+    faces.back().push_back(n + k);
+  }
+  return {points, faces};
+}
+
+std::optional<FlatWalls> walls_of(const Solid& open) {
+  const Mesh mesh = open.mesh();
+  return flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {});
+}
+
+}  // namespace
+
+TEST_CASE("walls come back of which nothing is left where they are three, not four", "[flat_walls]") {
+  const std::optional<FlatWalls> walls = walls_of(lower_kites(3));
+  REQUIRE(walls);
+  CHECK(walls->first.size() == 3);
+  CHECK((walls->nodes.at(0) - Vec3(0, 0, 0.45)).norm() < 1e-9);
+  CHECK_FALSE(walls_of(lower_kites(4)));
+}
+
+TEST_CASE("a wall of which nothing is left is sought among eight planes that the rim tells, not nine", "[flat_walls]") {
+  CHECK(walls_of(jagged_prism(10)));  // the cap's, and one at each crease that the rim crosses: all but three
+  CHECK_FALSE(walls_of(jagged_prism(11)));
+}
+
 TEST_CASE("walls in more than sixteen planes are not looked at", "[flat_walls]") {
   for (const int n : {16, 18}) {  // a cap and a wall are lost: n - 1 walls and the other cap are beside
     const Solid whole = prism(n, 1, 0.6),
