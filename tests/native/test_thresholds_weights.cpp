@@ -32,9 +32,22 @@ SideBasis without_unknowns() {
   return basis;
 }
 
-FairingBase waves() {
+/// Of points or directions along a side, the third coordinate so many times as high.
+PiecewisePolynomial lifted(const PiecewisePolynomial& field, double higher) {
+  if (field.empty() || higher == 1) return field;
+  return PiecewisePolynomial::fit(
+      [&](std::span<const double> t, std::span<double> out) {
+        for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = field(t[k]).cwiseProduct(Vec3(1, 1, higher));
+      },
+      3);
+}
+
+/// higher: times as high as they are.
+FairingBase waves(double higher = 1) {
   FairingBase base;
   base.sides = sides_of(wave());
+  for (Side& side : base.sides)
+    for (PiecewisePolynomial* field : {&side.c, &side.r, &side.q}) *field = lifted(*field, higher);
   base.boundary = make_boundary(base.sides);
   base.patch = side_vertex(base.boundary);
   return base;
@@ -42,7 +55,8 @@ FairingBase waves() {
 
 /// What a descent is led by over the waves.
 struct OverWaves {
-  FairingBase base = waves();
+  explicit OverWaves(double higher = 1) : base(waves(higher)) {}
+  FairingBase base;
   FairingOptions options;
   FairingProblem problem{base, options, 5};
   Quadratic third = problem.quadratic(3);
@@ -78,6 +92,23 @@ TEST_CASE("descent ends with the first step that gains less than a hundredth", "
   REQUIRE(last > 2);
   REQUIRE(last < 100);
   for (int k = 1; k <= last; ++k) CHECK((after(k - 1).second - after(k).second < 0.01) == (k == last));
+}
+
+TEST_CASE("descent ends where an energy is a ten-thousandth", "[thresholds]") {
+  const auto after = [](double higher, int steps) {
+    const OverWaves d(higher);
+    Eigen::VectorXd x = d.start;
+    Merit::Value value = d.merit(x);
+    const int made = descend(d.merit, d.third.normal, x, value, steps);
+    return std::tuple(made, value.energy, value.log);
+  };
+  double higher = 0.01;
+  for (int k = 0; k < 10; ++k) higher *= std::sqrt(1e-4 / std::get<1>(after(higher, 1)));  // after a step it is that
+  for (const double share : {0.95, 1.05}) {
+    const auto [made, energy, log] = after(share * higher, 100);
+    CAPTURE(higher, made, energy);
+    CHECK((made == 1) == (share < 1));
+  }
 }
 
 TEST_CASE("curvature counts a twentieth more than like a sine along a side, in all as much as a mean square", "[thresholds]") {
