@@ -1,6 +1,7 @@
 // How many new edges a crease gets.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <set>
 
 #include "test_rings.h"
 #include "tripatch/creases/creased_fill.h"
@@ -22,4 +23,37 @@ TEST_CASE("a crease gets as many new edges as its ends' ask for, but no more tha
   CHECK(edges(0.7) == 23);
   CHECK(edges(0.75) == 24);
   CHECK(edges(0.9) == 24);
+}
+
+namespace {
+
+/// New points of a straight crease, from 0 at one end to 1 at the other, by their places on it. Beside each end are two edges of the rim, the first of
+/// `first` of the rim's other edges, the second of `second`.
+std::vector<double> along_crease(double first, double second) {
+  const Rings rings(radii(0.1, 8), [=](double x, double y) {
+    const double a = std::atan2(y, x), step = M_PI / 12, r = std::hypot(x, y), beside = std::abs(a);
+    double turned = a;
+    if (beside > 0.5 * step && beside < 1.5 * step) turned = std::copysign(first * step, a);
+    if (beside > 10.5 * step && beside < 11.5 * step) turned = std::copysign(M_PI - second * step, a);
+    return roof(r * std::cos(turned), y == 0 ? 0 : r * std::sin(turned), 30);
+  });
+  const auto fill = fill_across_creases(rings.mesh(), Connectivity(rings.mesh()), rings.rim, rings.features(), {});
+  REQUIRE(fill);
+  const Index given = static_cast<Index>(rings.rim.size());
+  std::set<double> places;
+  for (const auto& [a, b] : fill->creases)
+    for (const Index v : {a, b})
+      if (v >= given) places.insert(0.5 - fill->vertices(v - given, 0));
+  return {places.begin(), places.end()};
+}
+
+}  // namespace
+
+TEST_CASE("edges along a crease are alike where those at its ends are to a millionth", "[thresholds]") {
+  for (const double differ : {0.9e-6, 1.1e-6, -0.9e-6, -1.1e-6}) {
+    const std::vector<double> places = along_crease(1, 1 + differ);
+    REQUIRE(places.size() == 7);
+    CAPTURE(differ, places[3] - 0.5);
+    CHECK((std::abs(places[3] - 0.5) < 1e-9) == (std::abs(differ) < 1e-6));
+  }
 }
