@@ -57,3 +57,13 @@ TEST_CASE("edges along a crease are alike where those at its ends are to a milli
     CHECK((std::abs(places[3] - 0.5) < 1e-9) == (std::abs(differ) < 1e-6));
   }
 }
+
+TEST_CASE("edges at a crease's ends count as a millionth of the rim at least", "[thresholds]") {
+  const auto middle = [](double share) {
+    const std::vector<double> places = along_crease(share * 24, 1);
+    REQUIRE(places.size() == 23);
+    return places[11];
+  };
+  CHECK(middle(0.4e-6) == Approx(middle(0.8e-6)).epsilon(1e-6));
+  CHECK(middle(1.2e-6) < 0.8 * middle(2.4e-6));
+}
