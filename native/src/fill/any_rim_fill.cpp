@@ -39,7 +39,8 @@ double area(const Mesh& mesh, const Fill& fill) {
   return twice / 2;
 }
 
-/// The spline, which does not continue what meets the hole at an angle, unless that is the plainer way. given: corners of the rim, in its order; none: as detected.
+/// The spline, which does not continue what meets the hole at an angle, unless that is the plainer way. given: corners of the rim, in its
+/// order; none: as detected.
 Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, const std::vector<Index>& rim,
                              const std::vector<Index>& given, SplineFillOptions options) {
   std::vector<Index> places = places_in(rim, given);

@@ -23,10 +23,7 @@ double one_place(const PointsRef& vertices, std::span<const Index> rim) {
 /// A fill's rows of something at its rim, for the rim with more vertices. row: of each of these.
 template <class Rows>
 void repeat_rows(Rows& rows, const std::vector<Index>& row) {
-  if (rows.rows() == 0) return;
-  const Rows were = rows;
-  rows.resize(static_cast<Index>(row.size()), were.cols());
-  for (std::size_t k = 0; k < row.size(); ++k) rows.row(static_cast<Index>(k)) = were.row(row[k]);
+  if (rows.rows() > 0) rows = Rows(rows(row, Eigen::all));
 }
 
 }  // namespace

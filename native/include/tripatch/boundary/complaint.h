@@ -12,7 +12,8 @@ namespace tripatch {
 ///
 /// OpenSubdiv has one callback for the whole process and does not tell which one is set, so there is nothing to restore. It is set
 /// once, before the first cage, and takes only what a Complaint waits for: all other messages, of other users of the same copy of the
-/// library, are printed. Who sets a callback later than that replaces this one. (What is shipped has a copy of OpenSubdiv of its own, with hidden symbols.)
+/// library, are printed. Who sets a callback later than that replaces this one. (What is shipped has a copy of OpenSubdiv of its own, with
+/// hidden symbols.)
 class Complaint {
 public:
   Complaint();
