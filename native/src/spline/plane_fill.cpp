@@ -683,8 +683,7 @@ constexpr const char* least_bent_sentence =
     "The triangles of the fill bend as little as they can: a surface that follows the surroundings would fold over the mesh";
 constexpr const char* edges_too_short =
     "Half of the rim's edges are nothing beside its size (vertices at one place, or one that lies far away): the hole is closed "
-    "with "
-    "plain triangles";
+    "with plain triangles";
 constexpr const char* mended = "A few triangles beside the rim are not those of the surface: on it they would fold";
 
 /// Of the ways the likeliest that will do, else `best`, the plain triangles.
