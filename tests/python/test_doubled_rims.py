@@ -159,3 +159,28 @@ def test_cages_and_methods_that_are_insisted_on_ask_for_a_clean_rim(options):
         options = {**options, "corners": [rim[k] for k in options["corners"]]}
     with pytest.raises(tripatch.Refusal, match="no length; merge them first"):
         tripatch.fill(more, doubles, rim=rim, **options)
+
+
+def test_islands_with_doubled_vertices():
+    n = 14
+    x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0), indexing="ij")
+    points = np.stack([x, y, 0.02 * (x - 7) ** 2], axis=-1).reshape(-1, 3)
+    cells = [(i, j) for i in range(n) for j in range(n) if max(abs(i - 6.5), abs(j - 6.5)) not in (2.5, 3.5)]
+    faces = [[i * (n + 1) + j, (i + 1) * (n + 1) + j, (i + 1) * (n + 1) + j + 1, i * (n + 1) + j + 1] for i, j in cells]
+    inside = {v for v in range(len(points)) if np.abs(points[v, :2] - 7).max() <= 2}
+    more, doubles, stands = points, faces, {}
+    for rim in tripatch.find_holes(faces):
+        if np.abs(points[rim][:, :2] - 7).max() < 6:
+            more, doubles, own = doubled(more, doubles, rim, np.random.default_rng(len(rim)))
+            stands.update(own)
+    loops = [r for r in tripatch.find_holes(doubles) if set(r) <= set(stands)]
+    (island,) = [r for r in loops if stands[r[0]] in inside]
+    (rim,) = [r for r in loops if stands[r[0]] not in inside]
+    assert len(island) > 16 and len(rim) > 32
+    fill = tripatch.fill(more, doubles, rim=rim, islands=[island])
+    assert any("the fill joins" in said for said in fill.report.warnings)
+    assert set(fill.rim) == {*rim, *island} and len(fill.rim_normals) == len(fill.rim)
+    assert np.abs(fill.vertices[:, 2] - 0.02 * (fill.vertices[:, 0] - 7) ** 2).max() < 0.02
+    joined = directed([*doubles, *fill.faces])
+    assert max(joined.values()) == 1
+    assert not [e for e in joined if e[0] in stands and e[1] in stands and e[::-1] not in joined]

@@ -182,27 +182,27 @@ bool MergedRims::bring_back(Fill& fill) const {
   const Between between = between_in(fill);
   for (Index f = 0; f < fill.faces.size(); ++f) add_joined(fill.faces[f], between, faces, flat);
   std::vector<Index> rim, row;
-  const auto walk = [&](const std::vector<Index>& loop) {
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      const std::size_t next = (k + 1) % loop.size();
-      rim.push_back(loop[k]);
+  const auto walk = [&](std::size_t begin, std::size_t end) {  // one of the loops
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t next = k + 1 < end ? k + 1 : begin;
+      rim.push_back(fill.rim[k]);
       row.push_back(static_cast<Index>(k));
-      const auto more = between_.find({loop[k], loop[next]});
+      const auto more = between_.find({fill.rim[k], fill.rim[next]});
       if (more == between_.end()) continue;
       for (Index v : more->second) {
         rim.push_back(v);
-        row.push_back(static_cast<Index>(place(v) == loop[k] ? k : next));
+        row.push_back(static_cast<Index>(place(v) == fill.rim[k] ? k : next));
       }
     }
-    return rim.size() - loop.size();
   };
-  std::size_t awaited = 0;
+  std::size_t end = fill.rim.size();  // the islands' vertices follow those of the rim
+  for (const std::vector<Index>& island : options_.islands) end -= island.size();
+  walk(0, end);
   for (const std::vector<Index>& island : options_.islands) {
-    awaited += walk(island);
-    rim.clear(), row.clear();
+    walk(end, end + island.size());
+    end += island.size();
   }
-  awaited += walk(fill.rim);
-  if (flat.size() != awaited) return false;
+  if (flat.size() != rim.size() - fill.rim.size()) return false;
   if (flat.empty()) return true;
   std::vector<Index> ends;
   const auto is_new = [&](Index v) { return v >= mesh_.vertices.rows(); };
