@@ -89,6 +89,10 @@ std::string not_taken(const FillOptions& options) {
 
 bool is_shaped_by_hand(const FillOptions& options) { return !options.through.empty() || !not_taken(options).empty(); }
 
+bool is_continuity_open(const FillOptions& options) {
+  return std::ranges::all_of(options.continuity, [](SideContinuity c) { return c == SideContinuity::automatic; });
+}
+
 Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
                   const std::string& reason) {
   const std::string ignored = not_taken(options);
@@ -126,8 +130,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
     if (at.size() != corners->size()) throw InvalidArgument("A corner is given twice");
   }
   const Connectivity& around = all ? *all : ground.left;
-  const bool open = std::ranges::all_of(options.continuity, [](SideContinuity c) { return c == SideContinuity::automatic; });
-  const bool looks_for_sharp = islands.empty() && (!corners || !corners->empty()) && open;
+  const bool looks_for_sharp = islands.empty() && (!corners || !corners->empty()) && is_continuity_open(options);
   Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)
                               : fill_with_spline(ground.mesh, around, loop, islands, own);
   fill.report.method_reason = reason;

@@ -169,8 +169,7 @@ std::string without_advice(std::string said) {
 
 /// Whether the hole has lost a flat wall, and no sides are found which by themselves continue none of those that are left.
 bool lost_a_wall(const Ground& ground, const std::vector<Index>& rim, std::vector<Index> corners, const FillOptions& options) {
-  const auto is_open = [](SideContinuity c) { return c == SideContinuity::automatic; };
-  if (is_shaped_by_hand(options) || !std::ranges::all_of(options.continuity, is_open)) return false;
+  if (is_shaped_by_hand(options) || !is_continuity_open(options)) return false;
   if (!walls_end_at_flat_rim(ground.mesh, ground.left, rim, diameter(ground.mesh, rim))) return false;
   if (corners.empty()) corners = corners_between_sharp(ground, rim);
   if (corners.size() < 2 || corners.size() > static_cast<std::size_t>(most_sides)) return true;

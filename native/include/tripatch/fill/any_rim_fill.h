@@ -13,6 +13,8 @@ std::string not_taken(const FillOptions& options);
 
 /// Whether somebody shapes the fill: then the patch is made wherever it lies well.
 bool is_shaped_by_hand(const FillOptions& options);
+/// Whether it is left to the fill which of its surroundings it goes on from.
+bool is_continuity_open(const FillOptions& options);
 
 /// reason: why this method.
 /// The spline of the rim alone with the normals that a patch has along it, where that patch knows the planes there but folds inside.
