@@ -11,6 +11,7 @@ import pytest
 from shapes import octant
 from tripatch import files
 from tripatch.__main__ import main
+from tripatch.files.writing import write_over
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="limits and signals of POSIX")
 
@@ -135,3 +136,38 @@ def test_ctrl_c_at_every_50_ms(mesh):
     assert done.returncode == 0, done.stdout + done.stderr
     assert "interrupted" in done.stdout and "Traceback" not in done.stderr
     assert mesh.read_bytes() != original
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_ctrl_c_after_any_call_of_writing(links, mesh):
+    """Python lets an interrupt in where a function begins and where one of C has returned: after each of these in turn."""
+    original = mesh.read_bytes()
+    if links == 2:
+        mesh.with_name("other name.obj").hardlink_to(mesh)
+    names = sorted(os.listdir(mesh.parent))
+    left = calls = 0
+
+    def interrupt(frame, event, _):
+        nonlocal left
+        if event in ("call", "c_return"):
+            left -= 1
+            if left == 0:
+                raise KeyboardInterrupt
+
+    while not left:
+        calls += 1
+        mesh.write_bytes(original)
+        left = calls
+        sys.setprofile(interrupt)
+        try:
+            write_over(mesh, lambda part: part.write_bytes(b"new"))
+        except KeyboardInterrupt:
+            pass
+        finally:
+            sys.setprofile(None)
+        assert sorted(os.listdir(mesh.parent)) == names, calls
+        if left:
+            assert mesh.read_bytes() == b"new"
+        elif links == 1:
+            assert mesh.read_bytes() in (original, b"new")
+    assert calls > 30

@@ -37,8 +37,9 @@ def write_over(path: Path, save: Callable[[Path], None]) -> None:
         part = target.with_name(f".tripatch-{secrets.token_hex(6)}.part")
         if before and not stat.S_ISREG(before.st_mode):  # where nothing can be beside it
             part = Path(tempfile.gettempdir()) / part.name
-        os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        name = str(part)
         try:
+            os.close(os.open(name, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
             save(part)
             if through:
                 with part.open("rb") as source, target.open("wb") as out:
@@ -51,7 +52,10 @@ def write_over(path: Path, save: Callable[[Path], None]) -> None:
                         os.chown(part, before.st_uid, before.st_gid)
             os.replace(part, target)
         finally:
-            part.unlink(missing_ok=True)
+            try:
+                os.unlink(name)  # a function of C with a plain name: `Path.unlink` would let an interrupt in before it is done
+            except FileNotFoundError:
+                pass
     except OSError as error:
         raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
 
