@@ -288,3 +288,20 @@ TEST_CASE("caps of a ball are filled over long jagged rims as well as over short
       CHECK(fill.deviation.maxCoeff() < 0.05);
     }
 }
+
+TEST_CASE("the slope beside a long even rim is seen where few rings are around it: a cap of a ball is not filled flat") {
+  for (const Index edges : {800, 1500}) {
+    const double widest = 40 * M_PI / 180, edge = 2 * M_PI * std::sin(widest) / static_cast<double>(edges);
+    const Rings rings(
+        radii(edge, 4),
+        [&](double x, double y) {
+          const double r = std::hypot(x, y), angle = widest + r - 0.5;
+          return Vec3(std::sin(angle) * x / r, std::sin(angle) * y / r, std::cos(angle));
+        },
+        edges);
+    const PlaneFill fill = filled(rings);
+    CAPTURE(edges);
+    REQUIRE(fill.vertices.rows() > 1000);
+    CHECK((fill.vertices.rowwise().norm().array() - 1).abs().maxCoeff() < 0.04);
+  }
+}

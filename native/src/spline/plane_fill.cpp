@@ -172,8 +172,8 @@ Eigen::VectorXd distances(const Disc& disc) {
 }
 
 /// The best spread samples, rows of the disc's vertices and of the points on its edges: all of the rim if there are not too many, then
-/// always the one that is farthest from those taken, over its own distance from the rim. In an order of which every k-th is spread over
-/// all.
+/// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim's samples are
+/// several apart, all others would be of the rim too, and the slope beside it unseen. In an order of which every k-th is spread over all.
 std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim) {
   const Points points = with_points_on_edges(disc, disc.points);
   const Eigen::VectorXd distance = distances(disc);
@@ -184,7 +184,8 @@ std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = mo
   for (Index k = 0; k < of_rim; ++k) taken.push_back(k * disc.rim / of_rim);
   const double none = -1;
   std::vector<double> gap(n, std::numeric_limits<double>::infinity()), far(n);  // squares; gap: none where it is taken
-  for (Index k = 0; k < n; ++k) far[k] = (distance[k] + edge) * (distance[k] + edge);
+  const double spacing = edge * std::max(1.0, static_cast<double>(disc.rim) / static_cast<double>(of_rim));
+  for (Index k = 0; k < n; ++k) far[k] = (distance[k] + spacing) * (distance[k] + spacing);
   for (Index at : taken) gap[at] = none;
   for (std::size_t done = 0;; ++done) {  // so many of those taken have shortened the gaps
     const auto point = points.row(taken[done]);
