@@ -72,7 +72,8 @@ void bind_report(py::module_& m) {
           "Edges of new faces (of a cage: of its limit surface) that are folded by more than 120 degrees, between two of them "
           "or over the mesh's own faces beyond the rim.")
       .def_readonly("rim_folded", &Report::rim_folded,
-                    "The same of the rim's own triangulation: a rim that folds leaves no other way.")
+                    "The same of the rim's own triangulation, and of faces beyond the rim that are folded over those around "
+                    "them: such a rim leaves no other way.")
       .def_readonly("crosses_itself", &Report::crosses_itself,
                     "Whether new faces go through each other, which every way to fill the rim that was tried does; not looked "
                     "for in cages.")

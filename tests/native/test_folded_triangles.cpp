@@ -104,3 +104,51 @@ TEST_CASE("faces beyond edges that the fill has not count for nothing, not even 
   const std::vector<FaceBeyond> elsewhere = {{0, 3, -up}, {3, 0, up}, {1, 3, -up}};
   CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made, elsewhere) == 0);
 }
+
+namespace {
+
+/// Vertices of the mesh and faces: that beyond the edge from 0 to 1, one folded over it as a hinge of so many degrees, without area to
+/// speak of, and others in the plane z = 0, whose normals are -z.
+struct BesideRim {
+  Points vertices = Points::Zero(8, 3);
+  Faces faces;
+  BesideRim(double degrees, double hinge) {
+    const double a = degrees * M_PI / 180, b = hinge * M_PI / 180;
+    vertices.topRows(7) << 0, 0, 0, 1, 0, 0, 0.5, std::cos(a), std::sin(a), -1, 0, 0, -1, 1, 0, 2, 0, 0, 2, 1, 0;
+    const Vec3 start = vertices.row(0), end = vertices.row(2), other = vertices.row(1);
+    const Vec3 along = (end - start).normalized(), up = along.cross(other - start).normalized(), in = up.cross(along);
+    vertices.row(7) = 0.5 * (start + end) + 1e-4 * (-std::cos(b) * in + std::sin(b) * up);
+    for (const std::array<Index, 3>& face : {std::array<Index, 3>{1, 0, 2}, {2, 0, 7}, {0, 3, 4}, {1, 6, 5}}) faces.add(face);
+  }
+  bool is_turned() const {
+    const Mesh mesh{vertices, faces};
+    const std::vector<char> turned = turned_over(mesh, Connectivity(mesh), {{0, 1}});
+    REQUIRE(turned.size() == 2);
+    CHECK_FALSE(turned[1]);  // no face is there
+    return turned[0] != 0;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a face beside the rim is turned over 100 degrees away from those around it", "[thresholds]") {
+  for (const double degrees : {0.0, 60.0, 90.0, 99.0, 261.0}) CHECK_FALSE(BesideRim(degrees, 150).is_turned());
+  for (const double degrees : {101.0, 180.0, 259.0}) CHECK(BesideRim(degrees, 150).is_turned());
+}
+
+TEST_CASE("a face beside the rim is turned over where it is folded over one beside it", "[thresholds]") {
+  CHECK(BesideRim(150, 121).is_turned());
+  CHECK_FALSE(BesideRim(150, 119).is_turned());
+}
+
+TEST_CASE("faces that face all ways do not tell whether one beside them is turned over", "[thresholds]") {
+  const auto is_turned = [](double along) {  // faces of area 1 and of this one, against it and along it
+    BesideRim rim(180, 150);
+    rim.vertices.row(3) << -2, 0, 0;
+    rim.vertices.row(5) << 1, 2 * along, 0;
+    rim.vertices.row(6) << 2, 0, 0;
+    return rim.is_turned();
+  };
+  CHECK(is_turned(0.32));
+  CHECK_FALSE(is_turned(0.35));
+}

@@ -305,3 +305,28 @@ TEST_CASE("the slope beside a long even rim is seen where few rings are around i
     CHECK((fill.vertices.rowwise().norm().array() - 1).abs().maxCoeff() < 0.04);
   }
 }
+
+TEST_CASE("faces that are folded beside the rim do not keep a fill from going on as those around them do") {
+  for (const Index edges : {40, 120, 500}) {
+    const double widest = 40 * M_PI / 180, edge = 2 * M_PI * std::sin(widest) / static_cast<double>(edges);
+    Rings rings(
+        radii(edge, 12),
+        [&](double x, double y) {
+          const double r = std::hypot(x, y), angle = widest + r - 0.5 + edge / 8 * random_at(x / r, y / r);
+          return Vec3(std::sin(angle) * x / r, std::sin(angle) * y / r, std::cos(angle));
+        },
+        edges);
+    for (const Index v : {Index{3}, edges / 2}) {  // a vertex over the next one, in the ball
+      const Vec3 along = rings.vertices.row(v + 1) - rings.vertices.row(v),
+                 out = rings.vertices.row(v + edges) - rings.vertices.row(v);
+      rings.vertices.row(v) = (Vec3(rings.vertices.row(v)) + 0.4 * along + 1.5 * out).normalized();
+    }
+    const PlaneFill fill = filled(rings);
+    CAPTURE(edges);
+    CHECK(fill.plainer.empty());
+    CHECK(fill.rim_folds >= 2);
+    CHECK(fill.folds <= fill.rim_folds);
+    REQUIRE(fill.vertices.rows() > 50);
+    CHECK((fill.vertices.rowwise().norm().array() - 1).abs().maxCoeff() < 5e-3);
+  }
+}

@@ -154,6 +154,7 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
   Report& report = fill.report;
   if (report.triangles_folded > 0 && report.method != spline_method)
     report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
+  if (report.triangles_folded > 0) tell_turned_over(ground.mesh, ground.left, fill.rim, report);
   if (report.crosses_itself)
     if (const auto where = place_of_crossing(ground.mesh, fill.vertices, fill.faces))
       tell_crossing(ground.mesh.vertices, fill.rim, *where, report);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <vector>
 
 #include "tripatch/math/interruption.h"
@@ -12,6 +13,14 @@
 
 namespace tripatch {
 namespace {
+
+/// Degrees from the faces around it at which a face is turned over: a fill that goes on as those do stands at another angle to it than they,
+/// so that folds of 120 degrees begin here. Clear of a right angle, as of boxes. Of 318 holes of known surfaces and in scanned meshes
+/// whose vertices are off by .1, .2 and .3 of an edge 24 are closed with plain triangles, 23 with 90 degrees, 28 with 110 and 120, and 64
+/// where no face counts as turned over.
+constexpr double turned_degrees = 100;
+/// Of the areas of faces: so long is their vector area where they tell a side. A bound: of two halves at a right angle it is .7.
+constexpr double agree = 0.5;
 
 /// Of a triangle, by twice its vector area; zero where it has none.
 Vec3 unit(const Vec3& area) {
@@ -97,6 +106,42 @@ std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& 
     }
     first += n;
   }
+  return out;
+}
+
+std::vector<char> turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
+  std::vector<char> out;
+  std::vector<Index> others;
+  for (const std::vector<Index>& loop : loops)
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      out.push_back(0);
+      const auto corner = around.edge(loop[(k + 1) % loop.size()], loop[k]);
+      if (!corner) continue;
+      const Index face = around.face(*corner);
+      others.clear();
+      for (Index v : around.faces()[face])
+        for (Connectivity::Corner c : around.at(v))
+          if (around.face(c) != face) others.push_back(around.face(c));
+      std::sort(others.begin(), others.end());
+      others.erase(std::unique(others.begin(), others.end()), others.end());
+      Vec3 way = Vec3::Zero();
+      double areas = 0;
+      for (Index other : others) {
+        const Vec3 area = area_vector(mesh, other);
+        way += area;
+        areas += area.norm();
+      }
+      if (!(way.norm() > agree * areas)) continue;
+      const Vec3 own = area_vector(mesh, face).stableNormalized();
+      const auto is_folded_over = [&](Connectivity::Corner c) {
+        const auto other = around.edge(around.next(c), around.faces().corners[c]);
+        return other &&
+               own.dot(area_vector(mesh, around.face(*other)).stableNormalized()) < std::cos(folded_degrees * M_PI / 180);
+      };
+      const auto corners = std::views::iota(around.faces().offsets[face], around.faces().offsets[face + 1]);
+      out.back() =
+          own.dot(way.stableNormalized()) < std::cos(turned_degrees * M_PI / 180) && std::ranges::any_of(corners, is_folded_over);
+    }
   return out;
 }
 

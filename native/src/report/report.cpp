@@ -43,6 +43,20 @@ void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, con
   report.warnings.push_back(what + " near vertex " + std::to_string(near) + " of the rim");
 }
 
+void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Report& report) {
+  const std::vector<char> turned = turned_over(mesh, around, {rim});
+  const std::ptrdiff_t count = std::ranges::count(turned, 1), first = std::ranges::find(turned, 1) - turned.begin();
+  if (count == 0) return;
+  const std::string from = std::to_string(rim[first]), to = std::to_string(rim[(first + 1) % rim.size()]);
+  const std::string where = "the edge between vertices " + from + " and " + to;
+  report.warnings.push_back((count == 1 ? "The face beside the rim at " + where +
+                                              " is folded over those around it: the fill goes on as those do, and "
+                                              "folds there too. Delete or smooth it first"
+                                        : std::to_string(count) + " faces beside the rim, one at " + where +
+                                              ", are folded over those around them: the "
+                                              "fill goes on as those do, and folds there too. Delete or smooth them first"));
+}
+
 void tell_folds(Report& report) {
   if (report.folds > 0)
     report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) +

@@ -106,9 +106,10 @@ struct Rim {
   std::vector<Through> through;  // what shall be met inside
   Index folds = 0;               // so many a fill may have
   Index own_folds = 0;           // of its own triangles, which do not cross themselves: those of triangles that do may be fewer
-  Index folds_of_plain = 0;      // between the triangles of plain() alone, not over the faces beyond
-  bool doubles_edges = false;    // of the mesh, which the rough triangles do
-  bool may_cross = false;        // its fill itself, for plain() does too
+  std::vector<FaceBeyond> turned_over;  // those beyond that nothing folds over, as they are
+  Index folds_of_plain = 0;             // between the triangles of plain() alone, not over the faces beyond
+  bool doubles_edges = false;           // of the mesh, which the rough triangles do
+  bool may_cross = false;               // its fill itself, for plain() does too
   double edge = 0, diameter = 0, area = 0;
 };
 
@@ -145,10 +146,15 @@ Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::
   }
   std::sort(row.begin(), row.end());
   rim.beyond = faces_beyond_rows(mesh, around, loops);
+  const std::vector<char> turned = turned_over(mesh, around, loops);
   Index k = 0;
   for (const std::vector<Index>& loop : loops)
     for (std::size_t i = 0; i < loop.size(); ++i, ++k) {
       rim.surroundings.normals.row(k) = rim.beyond[k].normal;
+      if (turned[k]) {  // a fill that goes on as the others do cannot but fold there
+        rim.turned_over.push_back(rim.beyond[k]);
+        rim.beyond[k].normal.setZero();
+      }
       const Index a = loop[i], b = loop[(i + 1) % loop.size()];
       lengths.push_back((mesh.vertices.row(a) - mesh.vertices.row(b)).norm());
       for (Connectivity::Corner c : around.at(a))
@@ -172,8 +178,8 @@ Eigen::VectorXd distances(const Disc& disc) {
 }
 
 /// The best spread samples, rows of the disc's vertices and of the points on its edges: all of the rim if there are not too many, then
-/// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim's samples are
-/// several apart, all others would be of the rim too, and the slope beside it unseen. In an order of which every k-th is spread over all.
+/// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim has
+/// more of them than samples, all others would be of the rim too, and the slope beside it unseen. In an order of which every k-th is spread over all.
 std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim) {
   const Points points = with_points_on_edges(disc, disc.points);
   const Eigen::VectorXd distance = distances(disc);
@@ -184,7 +190,8 @@ std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = mo
   for (Index k = 0; k < of_rim; ++k) taken.push_back(k * disc.rim / of_rim);
   const double none = -1;
   std::vector<double> gap(n, std::numeric_limits<double>::infinity()), far(n);  // squares; gap: none where it is taken
-  const double spacing = edge * std::max(1.0, static_cast<double>(disc.rim) / static_cast<double>(of_rim));
+  const bool leaves_no_others = disc.rim + more_than_rim > most_samples;
+  const double spacing = leaves_no_others ? edge * static_cast<double>(disc.rim) / static_cast<double>(of_rim) : edge;
   for (Index k = 0; k < n; ++k) far[k] = (distance[k] + spacing) * (distance[k] + spacing);
   for (Index at : taken) gap[at] = none;
   for (std::size_t done = 0;; ++done) {  // so many of those taken have shortened the gaps
@@ -436,6 +443,15 @@ bool take_second(const Rim& rim, const SecondModel& second, double share, Attemp
   return true;
 }
 
+/// Folds that a fill may have: the rim's own, and one for each face that is turned over and that it does not fold over.
+Index most_folds(const Rim& rim, const Attempt& result) {
+  if (rim.turned_over.empty()) return rim.folds;
+  const Points& points = result.made.points;
+  const Triangles& triangles = result.made.triangles;
+  const Index over_turned = folded_edges(points, triangles, rim.turned_over) - folded_edges(points, triangles, {});
+  return rim.folds + static_cast<Index>(rim.turned_over.size()) - over_turned;
+}
+
 /// The average with the second model where the surroundings are rough. As it was where that leaves the rim or folds more.
 void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   const double share = share_of_second({result.field->noise() / std::max(rim.edge, 1e-300), result.field->roughness(),
@@ -447,7 +463,7 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   Attempt average = result;
   if (!take_second(rim, *second, share, average)) return;
   const Index folds = folded_edges(average.made.points, average.made.triangles, rim.beyond);
-  if (folds <= rim.folds || folds <= folded_edges(result.made.points, result.made.triangles, rim.beyond))
+  if (folds <= most_folds(rim, average) || folds <= folded_edges(result.made.points, result.made.triangles, rim.beyond))
     result = std::move(average);
 }
 
@@ -468,7 +484,7 @@ void hold_back(const Disc& disc, const Rim& rim, Attempt& result) {
   Attempt held = result;
   if (!take_second(rim, *least, 1, held)) return;
   const Index folds = folded_edges(held.made.points, held.made.triangles, rim.beyond);
-  if (folds <= rim.folds || folds <= folded_edges(result.made.points, result.made.triangles, rim.beyond))
+  if (folds <= most_folds(rim, held) || folds <= folded_edges(result.made.points, result.made.triangles, rim.beyond))
     result = std::move(held);
 }
 
@@ -477,10 +493,11 @@ Index unfolded(const Rim& rim, Attempt& result) {
   if (folded_edges(result.made.points, result.made.triangles, rim.beyond) == 0) return 0;
   const Index r = rim.points.rows();
   PlaneTriangulation& made = result.made;
-  for (const Index allowed : {Index{0}, rim.folds}) {
+  const Index most = most_folds(rim, result);
+  for (const Index allowed : {Index{0}, most}) {
     Index left = unfold(made.points, made.triangles, r, allowed, rim.beyond);
     if (left <= allowed) return left;
-    if (allowed < rim.folds) continue;
+    if (allowed < most) continue;
     std::vector<std::array<Index, 3>> flipped = made.triangles;
     left = flip_folded(made.points, flipped, rim.surroundings.joined, allowed, rim.beyond);
     if (left > allowed) left = unfold(made.points, flipped, r, allowed, rim.beyond);
@@ -506,7 +523,7 @@ bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
     for (int round = 0; round < 2; ++round) {  // the second by angles of triangles that do not fold
       const std::optional<SecondModel> second = second_model(alone.made.points, alone.made.triangles, disc, orders);
       if (!second || !take_second(rim, *second, 1, alone)) break;
-      if (unfolded(rim, alone) > rim.folds) continue;
+      if (unfolded(rim, alone) > most_folds(rim, alone)) continue;
       if (folded_edges(alone.made.points, alone.made.triangles, {}) > rim.folds_of_plain) continue;
       if (crosses(rim, alone)) continue;
       result = std::move(alone);
@@ -572,7 +589,7 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   fill.fed_back = result.fed_back;
   fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
   fill.folds = folded_edges(result.made.points, fill.triangles, rim.beyond);
-  fill.rim_folds = rim.own_folds;
+  fill.rim_folds = rim.own_folds + static_cast<Index>(rim.turned_over.size());
   fill.rings = disc.rings;
   fill.doubles_edges = result.made.doubles_edges;
   return fill;
@@ -583,7 +600,8 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
 PlaneFill plain(const Rim& rim, bool are_first) {
   PlaneFill fill;
   fill.triangles = rim.rough;
-  fill.folds = fill.rim_folds = rim.own_folds;
+  fill.folds = rim.own_folds;
+  fill.rim_folds = rim.own_folds + static_cast<Index>(rim.turned_over.size());
   fill.doubles_edges = rim.doubles_edges;
   const bool crossed = crosses_itself(rim.points, rim.rough);
   const bool serves = (are_first || fill.folds == 0) && folded_edges(rim.points, rim.rough, {}) == 0 && !crossed;
@@ -717,7 +735,8 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     const bool is_long = disc.rim > long_rim;  // bending its thousands of triangles takes longer than all the rest
     // Where the faces beyond fold the rim itself, the triangles of the fill need not fold among themselves.
     const bool folds_inside = left > 0 && folded_edges(result->made.points, result->made.triangles, {}) > rim.folds_of_plain;
-    const bool fails = left > rim.folds || folds_inside || crosses(rim, *result);
+    const Index most = most_folds(rim, *result);
+    const bool fails = left > most || folds_inside || crosses(rim, *result);
     const bool prefers_second = !is_long && mostly_details(details_in(*result)) && (fails || way.reach == 0);
     const bool bends_least =
         (prefers_second || (fails && !is_long)) && second_alone(with_two_rings(mesh, continued, loops, disc), rim, *result);
@@ -726,7 +745,7 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     PlaneFill fill = completed(*result, rim, disc);
     fill.plainer = bends_least ? least_bent_sentence : way.sentence;
     if (fill.plainer.empty() && left < folds) fill.plainer = mended;
-    if (bends_least ? prefers_second : folds <= rim.folds) return fill;
+    if (bends_least ? prefers_second : folds <= most) return fill;
     // A plainer way that need not be mended is nearer, and where there is noise alone one that need not bend least; else the plainest.
     best = std::move(fill);
   }
@@ -842,7 +861,7 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
   if (result.made.doubles_edges && !rim.doubles_edges) return {};
   result.on_field = result.made.points;
   const Index folds = folded_edges(result.made.points, result.made.triangles, rim.beyond), left = unfolded(rim, result);
-  if (left > rim.folds || crosses(rim, result)) return {};
+  if (left > most_folds(rim, result) || crosses(rim, result)) return {};
   PlaneFill fill = completed(result, rim, disc);
   if (left < folds) fill.plainer = mended;
   return fill;
@@ -852,7 +871,8 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
 
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   const Rim rim = rim_of(mesh, around, loops);
-  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles, rim.beyond);
+  const Index turned_over = static_cast<Index>(rim.turned_over.size());
+  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles, rim.beyond) + turned_over;
 }
 
 PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,

@@ -26,6 +26,10 @@ std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& aroun
 std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& around,
                                           const std::vector<std::vector<Index>>& loops);
 
+/// Of faces beyond, those that are turned over: by more than 100 degrees from what the other faces at their vertices are together. A fill
+/// that goes on as those do folds over them. Other faces that face all ways have no say.
+std::vector<char> turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
+
 /// Turns quads so that each begins where its shorter diagonal does: cut into fans they are then cut along that, whichever corner they began at
 /// and in a mirror too. Numbers as of count_folded_edges.
 void begin_at_shorter_diagonals(const PointsRef& vertices, const PointsRef& added, Faces& faces);

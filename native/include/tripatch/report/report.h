@@ -31,7 +31,8 @@ struct Report {
   std::optional<double> deviation_max;  ///< largest of Fill::deviation, scene units; none: unknown
   /// Edges of the new faces that are folded, those of the rim over the faces beyond it too; of a cage those of its limit surface.
   Index triangles_folded = 0;
-  Index rim_folded = 0;        ///< the same of the rim's own triangulation: a rim that folds leaves no other way
+  /// The same of the rim's own triangulation, and of faces beyond that are turned over: such a rim leaves no other way.
+  Index rim_folded = 0;
   Index folds = 0;             ///< of the patch, see FoldCounter
   std::vector<Index> corners;  ///< vertex indices: three, or those given for a rim of any number
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
@@ -66,6 +67,8 @@ std::optional<Vec3> place_of_crossing(const Mesh& mesh, const PointsRef& added, 
 /// Tells of faces that go through each other, and near which vertex of the rim.
 void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
                    const std::string& what = "The fill crosses itself");
+/// Tells of faces beyond the rim that are turned over, and where one is.
+void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Report& report);
 /// Tells of a patch that folds.
 void tell_folds(Report& report);
 

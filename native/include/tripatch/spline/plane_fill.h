@@ -38,8 +38,9 @@ struct PlaneFill {
   std::vector<std::array<Index, 3>> triangles;
   std::vector<std::array<Index, 2>> creases;  ///< edges of these along which the surface is sharp
   Points rim_normals = Points(0, 3);          ///< where creases end there; else those of the surface
-  Index folds = 0;                ///< edges folded by more than 120 degrees, those of the rim over the faces beyond too
-  Index rim_folds = 0;            ///< the same of the rim's own triangulation without new vertices
+  /// Edges folded by more than 120 degrees, those of the rim over the faces beyond too, but for such that are turned over.
+  Index folds = 0;
+  Index rim_folds = 0;            ///< the same of the rim's own triangulation without new vertices, and the faces turned over
   Eigen::VectorXd deviation;      ///< standard deviation at `vertices`, scene units; empty where there is no surface
   double fed_back = 0;            ///< share of an error that the layout hands on to the fill; `deviation` has it
   double surroundings_error = 0;  ///< degrees, root mean square: how well the samples determine the slope at the rim
@@ -48,7 +49,8 @@ struct PlaneFill {
   bool doubles_edges = false;
 };
 
-/// Edges folded by more than 120 degrees in the rim's triangulation without new vertices, those of the rim over the faces beyond too.
+/// Edges folded by more than 120 degrees in the rim's triangulation without new vertices, those of the rim over the faces beyond too, and
+/// the faces beyond that are turned over: a fill that goes on as those around them do folds there.
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
 /// loops: border loops in the direction of new faces, the outer one first, then islands. Choices that fold more than the rim does,
