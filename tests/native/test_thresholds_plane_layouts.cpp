@@ -82,6 +82,8 @@ struct FirstLayout {
   }
 };
 
+Vec3 flat(double x, double y) { return {x, y, 0}; }
+
 double random_at(double x, double y) {
   const double k = std::sin(12.9898 * std::round(1e6 * x) + 78.233 * std::round(1e6 * y)) * 43758.5453;
   return 2 * (k - std::floor(k)) - 1;
@@ -141,4 +143,74 @@ TEST_CASE("the second model is taken from a tenth of it on", "[thresholds]") {
   }
   CHECK(below > 0.09);
   CHECK(above < 0.11);
+}
+
+namespace {
+
+double median_edge(const Mesh& mesh, const std::vector<Index>& rim) {
+  std::vector<double> lengths;
+  for (std::size_t k = 0; k < rim.size(); ++k)
+    lengths.push_back((mesh.vertices.row(rim[k]) - mesh.vertices.row(rim[(k + 1) % rim.size()])).norm());
+  std::sort(lengths.begin(), lengths.end());
+  return lengths[rim.size() / 2];
+}
+
+/// A hole in the end of a fillet: from the plane around it the surface bends down, by so many degrees over so many rows, to a rim of n
+/// edges. rough: of the heights, over an edge.
+struct Fillet {
+  PlaneFill fill;
+  double noise;            // over an edge, as the field has it
+  double least_bent, own;  // how far from the field, over the diameter, the triangles that bend least are, and the fill's own
+
+  Fillet(Index n, double degrees, int rows, double rough) {
+    const double edge = M_PI / static_cast<double>(n);
+    std::vector<double> radius{0.5}, height{0};
+    for (int j = 0; j < rows + 4; ++j) {
+      const double angle = std::max(0.0, 1 - (j + 0.5) / rows) * degrees * M_PI / 180;
+      radius.push_back(radius.back() + edge * std::cos(angle));
+      height.push_back(height.back() - edge * std::sin(angle));
+    }
+    Rings rings(radius, flat, n);
+    for (Index k = 0; k < rings.vertices.rows(); ++k)
+      rings.vertices(k, 2) =
+          height[k / n] + rough * edge * random_at(rings.vertices(k, 0), rings.vertices(k, 1) + 0.1 * height[k / n]);
+    const Mesh mesh = rings.mesh();
+    const Connectivity around(mesh);
+    fill = fill_over_plane(mesh, around, {rings.rim});
+    noise = fill.field->noise() / median_edge(mesh, rings.rim);
+    const double size = diameter(mesh, rings.rim);
+    const Disc disc = disc_around(mesh, around, {rings.rim}, 0.25 * size, 40);
+    const Points on_field = fill.field->positions(as_rows(fill.uv));
+    Points points(n + on_field.rows(), 3);
+    points << rings.vertices.topRows(n), on_field;
+    const auto far = [&](const Points& some) { return (some - on_field).rowwise().norm().maxCoeff() / size; };
+    least_bent = far(second_model(points, fill.triangles, disc, {2})->vertices);
+    own = far(fill.vertices);
+  }
+  bool is_held_back() const { return own > 0.99 * least_bent; }
+};
+
+}  // namespace
+
+TEST_CASE("a fill that runs on like the end of a fillet is held back from a fifth of the hole's diameter on", "[thresholds]") {
+  double below = 0, above = 1;
+  for (double degrees = 68; degrees < 75; degrees += 0.5) {
+    const Fillet one(24, degrees, 4, 0);
+    CHECK(one.is_held_back() == (one.least_bent > 0.2));
+    (one.is_held_back() ? above : below) = one.is_held_back() ? std::min(above, one.least_bent) : std::max(below, one.least_bent);
+  }
+  CHECK(below > 0.19);
+  CHECK(above < 0.21);
+}
+
+TEST_CASE("a fill through noise of 0.15 edges and more is not held back", "[thresholds]") {
+  double below = 0, above = 1;
+  for (double rough = 0.25; rough < 0.31; rough += 0.005) {
+    const Fillet one(22, 120, 2, rough);
+    CHECK(one.least_bent > 0.22);
+    CHECK(one.is_held_back() == (one.noise < 0.15));
+    (one.is_held_back() ? below : above) = one.is_held_back() ? std::max(below, one.noise) : std::min(above, one.noise);
+  }
+  CHECK(below > 0.145);
+  CHECK(above < 0.155);
 }
