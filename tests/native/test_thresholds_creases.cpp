@@ -119,6 +119,30 @@ TEST_CASE("creases meet at a point whose lines pass it within 0.15 of the diamet
   }
 }
 
+TEST_CASE("three creases meet at a point where their lines spread by two and a half degrees, nearly parallel ones nowhere",
+          "[thresholds]") {
+  // of a wedge upon a plane, so many degrees wide, which comes to its point in the middle of the hole
+  const auto wedge = [](double degrees) {
+    return Rings(radii(0.1, 8), [=](double x, double y) {
+      const double r = std::hypot(x, y), spoke = std::atan2(y, x) / (M_PI / 12), half = degrees / 2 * one_degree;
+      const double angle =
+          std::abs(spoke) < 1 ? spoke * half : std::copysign(half + (std::abs(spoke) - 1) / 11 * (M_PI - half), spoke);
+      return Vec3(r * std::cos(angle), r * std::sin(angle), std::abs(spoke) < 0.5 ? r * std::tan(half) * std::tan(M_PI / 6) : 0);
+    });
+  };
+  for (const double degrees : {2.5, 2.55, 2.6, 2.65}) {
+    const Rings rings = wedge(degrees);
+    Eigen::Matrix3d across = Eigen::Matrix3d::Zero();  // the sum of the projections along its three edges
+    for (const Index k : {23, 0, 1}) {
+      const Vec3 along = rings.vertices.row(k).normalized();
+      across += Eigen::Matrix3d::Identity() - along * along.transpose();
+    }
+    const Features found = rings.features();
+    CAPTURE(degrees, across.determinant());
+    CHECK((found.creases.size() == 1 && found.creases[0].ends.size() == 3) == (across.determinant() > 0.01));
+  }
+}
+
 TEST_CASE("surroundings are looked at over forty rings for creases", "[thresholds]") {
   const Features found = Rings(radii(0.01, 60), [](double x, double y) { return roof(x, y, 30); }).features();
   REQUIRE(found.creases.size() == 1);
