@@ -40,9 +40,6 @@ constexpr double grazing = 1e-4;
 constexpr double least_size = 1e-6;
 /// Sizes at a crease's two ends that differ by this share are one: the number of edges between them has its limit there.
 constexpr double one_size = 1e-6;
-/// Of the vertices' norm: where a hinged surface differs by more from its parts, their domains overlap, and they are laid in a row, a half
-/// of their width apart.
-constexpr double same_points = 1e-6;
 /// A point nearer to a crease than this share of its edges is meant to lie on it.
 constexpr double on_crease = 0.05;
 
@@ -429,43 +426,56 @@ private:
     }
   }
 
+  /// Where the domains of hinged parts overlap they are laid in a row, a half of their width apart.
   void surface(PlaneFill& out) const {
+    std::shared_ptr<const HingedSurface> hinged = laid(hinged_motions(division_, fills_), out);
+    if (!are_found(*hinged, out)) hinged = laid(motions_in_a_row(fills_), out);
+    out.surface = std::move(hinged);
+  }
+
+  /// Whether a surface has all new vertices in parts that they belong to.
+  bool are_found(const HingedSurface& hinged, const PlaneFill& out) const {
     const Index r = static_cast<Index>(rim_.size());
-    std::vector<PlaneMotion> motions = hinged_motions(division_, fills_);
-    for (int attempt = 0; attempt < 2; ++attempt) {
-      std::vector<HingedSurface::Part> parts;
-      for (std::size_t k = 0; k < fills_.size(); ++k) parts.push_back({fills_[k].surface, fills_[k].rim_uv, motions[k]});
-      PlanePoints uv = PlanePoints::Zero(count_, 2);
-      Points normals = Points::Zero(count_, 3);
-      std::vector<char> known(count_, 0);
-      for (std::size_t part = 0; part < fills_.size(); ++part) {
-        const PlaneFill& fill = fills_[part];
-        const PlanePoints loop = motions[part].of(fill.rim_uv);
-        Points at = Points::Zero(loop.rows(), 3);
-        at.leftCols(2) = fill.rim_uv;
-        const Points at_loop = fill.surface->normals(at);
-        for (Index k = 0; k < loop.rows(); ++k) {
-          const Index row = row_.at(division_.loops()[part][k]);
-          if (!known[row]) uv.row(row) = loop.row(k);
-          known[row] = 1;
-          normals.row(row) += at_loop.row(k);
-        }
-        uv.middleRows(start_[part], fill.uv.rows()) = motions[part].of(fill.uv);
-        normals.middleRows(start_[part], fill.uv.rows()) = fill.normals;
-      }
-      for (Index k = 0; k < count_; ++k) normals.row(k) = Vec3(normals.row(k)).stableNormalized();
-      out.rim_uv = uv.topRows(r);
-      out.uv = uv.bottomRows(count_ - r);
-      out.rim_normals = normals.topRows(r);
-      out.normals = normals.bottomRows(count_ - r);
-      out.surface = std::make_shared<HingedSurface>(std::move(parts));
-      const Index inner = count_ - r - division_.added();
-      Points at = Points::Zero(inner, 3);
-      at.leftCols(2) = out.uv.bottomRows(inner);
-      if (inner == 0 || (out.surface->positions(at) - out.vertices.bottomRows(inner)).norm() < same_points * out.vertices.norm())
-        return;
-      motions = motions_in_a_row(fills_);
+    std::vector<char> found(count_, 0);
+    const auto seek = [&](Index row, std::size_t part) {
+      if (row >= r && hinged.part_of(out.uv.row(row - r)) == part) found[row] = 1;
+    };
+    for (std::size_t part = 0; part < fills_.size(); ++part) {
+      for (Index v : division_.loops()[part]) seek(row_.at(v), part);
+      for (Index k = 0; k < fills_[part].vertices.rows(); ++k) seek(start_[part] + k, part);
     }
+    return std::all_of(found.begin() + r, found.end(), [](char f) { return f; });
+  }
+
+  /// The parts in one plane; out: gets the places there and normals.
+  std::shared_ptr<const HingedSurface> laid(const std::vector<PlaneMotion>& motions, PlaneFill& out) const {
+    const Index r = static_cast<Index>(rim_.size());
+    std::vector<HingedSurface::Part> parts;
+    for (std::size_t k = 0; k < fills_.size(); ++k) parts.push_back({fills_[k].surface, fills_[k].rim_uv, motions[k]});
+    PlanePoints uv = PlanePoints::Zero(count_, 2);
+    Points normals = Points::Zero(count_, 3);
+    std::vector<char> known(count_, 0);
+    for (std::size_t part = 0; part < fills_.size(); ++part) {
+      const PlaneFill& fill = fills_[part];
+      const PlanePoints loop = motions[part].of(fill.rim_uv);
+      Points at = Points::Zero(loop.rows(), 3);
+      at.leftCols(2) = fill.rim_uv;
+      const Points at_loop = fill.surface->normals(at);
+      for (Index k = 0; k < loop.rows(); ++k) {
+        const Index row = row_.at(division_.loops()[part][k]);
+        if (!known[row]) uv.row(row) = loop.row(k);
+        known[row] = 1;
+        normals.row(row) += at_loop.row(k);
+      }
+      uv.middleRows(start_[part], fill.uv.rows()) = motions[part].of(fill.uv);
+      normals.middleRows(start_[part], fill.uv.rows()) = fill.normals;
+    }
+    for (Index k = 0; k < count_; ++k) normals.row(k) = Vec3(normals.row(k)).stableNormalized();
+    out.rim_uv = uv.topRows(r);
+    out.uv = uv.bottomRows(count_ - r);
+    out.rim_normals = normals.topRows(r);
+    out.normals = normals.bottomRows(count_ - r);
+    return std::make_shared<HingedSurface>(std::move(parts));
   }
 
   const VertexLoop& rim_;

@@ -28,11 +28,11 @@ public:
   };
   explicit HingedSurface(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
-  /// Every point is of the part in whose polygon it lies, or to whose polygon it is nearest.
   void evaluate(const double* b, Index n, int order, double* out) const override;
+  /// The part in whose polygon a point lies, or to whose polygon it is nearest.
+  std::size_t part_of(const Eigen::RowVector2d& point) const;
 
 private:
-  std::size_t part_of(const Eigen::RowVector2d& point) const;
   std::vector<Part> parts_;
 };
 
