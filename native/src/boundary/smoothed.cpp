@@ -36,9 +36,6 @@ private:
   Eigen::MatrixXd coefficients_;  // of powers of t
 };
 
-/// What a polynomial may differ from itself where it is written in powers, of its largest value: rounding, of degree 22 at most.
-constexpr double as_polynomial = 1e-11;
-
 /// Polynomial of t by least squares with given ends.
 struct FittedPolynomial {
   int degree, kept;
@@ -75,7 +72,7 @@ struct FittedPolynomial {
             std::copy_n(v.data(), 3, out.begin() + static_cast<Index>(3 * k));
           }
         },
-        3, as_polynomial, degree + 2 * kept, 0);
+        3, 0, degree + 2 * kept, 0);  // it is one: a single piece, whatever rounding leaves
   }
 };
 
