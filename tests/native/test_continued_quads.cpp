@@ -232,6 +232,19 @@ TEST_CASE("rows go on over up to 2,000 vertices inside, and all that is determin
   CHECK(ell({30, 24}, {24, 58}) == std::pair(Index{2001}, false));
 }
 
+TEST_CASE("what a single row of quads around the corner of a box does not determine counts for nothing", "[thresholds]") {
+  for (const Index size : {3, 4}) {
+    Quads corner = Quads::corner(size + 1);
+    Faces left;
+    const QuadsInside quads = corner.taken_out([&](const Vec3& p) { return p.maxCoeff() < static_cast<double>(size); }, left);
+    for (Index v = 0; v < corner.vertices.rows(); ++v)
+      corner.vertices.row(v) *= 1 + 0.1 * std::sin(0.4 * corner.vertices.row(v).sum() + 1);
+    const ContinuedRows made = continued_quads(corner.vertices, Connectivity(left, corner.vertices.rows()), quads);
+    CHECK(made.order == 2);
+    CHECK(made.missed < 3 * farthest(made.inside, corner.vertices(corner.lost, Eigen::all)));  // by the third order 1e10
+  }
+}
+
 TEST_CASE("an outline that is a block is continued as that block", "[quad_rows]") {
   for (const double wave : {0.3, 0.9, 2.5}) {
     Quads grid = Quads::grid(11);  // of 5 x 5 quads, three rows around
