@@ -30,11 +30,11 @@ constexpr Index largest_exact = 200;  // vertices: 1.3 million triangles are com
 // Numbers of this size are 1 / 256 apart.
 constexpr double rounder = 1.5 * (1LL << 44);
 constexpr double flat = 1e-8;  // squared: twice the area over the squared longest edge of a triangle that has no normal
-/// Triangulations that are tried until one does not cross itself: those with the least worst angle, the same without triangles that the rim
+/// Triangulations of a kind that are tried until one does not cross itself: those with the least worst angle, the same without triangles that the rim
 /// goes through, then those with the least area. Of 76 rims of real meshes, up to 113 vertices, 39 have one of the first kind, 73 one of the
 /// second, 61 at once, and 75 one of the third, 72 at once. Of 30,000 rims of 12 and 14 random vertices 15 are filled otherwise with one of the third
 /// kind, none with three or seven.
-constexpr int angle_rounds = 6, area_rounds = 6;
+constexpr int rounds_of_a_kind = 6;
 /// Of one try that are looked at. Only the time hangs on it: a thousand vertices strewn in a ball make 180,000, and ten seconds without it. Of 320
 /// rims of 10 to 1,000 random vertices none is filled otherwise with 100 or with 100,000.
 constexpr std::size_t most_crossings = 1000;
@@ -602,12 +602,12 @@ RoughFill without_crossings(const PointsRef& points, const Polygon& polygon, Fil
     if (next && (!best || folds(*next) < folds(*best))) best = std::move(next);
   };
   filler.avoid(first.crossings);
-  seek(angle_rounds - 1);
+  seek(rounds_of_a_kind - 1);
   const ClosedLine line(points, polygon.vertices);
   filler.leave_alone(line);
-  seek(angle_rounds);
+  seek(rounds_of_a_kind);
   filler.by_area();
-  seek(area_rounds);
+  seek(rounds_of_a_kind);
   if (!best) return {std::move(first.triangles), {}};
   return {std::move(best->triangles), std::move(first.triangles)};
 }
