@@ -26,9 +26,7 @@ using EdgeKey = std::array<Index, 2>;
 /// Vertices of a crease that its curve is fitted to, on either side: farther ones tell nothing of the hole. Of 68 holes across
 /// creases (features.cpp) none has more than 17; with twelve their fills are as near in the mean.
 constexpr Index most_of_chain = 24;
-/// Of new edges along a crease where a resolution asks for them.
-constexpr Index most_crease_edges = 2000;
-/// New edges along a crease for each of the rim's else: the crease is no longer than half of the rim, and where the edges at its ends are
+/// New edges along a crease for each of the rim's, where no resolution asks for more: the crease is no longer than half of the rim, and where the edges at its ends are
 /// much shorter than the others the parts beside it had 60,000 triangles, of a rim of 65 edges.
 constexpr Index crease_edges_a_rim_edge = 1;
 
@@ -94,8 +92,8 @@ private:
     const double ratio = after / before;
     const double edges = curve.length() / before * (std::abs(ratio - 1) < one_size ? 1 : std::log(ratio) / (ratio - 1));
     const Index asked = static_cast<Index>(std::llround(std::min((1 - tie) * edges, 1e9)));
-    const Index most = even_ > 0 ? most_crease_edges : crease_edges_a_rim_edge * static_cast<Index>(rim_.size());
-    const Index count = std::max(least, std::min(asked, most));
+    const Index count =
+        std::max(least, even_ > 0 ? asked : std::min(asked, crease_edges_a_rim_edge * static_cast<Index>(rim_.size())));
     VertexLoop line = {from};
     if (count > 1) {
       Eigen::VectorXd shares(count - 1);
