@@ -57,12 +57,9 @@ constexpr double most_fed_back = 0.75;
 /// Cosine, of what surrounds long rims that are seen from above.
 constexpr double most_leaning = 0.5;
 /// Where they are not, the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those
-/// of the rings. With 10, 40 and 200 the caps below are as far off, but for one of the six with 10, half as far; with 200 it takes twice as long.
+/// of the rings. Of six caps of a sphere, 60 degrees, rims of 600 to 1,050 edges that are jagged by 0.01 and 0.02, with 10, 40 and 200
+/// five are as far off, one with 10 half as far; with 200 it takes twice as long.
 constexpr int edges_in_layouts = 20;
-/// They have few rings for their size, and what the first layouts are off reads as noise and as a flat fill: neither ends them. A bound: six caps
-/// of a sphere, 60 degrees, rims of 600 to 1,050 edges that are jagged by 0.01 and 0.02, are 0.001 to 0.015 of the diameter off with 3, 8 and 16
-/// alike; with one layout 0.002 to 0.18.
-constexpr int layouts_of_long = 8;
 /// Degrees of the reference. Of known surfaces with no noise, holes to half a ball: with degree 4 foot points are smooth enough that
 /// the field's distance from the truth falls to a hundredth of that over the layout; higher degrees follow the layout's noise, and
 /// noise of 2% of an edge. Scanned and modelled meshes have details: around 250 holes of them degree 6 is 5% nearer, 7 no more.
@@ -640,7 +637,7 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
   const bool is_long = disc.rim > long_rim && options.through.empty() && options.planes.rows() == 0 && !options.resolution;
   PlaneFillOptions in_layouts = options;
   if (is_long) in_layouts.resolution = edges_in_layouts;
-  for (int round = 0; round < (is_long ? layouts_of_long : layouts); ++round) {
+  for (int round = 0; round < layouts; ++round) {
     std::optional<Attempt> next = attempt(disc, rim, samples, fields, in_layouts, result ? &*result : nullptr);
     if (!next || !stay(next->made.points, rim)) break;
     const double now = area_of(next->made.points, next->made.triangles);
