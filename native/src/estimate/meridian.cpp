@@ -22,8 +22,8 @@ constexpr double meridian_within = 1e-4;
 /// Rim edges by which the vertices that are taken are apart, of which those are that say the least deviation. In uneven triangles in single
 /// precision curvature is 2 to 60 times as far off by the first alone, up to 4 times by the first two; without noise they tell the same.
 constexpr std::array<double, 3> apart_by = {0.1, 0.4, 1};
-/// Vertices of the meridian besides the rim: two are on any conic; of profiles that are none six leave a seventh of what four do.
-constexpr int least_on_meridian = 3, most_on_meridian = 6;
+/// Vertices of the meridian besides the rim: of profiles that are no conic six leave a seventh of what four do.
+constexpr int most_on_meridian = 6;
 
 /// Axis and circle of a rim.
 struct RimCircle {
@@ -188,7 +188,7 @@ MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian
     if (static_cast<int>(points.size()) < most_on_meridian && p.distance >= apart + (points.empty() ? 0 : points.back().distance))
       points.push_back(p);
   MeridianReading best;
-  if (static_cast<int>(points.size()) < least_on_meridian) return best;
+  if (points.size() < 3) return best;  // two are on any conic
   std::array<Conic, 2> conics;
   for (int c = 0; c < 2; ++c) conics[c] = conic_through(circle.radius, points[0].place, points[1].place, c == 0);
   std::array<MeridianReading, 2> before;
@@ -197,7 +197,7 @@ MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian
     for (int c = 0; c < 2; ++c) now[c] = read_by(conics[c], points, all, count, circle.noise);
     const int c = now[0].valid && !(now[1].valid && now[1].left < now[0].left) ? 0 : 1;
     MeridianReading taken = now[c];
-    if (count >= least_on_meridian && taken.valid && before[c].valid) {
+    if (taken.valid && before[c].valid) {  // of three points and more
       const MeridianReading& other = now[1 - c];
       const double counts = other.valid && other.left > 0 ? taken.left / other.left : 0;
       taken.slope_deviation = std::max({taken.slope_deviation, angle_in_plane(taken.along, before[c].along),
