@@ -45,6 +45,22 @@ TEST_CASE("a plane known to a twentieth of a degree is known", "[thresholds]") {
   CHECK_FALSE(is_known(leaning(0, std::pow(0.0505 * one_degree, 2), 0)));
 }
 
+TEST_CASE("heights are measured once more over the plane that was found where it leans by 5e-4 over its guess", "[thresholds]") {
+  for (const double lean : {4.9e-4, 5.1e-4}) {
+    FlatDrafts flat(4);
+    for (Vec3& guess : flat.side().guess) guess = Vec3(0, lean, 1).normalized();
+    VarianceComponents exact;
+    exact.noise = 1e-12;
+    SideSearch search(flat.w, flat.drafts, 2);
+    const auto nearest = nearest_of(flat.w, flat.drafts, 2, search);
+    const std::vector<VertexFit> fits = fit_side(flat.w, exact, flat.drafts, 2, {2, false, true, false}, nearest, search);
+    REQUIRE(fits.size() == 5);
+    const Vec3 over = fits[0].frame.col(0).cross(fits[0].frame.col(1));  // what its heights were measured over
+    CHECK(fits[0].normal[1] == Approx(0).margin(1e-9));
+    CHECK(std::abs(over[1]) == Approx(lean < 5e-4 ? lean : 0).margin(1e-6));
+  }
+}
+
 TEST_CASE("a rim is as rough as it differs from the quintic through three vertices on either side, of four edges from the cubic",
           "[thresholds]") {
   const auto rough = [](int edges, int degree) {
