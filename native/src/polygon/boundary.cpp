@@ -49,17 +49,12 @@ PiecewisePolynomial field_of(const F& f) {
       1);
 }
 
-/// Radians between the outward directions of two sides from which on an arc between them is as good as straight: it is 1.3e-3 longer, and
-/// the formula for straight ones 0/0.
-constexpr double nearly_opposite = 3;
-
 /// (alpha, beta) in the middle of a side of a lens, such that a circular arc leads from there to the middle of the other.
 Vec2 half_way(const PolygonDomain& lens, const Side& side, const Side& other) {
   const Vec3 r = side.r(0.5), gap = other.c(0.5) - side.c(0.5);
   const Vec2 toward = in_frame(r, side.c.derivative_at(0.5), -gap);
-  const double turned = std::numbers::pi - std::min(nearly_opposite, degrees_between(r, other.r(0.5)) * std::numbers::pi / 180);
-  const double longer = 2 * std::tan(turned / 4) / std::sin(turned / 2),
-               flat = (toward[0] * r + toward[1] * side.c.derivative_at(0.5)).norm();
+  const double turned = std::numbers::pi - degrees_between(r, other.r(0.5)) * std::numbers::pi / 180;
+  const double longer = std::pow(std::cos(turned / 4), -2), flat = (toward[0] * r + toward[1] * side.c.derivative_at(0.5)).norm();
   return longer * gap.norm() / (flat * 2 * lens.height()) * toward;
 }
 
