@@ -49,6 +49,21 @@ struct Quads {
       }
     return made;
   }
+  /// The end of a box, two quads thick, at two of its corners: faces with x and z from 0 to n.
+  static Quads end_of_box(Index n) {
+    Quads made;
+    for (Index i = 0; i < n; ++i) {
+      for (Index j = 0; j < 2; ++j) {
+        made.add([](double u, double v) { return std::array{u, v, 0.0}; }, i, j);
+        made.add([](double u, double v) { return std::array{0.0, u, v}; }, j, i);
+      }
+      for (Index j = 0; j < n; ++j) {
+        made.add([](double u, double v) { return std::array{v, 0.0, u}; }, i, j);
+        made.add([](double u, double v) { return std::array{u, 2.0, v}; }, i, j);
+      }
+    }
+    return made;
+  }
   void add(const std::function<std::array<double, 3>(double, double)>& place, Index i, Index j) {
     const double u = static_cast<double>(i), v = static_cast<double>(j);
     faces.add(std::array{vertex(place(u, v)), vertex(place(u + 1, v)), vertex(place(u + 1, v + 1)), vertex(place(u, v + 1))});
@@ -185,7 +200,7 @@ TEST_CASE("rows go on across an outline whose inside hangs together by one row o
   CHECK(farthest(made.inside, grid.vertices(grid.lost, Eigen::all)) < 1e-9);
 }
 
-TEST_CASE("the corner of a box comes back round its pole, and rows do not go on past two", "[quad_rows]") {
+TEST_CASE("the corner of a box comes back round its pole, and rows do not go on past two", "[quad_rows][thresholds]") {
   const Quads corner = Quads::corner(6);
   Faces left;
   QuadsInside quads = corner.taken_out(at_the_corner, left);
@@ -195,6 +210,12 @@ TEST_CASE("the corner of a box comes back round its pole, and rows do not go on 
   REQUIRE(made.order > 0);
   CHECK(farthest(made.inside, corner.vertices(corner.lost, Eigen::all)) < 1e-9);
   CHECK(made.missed < 1e-9);
+
+  const Quads end = Quads::end_of_box(6);
+  Faces left_of_end;
+  const QuadsInside both = end.taken_out([](const Vec3& p) { return p[0] < 3 && p[2] < 3; }, left_of_end);
+  REQUIRE(is_among_quads(Connectivity(left_of_end, end.vertices.rows()), both.rim));
+  CHECK_FALSE(go_on(Connectivity(left_of_end, end.vertices.rows()), both));
 
   Faces without_a_face;  // a vertex of the rim has three quads then
   for (Index f = 1; f < quads.faces.size(); ++f) without_a_face.add(quads.faces[f]);

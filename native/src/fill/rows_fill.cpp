@@ -27,8 +27,8 @@ namespace {
 constexpr Index most_edges = 200;
 /// Vertices inside an outline that is no block, for the same reason: of so many it takes half a second.
 constexpr Index most_inside = 2000;
-/// Right angles by which the rim of a hole in a grid turns, and how many more or less a pole of five or three rows makes: rows go on past one.
-constexpr Index right_angles_of_grid = 4, most_poles = 1;
+/// Right angles by which the rim of a hole in a grid turns; a pole of five or three rows makes one more or less.
+constexpr Index right_angles_of_grid = 4;
 /// Rows beyond the rim that the surface goes through: what the spline does at its ends is a fourteenth of that two rows within.
 constexpr Index rows_of_surface = 2;
 /// Of the mean distance of rows: no two are nearer to each other in the surface's domain, whose cubics would be divided by less. A choice.

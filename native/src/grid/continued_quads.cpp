@@ -248,7 +248,7 @@ bool go_on(const Connectivity& around, const QuadsInside& quads) {
     const Index v = quads.rim[static_cast<std::size_t>(k)];
     poles += std::abs(static_cast<Index>(around.at(v).size()) + count[static_cast<std::size_t>(k)] - 4);
   }
-  return poles <= 1;
+  return poles <= most_poles;
 }
 
 ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& around, const QuadsInside& quads) {

@@ -18,8 +18,11 @@ struct QuadsInside {
 /// Whether all faces at a rim are known, and quads.
 bool is_among_quads(const Connectivity& around, const std::vector<Index>& rim);
 
+/// Poles past which rows go on: the rim does not tell the places of more.
+inline constexpr Index most_poles = 1;
+
 /// Whether a rim is among quads, and the rows that end there go on in these: four quads meet at each of its vertices and inside, but
-/// for one vertex where three or five do. More such poles the rim does not tell the places of.
+/// for one vertex where three or five do.
 bool go_on(const Connectivity& around, const QuadsInside& quads);
 
 /// The vertices inside with the least sum of squares of mixed differences, as continued_rows has them in blocks, over all quads that are
