@@ -4,6 +4,7 @@
 
 #include "test_rings.h"
 #include "tripatch/creases/creased_fill.h"
+#include "tripatch/hole/rim_shape.h"
 #include "tripatch/spline/least_bent.h"
 #include "tripatch/spline/plane_fill.h"
 
@@ -270,6 +271,25 @@ TEST_CASE("of an error three quarters are handed on at most", "[thresholds]") {
   };
   CHECK(fed_back(3, 90) == 0.75);
   CHECK(fed_back(4, 120) == Approx(0.64).margin(0.03));
+}
+
+TEST_CASE("a fill stays within a diameter of its rim", "[thresholds]") {
+  double farthest = 0;  // over the diameter, of balls that are open at less and less, where a fill runs on into their other side
+  for (double degrees = 103; degrees < 107; degrees += 0.5) {
+    const double angle = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 40;
+    const auto ball = [&](double x, double y) {
+      const double r = std::hypot(x, y), from_pole = angle + 2 * (r - 0.5);
+      return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole));
+    };
+    const Rings rings(radii(edge / 2, 6), ball, 40);
+    const PlaneFill fill = filled(rings);
+    for (Index k = 0; k < fill.vertices.rows(); ++k) {
+      const double from_rim = (rings.vertices.topRows(40).rowwise() - fill.vertices.row(k)).rowwise().norm().minCoeff();
+      farthest = std::max(farthest, from_rim / diameter(rings.mesh(), rings.rim));
+    }
+  }
+  CHECK(farthest < 1);
+  CHECK(farthest > 0.95);
 }
 
 TEST_CASE("caps of a ball are filled over long jagged rims as well as over short ones") {
