@@ -1,4 +1,5 @@
 // What quads that grow in from a rim cost and how long they are sought, on both sides of each threshold.
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "tripatch/fill/spline_fill.h"
 #include "tripatch/quads/grown_quads.h"
 
 using namespace tripatch;
@@ -135,4 +137,34 @@ TEST_CASE("where one vertex of a rim wants a quad too many a square comes back o
   const auto begun = [](Index side, Index from) { return is_grid(square(side, from, {{side / 2, 3}}).grown(), side); };
   for (const Index from : {0, 5, 10, 15}) CHECK(begun(13, from));
   CHECK_FALSE(begun(14, 0));
+}
+
+TEST_CASE("quads grow across a hole in a sheared grid as long as its corners have ten degrees", "[thresholds]") {
+  const auto quads = [](double sine) {  // of a hole of 3 x 3
+    constexpr Index n = 11;
+    Points vertices((n + 1) * (n + 1), 3);
+    const auto at = [](Index i, Index j) { return i * (n + 1) + j; };
+    for (Index i = 0; i <= n; ++i)
+      for (Index j = 0; j <= n; ++j)
+        vertices.row(at(i, j)) << static_cast<double>(i) + static_cast<double>(j) * std::sqrt(1 - sine * sine),
+            static_cast<double>(j) * sine, 0;
+    Faces faces;
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j)
+        if (std::min(i, j) < 4 || std::max(i, j) > 6)
+          faces.add(std::array<Index, 4>{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    std::vector<Index> rim;
+    for (Index k = 0; k < 3; ++k) rim.push_back(at(4 + k, 4));
+    for (Index k = 0; k < 3; ++k) rim.push_back(at(7, 4 + k));
+    for (Index k = 0; k < 3; ++k) rim.push_back(at(7 - k, 7));
+    for (Index k = 0; k < 3; ++k) rim.push_back(at(4, 7 - k));
+    SplineFillOptions options;
+    options.quads = true;
+    const Fill fill = fill_with_spline({vertices, faces}, Connectivity(faces, vertices.rows()), rim, {}, options);
+    Index count = 0;
+    for (Index f = 0; f < fill.faces.size(); ++f) count += fill.faces[f].size() == 4;
+    return count;
+  };
+  CHECK(quads(0.168) < 9);  // pairs of triangles
+  CHECK(quads(0.172) == 9);
 }
