@@ -431,18 +431,21 @@ private:
     out.surface = std::move(hinged);
   }
 
-  /// Whether a surface has all new vertices in parts that they belong to.
+  /// Whether a surface has the parts' own vertices in them, and is nearer to each point of a crease than those beside it are.
   bool are_found(const HingedSurface& hinged, const PlaneFill& out) const {
     const Index r = static_cast<Index>(rim_.size());
-    std::vector<char> found(count_, 0);
-    const auto seek = [&](Index row, std::size_t part) {
-      if (row >= r && hinged.part_of(out.uv.row(row - r)) == part) found[row] = 1;
-    };
-    for (std::size_t part = 0; part < fills_.size(); ++part) {
-      for (Index v : division_.loops()[part]) seek(row_.at(v), part);
-      for (Index k = 0; k < fills_[part].vertices.rows(); ++k) seek(start_[part] + k, part);
-    }
-    return std::all_of(found.begin() + r, found.end(), [](char f) { return f; });
+    for (std::size_t part = 0; part < fills_.size(); ++part)
+      for (Index k = 0; k < fills_[part].vertices.rows(); ++k)
+        if (hinged.part_of(out.uv.row(start_[part] - r + k)) != part) return false;
+    const Points at = hinged.positions(as_rows(out.uv.topRows(division_.added())));
+    for (const VertexLoop& curve : division_.curves())
+      for (std::size_t k = 1; k + 1 < curve.size(); ++k) {
+        const Vec3 point = division_.point(curve[k]), found = at.row(curve[k] - division_.first());
+        const double beside =
+            std::min((division_.point(curve[k - 1]) - point).norm(), (division_.point(curve[k + 1]) - point).norm());
+        if (!((found - point).norm() < beside)) return false;
+      }
+    return true;
   }
 
   /// The parts in one plane; out: gets the places there and normals.
