@@ -1,6 +1,7 @@
 // Triangles that bend least.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "tripatch/spline/least_bent.h"
 
@@ -103,4 +104,30 @@ TEST_CASE("the least area is flat between a flat rim, which bends that are least
   const auto film = least_bent(grid.points, grid.triangles, grid.first, grid.count, 1);
   REQUIRE(film);
   CHECK(film->col(2).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("beside triangles that are all but edges rounding has no say in what bends least, at any scale") {
+  Grid grid(2);
+  for (Index k = 0; k < grid.points.rows(); ++k)
+    grid.points(k, 2) = std::sin(0.4 * grid.points(k, 0)) * std::cos(0.3 * grid.points(k, 1));
+  const Index a = grid.first + 20;  // onto the middle of an edge, and beside another vertex
+  for (std::array<Index, 3> t : grid.triangles)
+    if (t[0] == a) {
+      grid.points.row(a) = (1 - 2e-6) * (0.5 * grid.points.row(t[1]) + 0.5 * grid.points.row(t[2])) + 2e-6 * grid.points.row(a);
+      break;
+    }
+  grid.points.row(grid.first + 40) =
+      grid.points.row(grid.first + 41) + 1e-4 * (grid.points.row(grid.first + 40) - grid.points.row(grid.first + 41));
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 1e-14);
+  Points moved = grid.points;
+  for (double& x : moved.reshaped()) x += noise(random);
+  for (const int order : {1, 2, 3}) {
+    const auto bent = least_bent(grid.points, grid.triangles, grid.first, grid.count, order);
+    const auto other = least_bent(moved, grid.triangles, grid.first, grid.count, order);
+    const auto large = least_bent(1e9 * grid.points, grid.triangles, grid.first, grid.count, order);
+    REQUIRE((bent && other && large));
+    CHECK((*other - *bent).cwiseAbs().maxCoeff() < 1e-9);
+    CHECK((*large / 1e9 - *bent).cwiseAbs().maxCoeff() < 1e-9);
+  }
 }

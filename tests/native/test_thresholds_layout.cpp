@@ -127,7 +127,8 @@ struct Laplacian {
       for (int k = 0; k < 3; ++k) {
         const Index a = t[(k + 1) % 3], b = t[(k + 2) % 3];
         const Vec3 u = x.row(a) - x.row(t[k]), v = x.row(b) - x.row(t[k]);
-        const double twice = u.cross(v).norm(), weight = std::clamp(u.dot(v) / twice, -steepest, steepest) / 2;
+        const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (u - v).squaredNorm()});
+        const double twice = u.cross(v).norm(), weight = u.dot(v) / std::max(twice, longest / steepest) / 2;
         for (const auto& [i, j] : {std::pair(a, b), std::pair(b, a)}) stiffness(i, j) -= weight, stiffness(i, i) += weight;
         areas[t[k]] += twice / 6;
         sum += twice / 6;

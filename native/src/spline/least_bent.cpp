@@ -6,18 +6,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/math/decompositions.h"
+
 namespace tripatch {
 namespace {
 
-using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using Sparse = Eigen::SparseMatrix<double>;
 
-/// Cotangents of angles below half a degree, and areas below this share of the mean, come of triangles that are all but an edge.
+/// The largest cotangent, of half a degree: triangles whose area says more are taken for that much thicker, all three of their angles, so
+/// that the energy of each is positive. Areas of vertices are no less than this share of the mean triangle's. Else they come of triangles
+/// that are all but an edge.
 constexpr double steepest = 100, least_area = 1e-3;
 
 /// Weights of the edges and areas of the vertices of some triangles.
 struct Measures {
   std::vector<Eigen::Triplet<double>> weights;  // entries of the Laplacian, positive on its diagonal
-  Eigen::VectorXd areas;
+  Eigen::VectorXd areas;                        // over the mean triangle's
 };
 
 Measures measured(const Points& points, const std::vector<std::array<Index, 3>>& triangles) {
@@ -27,64 +31,153 @@ Measures measured(const Points& points, const std::vector<std::array<Index, 3>>&
   for (const std::array<Index, 3>& t : triangles) {
     const Vec3 p[3] = {points.row(t[0]), points.row(t[1]), points.row(t[2])};
     const double twice = (p[1] - p[0]).cross(p[2] - p[0]).norm();
+    const double longest = std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
+    const double thick = std::max({twice, longest / steepest, 1e-300});
     sum += twice / 2;
     for (int k = 0; k < 3; ++k) {
       const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
-      const double cotangent = std::clamp(u.dot(v) / std::max(twice, 1e-300), -steepest, steepest) / 2;
+      const double cotangent = u.dot(v) / thick / 2;
       const int a = static_cast<int>(t[(k + 1) % 3]), b = static_cast<int>(t[(k + 2) % 3]);
       out.weights.insert(out.weights.end(), {{a, b, -cotangent}, {b, a, -cotangent}, {a, a, cotangent}, {b, b, cotangent}});
       out.areas[t[k]] += twice / 6;
     }
   }
-  out.areas = out.areas.cwiseMax(least_area * sum / static_cast<double>(std::max<std::size_t>(triangles.size(), 1)));
+  const double mean = std::max(sum, 1e-300) / static_cast<double>(std::max<std::size_t>(triangles.size(), 1));
+  out.areas = (out.areas / mean).cwiseMax(least_area);
   return out;
 }
 
-using Upper = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>>;
+/// Columns that are solved for at once where all of them would take too much room.
+constexpr Index at_once = 32;
 
-/// Energies of increasing orders, each made of the one before, of the same free vertices.
+/// Least energies of increasing orders, of the same free vertices. With the Laplacian S, positive on its diagonal, and the areas A the
+/// energies are x' S x, w' w / A of w = S x, and v' S v of v = w / A. Matrices of the higher two have the condition of S squared and
+/// cubed, beyond all digits where triangles are thin. But w of the free vertices (f) may be anything: it says x, and with it w of those
+/// beside them (b), which are held, w_b = B w_f + e with B = S_bf / S_ff. So what is left has an unknown or two for each of these
+/// (multipliers m of those equations, and v_b), and S_ff alone is factored.
 class Bending {
 public:
   Bending(const Points& points, const std::vector<std::array<Index, 3>>& triangles, Index first, Index count)
-      : points_(points), first_(first), count_(count), stiffness_(points.rows(), points.rows()) {
-    const Measures measures = measured(points, triangles);
-    stiffness_.setFromTriplets(measures.weights.begin(), measures.weights.end());
-    inverse_ = measures.areas.cwiseInverse();
-    energy_ = stiffness_.middleRows(first, count);  // the rows of the free ones
+      : first_(first), count_(count), areas_(points.rows()) {
+    Measures measures = measured(points, triangles);
+    Sparse stiffness(points.rows(), points.rows());
+    stiffness.setFromTriplets(measures.weights.begin(), measures.weights.end());
+    areas_ = std::move(measures.areas);
+    beside_ = held_beside(stiffness);
+    free_ = areas_.segment(first, count);
+    held_ = areas_(beside_);
+    factor(stiffness.block(first, first, count, count));
+    take_blocks(stiffness);
+    Points held = points;
+    held.middleRows(first, count).setZero();
+    known_ = stiffness * held;
+    from_held_ = solved(known_.middleRows(first, count));
+    regular_ = solver_.info() == Eigen::Success && from_held_.allFinite();
   }
 
-  /// Not lower than the order before.
   std::optional<Points> least(int order) {
-    for (; order_ < order; ++order_) energy_ = SparseRows(energy_ * inverse_.asDiagonal()) * stiffness_;
-    std::vector<Eigen::Triplet<double>> entries;  // of the lower half
-    Points right = Points::Zero(count_, 3);
-    for (int row = 0; row < count_; ++row)
-      for (SparseRows::InnerIterator entry(energy_, row); entry; ++entry) {
-        const Index column = entry.col() - first_;
-        if (column < 0 || column >= count_)
-          right.row(row) -= entry.value() * points_.row(entry.col());
-        else if (column <= row)
-          entries.emplace_back(row, static_cast<int>(column), entry.value());
-      }
-    Eigen::SparseMatrix<double> lower(count_, count_), turned(count_, count_);
-    lower.setFromTriplets(entries.begin(), entries.end());
-    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> back;  // from the order of elimination
-    Eigen::AMDOrdering<int>()(lower.selfadjointView<Eigen::Lower>(), back);
-    const Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> turn(back.inverse());
-    turned.selfadjointView<Eigen::Upper>() = lower.selfadjointView<Eigen::Lower>().twistedBy(turn);
-    const Upper solver(turned);
-    if (solver.info() != Eigen::Success) return {};
-    Points out = back * solver.solve(Points(turn * right));
+    if (!regular_) return {};
+    Points out = -from_held_;
+    if (order > 1 && !beside_.empty()) out += solved(free_.asDiagonal() * (order == 2 ? least_second() : least_third()));
     if (!out.allFinite()) return {};
     return out;
   }
 
 private:
-  const Points& points_;
+  bool is_free(Index v) const { return v >= first_ && v < first_ + count_; }
+
+  std::vector<Index> held_beside(const Sparse& stiffness) const {
+    std::vector<char> is_beside(static_cast<std::size_t>(stiffness.rows()), 0);
+    for (Index column = first_; column < first_ + count_; ++column)
+      for (Sparse::InnerIterator entry(stiffness, column); entry; ++entry)
+        if (!is_free(entry.row())) is_beside[static_cast<std::size_t>(entry.row())] = 1;
+    std::vector<Index> beside;
+    for (std::size_t v = 0; v < is_beside.size(); ++v)
+      if (is_beside[v]) beside.push_back(static_cast<Index>(v));
+    return beside;
+  }
+
+  void factor(const Sparse& own) {
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> back;  // from the order of elimination
+    Eigen::AMDOrdering<int>()(own.selfadjointView<Eigen::Lower>(), back);
+    turn_ = back.inverse();
+    Sparse turned(count_, count_);
+    turned.selfadjointView<Eigen::Upper>() = own.selfadjointView<Eigen::Lower>().twistedBy(turn_);
+    solver_.compute(turned);
+  }
+
+  /// S of those beside by the free ones (transposed) and among themselves.
+  void take_blocks(const Sparse& stiffness) {
+    const Index n = static_cast<Index>(beside_.size());
+    std::vector<Index> row(static_cast<std::size_t>(stiffness.rows()), -1);
+    for (Index k = 0; k < n; ++k) row[static_cast<std::size_t>(beside_[k])] = k;
+    to_free_ = Eigen::MatrixXd::Zero(count_, n);
+    among_ = Eigen::MatrixXd::Zero(n, n);
+    beyond_.resize(n, stiffness.rows());
+    std::vector<Eigen::Triplet<double>> beyond;
+    for (Index k = 0; k < n; ++k)
+      for (Sparse::InnerIterator entry(stiffness, beside_[k]); entry; ++entry) {
+        const Index other = row[static_cast<std::size_t>(entry.row())];
+        if (is_free(entry.row()))
+          to_free_(entry.row() - first_, k) = entry.value();
+        else if (other >= 0)
+          among_(other, k) = entry.value();
+        else
+          beyond.emplace_back(static_cast<int>(k), static_cast<int>(entry.row()), entry.value());
+      }
+    beyond_.setFromTriplets(beyond.begin(), beyond.end());
+  }
+
+  Eigen::MatrixXd solved(const Eigen::MatrixXd& right) const {
+    return turn_.transpose() * solver_.solve(Eigen::MatrixXd(turn_ * right));
+  }
+
+  /// B' and what it makes of areas, and e.
+  void take_transfer() {
+    if (transfer_.size() > 0) return;
+    transfer_.resize(count_, to_free_.cols());
+    for (Index k = 0; k < transfer_.cols(); k += at_once) {
+      const Index some = std::min(at_once, transfer_.cols() - k);
+      transfer_.middleCols(k, some) = solved(to_free_.middleCols(k, some));
+    }
+    second_ = transfer_.transpose() * free_.asDiagonal() * transfer_;
+    second_.diagonal() += held_;
+    of_held_ = known_(beside_, Eigen::all) - transfer_.transpose() * known_.middleRows(first_, count_);
+  }
+
+  /// v of the free vertices: (A_b + B A_f B') m = e, v_f = -B' m.
+  Eigen::MatrixXd least_second() {
+    take_transfer();
+    return -(transfer_ * SquareSystem(second_).solve(of_held_));
+  }
+
+  /// The same where v' S v is least: v_f = B' -> S_ff^-1 A_f B' m - B' v_b.
+  Eigen::MatrixXd least_third() {
+    take_transfer();
+    const Index n = to_free_.cols();
+    Eigen::MatrixXd third(n, n);  // B A_f S_ff^-1 A_f B'
+    for (Index k = 0; k < n; k += at_once) {
+      const Index some = std::min(at_once, n - k);
+      const Eigen::MatrixXd weighed = free_.asDiagonal() * transfer_.middleCols(k, some);
+      third.middleCols(k, some) = transfer_.transpose() * (free_.asDiagonal() * solved(weighed));
+    }
+    Eigen::MatrixXd system(2 * n, 2 * n), right(2 * n, 3);
+    system << -third, second_, second_, among_ - to_free_.transpose() * transfer_;
+    right << of_held_, -(beyond_ * (areas_.cwiseInverse().asDiagonal() * known_));
+    const Eigen::MatrixXd found = SquareSystem(system).solve(right);
+    return solved(free_.asDiagonal() * (transfer_ * found.topRows(n))) - transfer_ * found.bottomRows(n);
+  }
+
   Index first_, count_;
-  SparseRows stiffness_, energy_;
-  Eigen::VectorXd inverse_;  // of the vertices' areas
-  int order_ = 1;
+  Eigen::VectorXd areas_, free_, held_;                                 // of all vertices, the free ones and those beside them
+  std::vector<Index> beside_;                                           // held, and joined to free ones
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> turn_;  // to the order of elimination
+  Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
+  bool regular_ = false;
+  Eigen::MatrixXd to_free_, among_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> beyond_;  // S of those beside by all that is farther off
+  Points known_, from_held_;                             // S x of what is held, and what it makes of the free ones
+  Eigen::MatrixXd transfer_, second_, of_held_;
 };
 
 /// Of the higher of two orders: it runs on farther, and errs more where it errs. Twice as much leaves 84 holes of scanned and modelled
