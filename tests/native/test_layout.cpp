@@ -267,3 +267,24 @@ TEST_CASE("triangles that close an inner hole are as good as free to deform") {
   const double radius = (closed.rowwise() - Eigen::RowVector2d(closed.colwise().mean())).rowwise().norm().mean();
   CHECK(radius == Approx(0.5376).epsilon(0.011));  // where they are free altogether; 0.578 where they weigh a tenth
 }
+
+TEST_CASE("what rounding makes of a mesh a thousand times as long as wide its layout does not enlarge beyond 1e-9") {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 1);
+  Surface s = grid(6, 8, [](double u, double v) {
+    return Vec3(1000 * (u + 0.1 * std::sin(3 * v)), std::cos(3 * v), std::sin(3 * v) * (1 + 0.3 * std::sin(5 * u)));
+  });
+  PlaneLayoutOptions options;
+  options.tolerance = 1e-3;
+  const auto layout = lay_out(s.points, s.triangles, options);
+  REQUIRE(layout);
+  REQUIRE(layout->energies.size() > 5);
+  const double size = layout->uv.cwiseAbs().maxCoeff();
+  for (int round = 0; round < 5; ++round) {
+    Points moved = s.points;
+    for (double& x : moved.reshaped()) x *= 1 + 1e-16 * noise(random);
+    const auto other = lay_out(moved, s.triangles, options);
+    REQUIRE(other);
+    CHECK((other->uv - layout->uv).cwiseAbs().maxCoeff() < 1e-9 * size);
+  }
+}
