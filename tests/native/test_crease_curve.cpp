@@ -66,3 +66,20 @@ TEST_CASE("the deviation of a crease's curve grows with noise and away from its 
   }
   CHECK(within > 0.8 * all);
 }
+
+TEST_CASE("which order and how much noise a crease's curve has does not hang on rounding, be it straight or of three vertices") {
+  Points straight(8, 3), bent(3, 3);
+  for (Index k = 0; k < 8; ++k) straight.row(k) = (k < 5 ? 0.1 : 0.2) * static_cast<double>(k) * Eigen::RowVector3d(1, 0.7, -0.3);
+  bent << 0, 0, 0, 0.9, 0.2, 0.1, 2.2, 0.1, 0.7;
+  const auto at = [](const Points& p, Index before) {
+    return CreaseCurve(p.topRows(before), p.bottomRows(p.rows() - before), 0.5).at(shares);
+  };
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 1e-15);
+  for (int round = 0; round < 20; ++round)
+    for (const auto& [points, before] : {std::pair(straight, Index{5}), std::pair(bent, Index{2})}) {
+      Points moved = points;
+      for (double& x : moved.reshaped()) x += noise(random);
+      CHECK((at(moved, before) - at(points, before)).cwiseAbs().maxCoeff() < 1e-11);
+    }
+}

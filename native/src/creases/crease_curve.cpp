@@ -18,6 +18,12 @@ constexpr int lowest_curve_order = 2, highest_curve_order = 5;
 /// Over the mean eigenvalue of the curve_kernel, in decades: from rounding to a straight line. On 68 holes across creases (features.cpp) half
 /// and twice of the ends change the mean distance by 0.3% at most, half of the step by 0.1%; twice of it leaves them 5% nearer, by a few.
 constexpr double least_curve_nugget = -13, most_curve_nugget = 3, curve_nugget_step = 0.5;
+/// Of a unit, an edge: so much rounding may have moved each sample, a million sizes from the origin too. Of a straight crease nothing else
+/// is left across it, and neither order nor nugget is to be chosen by that.
+constexpr double rounding_of_samples = 1e-8;
+/// Of the logarithm of a likelihood: what is no likelier than that is no other choice, and the lower order and nugget are taken. Three samples
+/// tell nothing of a nugget: all are as likely.
+constexpr double clearly_likelier = 1e-6;
 /// The length of the gap is that of the curve in it, which is not known before it: each round leaves a twentieth of the error over
 /// such an arc, four 1e-5 of the length, as much as the pieces do.
 constexpr int gap_rounds = 4;
@@ -95,10 +101,11 @@ void CreaseCurve::choose(double unit) {
       const Eigen::ArrayXd pivots = values.array() + nugget;
       if (!(pivots.minCoeff() > 0)) continue;
       // Two directions across the curve, of which each sample says something.
-      const double squares = (z.rowwise().squaredNorm().array() / pivots).sum();
-      const double variance = std::max(squares / (2 * count), 1e-30);
+      constexpr double rounding = 2 * rounding_of_samples * rounding_of_samples;
+      const double squares = ((z.rowwise().squaredNorm().array() + rounding) / pivots).sum();
+      const double variance = squares / (2 * count);
       const double likelihood = -count * std::log(variance) - pivots.log().sum();
-      if (!(likelihood > most)) continue;
+      if (!(likelihood > most + clearly_likelier)) continue;
       most = likelihood;
       order_ = order;
       nugget_ = nugget;
