@@ -160,3 +160,31 @@ TEST_CASE("Without faces, and where edges have no length, nothing is told") {
   flat.points.setZero();
   CHECK(flat.found().empty());
 }
+
+TEST_CASE("Whether what goes on from a long edge turns, and is about as long, does not hang on rounding") {
+  // of two edges that go on as straight one is long and one short; and edges of just half the length go on
+  for (const double beyond : {0.2, 0.5}) {
+    Walls walls(6, 6.1, false);
+    const Index n = walls.points.rows();
+    Points points(n + 14, 3);
+    points.topRows(n) = walls.points;
+    Faces faces = walls.faces;
+    for (Index k = 0; k < 7; ++k) {  // a row more on either side, that leans out
+      const Eigen::RowVector3d out(0.3 * std::cos(0.3 * static_cast<double>(k)), 0.3 * std::sin(0.3 * static_cast<double>(k)), 1);
+      points.row(n + 2 * k) = points.row(2 * k) - beyond * 6.1 * Eigen::RowVector3d(-out[0], -out[1], 1).normalized();
+      points.row(n + 2 * k + 1) = points.row(2 * k + 1) + beyond * 6.1 * out.normalized();
+    }
+    for (Index k = 0; k < 6; ++k) {
+      const Index a = 2 * k, b = n + 2 * k;
+      faces.add(std::array<Index, 4>{b, b + 2, a + 2, a});
+      faces.add(std::array<Index, 4>{a + 1, a + 3, b + 3, b + 1});
+    }
+    const std::size_t count = points_on_long_edges(points, faces).size();
+    for (int turn = 1; turn < 12; ++turn) {
+      Eigen::Matrix3d about;
+      const double c = std::cos(turn), s = std::sin(turn);
+      about << c, s, 0, -s * s, c * s, c, s * c, -c * c, s;
+      CHECK(points_on_long_edges(points * about, faces).size() == count);
+    }
+  }
+}

@@ -84,7 +84,7 @@ public:
       const Vec3 area = (p[1] - p[0]).cross(p[2] - p[0]);
       normals_.row(f) = area.stableNormalized();
       for (int k = 0; k < 3; ++k)
-        if ((p[(k + 1) % 3] - p[k]).squaredNorm() > needle * area.norm()) is_needle[f] = true;
+        if (clearly_more((p[(k + 1) % 3] - p[k]).squaredNorm(), needle * area.norm())) is_needle[f] = true;
     }
     for (std::size_t k = 0; k + 1 < lines.size(); ++k) {
       if (!is_inside(lines, k) || !is_needle[lines[k].face] || !is_needle[lines[k + 1].face]) continue;
@@ -136,9 +136,9 @@ public:
     for (std::size_t k = first_[to]; k < first_[to + 1]; ++k) {
       const Vec3 next = points_.row(others_[k]) - points_.row(to);
       const double cosine = next.dot(way) / std::max(next.norm() * way.norm(), 1e-300);
-      if (cosine > straightest) straightest = cosine, on = next;
+      if (clearly_more(cosine, straightest)) straightest = cosine, on = next;
     }
-    return on.norm() > as_long * way.norm() && on.cross(way).norm() > turns * on.norm() * way.norm();
+    return clearly_more(on.norm(), as_long * way.norm()) && on.cross(way).norm() > turns * on.norm() * way.norm();
   }
 
 private:
@@ -163,7 +163,7 @@ std::vector<OnEdge> points_on_long_edges(const Points& points, const Faces& face
   const auto shorter = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / share_of_shorter);
   std::nth_element(sorted.begin(), shorter, sorted.end());
   const double longest = times_as_long * *shorter;
-  if (!(*std::max_element(lengths.begin(), lengths.end()) > longest)) return {};
+  if (!clearly_more(*std::max_element(lengths.begin(), lengths.end()), longest)) return {};
   const Flatness flatness(points, faces, lines);
   const EdgesAt edges(points, lines);
   starts.push_back(lines.size());
