@@ -403,17 +403,32 @@ TEST_CASE("a single row is no fill where the mesh joins what it would join") {
 }
 
 TEST_CASE("rows are taken where they are off by less than a quarter of what they miss", "[thresholds]") {
+  const Mesh mesh{(Points(2, 3) << 0, 0, 0, 3, 4, 0).finished(), {}};
   Fill rows, other;
+  rows.rim = {0, 1};
   rows.vertices = Points::Zero(1, 3);
   rows.deviation = Eigen::VectorXd::Constant(1, 0.04);
   other.deviation = Eigen::VectorXd::Constant(5, 0.0101);
-  CHECK(rows_are_nearer(rows, other));
+  CHECK(rows_are_nearer(mesh, rows, other));
   other.deviation.setConstant(0.0099);
-  CHECK_FALSE(rows_are_nearer(rows, other));
+  CHECK_FALSE(rows_are_nearer(mesh, rows, other));
   other.report.triangles_folded = 1;
-  CHECK(rows_are_nearer(rows, other));
+  CHECK(rows_are_nearer(mesh, rows, other));
   rows.report.triangles_folded = 2;
-  CHECK_FALSE(rows_are_nearer(rows, other));
+  CHECK_FALSE(rows_are_nearer(mesh, rows, other));
+}
+
+TEST_CASE("of rows that are off by a billionth of the hole and a fill that says it is off by less the rows are taken",
+          "[thresholds]") {
+  const Mesh mesh{(Points(2, 3) << 0, 0, 0, 3, 4, 0).finished(), {}};
+  Fill rows, other;
+  rows.rim = {0, 1};
+  rows.vertices = Points::Zero(1, 3);
+  other.deviation = Eigen::VectorXd::Constant(5, 1e-15);
+  rows.deviation = Eigen::VectorXd::Constant(1, 4 * 4.9e-9);
+  CHECK(rows_are_nearer(mesh, rows, other));
+  rows.deviation.setConstant(4 * 5.1e-9);
+  CHECK_FALSE(rows_are_nearer(mesh, rows, other));
 }
 
 TEST_CASE("sides tell more than rows that miss the rim by 1.2 degrees and five times what is not known of the sides",

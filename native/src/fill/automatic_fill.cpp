@@ -292,11 +292,11 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
     Fill other = fill_by_sides(ground, rim, corners, options);
     if (!quads && other.patch && other.deviation.size() == 0) return other;  // exact, and as fine as triangles can be
     if (other.deviation.size() > 0 || rows->vertices.rows() == 0)
-      return rows_are_nearer(*rows, other) ? std::move(*rows) : std::move(other);
+      return rows_are_nearer(ground.mesh, *rows, other) ? std::move(*rows) : std::move(other);
     if (sides_tell_more(*rows, other)) return other;
     const Fill spline = fill_any_rim(ground, rim, corners, options, "");
     const bool by_energy = other.sides.empty() || off_by_rows(*rows) < off_by_energy(other, diameter(ground.mesh, rim));
-    return by_energy && rows_are_nearer(*rows, spline) ? std::move(*rows) : std::move(other);
+    return by_energy && rows_are_nearer(ground.mesh, *rows, spline) ? std::move(*rows) : std::move(other);
   } catch (const Refusal&) {
     return std::move(*rows);
   }

@@ -51,7 +51,7 @@ std::optional<Points> as_laid_out(const Fill& block, const CageHole& laid_out) {
 bool surface_tells_more(const Ground& ground, const Fill& rows) {
   if (are_sure(ground.mesh, rows)) return false;
   try {
-    return !rows_are_nearer(rows, fill_any_rim(ground, rows.rim, {}, FillOptions(), ""));
+    return !rows_are_nearer(ground.mesh, rows, fill_any_rim(ground, rows.rim, {}, FillOptions(), ""));
   } catch (const Refusal&) {
     return false;
   }

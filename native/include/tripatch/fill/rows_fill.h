@@ -31,7 +31,7 @@ bool are_sure(const Mesh& mesh, const Fill& rows);
 /// How far their new vertices are off, scene units, as far as the rim tells.
 double off_by_rows(const Fill& rows);
 /// Whether rows are the better fill, beside what is made without them.
-bool rows_are_nearer(const Fill& rows, const Fill& other);
+bool rows_are_nearer(const Mesh& mesh, const Fill& rows, const Fill& other);
 /// Whether the sides of an exact patch are known so much better than rows make the rim that its energy says nothing, as between fillets.
 bool sides_tell_more(const Fill& rows, const Fill& patch);
 
