@@ -37,6 +37,19 @@ TEST_CASE("a reference is a polynomial of its degree itself, and a lower degree 
   CHECK(left < 0.1);
 }
 
+TEST_CASE("a reference of a strip a thousand times as long as wide, in any direction, leaves no more than of a square") {
+  const PlanePoints at = some_places(120);
+  const Points samples = sextic_over(at);
+  for (const double turn : {0.0, 0.3, 1.2}) {
+    Eigen::Matrix2d strip;
+    strip << std::cos(turn), std::sin(turn), -1e-3 * std::sin(turn), 1e-3 * std::cos(turn);
+    const PlanePoints narrow = at * strip;
+    const Reference reference(narrow, samples, 6);
+    CHECK(reference.distance_across() < 1e-12);
+    CHECK(((reference.foot_points(narrow, samples) - narrow) * strip.inverse()).cwiseAbs().maxCoeff() < 1e-9);
+  }
+}
+
 TEST_CASE("a sample above a reference has its foot where the normal through it starts") {
   const PlanePoints at = some_places(120);
   const Reference reference(at, sextic_over(at), 6);

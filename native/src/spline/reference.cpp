@@ -25,6 +25,8 @@ constexpr double longest_step = 0.1;
 constexpr double one_line_of_tangents = 1e-12;
 /// Of the plane's extent: a step that is shorter is rounding, and the last.
 constexpr double last_step = 1e-14;
+/// Of the plane's extent: a strip that is narrower is a line.
+constexpr double narrowest = 1e-9;
 
 int size_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
@@ -34,10 +36,17 @@ Reference::Reference(const PlanePoints& points, const Points& samples, int degre
     : degree_(std::clamp(degree, 1, highest_degree)) {
   while (degree_ > 1 && size_of(degree_) > points.rows() / 3) --degree_;
   middle_ = points.colwise().mean();
-  size_ = std::max((points.rowwise() - middle_).cwiseAbs().maxCoeff(), 1e-300);
+  const PlanePoints about = points.rowwise() - middle_;
+  size_ = std::max(about.cwiseAbs().maxCoeff(), 1e-300);
+  const PlanePoints within = about / size_;
+  Eigen::Matrix2d spread = within.transpose() * within / static_cast<double>(points.rows());
+  spread.diagonal().array() += narrowest * narrowest;
+  const Eigen::Matrix2d root = cholesky_root(spread);
+  to_unit_ = root.triangularView<Eigen::Lower>().solve(Eigen::Matrix2d::Identity()) / size_;
+  to_unit_ /= (about * to_unit_.transpose()).cwiseAbs().maxCoeff();
   Eigen::MatrixXd monomials(points.rows(), size_of(degree_));
   for (Index k = 0; k < points.rows(); ++k) {
-    const Eigen::RowVector2d x = (points.row(k) - middle_) / size_;
+    const Eigen::RowVector2d x = about.row(k) * to_unit_.transpose();
     int column = 0;
     double power = 1;
     for (int i = 0; i <= degree_; ++i, power *= x[0]) {
@@ -59,7 +68,7 @@ Reference::Reference(const PlanePoints& points, const Points& samples, int degre
 /// By u, of polynomials by v that are its coefficients.
 Reference::Jet2 Reference::jet_at(const Eigen::RowVector2d& point) const {
   using Row = Eigen::RowVector3d;
-  const Eigen::RowVector2d x = (point - middle_) / size_;
+  const Eigen::RowVector2d x = (point - middle_) * to_unit_.transpose();
   std::array<Row, 6> sum;  // itself, by u, by v, by uu / 2, by uv, by vv / 2
   sum.fill(Row::Zero());
   Index row = coefficients_.rows();
@@ -77,9 +86,12 @@ Reference::Jet2 Reference::jet_at(const Eigen::RowVector2d& point) const {
     sum[5] = sum[5] * x[0] + by_vv;
     sum[0] = sum[0] * x[0] + own;
   }
+  // of the plane's own coordinates; to_unit_ is lower triangular
+  const double uu = to_unit_(0, 0), vu = to_unit_(1, 0), vv = to_unit_(1, 1);
+  const Row by_uu = 2 * sum[3], by_uv = sum[4], by_vv = 2 * sum[5];
   Jet2 out;
-  out << sum[0], sum[1] / size_, sum[2] / size_, 2 * sum[3] / (size_ * size_), sum[4] / (size_ * size_),
-      2 * sum[5] / (size_ * size_);
+  out << sum[0], uu * sum[1] + vu * sum[2], vv * sum[2], uu * uu * by_uu + 2 * uu * vu * by_uv + vu * vu * by_vv,
+      uu * vv * by_uv + vu * vv * by_vv, vv * vv * by_vv;
   return out;
 }
 

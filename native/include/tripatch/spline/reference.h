@@ -27,6 +27,9 @@ private:
   Jet2 jet_at(const Eigen::RowVector2d& point) const;
 
   Eigen::RowVector2d middle_;
+  /// To coordinates from -1 to 1 in which the points are spread as far in all directions: of a strip a thousand times as long as wide powers of
+  /// what lies across would be rounding. Which polynomials there are does not hang on them.
+  Eigen::Matrix2d to_unit_;
   double size_, distance_across_ = 0;
   int degree_;
   Eigen::MatrixXd coefficients_;
