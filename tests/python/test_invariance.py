@@ -91,6 +91,20 @@ def test_planes_at_corners_and_choices_among_triangles_do_not_hang_on_rounding(s
     assert max(found.values()) < 1e-7, found
 
 
+#: Thin triangles, of meshes a thousand times as long as wide and others: what bends least, layouts and references of strips;
+#: creases of three vertices; edges that go on as straight as others; rows that are exact beside a fill that is.
+THIN = [124, 546, 872, 1193, 1213, 1324, 1374, 1794, 2270]
+
+
+@pytest.mark.parametrize("seed", THIN)
+def test_beside_thin_triangles_and_where_much_is_equal_rounding_is_not_enlarged(seed):
+    rng = np.random.default_rng(seed)
+    points, faces, _ = closed_mesh(rng)
+    left = with_hole(faces, rng)
+    found = changes(points, left, max(tripatch.find_holes(left), key=len), seed)
+    assert max(found.values()) < 1e-7, found
+
+
 @pytest.mark.parametrize("seed", [*range(30), *HARD])
 def test_random_holes(seed):
     rng = np.random.default_rng(seed)
