@@ -188,3 +188,28 @@ TEST_CASE("Whether what goes on from a long edge turns, and is about as long, do
     }
   }
 }
+
+TEST_CASE("Edges at right angles to a long one do not go on from it, however a box lies") {
+  const std::array<Index, 3> squares = {1, 6, 1}, step = {1, 2, 14};
+  Points box(28, 3);  // of as many squares a side
+  for (Index k = 0; k < 28; ++k)
+    box.row(k) << 20 * static_cast<double>(k % 2), static_cast<double>(k / 2 % 7), 30 * static_cast<double>(k / 14);
+  Faces faces;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool far : {false, true}) {
+      const int first = (axis + 1) % 3, second = (axis + 2) % 3;
+      const Index u = step[first], v = step[second];
+      for (Index i = 0; i < squares[first]; ++i)
+        for (Index j = 0; j < squares[second]; ++j) {
+          const Index a = (far ? squares[axis] * step[axis] : 0) + i * u + j * v;
+          faces.add(far ? std::array{a, a + u, a + u + v, a + v} : std::array{a, a + v, a + u + v, a + u});
+        }
+    }
+  const std::size_t count = points_on_long_edges(box, faces).size();
+  REQUIRE(count > 0);
+  for (int turn = 1; turn < 40; ++turn) {
+    const Eigen::Matrix3d about =
+        (Eigen::AngleAxisd(turn, Vec3(1, 2, 3).normalized()) * Eigen::AngleAxisd(2 * turn, Vec3(0, 0, 1))).toRotationMatrix();
+    CHECK(points_on_long_edges(box * about, faces).size() == count);
+  }
+}

@@ -30,6 +30,8 @@ constexpr double needle = 3;
 /// as a wall's do into those of a bevel, may turn as they will.
 constexpr double turns = 0.05;
 constexpr double as_long = 0.5;
+/// Cosine: an edge at right angles, as at the corner of a box, goes on from none, whatever rounding makes of it.
+constexpr double goes_on = 1e-6;
 
 /// An edge of a face, or a line across a face from corner to corner.
 struct FaceLine {
@@ -132,7 +134,7 @@ public:
   bool turns_beyond(Index from, Index to) const {
     const Vec3 way = points_.row(to) - points_.row(from);
     Vec3 on = Vec3::Zero();
-    double straightest = 0;
+    double straightest = goes_on;
     for (std::size_t k = first_[to]; k < first_[to + 1]; ++k) {
       const Vec3 next = points_.row(others_[k]) - points_.row(to);
       const double cosine = next.dot(way) / std::max(next.norm() * way.norm(), 1e-300);
