@@ -189,11 +189,16 @@ TEST_CASE("Whether what goes on from a long edge turns, and is about as long, do
   }
 }
 
-TEST_CASE("Edges at right angles to a long one do not go on from it, however a box lies") {
+namespace {
+
+/// A box of 1 x 6 x 1 squares that are 20, 1 and 30 long; where x is 20 it is so much higher, over half of that, at either end.
+std::pair<Points, Faces> box_of(double higher) {
   const std::array<Index, 3> squares = {1, 6, 1}, step = {1, 2, 14};
-  Points box(28, 3);  // of as many squares a side
-  for (Index k = 0; k < 28; ++k)
-    box.row(k) << 20 * static_cast<double>(k % 2), static_cast<double>(k / 2 % 7), 30 * static_cast<double>(k / 14);
+  Points box(28, 3);
+  for (Index k = 0; k < 28; ++k) {
+    const double x = static_cast<double>(k % 2);
+    box.row(k) << 20 * x, static_cast<double>(k / 2 % 7), (k < 14 ? -15 : 15) * (1 + higher * x);
+  }
   Faces faces;
   for (int axis = 0; axis < 3; ++axis)
     for (const bool far : {false, true}) {
@@ -205,6 +210,13 @@ TEST_CASE("Edges at right angles to a long one do not go on from it, however a b
           faces.add(far ? std::array{a, a + u, a + u + v, a + v} : std::array{a, a + v, a + u + v, a + u});
         }
     }
+  return {box, faces};
+}
+
+}  // namespace
+
+TEST_CASE("Edges at right angles to a long one do not go on from it, however a box lies") {
+  const auto [box, faces] = box_of(0);
   const std::size_t count = points_on_long_edges(box, faces).size();
   REQUIRE(count > 0);
   for (int turn = 1; turn < 40; ++turn) {
@@ -212,4 +224,13 @@ TEST_CASE("Edges at right angles to a long one do not go on from it, however a b
         (Eigen::AngleAxisd(turn, Vec3(1, 2, 3).normalized()) * Eigen::AngleAxisd(2 * turn, Vec3(0, 0, 1))).toRotationMatrix();
     CHECK(points_on_long_edges(box * about, faces).size() == count);
   }
+}
+
+TEST_CASE("Edges go on from a long one whose cosine is more than a millionth", "[thresholds]") {
+  const auto count = [](double cosine) {
+    const auto [box, faces] = box_of(cosine * 20 / 15);
+    return points_on_long_edges(box, faces).size();
+  };
+  CHECK(count(9e-7) == count(0));
+  CHECK(count(1.1e-6) < count(0));
 }
