@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tripatch/math/decompositions.h"
+#include "tripatch/math/linear.h"
 
 namespace tripatch {
 namespace {
@@ -71,8 +72,9 @@ public:
     Points held = points;
     held.middleRows(first, count).setZero();
     known_ = stiffness * held;
+    if (solver_.info() != Eigen::Success) return;
     from_held_ = solved(known_.middleRows(first, count));
-    regular_ = solver_.info() == Eigen::Success && from_held_.allFinite();
+    regular_ = from_held_.allFinite();
   }
 
   std::optional<Points> least(int order) {
@@ -111,36 +113,60 @@ private:
     const Index n = static_cast<Index>(beside_.size());
     std::vector<Index> row(static_cast<std::size_t>(stiffness.rows()), -1);
     for (Index k = 0; k < n; ++k) row[static_cast<std::size_t>(beside_[k])] = k;
-    to_free_ = Eigen::MatrixXd::Zero(count_, n);
+    to_free_.resize(count_, n);
     among_ = Eigen::MatrixXd::Zero(n, n);
     beyond_.resize(n, stiffness.rows());
-    std::vector<Eigen::Triplet<double>> beyond;
+    std::vector<Eigen::Triplet<double>> to_free, beyond;
     for (Index k = 0; k < n; ++k)
       for (Sparse::InnerIterator entry(stiffness, beside_[k]); entry; ++entry) {
         const Index other = row[static_cast<std::size_t>(entry.row())];
         if (is_free(entry.row()))
-          to_free_(entry.row() - first_, k) = entry.value();
+          to_free.emplace_back(static_cast<int>(entry.row() - first_), static_cast<int>(k), entry.value());
         else if (other >= 0)
           among_(other, k) = entry.value();
         else
           beyond.emplace_back(static_cast<int>(k), static_cast<int>(entry.row()), entry.value());
       }
+    to_free_.setFromTriplets(to_free.begin(), to_free.end());
     beyond_.setFromTriplets(beyond.begin(), beyond.end());
   }
 
+  /// S_ff^-1, of many columns at once: Eigen's takes them one by one.
   Eigen::MatrixXd solved(const Eigen::MatrixXd& right) const {
-    return turn_.transpose() * solver_.solve(Eigen::MatrixXd(turn_ * right));
+    RowMajor x = turn_ * right;
+    const Sparse& lower = solver_.matrixL().nestedExpression();
+    for (Index k = 0; k < count_; ++k)
+      for (Sparse::InnerIterator entry(lower, k); entry; ++entry)
+        if (entry.row() > k) x.row(entry.row()) -= entry.value() * x.row(k);
+    x = solver_.vectorD().cwiseInverse().asDiagonal() * x;
+    for (Index k = count_; k-- > 0;)
+      for (Sparse::InnerIterator entry(lower, k); entry; ++entry)
+        if (entry.row() > k) x.row(k) -= entry.value() * x.row(entry.row());
+    return turn_.transpose() * x;
   }
 
-  /// B' and what it makes of areas, and e.
+  /// B f(A_f B') for a symmetric f.
+  template <class F>
+  Eigen::MatrixXd between_held(const F& f) const {
+    const Index n = transfer_.cols();
+    Eigen::MatrixXd out(n, n);
+    for (Index k = 0; k < n; k += at_once) {
+      const Index some = std::min(at_once, n - k);
+      out.block(k, k, n - k, some) =
+          transfer_.rightCols(n - k).transpose() * f(free_.asDiagonal() * transfer_.middleCols(k, some));
+    }
+    return out.selfadjointView<Eigen::Lower>();
+  }
+
+  /// B', A_b + B A_f B', and e.
   void take_transfer() {
     if (transfer_.size() > 0) return;
     transfer_.resize(count_, to_free_.cols());
     for (Index k = 0; k < transfer_.cols(); k += at_once) {
       const Index some = std::min(at_once, transfer_.cols() - k);
-      transfer_.middleCols(k, some) = solved(to_free_.middleCols(k, some));
+      transfer_.middleCols(k, some) = solved(Eigen::MatrixXd(to_free_.middleCols(k, some)));
     }
-    second_ = transfer_.transpose() * free_.asDiagonal() * transfer_;
+    second_ = between_held([](const Eigen::MatrixXd& weighed) { return weighed; });
     second_.diagonal() += held_;
     of_held_ = known_(beside_, Eigen::all) - transfer_.transpose() * known_.middleRows(first_, count_);
   }
@@ -155,14 +181,10 @@ private:
   Eigen::MatrixXd least_third() {
     take_transfer();
     const Index n = to_free_.cols();
-    Eigen::MatrixXd third(n, n);  // B A_f S_ff^-1 A_f B'
-    for (Index k = 0; k < n; k += at_once) {
-      const Index some = std::min(at_once, n - k);
-      const Eigen::MatrixXd weighed = free_.asDiagonal() * transfer_.middleCols(k, some);
-      third.middleCols(k, some) = transfer_.transpose() * (free_.asDiagonal() * solved(weighed));
-    }
+    const Eigen::MatrixXd third =
+        between_held([&](const Eigen::MatrixXd& weighed) -> Eigen::MatrixXd { return free_.asDiagonal() * solved(weighed); });
     Eigen::MatrixXd system(2 * n, 2 * n), right(2 * n, 3);
-    system << -third, second_, second_, among_ - to_free_.transpose() * transfer_;
+    system << -third, second_, second_, among_ - Eigen::MatrixXd(to_free_.transpose() * transfer_);
     right << of_held_, -(beyond_ * (areas_.cwiseInverse().asDiagonal() * known_));
     const Eigen::MatrixXd found = SquareSystem(system).solve(right);
     return solved(free_.asDiagonal() * (transfer_ * found.topRows(n))) - transfer_ * found.bottomRows(n);
@@ -174,7 +196,8 @@ private:
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> turn_;  // to the order of elimination
   Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
   bool regular_ = false;
-  Eigen::MatrixXd to_free_, among_;
+  Sparse to_free_;  // S of the free ones by those beside
+  Eigen::MatrixXd among_;
   Eigen::SparseMatrix<double, Eigen::RowMajor> beyond_;  // S of those beside by all that is farther off
   Points known_, from_held_;                             // S x of what is held, and what it makes of the free ones
   Eigen::MatrixXd transfer_, second_, of_held_;
