@@ -403,7 +403,8 @@ TEST_CASE("a single row is no fill where the mesh joins what it would join") {
 }
 
 TEST_CASE("rows are taken where they are off by less than a quarter of what they miss", "[thresholds]") {
-  const Mesh mesh{(Points(2, 3) << 0, 0, 0, 3, 4, 0).finished(), {}};
+  const Points ends = (Points(2, 3) << 0, 0, 0, 3, 4, 0).finished();
+  const Mesh mesh{ends, {}};
   Fill rows, other;
   rows.rim = {0, 1};
   rows.vertices = Points::Zero(1, 3);
@@ -420,7 +421,8 @@ TEST_CASE("rows are taken where they are off by less than a quarter of what they
 
 TEST_CASE("of rows that are off by a billionth of the hole and a fill that says it is off by less the rows are taken",
           "[thresholds]") {
-  const Mesh mesh{(Points(2, 3) << 0, 0, 0, 3, 4, 0).finished(), {}};
+  const Points ends = (Points(2, 3) << 0, 0, 0, 3, 4, 0).finished();
+  const Mesh mesh{ends, {}};
   Fill rows, other;
   rows.rim = {0, 1};
   rows.vertices = Points::Zero(1, 3);
