@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <ranges>
 #include <vector>
 
@@ -81,6 +82,37 @@ bool surely_unfolded(const Places& at, const Faces& faces, std::span<const FaceB
   });
 }
 
+bool are_apart(const Vec3& a, const Vec3& b, double degrees) {
+  return a.stableNormalized().dot(b.stableNormalized()) < std::cos(degrees * M_PI / 180);
+}
+
+bool is_folded_over_one_beside(const Mesh& mesh, const Connectivity& around, Index face) {
+  const Vec3 own = area_vector(mesh, face);
+  const auto corners = std::views::iota(around.faces().offsets[face], around.faces().offsets[face + 1]);
+  return std::ranges::any_of(corners, [&](Connectivity::Corner c) {
+    const auto beside = around.edge(around.next(c), around.faces().corners[c]);
+    return beside && are_apart(own, area_vector(mesh, around.face(*beside)), folded_degrees);
+  });
+}
+
+/// From what the other faces at its vertices are together.
+bool turns_from_those_around(const Mesh& mesh, const Connectivity& around, Index face) {
+  std::vector<Index> others;
+  for (Index v : around.faces()[face])
+    for (Connectivity::Corner c : around.at(v))
+      if (around.face(c) != face) others.push_back(around.face(c));
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  Vec3 way = Vec3::Zero();
+  double areas = 0;
+  for (Index other : others) {
+    const Vec3 area = area_vector(mesh, other);
+    way += area;
+    areas += area.norm();
+  }
+  return way.norm() > agree * areas && are_apart(area_vector(mesh, face), way, turned_degrees);
+}
+
 }  // namespace
 
 std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
@@ -111,36 +143,11 @@ std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& 
 
 std::vector<char> turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   std::vector<char> out;
-  std::vector<Index> others;
   for (const std::vector<Index>& loop : loops)
     for (std::size_t k = 0; k < loop.size(); ++k) {
-      out.push_back(0);
       const auto corner = around.edge(loop[(k + 1) % loop.size()], loop[k]);
-      if (!corner) continue;
-      const Index face = around.face(*corner);
-      others.clear();
-      for (Index v : around.faces()[face])
-        for (Connectivity::Corner c : around.at(v))
-          if (around.face(c) != face) others.push_back(around.face(c));
-      std::sort(others.begin(), others.end());
-      others.erase(std::unique(others.begin(), others.end()), others.end());
-      Vec3 way = Vec3::Zero();
-      double areas = 0;
-      for (Index other : others) {
-        const Vec3 area = area_vector(mesh, other);
-        way += area;
-        areas += area.norm();
-      }
-      if (!(way.norm() > agree * areas)) continue;
-      const Vec3 own = area_vector(mesh, face).stableNormalized();
-      const auto is_folded_over = [&](Connectivity::Corner c) {
-        const auto other = around.edge(around.next(c), around.faces().corners[c]);
-        return other &&
-               own.dot(area_vector(mesh, around.face(*other)).stableNormalized()) < std::cos(folded_degrees * M_PI / 180);
-      };
-      const auto corners = std::views::iota(around.faces().offsets[face], around.faces().offsets[face + 1]);
-      out.back() =
-          own.dot(way.stableNormalized()) < std::cos(turned_degrees * M_PI / 180) && std::ranges::any_of(corners, is_folded_over);
+      const std::optional<Index> face = corner ? std::optional(around.face(*corner)) : std::nullopt;
+      out.push_back(face && is_folded_over_one_beside(mesh, around, *face) && turns_from_those_around(mesh, around, *face));
     }
   return out;
 }

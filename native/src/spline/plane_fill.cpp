@@ -175,8 +175,8 @@ Eigen::VectorXd distances(const Disc& disc) {
 }
 
 /// The best spread samples, rows of the disc's vertices and of the points on its edges: all of the rim if there are not too many, then
-/// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim has
-/// more of them than samples, all others would be of the rim too, and the slope beside it unseen. In an order of which every k-th is spread over all.
+/// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim has more of them
+/// than samples, all others would be of the rim too, and the slope beside it unseen. In an order of which every k-th is spread over all.
 std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim) {
   const Points points = with_points_on_edges(disc, disc.points);
   const Eigen::VectorXd distance = distances(disc);
