@@ -279,16 +279,6 @@ def test_a_rim_that_noise_throws_about_is_filled_with_vertices_inside(noise, see
     assert len(fill.deviation) == len(fill.vertices) and (fill.deviation > 0).all()
 
 
-@pytest.mark.parametrize(("noise", "seed"), [(0.25, 23), (0.3, 12), (0.4, 6), (0.4, 33)])
-def test_a_surface_that_folds_no_more_than_plain_triangles_do_is_taken(noise, seed):
-    """Triangles of the rim that cross fold less than those that do not: the surface need not fold less than these."""
-    vertices, faces = irregular(hill, n=20, noise=noise, seed=seed)
-    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
-    assert len(fill.vertices) > 10 and not any("plain triangles" in warning for warning in fill.report.warnings)
-    assert 2 <= fill.report.triangles_folded <= fill.report.rim_folded and not fill.report.crosses_itself
-    assert np.sqrt((off(fill, hill) ** 2).mean()) < 0.05
-
-
 def test_a_half_ball_under_noise_knows_that_its_layout_is_a_guess():
     """Pooled over balls turned in eight ways; what the fill errs is in the plane that it is laid into too."""
     inside, places = [], 0

@@ -901,8 +901,6 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   for (const Triangles* triangles : {&rough.crossing, &rough.triangles}) {
     if (fill.surface || triangles->empty()) continue;
     rim.rough = *triangles;
-    if (triangles == &rough.triangles)
-      rim.folds = rim.own_folds;  // as many as the plain fill has, though those that cross have fewer
     rim.area = area_of(rim.points, rim.rough);
     fill = likeliest(mesh, around, loops, options, rim, best);
   }
