@@ -272,8 +272,9 @@ def test_a_rim_that_noise_throws_about_is_filled_with_vertices_inside(noise, see
     """The field through all rings would fold over the mesh at the rim; plain triangles would cut the top of the hill off."""
     vertices, faces = irregular(hill, noise=noise, seed=seed)
     fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
-    assert len(fill.vertices) > 10 and len(fill.report.warnings) == 1
-    assert ("bend as little as they can" in fill.report.warnings[0]) == (seed == 11)
+    plainer = [warning for warning in fill.report.warnings if "folded over those around" not in warning]
+    assert len(fill.vertices) > 10 and fill.report.warnings and len(plainer) <= 1
+    assert any("bend as little as they can" in warning for warning in plainer) == (seed == 11)
     assert fill.report.triangles_folded <= fill.report.rim_folded
     assert np.sqrt((off(fill, hill) ** 2).mean()) < 0.05
     assert len(fill.deviation) == len(fill.vertices) and (fill.deviation > 0).all()
