@@ -14,10 +14,10 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// Where the square of a triangle's longest edge is more times twice its area, all of its angles are taken for those of one so much
-/// thicker, so that the energy of each is positive. In 170 holes that booleans cut into cones, cylinders, bevels and heads fills with 5 and 15
-/// are .92 times as far off, in the geometric mean, as those with 100. Areas of vertices are no less than this share of the mean triangle's.
-constexpr double steepest = 15, least_area = 1e-3;
+/// The largest cotangent, of half a degree: triangles whose area says more are taken for that much thicker, all three of their angles, so
+/// that the energy of each is positive. Areas of vertices are no less than this share of the mean triangle's. Else they come of triangles
+/// that are all but an edge.
+constexpr double steepest = 100, least_area = 1e-3;
 
 /// Weights of the edges and areas of the vertices of some triangles.
 struct Measures {
