@@ -7,6 +7,7 @@
 #include <ranges>
 #include <vector>
 
+#include "tripatch/math/angle.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/ties.h"
@@ -82,16 +83,12 @@ bool surely_unfolded(const Places& at, const Faces& faces, std::span<const FaceB
   });
 }
 
-bool are_apart(const Vec3& a, const Vec3& b, double degrees) {
-  return a.stableNormalized().dot(b.stableNormalized()) < std::cos(degrees * M_PI / 180);
-}
-
 bool is_folded_over_one_beside(const Mesh& mesh, const Connectivity& around, Index face) {
   const Vec3 own = area_vector(mesh, face);
   const auto corners = std::views::iota(around.faces().offsets[face], around.faces().offsets[face + 1]);
   return std::ranges::any_of(corners, [&](Connectivity::Corner c) {
     const auto beside = around.edge(around.next(c), around.faces().corners[c]);
-    return beside && are_apart(own, area_vector(mesh, around.face(*beside)), folded_degrees);
+    return beside && degrees_between(own, area_vector(mesh, around.face(*beside))) > folded_degrees;
   });
 }
 
@@ -110,7 +107,7 @@ bool turns_from_those_around(const Mesh& mesh, const Connectivity& around, Index
     way += area;
     areas += area.norm();
   }
-  return way.norm() > agree * areas && are_apart(area_vector(mesh, face), way, turned_degrees);
+  return way.norm() > agree * areas && degrees_between(area_vector(mesh, face), way) > turned_degrees;
 }
 
 }  // namespace
