@@ -50,6 +50,26 @@ TEST_CASE("a border is outer that as a whole turns by a quarter of a circle the 
   CHECK(outer(belt(60, 120)) == std::vector<char>{0, 0});
 }
 
+TEST_CASE("a hole that was cut into a few large faces is no outer border, although they are not convex beside it") {
+  constexpr Index edges = 8;  // of each quarter of the hole
+  Model plate;
+  plate.vertices.resize(4 * edges + 4, 3);
+  for (Index k = 0; k < 4 * edges; ++k) {
+    const double a = 2 * M_PI * static_cast<double>(k) / (4 * edges);
+    plate.vertices.row(k) << std::cos(a), std::sin(a), 0;
+  }
+  for (Index i = 0; i < 4; ++i) {
+    const double a = M_PI / 2 * static_cast<double>(i);
+    plate.vertices.row(4 * edges + i) << 3 * std::cos(a), 3 * std::sin(a), 0;
+  }
+  for (Index i = 0; i < 4; ++i) {
+    std::vector<Index> face = {4 * edges + i, 4 * edges + (i + 1) % 4};
+    for (Index k = edges; k >= 0; --k) face.push_back((i * edges + k) % (4 * edges));
+    plate.faces.add(face);
+  }
+  for (const Border& border : borders_of(plate.mesh())) CHECK(border.outer == (border.loop.size() == 4));
+}
+
 TEST_CASE("an outer border counts where the mesh has no other") {
   Model m = belt(10, 60);
   const Index n = m.vertices.rows();

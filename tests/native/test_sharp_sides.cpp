@@ -81,6 +81,28 @@ TEST_CASE("sides of one edge are called sharp between walls, of two where all ar
   for (double angle : angles({0, 0, 0}, 2)) CHECK(angle > 60);
 }
 
+TEST_CASE("three faces that reach around a hole, as those of a coarse bevel around a corner, are no walls beside it") {
+  constexpr Index edges = 8, n = 3 * edges;
+  constexpr double steep = 1;
+  Points vertices(2 * n, 3);
+  for (Index k = 0; k < n; ++k) {
+    const double a = 2 * std::numbers::pi * static_cast<double>(k) / n,
+                 middle = std::numbers::pi / 3 * static_cast<double>(2 * (k / edges) + 1);
+    const Vec3 rim(std::cos(a), std::sin(a), -steep * std::cos(a - middle));
+    vertices.row(k) = rim;
+    vertices.row(n + k) = 2 * rim;
+  }
+  Faces faces;
+  std::vector<Index> rim;
+  for (Index k = 0; k < n; ++k) {
+    const Index next = (k + 1) % n;
+    faces.add(std::array<Index, 4>{next, k, n + k, n + next});
+    rim.push_back(k);
+  }
+  const Mesh mesh{vertices, faces};
+  CHECK_FALSE(any_sharp(sharp_sides(mesh, Connectivity(mesh), rim, std::array<Index, 3>{0, edges, 2 * edges})));
+}
+
 TEST_CASE("the corners of a hole between walls are found in the plane of its rim") {
   const std::vector<Eigen::Vector2d> square = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   for (const auto& corners : {triangle, square}) {

@@ -8,6 +8,7 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
 namespace {
@@ -16,20 +17,27 @@ using Loop = std::vector<Index>;
 
 constexpr double normal_share = 1.0 / 3;  ///< of the window: where the tangent plane is read
 
-/// Normals along the rim: those of the vector area of the faces around, summed over the window. That is linear in the vertices, so that
-/// noise cancels even where it turns faces over.
+/// Twice the vector area of the triangle at a corner of a face, to the side of the whole face's: where a face is not convex, as beside a
+/// hole that was cut into it, corners turn the other way.
+Vec3 area_at_corner(const Mesh& mesh, const Connectivity& around, Connectivity::Corner c, Index v, double scale) {
+  const auto p = mesh.vertices.row(v);
+  const Vec3 a = (mesh.vertices.row(around.next(c)) - p).transpose() * scale;
+  const Vec3 b = (mesh.vertices.row(around.previous(c)) - p).transpose() * scale;
+  const Vec3 area = a.cross(b);
+  const Index face = around.face(c);
+  if (mesh.faces[face].size() == 3) return area;
+  return area.dot(area_vector(mesh, face)) < 0 ? Vec3(-area) : area;
+}
+
+/// Normals along the rim: those of the vector area of the faces around, summed over the window. That of triangles is linear in the
+/// vertices, so that noise cancels even where it turns faces over.
 Points rim_normals(const Mesh& mesh, const Connectivity& around, const Loop& rim, const std::vector<double>& length,
                    double scale) {
   const Index n = static_cast<Index>(rim.size());
   const double window = normal_share * window_share * std::accumulate(length.begin(), length.end(), 0.0);
   Points area = Points::Zero(n, 3);
   for (Index k = 0; k < n; ++k)
-    for (const Connectivity::Corner c : around.at(rim[k])) {
-      const auto p = mesh.vertices.row(rim[k]);
-      const Vec3 a = (mesh.vertices.row(around.next(c)) - p).transpose() * scale;
-      const Vec3 b = (mesh.vertices.row(around.previous(c)) - p).transpose() * scale;
-      area.row(k) += a.cross(b);
-    }
+    for (const Connectivity::Corner c : around.at(rim[k])) area.row(k) += area_at_corner(mesh, around, c, rim[k], scale);
   // running sums over three rounds
   std::vector<double> s(3 * n, 0);
   Points sum = Points::Zero(3 * n + 1, 3);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <queue>
 #include <string>
@@ -34,6 +35,17 @@ constexpr double least_upright = 70, least_apart = 55;
 constexpr double tells_plane = 0.2;
 /// Degrees between two faces from which on the surface is not the same one, as for features across holes.
 constexpr double crease = 25;
+
+/// Radians by which the sides of a hole together turn in the surroundings from which on these reach around it: a half turn.
+constexpr double turns_around = std::numbers::pi;
+
+/// Whether the sides between the corners turn to the hole in the planes beside them, as the rim of a hole in one surface does. Walls meet
+/// it at straight sides, or at the ends of tongues.
+bool reach_around(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, std::span<const Index> places) {
+  std::vector<double> turn = measure(mesh, around, rim).turn;
+  for (Index k : places) turn[static_cast<std::size_t>(k)] = 0;
+  return std::accumulate(turn.begin(), turn.end(), 0.0) > turns_around;
+}
 
 /// A side as its ends show it.
 struct SideEnd {
@@ -108,7 +120,7 @@ std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, co
   const std::size_t sides = places.size();
   const Index n = static_cast<Index>(rim.size());
   std::vector<double> angles(sides, 0.0);
-  if (sides < 2 || zigzag(mesh, rim, places) > smooth_sides) return angles;
+  if (sides < 2 || zigzag(mesh, rim, places) > smooth_sides || reach_around(mesh, around, rim, places)) return angles;
   std::vector<SideEnd> first, last;
   bool any_short = false;
   for (std::size_t i = 0; i < sides; ++i) {
