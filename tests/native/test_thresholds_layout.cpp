@@ -163,7 +163,7 @@ TEST_CASE("cotangents are a hundred at most, and areas a thousandth of the mean 
           "[thresholds]") {
   for (const double near : {0.02, 0.008}) {  // cotangents of 60 and 160 where two vertices nearly fall together
     const auto [x, triangles] = fan(near);
-    const Points moved = *least_bent(x, triangles, 0, 1, 1);
+    const Points moved = *least_bent(x, triangles, {}, 0, 1, 1);
     const Points all = (Points(17, 3) << moved, x.bottomRows(16)).finished();
     const Laplacian own(x, triangles, 100, 1e-3);
     CHECK((own.energy(1).row(0) * all).norm() < 1e-12 * own.energy(1).row(0).norm());
@@ -176,7 +176,7 @@ TEST_CASE("cotangents are a hundred at most, and areas a thousandth of the mean 
     x.conservativeResize(18, 3);
     for (const Index v : {1, 2}) x.row(v) = x.row(0) + size * (x.row(v) - x.row(0));
     x.row(17) = (x.row(0) + x.row(1) + x.row(2)) / 3;
-    const Points moved = *least_bent(x, triangles, 17, 1, 2);
+    const Points moved = *least_bent(x, triangles, {}, 17, 1, 2);
     const Points all = (Points(18, 3) << x.topRows(17), moved).finished();
     const Laplacian own(x, triangles, 100, 1e-3);
     CHECK((own.energy(2).row(17) * all).norm() < 1e-12 * own.energy(2).row(17).norm());
@@ -194,7 +194,7 @@ TEST_CASE("the second model has a quarter of the triangles whose bending varies 
   for (std::array<Index, 3>& t : rows)
     for (Index& v : t) v = (v + 16) % 17;
   const SecondModel model = *second_model(turned, rows, none, {2, 3});
-  const Points bends = *least_bent(turned, rows, 16, 1, 2), varies = *least_bent(turned, rows, 16, 1, 3);
+  const Points bends = *least_bent(turned, rows, {}, 16, 1, 2), varies = *least_bent(turned, rows, {}, 16, 1, 3);
   REQUIRE((bends - varies).norm() > 1e-6);
   CHECK((model.vertices - (0.75 * bends + 0.25 * varies)).norm() < 1e-12);
   CHECK((model.apart - std::sqrt(0.75 * 0.25) * (varies - bends)).norm() < 1e-12);

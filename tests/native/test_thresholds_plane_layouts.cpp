@@ -205,8 +205,8 @@ TEST_CASE("a fill that runs on like the end of a fillet is held back from a fift
 
 TEST_CASE("a fill through noise of 0.15 edges and more is not held back", "[thresholds]") {
   double below = 0, above = 1;
-  for (double rough = 0.25; rough < 0.31; rough += 0.005) {
-    const Fillet one(22, 120, 2, rough);
+  for (double rough = 0.22; rough < 0.28; rough += 0.005) {
+    const Fillet one(24, 120, 2, rough);
     CHECK(one.least_bent > 0.22);
     CHECK(one.is_held_back() == (one.noise < 0.15));
     (one.is_held_back() ? below : above) = one.is_held_back() ? std::max(below, one.noise) : std::min(above, one.noise);

@@ -5,6 +5,8 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
@@ -18,33 +20,53 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// that the energy of each is positive. Areas of vertices are no less than this share of the mean triangle's. Else they come of triangles
 /// that are all but an edge.
 constexpr double steepest = 100, least_area = 1e-3;
+/// Areas of vertices where a fill meets its surroundings, over those of the fill's triangles alone: the planes of these surroundings are
+/// those of single triangles. With 1 cages that end at wide bevels go on as those leave, with 2 at narrow ones; 1.3 to 2 leave 60 rough
+/// holes equally near to what was there, with 3 they are 2% farther.
+constexpr double softness_of_planes = 1.5;
 
-/// Weights of the edges and areas of the vertices of some triangles.
+/// Of some triangles.
 struct Measures {
-  std::vector<Eigen::Triplet<double>> weights;  // entries of the Laplacian, positive on its diagonal
-  Eigen::VectorXd areas;                        // over the mean triangle's
+  Sparse stiffness;       ///< the Laplacian by cotangents, positive on its diagonal
+  Eigen::VectorXd areas;  ///< of the vertices
 };
 
 Measures measured(const Points& points, const std::vector<std::array<Index, 3>>& triangles) {
-  Measures out;
-  out.areas = Eigen::VectorXd::Zero(points.rows());
-  double sum = 0;
+  std::vector<Eigen::Triplet<double>> weights;
+  Measures out{Sparse(points.rows(), points.rows()), Eigen::VectorXd::Zero(points.rows())};
   for (const std::array<Index, 3>& t : triangles) {
     const Vec3 p[3] = {points.row(t[0]), points.row(t[1]), points.row(t[2])};
     const double twice = (p[1] - p[0]).cross(p[2] - p[0]).norm();
     const double longest = std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
     const double thick = std::max({twice, longest / steepest, 1e-300});
-    sum += twice / 2;
     for (int k = 0; k < 3; ++k) {
       const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
       const double cotangent = u.dot(v) / thick / 2;
       const int a = static_cast<int>(t[(k + 1) % 3]), b = static_cast<int>(t[(k + 2) % 3]);
-      out.weights.insert(out.weights.end(), {{a, b, -cotangent}, {b, a, -cotangent}, {a, a, cotangent}, {b, b, cotangent}});
+      weights.insert(weights.end(), {{a, b, -cotangent}, {b, a, -cotangent}, {a, a, cotangent}, {b, b, cotangent}});
       out.areas[t[k]] += twice / 6;
     }
   }
-  const double mean = std::max(sum, 1e-300) / static_cast<double>(std::max<std::size_t>(triangles.size(), 1));
-  out.areas = (out.areas / mean).cwiseMax(least_area);
+  out.stiffness.setFromTriplets(weights.begin(), weights.end());
+  return out;
+}
+
+/// Of vertices of the border of the fill's triangles: the sum of half of the border's edges there, each as long as it is and turned outward
+/// in the plane of the triangle beyond. Of a flat fill in a flat mesh it is the fill's S x.
+Points turned_outward(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+                      const std::vector<std::array<Index, 3>>& around) {
+  std::set<std::pair<Index, Index>> beyond;  // directed as the triangles around have them
+  for (const std::array<Index, 3>& t : triangles)
+    for (int k = 0; k < 3; ++k) beyond.emplace(t[(k + 1) % 3], t[k]);
+  Points out = Points::Zero(points.rows(), 3);
+  for (const std::array<Index, 3>& t : around)
+    for (int k = 0; k < 3; ++k) {
+      const Index a = t[k], b = t[(k + 1) % 3];
+      if (!beyond.contains({a, b})) continue;
+      const Vec3 edge = points.row(b) - points.row(a), to = points.row(t[(k + 2) % 3]) - points.row(a);
+      const Vec3 normal = edge.cross(to).stableNormalized();
+      for (Index v : {a, b}) out.row(v) += normal.cross(edge) / 2;
+    }
   return out;
 }
 
@@ -54,24 +76,31 @@ constexpr Index at_once = 32;
 /// Least energies of increasing orders, of the same free vertices. With the Laplacian S, positive on its diagonal, and the areas A the
 /// energies are x' S x, w' w / A of w = S x, and v' S v of v = w / A. Matrices of the higher two have the condition of S squared and
 /// cubed, beyond all digits where triangles are thin. But w of the free vertices (f) may be anything: it says x, and with it w of those
-/// beside them (b), which are held, w_b = B w_f + e with B = S_bf / S_ff. So what is left has an unknown or two for each of these
+/// beside them (b), which are held, w_b = B w_f + e with B = S_bf / S_ff. There w takes nothing from the triangles around but the planes in
+/// which these go on across the rim, as of a plate that is clamped: with their own bend, which no fill changes, 334 fills of holes cut by
+/// booleans are 6% farther from what was there, 60 of rough ones 3%. So what is left has an unknown or two for each of those vertices
 /// (multipliers m of those equations, and v_b), and S_ff alone is factored.
 class Bending {
 public:
-  Bending(const Points& points, const std::vector<std::array<Index, 3>>& triangles, Index first, Index count)
+  Bending(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+          const std::vector<std::array<Index, 3>>& around, Index first, Index count)
       : first_(first), count_(count), areas_(points.rows()) {
-    Measures measures = measured(points, triangles);
-    Sparse stiffness(points.rows(), points.rows());
-    stiffness.setFromTriplets(measures.weights.begin(), measures.weights.end());
-    areas_ = std::move(measures.areas);
+    const Measures own = measured(points, triangles), beyond = measured(points, around);
+    const Sparse stiffness = own.stiffness + beyond.stiffness;
+    const double mean = std::max((own.areas + beyond.areas).sum(), 1e-300) /
+                        static_cast<double>(std::max<std::size_t>(triangles.size() + around.size(), 1));
+    const auto over_mean = [&](const Eigen::VectorXd& areas) { return (areas / mean).cwiseMax(least_area).eval(); };
+    areas_ = over_mean(own.areas + beyond.areas);
     beside_ = held_beside(stiffness);
     free_ = areas_.segment(first, count);
-    held_ = areas_(beside_);
+    held_ = over_mean((beyond.areas.array() > 0).select(softness_of_planes * own.areas, own.areas))(beside_);
     factor(stiffness.block(first, first, count, count));
     take_blocks(stiffness);
     Points held = points;
     held.middleRows(first, count).setZero();
     known_ = stiffness * held;
+    const Points clamped = own.stiffness * held - turned_outward(points, triangles, around);
+    known_(beside_, Eigen::all) = clamped(beside_, Eigen::all);
     if (solver_.info() != Eigen::Success) return;
     from_held_ = solved(known_.middleRows(first, count));
     regular_ = from_held_.allFinite();
@@ -225,9 +254,9 @@ constexpr double least_of_details = 0.2;
 
 }  // namespace
 
-std::optional<Points> least_bent(const Points& points, const std::vector<std::array<Index, 3>>& triangles, Index first,
-                                 Index count, int order) {
-  return Bending(points, triangles, first, count).least(order);
+std::optional<Points> least_bent(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+                                 const std::vector<std::array<Index, 3>>& around, Index first, Index count, int order) {
+  return Bending(points, triangles, around, first, count).least(order);
 }
 
 double share_of_details(double noise, double left_by_reference) {
@@ -247,18 +276,21 @@ double share_of_second(const FieldFindings& s) {
 }
 
 std::optional<SecondModel> second_model(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
-                                        const Disc& disc, const std::vector<int>& orders) {
+                                        const Disc& disc, const std::vector<int>& orders, bool keep_planes) {
   const Index r = disc.rim, made = points.rows();
   Points all(made + disc.points.rows() - r, 3);
   all << points, disc.points.bottomRows(disc.points.rows() - r);
-  std::vector<std::array<Index, 3>> both = triangles;
-  for (std::array<Index, 3> t : disc.triangles) {
+  std::vector<std::array<Index, 3>> around = disc.triangles;
+  for (std::array<Index, 3>& t : around)
     for (Index& v : t)
       if (v >= r) v += made - r;
-    both.push_back(t);
-  }
   std::vector<Points> found;
-  Bending bending(all, both, r, made - r);
+  std::vector<std::array<Index, 3>> own = triangles;
+  if (!keep_planes) {
+    own.insert(own.end(), around.begin(), around.end());
+    around.clear();
+  }
+  Bending bending(all, own, around, r, made - r);
   for (int order : orders)
     if (const std::optional<Points> each = bending.least(order)) found.push_back(*each);
   if (found.empty()) return {};

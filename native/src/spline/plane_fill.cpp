@@ -449,19 +449,27 @@ Index most_folds(const Rim& rim, const Attempt& result) {
   return rim.folds + static_cast<Index>(rim.turned_over.size()) - over_turned;
 }
 
-/// The average with the second model where the surroundings are rough. As it was where that leaves the rim or folds more.
+/// The average with the second model where the surroundings are rough: with one that keeps the planes beside the rim, or, where that
+/// folds more than the rim, with one that need not. As it was where that leaves the rim or folds more.
 void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   const double share = share_of_second({result.field->noise() / std::max(rim.edge, 1e-300), result.field->roughness(),
                                         details_in(result), result.field->mean_order(), result.fed_back > 0});
   const Index r = disc.rim, added = result.made.points.rows() - r;
   if (share < least_share_of_second || added == 0 || r > long_rim || disc.triangles.empty() || result.met) return;
-  const std::optional<SecondModel> second = second_model(result.made.points, result.made.triangles, disc, {2, 3});
-  if (!second) return;
-  Attempt average = result;
-  if (!take_second(rim, *second, share, average)) return;
-  const Index folds = folded_edges(average.made.points, average.made.triangles, rim.beyond);
-  if (folds <= most_folds(rim, average) || folds <= folded_edges(result.made.points, result.made.triangles, rim.beyond))
-    result = std::move(average);
+  const auto folds_of = [&](const Attempt& each) { return folded_edges(each.made.points, each.made.triangles, rim.beyond); };
+  Attempt best = result;
+  Index fewest = folds_of(result) + 1;
+  for (const bool keep_planes : {true, false}) {
+    const std::optional<SecondModel> second = second_model(result.made.points, result.made.triangles, disc, {2, 3}, keep_planes);
+    Attempt average = result;
+    if (!second || !take_second(rim, *second, share, average)) continue;
+    const Index folds = folds_of(average), most = most_folds(rim, average);
+    if (folds > most && folds >= fewest) continue;
+    best = std::move(average);
+    fewest = folds;
+    if (folds <= most) break;
+  }
+  result = std::move(best);
 }
 
 /// Whether an attempt crosses itself where it need not.
@@ -511,14 +519,21 @@ Disc with_two_rings(const Mesh& mesh, const Connectivity& continued, const std::
   return disc.rings < 2 ? disc_around(mesh, continued, loops, 0, 2) : disc;
 }
 
+/// Orders of a second model, and whether it keeps the planes beside the rim.
+struct Bends {
+  std::vector<int> orders;
+  bool keep_planes = true;
+};
+
 /// The second model by itself where the field folds: on meshes whose noise is a third of an edge the field passes the rim's vertices so
-/// far off that its triangles fold back over the mesh. False, and as it was, where this folds more than the rim too.
+/// far off that its triangles fold back over the mesh, and so may those that keep the planes beside the rim, which are noise. False, and
+/// as it was, where this folds more than the rim too.
 bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
   if (disc.triangles.empty() || result.made.points.rows() == disc.rim || result.met) return false;
-  for (const std::vector<int>& orders : {std::vector<int>{2, 3}, {2}, {1}}) {
+  for (const auto& [orders, keep_planes] : {Bends{{2, 3}}, {{2}}, {{2, 3}, false}, {{2}, false}, {{1}}}) {
     Attempt alone = result;
     for (int round = 0; round < 2; ++round) {  // the second by angles of triangles that do not fold
-      const std::optional<SecondModel> second = second_model(alone.made.points, alone.made.triangles, disc, orders);
+      const std::optional<SecondModel> second = second_model(alone.made.points, alone.made.triangles, disc, orders, keep_planes);
       if (!second || !take_second(rim, *second, 1, alone)) break;
       if (unfolded(rim, alone) > most_folds(rim, alone)) continue;
       if (folded_edges(alone.made.points, alone.made.triangles, {}) > rim.folds_of_plain) continue;

@@ -12,10 +12,12 @@ namespace tripatch {
 
 /// Positions of the rows first .. first + count - 1 of points (n x 3) at which the integral of the squared gradient of the coordinates
 /// (order 1), of their squared Laplacian (2) or of its squared gradient (3) is least, by cotangents and areas of the triangles as they
-/// lie (Pinkall and Polthier 1993). All other rows stay. The triangles around every vertex that so many edges as the order, less one,
-/// lead to from one of these rows must be given; more do not matter. Nothing where no numbers come of it.
-std::optional<Points> least_bent(const Points& points, const std::vector<std::array<Index, 3>>& triangles, Index first,
-                                 Index count, int order = 2);
+/// lie (Pinkall and Polthier 1993). All other rows stay. triangles: whose bending counts; around: those that they are to go on from in one
+/// plane across the edges where they meet, as a clamped plate does, and whose Laplacian the one at these edges is to vary little from.
+/// The triangles around every vertex that so many edges as the order, less one, lead to from one of these rows must be given; more do not
+/// matter. Nothing where no numbers come of it.
+std::optional<Points> least_bent(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+                                 const std::vector<std::array<Index, 3>>& around, Index first, Index count, int order = 2);
 
 /// How much of what a smooth reference leaves of the samples is details of the surface: 0 where all is noise, to 1 where none is.
 double share_of_details(double noise, double left_by_reference);
@@ -46,8 +48,9 @@ struct SecondModel {
 };
 
 /// Of a fill's points (the disc's rim first, then the new vertices) and triangles: positions of the new vertices by one or two orders.
-/// The disc has as many rings as the highest order less one, where there are so many. Nothing where no numbers come.
+/// The disc has as many rings as the highest order less one, where there are so many. keep_planes: of the disc's triangles beside the rim,
+/// as a clamped plate does; else these bend with the fill's. Nothing where no numbers come.
 std::optional<SecondModel> second_model(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
-                                        const Disc& disc, const std::vector<int>& orders);
+                                        const Disc& disc, const std::vector<int>& orders, bool keep_planes = true);
 
 }  // namespace tripatch
