@@ -86,8 +86,8 @@ TEST_CASE("three faces that reach around a hole, as those of a coarse bevel arou
   constexpr double steep = 1;
   Points vertices(2 * n, 3);
   for (Index k = 0; k < n; ++k) {
-    const double a = 2 * std::numbers::pi * static_cast<double>(k) / n,
-                 middle = std::numbers::pi / 3 * static_cast<double>(2 * (k / edges) + 1);
+    const double a = 2 * std::numbers::pi * static_cast<double>(k) / n;
+    const double middle = 2 * std::numbers::pi / 3 * (std::floor(static_cast<double>(k) / edges) + 0.5);
     const Vec3 rim(std::cos(a), std::sin(a), -steep * std::cos(a - middle));
     vertices.row(k) = rim;
     vertices.row(n + k) = 2 * rim;
