@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "tripatch/math/block_ldlt.h"
 #include "tripatch/math/interruption.h"
@@ -68,26 +69,31 @@ struct LayoutMesh {
 int next_in_triangle(int edge) { return edge % 3 == 2 ? edge - 2 : edge + 1; }
 
 /// Across edge k of triangle t the other triangle's edge, or -1. False where an edge is no manifold's.
-bool find_neighbors(const std::vector<Triangle>& triangles, std::vector<int>& across) {
-  std::vector<std::array<int, 3>> edges;
-  edges.reserve(3 * triangles.size());
-  for (int t = 0; t < static_cast<int>(triangles.size()); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const int a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      if (a == b) return false;
-      edges.push_back({std::min(a, b), std::max(a, b), 2 * (3 * t + k) + (a < b)});
-    }
-  std::sort(edges.begin(), edges.end());
+bool find_neighbors(const std::vector<Triangle>& triangles, int count, std::vector<int>& across) {
   across.assign(3 * triangles.size(), -1);
-  const auto same = [&](std::size_t i, std::size_t j) {
-    return j < edges.size() && edges[i][0] == edges[j][0] && edges[i][1] == edges[j][1];
-  };
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (!same(i, i + 1)) continue;
-    if (same(i, i + 2) || (edges[i][2] & 1) == (edges[i + 1][2] & 1)) return false;
-    across[edges[i][2] / 2] = edges[i + 1][2] / 2;
-    across[edges[i + 1][2] / 2] = edges[i][2] / 2;
-    ++i;
+  const auto ends = [&](int edge) { return std::minmax(triangles[edge / 3][edge % 3], triangles[edge / 3][(edge + 1) % 3]); };
+  std::vector<int> start(count + 1, 0);  // of the edges of each lower end
+  for (int edge = 0; edge < static_cast<int>(across.size()); ++edge) ++start[ends(edge).first + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<std::array<int, 2>> others(across.size());  // (higher end, edge)
+  std::vector<int> next(start.begin(), start.end() - 1);
+  for (int edge = 0; edge < static_cast<int>(across.size()); ++edge) {
+    const auto [low, high] = ends(edge);
+    if (low == high) return false;
+    others[next[low]++] = {high, edge};
+  }
+  for (int low = 0; low < count; ++low) {
+    const std::span<std::array<int, 2>> here(others.begin() + start[low], others.begin() + start[low + 1]);
+    std::sort(here.begin(), here.end());
+    const auto same = [&](std::size_t i, std::size_t j) { return j < here.size() && here[i][0] == here[j][0]; };
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      if (!same(i, i + 1)) continue;
+      const int one = here[i][1], other = here[i + 1][1];
+      if (same(i, i + 2) || triangles[one / 3][one % 3] == triangles[other / 3][other % 3]) return false;
+      across[one] = other;
+      across[other] = one;
+      ++i;
+    }
   }
   return true;
 }
@@ -142,13 +148,14 @@ std::optional<LayoutMesh> make_layout_mesh(const PointsRef& points, const std::v
   LayoutMesh disc;
   if (triangles.empty()) return std::nullopt;
   std::vector<Triangle> all;
+  all.reserve(triangles.size());
   for (const auto& t : triangles) {
     for (Index v : t)
       if (v < 0 || v >= points.rows()) throw InvalidArgument("triangles of rows that the points do not have");
     all.push_back({static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
   }
   std::vector<int> across;
-  if (!find_neighbors(all, across)) return std::nullopt;
+  if (!find_neighbors(all, static_cast<int>(points.rows()), across)) return std::nullopt;
   std::vector<char> reached(all.size(), 0);
   std::vector<int> open = {0};
   reached[0] = 1;
@@ -172,7 +179,7 @@ std::optional<LayoutMesh> make_layout_mesh(const PointsRef& points, const std::v
   }
   disc.real = disc.triangles.size();
 
-  find_neighbors(disc.triangles, across);
+  if (disc.real < all.size()) find_neighbors(disc.triangles, disc.count, across);
   std::vector<std::vector<int>> loops = border_loops(disc.triangles, across, disc.count);
   if (loops.empty()) return std::nullopt;
   std::size_t outer = 0;
@@ -192,7 +199,8 @@ std::optional<LayoutMesh> make_layout_mesh(const PointsRef& points, const std::v
     disc.filled.push_back(std::move(loops[l]));
   }
   disc.border = std::move(loops[outer]);
-  if (!find_neighbors(disc.triangles, across) || !fans_are_whole(disc.triangles, across, disc.count)) return std::nullopt;
+  if (!disc.filled.empty() && !find_neighbors(disc.triangles, disc.count, across)) return std::nullopt;
+  if (!fans_are_whole(disc.triangles, across, disc.count)) return std::nullopt;
   const auto border_edges = static_cast<std::size_t>(std::count(across.begin(), across.end(), -1));
   const std::size_t edges = (across.size() + border_edges) / 2;
   if (border_edges != disc.border.size() || disc.count + disc.triangles.size() != edges + 1) return std::nullopt;
@@ -249,18 +257,16 @@ public:
       if (!held[v]) row_[v] = count_++;
     if (count_ == 0) return;
     std::vector<Eigen::Triplet<double>> entries;
-    for_each_pair([&](int p, int q, std::size_t, int) {
-      entries.emplace_back(row_[p], row_[p], 0);
-      if (row_[q] >= 0 && row_[p] > row_[q]) entries.emplace_back(row_[p], row_[q], 0);
-    });
+    entries.reserve(static_cast<std::size_t>(count_) + 3 * disc.triangles.size());
+    for (int row = 0; row < count_; ++row) entries.emplace_back(row, row, 0);
+    for (const Triangle& t : disc.triangles)  // of two beside an edge each takes it in its own direction
+      for (int k = 0; k < 3; ++k)
+        if (const int p = t[k], q = t[(k + 1) % 3]; is_below(p, q)) entries.emplace_back(row_[p], row_[q], 0);
     laplacian_.resize(count_, count_);
     laplacian_.setFromTriplets(entries.begin(), entries.end());
-    const auto place = [&](int row, int column) {
-      return static_cast<int>(&laplacian_.coeffRef(row, column) - laplacian_.valuePtr());
-    };
     for_each_pair([&](int p, int q, std::size_t, int) {
-      own_.push_back(place(row_[p], row_[p]));
-      between_.push_back(row_[q] >= 0 && row_[p] > row_[q] ? place(row_[p], row_[q]) : -1);
+      own_.push_back(laplacian_.outerIndexPtr()[row_[p]]);
+      between_.push_back(is_below(p, q) ? static_cast<int>(&laplacian_.coeffRef(row_[p], row_[q]) - laplacian_.valuePtr()) : -1);
     });
     solver_.analyzePattern(laplacian_);
   }
@@ -288,6 +294,9 @@ public:
   }
 
 private:
+  /// Whether the entry of two vertices stands below the diagonal.
+  bool is_below(int row, int column) const { return row_[column] >= 0 && row_[row] > row_[column]; }
+
   /// Both ways along the triangles' edges, but for those from the border.
   template <class Use>
   void for_each_pair(const Use& use) const {
@@ -364,16 +373,19 @@ public:
     return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
   }
 
-  /// Scales uv to the least energy of all sizes.
-  void resize(PlanePoints& uv) const {
+  /// Scales uv to the least energy of all sizes; false where that is infinite.
+  bool resize(PlanePoints& uv) const {
     double squares = 0, inverse = 0;
     for (std::size_t t = 0; t < shapes_.size(); ++t) {
       const Matrix2 J = jacobian(t, uv);
       const double det = J.determinant(), square = shapes_[t].weight * J.squaredNorm();
+      if (!(det > 0)) return false;
       squares += square;
       inverse += square / (det * det);
     }
+    if (!std::isfinite(squares + inverse)) return false;
     uv *= std::pow(inverse / squares, 0.25);
+    return true;
   }
 
   /// Tutte's embedding, its weights made anew some times so that triangles that come out small get larger; of those that turn
@@ -386,11 +398,7 @@ public:
     for (int round = 0; round <= reweightings; ++round) {
       PlanePoints uv = system.solved(
           [&](std::size_t t, int k) { return conductance[t] * std::max(shapes_[t].cotangent[(k + 2) % 3], least_cotangent); });
-      double found = energy(uv);
-      if (std::isfinite(found)) {
-        resize(uv);
-        found = energy(uv);
-      }
+      const double found = resize(uv) ? energy(uv) : std::numeric_limits<double>::infinity();
       if (found < least) least = found, best = uv;
       if (round > 0 && best && !(found < enough_gained * previous)) break;
       previous = found;
@@ -468,14 +476,12 @@ private:
 
   /// An order of elimination for the vertices, and the pattern of the Hessian in it: a 2 x 2 block for each edge.
   void order() {
-    std::vector<std::array<int, 2>> pairs;
     std::vector<Eigen::Triplet<double>> ones;
-    for (const Triangle& t : disc_.triangles)
-      for (int k = 0; k < 3; ++k) {
-        const int a = t[k], b = t[(k + 1) % 3];
-        ones.emplace_back(a, b, 1);
-        ones.emplace_back(b, a, 1);
-      }
+    ones.reserve(3 * disc_.triangles.size() + disc_.border.size() + static_cast<std::size_t>(n_));
+    for (const Triangle& t : disc_.triangles)  // of two beside an edge each takes it in its own direction
+      for (int k = 0; k < 3; ++k) ones.emplace_back(t[k], t[(k + 1) % 3], 1);
+    for (std::size_t k = 0; k < disc_.border.size(); ++k)
+      ones.emplace_back(disc_.border[(k + 1) % disc_.border.size()], disc_.border[k], 1);
     for (int v = 0; v < n_; ++v) ones.emplace_back(v, v, 1);
     Sparse pattern(n_, n_);
     pattern.setFromTriplets(ones.begin(), ones.end());
@@ -501,16 +507,13 @@ private:
     gradient_.setZero(2 * n_);
     modes_.resize(shapes_.size());
     for (std::size_t t = 0; t < shapes_.size(); ++t) {
-      Eigen::Matrix<double, 6, 6> H;
-      Eigen::Matrix<double, 6, 1> g;
       modes_[t] = modes_of(t, uv);
-      local(t, g, H);
+      const Local local = local_of(t);
       for (int k = 0; k < 3; ++k) {
-        const int p = rank_[disc_.triangles[t][k]], next = (k + 1) % 3, q = rank_[disc_.triangles[t][next]];
-        gradient_.segment<2>(2 * p) += g.segment<2>(2 * k);
-        Eigen::Map<Matrix2>(hessian_.diagonal(p)) += H.block<2, 2>(2 * k, 2 * k);
-        const int high = p > q ? k : next, low = p > q ? next : k;
-        Eigen::Map<Matrix2>(hessian_.block(block_[3 * t + k])) += H.block<2, 2>(2 * high, 2 * low);
+        const int p = rank_[disc_.triangles[t][k]];
+        gradient_.segment<2>(2 * p) += local.gradient[k];
+        Eigen::Map<Matrix2>(hessian_.diagonal(p)) += local.own[k];
+        Eigen::Map<Matrix2>(hessian_.block(block_[3 * t + k])) += local.beside[k];
       }
     }
     double trace = 0;
@@ -554,17 +557,33 @@ private:
             {w * slope(s1), w * slope(s2)}};
   }
 
-  /// One triangle's gradient and Hessian by (u, v) of its corners.
-  void local(std::size_t t, Eigen::Matrix<double, 6, 1>& g, Eigen::Matrix<double, 6, 6>& H) const {
+  /// One triangle's gradient and Hessian by (u, v) of its corners: blocks on the diagonal, and those below it for each edge.
+  struct Local {
+    std::array<Vec2, 3> gradient;
+    std::array<Matrix2, 3> own, beside;
+  };
+
+  Local local_of(std::size_t t) const {
     const Modes& modes = modes_[t];
-    H.setZero();
-    g.setZero();
+    Local local;
+    local.gradient.fill(Vec2::Zero());
+    local.own.fill(Matrix2::Zero());
+    local.beside.fill(Matrix2::Zero());
     for (std::size_t m = 0; m < 4; ++m) {
-      Eigen::Matrix<double, 6, 1> d;
-      for (int k = 0; k < 3; ++k) d.segment<2>(2 * k) = modes.mode[m] * shapes_[t].gradient[k];
-      H += modes.value[m] * d * d.transpose();
-      if (m < 2) g += modes.slope[m] * d;
+      std::array<Vec2, 3> d, weighed;
+      for (int k = 0; k < 3; ++k) {
+        d[k] = modes.mode[m] * shapes_[t].gradient[k];
+        weighed[k] = modes.value[m] * d[k];
+        local.own[k] += weighed[k] * d[k].transpose();
+        if (m < 2) local.gradient[k] += modes.slope[m] * d[k];
+      }
+      for (int k = 0; k < 3; ++k) {
+        const int next = (k + 1) % 3;
+        const bool is_later = rank_[disc_.triangles[t][k]] > rank_[disc_.triangles[t][next]];
+        local.beside[k] += weighed[is_later ? k : next] * d[is_later ? next : k].transpose();
+      }
     }
+    return local;
   }
 
   /// The Hessian times a step, triangle by triangle: from how each is deformed by it, of which the matrix has lost digits where thin
