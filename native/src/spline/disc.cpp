@@ -115,15 +115,16 @@ private:
         if (std::exchange(taken_when_seen_[seen_.find(v)], now) == now) continue;  // nothing has changed since
         const int row = row_.find(v);
         if (row >= 0 && row < disc_.rim) continue;
-        int starts = 0, here = 0;
-        for (Connectivity::Corner c : around_.at(v)) {
+        const auto at = around_.at(v);
+        if (std::ranges::all_of(at, [&](Connectivity::Corner c) { return is_taken(around_.face(c)); })) continue;
+        int starts = 0;
+        for (Connectivity::Corner c : at) {
           if (!is_taken(around_.face(c))) continue;
-          ++here;
           // the face across the edge from v to the vertex after it
           const std::optional<Connectivity::Corner> across = around_.edge(around_.next(c), v);
           starts += !across || !is_taken(around_.face(*across));
         }
-        if (starts > 1 && here > 0)
+        if (starts > 1)
           for (Connectivity::Corner c : around_.at(v)) take(around_.face(c), faces);
       }
   }
@@ -179,7 +180,9 @@ private:
         for (Connectivity::Corner c : around_.at(v))
           for (Index w : {around_.next(c), around_.previous(c)}) {
             const int row = row_.find(w);
-            if (row >= 0 && disc_.distance[row] >= 0) best = std::min(best, disc_.distance[row] + (point(v) - point(w)).norm());
+            const bool is_looked_at = round > 0 && std::cmp_less(row, first);  // those before are as they were
+            if (row < 0 || is_looked_at || disc_.distance[row] < 0 || disc_.distance[row] >= best) continue;
+            best = std::min(best, disc_.distance[row] + (point(v) - point(w)).norm());
           }
         if (std::isfinite(best)) disc_.distance[k] = best;
       }

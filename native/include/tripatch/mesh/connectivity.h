@@ -33,17 +33,17 @@ public:
 
   /// The corners at a vertex, in the order of their faces.
   std::span<const Corner> at(Index v) const { return {corners_.get() + start_[v], corners_.get() + start_[v + 1]}; }
-  Index face(Corner c) const { return size_ > 0 ? c / size_ : face_[c]; }
+  Index face(Corner c) const { return size_ == 3 ? c / 3 : size_ > 0 ? c / size_ : face_[c]; }  // by a constant: a product
   /// Of a corner in its face.
-  Index place(Corner c) const { return c - faces_.offsets[face(c)]; }
+  Index place(Corner c) const { return c - of_face(c).first; }
   /// The vertices after and before a corner in its face.
   Index next(Corner c) const {
-    const Index f = face(c);
-    return faces_.corners[c + 1 < faces_.offsets[f + 1] ? c + 1 : faces_.offsets[f]];
+    const auto [first, end] = of_face(c);
+    return faces_.corners[c + 1 < end ? c + 1 : first];
   }
   Index previous(Corner c) const {
-    const Index f = face(c);
-    return faces_.corners[(c > faces_.offsets[f] ? c : faces_.offsets[f + 1]) - 1];
+    const auto [first, end] = of_face(c);
+    return faces_.corners[(c > first ? c : end) - 1];
   }
 
   /// That of two vertices with fewer faces: to look at for an edge.
@@ -58,6 +58,16 @@ public:
 
 private:
   Connectivity(const FacesRef& faces, Index vertices, std::span<const Index> replaced, std::vector<char> known);
+
+  /// The corners of a face from one of them: the first, and one past the last.
+  struct CornersOfFace {
+    Corner first, end;
+  };
+  CornersOfFace of_face(Corner c) const {
+    const Index f = face(c);
+    if (size_ > 0) return {static_cast<Corner>(f) * size_, static_cast<Corner>(f + 1) * size_};
+    return {static_cast<Corner>(faces_.offsets[f]), static_cast<Corner>(faces_.offsets[f + 1])};
+  }
 
   FacesRef faces_;
   Index vertices_ = 0;
