@@ -36,11 +36,18 @@ double polyharmonic_factor(int e) {
 int free_degree_of(double order) { return static_cast<int>(std::floor(order - 1 + 1e-9)); }
 int free_polynomials(double order) { return (free_degree_of(order) + 1) * (free_degree_of(order) + 2) / 2; }
 
-Eigen::MatrixXd polyharmonic_kernel(double order, const Eigen::MatrixXd& squared) {
+PlaneDistances::PlaneDistances(const PlanePoints& points, const PlanePoints& others)
+    : itself(points.rows(), others.rows()), squared(points.rows(), others.rows()) {
+  for (Index j = 0; j < others.rows(); ++j)
+    squared.col(j) = (points.col(0).array() - others(j, 0)).square() + (points.col(1).array() - others(j, 1)).square();
+  itself = squared.cwiseSqrt();
+}
+
+Eigen::MatrixXd polyharmonic_kernel(double order, const PlaneDistances& apart) {
   const int e = polyharmonic_exponent(order);
-  Eigen::MatrixXd kernel(squared.rows(), squared.cols());
-  const auto& s = squared.array();
-  const auto root = polyharmonic_factor(e) * s.sqrt();
+  Eigen::MatrixXd kernel(apart.squared.rows(), apart.squared.cols());
+  const auto& s = apart.squared.array();
+  const auto root = polyharmonic_factor(e) * apart.itself.array();
   switch (e) {  // the common ones in one pass
     case 3: kernel.array() = root * s; return kernel;
     case 5: kernel.array() = root * s * s; return kernel;
@@ -50,8 +57,8 @@ Eigen::MatrixXd polyharmonic_kernel(double order, const Eigen::MatrixXd& squared
   if (e % 2 == 1)
     kernel = root.matrix();
   else
-    kernel = (polyharmonic_factor(e) * squared.array().max(least_square).log()).matrix();
-  for (int k = 0; k < e / 2; ++k) kernel.array() *= squared.array();
+    kernel = (polyharmonic_factor(e) * s.max(least_square).log()).matrix();
+  for (int k = 0; k < e / 2; ++k) kernel.array() *= s;
   return kernel;
 }
 

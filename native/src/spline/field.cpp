@@ -56,12 +56,6 @@ MatrixXd monomials(const PlanePoints& c, double order) {
   return out;
 }
 
-MatrixXd squared_distances(const PlanePoints& a, const PlanePoints& b) {
-  MatrixXd s(a.rows(), b.rows());
-  for (Index j = 0; j < b.rows(); ++j) s.col(j) = (a.col(0).array() - b(j, 0)).square() + (a.col(1).array() - b(j, 1)).square();
-  return s;
-}
-
 /// a b for a symmetric a (n, n), all of which is there, and b (n, k).
 MatrixXd symmetric_times(const MatrixXd& a, const MatrixXd& b) {
   constexpr Index four = 4;
@@ -75,8 +69,9 @@ MatrixXd symmetric_times(const MatrixXd& a, const MatrixXd& b) {
 /// The kernel among samples, seen through contrasts: combinations of samples in which polynomials cancel. Polynomials themselves
 /// are given the kernel's mean variance in it, so that it is definite, and stay apart from contrasts.
 struct Contrasts {
-  Contrasts(const PlanePoints& c, const MatrixXd& squared, double order)
-      : q(free_polynomials(order)), inner(polyharmonic_kernel(order, squared)) {
+  /// apart: distances among the samples' places c.
+  Contrasts(const PlanePoints& c, const PlaneDistances& apart, double order)
+      : q(free_polynomials(order)), inner(polyharmonic_kernel(order, apart)) {
     OrthonormalColumns polynomials = orthonormal_columns(monomials(c, order), false);
     basis = std::move(polynomials.basis);
     triangle = std::move(polynomials.triangle);
@@ -142,36 +137,47 @@ struct Likelihood {
 /// The logarithm of so many pivots is taken at once: between a nugget of rounding and one that is all noise they are numbers.
 constexpr Index logarithm_of = 4;
 
+/// Nuggets looked at at once: a quotient takes many times as long as until the next one can begin.
+constexpr int nuggets_at_once = 4;
+using Nuggets = Eigen::Array<double, nuggets_at_once, 1>;
+
 /// The restricted likelihood of one order at its best nugget: samples vary in one direction, across the surface. The contrasts'
 /// kernel is made tridiagonal once, after which a nugget costs no more than its samples. room: for that, kept from order to order.
 Likelihood likelihood_of(const Contrasts& contrasts, const MatrixXd& samples, MatrixXd& room) {
+  constexpr int tried = 1 + static_cast<int>((highest_nugget - lowest_nugget) / nugget_step);
   MatrixXd turned = contrasts.of(samples);
   room = contrasts.inner;
   const auto [diagonal, beside] = tridiagonalize(room, turned);
-  const Eigen::Matrix3Xd z = turned.transpose();
-  const Index n = z.cols(), free = n - contrasts.q;
+  const Index n = turned.rows(), free = n - contrasts.q;
   Likelihood best;
-  for (double decade = lowest_nugget; decade <= highest_nugget; decade += nugget_step) {
-    const double nugget = std::pow(10.0, decade) * contrasts.unit;
-    double pivot = diagonal[0] + nugget;
-    double pivots = pivot, logarithms = -static_cast<double>(contrasts.q) * std::log(contrasts.unit + nugget);
-    Eigen::Vector3d y = z.col(0);
-    double squares = y.squaredNorm() / pivot;
-    bool definite = pivot > 0;
-    for (Index k = 1; k < n && definite; ++k) {
-      const double l = beside[k - 1] / pivot;
-      y = z.col(k) - l * y;
+  for (int first = 0; first < tried; first += nuggets_at_once) {
+    const Nuggets decade = lowest_nugget + nugget_step * (first + Nuggets::LinSpaced(0, nuggets_at_once - 1));
+    const Nuggets nugget = decade.unaryExpr([](double d) { return std::pow(10.0, d); }) * contrasts.unit;
+    const auto logarithm = [](double x) { return std::log(x); };
+    Nuggets pivot = diagonal[0] + nugget, pivots = pivot, y[3];
+    Nuggets logarithms = -static_cast<double>(contrasts.q) * (contrasts.unit + nugget).unaryExpr(logarithm);
+    for (int axis = 0; axis < 3; ++axis) y[axis].setConstant(turned(0, axis));
+    const auto square = [&]() -> Nuggets { return y[0] * y[0] + y[1] * y[1] + y[2] * y[2]; };
+    Nuggets squares = square() / pivot, least = pivot;
+    for (Index k = 1; k < n; ++k) {
+      const Nuggets l = beside[k - 1] / pivot;
+      for (int axis = 0; axis < 3; ++axis) y[axis] = turned(k, axis) - l * y[axis];
       pivot = diagonal[k] + nugget - l * beside[k - 1];
-      definite = pivot > 0;
+      least = least.min(pivot);
       pivots *= pivot;
-      if (k % logarithm_of == 0) logarithms += std::log(std::exchange(pivots, 1));
-      squares += y.squaredNorm() / pivot;
+      if (k % logarithm_of == 0) {
+        logarithms += pivots.unaryExpr(logarithm);
+        pivots.setOnes();
+      }
+      squares += square() / pivot;
     }
-    logarithms += std::log(pivots);
-    if (!definite) continue;
-    const double variance = std::max(squares / static_cast<double>(free), 1e-300);
-    const double logarithm = -0.5 * static_cast<double>(free) * std::log(variance) - 0.5 * logarithms;
-    if (logarithm > best.logarithm) best = {logarithm, decade, nugget, variance};
+    logarithms += pivots.unaryExpr(logarithm);
+    for (int k = 0; k < nuggets_at_once && first + k < tried; ++k) {
+      if (!(least[k] > 0)) continue;
+      const double variance = std::max(squares[k] / static_cast<double>(free), 1e-300);
+      const double found = -0.5 * static_cast<double>(free) * std::log(variance) - 0.5 * logarithms[k];
+      if (found > best.logarithm) best = {found, decade[k], nugget[k], variance};
+    }
   }
   return best;
 }
@@ -186,15 +192,15 @@ struct OrderFound {
 std::vector<OrderFound> orders_found(const PlanePoints& points, const MatrixXd& samples, const std::vector<double>& orders,
                                      MatrixXd& room) {
   const Index n = points.rows();
-  const MatrixXd squared = squared_distances(points, points);
+  const PlaneDistances apart(points, points);
   std::vector<OrderFound> found;
   for (double order : orders) {
     if (order != orders.front() && free_polynomials(order) > n / 3) continue;
     if (free_polynomials(order) >= n) continue;
-    found.push_back({order, Contrasts(points, squared, order), {}});
+    found.push_back({order, Contrasts(points, apart, order), {}});
     found.back().likelihood = likelihood_of(found.back().contrasts, samples, room);
   }
-  if (found.empty()) found.push_back({2, Contrasts(points, squared, 2), {0, 0, 0, 0}});  // a handful of samples: a plane
+  if (found.empty()) found.push_back({2, Contrasts(points, apart, 2), {0, 0, 0, 0}});  // a handful of samples: a plane
   return found;
 }
 
@@ -240,12 +246,13 @@ Field::Field(const PlanePoints& points, const Points& samples, const FieldOption
     parts_.push_back(std::move(part));
   }
   weigh(options.unit);
-  const MatrixXd squared = few < n ? squared_distances(points_, points_) : MatrixXd();
+  std::optional<PlaneDistances> apart;
+  if (few < n) apart.emplace(points_, points_);
   sum_.emplace(points_);
   for (Part& part : parts_) {
     const auto known = std::find_if(found.begin(), found.end(), [&](const OrderFound& each) { return each.order == part.order; });
-    if (few < n)
-      fit(part, Contrasts(points_, squared, part.order), local, room);
+    if (apart)
+      fit(part, Contrasts(points_, *apart, part.order), local, room);
     else
       fit(part, known->contrasts, local, room);
     sum_->add(part.order, part.share, part.weights, part.polynomial);
@@ -350,13 +357,13 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
   for (Index k = 0; k < few; ++k) some.row(k) = points_.row(k * n / few);
   VectorXd variance = VectorXd::Zero(points.rows());
   MatrixXd each(points.rows(), static_cast<Index>(parts_.size()));
-  const MatrixXd squared = squared_distances(some, some), apart = squared_distances(some, at);
+  const PlaneDistances among_some(some, some), from_some(some, at);
   MatrixXd lower;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const Part& part = parts_[p];
-    const Contrasts contrasts(some, squared, part.order);
+    const Contrasts contrasts(some, among_some, part.order);
     contrasts.factor(part.used_nugget, lower);
-    const MatrixXd free = monomials(at, part.order), kernel = polyharmonic_kernel(part.order, apart);
+    const MatrixXd free = monomials(at, part.order), kernel = polyharmonic_kernel(part.order, from_some);
     // the polynomial through the samples that is nearest, and the contrast of a point with it
     const MatrixXd own_share = contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
     const MatrixXd nearest = contrasts.basis * own_share;
@@ -374,7 +381,7 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
     variance += parts_[p].share * (each.col(static_cast<Index>(p)) - mean).cwiseAbs2();
   const auto main =
       std::max_element(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.share < b.share; });
-  const Points other = by_another_order(*main, some, at);
+  const Points other = by_another_order(*main, some, among_some, at);
   if (other.rows() > 0) {
     const VectorXd apart_from = other.cwiseProduct(directions).rowwise().sum() - each.col(main - parts_.begin());
     variance += (order_error * apart_from).cwiseAbs2();
@@ -382,11 +389,12 @@ VectorXd Field::deviation(const PlanePoints& points, const Points& directions) c
   return variance.cwiseSqrt();
 }
 
-Points Field::by_another_order(const Part& part, const PlanePoints& some, const PlanePoints& at) const {
+Points Field::by_another_order(const Part& part, const PlanePoints& some, const PlaneDistances& among_some,
+                               const PlanePoints& at) const {
   const double order = part.order > 2.5 ? std::max(2.5, part.order - 2) : 3.5;
   if (free_polynomials(order) >= some.rows()) return Points(0, 3);
   const Points samples = alone(part).values(some);
-  const Contrasts contrasts(some, squared_distances(some, some), order);
+  const Contrasts contrasts(some, among_some, order);
   MatrixXd lower;
   if (!contrasts.factor(std::pow(10.0, lowest_nugget + 1) * contrasts.unit, lower)) return Points(0, 3);
   const MatrixXd weights = contrasts.weights(lower, samples);

@@ -186,28 +186,23 @@ std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = mo
   const Index of_rim = std::min(disc.rim, wanted / 2);
   for (Index k = 0; k < of_rim; ++k) taken.push_back(k * disc.rim / of_rim);
   const double none = -1;
-  std::vector<double> gap(n, std::numeric_limits<double>::infinity()), far(n);  // squares; gap: none where it is taken
   const bool leaves_no_others = disc.rim + more_than_rim > most_samples;
   const double spacing = leaves_no_others ? edge * static_cast<double>(disc.rim) / static_cast<double>(of_rim) : edge;
-  for (Index k = 0; k < n; ++k) far[k] = (distance[k] + spacing) * (distance[k] + spacing);
-  for (Index at : taken) gap[at] = none;
-  for (std::size_t done = 0;; ++done) {  // so many of those taken have shortened the gaps
-    const auto point = points.row(taken[done]);
-    const bool is_last = done + 1 == taken.size();
+  const Eigen::ArrayXd far = (distance.array() + spacing).square();
+  const Eigen::ArrayX3d at = points.array();
+  Eigen::ArrayXd gap = Eigen::ArrayXd::Constant(n, std::numeric_limits<double>::infinity());  // squared; none where it is taken
+  for (Index k : taken) gap[k] = none;
+  for (std::size_t done = 0; std::cmp_less(taken.size(), wanted);) {
+    for (; done < taken.size(); ++done) {
+      const auto point = points.row(taken[done]);
+      gap = gap.min((at.col(0) - point[0]).square() + (at.col(1) - point[1]).square() + (at.col(2) - point[2]).square());
+    }
+    const Eigen::ArrayXd value = gap / far;
     Index best = -1;
     double most = none;
-    for (Index k = 0; k < n; ++k) {
-      if (gap[k] == none) continue;
-      gap[k] = std::min(gap[k], (points.row(k) - point).squaredNorm());
-      if (!is_last) continue;
-      const double value = gap[k] / far[k];
-      if (clearly_more(value, most)) {
-        most = value;
-        best = k;
-      }
-    }
-    if (!is_last) continue;
-    if (best < 0 || static_cast<Index>(taken.size()) >= wanted) break;
+    for (Index k = 0; k < n; ++k)
+      if (gap[k] != none && clearly_more(value[k], most)) most = value[k], best = k;
+    if (best < 0) break;
     taken.push_back(best);
     gap[best] = none;
   }
@@ -338,19 +333,24 @@ struct Places {
   bool finite() const { return samples.allFinite() && rim.allFinite(); }
 };
 
-Places on_reference(const Reference& reference, const Places& places, const Points& samples, const Points& rim) {
-  return {reference.foot_points(places.samples, samples), reference.foot_points(places.rim, rim)};
+/// sampled: the samples begin with the rim, all of it.
+Places on_reference(const Reference& reference, const Places& places, const Points& samples, const Points& rim, bool sampled) {
+  PlanePoints feet = reference.foot_points(places.samples, samples);
+  PlanePoints of_rim = sampled ? PlanePoints(feet.topRows(rim.rows())) : reference.foot_points(places.rim, rim);
+  return {std::move(feet), std::move(of_rim)};
 }
 
 /// The places laid out, their feet on a reference, and those on further ones, of which the last that will do are taken.
 std::vector<Places> places_to_try(const Disc& disc, const Reference& reference, const Places& laid, const Points& samples,
                                   bool further) {
   const Points rim = disc.points.topRows(disc.rim);
-  std::vector<Places> places = {laid, on_reference(reference, laid, samples, rim)};
+  const bool sampled =
+      samples.rows() >= disc.rim && samples.topRows(disc.rim) == rim && laid.samples.topRows(disc.rim) == laid.rim;
+  std::vector<Places> places = {laid, on_reference(reference, laid, samples, rim, sampled)};
   if (!further || !places.back().finite()) return places;
   Places feet = places.back();
   for (int degree : further_degrees)
-    if (feet.finite()) feet = on_reference(Reference(feet.samples, samples, degree), feet, samples, rim);
+    if (feet.finite()) feet = on_reference(Reference(feet.samples, samples, degree), feet, samples, rim, sampled);
   places.push_back(std::move(feet));
   return places;
 }

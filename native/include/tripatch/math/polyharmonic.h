@@ -17,8 +17,13 @@ double polyharmonic_factor(int exponent);
 int free_degree_of(double order);
 int free_polynomials(double order);
 
-/// Of squared distances, with the limit 0 at 0.
-Eigen::MatrixXd polyharmonic_kernel(double order, const Eigen::MatrixXd& squared);
+/// Distances of points from others, a column for each of these: what the kernels of several orders are made of.
+struct PlaneDistances {
+  PlaneDistances(const PlanePoints& points, const PlanePoints& others);
+  Eigen::MatrixXd itself, squared;
+};
+/// With the limit 0 at 0.
+Eigen::MatrixXd polyharmonic_kernel(double order, const PlaneDistances& apart);
 
 /// Kernels of some orders around the same centers, and polynomials: values in space over a plane. Some points are taken at a time.
 class PolyharmonicSum {

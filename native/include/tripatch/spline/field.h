@@ -61,7 +61,8 @@ private:
   void hedge(double unit);
   /// Where there is one part: the surface of the order next to it through `some` of its points, at others; no rows where there is none.
   /// All normalised.
-  Points by_another_order(const Part& part, const PlanePoints& some, const PlanePoints& at) const;
+  Points by_another_order(const Part& part, const PlanePoints& some, const PlaneDistances& among_some,
+                          const PlanePoints& at) const;
   PolyharmonicSum alone(const Part& part) const;
   template <int N>
   void jets(const Part& part, const double* rows, Index n, double* out) const;
