@@ -444,22 +444,23 @@ Tridiagonal tridiagonalize(Eigen::MatrixXd& a, Eigen::MatrixXd& b) {
     const double head = column[1], beyond = column.tail(left - 1).squaredNorm();
     double share = 0;
     out.beside[k] = head;
-    x.tail(left).setZero();
     x[k + 1] = 1;
     if (beyond > std::numeric_limits<double>::min()) {
       const double end = head > 0 ? -std::sqrt(head * head + beyond) : std::sqrt(head * head + beyond);
       out.beside[k] = end;
       x.tail(left - 1) = column.tail(left - 1) / (head - end);
       share = (end - head) / end;
+    } else {
+      x.tail(left - 1).setZero();
     }
     p.tail(left).setZero();
     const Reflecting reflecting{a.data(), n, v.data(), w.data(), x.data(), p.data()};
     for (Index j = k + 1; j < n; ++j) reflect_column(reflecting, j);
     p.tail(left) *= share;
     p.tail(left) -= share / 2 * p.tail(left).dot(x.tail(left)) * x.tail(left);
-    v.tail(left) = x.tail(left);
-    w.tail(left) = p.tail(left);
     for (Index c = 0; c < b.cols(); ++c) b.col(c).tail(left) -= share * x.tail(left).dot(b.col(c).tail(left)) * x.tail(left);
+    v.swap(x);
+    w.swap(p);
   }
   out.diagonal[n - 1] = a(n - 1, n - 1) - 2 * v[n - 1] * w[n - 1];
   return out;
