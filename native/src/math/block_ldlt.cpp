@@ -53,25 +53,34 @@ bool invert(const double* d, double* inverse) {
 
 }  // namespace
 
-BlockLdlt::BlockLdlt(const std::vector<std::vector<int>>& before) : parent_(before.size(), -1) {
-  const int n = rows();
-  std::vector<int> marked(n, -1), count(n, 0);
-  row_start_ = {0};
+BlockLdlt::BlockLdlt(const std::vector<std::vector<int>>& before) {
+  const int n = static_cast<int>(before.size());
+  std::vector<int> parent(n, -1), marked(n, -1), count(n, 0), path(n), pattern(n);  // parent: in the elimination tree
+  row_start_ = fill_start_ = {0};
   for (int k = 0; k < n; ++k) {
+    int top = n;  // pattern[top..]: columns of row k of the factor
     marked[k] = k;
     for (int c : before[k]) {
       columns_.push_back(c);
-      for (int i = c; marked[i] != k; i = parent_[i]) {
-        if (parent_[i] < 0) parent_[i] = k;
-        ++count[i];
+      int length = 0;
+      for (int i = c; marked[i] != k; i = parent[i]) {
+        if (parent[i] < 0) parent[i] = k;
+        path[length++] = i;
         marked[i] = k;
       }
+      while (length > 0) pattern[--top] = path[--length];
     }
+    fill_.insert(fill_.end(), pattern.begin() + top, pattern.end());
+    for (; top < n; ++top) ++count[pattern[top]];
     row_start_.push_back(static_cast<int>(columns_.size()));
+    fill_start_.push_back(static_cast<int>(fill_.size()));
   }
   start_ = {0};
   for (int k = 0; k < n; ++k) start_.push_back(start_.back() + count[k]);
-  rows_.resize(start_.back());
+  rows_.resize(fill_.size());
+  std::vector<int> next(start_.begin(), start_.end() - 1);
+  for (int k = 0; k < n; ++k)
+    for (int at = fill_start_[k]; at < fill_start_[k + 1]; ++at) rows_[next[fill_[at]]++] = k;
   factor_.resize(4 * rows_.size());
   inverse_.resize(4 * static_cast<std::size_t>(n));
   own_.resize(inverse_.size());
@@ -90,27 +99,17 @@ void BlockLdlt::clear() {
 
 bool BlockLdlt::factorize() {
   const int n = rows();
-  std::vector<int> marked(n, -1), pattern(n), path(n), filled(start_.begin(), start_.end() - 1);
+  std::vector<int> filled(start_.begin(), start_.end() - 1);
   std::vector<double> row(4 * static_cast<std::size_t>(n), 0.0);  // L D, of one row
   for (int k = 0; k < n; ++k) {
-    int top = n;  // pattern[top..]: columns of row k of the factor, each before those that it changes
-    marked[k] = k;
-    for (int at = row_start_[k]; at < row_start_[k + 1]; ++at) {
-      int length = 0;
-      for (int i = columns_[at]; marked[i] != k; i = parent_[i]) {
-        path[length++] = i;
-        marked[i] = k;
-      }
-      while (length > 0) pattern[--top] = path[--length];
+    for (int at = row_start_[k]; at < row_start_[k + 1]; ++at)
       std::copy_n(beside_.data() + 4 * at, 4, row.data() + 4 * columns_[at]);
-    }
     Eigen::Matrix2d pivot = Eigen::Map<const Eigen::Matrix2d>(own_.data() + 4 * k);
-    for (; top < n; ++top) {
-      const int i = pattern[top];
+    for (int at = fill_start_[k]; at < fill_start_[k + 1]; ++at) {
+      const int i = fill_[at], p = filled[i]++;
       double* const y = row.data() + 4 * i;
       const Eigen::Vector2d y0 = KnownColumn(y), y1 = KnownColumn(y + 2);
       std::fill_n(y, 4, 0.0);
-      const int p = filled[i];
       subtract(row.data(), y0, y1, factor_.data() + 4 * start_[i], rows_.data() + start_[i], p - start_[i]);
       const double* const inverse = inverse_.data() + 4 * i;
       double* const l = factor_.data() + 4 * p;
@@ -118,8 +117,6 @@ bool BlockLdlt::factorize() {
       first = y0 * inverse[0] + y1 * inverse[1];
       second = y0 * inverse[2] + y1 * inverse[3];
       subtract_product(pivot.data(), y0, y1, l);
-      rows_[p] = k;
-      ++filled[i];
     }
     if (!invert(pivot.data(), inverse_.data() + 4 * k)) return false;
   }

@@ -13,7 +13,7 @@ public:
   /// before[k]: the columns before k in which row k has a block, increasing.
   explicit BlockLdlt(const std::vector<std::vector<int>>& before);
 
-  int rows() const { return static_cast<int>(parent_.size()); }
+  int rows() const { return static_cast<int>(own_.size() / 4); }
   /// Number of the block in row k and column c < k, which it has.
   int place(int k, int c) const;
 
@@ -29,8 +29,8 @@ public:
 private:
   std::vector<int> row_start_, columns_;  // of the blocks beside the diagonal, by row
   std::vector<double> own_, beside_;      // diagonal blocks, and those
-  std::vector<int> parent_;               // in the elimination tree, -1: none
   std::vector<int> start_, rows_;         // of the factor, by column
+  std::vector<int> fill_start_, fill_;    // its columns by row, each before those that it changes
   std::vector<double> factor_, inverse_;  // its blocks, and those of D inverted
 };
 
