@@ -273,14 +273,9 @@ SplineFillOptions in_part(const CanonicalPart& part, const SplineFillOptions& op
 void bring_back(const CanonicalPart& part, const Mesh& mesh, const std::vector<std::vector<Index>>& loops, Fill& fill) {
   const Index n = mesh.vertices.rows(), own = part.vertices.rows();
   const auto number = [&](Index v) { return v < own ? part.vertex[v] : n + v - own; };
-  Faces faces;
-  for (Index f = 0; f < fill.faces.size(); ++f) {
-    std::vector<Index> face;
-    for (Index v : fill.faces[f]) face.push_back(number(v));
-    if (part.mirrored) std::reverse(face.begin(), face.end());
-    faces.add(face);
-  }
-  fill.faces = std::move(faces);
+  for (Index& v : fill.faces.corners) v = number(v);
+  for (Index f = 0; part.mirrored && f < fill.faces.size(); ++f)
+    std::reverse(fill.faces.corners.begin() + fill.faces.offsets[f], fill.faces.corners.begin() + fill.faces.offsets[f + 1]);
   for (auto& [a, b] : fill.feature_edges) a = number(a), b = number(b);
   for (auto& pole : fill.report.poles) pole[0] = number(pole[0]);
   fill.rim.clear();

@@ -188,32 +188,33 @@ void DomainMesh::collapse_short() {
 
 bool DomainMesh::collapse(int v, int w) {
   if (triangle_of_[v] < 0 || (!on_rim(w) && triangle_of_[w] < 0)) return false;
-  const std::vector<int> ring = around(v);
-  std::vector<int> link_of_v, link_triangles;  // neighbors in order; ring[i] spans link_of_v[i], link_of_v[i + 1]
+  const std::vector<int>& ring = around(v);
+  link_of_v_.clear();
+  link_triangles_.clear();
   for (int t : ring) {
     const Triangle& f = triangles_[t];
     const int k = corner_of(t, v);
-    link_of_v.push_back(f.v[(k + 1) % 3]);
-    link_triangles.push_back(f.n[k]);
+    link_of_v_.push_back(f.v[(k + 1) % 3]);
+    link_triangles_.push_back(f.n[k]);
   }
   const int n = static_cast<int>(ring.size());
-  const int at = static_cast<int>(std::find(link_of_v.begin(), link_of_v.end(), w) - link_of_v.begin());
+  const int at = static_cast<int>(std::find(link_of_v_.begin(), link_of_v_.end(), w) - link_of_v_.begin());
   if (at == n) return false;
   double before = 1, after = 1;
   for (int i = 0; i < n; ++i) {
-    const int p = link_of_v[i], q = link_of_v[(i + 1) % n];
+    const int p = link_of_v_[i], q = link_of_v_[(i + 1) % n];
     before = std::min(before, shape_of(v, p, q));
     if (p == w || q == w) continue;
     if (!valid(w, p, q) || !may_join(w, p) || !may_join(w, q)) return false;
     after = std::min(after, shape_of(w, p, q));
-    if (p != link_of_v[(at + 1) % n] && clearly_more(length(w, p), too_long * size_of_edge(w, p))) return false;
+    if (p != link_of_v_[(at + 1) % n] && clearly_more(length(w, p), too_long * size_of_edge(w, p))) return false;
   }
   if (clearly_less(after, std::min(collapsed_shape, before))) return false;
   // ring[at] = (v, w, next) and ring[at - 1] = (v, previous, w) go
   const int gone = ring[at], gone2 = ring[(at + n - 1) % n];
-  const int next = link_of_v[(at + 1) % n], previous = link_of_v[(at + n - 1) % n];
+  const int next = link_of_v_[(at + 1) % n], previous = link_of_v_[(at + n - 1) % n];
   const int inside = ring[(at + 1) % n], inside2 = ring[(at + n - 2) % n];
-  const int outside = link_triangles[at], outside2 = link_triangles[(at + n - 1) % n];
+  const int outside = link_triangles_[at], outside2 = link_triangles_[(at + n - 1) % n];
   link(inside, gone, outside);
   link(outside, gone, inside);
   link(inside2, gone2, outside2);

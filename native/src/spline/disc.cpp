@@ -149,12 +149,14 @@ private:
   void cut(std::span<const Index> face) {
     const std::size_t n = face.size();
     if (n < 3) return;
-    Triangles triangles = {{0, 1, 2}};
-    if (n > 3) {
-      Points corners(static_cast<Index>(n), 3);
-      for (std::size_t k = 0; k < n; ++k) corners.row(static_cast<Index>(k)) = point(face[k]).transpose();
-      triangles = triangulate_face(corners);
+    if (n == 3) {
+      disc_.triangles.push_back({row_.find(face[0]), row_.find(face[1]), row_.find(face[2])});
+      disc_.faces.add(disc_.triangles.back());
+      return;
     }
+    Points corners(static_cast<Index>(n), 3);
+    for (std::size_t k = 0; k < n; ++k) corners.row(static_cast<Index>(k)) = point(face[k]).transpose();
+    const Triangles triangles = triangulate_face(corners);
     const Index first = triangles.front()[0];
     bool is_fan = true;
     for (const std::array<Index, 3>& t : triangles) {

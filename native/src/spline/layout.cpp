@@ -490,9 +490,12 @@ private:
     rank_.resize(n_);
     for (int k = 0; k < n_; ++k) rank_[inverse.indices()[k]] = k;
     std::vector<std::vector<int>> before(n_);
-    for (int c = 0; c < n_; ++c)
+    for (int c = 0; c < n_; ++c) {
+      const int k = rank_[c];
+      before[k].reserve(static_cast<std::size_t>(pattern.col(c).nonZeros()));
       for (Sparse::InnerIterator it(pattern, c); it; ++it)
-        if (const int k = rank_[c], other = rank_[static_cast<int>(it.row())]; other < k) before[k].push_back(other);
+        if (const int other = rank_[static_cast<int>(it.row())]; other < k) before[k].push_back(other);
+    }
     for (std::vector<int>& columns : before) std::sort(columns.begin(), columns.end());
     hessian_ = BlockLdlt(before);
     for (const Triangle& t : disc_.triangles)

@@ -12,6 +12,8 @@ using Triangles = std::vector<std::array<Index, 3>>;
 
 inline Faces faces_of(const Triangles& triangles) {
   Faces faces;
+  faces.offsets.reserve(triangles.size() + 1);
+  faces.corners.reserve(3 * triangles.size());
   for (const std::array<Index, 3>& t : triangles) faces.add(t);
   return faces;
 }

@@ -131,6 +131,9 @@ private:
   void raise_beside_rim(double fall);
   bool collapse(int v, int w);
   Vec3 star_normal(int t, int v, const Vec3& x) const;
+
+  // of the vertex that is being collapsed: neighbors in order, ring_[i] spanning link_of_v_[i] and [i + 1], and what lies beyond
+  std::vector<int> link_of_v_, link_triangles_;
 };
 
 }  // namespace tripatch
