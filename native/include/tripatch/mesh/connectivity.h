@@ -64,8 +64,9 @@ private:
     Corner first, end;
   };
   CornersOfFace of_face(Corner c) const {
-    const Index f = face(c);
-    if (size_ > 0) return {static_cast<Corner>(f) * size_, static_cast<Corner>(f + 1) * size_};
+    if (size_ == 3) return {c - c % 3, c - c % 3 + 3};
+    if (size_ > 0) return {c - c % size_, c - c % size_ + size_};
+    const Index f = face_[c];
     return {static_cast<Corner>(faces_.offsets[f]), static_cast<Corner>(faces_.offsets[f + 1])};
   }
 
