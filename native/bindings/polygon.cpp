@@ -58,6 +58,7 @@ void bind_polygon(py::module_& m) {
     JoinedSide made = joined(pieces, parameters);
     return py::make_tuple(std::move(made.side), std::move(made.parameters));
   });
+  m.def("_evenly_run", &evenly_run, py::call_guard<py::gil_scoped_release>());
   m.def("_round_patch", [](const Side& side, const py::dict& given, const py::object& progress) {
     const PolygonPatchOptions options = polygon_options(fill_options(given));
     RoundPatch made;

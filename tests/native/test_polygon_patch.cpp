@@ -254,6 +254,22 @@ TEST_CASE("polygon patch: four sides are a strip from three times as long as wid
   CHECK(off(torus<50>, 200, 90, 3.05) < 0.1 * off(torus<50>, 200, 90, 2.95));
 }
 
+TEST_CASE("polygon patch: sides of more than eight pieces are measured without their kinks", "[thresholds]") {
+  const auto energy = [](int pieces) {
+    SideList sides = sides_between(saddle, ring(4));
+    std::vector<PiecewisePolynomial> waves;
+    for (int k = 0; k < pieces; ++k) {
+      const double high = k == 0 || k == pieces - 1 ? 0
+                          : k % 2                   ? 1e-4
+                                                    : -1e-4;  // nothing at the corners, where nothing is smoothed
+      waves.push_back(PiecewisePolynomial::bezier(std::vector<double>{0, 0, 0, 0, 0, 0, 0, 0, high, 0, 0, 0, 0, 0, 0}, 3));
+    }
+    for (Side& side : sides) side.c = side.c + PiecewisePolynomial::joined(waves);
+    return polygon_patch(sides).energy_before;
+  };
+  CHECK(energy(9) < 0.1 * energy(8));
+}
+
 TEST_CASE("polygon patch: plain patches come nearer with the fourth power of the hole's size") {
   for (const Known& known : {sphere, saddle})
     for (int n : {4, 5, 6}) {

@@ -218,6 +218,41 @@ def test_a_wrong_derivative_is_noticed():
         tripatch.Side.from_functions(lambda t: t, lambda t: t, lambda t: t)
 
 
+def test_the_derivative_of_a_side_may_jump():
+    """As it does along edges of CAD programs; in the middle, where a polynomial that is halved ends, it was refused."""
+
+    def line(t):
+        return np.outer(np.where(t < 0.5, t, 3 * t - 1), (1.0, 0, 0))
+
+    def derivative(t):
+        return np.outer(np.where(t < 0.5, 1, 3), (1.0, 0, 0))
+
+    def across(t):
+        return np.outer(np.ones_like(t), (0, 1.0, 0))
+
+    tripatch.Side.from_functions(line, derivative, across)
+    with pytest.raises(ValueError, match="dc is not the derivative"):
+        tripatch.Side.from_functions(line, lambda t: np.outer(np.where(t < 0.8, 1, 3), (1.0, 0, 0)), across)
+
+
+@pytest.mark.parametrize(("wrong", "noticed"), [(8, False), (9, True)])
+def test_a_derivative_that_is_wrong_at_nine_of_65_places_is_noticed(wrong, noticed):
+    def line(t):
+        return np.outer(t, (1.0, 0, 0))
+
+    def derivative(t):
+        return np.outer(np.where(np.asarray(t) < (wrong - 0.5) / 64, 3, 1), (1.0, 0, 0))
+
+    def across(t):
+        return np.outer(np.ones_like(t), (0, 1.0, 0))
+
+    if noticed:
+        with pytest.raises(ValueError, match="dc is not the derivative"):
+            tripatch.Side.from_functions(line, derivative, across)
+    else:
+        tripatch.Side.from_functions(line, derivative, across)
+
+
 def test_the_core_gives_the_interpreter_back_and_the_same_bits():
     from concurrent.futures import ThreadPoolExecutor
 

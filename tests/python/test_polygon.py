@@ -381,6 +381,69 @@ def test_only_sides_slower_than_a_quarter_of_their_length_are_run_through_by_len
     assert middle[0] == pytest.approx(0.5 - share / 4 if same else 0.5, abs=1e-9)
 
 
+def torus_sides(speeds=(), bend=0.0):
+    """Four sides of a quadrangle in the torus of radii 2 and 1. speeds: of each third of a side; bend: of the two parabolas that
+    a side is made of then, whose curvatures have opposite signs."""
+    corners = np.array([(-0.7, -0.5), (0.7, -0.5), (0.7, 0.5), (-0.7, 0.5)])
+
+    def pace(t):
+        if not speeds:
+            return t, np.ones_like(t)
+        reached = np.concatenate([[0], np.cumsum(speeds)]) / sum(speeds)
+        return np.interp(3 * t, range(4), reached), np.choose(np.minimum(3 * t, 2).astype(int), speeds) * 3 / sum(speeds)
+
+    def hill(s):
+        first = s < 0.4
+        return (
+            bend * np.where(first, s * (0.4 - s), (s - 0.4) * (s - 1) * 2 / 3),
+            bend * np.where(first, 0.4 - 2 * s, (2 * s - 1.4) * 2 / 3),
+        )
+
+    def side(start, end):
+        along, left = end - start, np.array([start[1] - end[1], end[0] - start[0]])
+
+        def place(t):
+            (s, speed), rows = pace(np.asarray(t)), np.ones(len(t))
+            high, slope = hill(s)
+            forward = np.outer(rows, along) + np.outer(slope, left)
+            return start + np.outer(s, along) + np.outer(high, left), forward * speed[:, None]
+
+        def c(t):
+            u, v = place(t)[0].T
+            return np.column_stack([(2 + np.cos(v)) * np.cos(u), (2 + np.cos(v)) * np.sin(u), np.sin(v)])
+
+        def dc(t):
+            (u, v), (du, dv) = (x.T for x in place(t))
+            by_u = np.column_stack([-(2 + np.cos(v)) * np.sin(u), (2 + np.cos(v)) * np.cos(u), 0 * u])
+            by_v = np.column_stack([-np.sin(v) * np.cos(u), -np.sin(v) * np.sin(u), np.cos(v)])
+            return du[:, None] * by_u + dv[:, None] * by_v
+
+        def across(t):
+            u, v = place(t)[0].T
+            return np.cross(dc(t), np.column_stack([np.cos(v) * np.cos(u), np.cos(v) * np.sin(u), np.sin(v)]))
+
+        return tripatch.Side.from_functions(c, dc, across)
+
+    return [side(corners[k], corners[(k + 1) % 4]) for k in range(4)]
+
+
+def off_torus(patch):
+    x, y, z = patch.evaluate(patch.triangles(16)[0]).T
+    return np.abs(np.hypot(np.hypot(x, y) - 2, z) - 1).max()
+
+
+@pytest.mark.parametrize("speeds", [(1, 4, 2), (1, 1.05, 1), (5, 1, 5)])
+def test_how_fast_a_side_is_run_through_does_not_matter(speeds):
+    """Edges of CAD programs change their speed at once: the patch was 1.9 off."""
+    assert off_torus(tripatch.patch(torus_sides(speeds), fairing="auto")) < 2e-5
+
+
+@pytest.mark.parametrize(("bend", "off"), [(0.01, 2e-4), (0.12, 1e-2)])
+def test_sides_whose_curvature_jumps(bend, off):
+    """3.5e-4 where kinks that are next to none were measured with the energy, 6e-2 where the shape is in them and none were."""
+    assert off_torus(tripatch.patch(torus_sides(bend=bend), fairing="minimum_variation")) < off
+
+
 @pytest.mark.parametrize("n", [3, 4, 5])
 def test_a_patch_that_folds_says_so_and_one_that_does_not_says_nothing(n):
     """A bulge of twelve times the side's own turns a flat polygon over; the normals themselves tell."""

@@ -20,14 +20,15 @@ _ROUNDING = 1e-12
 
 def _joined(sides: Sequence[Side | Sequence[Side]], as_given: bool) -> tuple[Side, ...]:
     """Sides of several pieces made one each, and, unless `as_given`, those that nearly stand still somewhere run through by
-    length; ends of neighbors are where they were."""
+    length, of four and more all of them where one changes its speed quickly; ends of neighbors are where they were."""
 
     def one(side: Side | Sequence[Side]) -> Side:
         if isinstance(side, Side):
             return side if as_given else _native._joined_side([side], [])[0]
         return _native._joined_side(list(side), [])[0]
 
-    return tuple(one(side) for side in sides)
+    made = tuple(one(side) for side in sides)
+    return tuple(_native._evenly_run(made)) if len(made) > 3 else made
 
 
 def _closed(sides: Sequence[Side], tolerance: float) -> tuple[Side, ...]:
@@ -66,7 +67,7 @@ def patch(
             smoothly, within 10 degrees. Of three, side i is opposite corner i and runs from corner i + 1 to corner
             i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values. A side
             whose speed falls below a quarter of its length somewhere is run through by length, but not one of three where a
-            method is named.
+            method is named; four and more are all of them run so where the speed of one changes quickly.
         through: points (k, 3) inside, (point, normal) pairs or polylines that the patch meets exactly; of three sides it is one
             over a polygon then.
         method, cross_boundary, fairing: as of `fill`.

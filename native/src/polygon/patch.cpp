@@ -44,10 +44,24 @@ bool is_strip(const PolygonDomain& domain) {
   return longest > strip_ratio * shortest;
 }
 
+/// A side of a surface is fitted by more pieces than this where it has kinks, about which they are halved nine times.
+constexpr Index smooth_pieces = 8;
+/// Of such a side so many places are taken as those of vertices are in a mesh, for its third derivatives are noise, too. Of 85 fillets of
+/// Open CASCADE's along splines and 82 between cylinders, cones, tori and planes the patches are 1.7e-4 and 5.2e-5 of the diameter off in the
+/// geometric mean, with 64 places 1.8e-4 and 5.1e-5, with kinks as they are 1.9e-3 and 1.8e-4.
+constexpr int smoothed_places = 20;
+
+bool is_kinked(const Side& side) { return side.rim.empty() && std::max(side.c.pieces(), side.r.pieces()) > smooth_pieces; }
+
 /// Of all sides, three at a time.
 SideList smoothed_list(const SideList& sides) {
   SideList out;
-  for (const Side& side : sides) out.push_back(smoothed(Sides{side, Side(), Side()})[0]);
+  for (const Side& side : sides) {
+    Side at = side;
+    for (int k = 0; k <= smoothed_places && is_kinked(side); ++k) at.rim.push_back(static_cast<double>(k) / smoothed_places);
+    out.push_back(smoothed(Sides{at, Side(), Side()})[0]);
+    out.back().rim = side.rim;
+  }
   return out;
 }
 
@@ -172,6 +186,8 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
     if (known) measured.known = known;
     made.known = measured.known;
     PolygonFairResult fair = fair_polygon(base, measured, fairing);
+    // nothing fairer than the plain patch was found for sides without their kinks: what they are like may be the kinks
+    if (!(fair.after < fair.before) && std::ranges::any_of(sides, is_kinked)) fair = fair_polygon(base, base, fairing);
     made.patch = fair.patch;
     if (!fair.gave_up) made.fairing = name_of(fairing.energy);
     made.energy_before = fair.before;

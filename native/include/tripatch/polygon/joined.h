@@ -22,4 +22,8 @@ struct JoinedSide {
 /// parameters: of each piece, from 0 to 1; none: not wanted.
 JoinedSide joined(const SideList& pieces, const std::vector<std::vector<double>>& parameters = {});
 
+/// The sides of one patch, all by arc length where one of them changes its speed quickly, as edges of CAD programs do where faces beside
+/// them end: what a side does along it the patch does far into the inside. Else as they are.
+SideList evenly_run(SideList sides);
+
 }  // namespace tripatch
