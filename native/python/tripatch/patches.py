@@ -22,13 +22,15 @@ def _joined(sides: Sequence[Side | Sequence[Side]], as_given: bool) -> tuple[Sid
     """Sides of several pieces made one each, and, unless `as_given`, those that nearly stand still somewhere run through by
     length, of four and more all of them where one changes its speed quickly; ends of neighbors are where they were."""
 
+    many = len(sides) > 3
+
     def one(side: Side | Sequence[Side]) -> Side:
         if isinstance(side, Side):
-            return side if as_given else _native._joined_side([side], [])[0]
+            return side if as_given or many else _native._joined_side([side], [])[0]
         return _native._joined_side(list(side), [])[0]
 
     made = tuple(one(side) for side in sides)
-    return tuple(_native._evenly_run(made)) if len(made) > 3 else made
+    return tuple(_native._evenly_run(made)) if many else made
 
 
 def _closed(sides: Sequence[Side], tolerance: float) -> tuple[Side, ...]:

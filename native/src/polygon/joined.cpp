@@ -209,6 +209,8 @@ JoinedSide by_length(const SideList& given, const std::vector<std::vector<double
 
 }  // namespace
 
+bool is_kinked(const Side& side) { return side.rim.empty() && std::max(side.c.pieces(), side.r.pieces()) > smooth_pieces; }
+
 JoinedSide joined(const SideList& given, const std::vector<std::vector<double>>& parameters) {
   if (given.empty()) throw InvalidArgument("a side has a piece or more");
   if (!parameters.empty() && parameters.size() != given.size()) throw InvalidArgument("parameters are of each piece");
@@ -218,7 +220,7 @@ JoinedSide joined(const SideList& given, const std::vector<std::vector<double>>&
 
 SideList evenly_run(SideList sides) {
   if (std::ranges::none_of(sides, [](const Side& side) { return changes_speed(side.c); })) return sides;
-  for (Side& side : sides) side = by_length({side}, {}, true).side;
+  for (Side& side : sides) side = by_length({side}, {}, is_kinked(side)).side;
   return sides;
 }
 

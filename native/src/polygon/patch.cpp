@@ -10,6 +10,7 @@
 #include "tripatch/math/kept.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/patch/seam.h"
+#include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/space.h"
 
 namespace tripatch {
@@ -44,14 +45,10 @@ bool is_strip(const PolygonDomain& domain) {
   return longest > strip_ratio * shortest;
 }
 
-/// A side of a surface is fitted by more pieces than this where it has kinks, about which they are halved nine times.
-constexpr Index smooth_pieces = 8;
-/// Of such a side so many places are taken as those of vertices are in a mesh, for its third derivatives are noise, too. Of 85 fillets of
+/// Of a side with kinks so many places are taken as those of vertices are in a mesh, for its third derivatives are noise, too. Of 85 fillets of
 /// Open CASCADE's along splines and 82 between cylinders, cones, tori and planes the patches are 1.7e-4 and 5.2e-5 of the diameter off in the
 /// geometric mean, with 64 places 1.8e-4 and 5.1e-5, with kinks as they are 1.9e-3 and 1.8e-4.
 constexpr int smoothed_places = 20;
-
-bool is_kinked(const Side& side) { return side.rim.empty() && std::max(side.c.pieces(), side.r.pieces()) > smooth_pieces; }
 
 /// Of all sides, three at a time.
 SideList smoothed_list(const SideList& sides) {

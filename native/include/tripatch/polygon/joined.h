@@ -22,6 +22,10 @@ struct JoinedSide {
 /// parameters: of each piece, from 0 to 1; none: not wanted.
 JoinedSide joined(const SideList& pieces, const std::vector<std::vector<double>>& parameters = {});
 
+/// A side of a surface is fitted by more pieces than this where it has kinks, about which they are halved nine times.
+constexpr Index smooth_pieces = 8;
+bool is_kinked(const Side& side);
+
 /// The sides of one patch, all by arc length where one of them changes its speed quickly, as edges of CAD programs do where faces beside
 /// them end: what a side does along it the patch does far into the inside. Else as they are.
 SideList evenly_run(SideList sides);
