@@ -51,25 +51,6 @@ Measures measured(const Points& points, const std::vector<std::array<Index, 3>>&
   return out;
 }
 
-/// Of vertices of the border of the fill's triangles: the sum of half of the border's edges there, each as long as it is and turned outward
-/// in the plane of the triangle beyond. Of a flat fill in a flat mesh it is the fill's S x.
-Points turned_outward(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
-                      const std::vector<std::array<Index, 3>>& around) {
-  std::set<std::pair<Index, Index>> beyond;  // directed as the triangles around have them
-  for (const std::array<Index, 3>& t : triangles)
-    for (int k = 0; k < 3; ++k) beyond.emplace(t[(k + 1) % 3], t[k]);
-  Points out = Points::Zero(points.rows(), 3);
-  for (const std::array<Index, 3>& t : around)
-    for (int k = 0; k < 3; ++k) {
-      const Index a = t[k], b = t[(k + 1) % 3];
-      if (!beyond.contains({a, b})) continue;
-      const Vec3 edge = points.row(b) - points.row(a), to = points.row(t[(k + 2) % 3]) - points.row(a);
-      const Vec3 normal = edge.cross(to).stableNormalized();
-      for (Index v : {a, b}) out.row(v) += normal.cross(edge) / 2;
-    }
-  return out;
-}
-
 /// Columns that are solved for at once where all of them would take too much room.
 constexpr Index at_once = 32;
 
@@ -116,6 +97,26 @@ public:
 
 private:
   bool is_free(Index v) const { return v >= first_ && v < first_ + count_; }
+
+  /// Of vertices where the fill's triangles meet those around: the sum of half of the edges there, each as long as it is and turned outward
+  /// in the plane of the triangle beyond. Of a flat fill in a flat mesh it is the fill's S x.
+  Points turned_outward(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+                        const std::vector<std::array<Index, 3>>& around) const {
+    std::set<std::pair<Index, Index>> beyond;  // directed as the triangles around have them
+    for (const std::array<Index, 3>& t : triangles)
+      for (int k = 0; k < 3; ++k)
+        if (const Index a = t[k], b = t[(k + 1) % 3]; !is_free(a) && !is_free(b)) beyond.emplace(b, a);
+    Points out = Points::Zero(points.rows(), 3);
+    for (const std::array<Index, 3>& t : around)
+      for (int k = 0; k < 3; ++k) {
+        const Index a = t[k], b = t[(k + 1) % 3];
+        if (!beyond.contains({a, b})) continue;
+        const Vec3 edge = points.row(b) - points.row(a), to = points.row(t[(k + 2) % 3]) - points.row(a);
+        const Vec3 normal = edge.cross(to).stableNormalized();
+        for (Index v : {a, b}) out.row(v) += normal.cross(edge) / 2;
+      }
+    return out;
+  }
 
   std::vector<Index> held_beside(const Sparse& stiffness) const {
     std::vector<char> is_beside(static_cast<std::size_t>(stiffness.rows()), 0);

@@ -457,19 +457,22 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   const Index r = disc.rim, added = result.made.points.rows() - r;
   if (share < least_share_of_second || added == 0 || r > long_rim || disc.triangles.empty() || result.met) return;
   const auto folds_of = [&](const Attempt& each) { return folded_edges(each.made.points, each.made.triangles, rim.beyond); };
-  Attempt best = result;
-  Index fewest = folds_of(result) + 1;
+  std::optional<Attempt> best;
+  Index fewest = 0;
   for (const bool keep_planes : {true, false}) {
     const std::optional<SecondModel> second = second_model(result.made.points, result.made.triangles, disc, {2, 3}, keep_planes);
     Attempt average = result;
     if (!second || !take_second(rim, *second, share, average)) continue;
-    const Index folds = folds_of(average), most = most_folds(rim, average);
-    if (folds > most && folds >= fewest) continue;
+    const Index folds = folds_of(average);
+    if (folds <= most_folds(rim, average)) {
+      result = std::move(average);
+      return;
+    }
+    if (best && folds >= fewest) continue;
     best = std::move(average);
     fewest = folds;
-    if (folds <= most) break;
   }
-  result = std::move(best);
+  if (best && fewest <= folds_of(result)) result = std::move(*best);
 }
 
 /// Whether an attempt crosses itself where it need not.
