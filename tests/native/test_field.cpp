@@ -21,6 +21,8 @@ PlanePoints scattered(Index n, double inner, unsigned seed) {
   return points;
 }
 
+using PlaneTurn = Eigen::Matrix2d;
+
 template <class F>
 Points over(const PlanePoints& at, const F& f) {
   Points out(at.rows(), 3);
@@ -116,6 +118,37 @@ TEST_CASE("a field does not depend on where the surface lies, nor on its size") 
   const PlanePoints large = at * 1e4, large_gap = gap * 1e4;
   const Points scaled = Field(large, samples * 1e4, {{2, 3, 4, 5, 6}, 1e3}).positions(rows_of(large_gap));
   CHECK((scaled / 1e4 - near).cwiseAbs().maxCoeff() < 1e-7);
+}
+
+TEST_CASE("a field of a narrow strip is the same however the strip lies in the plane") {
+  const PlanePoints square = scattered(120, 0, 7), inside = 0.9 * scattered(30, 0, 8);
+  const PlaneTurn narrow = Eigen::Vector2d(1, 1e-4).asDiagonal();
+  const PlanePoints along = square * narrow, there = inside * narrow;
+  std::mt19937 random(9);
+  std::normal_distribution<double> noise(0, 0.001);
+  Points samples = over(square, [&](double x, double y) { return wave(x, y) + noise(random); });
+  samples.leftCols<2>() = along;
+  const Field straight(along, samples, {{5.5}, 0.1});
+  for (const double angle : {0.3, 1.2, 2.6}) {
+    PlaneTurn turn;
+    turn << std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle);
+    const Field aslant(along * turn, samples, {{5.5}, 0.1});
+    CHECK((aslant.positions(rows_of(there * turn)) - straight.positions(rows_of(there))).cwiseAbs().maxCoeff() < 1e-9);
+    CHECK(aslant.noise() == Approx(straight.noise()).epsilon(1e-9));
+    // derivatives along the strip and across it
+    const Index n = there.rows();
+    std::vector<double> own(static_cast<std::size_t>(18 * n)), other = own;
+    straight.evaluate(rows_of(there).data(), n, 2, own.data());
+    aslant.evaluate(rows_of(there * turn).data(), n, 2, other.data());
+    for (Index k = 0; k < n; ++k) {
+      const double *a = &own[static_cast<std::size_t>(18 * k)], *b = &other[static_cast<std::size_t>(18 * k)];
+      const Vec3 u = turn(0, 0) * Vec3::Map(b + 3) + turn(0, 1) * Vec3::Map(b + 6);
+      const Vec3 uu = turn(0, 0) * turn(0, 0) * Vec3::Map(b + 9) + turn(0, 0) * turn(0, 1) * Vec3::Map(b + 12) +
+                      turn(0, 1) * turn(0, 1) * Vec3::Map(b + 15);
+      CHECK((u - Vec3::Map(a + 3)).norm() < 1e-7);
+      CHECK((uu - Vec3::Map(a + 9)).norm() < 1e-5);
+    }
+  }
 }
 
 TEST_CASE("samples that make no field are refused") {

@@ -204,6 +204,16 @@ std::vector<OrderFound> orders_found(const PlanePoints& points, const MatrixXd& 
   return found;
 }
 
+/// The directions in which points about 0 are spread most and least, in columns: their monomials are told apart in a narrow strip too,
+/// whose two coordinates are nearly the same where it lies aslant.
+Eigen::Matrix2d along_and_across(const PlanePoints& points) {
+  const Eigen::Matrix2d spread = points.transpose() * points;
+  const double turn = 0.5 * std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1));
+  Eigen::Matrix2d axes;
+  axes << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
+  return axes;
+}
+
 void fit(Field::Part& part, const Contrasts& contrasts, const Points& samples, MatrixXd& lower) {
   double& nugget = part.used_nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * contrasts.unit);
   while (!contrasts.factor(nugget, lower) && nugget < contrasts.unit) nugget *= 10;
@@ -220,6 +230,7 @@ Field::Field(const PlanePoints& points, const Points& samples, const FieldOption
   middle_ = points.colwise().mean();
   size_ = (points.rowwise() - middle_).cwiseAbs().maxCoeff();
   if (!(size_ > 0)) throw InvalidArgument("the points of a field are all one");
+  axes_ = along_and_across((points.rowwise() - middle_) / size_);
   points_ = normalised(points);
   origin_ = samples.colwise().mean();
   const Points local = samples.rowwise() - origin_;
@@ -259,7 +270,7 @@ Field::Field(const PlanePoints& points, const Points& samples, const FieldOption
   }
 }
 
-PlanePoints Field::normalised(const PlanePoints& points) const { return (points.rowwise() - middle_) / size_; }
+PlanePoints Field::normalised(const PlanePoints& points) const { return ((points.rowwise() - middle_) / size_) * axes_; }
 
 void Field::weigh(double unit) {
   double sum = 0;
@@ -292,12 +303,14 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
   const int e = polyharmonic_exponent(part.order);
   const double sign = polyharmonic_factor(e), half = 0.5 * e, step = 1 / size_;
   for (Index k = 0; k < n; ++k) {
-    const Eigen::RowVector2d at = (Eigen::RowVector2d(rows[3 * k], rows[3 * k + 1]) - middle_) / size_;
+    const Eigen::RowVector2d at = normalised(PlanePoints(Eigen::RowVector2d(rows[3 * k], rows[3 * k + 1])));
     JetPoint<N> sum;
+    const auto along = [&](double x) { return Jet<N>::linear(x, step * axes_(0, 0), step * axes_(1, 0)); };
+    const auto across = [&](double y) { return Jet<N>::linear(y, step * axes_(0, 1), step * axes_(1, 1)); };
     for (Index i = 0; i < points_.rows(); ++i) {
       double x = at[0] - points_(i, 0), y = at[1] - points_(i, 1);
       if (std::abs(x) + std::abs(y) < least_distance) x = least_distance;
-      const Jet<N> u = Jet<N>::linear(x, step, 0), v = Jet<N>::linear(y, 0, step), s = u * u + v * v;
+      const Jet<N> u = along(x), v = across(y), s = u * u + v * v;
       std::array<double, N + 1> logarithm{}, power{}, kernel{};  // Taylor coefficients at s
       const double s0 = s.value();
       logarithm[0] = std::log(s0);
@@ -313,7 +326,7 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
       const Jet<N> value = compose<N>(kernel.data(), 1, s);
       for (int axis = 0; axis < 3; ++axis) sum.x[axis] += part.weights(i, axis) * value;
     }
-    const Jet<N> u = Jet<N>::linear(at[0], step, 0), v = Jet<N>::linear(at[1], 0, step);
+    const Jet<N> u = along(at[0]), v = across(at[1]);
     int row = 0;
     Jet<N> ui(1.0);
     for (int i = 0; i <= free_degree_of(part.order); ++i, ui = ui * u) {
@@ -326,14 +339,30 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
   }
 }
 
+/// Derivatives by normalised coordinates to those by (u, v).
+void Field::turn_back(int order, double* jet) const {
+  const Eigen::Matrix2d by = axes_ / size_;  // normalised coordinates (columns) by u and v (rows)
+  if (order > 0) {
+    const Vec3 p = Vec3::Map(jet + 3), q = Vec3::Map(jet + 6);
+    for (int k = 0; k < 2; ++k) Vec3::Map(jet + 3 + 3 * k) = by(k, 0) * p + by(k, 1) * q;
+  }
+  if (order > 1) {
+    const Vec3 pp = Vec3::Map(jet + 9), pq = Vec3::Map(jet + 12), qq = Vec3::Map(jet + 15);
+    const auto second = [&](int i, int k) {
+      return Vec3(by(i, 0) * by(k, 0) * pp + (by(i, 0) * by(k, 1) + by(i, 1) * by(k, 0)) / 2 * pq + by(i, 1) * by(k, 1) * qq);
+    };
+    Vec3::Map(jet + 9) = second(0, 0);
+    Vec3::Map(jet + 12) = 2 * second(0, 1);
+    Vec3::Map(jet + 15) = second(1, 1);
+  }
+}
+
 void Field::evaluate(const double* b, Index n, int order, double* out) const {
   const Index stride = jet_size(order) * 3;
   constexpr int by_sum = 2;
   if (order <= by_sum) {
     sum_->evaluate(normalised(Eigen::Map<const Points>(b, n, 3).leftCols<2>()), order, out);
-    const double squared = size_ * size_;
-    for (Index k = 0; k < n; ++k)
-      for (Index c = 3; c < stride; ++c) out[stride * k + c] /= c < 9 ? size_ : squared;
+    for (Index k = 0; k < n; ++k) turn_back(order, out + stride * k);
   } else {
     std::fill_n(out, n * stride, 0.0);
     for (const Part& part : parts_)

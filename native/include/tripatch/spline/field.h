@@ -57,6 +57,7 @@ public:
 
 private:
   PlanePoints normalised(const PlanePoints& points) const;
+  void turn_back(int order, double* jet) const;
   void weigh(double unit);  ///< the parts, by how likely each is
   void hedge(double unit);
   /// Where there is one part: the surface of the order next to it through `some` of its points, at others; no rows where there is none.
@@ -68,6 +69,7 @@ private:
   void jets(const Part& part, const double* rows, Index n, double* out) const;
 
   Eigen::RowVector2d middle_;
+  Eigen::Matrix2d axes_;       // of normalised coordinates, in columns
   Eigen::RowVector3d origin_;  // of the samples
   double size_ = 1;
   PlanePoints points_;  // normalised
