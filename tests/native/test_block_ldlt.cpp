@@ -50,6 +50,16 @@ TEST_CASE("Sparse matrices of blocks are solved as dense ones, definite or not",
   }
 }
 
+TEST_CASE("Whether a sparse matrix of blocks is definite its pivots tell", "[math]") {
+  for (double diagonal : {40.0, 6.0, 4.0, 3.0, 2.0, 0.5}) {
+    Ring ring(30, diagonal);
+    REQUIRE(ring.sparse.factorize());
+    const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(ring.dense).eigenvalues()[0];
+    CAPTURE(diagonal, least);
+    CHECK(ring.sparse.is_definite() == (least > 0));
+  }
+}
+
 TEST_CASE("A sparse matrix of blocks with one of zeros in a pivot is not factorized", "[math]") {
   Ring ring(5, 3);
   for (int i = 0; i < 4; ++i) ring.sparse.diagonal(0)[i] = 0;

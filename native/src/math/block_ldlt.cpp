@@ -123,6 +123,14 @@ bool BlockLdlt::factorize() {
   return true;
 }
 
+bool BlockLdlt::is_definite() const {
+  for (std::size_t k = 0; k < inverse_.size(); k += 4) {
+    const double* const pivot = inverse_.data() + k;
+    if (!(pivot[0] > 0 && pivot[0] * pivot[3] > pivot[1] * pivot[1])) return false;
+  }
+  return true;
+}
+
 Eigen::VectorXd BlockLdlt::solve(Eigen::VectorXd x) const {
   const int n = rows();
   const auto factor = [&](int p) { return Eigen::Map<const Eigen::Matrix2d>(factor_.data() + 4 * p); };

@@ -24,6 +24,8 @@ public:
 
   /// False where a pivot has no inverse.
   bool factorize();
+  /// Of what was factorized.
+  bool is_definite() const;
   Eigen::VectorXd solve(Eigen::VectorXd x) const;
 
 private:
