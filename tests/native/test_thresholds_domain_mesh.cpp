@@ -18,11 +18,38 @@ public:
     triangle_of_ = {0, 1, 2, 3, 0};
   }
   bool knows_way() { return way_of(4).has_value(); }
+  using DomainMesh::face_away;
   using DomainMesh::positive;
 
 private:
   double wanted(const Vec3&) const override { return 1; }
   bool wants_flip(int, int, int, int) const override { return false; }
+};
+
+/// The same four triangles in a strip that lies aslant in the domain, which the surface leaves as it is.
+class Strip final : public DomainMesh {
+public:
+  explicit Strip(double width) : DomainMesh(4) {
+    const Vec2 along(std::cos(0.5), std::sin(0.5));
+    across_ = Vec2(-along[1], along[0]);
+    for (const Vec2& u : {Vec2(1, 0), Vec2(0.3, 1), Vec2(-1, 0.2), Vec2(0, -1), Vec2(0.1, 0.2)}) {
+      const Vec2 at = u[0] * along + width * u[1] * across_;
+      add_vertex(Vec3(0, at[0], at[1]), Vec3(at[0], at[1], 0));
+    }
+    for (int k = 0; k < 4; ++k) triangles_.push_back({{4, k, (k + 1) % 4}, {-1, (k + 1) % 4, (k + 3) % 4}});
+    size_.assign(5, 1);
+    triangle_of_ = {0, 1, 2, 3, 0};
+  }
+  /// Of its step in the domain and of that on the surface, which are one, what they differ by across the strip.
+  double apart() {
+    const Way way = way_of(4).value();
+    return std::abs(across_.dot(way.step - way.in_space.head<2>()));
+  }
+
+private:
+  double wanted(const Vec3&) const override { return 1; }
+  bool wants_flip(int, int, int, int) const override { return false; }
+  Vec2 across_;
 };
 
 /// A regular hexagon of triangles around vertex 6, of which vertex 1 lies so far from there; vertex 6 may only be pulled onto vertex 0.
@@ -66,6 +93,24 @@ TEST_CASE("a triangle of a domain has an area from a billionth of its longest ed
   CHECK_FALSE(has_area(0.97e-9));
   CHECK(has_area(1.03e-9));
   CHECK_FALSE(has_area(-1));
+}
+
+TEST_CASE("triangles face away from each other where both have an area of 2e-8 of their edges, or it is rounding",
+          "[thresholds]") {
+  const Vec3 edge(1, 0, 0), up(0.5, 1, 0);
+  const auto thin = [](double height) { return Vec3(0.5, height, 0); };
+  CHECK(Star::face_away({edge, up}, {edge, Vec3(0.5, -1, 0)}));
+  CHECK_FALSE(Star::face_away({edge, up}, {edge, thin(0.5)}));
+  CHECK(Star::face_away({edge, up}, {edge, thin(-0.53 * 2e-8)}));
+  CHECK_FALSE(Star::face_away({edge, up}, {edge, thin(-0.47 * 2e-8)}));
+  CHECK_FALSE(Star::face_away({edge, thin(0.47 * 2e-8)}, {edge, Vec3(0.5, -1, 0)}));
+  // half a right angle more than a right one, and 2e-8 of one more
+  CHECK(Star::face_away({edge, up}, {edge, Vec3(0, -2.1e-8, 1)}));
+  CHECK_FALSE(Star::face_away({edge, up}, {edge, Vec3(0, -1.9e-8, 1)}));
+}
+
+TEST_CASE("in a narrow strip of a domain that lies aslant a vertex goes as far as on the surface") {
+  for (const double width : {1e-2, 1e-4, 1e-6}) CHECK(Strip(width).apart() < 1e-8 * width);
 }
 
 TEST_CASE("a vertex of a domain has a way to go where the surface is a millionth as wide as long", "[thresholds]") {

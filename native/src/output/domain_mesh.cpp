@@ -15,6 +15,14 @@ double shape(const Vec3& a, const Vec3& b, const Vec3& c) {
   return squares > 0 ? 2 * std::sqrt(3.0) * u.cross(v).norm() / squares : 0;
 }
 
+bool DomainMesh::face_away(const TwoEdges& one, const TwoEdges& other) {
+  const Vec3 n = one[0].cross(one[1]), m = other[0].cross(other[1]);
+  const double s = n.norm(), t = m.norm();
+  if (!(n.dot(m) < -tie * s * t)) return false;
+  const auto has_area = [](double area, const TwoEdges& edges) { return area > tie * edges[0].norm() * edges[1].norm(); };
+  return has_area(s, one) && has_area(t, other);
+}
+
 std::size_t DomainMesh::alive_triangles() const {
   return static_cast<std::size_t>(
       std::count_if(triangles_.begin(), triangles_.end(), [](const Triangle& f) { return f.v[0] >= 0; }));
@@ -232,31 +240,49 @@ bool DomainMesh::collapse(int v, int w) {
   return true;
 }
 
+/// By the plane's coordinates of the neighbors, made orthogonal first: sums of their squares alone have lost the digits of how vertices lie
+/// across a strip.
 std::optional<DomainMesh::Way> DomainMesh::way_of(int v) {
   constexpr double flat_metric = 1e-12;  // of its square: a metric's determinant below it has no inverse but rounding
   Vec3 center = Vec3::Zero();
-  double weights = 0;
-  Eigen::Matrix2d uu = Eigen::Matrix2d::Zero();
-  Eigen::Matrix<double, 3, 2> xu = Eigen::Matrix<double, 3, 2>::Zero();
+  double weights = 0, uu = 0, uv = 0;
   for (int t : around(v)) {
     const Triangle& f = triangles_[t];
     const int k = corner_of(t, v), p = f.v[(k + 1) % 3], q = f.v[(k + 2) % 3];
     const double size = (size_[v] + size_[p] + size_[q]) / 3;
-    const Vec3 u = x_[p] - x_[v];
-    const double w = u.cross(x_[q] - x_[v]).norm() / (size * size);
+    const Vec3 x = x_[p] - x_[v];
+    const double w = x.cross(x_[q] - x_[v]).norm() / (size * size);
     center += w * (x_[p] + x_[q] - 2 * x_[v]) / 3;
     weights += w;
-    const Vec2 du = (b_[p] - b_[v]).tail<2>();
-    const double near = 1 / std::max(u.squaredNorm(), 1e-300);
-    uu += near * du * du.transpose();
-    xu += near * u * du.transpose();
+    const Vec2 along = (b_[p] - b_[v]).tail<2>();
+    const double near = 1 / std::max(x.squaredNorm(), 1e-300);
+    uu += near * along[0] * along[0];
+    uv += near * along[0] * along[1];
   }
-  if (!(weights > 0) || !(uu.determinant() > 0)) return {};
-  const Eigen::Matrix<double, 3, 2> jacobian = xu * uu.inverse();
-  const Eigen::Matrix2d metric = jacobian.transpose() * jacobian;
-  if (!(metric.determinant() > flat_metric * metric.squaredNorm())) return {};
-  const Vec2 step = metric.inverse() * (jacobian.transpose() * (center / weights));
-  return Way{step, jacobian * step};
+  if (!(weights > 0) || !(uu > 0)) return {};
+  const double lean = uv / uu;
+  double across = 0;
+  Vec3 by_u = Vec3::Zero(), by_across = Vec3::Zero();
+  for (int t : ring_) {
+    const Triangle& f = triangles_[t];
+    const int p = f.v[(corner_of(t, v) + 1) % 3];
+    const Vec3 x = x_[p] - x_[v];
+    const Vec2 along = (b_[p] - b_[v]).tail<2>();
+    const double near = 1 / std::max(x.squaredNorm(), 1e-300), off = along[1] - lean * along[0];
+    across += near * off * off;
+    by_u += near * along[0] * x;
+    by_across += near * off * x;
+  }
+  if (!(across > 0)) return {};
+  by_u /= uu;
+  by_across /= across;  // x = by_u u + by_across (v - lean u)
+  const Vec3 x_u = by_u - lean * by_across;
+  const double xx = x_u.squaredNorm(), yy = by_across.squaredNorm(), xy = x_u.dot(by_across);
+  if (!(x_u.cross(by_across).squaredNorm() > flat_metric * (xx * xx + yy * yy + 2 * xy * xy))) return {};
+  const double length = by_u.squaredNorm(), turn = by_u.dot(by_across) / length;
+  const Vec3 aside = by_across - turn * by_u, to = center / weights;
+  const double off = aside.dot(to) / aside.squaredNorm(), along = by_u.dot(to) / length - turn * off;
+  return Way{Vec2(along, off + lean * along), by_u * (along + turn * off) + aside * off};
 }
 
 bool DomainMesh::star_is_valid(int v, const Vec3& b) {

@@ -239,11 +239,9 @@ private:
     if (is_crease(a, b) || is_joined(c, d)) return false;
     if (is_joined(a, b)) return true;
     const Vec3 ca = x_[a] - x_[c], cb = x_[b] - x_[c], da = x_[a] - x_[d], db = x_[b] - x_[d], cd = x_[d] - x_[c];
-    const Vec3 n1 = ca.cross(cb), n2 = db.cross(da);
-    const Vec3 m1 = ca.cross(cd), m2 = cd.cross(cb);
-    const bool folded = n1.dot(n2) < -tie * n1.norm() * n2.norm(), would_fold = m1.dot(m2) < -tie * m1.norm() * m2.norm();
+    const bool folded = face_away({ca, cb}, {db, da}), would_fold = face_away({ca, cd}, {cd, cb});
     if (folded != would_fold) return folded;
-    const double s1 = n1.norm(), s2 = n2.norm(), c1 = ca.dot(cb), c2 = da.dot(db);
+    const double s1 = ca.cross(cb).norm(), s2 = db.cross(da).norm(), c1 = ca.dot(cb), c2 = da.dot(db);
     return s1 * c2 + c1 * s2 < -tie * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
   }
 

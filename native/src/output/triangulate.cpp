@@ -261,9 +261,7 @@ private:
   /// How good the two triangles of a quad (a, b, c, d) split along a-c are; negative where they fold over in space.
   double pair_quality(int a, int b, int c, int d) const {
     const Vec3 e = x_[c] - x_[a], u = x_[b] - x_[a], w = x_[d] - x_[a];
-    const Vec3 n1 = u.cross(e), n2 = e.cross(w);
-    const double cosine = n1.dot(n2), scale = std::sqrt(n1.squaredNorm() * n2.squaredNorm());
-    if (cosine < -tie * scale) return cosine / scale;
+    if (face_away({u, e}, {e, w})) return u.cross(e).stableNormalized().dot(e.cross(w).stableNormalized());
     return std::min(shape_of(a, b, c), shape_of(a, c, d));
   }
 

@@ -48,6 +48,11 @@ protected:
 
   explicit DomainMesh(int rim) : rim_(rim) {}
 
+  /// Two edges of a triangle, from one corner.
+  using TwoEdges = std::array<Vec3, 2>;
+  /// Whether two triangles lie folded over each other by more than a right angle; not where one has no area but rounding.
+  static bool face_away(const TwoEdges& one, const TwoEdges& other);
+
   /// Length wanted for edges at b, from what the rim has.
   virtual double wanted(const Vec3& b) const = 0;
   /// Is anything missing on the rim between two of its vertices that the border joins?
