@@ -98,6 +98,13 @@ TEST_CASE("feet between two leave the middle in eight doubling steps, slower wit
   }
 }
 
+TEST_CASE("a sample that is thirty radii of curvature off on the inner side stays where it is", "[thresholds]") {
+  const Reference valley = over_square([](double x, double y) { return Vec3(x, y, x * x / 2); }, 2);
+  CHECK(foot_from(valley, 1e-7, {0, 0, 29.9}) == Approx(1e-7 * 256).epsilon(1e-3));
+  CHECK(foot_from(valley, 1e-7, {0, 0, 30.1}) == 1e-7);
+  CHECK(std::abs(foot_from(valley, 1e-7, {0, 0, -30.1})) < 1e-12);
+}
+
 TEST_CASE("a foot goes by a tenth of the plane's extent at each of eight steps", "[thresholds]") {
   const Reference plane = over_square([](double x, double y) { return Vec3(x, y, 0); }, 1);
   CHECK(foot_from(plane, -0.39, {0.4, 0, 0}) == Approx(0.4).epsilon(1e-12));

@@ -19,6 +19,9 @@ namespace {
 constexpr int steps = 8;
 /// What the curvature leaves of the squared distance's own bend, at least: steps are no longer than five of Gauss and Newton's.
 constexpr double least_bend = 0.2;
+/// Times the radius of curvature: farther off on the inner side a sample has no foot nearby, and stays where it is. In meshes stretched by 1000
+/// what rounding does to places grew 400 times by steps from there. Of 106 known and real holes one changes, by 4%.
+constexpr double farthest_bent = 30;
 /// Of the plane's extent: no step is longer, for the polynomial is known no farther around.
 constexpr double longest_step = 0.1;
 /// Of the squares of two tangents, by their determinant: less, and they are one line to rounding, and a sample stays where it is.
@@ -100,7 +103,8 @@ Reference::Jet2 Reference::jet_at(const Eigen::RowVector2d& point) const {
 /// farther off it lies, so that rounding would choose its foot.
 PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) const {
   const double longest = longest_step * size_;
-  for (Index k = 0; k < points.rows(); ++k)
+  for (Index k = 0; k < points.rows(); ++k) {
+    const Eigen::RowVector2d start = points.row(k);
     for (int step = 0; step < steps; ++step) {
       const Jet2 jet = jet_at(points.row(k));
       const Eigen::Matrix<double, 2, 3> tangents = jet.middleRows<2>(1);
@@ -114,6 +118,10 @@ PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) co
       const auto lower = root.triangularView<Eigen::Lower>();
       const Eigen::Matrix2d half = lower.solve(bend), own = lower.solve(half.transpose());
       const PlaneAxes modes = principal_axes(Eigen::Matrix2d((own + own.transpose()) / 2));
+      if (modes.values.maxCoeff() > farthest_bent) {
+        points.row(k) = start;
+        break;
+      }
       const Eigen::Vector2d left = (1 - modes.values.array()).abs().max(least_bend);
       const Eigen::Vector2d pull = tangents * off, pulled = lower.solve(pull), slope = modes.vectors.transpose() * pulled;
       const Eigen::Vector2d wanted = modes.vectors * slope.cwiseQuotient(left);
@@ -122,6 +130,7 @@ PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) co
       points.row(k) += move.transpose();
       if (move.norm() < last_step * size_) break;
     }
+  }
   return points;
 }
 
