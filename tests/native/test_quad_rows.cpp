@@ -8,6 +8,7 @@
 #include "tripatch/grid/quad_rows.h"
 #include "tripatch/grid/rows_surface.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/spline/plane_patch.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
@@ -416,6 +417,18 @@ TEST_CASE("rows are taken where they are off by less than a quarter of what they
   other.report.triangles_folded = 1;
   CHECK(rows_are_nearer(mesh, rows, other));
   rows.report.triangles_folded = 2;
+  CHECK_FALSE(rows_are_nearer(mesh, rows, other));
+}
+
+TEST_CASE("rows are nearer than plain triangles, which know of nothing beyond the rim, not than a surface without new vertices") {
+  const Points ends = (Points(2, 3) << 0, 0, 0, 3, 4, 0).finished();
+  const Mesh mesh{ends, {}};
+  Fill rows, other;
+  rows.rim = {0, 1};
+  rows.vertices = Points::Zero(1, 3);
+  rows.deviation = Eigen::VectorXd::Constant(1, 0.04);
+  CHECK(rows_are_nearer(mesh, rows, other));
+  other.patch = std::make_shared<PlanePatch>(nullptr, PlanePoints(0, 2));
   CHECK_FALSE(rows_are_nearer(mesh, rows, other));
 }
 

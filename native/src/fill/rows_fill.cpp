@@ -293,7 +293,7 @@ double off_by_rows(const Fill& rows) { return off_by_missed * rows.deviation[0];
 bool rows_are_nearer(const Mesh& mesh, const Fill& rows, const Fill& other) {
   if (harm(rows.report) != harm(other.report)) return harm(rows.report) < harm(other.report);
   if (rows.vertices.rows() == 0) return true;
-  if (other.deviation.size() == 0) return false;
+  if (other.deviation.size() == 0) return !other.patch;  // plain triangles know of nothing beyond the rim
   const double said = other.deviation.norm() / std::sqrt(static_cast<double>(other.deviation.size()));
   return off_by_rows(rows) < std::max(said, exact_rows * diameter(mesh, rows.rim));
 }
