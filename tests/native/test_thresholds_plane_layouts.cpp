@@ -91,6 +91,31 @@ double random_at(double x, double y) {
 
 }  // namespace
 
+TEST_CASE("surroundings are not followed whose layout has an energy of 100", "[thresholds]") {
+  int followed = 0;  // two rings of them: fills over other layouts may fold
+  for (const double steep : {113.2, 113.6, 113.8, 114.0, 115.7, 116.1, 116.5, 117.0, 118.0}) {  // four waves around the hole
+    const Rings rings(radii(0.1, 3),
+                      [&](double x, double y) { return Vec3(x, y, steep * std::hypot(x, y) * std::cos(4 * std::atan2(y, x))); });
+    const Connectivity around(rings.mesh());
+    const Disc disc = disc_around(rings.mesh(), around, {rings.rim}, 0, 2);
+    RimSurroundings beyond;
+    beyond.normals.resize(rings.n, 3);
+    for (const FaceBeyond& face : faces_beyond_rows(rings.mesh(), around, {rings.rim}))
+      beyond.normals.row(face.from) = face.normal;
+    std::vector<std::array<Index, 3>> triangles = rough_fill(disc.points.topRows(rings.n), beyond).triangles;
+    triangles.insert(triangles.end(), disc.triangles.begin(), disc.triangles.end());
+    PlaneLayoutOptions options;
+    options.tolerance = 1e-3;
+    const double energy = lay_out(disc.points, triangles, options)->energies.back();
+    CAPTURE(steep, energy);
+    REQUIRE(std::abs(energy - 100) < 2.5);
+    const bool follows = fill_over_plane(rings.mesh(), around, {rings.rim}).rings == 2;
+    followed += follows;
+    CHECK((energy < 100 || !follows));
+  }
+  CHECK(followed > 0);
+}
+
 TEST_CASE("a fill is laid out again whose area is 1.05 times that of the rim's triangles", "[thresholds]") {
   double below = 1, above = 2;
   for (double height = 0.114; height < 0.12; height *= 1.01) {  // of the top above the rim, on a ball

@@ -38,6 +38,9 @@ constexpr double least_noise = 0.003, noisy_reach_share = 0.5;
 /// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a baseline's.
 constexpr Index least_samples = 160, most_samples = 600;
 constexpr Index more_than_rim = 100;
+/// Relative, of squared distances over others: samples that are as far from those taken are taken in their order. More than a tie: a million
+/// sizes from the origin distances across a mesh that is stretched by 1000 are rounded by 1e-7 of themselves.
+constexpr double as_far = 1e-5;
 /// The same where a strongly curved surface has no noise: there more of them tell more. 30 fills in ellipsoids and balls, 50 degrees to half
 /// of them, are half as far off with 200, 300 or 450, those of half an ellipsoid 0.54, 0.52 and 0.39 times, and take 1.4 to 1.6 times as long.
 constexpr Index more_where_clear = 450;
@@ -50,6 +53,10 @@ constexpr int layouts = 3;
 constexpr double too_rough = 0.03;
 /// Of a step's share of the layout's energy: foot points do not see the rest. Twice and half of it move 84 fills by less than 0.5%.
 constexpr double layout_tolerance = 1e-3;
+/// Energy of a layout, 4 where nothing is deformed, from which on it is none. Of 1,658 layouts of random holes in even, bumpy and noisy meshes the
+/// worst has 35, of 155 of known surfaces and scanned meshes 14. In meshes stretched by up to 1000 one of six has more, up to 1e9: fills over it
+/// fold or are as far off as those of the next way, and where forty steps from there end rounding chooses.
+constexpr double most_deformed = 100;
 /// The layout of a strongly curved hole is that of its fill: what the fill errs, the layout errs, and with it the next fill. Where a
 /// layout changes the area by this share of what the one before changed it, errors add up to 1 / (1 - share) of themselves; of more
 /// than this share it is not believed.
@@ -201,7 +208,7 @@ std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = mo
     Index best = -1;
     double most = none;
     for (Index k = 0; k < n; ++k)
-      if (gap[k] != none && clearly_more(value[k], most)) most = value[k], best = k;
+      if (gap[k] != none && value[k] > most + as_far * std::abs(most)) most = value[k], best = k;
     if (best < 0) break;
     taken.push_back(best);
     gap[best] = none;
@@ -299,7 +306,7 @@ std::optional<PlanePoints> laid_out(const Disc& disc, const Rim& rim, const Atte
   PlaneLayoutOptions options;
   options.tolerance = layout_tolerance;
   const std::optional<Layout> layout = lay_out(points, triangles, options);
-  if (!layout) return {};
+  if (!layout || layout->energies.back() > most_deformed) return {};
   return PlanePoints(layout->uv.topRows(n));
 }
 
