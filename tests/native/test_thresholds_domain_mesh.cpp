@@ -52,6 +52,24 @@ private:
   Vec2 across_;
 };
 
+/// Four right-angled triangles around vertex 4 in a plane, of which vertex 2, half as far off as the others, is folded so far over it.
+class Folded final : public DomainMesh {
+public:
+  explicit Folded(double angle) : DomainMesh(4) {
+    const std::array<Vec3, 5> places = {Vec3(1, 0, 0), Vec3(0, 1, 0), 0.5 * Vec3(-std::cos(angle), 0, std::sin(angle)),
+                                        Vec3(0, -1, 0), Vec3(0, 0, 0)};
+    for (const Vec3& x : places) add_vertex(Vec3(0, x[0], x[1]), x);
+    for (int k = 0; k < 4; ++k) triangles_.push_back({{4, k, (k + 1) % 4}, {-1, (k + 1) % 4, (k + 3) % 4}});
+    size_.assign(5, 1);
+    triangle_of_ = {0, 1, 2, 3, 0};
+  }
+  double quality() { return star_quality(4, Vec3(0, 0, 0)); }
+
+private:
+  double wanted(const Vec3&) const override { return 1; }
+  bool wants_flip(int, int, int, int) const override { return false; }
+};
+
 /// A regular hexagon of triangles around vertex 6, of which vertex 1 lies so far from there; vertex 6 may only be pulled onto vertex 0.
 class Hexagon final : public DomainMesh {
 public:
@@ -111,6 +129,15 @@ TEST_CASE("triangles face away from each other where both have an area of 2e-8 o
 
 TEST_CASE("in a narrow strip of a domain that lies aslant a vertex goes as far as on the surface") {
   for (const double width : {1e-2, 1e-4, 1e-6}) CHECK(Strip(width).apart() < 1e-8 * width);
+}
+
+TEST_CASE("a triangle around a vertex faces away from all of them by 2e-8 of their areas, not at a right angle", "[thresholds]") {
+  // areas are 1, 1, and twice a half; along the sum of all those that are folded lie 1 + 2 cos(angle) of themselves
+  const auto faces_away = [](double share) { return Folded(std::acos(-0.5 * (1 + share * 3))).quality() < 0; };
+  CHECK_FALSE(faces_away(-1e-3));
+  CHECK_FALSE(faces_away(1.9e-8));
+  CHECK(faces_away(2.1e-8));
+  CHECK(faces_away(1e-3));
 }
 
 TEST_CASE("a vertex of a domain has a way to go where the surface is a millionth as wide as long", "[thresholds]") {

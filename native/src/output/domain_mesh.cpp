@@ -296,13 +296,20 @@ bool DomainMesh::star_is_valid(int v, const Vec3& b) {
 
 double DomainMesh::star_quality(int v, const Vec3& x) {
   Vec3 facing = Vec3::Zero();
-  for (int t : around(v)) facing += star_normal(t, v, x);
+  double areas = 0;
+  for (int t : around(v)) {
+    const Vec3 normal = star_normal(t, v, x);
+    facing += normal;
+    areas += normal.norm();
+  }
   double worst = 1;
   for (int t : ring_) {
     const Triangle& f = triangles_[t];
     const int k = corner_of(t, v);
     const double s = shape(x, x_[f.v[(k + 1) % 3]], x_[f.v[(k + 2) % 3]]);
-    worst = std::min(worst, star_normal(t, v, x).dot(facing) > 0 ? s : -s);
+    const Vec3 normal = star_normal(t, v, x);
+    const bool faces_away = normal.dot(facing) < -tie * areas * normal.norm();  // not at a right angle
+    worst = std::min(worst, faces_away ? -s : s);
   }
   return worst;
 }
