@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <stdexcept>
@@ -101,6 +103,43 @@ TEST_CASE("work beside other work gives its result, or what it throws, where tha
   CHECK(other.get());
   Meanwhile<int> fails([]() -> int { throw std::invalid_argument("no"); });
   CHECK_THROWS_AS(fails.get(), std::invalid_argument);
+}
+
+TEST_CASE("what two threads do together is all done, once, before they begin with the next", "[parallel]") {
+  std::vector<int> done;
+  std::size_t last = 0;
+  bool fresh = true;
+  std::array<int, 2> by = {0, 0};
+  Together work([&](int k, int thread) {
+    ++done[static_cast<std::size_t>(k)];
+    ++by[static_cast<std::size_t>(thread)];
+    fresh = fresh && done.size() == last;
+  });
+  int all = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const int count = round % 7;
+    done.assign(static_cast<std::size_t>(count), 0);
+    last = done.size();
+    work(count);
+    CHECK(std::all_of(done.begin(), done.end(), [](int times) { return times == 1; }));
+    all += count;
+  }
+  CHECK(fresh);
+  CHECK(by[0] + by[1] == all);
+}
+
+TEST_CASE("of two pieces of work both are done, one after the other where no core is free", "[parallel]") {
+  std::atomic<int> done = 0;
+  both_at_once([&] { done += 1; }, [&] { done += 10; });
+  CHECK(done == 11);
+  std::vector<int> order;
+  {
+    const Alone alone;
+    CHECK_FALSE(has_free_core());
+    both_at_once([&] { order.push_back(1); }, [&] { order.push_back(2); });
+  }
+  CHECK(order == std::vector<int>{1, 2});
+  CHECK(has_free_core() == (std::thread::hardware_concurrency() > 1));
 }
 
 TEST_CASE("work beside other work ends where nobody asks for its result, or who waits for it is interrupted", "[parallel]") {

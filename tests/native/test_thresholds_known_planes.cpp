@@ -61,6 +61,27 @@ TEST_CASE("heights are measured once more over the plane that was found where it
   }
 }
 
+TEST_CASE("planes along a side are the same whether they are looked for at one go or with rests") {
+  FlatDrafts flat(6);
+  for (Vec3& guess : flat.side().guess) guess = Vec3(0, 0.01, 1).normalized();
+  VarianceComponents exact;
+  exact.noise = 1e-12;
+  SideSearch search(flat.w, flat.drafts, 2), other(flat.w, flat.drafts, 2);
+  const Neighborhood near = {2, false, true, false};
+  const auto nearest = nearest_of(flat.w, flat.drafts, 2, search);
+  const std::vector<VertexFit> whole = fit_side(flat.w, exact, flat.drafts, 2, near, nearest, search);
+  SideFitting fitting(flat.w, exact, flat.drafts, 2, near, nearest, other);
+  for (const int vertices : {3, 0, 1, 100}) fitting.go_on(vertices);
+  CHECK(fitting.left() == 0);
+  const std::vector<VertexFit> parts = fitting.fits();
+  REQUIRE(parts.size() == whole.size());
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    CHECK(parts[k].normal == whole[k].normal);
+    CHECK(parts[k].second == whole[k].second);
+    CHECK(parts[k].covariance == whole[k].covariance);
+  }
+}
+
 TEST_CASE("a rim is as rough as it differs from the quintic through three vertices on either side, of four edges from the cubic",
           "[thresholds]") {
   const auto rough = [](int edges, int degree) {

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,7 +22,7 @@ namespace tripatch {
 namespace {
 
 constexpr int samples_a_side = 6;  ///< about as many stencils a side tell the variance components
-constexpr Index long_rim = 60;     ///< edges, from which on threads are worth their start
+constexpr int long_rim = 30;       ///< vertices, from which on threads are worth their start
 
 /// How edges farther along a side count where its ends are compared, and the neighbors' edges beside them.
 constexpr double next_edge_counts = 0.37;
@@ -111,8 +112,8 @@ VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft,
 
 /// The fits along side i by neighborhood: the first alone where it knows all planes well, as it does on most smooth meshes.
 std::vector<std::vector<VertexFit>> fits_of(const LocalMesh& w, const VarianceComponents& components,
-                                            const std::array<SideDraft, 3>& drafts, int i, Searches& searches) {
-  std::vector<VertexFit> known = fit_side(w, components, drafts, i, neighborhoods[0], {}, searches[i]);
+                                            const std::array<SideDraft, 3>& drafts, int i, Searches& searches,
+                                            std::vector<VertexFit> known) {
   if (!known.empty()) return {std::move(known)};
   const std::vector<std::vector<Share>> nearest = nearest_of(w, drafts, i, searches[i]);
   std::vector<std::vector<VertexFit>> fits;
@@ -123,23 +124,54 @@ std::vector<std::vector<VertexFit>> fits_of(const LocalMesh& w, const VarianceCo
   return fits;
 }
 
+/// complete(i) for each side once its fits are there, on two threads that take as long: one begins with the middle side and leaves the rest
+/// of it to the other (McNaughton 1959, "Scheduling with deadlines and loss functions").
+template <class Complete>
+void fit_sides(std::vector<SideFitting>& sides, const Complete& complete) {
+  const auto finish = [&](int i) {
+    sides[i].go_on(sides[i].left());
+    complete(i);
+  };
+  const int last = sides[2].left(), all = sides[0].left() + sides[1].left() + last;
+  if (all < long_rim) {
+    for (int i = 0; i < 3; ++i) finish(i);
+    return;
+  }
+  std::promise<void> begun;
+  std::future<void> is_begun = begun.get_future();
+  both_at_once(
+      [&] {
+        const Alone alone;
+        std::promise<void> kept_or_broken = std::move(begun);  // whatever is thrown
+        sides[1].go_on(std::max(all / 2 - last, 0));
+        kept_or_broken.set_value();
+        finish(2);
+      },
+      [&] {
+        const Alone alone;
+        finish(0);
+        is_begun.get();
+        finish(1);
+      });
+}
+
 }  // namespace
 
 MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& hole) {
   const LocalMesh w = local_mesh(mesh, around, hole);
-  const Index rim_size = static_cast<Index>(w.rim.size());
   std::array<SideDraft, 3> drafts = drafts_of(w, mesh, hole);
   Searches searches = {SideSearch(w, drafts, 0), SideSearch(w, drafts, 1), SideSearch(w, drafts, 2)};
   const VarianceComponents components = components_of(w, drafts, neighborhoods[0], -1, searches);
   const std::array<SideDraft, 3> guessed = drafts;  // what all threads read, while each completes its own side of the drafts
   std::array<SideFit, 3> fits;
   const double rough = roughness(guessed);
-  parallel_for(0, 3, rim_size < long_rim ? 3 : 1, [&](Index from, Index to) {
-    for (Index i = from; i < to; ++i) {
-      const std::vector<std::vector<VertexFit>> by_neighborhood = fits_of(w, components, guessed, static_cast<int>(i), searches);
-      fits[i] = choose(w, by_neighborhood, drafts[i], rough);
-      take_cylinder(w, fits[i], drafts[i]);
-    }
+  const std::vector<std::vector<Share>> nobody_asks;
+  std::vector<SideFitting> fittings;
+  for (int i = 0; i < 3; ++i) fittings.emplace_back(w, components, guessed, i, neighborhoods[0], nobody_asks, searches[i]);
+  fit_sides(fittings, [&](int i) {
+    const std::vector<std::vector<VertexFit>> by_neighborhood = fits_of(w, components, guessed, i, searches, fittings[i].fits());
+    fits[i] = choose(w, by_neighborhood, drafts[i], rough);
+    take_cylinder(w, fits[i], drafts[i]);
   });
   take_flat_corners(w, fits, hole.alone, drafts);
   MeshSides result;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/machines.h"
+#include "tripatch/math/meanwhile.h"
 
 namespace tripatch {
 namespace {
@@ -393,12 +394,21 @@ VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>
   components.noise = floors.noise();
   components.tilt = bend;
   components.truncation = std::pow(bend, 5) / 720 / 720;
-  FitRoom room;
-  bool all = false;  // every second stencil of a side tells nearly the same
+  bool all = false;                                      // every second stencil of a side tells nearly the same
+  std::array<std::vector<const Stencil*>, 2> looked_at;  // every second, all
+  for (const std::vector<Stencil>& side : stencils)
+    for (std::size_t k = 0; k < side.size(); ++k) {
+      if (k % 2 == 1) looked_at[0].push_back(&side[k]);
+      looked_at[1].push_back(&side[k]);
+    }
+  std::vector<Explained> explained(looked_at[1].size());
+  std::array<FitRoom, 2> rooms;
+  Together explain_all([&](int k, int thread) { explained[k] = explain(*looked_at[all][k], components, rooms[thread]); });
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const std::size_t count = looked_at[all].size();
+    explain_all(static_cast<int>(count));
     Explained sum;
-    for (const std::vector<Stencil>& side : stencils)
-      for (std::size_t k = all ? 0 : 1; k < side.size(); k += all ? 1 : 2) sum += explain(side[k], components, room);
+    for (std::size_t k = 0; k < count; ++k) sum += explained[k];
     const VarianceComponents before = std::exchange(components, components_of(sum, floors));
     const bool done = have_settled(components, before, radius, all ? settled : nearly);
     if (done && all) break;

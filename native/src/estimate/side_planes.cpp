@@ -66,47 +66,56 @@ double slope_ahead(const VertexFit& last, const Vec3& step, const Vec3& faces, c
 
 bool is_known(const VertexFit& fit) { return fit.slope_variances < well_known * well_known; }
 
+void SideFitting::go_on(int vertices) {
+  SideDraft& side = drafts_[i_];
+  for (const int end = next_ + std::min(vertices, left()); next_ < end; ++next_) {
+    const int k = side.looked_at(next_);
+    if (next_ > 0) {
+      const Vec3 outward = side.tangent[k].cross(side.guess[k]);
+      const int last = side.looked_at(next_ - 1);
+      side.guess[k] -= slope_ahead(fits_[last], side.position[k] - side.position[last], side.guess[k], outward) * outward;
+    }
+    fits_[k] = fit(k);
+    if (!nearest_.empty() || is_known(fits_[k])) continue;
+    fits_.clear();
+    next_ = 0;
+    return;
+  }
+}
+
+VertexFit SideFitting::fit(int k) {
+  SideDraft& side = drafts_[i_];
+  measure(w_, drafts_, i_, k, near_, search_, seen_);
+  PlaneFit fit = fit_plane(seen_.stencil, components_, room_);
+  if (std::abs(fit.mean[2]) > flat_enough * seen_.stencil.depth) {  // once more over the plane just found
+    side.guess[k] = seen_.stencil.e3 - fit.mean[2] / seen_.stencil.depth * seen_.stencil.e2;
+    measure(w_, drafts_, i_, k, near_, search_, seen_);
+    fit = fit_plane(seen_.stencil, components_, room_);
+  }
+  refine(seen_.stencil, room_, fit);
+  const Stencil& s = seen_.stencil;
+  const Eigen::Vector2d over(1, 1 / s.depth);  // by what derivatives along and across are multiplied
+  const double fx = fit.mean[1], fy = fit.mean[2] / s.depth;
+  VertexFit at;
+  at.normal = (s.e3 - fx * s.e1 - fy * s.e2).normalized();
+  at.frame << s.e1, s.e2;
+  Eigen::Matrix2d hessian;
+  hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
+  hessian = over.asDiagonal() * hessian * over.asDiagonal();
+  at.second = at.frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * at.frame.transpose();
+  const FitVariances known = variances_of(fit);
+  at.covariance = over.asDiagonal() * known.slopes * over.asDiagonal();
+  at.slope_variances = at.covariance.trace();
+  at.bend_variance = known.bend * std::pow(over[1], 4);
+  if (!nearest_.empty()) at.density = densities(w_, side, k, nearest_[k], seen_, fit, components_);
+  return at;
+}
+
 std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
                                 const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search) {
-  SideDraft& side = drafts[i];
-  const int edges = side.edges();
-  std::vector<VertexFit> result(edges + 1);
-  Seen seen;
-  FitRoom room;
-  for (int j = 0; j <= edges; ++j) {
-    const int k = side.looked_at(j);
-    const Vec3 faces = side.guess[k], outward = side.tangent[k].cross(faces);
-    if (j > 0) {
-      const int last = side.looked_at(j - 1);
-      side.guess[k] -= slope_ahead(result[last], side.position[k] - side.position[last], faces, outward) * outward;
-    }
-    measure(w, drafts, i, k, near, search, seen);
-    PlaneFit fit = fit_plane(seen.stencil, components, room);
-    if (std::abs(fit.mean[2]) > flat_enough * seen.stencil.depth) {  // once more over the plane just found
-      side.guess[k] = seen.stencil.e3 - fit.mean[2] / seen.stencil.depth * seen.stencil.e2;
-      measure(w, drafts, i, k, near, search, seen);
-      fit = fit_plane(seen.stencil, components, room);
-    }
-    refine(seen.stencil, room, fit);
-    const Stencil& s = seen.stencil;
-    const Eigen::Vector2d over(1, 1 / s.depth);  // by what derivatives along and across are multiplied
-    const double fx = fit.mean[1], fy = fit.mean[2] / s.depth;
-    VertexFit at;
-    at.normal = (s.e3 - fx * s.e1 - fy * s.e2).normalized();
-    at.frame << s.e1, s.e2;
-    Eigen::Matrix2d hessian;
-    hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
-    hessian = over.asDiagonal() * hessian * over.asDiagonal();
-    at.second = at.frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * at.frame.transpose();
-    const FitVariances known = variances_of(fit);
-    at.covariance = over.asDiagonal() * known.slopes * over.asDiagonal();
-    at.slope_variances = at.covariance.trace();
-    at.bend_variance = known.bend * std::pow(over[1], 4);
-    if (nearest.empty() && !is_known(at)) return {};
-    if (!nearest.empty()) at.density = densities(w, side, k, nearest[k], seen, fit, components);
-    result[k] = std::move(at);
-  }
-  return result;
+  SideFitting fitting(w, components, std::move(drafts), i, near, nearest, search);
+  fitting.go_on(fitting.left());
+  return fitting.fits();
 }
 
 std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i,

@@ -36,8 +36,45 @@ struct SideFit {
   double bend_variance = 0;             ///< of the second derivative across, mean over the side
 };
 
-/// The planes and second fundamental forms of side i, as one neighborhood has them. nearest: what each fit is asked to predict; empty:
-/// nobody asks as long as all planes are well known, and there is nothing where one is not.
+/// The planes and second fundamental forms of side i, as one neighborhood has them, vertex after vertex, for each is looked for from the one
+/// before. nearest: what each fit is asked to predict; empty: nobody asks as long as all planes are well known, and there is nothing where
+/// one is not. What it is made of must outlive it.
+class SideFitting {
+public:
+  SideFitting(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
+              const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search)
+      : w_(w),
+        components_(components),
+        drafts_(std::move(drafts)),
+        i_(i),
+        near_(near),
+        nearest_(nearest),
+        search_(search),
+        fits_(drafts_[i].vertex.size()) {}
+
+  int left() const { return static_cast<int>(fits_.size()) - next_; }
+  /// So many more vertices.
+  void go_on(int vertices);
+  /// Once none is left.
+  std::vector<VertexFit> fits() { return std::move(fits_); }
+
+private:
+  VertexFit fit(int k);
+
+  const LocalMesh& w_;
+  const VarianceComponents& components_;
+  std::array<SideDraft, 3> drafts_;
+  int i_;
+  const Neighborhood& near_;
+  const std::vector<std::vector<Share>>& nearest_;
+  SideSearch& search_;
+  std::vector<VertexFit> fits_;
+  int next_ = 0;  // place, as vertices are looked at
+  Seen seen_;
+  FitRoom room_;
+};
+
+/// All of them.
 std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
                                 const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search);
 

@@ -17,7 +17,19 @@ namespace tripatch {
 /// True in threads that are themselves one of several at work: they share nothing out.
 inline thread_local bool one_of_many = false;
 
-/// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time. A thread costs some 0.1 ms.
+/// While it lives, this thread is one of several at work.
+class Alone {
+public:
+  Alone() : before_(one_of_many) { one_of_many = true; }
+  ~Alone() { one_of_many = before_; }
+  Alone(const Alone&) = delete;
+  Alone& operator=(const Alone&) = delete;
+
+private:
+  bool before_;
+};
+
+/// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time. A thread costs 20 us.
 template <class F>
 void parallel_for(Index from, Index to, Index least, const F& f) {
   static const Index all_cores = std::max(1U, std::thread::hardware_concurrency());
@@ -33,6 +45,15 @@ void parallel_for(Index from, Index to, Index least, const F& f) {
     others.push_back(std::async(std::launch::async, share, from + n * k / shares, from + n * (k + 1) / shares));
   if (n > 0) f(from, from + n / shares);
   for (std::future<void>& other : others) other.get();
+}
+
+/// f() and g(), at the same time where a core is free.
+template <class F, class G>
+void both_at_once(const F& f, const G& g) {
+  parallel_for(0, 2, 1, [&](Index from, Index to) {
+    if (from == 0) f();
+    if (to == 2) g();
+  });
 }
 
 /// Whether f(k) is true for each k < count, on all cores where they are many; each takes some 10 ns.
