@@ -61,22 +61,34 @@ TEST_CASE("points that are evaluated together have the bits of points evaluated 
     }
 }
 
+#ifdef TRIPATCH_PACKS
+namespace {
+
+template <class P>
+void check_field(const PiecewisePolynomial& c) {
+  const PackedField packed(c);
+  for (const std::array<double, 4>& t : {std::array{0.0, 0.21, 0.5, 1.0}, {0.3, 0.31, 0.32, 0.33}, {-0.1, 1.1, 0.77, 0.769}}) {
+    P at;
+    for (int lane = 0; lane < width_of<P>; ++lane) at[lane] = t[lane % 4];
+    P out[3][3];
+    packed.taylor<2>(packed.places(at), out);
+    for (int lane = 0; lane < width_of<P>; ++lane) {
+      std::array<double, 9> one;
+      c.taylor(at[lane], 2, one.data());
+      for (int k = 0; k < 9; ++k) CHECK(out[k / 3][k % 3][lane] == one[k]);
+    }
+  }
+}
+
+}  // namespace
+#endif
+
 TEST_CASE("a packed field has the pieces of the field it is made of") {
   const PiecewisePolynomial c = pieces().ribbons[0].c;
   REQUIRE(c.pieces() > 3);
 #ifdef TRIPATCH_PACKS
-  if (!__builtin_cpu_supports("avx2")) return;
-  const PackedField packed(c);
-  for (const std::array<double, 4>& t : {std::array{0.0, 0.21, 0.5, 1.0}, {0.3, 0.31, 0.32, 0.33}, {-0.1, 1.1, 0.77, 0.769}}) {
-    const Pack at = {t[0], t[1], t[2], t[3]};
-    Pack out[3][3];
-    packed.taylor<2>(at, out);
-    for (int lane = 0; lane < 4; ++lane) {
-      std::array<double, 9> one;
-      c.taylor(t[lane], 2, one.data());
-      for (int k = 0; k < 9; ++k) CHECK(out[k / 3][k % 3][lane] == one[k]);
-    }
-  }
+  if (__builtin_cpu_supports("avx2")) check_field<Pack>(c);
+  if (__builtin_cpu_supports("x86-64-v4")) check_field<WidePack>(c);
 #endif
 }
 

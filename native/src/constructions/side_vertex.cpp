@@ -23,18 +23,29 @@ public:
 #ifdef TRIPATCH_PACKS
   template <int N>
   TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
-    PackJet<N> w[3];
+    return blended(b);
+  }
+  template <int N>
+  TRIPATCH_WIDE PackPoint<N, WidePack> at(const PackBarycentric<N, WidePack>& b) const {
+    return blended(b);
+  }
+#endif
+
+private:
+#ifdef TRIPATCH_PACKS
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PackPoint<N, P> blended(const PackBarycentric<N, P>& b) const {
+    PackJet<N, P> w[3];
     side_weights<2>(b, w);
-    PackPoint<N> p = {};
+    PackPoint<N, P> p = {};
     for (int i = 0; i < 3; ++i) {
-      const PackPoint<N> ray = rays_[i].at(b);
+      const PackPoint<N, P> ray = rays_[i].at(b);
       for (int x = 0; x < 3; ++x) p.x[x] += w[i] * ray.x[x];
     }
     return p;
   }
 #endif
 
-private:
   std::array<VertexRay, 3> rays_;
 };
 

@@ -46,41 +46,50 @@ public:
 #ifdef TRIPATCH_PACKS
   template <int N>
   TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
-    PackPoint<N> p = inside(b);
-    const PackJet<N> over = square(27.0 * (b[0] * b[1] * b[2]));
-    PackJet<N> weights[3], cubic_weights[3];
-    side_weights<2>(b, weights);
-    side_weights<3>(b, cubic_weights);
-    for (int x = 0; x < 3; ++x) p.x[x] = over * p.x[x];
-    for (int i = 0; i < 3; ++i) {
-      const PackJet<N> t = ray_parameter(b, i), s = b[(i + 1) % 3] + b[(i + 2) % 3];
-      add(-1.0 * (weights[i] * (square(s) * b[i])), packed_slopes_[i].at(t), p);
-      if (!second_cross_[i].empty()) add(0.5 * (square(b[i]) * cubic_weights[i]), packed_second_cross_[i].at(t), p);
-    }
-    return p;
+    return whole(b);
+  }
+  template <int N>
+  TRIPATCH_WIDE PackPoint<N, WidePack> at(const PackBarycentric<N, WidePack>& b) const {
+    return whole(b);
   }
 #endif
 
 private:
 #ifdef TRIPATCH_PACKS
-  template <int N>
-  TRIPATCH_PACKED_INLINE static void add(const PackJet<N>& kernel, const PackPoint<N>& field, PackPoint<N>& sum) {
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PackPoint<N, P> whole(const PackBarycentric<N, P>& b) const {
+    PackPoint<N, P> p = inside(b);
+    const PackJet<N, P> over = square(27.0 * (b[0] * b[1] * b[2]));
+    PackJet<N, P> weights[3], cubic_weights[3];
+    side_weights<2>(b, weights);
+    side_weights<3>(b, cubic_weights);
+    for (int x = 0; x < 3; ++x) p.x[x] = over * p.x[x];
+    for (int i = 0; i < 3; ++i) {
+      const PackJet<N, P> t = ray_parameter(b, i), s = b[(i + 1) % 3] + b[(i + 2) % 3];
+      add(-1.0 * (weights[i] * (square(s) * b[i])), packed_slopes_[i].at(t), p);
+      if (!second_cross_[i].empty()) add(0.5 * (square(b[i]) * cubic_weights[i]), packed_second_cross_[i].at(t), p);
+    }
+    return p;
+  }
+
+  template <int N, class P>
+  TRIPATCH_ANY_PACK static void add(const PackJet<N, P>& kernel, const PackPoint<N, P>& field, PackPoint<N, P>& sum) {
     for (int x = 0; x < 3; ++x) sum.x[x] += kernel * field.x[x];
   }
 
   /// What the bubble multiplies.
-  template <int N>
-  TRIPATCH_PACKED_INLINE PackPoint<N> inside(const PackBarycentric<N>& b) const {
-    PackJet<N> power[3][highest_interior + 1] = {};
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PackPoint<N, P> inside(const PackBarycentric<N, P>& b) const {
+    PackJet<N, P> power[3][highest_interior + 1] = {};
     for (int i = 0; i < 3; ++i) {
-      power[i][0].c[0] = all_lanes(1);
+      power[i][0].c[0] = all_lanes_of<P>(1);
       for (int k = 1; k <= degree_; ++k) power[i][k] = power[i][k - 1] * b[i];
     }
-    PackPoint<N> p = {};
+    PackPoint<N, P> p = {};
     const double* a = inside_.data();
     for (int i = degree_; i >= 0; --i)
       for (int j = degree_ - i; j >= 0; --j, a += 3) {
-        const PackJet<N> f = power[0][i] * (power[1][j] * power[2][degree_ - i - j]);
+        const PackJet<N, P> f = power[0][i] * (power[1][j] * power[2][degree_ - i - j]);
         for (int x = 0; x < 3; ++x) p.x[x] += a[x] * f;
       }
     return p;

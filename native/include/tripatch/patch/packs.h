@@ -1,6 +1,6 @@
-// Four points at a time: jets, fields of sides and weights as jet.h and side_weights.h have them, one point in each lane of a register.
-// Every operation is made in the same order as there, and none is fused with another, so that the bits are the same. Machines without
-// AVX2 and compilers without its vectors evaluate point by point.
+// Four points at a time, or with AVX-512 eight where no more than a tangent plane is asked for: jets, fields of sides and weights as jet.h
+// and side_weights.h have them, one point in each lane of a register. Every operation is made in the same order as there, and none is
+// fused with another, so that the bits are the same. Machines without AVX2 and compilers without its vectors evaluate point by point.
 #pragma once
 
 #include <algorithm>
@@ -25,27 +25,34 @@ inline int nearest_vertex(const double* b) {
 
 #ifdef TRIPATCH_PACKS
 
-template <int N>
+template <int N, class P = Pack>
 struct PackJet {
   static constexpr int size = jet_size(N);
-  Pack c[size];
+  P c[size];
 
-  TRIPATCH_PACKED_INLINE PackJet& operator+=(const PackJet& o) {
+  TRIPATCH_ANY_PACK PackJet& operator+=(const PackJet& o) {
     for (int k = 0; k < size; ++k) c[k] += o.c[k];
     return *this;
   }
-  TRIPATCH_PACKED_INLINE PackJet& operator*=(double s) {
+  TRIPATCH_ANY_PACK PackJet& operator*=(double s) {
     for (int k = 0; k < size; ++k) c[k] *= s;
     return *this;
   }
-  TRIPATCH_PACKED_INLINE friend PackJet operator+(PackJet a, const PackJet& b) { return a += b; }
-  TRIPATCH_PACKED_INLINE friend PackJet operator*(double s, PackJet a) { return a *= s; }
-  /// Of each lane its own number.
-  TRIPATCH_PACKED_INLINE friend PackJet operator*(const Pack& s, PackJet a) {
-    for (int k = 0; k < size; ++k) a.c[k] = s * a.c[k];
-    return a;
+  TRIPATCH_ANY_PACK friend PackJet operator+(const PackJet& a, const PackJet& b) {
+    PackJet r = a;
+    return r += b;
   }
-  TRIPATCH_PACKED_INLINE friend PackJet operator*(const PackJet& a, const PackJet& b)
+  TRIPATCH_ANY_PACK friend PackJet operator*(double s, const PackJet& a) {
+    PackJet r = a;
+    return r *= s;
+  }
+  /// Of each lane its own number.
+  TRIPATCH_ANY_PACK friend PackJet operator*(const P& s, const PackJet& a) {
+    PackJet r;
+    for (int k = 0; k < size; ++k) r.c[k] = s * a.c[k];
+    return r;
+  }
+  TRIPATCH_ANY_PACK friend PackJet operator*(const PackJet& a, const PackJet& b)
     requires(N <= 1)
   {
     PackJet r;
@@ -62,31 +69,31 @@ struct PackJet {
   }
 
 private:
-  template <std::size_t... P>
-  TRIPATCH_PACKED_INLINE static void add_products(PackJet& r, const PackJet& a, const PackJet& b, std::index_sequence<P...>) {
-    ((r.c[Jet<N>::products[P][0]] += a.c[Jet<N>::products[P][1]] * b.c[Jet<N>::products[P][2]]), ...);
+  template <std::size_t... K>
+  TRIPATCH_ANY_PACK static void add_products(PackJet& r, const PackJet& a, const PackJet& b, std::index_sequence<K...>) {
+    ((r.c[Jet<N>::products[K][0]] += a.c[Jet<N>::products[K][1]] * b.c[Jet<N>::products[K][2]]), ...);
   }
 };
 
-template <int N>
+template <int N, class P = Pack>
 struct PackPoint {
-  PackJet<N> x[3];
+  PackJet<N, P> x[3];
 };
 
-template <int N>
-TRIPATCH_PACKED_INLINE PackJet<N> square(const PackJet<N>& a) {
+template <int N, class P>
+TRIPATCH_ANY_PACK PackJet<N, P> square(const PackJet<N, P>& a) {
   return a * a;
 }
 
 /// As of jet.h; taylor: N + 1 coefficients.
-template <int N>
-TRIPATCH_PACKED_INLINE PackJet<N> compose(const Pack* taylor, std::ptrdiff_t stride, const PackJet<N>& t) {
+template <int N, class P>
+TRIPATCH_ANY_PACK PackJet<N, P> compose(const P* taylor, std::ptrdiff_t stride, const PackJet<N, P>& t) {
   if constexpr (N == 0) {
     return {{taylor[0]}};
   } else {
-    PackJet<N> h = t;
-    h.c[0] = Pack{};
-    PackJet<N> r = taylor[N * stride] * h;
+    PackJet<N, P> h = t;
+    h.c[0] = P{};
+    PackJet<N, P> r = taylor[N * stride] * h;
     for (int k = N - 1; k > 0; --k) {
       r.c[0] += taylor[k * stride];
       r = r * h;
@@ -96,24 +103,24 @@ TRIPATCH_PACKED_INLINE PackJet<N> compose(const Pack* taylor, std::ptrdiff_t str
   }
 }
 
-template <int N>
-TRIPATCH_PACKED_INLINE PackJet<N> reciprocal(const PackJet<N>& a) {
-  Pack f[N + 1];
+template <int N, class P>
+TRIPATCH_ANY_PACK PackJet<N, P> reciprocal(const PackJet<N, P>& a) {
+  P f[N + 1];
   f[0] = 1.0 / a.c[0];
   for (int k = 1; k <= N; ++k) f[k] = -f[k - 1] * f[0];
   return compose<N>(f, 1, a);
 }
 
 /// f(s, t), as of jet.h: components of its Taylor coefficients.
-template <int N>
-TRIPATCH_PACKED_INLINE PackPoint<N> compose(const Pack (&taylor)[jet_size(N)][3], const PackJet<N>& s, const PackJet<N>& t) {
-  PackJet<N> power[jet_size(N)];
-  PackPoint<N> r = {};
+template <int N, class P>
+TRIPATCH_ANY_PACK PackPoint<N, P> compose(const P (&taylor)[jet_size(N)][3], const PackJet<N, P>& s, const PackJet<N, P>& t) {
+  PackJet<N, P> power[jet_size(N)];
+  PackPoint<N, P> r = {};
   for (int x = 0; x < 3; ++x) r.x[x].c[0] = taylor[0][x];
   if constexpr (N > 0) {
     power[1] = s;
     power[2] = t;
-    power[1].c[0] = power[2].c[0] = Pack{};
+    power[1].c[0] = power[2].c[0] = P{};
     for (int i = 0; i <= N; ++i)
       for (int j = 0; i + j <= N; ++j) {
         const int at = jet_index(i, j);
@@ -126,46 +133,46 @@ TRIPATCH_PACKED_INLINE PackPoint<N> compose(const Pack (&taylor)[jet_size(N)][3]
 }
 
 /// Barycentric coordinates of points with the same nearest vertex.
-template <int N>
+template <int N, class P = Pack>
 struct PackBarycentric {
-  PackJet<N> b[3] = {};
+  PackJet<N, P> b[3] = {};
   int nearest;
 
-  TRIPATCH_PACKED_INLINE PackBarycentric(const double* all, const Index (&rows)[lanes], int nearest_vertex)
+  TRIPATCH_ANY_PACK PackBarycentric(const double* all, const Index (&rows)[width_of<P>], int nearest_vertex)
       : nearest(nearest_vertex) {
     for (int i = 0; i < 3; ++i) {
-      for (Index lane = 0; lane < lanes; ++lane) b[i].c[0][lane] = all[3 * rows[lane] + i];
+      for (Index lane = 0; lane < width_of<P>; ++lane) b[i].c[0][lane] = all[3 * rows[lane] + i];
       if constexpr (N > 0) {
-        b[i].c[1] = all_lanes(i == 0 ? 1.0 : i == 1 ? 0.0 : -1.0);
-        b[i].c[2] = all_lanes(i == 0 ? 0.0 : i == 1 ? 1.0 : -1.0);
+        b[i].c[1] = all_lanes_of<P>(i == 0 ? 1.0 : i == 1 ? 0.0 : -1.0);
+        b[i].c[2] = all_lanes_of<P>(i == 0 ? 0.0 : i == 1 ? 1.0 : -1.0);
       }
     }
   }
-  TRIPATCH_PACKED_INLINE const PackJet<N>& operator[](int i) const { return b[i]; }
+  TRIPATCH_ANY_PACK const PackJet<N, P>& operator[](int i) const { return b[i]; }
 };
 
 /// side_weights, Power = 2, and cubic_side_weights, 3.
-template <int Power, int N>
-TRIPATCH_PACKED_INLINE void side_weights(const PackBarycentric<N>& b, PackJet<N> (&w)[3]) {
+template <int Power, int N, class P>
+TRIPATCH_ANY_PACK void side_weights(const PackBarycentric<N, P>& b, PackJet<N, P> (&w)[3]) {
   const int i = b.nearest, j = (i + 1) % 3, k = (i + 2) % 3;
-  const PackJet<N> rho = b[j] + b[k], over = reciprocal(rho);
-  const PackJet<N> t = b[k] * over, s = b[j] * over;
-  PackJet<N> tt = square(t), ss = square(s), bb = square(b[i]), outer = square(rho);
+  const PackJet<N, P> rho = b[j] + b[k], over = reciprocal(rho);
+  const PackJet<N, P> t = b[k] * over, s = b[j] * over;
+  PackJet<N, P> tt = square(t), ss = square(s), bb = square(b[i]), outer = square(rho);
   if constexpr (Power == 3) {
     tt = t * tt;
     ss = s * ss;
     bb = b[i] * bb;
     outer = rho * outer;
   }
-  const PackJet<N> wi = outer * tt * ss, wj = bb * tt, wk = bb * ss;
-  const PackJet<N> inverse = reciprocal(wi + wj + wk);
+  const PackJet<N, P> wi = outer * tt * ss, wj = bb * tt, wk = bb * ss;
+  const PackJet<N, P> inverse = reciprocal(wi + wj + wk);
   w[i] = wi * inverse;
   w[j] = wj * inverse;
   w[k] = wk * inverse;
 }
 
-template <int N>
-TRIPATCH_PACKED_INLINE PackJet<N> ray_parameter(const PackBarycentric<N>& b, int i) {
+template <int N, class P>
+TRIPATCH_ANY_PACK PackJet<N, P> ray_parameter(const PackBarycentric<N, P>& b, int i) {
   return b[(i + 2) % 3] * reciprocal(b[(i + 1) % 3] + b[(i + 2) % 3]);
 }
 
@@ -196,72 +203,90 @@ public:
   bool has_places_of(const PackedField& o) const { return middles_ == o.middles_ && ends_ == o.ends_; }
 
 #ifdef TRIPATCH_PACKS
-  /// Four parameters among the pieces.
+  /// Parameters among the pieces.
+  template <class P>
   struct Places {
-    Index piece[lanes];
-    Pack u;  ///< from the middles of the pieces
+    Index piece[width_of<P>];
+    P u;  ///< from the middles of the pieces
   };
-  TRIPATCH_PACKED_INLINE Places places(const Pack& t) const {
-    typedef std::int32_t Numbers __attribute__((vector_size(4 * lanes)));
+  template <class P>
+  TRIPATCH_ANY_PACK Places<P> places(const P& t) const {
     const double size = static_cast<double>(lookup_.size());
-    const Pack least = {}, most = all_lanes(size - 1);
-    Pack scaled = t * size;
+    const P least = {}, most = all_lanes_of<P>(size - 1);
+    P scaled = t * size, middle;
     scaled = scaled > least ? scaled : least;
     scaled = scaled < most ? scaled : most;
-    const Numbers at = __builtin_convertvector(scaled, Numbers);
-    Places out;
-    for (int lane = 0; lane < lanes; ++lane) {
-      Index p = lookup_[at[lane]];
+    Places<P> out;
+    for (int lane = 0; lane < width_of<P>; ++lane) {
+      Index p = lookup_[static_cast<std::int32_t>(scaled[lane])];
       while (t[lane] >= ends_[p]) ++p;
       out.piece[lane] = p;
+      middle[lane] = middles_[p];
     }
-    const Index* const p = out.piece;
-    out.u = t - Pack{middles_[p[0]], middles_[p[1]], middles_[p[2]], middles_[p[3]]};
+    out.u = t - middle;
     return out;
   }
   /// As PiecewisePolynomial::taylor.
   template <int Order>
-  TRIPATCH_PACKED void taylor(const Places& at, Pack (&out)[Order + 1][3]) const {
-    const Index width = 3 * (degree_ + 1);
-    const double* a[lanes];
-    for (int lane = 0; lane < lanes; ++lane) a[lane] = &coefficients_[width * at.piece[lane]];
-    if (a[0] == a[1] && a[0] == a[2] && a[0] == a[3])
-      horner<Order>(at.u, out, [&](Index k, Pack(&next)[3]) TRIPATCH_PACKED_LAMBDA {
-        for (int x = 0; x < 3; ++x) next[x] = all_lanes(a[0][3 * k + x]);
-      });
-    else
-      horner<Order>(at.u, out, [&](Index k, Pack(&next)[3]) TRIPATCH_PACKED_LAMBDA {
-        const Pack even = loaded_pairs(a[0] + 3 * k, a[2] + 3 * k), odd = loaded_pairs(a[1] + 3 * k, a[3] + 3 * k);
-        next[0] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
-        next[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
-        // one number beyond the last ones is there
-        next[2] = __builtin_shufflevector(loaded_pairs(a[0] + 3 * k + 2, a[2] + 3 * k + 2),
-                                          loaded_pairs(a[1] + 3 * k + 2, a[3] + 3 * k + 2), 0, 4, 2, 6);
-      });
+  TRIPATCH_PACKED void taylor(const Places<Pack>& at, Pack (&out)[Order + 1][3]) const {
+    series<Order>(at, out);
   }
   template <int Order>
-  TRIPATCH_PACKED void taylor(const Pack& t, Pack (&out)[Order + 1][3]) const {
-    taylor<Order>(places(t), out);
+  TRIPATCH_WIDE void taylor(const Places<WidePack>& at, WidePack (&out)[Order + 1][3]) const {
+    series<Order>(at, out);
   }
 
   /// At jets.
-  template <int N>
-  TRIPATCH_PACKED_INLINE PackPoint<N> at(const PackJet<N>& t) const {
-    Pack series[N + 1][3];
-    taylor<N>(t.c[0], series);
-    PackPoint<N> p;
-    for (int x = 0; x < 3; ++x) p.x[x] = compose<N>(&series[0][x], 3, t);
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PackPoint<N, P> at(const PackJet<N, P>& t) const {
+    P taylor_of_t[N + 1][3];
+    taylor<N>(places(t.c[0]), taylor_of_t);
+    PackPoint<N, P> p;
+    for (int x = 0; x < 3; ++x) p.x[x] = compose<N, P>(&taylor_of_t[0][x], 3, t);
     return p;
   }
 
 private:
-  /// load(k, next): the coefficients of u^k.
-  template <int Order, class Load>
-  TRIPATCH_PACKED_INLINE void horner(const Pack& u, Pack (&out)[Order + 1][3], const Load& load) const {
-    Pack sum[Order + 1][3] = {}, next[3];
-    load(degree_, sum[0]);
+  template <int Order, class P>
+  TRIPATCH_ANY_PACK void series(const Places<P>& at, P (&out)[Order + 1][3]) const {
+    constexpr int lanes = width_of<P>;
+    const Index width = 3 * (degree_ + 1);
+    const double* a[lanes];
+    bool same = true;
+    for (int lane = 0; lane < lanes; ++lane) {
+      a[lane] = &coefficients_[width * at.piece[lane]];
+      same = same && a[lane] == a[0];
+    }
+    if (same)
+      horner<Order>(at.u, out, [&](Index k, P(&next)[3]) TRIPATCH_ANY_PACK_LAMBDA {
+        for (int x = 0; x < 3; ++x) next[x] = all_lanes_of<P>(a[0][3 * k + x]);
+      });
+    else
+      horner<Order>(at.u, out, [&](Index k, P(&next)[3]) TRIPATCH_ANY_PACK_LAMBDA { load(a, k, next); });
+  }
+
+  /// The coefficients of u^k of four places; one number beyond the last ones is there.
+  TRIPATCH_ANY_PACK static void load(const double* const* a, Index k, Pack (&next)[3]) {
+    const Pack even = loaded_pairs(a[0] + 3 * k, a[2] + 3 * k), odd = loaded_pairs(a[1] + 3 * k, a[3] + 3 * k);
+    next[0] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
+    next[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
+    next[2] = __builtin_shufflevector(loaded_pairs(a[0] + 3 * k + 2, a[2] + 3 * k + 2),
+                                      loaded_pairs(a[1] + 3 * k + 2, a[3] + 3 * k + 2), 0, 4, 2, 6);
+  }
+  TRIPATCH_ANY_PACK static void load(const double* const* a, Index k, WidePack (&next)[3]) {
+    Pack low[3], high[3];
+    load(a, k, low);
+    load(a + 4, k, high);
+    for (int x = 0; x < 3; ++x) next[x] = __builtin_shufflevector(low[x], high[x], 0, 1, 2, 3, 4, 5, 6, 7);
+  }
+
+  /// load_next(k, next): the coefficients of u^k.
+  template <int Order, class P, class Load>
+  TRIPATCH_ANY_PACK void horner(const P& u, P (&out)[Order + 1][3], const Load& load_next) const {
+    P sum[Order + 1][3] = {}, next[3];
+    load_next(degree_, sum[0]);
     for (Index k = degree_ - 1; k >= 0; --k) {
-      load(k, next);
+      load_next(k, next);
       for (int j = Order; j > 0; --j)
         for (int x = 0; x < 3; ++x) sum[j][x] = sum[j][x] * u + sum[j - 1][x];
       for (int x = 0; x < 3; ++x) sum[0][x] = sum[0][x] * u + next[x];
@@ -280,24 +305,35 @@ private:
 
 /// A JetSurface whose formula Derived has for four points too:
 ///   `template <int N> PackPoint<N> at(const PackBarycentric<N>& b) const;` (under TRIPATCH_PACKS, N up to highest_packed)
+/// and for eight (WidePack, N up to highest_wide).
 template <class Derived>
 class PackedSurface : public JetSurface<Derived> {
 public:
   static constexpr int highest_packed = 3;  ///< order that fairing asks for
+  static constexpr int highest_wide = 1;    ///< and those of a fill's positions and normals
 
 #ifdef TRIPATCH_PACKS
 private:
   void evaluate_regular(const double* b, Index n, int order, double* out) const override {
-    static const bool packs = __builtin_cpu_supports("avx2");
+    static const bool packs = __builtin_cpu_supports("avx2"), wide = __builtin_cpu_supports("x86-64-v4");
     if (!packs || n < lanes || order < 0 || order > highest_packed)
       return JetSurface<Derived>::evaluate_regular(b, n, order, out);
-    const Derived& self = *static_cast<const Derived*>(this);
-    with_order<0, highest_packed>(order, [&](auto constant) { run_packed<constant.value>(self, b, n, out); });
+    if (wide && order <= highest_wide) return with_order<0, highest_wide>(order, [&](auto N) { run_wide<N.value>(b, n, out); });
+    with_order<0, highest_packed>(order, [&](auto N) { run_packed<N.value>(b, n, out); });
   }
 
   template <int N>
-  TRIPATCH_PACKED static void run_packed(const Derived& self, const double* b, Index n, double* out) {
-    constexpr int size = jet_size(N);
+  TRIPATCH_PACKED void run_packed(const double* b, Index n, double* out) const {
+    run<N, Pack>(b, n, out);
+  }
+  template <int N>
+  TRIPATCH_WIDE void run_wide(const double* b, Index n, double* out) const {
+    run<N, WidePack>(b, n, out);
+  }
+
+  template <int N, class P>
+  TRIPATCH_ANY_PACK void run(const double* b, Index n, double* out) const {
+    constexpr int size = jet_size(N), lanes = width_of<P>;
     std::array<std::vector<Index>, 3> groups;  // of points, by nearest vertex
     for (Index k = 0; k < n; ++k) groups[nearest_vertex(b + 3 * k)].push_back(k);
     for (int i = 0; i < 3; ++i) {
@@ -306,7 +342,7 @@ private:
       for (Index first = 0; first < count; first += lanes) {
         Index rows[lanes];  // the last again where there are no more
         for (Index lane = 0; lane < lanes; ++lane) rows[lane] = group[std::min(first + lane, count - 1)];
-        const PackPoint<N> p = self.template at<N>(PackBarycentric<N>(b, rows, i));
+        const PackPoint<N, P> p = static_cast<const Derived*>(this)->template at<N>(PackBarycentric<N, P>(b, rows, i));
         for (Index lane = 0; lane < lanes; ++lane)
           for (int k = 0; k < size; ++k)
             for (int x = 0; x < 3; ++x) out[(rows[lane] * size + k) * 3 + x] = p.x[x].c[k][lane];

@@ -31,9 +31,9 @@ public:
   }
 
 #ifdef TRIPATCH_PACKS
-  /// The same of four points.
-  template <int N>
-  TRIPATCH_PACKED_INLINE PackPoint<N> at(const PackBarycentric<N>& b) const {
+  /// The same of several points.
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PackPoint<N, P> at(const PackBarycentric<N, P>& b) const {
     return degree_ == RayDegree::quintic ? at<N, RayDegree::quintic>(b)
            : degree_ == RayDegree::cubic ? at<N, RayDegree::cubic>(b)
                                          : at<N, RayDegree::quadratic>(b);
@@ -44,10 +44,19 @@ private:
 #ifdef TRIPATCH_PACKS
   template <int N, RayDegree Degree>
   TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
-    const PackJet<N> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3], t = ray_parameter(b, i_);
-    const Pack at = t.c[0];
-    Pack c[N + 2][3], d[N + 1][3], field[N + 1][3], polar[jet_size(N)][3] = {};
-    const PackedField::Places of_c = packed_c_.places(at);
+    return on_rays<N, Degree>(b);
+  }
+  template <int N, RayDegree Degree>
+  TRIPATCH_WIDE PackPoint<N, WidePack> at(const PackBarycentric<N, WidePack>& b) const {
+    return on_rays<N, Degree>(b);
+  }
+
+  template <int N, RayDegree Degree, class P>
+  TRIPATCH_ANY_PACK PackPoint<N, P> on_rays(const PackBarycentric<N, P>& b) const {
+    const PackJet<N, P> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3], t = ray_parameter(b, i_);
+    const P at = t.c[0];
+    P c[N + 2][3], d[N + 1][3], field[N + 1][3], polar[jet_size(N)][3] = {};
+    const PackedField::Places<P> of_c = packed_c_.places(at);
     packed_c_.taylor<N + 1>(of_c, c);
     packed_d_.taylor<N>(same_pieces_ ? of_c : packed_d_.places(at), d);
     fill(field, corner_[i_]);
@@ -56,7 +65,7 @@ private:
       const Vec3 turned = to_previous_ - to_next_;
       for (int x = 0; x < 3; ++x) {
         field[0][x] = to_next_[x] + at * turned[x];
-        if constexpr (N > 0) field[1][x] = all_lanes(turned[x]);
+        if constexpr (N > 0) field[1][x] = all_lanes_of<P>(turned[x]);
       }
       add<N, Degree>(1, s.c[0], field, polar, 2);
     }
@@ -78,16 +87,16 @@ private:
   }
 
   /// The vector in all lanes, without derivatives.
-  template <std::size_t Orders>
-  TRIPATCH_PACKED_INLINE static void fill(Pack (&field)[Orders][3], const Vec3& v) {
-    for (int x = 0; x < 3; ++x) field[0][x] = all_lanes(v[x]);
+  template <std::size_t Orders, class P>
+  TRIPATCH_ANY_PACK static void fill(P (&field)[Orders][3], const Vec3& v) {
+    for (int x = 0; x < 3; ++x) field[0][x] = all_lanes_of<P>(v[x]);
   }
 
   /// `field` times the polynomial that carries it along the ray, as below.
-  template <int N, RayDegree Degree>
-  TRIPATCH_PACKED_INLINE static void add(int f, const Pack& s, const Pack (&field)[N + 1][3], Pack (&polar)[jet_size(N)][3],
-                                         int orders = N + 1) {
-    Pack along[N + 1] = {};
+  template <int N, RayDegree Degree, class P>
+  TRIPATCH_ANY_PACK static void add(int f, const P& s, const P (&field)[N + 1][3], P (&polar)[jet_size(N)][3],
+                                    int orders = N + 1) {
+    P along[N + 1] = {};
     const std::array<double, 6>& a = hermites[static_cast<int>(Degree)][f];
     for (std::size_t k = coefficients<Degree>; k-- > 0;) {
       for (int j = N; j > 0; --j) along[j] = along[j] * s + along[j - 1];
@@ -98,10 +107,10 @@ private:
         for (int x = 0; x < 3; ++x) polar[jet_index(k, l)][x] += along[k] * field[l][x];
   }
 
-  template <int N>
-  TRIPATCH_PACKED_INLINE static void taylor(const std::array<Vec3, 4>& a, const Pack& at, Pack (&out)[N + 1][3]) {
+  template <int N, class P>
+  TRIPATCH_ANY_PACK static void taylor(const std::array<Vec3, 4>& a, const P& at, P (&out)[N + 1][3]) {
     for (int x = 0; x < 3; ++x) {
-      for (int j = 0; j <= N; ++j) out[j][x] = Pack{};
+      for (int j = 0; j <= N; ++j) out[j][x] = P{};
       for (std::size_t k = a.size(); k-- > 0;) {
         for (int j = N; j > 0; --j) out[j][x] = out[j][x] * at + out[j - 1][x];
         out[0][x] = out[0][x] * at + a[k][x];
