@@ -4,6 +4,7 @@
 #include "test_surfaces.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/folds.h"
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;
@@ -165,6 +166,24 @@ TEST_CASE("angles are told to two digits, from 99.5 degrees on to three", "[thre
   REQUIRE(report.warnings.size() == 2);
   CHECK_THAT(report.warnings[0], Catch::Contains("differ by 99 degrees"));
   CHECK_THAT(report.warnings[1], Catch::Contains("differ by 99.6 degrees"));
+}
+
+TEST_CASE("triangles of a disc are measured alike whether their border is known or looked for") {
+  // a fan round vertex 4, whose middle lies where it may fold or cross the rest
+  for (const Vec3& middle : {Vec3(0.5, 0.5, 0.2), Vec3(3, 0.5, 0), Vec3(0.5, 0.5, -40), Vec3(0.2, 5, 0.1)}) {
+    Points points(5, 3);
+    points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, middle.transpose();
+    const Faces faces = faces_of({{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
+    std::vector<FaceBeyond> beyond;
+    for (Index k = 0; k < 4; ++k) beyond.push_back({k, (k + 1) % 4, Vec3(0, 0, 1)});
+    Report looked_for, known;
+    known.triangles_folded = 7;
+    known.crosses_itself = true;
+    measure_faces({points.topRows(4), Faces()}, points.bottomRows(1), faces, beyond, looked_for);
+    measure_faces({points.topRows(4), Faces()}, points.bottomRows(1), faces, beyond, known, {2, 3, 0, 1});
+    CHECK(known.triangles_folded == looked_for.triangles_folded);
+    CHECK(known.crosses_itself == looked_for.crosses_itself);
+  }
 }
 
 TEST_CASE("where faces cross is found with quads cut as they are measured: along the shorter diagonal") {

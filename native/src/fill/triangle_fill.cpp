@@ -11,6 +11,7 @@
 #include "tripatch/fill/spline_fill.h"
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/parallel.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
@@ -131,18 +132,24 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   fill.sides.assign(surroundings.sides.begin(), surroundings.sides.end());
 
   const bool own_rim = surroundings.border.rows() > 0;
-  Cover cover = options.output == Output::quads
-                    ? cover_with_quads(mesh, hole, surroundings.parameters, *fill.patch, layout_options(options), own_rim)
-                    : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution,
-                                           own_rim ? nullptr : &ground.left);
-  deliver(std::move(cover), surroundings.border, mesh.vertices.rows(), fill);
-  fill.rim = hole.rim;
-  fill.rim_barycentric = rim_barycentric(hole, surroundings);
-  fill.rim_normals = fill.patch->normals(fill.rim_barycentric);
-
   Report& report = fill.report;
-  measure_seam(*fill.patch, surroundings.sides, report);
-  measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}), report);
+  const auto cover_it = [&] {
+    Cover cover = options.output == Output::quads
+                      ? cover_with_quads(mesh, hole, surroundings.parameters, *fill.patch, layout_options(options), own_rim)
+                      : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution,
+                                             own_rim ? nullptr : &ground.left);
+    deliver(std::move(cover), surroundings.border, mesh.vertices.rows(), fill);
+  };
+  const auto look_at_rim = [&] {
+    fill.rim = hole.rim;
+    fill.rim_barycentric = rim_barycentric(hole, surroundings);
+    fill.rim_normals = fill.patch->normals(fill.rim_barycentric);
+    measure_seam(*fill.patch, surroundings.sides, report);
+  };
+  both_at_once(cover_it, look_at_rim);
+  const bool along_rim = options.output == Output::triangles && !own_rim;
+  measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}), report,
+                along_rim ? hole.rim : std::vector<Index>());
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
   complete_report(hole, options, {made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end()}, report);

@@ -26,11 +26,9 @@ Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double
   cover.rim_vertices = hole.rim;
   const Index faces = static_cast<Index>(triangles.triangles.size());
   cover.faces.offsets.resize(faces + 1);
-  cover.faces.corners.resize(3 * faces);
-  for (Index f = 0; f < faces; ++f) {
-    cover.faces.offsets[f + 1] = 3 * (f + 1);
-    std::copy_n(triangles.triangles[f].data(), 3, &cover.faces.corners[3 * f]);
-  }
+  for (Index f = 0; f < faces; ++f) cover.faces.offsets[f + 1] = 3 * (f + 1);
+  const Index* const corners = triangles.triangles.data()->data();
+  cover.faces.corners.assign(corners, corners + 3 * faces);
   return cover;
 }
 

@@ -18,6 +18,9 @@ namespace {
 /// squeezes so far (the rims of test_triangulate). In the domain the patch may stretch them back; in space nothing does.
 constexpr double least_shape_in_domain = 0.1, least_shape_in_space = 0.2;
 
+/// So many of the grid are worth a thread: each takes some 20 ns.
+constexpr Index grid_points_a_thread = 5000;
+
 using Parameters = std::array<std::vector<double>, 3>;
 
 /// Vertex of the grid p steps towards corner 1 and q steps towards corner 2, rim first.
@@ -38,8 +41,8 @@ TriangleMesh blended_grid(const Parameters& parameters, const Points& rim, Index
   std::array<std::vector<double>, 3> shift;  // of the parameter against the even one
   for (int i = 0; i < 3; ++i)
     for (Index k = 0; k <= n; ++k) shift[i].push_back(parameters[i][k] - even[k]);
-  double* out = mesh.barycentric.data() + 3 * mesh.rim;  // inner vertices come in this order
-  for (Index q = 1; q < n; ++q)
+  const auto place_row = [&](Index q) {
+    double* out = mesh.barycentric.data() + 3 * grid_vertex(n, 1, q);  // inner vertices come in this order
     for (Index p = 1; p + q < n; ++p, out += 3) {
       const Index r = n - p - q;
       double b0 = even[r], b1 = even[p], b2 = even[q];
@@ -58,17 +61,33 @@ TriangleMesh blended_grid(const Parameters& parameters, const Points& rim, Index
       out[1] = b1;
       out[2] = 1 - b0 - b1;
     }
+  };
   mesh.triangles.resize(n * n);
-  std::array<Index, 3>* next_triangle = mesh.triangles.data();
-  std::vector<Index> row(n + 1), next(n + 1);  // vertices of a row of the grid, and of the next one
-  for (Index p = 0; p <= n; ++p) row[p] = grid_vertex(n, p, 0);
-  for (Index q = 0; q < n; ++q, std::swap(row, next)) {
-    for (Index p = 0; p + q < n; ++p) next[p] = grid_vertex(n, p, q + 1);
+  const auto join_row = [&](Index q) {  // with the next one
+    std::array<Index, 3>* triangle = mesh.triangles.data() + n * n - (n - q) * (n - q);
+    Index here = grid_vertex(n, 0, q), next = grid_vertex(n, 0, q + 1);
     for (Index p = 0; p + q < n; ++p) {
-      *next_triangle++ = {row[p], row[p + 1], next[p]};
-      if (p + q + 1 < n) *next_triangle++ = {row[p + 1], next[p + 1], next[p]};
+      const Index after = grid_vertex(n, p + 1, q);
+      *triangle++ = {here, after, next};
+      if (p + q + 1 < n) {
+        const Index next_after = grid_vertex(n, p + 1, q + 1);
+        *triangle++ = {after, next_after, next};
+        next = next_after;
+      }
+      here = after;
     }
-  }
+  };
+  const auto make_row = [&](Index q) {
+    if (q > 0) place_row(q);
+    join_row(q);
+  };
+  // a long row and a short one together are as much as any other two
+  parallel_for(0, (n + 1) / 2, std::max<Index>(1, grid_points_a_thread / n), [&](Index from, Index to) {
+    for (Index k = from; k < to; ++k) {
+      make_row(k);
+      if (k != n - 1 - k) make_row(n - 1 - k);
+    }
+  });
   return mesh;
 }
 

@@ -53,36 +53,6 @@ private:
   Index n_;
 };
 
-/// Whether rounding has no say in that no two triangles are folded over each other: all lean from the vector area of the loops, which the
-/// faces beyond go along, by less than half of what makes a fold. False says nothing.
-bool surely_unfolded(const Places& at, const Faces& faces, std::span<const FaceBeyond> beyond) {
-  if (beyond.empty()) return false;
-  const Vec3 origin = at(beyond[0].from);
-  Vec3 way = Vec3::Zero();
-  for (const FaceBeyond& face : beyond) way += (at(face.from) - origin).cross(at(face.to) - origin);
-  way = unit(way);
-  for (const FaceBeyond& face : beyond)
-    if (!face.normal.isZero(0)) {
-      if (face.normal.dot(way) < 0) way = -way;
-      break;
-    }
-  constexpr double clearly = 1 + 1e-9;  // a million times what rounding does to unit vectors
-  const double cosine = std::cos(folded_degrees / 2 * M_PI / 180), least = clearly * cosine * cosine;
-  const auto leans_little = [&](const Vec3& normal) {
-    const double along = normal.dot(way);
-    return along > 0 && along * along > least * normal.squaredNorm();
-  };
-  for (const FaceBeyond& face : beyond)
-    if (!face.normal.isZero(0) && !leans_little(face.normal)) return false;
-  return holds_for_all(faces.size(), [&](Index f) {
-    const Index *const corner = faces.corners.data() + faces.offsets[f], *const end = faces.corners.data() + faces.offsets[f + 1];
-    const Vec3 first = at(corner[0]);
-    for (const Index* next = corner + 2; next < end; ++next)
-      if (!leans_little((at(next[-1]) - first).cross(at(*next) - first))) return false;
-    return true;
-  });
-}
-
 bool is_folded_over_one_beside(const Mesh& mesh, const Connectivity& around, Index face) {
   const Vec3 own = area_vector(mesh, face);
   const auto corners = std::views::iota(around.faces().offsets[face], around.faces().offsets[face + 1]);
@@ -183,10 +153,39 @@ EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, s
   return edges;
 }
 
+bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond) {
+  const Places at(vertices, added);
+  if (beyond.empty()) return false;
+  const Vec3 origin = at(beyond[0].from);
+  Vec3 way = Vec3::Zero();
+  for (const FaceBeyond& face : beyond) way += (at(face.from) - origin).cross(at(face.to) - origin);
+  way = unit(way);
+  for (const FaceBeyond& face : beyond)
+    if (!face.normal.isZero(0)) {
+      if (face.normal.dot(way) < 0) way = -way;
+      break;
+    }
+  constexpr double clearly = 1 + 1e-9;  // a million times what rounding does to unit vectors
+  const double cosine = std::cos(folded_degrees / 2 * M_PI / 180), least = clearly * cosine * cosine;
+  const auto leans_little = [&](const Vec3& normal) {
+    const double along = normal.dot(way);
+    return along > 0 && along * along > least * normal.squaredNorm();
+  };
+  for (const FaceBeyond& face : beyond)
+    if (!face.normal.isZero(0) && !leans_little(face.normal)) return false;
+  return holds_for_all(faces.size(), [&](Index f) {
+    const Index *const corner = faces.corners.data() + faces.offsets[f], *const end = faces.corners.data() + faces.offsets[f + 1];
+    const Vec3 first = at(corner[0]);
+    for (const Index* next = corner + 2; next < end; ++next)
+      if (!leans_little((at(next[-1]) - first).cross(at(*next) - first))) return false;
+    return true;
+  });
+}
+
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                          std::span<const FaceBeyond> beyond, EdgesByVertex& edges) {
+  if (surely_unfolded(vertices, added, faces, beyond)) return 0;
   const Places at(vertices, added);
-  if (surely_unfolded(at, faces, beyond)) return 0;
   std::vector<Vec3> normals;
   normals.reserve(faces.corners.size() + beyond.size());
   for_triangles(faces, [&](Index a, Index b, Index c) {
@@ -207,7 +206,7 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
 
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                          std::span<const FaceBeyond> beyond) {
-  if (surely_unfolded({vertices, added}, faces, beyond)) return 0;
+  if (surely_unfolded(vertices, added, faces, beyond)) return 0;
   EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), faces, beyond);
   return count_folded_edges(vertices, added, faces, beyond, edges);
 }

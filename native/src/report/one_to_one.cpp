@@ -72,9 +72,13 @@ bool is_surely_simple(const std::vector<Eigen::Vector2d>& polygon, double size) 
 }  // namespace
 
 bool surely_one_to_one(const PointsRef& vertices, const PointsRef& added, const Faces& faces, EdgesByVertex& edges) {
+  return surely_one_to_one(vertices, added, faces,
+                           only_border(faces.corners.size() - 2 * static_cast<std::size_t>(faces.size()), edges));
+}
+
+bool surely_one_to_one(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::span<const Index> border) {
   const Index n = vertices.rows();
   const auto at = [&](Index v) -> Vec3 { return v < n ? vertices.row(v) : added.row(v - n); };
-  const std::vector<Index> border = only_border(faces.corners.size() - 2 * static_cast<std::size_t>(faces.size()), edges);
   if (border.size() < 3) return false;
   const Vec3 origin = at(border[0]);
   std::vector<Vec3> points;

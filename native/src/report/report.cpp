@@ -8,6 +8,7 @@
 #include "tripatch/math/ties.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/report/crossings.h"
+#include "tripatch/report/one_to_one.h"
 
 namespace tripatch {
 namespace {
@@ -64,7 +65,13 @@ void tell_folds(Report& report) {
 }
 
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
-                   Report& report) {
+                   Report& report, std::vector<Index> border) {
+  if (!border.empty() && surely_unfolded(mesh.vertices, added, faces, beyond)) {
+    std::rotate(border.begin(), std::min_element(border.begin(), border.end()), border.end());  // wherever the rim was begun
+    report.triangles_folded = 0;
+    report.crosses_itself = false;
+    if (surely_one_to_one(mesh.vertices, added, faces, border)) return;
+  }
   Faces with_quads;  // not a copy of millions of triangles
   for (Index f = 0; f < faces.size() && with_quads.size() == 0; ++f)
     if (faces[f].size() == 4) with_quads = faces;

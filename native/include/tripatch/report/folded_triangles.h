@@ -38,6 +38,10 @@ void begin_at_shorter_diagonals(const PointsRef& vertices, const PointsRef& adde
 /// t to its higher one, 2 t the other way. The faces beyond count on after the triangles. of_mesh, own: numbers of vertices.
 EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, std::span<const FaceBeyond> beyond);
 
+/// Whether rounding has no say in that no two triangles are folded over each other: all lean from the vector area of the loops, which the
+/// faces beyond go along, by less than half of what makes a fold. False says nothing. Numbers as of count_folded_edges.
+bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond);
+
 /// Edges whose triangles are folded over each other, and edges of the rim where they are folded back over the faces beyond. Where an edge
 /// has more than two triangles each is compared with the first. vertices: of the mesh; v >= their number is row v - number of `added`.
 /// edges: of the triangles and the same faces beyond.

@@ -17,5 +17,7 @@ constexpr double surely_apart = 1e-12;
 /// point of the plane is then covered as often as the polygon winds round it: once or not at all. False says nothing. vertices: of the
 /// mesh; v >= their number is row v - number of `added`. edges: of the triangles.
 bool surely_one_to_one(const PointsRef& vertices, const PointsRef& added, const Faces& faces, EdgesByVertex& edges);
+/// The same of triangles that are known to have this one border, each inner edge between two of them that agree in orientation.
+bool surely_one_to_one(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::span<const Index> border);
 
 }  // namespace tripatch

@@ -59,9 +59,10 @@ inline bool is_harmless(const Report& report) { return harm(report) == std::pair
 /// mismatch_deg: by corner, or none.
 void report_corners(const std::vector<Index>& rim, std::span<const Index> corners, const std::vector<double>& mismatch_deg,
                     Report& report);
-/// What speaks against the faces that are delivered: vertices beyond those of the mesh are rows of `added`.
+/// What speaks against the faces that are delivered: vertices beyond those of the mesh are rows of `added`. border: of triangles which
+/// are known to make a disc, its vertices as they go along it.
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
-                   Report& report);
+                   Report& report, std::vector<Index> border = {});
 /// Where faces so measured go through each other; none: nowhere.
 std::optional<Vec3> place_of_crossing(const Mesh& mesh, const PointsRef& added, const Faces& faces);
 /// Tells of faces that go through each other, and near which vertex of the rim.
