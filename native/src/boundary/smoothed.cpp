@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/parallel.h"
 
 namespace tripatch {
 namespace {
@@ -106,11 +107,17 @@ PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<dou
 
 Sides smoothed(const Sides& sides) {
   Sides out = sides;
-  for (Side& side : out) {
-    side.c = smoothed(side.c, side.rim, 3);  // what the patch's second derivatives at the corners are made of stays
-    side.r = smoothed(side.r, side.rim, 2);
-    side.q = smoothed(side.q, side.rim, 0);
-  }
+  parallel_for(0, 9, 3, [&](Index from, Index to) {
+    for (Index k = from; k < to; ++k) {
+      Side& side = out[k / 3];
+      if (k % 3 == 0)
+        side.c = smoothed(side.c, side.rim, 3);  // what the patch's second derivatives at the corners are made of stays
+      else if (k % 3 == 1)
+        side.r = smoothed(side.r, side.rim, 2);
+      else
+        side.q = smoothed(side.q, side.rim, 0);
+    }
+  });
   return out;
 }
 

@@ -94,10 +94,6 @@ public:
     return found != edges_.end() && found->first == edge_pair(a, b) ? found->second : -1;
   }
   double ordinary() const { return ordinary_; }
-  bool any_is_crease() const {
-    return std::any_of(edges_.begin(), edges_.end(),
-                       [](const auto& edge) { return clearly_more(edge.second, least_crease_angle); });
-  }
   bool sharp(Index a, Index b) const { return clearly_more(at(a, b), threshold_); }
   bool still_sharp(Index a, Index b) const {
     const double least =
@@ -115,6 +111,21 @@ private:
   std::vector<std::pair<EdgePair, double>> edges_;
   double ordinary_ = 0, threshold_ = least_crease_angle;
 };
+
+/// Whether an edge at these vertices is one. At most holes none is, and a cosine tells.
+bool any_is_crease(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) {
+  static const double surely_flat = std::cos(0.99 * least_crease_angle);
+  for (Index v : vertices)
+    for (Connectivity::Corner c : around.at(v)) {
+      const auto across = around.edge(around.next(c), v);
+      if (!across) continue;
+      const Index f = around.face(c), g = around.face(*across);
+      const Vec3 a = area_vector(mesh, f), b = area_vector(mesh, g);
+      if (a.dot(b) > surely_flat * std::sqrt(a.squaredNorm() * b.squaredNorm())) continue;
+      if (clearly_more(angle_between(unit_normal(mesh, f), unit_normal(mesh, g)), least_crease_angle)) return true;
+    }
+  return false;
+}
 
 class CreaseFinder {
 public:
@@ -349,10 +360,8 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   Features features;
   const double across = diameter(mesh, rim);
   if (!(across > 0) || !std::isfinite(across)) return features;
-  std::vector<Index> at_rim = rim;
-  std::sort(at_rim.begin(), at_rim.end());
   const bool any_wall = flat_walls(mesh, around, rim, across, {}).has_value();
-  if (!any_wall && !EdgeAngles(mesh, around, at_rim).any_is_crease()) return features;  // as at most holes: nothing ends there
+  if (!any_wall && !any_is_crease(mesh, around, rim)) return features;  // as at most holes: nothing ends there
   const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, most_crease_rings);
   features.vertices = disc.vertices;
   std::sort(features.vertices.begin(), features.vertices.end());

@@ -114,7 +114,7 @@ std::array<Quadratic, 2> EnergyProblem::linearized(const std::vector<Derivatives
   constexpr Index block = 96;
   const Index n = static_cast<Index>(base_.size()), blocks = (n + block - 1) / block;
   std::vector<std::array<RowMajor, 2>> parts(blocks);
-  parallel_for(0, blocks, 2, [&](Index from, Index to) {
+  parallel_for(0, blocks, 1, [&](Index from, Index to) {
     for (Index at = from; at < to; ++at) parts[at] = grams(d, wanted, at * block, std::min(n, (at + 1) * block));
   });
   std::array<Quadratic, 2> model;

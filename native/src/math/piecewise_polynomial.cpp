@@ -12,6 +12,7 @@ namespace {
 
 /// Rewrites sum_k a_k u^k (vectors of `dimension`) as a polynomial of u - shift, in place.
 void taylor_shift(double* a, int degree, int dimension, double shift) {
+  if (shift == 0) return;
   for (int i = 0; i < degree; ++i)
     for (int k = degree - 1; k >= i; --k)
       for (int x = 0; x < dimension; ++x) a[k * dimension + x] += shift * a[(k + 1) * dimension + x];
@@ -35,10 +36,9 @@ void horner(const double* a, int degree, double u, double* out) {
 constexpr double one_break = 1e-12;
 
 std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b) {
-  std::vector<double> all(a);
-  all.insert(all.end(), b.begin(), b.end());
-  std::sort(all.begin(), all.end());
-  std::vector<double> out = {0.0};
+  std::vector<double> all(a.size() + b.size()), out = {0.0};
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), all.begin());
+  out.reserve(all.size());
   for (double t : all)
     if (t > out.back() + one_break && t < 1 - one_break) out.push_back(t);
   out.push_back(1.0);
@@ -133,7 +133,9 @@ PiecewisePolynomial PiecewisePolynomial::spline(std::span<const double> t, std::
   Matrix m(n, dimension);  // derivatives at the knots
   // tridiagonal system lower_k m_{k-1} + diagonal_k m_k + upper_k m_{k+1} = m_k's right side
   std::vector<double> lower(n, 0), diagonal(n, 1), upper(n, 0);
-  auto slope = [&](Index k) { return Eigen::RowVectorXd((y.row(k + 1) - y.row(k)) / (t[k + 1] - t[k])); };
+  Matrix slopes(n - 1, dimension);
+  for (Index k = 0; k + 1 < n; ++k) slopes.row(k) = (y.row(k + 1) - y.row(k)) / (t[k + 1] - t[k]);
+  const auto slope = [&](Index k) { return slopes.row(k); };
   if (n == 2 && start.empty() && end.empty()) {
     m.row(0) = m.row(1) = slope(0);
   } else if (n == 3 && start.empty() && end.empty()) {

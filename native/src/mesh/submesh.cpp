@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace tripatch {
+namespace {
+
+/// Numbers between the first and the last of some over how many they are, up to which looking at each takes less than sorting.
+constexpr Index at_most_apart = 30;
+
+}  // namespace
 
 /// Where an item stands, or the free place where it would.
 std::size_t Numbering::slot(Index item) const {
@@ -28,7 +34,17 @@ bool Numbering::add_hashed(Index item) {
 std::vector<Index> Rings::all_faces() const {
   std::vector<Index> all;
   for (const std::vector<Index>& ring : faces) all.insert(all.end(), ring.begin(), ring.end());
-  std::sort(all.begin(), all.end());
+  if (all.empty()) return all;
+  const auto [first, last] = std::ranges::minmax(all);
+  if (last - first > at_most_apart * static_cast<Index>(all.size())) {
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+  std::vector<char> there(last - first + 1, 0);
+  for (Index f : all) there[f - first] = 1;
+  all.clear();
+  for (Index f = first; f <= last; ++f)
+    if (there[f - first]) all.push_back(f);
   return all;
 }
 
