@@ -31,6 +31,16 @@ def test_defaults_are_what_is_taken(function):
     assert (settings[0] is None) == (settings[1] is None)
 
 
+def test_the_core_is_handed_what_is_not_at_its_default():
+    vertices, faces, rim = octant(4)
+    every = options.checked("fill", {"rim": rim, "fairing": None, "bulge": 1.0})
+    few = options.not_at_default("fill", every)
+    assert {"rim", "fairing"} <= few.keys() <= {"rim", "fairing", "bulge", "subdivision"}
+    one, other = (tripatch._native._fill(*tripatch._arrays.mesh(vertices, faces), given, None) for given in (every, few))
+    assert (one.vertices == other.vertices).all()
+    assert one.report.fairing == other.report.fairing == ""
+
+
 @pytest.mark.parametrize("row", NUMBERS, ids=lambda row: row.name)
 def test_what_is_out_of_range_is_refused_by_name(row):
     vertices, faces, rim = octant(4)

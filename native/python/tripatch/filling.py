@@ -12,7 +12,7 @@ import numpy as np
 from . import _arrays, _native
 from ._types import Array, ArrayLike, Faces
 from .errors import Refusal
-from .options import OPTIONS, checked, takes_options, value, whole
+from .options import OPTIONS, checked, not_at_default, takes_options, value, whole
 
 
 class Fill:
@@ -135,7 +135,7 @@ def fill(vertices: ArrayLike, faces: Faces, *, progress: Callable[[int, int], ob
     given = checked("fill", options)
     v, offsets, corners = _arrays.mesh(vertices, faces)
     cage = (v, offsets, corners, given["replaced"], given["subdivision"], ()) if given["output"] == "cage" else None
-    return Fill(_native._fill(v, offsets, corners, given, progress), cage)
+    return Fill(_native._fill(v, offsets, corners, not_at_default("fill", given), progress), cage)
 
 
 @takes_options

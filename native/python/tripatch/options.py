@@ -274,6 +274,12 @@ def checked(function: str, given: dict[str, Any]) -> dict[str, Any]:
     return made
 
 
+def not_at_default(function: str, values: dict[str, Any]) -> dict[str, Any]:
+    """Of what `checked` has returned what the core does not have anyway, which takes it 50 us to read."""
+    ready = _ready(function)
+    return {name: each for name, each in values.items() if name not in ready or each is not ready[name]}
+
+
 def described(option: Option) -> str:
     """The sentence, with the values of a choice."""
     listed = [] if option.none is None else [option.none]
