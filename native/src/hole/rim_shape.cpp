@@ -141,10 +141,15 @@ double diameter(const Points& rim) {
   std::vector<Index> order(rim.rows());
   std::iota(order.begin(), order.end(), Index{0});
   std::sort(order.begin(), order.end(), [&](Index a, Index b) { return reach[a] > reach[b]; });
-  double largest = 0;
-  for (std::size_t i = 0; i < order.size() && 2 * reach[order[i]] >= largest; ++i)
-    for (std::size_t k = i + 1; k < order.size() && reach[order[i]] + reach[order[k]] >= largest; ++k)
-      largest = std::max(largest, (rim.row(order[i]) - rim.row(order[k])).norm());
+  const Points points = rim(order, Eigen::all);
+  const Eigen::VectorXd far = reach(order);
+  double largest = 0, square = 0;
+  for (Index i = 0; i < points.rows() && 2 * far[i] >= largest; ++i)
+    for (Index k = i + 1; k < points.rows() && far[i] + far[k] >= largest; ++k)
+      if (const double each = (points.row(i) - points.row(k)).squaredNorm(); each > square) {
+        square = each;
+        largest = std::sqrt(each);
+      }
   return largest;
 }
 
