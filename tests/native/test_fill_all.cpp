@@ -64,8 +64,8 @@ TEST_CASE("holes filled together on all cores are those filled one by one", "[pa
   }
 }
 
-TEST_CASE("the sides of a long rim, estimated at the same time, are the same every time", "[parallel]") {
-  // 60 edges and more are worth threads
+TEST_CASE("the sides of a long rim, estimated at the same time, and many triangles are the same every time", "[parallel]") {
+  // 30 vertices and more are worth threads, and so are thousands of triangles
   const Index n = 40, low = 12, high = 28;
   Sieve whole(n, 0);
   Faces left;
@@ -78,9 +78,14 @@ TEST_CASE("the sides of a long rim, estimated at the same time, are the same eve
   options.method = "side_vertex";
   options.corners = std::vector<Index>{low * (n + 1) + low, high * (n + 1) + low, low * (n + 1) + high};
   const Mesh mesh{whole.points, left};
-  const Fill first = fill(mesh, options), second = fill(mesh, options);
-  CHECK(first.rim.size() == 64);
-  CHECK(first.vertices == second.vertices);
+  for (const std::optional<int> resolution : {std::optional<int>(), std::optional<int>(150)}) {
+    options.resolution = resolution;
+    const Fill first = fill(mesh, options), second = fill(mesh, options);
+    CHECK(first.rim.size() == 64);
+    CHECK(first.vertices == second.vertices);
+    CHECK(first.normals == second.normals);
+    CHECK(first.report.seam_angle_max == second.report.seam_angle_max);
+  }
 }
 
 TEST_CASE("a hole that cannot be filled does not stop the others", "[parallel]") {
