@@ -21,7 +21,7 @@ from test_cli import sphere_hole, square, unjoined, write_obj
 from test_crossings import trefoil
 from tripatch import __main__ as cli
 from tripatch import files
-from tripatch.batch import creases, inputs, job, journal, keeper, pictures, record
+from tripatch.batch import creases, inputs, job, journal, keeper, pictures, record, scheduling
 from tripatch.batch.settings import Settings
 
 distributed = pytest.importorskip("distributed")
@@ -58,6 +58,44 @@ def cluster():
         n_workers=2, threads_per_worker=1, processes=True, memory_limit=0, dashboard_address=None, silence_logs=50
     ) as made:
         yield made
+
+
+COUNT_THREADS = """
+import os
+import numpy as np
+import tripatch
+row = 161
+k = np.arange(row * row)
+x, y = k // row / row, k % row / row
+first = k[(k // row < row - 1) & (k % row < row - 1)]
+first = first[(first // row % 4 != 1) | (first % row % 4 != 1)]
+faces = np.column_stack([first, first + row, first + row + 1, first + 1])
+counts = []
+def count(*_): counts.append(len(os.listdir("/proc/self/task")))
+count()
+tripatch.fill_all(np.column_stack([x, y, np.sin(5 * x)]), faces, progress=count)
+print(max(counts) - counts[0])
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="Linux says which threads there are")
+@pytest.mark.parametrize("threads", range(1, 1 + min(2, os.cpu_count() or 1)))
+def test_fills_take_the_threads_that_the_environment_says(threads):
+    environment = {**os.environ, "TRIPATCH_THREADS": str(threads), "OPENBLAS_NUM_THREADS": "1"}
+    said = subprocess.run([sys.executable, "-c", COUNT_THREADS], env=environment, capture_output=True, text=True, check=True)
+    assert int(said.stdout) == threads
+
+
+@pytest.mark.parametrize("given", [None, "3"])
+def test_the_workers_of_a_machine_share_its_cores(monkeypatch, given):
+    if given:
+        monkeypatch.setenv("TRIPATCH_THREADS", given)
+    else:
+        monkeypatch.delenv("TRIPATCH_THREADS", raising=False)
+    client, cluster = scheduling._client(2, None)
+    with cluster, client:
+        said = client.run(lambda: os.environ["TRIPATCH_THREADS"])
+    assert set(said.values()) == {given or str(max(1, (os.cpu_count() or 1) // 2))}
 
 
 def test_every_format_and_folder(tmp_path, capsys):

@@ -13,7 +13,7 @@
 namespace tripatch {
 
 /// Whether a core is free for work that goes on beside other work.
-inline bool has_free_core() { return !one_of_many && std::thread::hardware_concurrency() > 1; }
+inline bool has_free_core() { return !one_of_many && most_threads() > 1; }
 
 /// f() in a thread of its own from now on. It is ended where nobody has asked for its result.
 template <class T>

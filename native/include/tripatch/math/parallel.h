@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <exception>
 #include <future>
 #include <thread>
@@ -16,6 +17,17 @@ namespace tripatch {
 
 /// True in threads that are themselves one of several at work: they share nothing out.
 inline thread_local bool one_of_many = false;
+
+/// Threads that work at a time: as many as cores, or as the environment's TRIPATCH_THREADS says where several processes share these.
+inline unsigned most_threads() {
+  static const unsigned most = [] {
+    const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+    const char* said = std::getenv("TRIPATCH_THREADS");
+    const int threads = said ? std::atoi(said) : 0;
+    return threads > 0 ? std::min(cores, static_cast<unsigned>(threads)) : cores;
+  }();
+  return most;
+}
 
 /// While it lives, this thread is one of several at work.
 class Alone {
@@ -32,8 +44,7 @@ private:
 /// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time. A thread costs 20 us.
 template <class F>
 void parallel_for(Index from, Index to, Index least, const F& f) {
-  static const Index all_cores = std::max(1U, std::thread::hardware_concurrency());
-  const Index n = to - from, cores = one_of_many ? 1 : all_cores;
+  const Index n = to - from, cores = one_of_many ? 1 : static_cast<Index>(most_threads());
   const Index shares = std::clamp<Index>(n / least, 1, cores);
   check_interruption();
   std::vector<std::future<void>> others;  // which are waited for, whatever is thrown here
@@ -93,7 +104,7 @@ void parallel_for_each(std::size_t count, const F& f, const Progress& progress) 
       ++done;
     }
   };
-  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t cores = most_threads();
   std::vector<std::future<void>> workers;
   for (std::size_t k = 0; k < std::min(cores, count); ++k) workers.push_back(std::async(std::launch::async, work));
   std::exception_ptr failure;

@@ -8,6 +8,7 @@ is found that costs the workers.
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import threading
 from collections.abc import Callable, Sequence
@@ -88,9 +89,13 @@ def _client(workers: int | None, address: str | None) -> Any:
         "distributed.admin.system-monitor.interval": "2s",
         "distributed.admin.system-monitor.gil.enabled": False,
     }
+    processes = workers or max(1, dask.system.CPU_COUNT)
+    # a fill takes the cores that no other process has: more threads than that only take turns
+    threads = os.environ.get("TRIPATCH_THREADS", str(max(1, dask.system.CPU_COUNT // processes)))
     with dask.config.set(settings), _deaf_to_ctrl_c():
         cluster = distributed.LocalCluster(
-            n_workers=workers or max(1, dask.system.CPU_COUNT),
+            n_workers=processes,
+            env={"TRIPATCH_THREADS": threads},
             threads_per_worker=1,
             processes=True,
             memory_limit=0,
