@@ -403,13 +403,25 @@ TEST_CASE("a single row is no fill where the mesh joins what it would join") {
   CHECK_FALSE(fill_with_rows(ground, grid.rim, Output::quads));
 }
 
-TEST_CASE("rows are taken where they are off by less than a quarter of what they miss", "[thresholds]") {
-  const Points ends = (Points(2, 3) << 0, 0, 0, 3, 4, 0).finished();
-  const Mesh mesh{ends, {}};
+namespace {
+
+/// A hole of size 5, and rows of quads that miss one new vertex by 0.04.
+struct MissedByRows {
+  Points ends = (Points(2, 3) << 0, 0, 0, 3, 4, 0).finished();
+  Mesh mesh{ends, {}};
   Fill rows, other;
-  rows.rim = {0, 1};
-  rows.vertices = Points::Zero(1, 3);
-  rows.deviation = Eigen::VectorXd::Constant(1, 0.04);
+  MissedByRows() {
+    rows.rim = {0, 1};
+    rows.vertices = Points::Zero(1, 3);
+    rows.deviation = Eigen::VectorXd::Constant(1, 0.04);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("rows are taken where they are off by less than a quarter of what they miss", "[thresholds]") {
+  MissedByRows hole;
+  auto& [ends, mesh, rows, other] = hole;
   other.deviation = Eigen::VectorXd::Constant(5, 0.0101);
   CHECK(rows_are_nearer(mesh, rows, other));
   other.deviation.setConstant(0.0099);
@@ -421,12 +433,8 @@ TEST_CASE("rows are taken where they are off by less than a quarter of what they
 }
 
 TEST_CASE("rows are nearer than plain triangles, which know of nothing beyond the rim, not than a surface without new vertices") {
-  const Points ends = (Points(2, 3) << 0, 0, 0, 3, 4, 0).finished();
-  const Mesh mesh{ends, {}};
-  Fill rows, other;
-  rows.rim = {0, 1};
-  rows.vertices = Points::Zero(1, 3);
-  rows.deviation = Eigen::VectorXd::Constant(1, 0.04);
+  MissedByRows hole;
+  auto& [ends, mesh, rows, other] = hole;
   CHECK(rows_are_nearer(mesh, rows, other));
   other.patch = std::make_shared<PlanePatch>(nullptr, PlanePoints(0, 2));
   CHECK_FALSE(rows_are_nearer(mesh, rows, other));
