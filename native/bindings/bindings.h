@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tripatch/math/parallel.h"
+#include "tripatch/math/interruption.h"
 #include "tripatch/types.h"
 
 namespace py = pybind11;
@@ -26,18 +26,18 @@ void bind_fill(py::module_& m);
 void bind_making(py::module_& m);
 void bind_polygon(py::module_& m);
 
-/// Does work without the GIL in a thread of its own, and ends it within 100 ms where a signal has come, such as Ctrl-C, or where
-/// `progress`, which is called with 0 or 1 and 1 several times a second, throws.
+/// Does work without the GIL, and ends it within 100 ms where a signal has come, such as Ctrl-C, or where `progress`, which is called with
+/// 0 or 1 and 1 several times a second, throws.
 template <class Work>
 void interruptibly(const Work& work, const py::object& progress = py::none()) {
+  const auto tell = [&](int done) {
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!progress.is_none()) progress(done, 1);
+  };
   const py::gil_scoped_release release;
-  tripatch::parallel_for_each(
-      1, [&](std::size_t) { work(); },
-      [&](std::size_t done) {
-        const py::gil_scoped_acquire acquire;
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-        if (!progress.is_none()) progress(done, 1);
-      });
+  tripatch::work_and_ask(work, [&] { tell(0); });
+  tell(1);
 }
 
 /// A tripatch.Refusal.

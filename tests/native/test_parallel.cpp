@@ -83,6 +83,37 @@ TEST_CASE("a failure is thrown on and not what it makes of the work beside it", 
   for (int again = 0; again < 20; ++again) CHECK_THROWS_AS(parallel_for_each(2, work, [](std::size_t) {}), std::invalid_argument);
 }
 
+TEST_CASE("work asks by its own thread, and what it is told ends all of it", "[parallel]") {
+  const std::thread::id caller = std::this_thread::get_id();
+  int asked_by_caller = 0;
+  const auto tell = [&] {
+    asked_by_caller += std::this_thread::get_id() == caller;
+    if (asked_by_caller == 3) throw std::runtime_error("enough");
+  };
+  const auto endless = [](Index, Index) {
+    for (;;) check_interruption();
+  };
+  CHECK_THROWS_AS(work_and_ask([&] { parallel_for(0, 100, 10, endless); }, tell), std::runtime_error);
+  CHECK(asked_by_caller == 3);
+  CHECK_THROWS_AS(work_and_ask([] { throw std::invalid_argument("the work's own"); }, [] {}), std::invalid_argument);
+  CHECK_NOTHROW(check_interruption());
+  CHECK(asking == nullptr);
+  work_and_ask([] { check_interruption(); }, [] { FAIL("asked before it was due"); });
+  const auto asked_in = [](int passes, std::chrono::milliseconds each) {
+    int times = 0;
+    work_and_ask(
+        [&] {
+          for (int k = 0; k < passes; ++k) {
+            std::this_thread::sleep_for(each);
+            check_interruption();
+          }
+        },
+        [&] { ++times; });
+    return times;
+  };
+  CHECK(asked_in(4, std::chrono::milliseconds(60)) == 4);  // whatever comes seldom is asked about each time
+}
+
 TEST_CASE("who is asked to end hands that on", "[parallel]") {
   const std::atomic<bool> stop = true;
   const InterruptedBy asked(&stop);

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <exception>
+#include <functional>
+#include <utility>
 
 namespace tripatch {
 
@@ -15,9 +18,58 @@ public:
 /// What this thread's work looks at: true ends it; null: nothing does.
 inline thread_local const std::atomic<bool>* interruption = nullptr;
 
+/// What a thread asks now and then while it works.
+class Asking {
+public:
+  /// ask: throws what shall end the work.
+  explicit Asking(std::function<void()> ask) : ask_(std::move(ask)) {}
+
+  /// At a place that is passed some thousand times a millisecond, or once in some: the clock is not looked at each time.
+  void pass() {
+    if (--passes_left_ <= 0) look();
+  }
+  const std::atomic<bool>& ended() const { return ended_; }
+  /// Throws on what has been thrown, if anything.
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds between_calls{
+      50};  // often enough for a bar, and for Ctrl-C to be obeyed within 100 ms
+  static constexpr std::chrono::milliseconds passes_are_rare{1};
+  static constexpr int passes_a_look = 16;  // while they are not
+
+  void look() {
+    const Clock::time_point now = Clock::now();
+    passes_left_ = now - last_ < passes_are_rare ? passes_a_look : 1;
+    last_ = now;
+    if (now < due_) return;
+    try {
+      ask_();
+    } catch (...) {
+      thrown_ = std::current_exception();
+      ended_ = true;
+      throw Interrupted();
+    }
+    due_ = Clock::now() + between_calls;
+  }
+
+  std::function<void()> ask_;
+  std::atomic<bool> ended_ = false;
+  std::exception_ptr thrown_;
+  int passes_left_ = 1;
+  Clock::time_point last_ = Clock::now(), due_ = last_ + between_calls;
+};
+
+/// Of this thread; null: it asks nothing. The threads that it makes never do.
+inline thread_local Asking* asking = nullptr;
+
 /// To be called in every loop that may take more than some milliseconds.
 inline void check_interruption() {
   if (interruption && interruption->load(std::memory_order_relaxed)) throw Interrupted();
+  if (asking) asking->pass();
 }
 
 /// While it lives, work of this thread ends when `flag` becomes true. parallel_for hands the flag on to its threads.
@@ -31,5 +83,22 @@ public:
 private:
   const std::atomic<bool>* before_;
 };
+
+/// work() by this thread, which calls ask() about twenty times a second while it works. What that throws ends the work, with all of its
+/// threads, and is thrown on.
+template <class Work>
+void work_and_ask(const Work& work, std::function<void()> ask) {
+  Asking own(std::move(ask));
+  const InterruptedBy ended(&own.ended());
+  Asking* const before = std::exchange(asking, &own);
+  try {
+    work();
+  } catch (...) {
+    asking = before;
+    own.rethrow();
+    throw;
+  }
+  asking = before;
+}
 
 }  // namespace tripatch
