@@ -172,6 +172,41 @@ TEST_CASE("of two pieces of work both are done, one after the other where no cor
   CHECK(has_free_core() == (std::thread::hardware_concurrency() > 1));
 }
 
+TEST_CASE("what a thread that keeps others shares out goes to the same ones time and again", "[parallel]") {
+  const std::thread::id caller = std::this_thread::get_id();
+  std::vector<std::thread::id> others;
+  const KeptThreads kept;
+  for (int round = 0; round < 100; ++round) both_at_once([] {}, [&] { others.push_back(std::this_thread::get_id()); });
+  REQUIRE(others.size() == 100);
+  CHECK(std::all_of(others.begin(), others.end(), [&](std::thread::id other) { return other == others[0]; }));
+  CHECK((others[0] != caller) == has_free_core());
+}
+
+TEST_CASE("threads that are kept do all of what is shared out within what is shared out", "[parallel]") {
+  const KeptThreads kept;
+  std::atomic<int> done = 0;
+  const auto many = [&] { parallel_for(0, 100, 10, [&](Index from, Index to) { done += static_cast<int>(to - from); }); };
+  for (int round = 0; round < 20; ++round) {
+    both_at_once(many, many);
+    const KeptThreads inner;
+    many();
+  }
+  CHECK(done == 20 * 300);
+}
+
+TEST_CASE("what is thrown in a thread that is kept is thrown on, and it goes on with the next", "[parallel]") {
+  const KeptThreads kept;
+  const auto fails = [](int) { throw std::invalid_argument("no"); };
+  for (int round = 0; round < 20; ++round) {
+    CHECK_THROWS_AS(both_at_once([] {}, [&] { fails(round); }), std::invalid_argument);
+    CHECK_THROWS_AS(both_at_once([&] { fails(round); }, [] {}), std::invalid_argument);
+    CHECK_THROWS_AS(both_at_once([&] { fails(round); }, [&] { fails(round); }), std::invalid_argument);
+    bool first = false, second = false;
+    both_at_once([&] { first = true; }, [&] { second = true; });
+    CHECK((first && second));
+  }
+}
+
 TEST_CASE("work beside other work ends where nobody asks for its result, or who waits for it is interrupted", "[parallel]") {
   std::atomic<int> ended = 0;
   const auto endless = [&]() -> int {

@@ -298,6 +298,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     return results;
   }
   const auto fill_one = [&](std::size_t k) {
+    const KeptThreads kept;  // none of which is asked for where several holes are filled at once
     const Stopwatch watch;
     try {
       Fill fill = fill_by_method(ground, rims[k], corners_at(k), options);
@@ -314,6 +315,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
 }  // namespace
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
+  const KeptThreads kept;
   const auto unjoined = [&](const std::vector<Index>& rim) { return told_of_unjoined(mesh, {&rim, 1})[0]; };
   try {
     Fill result = fill_one_hole(mesh, options);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <future>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -48,14 +49,14 @@ class Together {
 public:
   explicit Together(F f) : f_(std::move(f)) {
     if (!has_free_core()) return;
-    helper_ = std::async(std::launch::async, [this] {
+    helper_.emplace(most_threads() - 1, [this] {
       for (int looks = 0; !end_.load(std::memory_order_relaxed); ++looks) {
         if (take_what_is_left(1)) looks = 0;
         if (looks > most_looks) std::this_thread::yield();
       }
     });
   }
-  ~Together() { end_ = true; }  // the future waits for the thread
+  ~Together() { end_ = true; }  // the thread is waited for
   Together(const Together&) = delete;
   Together& operator=(const Together&) = delete;
 
@@ -85,7 +86,7 @@ private:
   F f_;
   std::atomic<int> left_ = 0, done_ = 0;
   std::atomic<bool> end_ = false;
-  std::future<void> helper_;  // the last: it ends first
+  std::optional<InOtherThread> helper_;  // the last: it ends first
 };
 
 }  // namespace tripatch
