@@ -74,7 +74,7 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
                                        " has a kink: the curvature of its surroundings is met away from it only");
   }
   if (!kinks.empty()) made.patch = kinks.restored(made.patch, continuity.tangent);
-  made.report.folds = folds && made.patch == counted ? *folds : count_folds(*made.patch, given);
+  made.report.folds = folds && made.patch == counted ? *folds : FoldCounter(kinks)(*made.patch);
   const std::array<std::string, 3> names = continuity.names();
   made.report.continuity.assign(names.begin(), names.end());
   return made;

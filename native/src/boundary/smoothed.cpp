@@ -107,7 +107,8 @@ PiecewisePolynomial smoothed(const PiecewisePolynomial& f, const std::vector<dou
 
 Sides smoothed(const Sides& sides) {
   Sides out = sides;
-  parallel_for(0, 9, 3, [&](Index from, Index to) {
+  const bool any = std::any_of(sides.begin(), sides.end(), [](const Side& side) { return side.rim.size() > few; });
+  parallel_for(0, 9, any ? 3 : 9, [&](Index from, Index to) {
     for (Index k = from; k < to; ++k) {
       Side& side = out[k / 3];
       if (k % 3 == 0)

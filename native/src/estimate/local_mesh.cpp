@@ -87,20 +87,21 @@ int face_beside(const LocalMesh& w, int a, int b) {
 /// True for a vertex that was put on an edge between a and b and left there: straight between them, in faces that would be those of
 /// the edge without it (it has no other neighbors, or those of triangles that were cut in two). It lies on a chord of the surface.
 bool put_on_edge(const LocalMesh& w, int v) {
-  if (const std::size_t faces = w.part.faces_at(v).size(); faces != 1 && faces != 2 && faces != 4) return false;
-  std::vector<std::array<int, 2>> beside;  // v's neighbors in each face, as they follow each other around it
+  const std::size_t faces = w.part.faces_at(v).size();
+  if (faces != 1 && faces != 2 && faces != 4) return false;
+  std::array<std::array<int, 2>, 4> room;  // v's neighbors in each face, as they follow each other around it
+  const std::span<std::array<int, 2>> beside(room.data(), faces);
   bool triangles = true;
-  for (int f : w.part.faces_at(v)) {
-    const std::span<const int> face = w.part[f];
+  for (std::size_t j = 0; j < faces; ++j) {
+    const std::span<const int> face = w.part[w.part.faces_at(v)[j]];
     const std::size_t size = face.size(), k = std::find(face.begin(), face.end(), v) - face.begin();
-    beside.push_back({face[(k + 1) % size], face[(k + size - 1) % size]});
+    beside[j] = {face[(k + 1) % size], face[(k + size - 1) % size]};
     triangles = triangles && size == 3;
   }
   const auto between = [&](int a, int b) {
     const Vec3 p = w.position[a] - w.position[v], q = w.position[b] - w.position[v];
     return p.dot(q) < 0 && p.cross(q).norm() <= straight * p.norm() * q.norm();
   };
-  const std::size_t faces = beside.size();
   const auto [first, second] = beside[0];
   if (faces == 1 || (faces == 2 && beside[1][0] == second && beside[1][1] == first)) return between(first, second);
   if (!triangles) return false;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/energy.h"
@@ -33,6 +34,11 @@ constexpr double enough = 1e-2;  // relative gain: the step that gains less is t
 constexpr double none =
     1e-4;  // next to none: energies have no units, and those of holes with any shape of their own are above 1e-2
 
+/// to += weight * from.
+void add_times(double weight, const double* from, Index count, double* __restrict to) {
+  for (Index k = 0; k < count; ++k) to[k] += weight * from[k];
+}
+
 }  // namespace
 
 Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy) {
@@ -49,7 +55,7 @@ Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy) {
         gradient += weight_of_jumps * energy.constant * jumps.gradient.head(m);
       }
       normal.diagonal().array() += regularization * normal.trace() / m;
-      x.head(m) += constrained_quadratic_minimum(normal, gradient, held.leftCols(m));
+      x.head(m) += constrained_quadratic_minimum(std::move(normal), gradient, held.leftCols(m));
     }
     return x;
   };
@@ -94,7 +100,7 @@ Merit::Model Merit::linearized(const Eigen::VectorXd& x, const Value& v) const {
   return m;
 }
 
-/// The model of the logarithm about x, its parts weighed by their values at x + y; the constant is not set.
+/// The model of the logarithm about x, its parts weighed by their values at x + y: of the matrix the lower triangle, and no constant.
 Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen::VectorXd& third_slope, const Value& v,
                           const Eigen::VectorXd& y) const {
   const auto value = [&](int which, double now) {
@@ -104,27 +110,30 @@ Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen:
   double share = quadric_share(variation, quadric);
   if (!m.used[0]) share = 1;
   if (!m.used[1]) share = 0;
-  Quadratic q;
-  q.normal = parameterization_counts / third * third_.normal;
-  q.gradient = parameterization_counts / third * third_slope;
-  double part = 1;  // of the logarithm's derivative that is not tension's
+  double part = 1, all = 1;  // of the logarithm's derivative what is not tension's; with tension
   if (tense()) {
-    const double bent = energy(variation, quadric), all = std::max(bent + tension(x + y), no_energy);
+    const double bent = energy(variation, quadric);
+    all = std::max(bent + tension(x + y), no_energy);
     part = bent / all;
-    q.normal += tension_.normal / all;
-    q.gradient += (tension_.normal * x + tension_.gradient) / all;
   }
-  if (m.used[0]) {
-    q.normal += part * (1 - share) / variation * m.variation[0].normal;
-    q.gradient += part * (1 - share) / variation * m.variation[0].gradient;
-  }
-  if (m.used[1]) {
-    q.normal += part * share / quadric * m.variation[1].normal;
-    q.gradient += part * share / quadric * m.variation[1].gradient;
-  }
-  if (problem_.following().any()) {
-    q.normal += m.jumps.normal;
-    q.gradient += m.jumps.gradient;
+  std::vector<std::pair<double, const Quadratic*>> parts;
+  if (m.used[0]) parts.emplace_back(part * (1 - share) / variation, &m.variation[0]);
+  if (m.used[1]) parts.emplace_back(part * share / quadric, &m.variation[1]);
+  if (problem_.following().any()) parts.emplace_back(1, &m.jumps);
+  Quadratic q;
+  q.gradient = parameterization_counts / third * third_slope;
+  if (tense()) q.gradient += (tension_.normal * x + tension_.gradient) / all;
+  for (const auto& [weight, model] : parts) q.gradient += weight * model->gradient;
+  const Index n = x.size();
+  q.normal.resize(n, n);
+  for (Index c = 0; c < n; ++c) {  // a column at a time, which stays in the cache
+    const Index from = c * n + c;
+    double* const column = q.normal.data() + from;
+    const double* const third_column = third_.normal.data() + from;
+    for (Index k = 0; k < n - c; ++k) column[k] = parameterization_counts / third * third_column[k];
+    if (tense())
+      for (Index k = 0; k < n - c; ++k) column[k] += tension_.normal.data()[from + k] / all;
+    for (const auto& [weight, model] : parts) add_times(weight, model->normal.data() + from, n - c, column);
   }
   return q;
 }
@@ -137,9 +146,11 @@ Eigen::VectorXd Merit::step(const Model& m, const Eigen::VectorXd& x, const Valu
   Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
   for (int round = 0; round < rounds; ++round) {
     Quadratic q = weighted(m, x, third_slope, v, y);
-    q.normal += damping * (q.normal.trace() / metric.trace()) * metric;
+    const Index n = x.size();
+    const double damped = damping * (q.normal.trace() / metric.trace());
+    for (Index c = 0; c < n; ++c) add_times(damped, metric.data() + c * n + c, n - c, q.normal.data() + c * n + c);
     q.normal.diagonal().array() += damped_anyway * q.normal.trace();
-    const Eigen::VectorXd last = std::exchange(y, constrained_quadratic_minimum(q.normal, q.gradient, held_));
+    const Eigen::VectorXd last = std::exchange(y, constrained_quadratic_minimum(std::move(q.normal), q.gradient, held_));
     if ((y - last).norm() < near * y.norm()) break;
   }
   return y;

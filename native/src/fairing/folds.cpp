@@ -13,11 +13,13 @@ constexpr double beside_kink = 1e-6;
 
 }  // namespace
 
-FoldCounter::FoldCounter(const Sides& sides) : rim_(sides) {
+FoldCounter::FoldCounter(const Sides& sides) : FoldCounter(sides, {kinks_of(sides[0]), kinks_of(sides[1]), kinks_of(sides[2])}) {}
+
+FoldCounter::FoldCounter(const Sides& sides, const std::array<std::vector<double>, 3>& kinks) : rim_(sides) {
   for (int k = 0; k < 3; ++k)
     clear_[k] = degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)) < folds_one_plane;
   for (int i = 0; i < 3; ++i)
-    for (double t : kinks_of(sides[i])) {
+    for (double t : kinks[i]) {
       for (Index inwards = 0; inwards <= fold_grid_rows; ++inwards) {  // along delta_i
         const double exact = t * fold_grid_rows - 0.5 * static_cast<double>(inwards);
         const Index row = std::lround(exact), other = fold_grid_rows - inwards - row;
@@ -35,7 +37,7 @@ FoldCounter::FoldCounter(const Sides& sides) : rim_(sides) {
     }
 }
 
-FoldCounter::FoldCounter(const Kinks& kinks, const std::array<bool, 3>& tangent) : FoldCounter(kinks.sides()) {
+FoldCounter::FoldCounter(const Kinks& kinks, const std::array<bool, 3>& tangent) : FoldCounter(kinks) {
   if (!kinks.empty()) kinks_ = &kinks;
   tangent_ = tangent;
 }

@@ -143,6 +143,13 @@ Kinks::Kinks(const Sides& sides) : sides_(sides), rounded_(sides) {
   }
 }
 
+std::array<std::vector<double>, 3> Kinks::parameters() const {
+  std::array<std::vector<double>, 3> all;
+  for (int i = 0; i < 3; ++i)
+    for (const Kink& kink : kinks_[i]) all[i].push_back(kink.t);
+  return all;
+}
+
 SurfacePtr Kinks::restored(const SurfacePtr& patch, const std::array<bool, 3>& tangent) const {
   std::vector<Strip> strips;
   for (int i = 0; i < 3; ++i)

@@ -37,6 +37,9 @@ std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole) {
 
 namespace {
 
+/// Edges of a rim from which on to cover the patch takes as long as to look at its rim, some 50 us, and a thread is worth what it costs.
+constexpr std::size_t long_enough = 60;
+
 /// The patch; beside a limit surface, whose slopes ripple from vertex to vertex of a cage of triangles, that which bends least where the
 /// fairest one folds: no surface of another kind can take its place there.
 MadePatch patch_without_folds(const Sides& sides, const FillOptions& options) {
@@ -146,7 +149,12 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
     fill.rim_normals = fill.patch->normals(fill.rim_barycentric);
     measure_seam(*fill.patch, surroundings.sides, report);
   };
-  both_at_once(cover_it, look_at_rim);
+  if (hole.rim.size() < long_enough && options.output == Output::triangles && !options.resolution) {
+    cover_it();
+    look_at_rim();
+  } else {
+    both_at_once(cover_it, look_at_rim);
+  }
   const bool along_rim = options.output == Output::triangles && !own_rim;
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}), report,
                 along_rim ? hole.rim : std::vector<Index>());

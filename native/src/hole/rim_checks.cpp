@@ -75,9 +75,15 @@ void check_orientation(const RimEdges& edges) {
                 where);
 }
 
+/// Memory of check_fan.
+struct FanEnds {
+  std::vector<Index> out, in, all;  // of edges from a vertex, once for every face
+};
+
 /// The faces at a vertex of the rim agree in orientation, and no more than two share an edge between rim vertices.
-void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim) {
-  std::vector<Index> out, in;
+void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim, FanEnds& room) {
+  auto& [out, in, ends] = room;
+  out.clear(), in.clear(), ends.clear();
   for (const Corner c : around.at(v)) {
     out.push_back(around.next(c));
     in.push_back(around.previous(c));
@@ -90,7 +96,6 @@ void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim) {
         throw Refusal("A face at the rim, at the edge between vertices " + std::to_string(v) + " and " + std::to_string(*k) +
                           ", is turned against its neighbors" + advice,
                       {v, *k});
-  std::vector<Index> ends;  // of edges from v, once for every face
   std::merge(out.begin(), out.end(), in.begin(), in.end(), std::back_inserter(ends));
   for (auto k = ends.begin(); k != ends.end();) {
     const auto end = std::upper_bound(k, ends.end(), *k);
@@ -127,7 +132,8 @@ std::vector<Index> check_topology(const Connectivity& around, const std::vector<
     throw Refusal("The rim passes vertex " + std::to_string(*twice) + " twice", {*twice});
   const RimEdges edges = check_edges(around, rim);
   check_orientation(edges);
-  for (Index v : rim) check_fan(around, v, sorted);
+  FanEnds room;
+  for (Index v : rim) check_fan(around, v, sorted, room);
   Loop turned = rim;
   if (!edges.along.empty()) std::reverse(turned.begin(), turned.end());
   return turned;

@@ -156,6 +156,10 @@ double diameter(const Points& rim) {
 double diameter(const Mesh& mesh, const std::vector<Index>& rim) { return diameter(Points(mesh.vertices(rim, Eigen::all))); }
 
 bool leaves_hole(const Mesh& mesh, const std::vector<Index>& rim, const Points& inside) {
+  // Nearly always all are as near to one vertex of the rim as another vertex is, and the hole is as large at least.
+  const Points around = mesh.vertices(rim, Eigen::all);
+  const auto squares = [&](const Points& points) { return (points.rowwise() - around.row(0)).rowwise().squaredNorm().eval(); };
+  if ((squares(inside).array() <= squares(around).maxCoeff()).all()) return false;
   const double size = diameter(mesh, rim);
   for (Index k = 0; k < inside.rows(); ++k)
     if (std::none_of(rim.begin(), rim.end(), [&](Index v) { return (mesh.vertices.row(v) - inside.row(k)).norm() <= size; }))

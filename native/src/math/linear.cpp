@@ -537,12 +537,11 @@ MinimumNormSolution minimum_norm_least_squares(const MatrixRef& a, const MatrixR
   return {decomposition.solve(b), decomposition.rank()};
 }
 
-Eigen::VectorXd constrained_quadratic_minimum(const MatrixRef& a, const VectorRef& b, const MatrixRef& held) {
-  Eigen::MatrixXd lower = a;
-  if (!factor_cholesky(lower)) return Eigen::VectorXd::Constant(b.size(), std::numeric_limits<double>::quiet_NaN());
+Eigen::VectorXd constrained_quadratic_minimum(Eigen::MatrixXd a, const VectorRef& b, const MatrixRef& held) {
+  if (!factor_cholesky(a)) return Eigen::VectorXd::Constant(b.size(), std::numeric_limits<double>::quiet_NaN());
   const auto solve = [&](auto& right) {
-    lower.triangularView<Eigen::Lower>().solveInPlace(right);
-    lower.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
+    a.triangularView<Eigen::Lower>().solveInPlace(right);
+    a.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
   };
   Eigen::VectorXd x = -b;
   solve(x);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include "tripatch/math/linear.h"
 
@@ -43,6 +45,29 @@ std::vector<double> merged(const std::vector<double>& a, const std::vector<doubl
     if (t > out.back() + one_break && t < 1 - one_break) out.push_back(t);
   out.push_back(1.0);
   return out;
+}
+
+/// Chebyshev points of one piece and the matrix from values there to monomials about its middle (u from -1 to 1).
+struct Interpolation {
+  Eigen::VectorXd nodes;
+  Eigen::MatrixXd to_monomials;
+
+  explicit Interpolation(int n) : nodes(n) {
+    Eigen::MatrixXd vandermonde(n, n);
+    for (int i = 0; i < n; ++i) {
+      nodes[i] = std::cos(M_PI * (2 * i + 1) / (2.0 * n));
+      for (int k = 0; k < n; ++k) vandermonde(i, k) = std::pow(nodes[i], k);
+    }
+    to_monomials = least_squares(vandermonde, Eigen::MatrixXd::Identity(n, n));
+  }
+};
+
+/// The one of n points, made once.
+const Interpolation& interpolation(int n) {
+  static std::mutex mutex;
+  static std::map<int, Interpolation> made;
+  const std::lock_guard lock(mutex);
+  return made.try_emplace(n, n).first->second;
 }
 
 }  // namespace
@@ -188,15 +213,8 @@ PiecewisePolynomial PiecewisePolynomial::spline(std::span<const double> t, std::
 
 PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<const double>, std::span<double>)>& f,
                                              int dimension, double tolerance, int degree, int max_depth) {
-  // Chebyshev points of one piece and the matrix from values there to monomials about its middle (u from -1 to 1).
   const int n = degree + 1;
-  Eigen::VectorXd nodes(n);
-  Eigen::MatrixXd vandermonde(n, n);
-  for (int i = 0; i < n; ++i) {
-    nodes[i] = std::cos(M_PI * (2 * i + 1) / (2.0 * n));
-    for (int k = 0; k < n; ++k) vandermonde(i, k) = std::pow(nodes[i], k);
-  }
-  const Eigen::MatrixXd to_monomials = least_squares(vandermonde, Eigen::MatrixXd::Identity(n, n));
+  const auto& [nodes, to_monomials] = interpolation(n);
   const std::vector<double> checks = {-1.0, -0.97, -0.71, -0.37, 0.13, 0.53, 0.83, 1.0};
 
   struct Piece {

@@ -34,13 +34,18 @@ Cover cover_with_triangles(const Hole& hole, const std::array<std::vector<double
 
 void deliver(Cover cover, const Points& border, Index vertices, Fill& fill) {
   const bool own = border.rows() > 0;
-  std::vector<Index> index(cover.barycentric.rows()), rows;  // of the mesh; rows that become new vertices, split edges first
-  for (Index k = 0; k < cover.barycentric.rows(); ++k) {
-    const bool reused = !own && k < cover.rim && cover.rim_vertices[k] >= 0;
-    index[k] = reused ? cover.rim_vertices[k] : vertices + static_cast<Index>(rows.size());
-    if (!reused) rows.push_back(k);
+  const Index count = cover.barycentric.rows(), first = own ? 0 : cover.rim;  // from there on all become new vertices
+  std::vector<Index> index(count), split;                                     // of the mesh; edges of the rim that are split
+  for (Index k = 0; k < first; ++k) {
+    const bool reused = cover.rim_vertices[k] >= 0;
+    index[k] = reused ? cover.rim_vertices[k] : vertices + static_cast<Index>(split.size());
+    if (!reused) split.push_back(k);
   }
-  fill.barycentric = cover.barycentric(rows, Eigen::all);
+  const Index before = static_cast<Index>(split.size());
+  std::iota(index.begin() + first, index.end(), vertices + before);
+  fill.barycentric.resize(before + count - first, 3);
+  fill.barycentric.topRows(before) = cover.barycentric(split, Eigen::all);
+  fill.barycentric.bottomRows(count - first) = cover.barycentric.bottomRows(count - first);
   std::tie(fill.vertices, fill.normals) = fill.patch->positions_and_normals(fill.barycentric);
   if (own) {
     fill.vertices.topRows(border.rows()) = border;

@@ -1,26 +1,32 @@
 #include "tripatch/output/doubled_edges.h"
 
 #include <algorithm>
-#include <map>
+#include <compare>
 #include <utility>
 
 namespace tripatch {
 namespace {
 
-/// The triangles at each edge between two rim vertices.
-using AtEdge = std::map<std::pair<Index, Index>, std::vector<std::size_t>>;
+/// A triangle at an edge between two rim vertices, the lower one first.
+struct AtEdge {
+  Index a, b;
+  std::size_t triangle;
+  auto operator<=>(const AtEdge&) const = default;
+};
 
-AtEdge triangles_at_edges(const std::vector<std::array<Index, 3>>& triangles, Index rim) {
-  AtEdge at;
+/// By edges, and of each in the order of its triangles.
+std::vector<AtEdge> triangles_at_edges(const std::vector<std::array<Index, 3>>& triangles, Index rim) {
+  std::vector<AtEdge> all;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const std::array<Index, 3>& v = triangles[t];
     if ((v[0] < rim) + (v[1] < rim) + (v[2] < rim) < 2) continue;
     for (int k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax(v[k], v[(k + 1) % 3]);
-      if (b < rim) at[{a, b}].push_back(t);
+      if (b < rim) all.push_back({a, b, t});
     }
   }
-  return at;
+  std::sort(all.begin(), all.end());
+  return all;
 }
 
 /// Puts vertex m into edge a b of a triangle; its half at b is added.
@@ -39,15 +45,19 @@ std::vector<std::array<Index, 2>> halve_doubled_edges(const Connectivity& mesh, 
   for (bool more = true; more;) {  // an edge whose triangle has changed waits for the next pass
     more = false;
     std::vector<char> changed(triangles.size(), 0);
-    for (const auto& [edge, beside] : triangles_at_edges(triangles, static_cast<Index>(rim.size()))) {
-      if (beside.size() != 2 || mesh.faces_at_edge(rim[edge.first], rim[edge.second]).empty()) continue;
+    const std::vector<AtEdge> all = triangles_at_edges(triangles, static_cast<Index>(rim.size()));
+    for (std::size_t k = 0, next = 0; k < all.size(); k = next) {
+      const auto [a, b, first] = all[k];
+      while (next < all.size() && all[next].a == a && all[next].b == b) ++next;
+      if (next - k != 2 || mesh.faces_at_edge(rim[a], rim[b]).empty()) continue;
       more = true;
-      if (changed[beside[0]] || changed[beside[1]]) continue;
+      const std::size_t second = all[k + 1].triangle;
+      if (changed[first] || changed[second]) continue;
       const Index middle = count + static_cast<Index>(halved.size());
-      halved.push_back({edge.first, edge.second});
-      for (std::size_t t : beside) {
+      halved.push_back({a, b});
+      for (std::size_t t : {first, second}) {
         changed[t] = 1;
-        halve(triangles, t, edge.first, edge.second, middle);
+        halve(triangles, t, a, b, middle);
       }
     }
   }

@@ -25,14 +25,16 @@ constexpr double beside_crease = 0.15;
 /// inwards along which a restored patch turns, it has a normal on either side: the one that folds sooner counts, whichever way the side runs.
 class FoldCounter {
 public:
-  /// Of patches between these sides.
+  /// Of patches between these sides, or those of `kinks` as they are.
   explicit FoldCounter(const Sides& sides);
+  explicit FoldCounter(const Kinks& kinks) : FoldCounter(kinks.sides(), kinks.parameters()) {}
   /// Of patches between the rounded sides of `kinks` (which must outlive this), counted when they are restored.
   FoldCounter(const Kinks& kinks, const std::array<bool, 3>& tangent);
 
   Index operator()(const Surface& patch) const;
 
 private:
+  FoldCounter(const Sides& sides, const std::array<std::vector<double>, 3>& kinks);
   bool near_crease(const Eigen::RowVector3d& b) const;
   void look_at_both_sides(const Surface& patch, Points& normals) const;
 

@@ -23,6 +23,8 @@ public:
   explicit Kinks(const Sides& sides);
 
   bool on(int side) const { return !kinks_[side].empty(); }
+  /// kinks_of each side.
+  std::array<std::vector<double>, 3> parameters() const;
   bool empty() const { return kinks_[0].empty() && kinks_[1].empty() && kinks_[2].empty(); }
   const Sides& sides() const { return sides_; }
   /// The sides, each kink replaced by quintics of c, r and q that reach half the way to the next kink or end.

@@ -25,7 +25,7 @@ MinimumNormSolution minimum_norm_least_squares(const MatrixRef& a, const MatrixR
 /// Equality-constrained quadratic programme: the x (n) that makes x . (a x + 2 b) least among those with held x = 0, for a symmetric,
 /// positive definite a (n, n), of which the lower triangle is read, b (n) and held (k, n), k from 0 on. Not finite where a is not
 /// definite.
-Eigen::VectorXd constrained_quadratic_minimum(const MatrixRef& a, const VectorRef& b, const MatrixRef& held);
+Eigen::VectorXd constrained_quadratic_minimum(Eigen::MatrixXd a, const VectorRef& b, const MatrixRef& held);
 
 /// The x with a x = b, for a symmetric a (n, n), of which the lower triangle is read, and b (n, k).
 Eigen::MatrixXd solve_symmetric(const MatrixRef& a, const MatrixRef& b);

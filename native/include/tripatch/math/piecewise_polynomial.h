@@ -47,6 +47,7 @@ public:
   int degree() const { return degree_; }
   Index pieces() const { return static_cast<Index>(breaks_.size()) - 1; }
   const std::vector<double>& breaks() const { return breaks_; }
+  std::span<const double> coefficients() const { return coefficients_; }
   bool empty() const { return breaks_.size() < 2; }
   /// Whether all its coefficients are.
   bool is_finite() const;

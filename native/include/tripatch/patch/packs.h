@@ -185,11 +185,10 @@ public:
   explicit PackedField(const PiecewisePolynomial& field) : degree_(field.degree()) {
     const std::vector<double>& breaks = field.breaks();
     const Index n = field.pieces();
-    const int width = 3 * (degree_ + 1);
-    coefficients_.resize(width * n + 1);
+    coefficients_.assign(field.coefficients().begin(), field.coefficients().end());
+    coefficients_.push_back(0);  // whole registers are read
     for (Index p = 0; p < n; ++p) {
       middles_.push_back(0.5 * (breaks[p] + breaks[p + 1]));
-      field.taylor(middles_[p], degree_, &coefficients_[width * p]);  // there they are the coefficients themselves
       ends_.push_back(p + 1 < n ? breaks[p + 1] : std::numeric_limits<double>::infinity());
     }
     const std::size_t places = n == 1 ? 1 : 2 * n;
