@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
-#include <functional>
 #include <utility>
 
 namespace tripatch {
@@ -21,8 +20,10 @@ inline thread_local const std::atomic<bool>* interruption = nullptr;
 /// What a thread asks now and then while it works.
 class Asking {
 public:
-  /// ask: throws what shall end the work.
-  explicit Asking(std::function<void()> ask) : ask_(std::move(ask)) {}
+  Asking() = default;
+  virtual ~Asking() = default;
+  Asking(const Asking&) = delete;
+  Asking& operator=(const Asking&) = delete;
 
   /// At a place that is passed some thousand times a millisecond, or once in some: the clock is not looked at each time.
   void pass() {
@@ -35,6 +36,8 @@ public:
   }
 
 private:
+  virtual void ask() = 0;  ///< throws what shall end the work
+
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds between_calls{
       50};  // often enough for a bar, and for Ctrl-C to be obeyed within 100 ms
@@ -47,7 +50,7 @@ private:
     last_ = now;
     if (now < due_) return;
     try {
-      ask_();
+      ask();
     } catch (...) {
       thrown_ = std::current_exception();
       ended_ = true;
@@ -56,7 +59,6 @@ private:
     due_ = Clock::now() + between_calls;
   }
 
-  std::function<void()> ask_;
   std::atomic<bool> ended_ = false;
   std::exception_ptr thrown_;
   int passes_left_ = 1;
@@ -86,9 +88,17 @@ private:
 
 /// work() by this thread, which calls ask() about twenty times a second while it works. What that throws ends the work, with all of its
 /// threads, and is thrown on.
-template <class Work>
-void work_and_ask(const Work& work, std::function<void()> ask) {
-  Asking own(std::move(ask));
+template <class Work, class Ask>
+void work_and_ask(const Work& work, const Ask& ask) {
+  class Own final : public Asking {
+  public:
+    explicit Own(const Ask& f) : f_(f) {}
+
+  private:
+    void ask() override { f_(); }
+    const Ask& f_;
+  };
+  Own own(ask);
   const InterruptedBy ended(&own.ended());
   Asking* const before = std::exchange(asking, &own);
   try {

@@ -1,6 +1,7 @@
 // Threads that are kept from one piece of work to the next.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <future>
 #include <memory>
@@ -8,6 +9,8 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "tripatch/math/interruption.h"
 
 namespace tripatch {
 
@@ -37,6 +40,10 @@ public:
       work_ = std::move(work);
     }
     given_.notify_one();
+  }
+  bool is_done_within(std::chrono::milliseconds time) {
+    std::unique_lock lock(mutex_);
+    return done_.wait_for(lock, time, [this] { return !work_.valid(); });
   }
   /// Waits until the work is done; the result throws what that has thrown.
   std::future<void> done() {
@@ -109,8 +116,15 @@ public:
   InOtherThread(const InOtherThread&) = delete;
   InOtherThread& operator=(const InOtherThread&) = delete;
 
-  /// Once; throws what f does.
-  void wait() { return kept_ ? std::exchange(kept_, nullptr)->done().get() : new_.get(); }
+  /// Once; throws what f does, or an interruption.
+  void wait() {
+    constexpr std::chrono::milliseconds between_looks(20);
+    const auto is_done = [&] {
+      return kept_ ? kept_->is_done_within(between_looks) : new_.wait_for(between_looks) == std::future_status::ready;
+    };
+    while (!is_done()) check_interruption();
+    return kept_ ? std::exchange(kept_, nullptr)->done().get() : new_.get();
+  }
 
 private:
   KeptThread* kept_;
