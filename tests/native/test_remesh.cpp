@@ -264,6 +264,37 @@ TEST_CASE("creases stay") {
                  std::max({m.uv(t[0], 0), m.uv(t[1], 0), m.uv(t[2], 0)}) > 1e-9));
 }
 
+TEST_CASE("rounding of the size of a hole does not choose among triangles of a part of it", "[thresholds]") {
+  const Graph surface(flat);
+  Rim rim;  // of eight squares, whose diagonals are as good
+  for (int k = 0; k < 4; ++k) rim.push_back({k, 0});
+  for (int k = 0; k < 2; ++k) rim.push_back({4, k});
+  for (int k = 4; k > 0; --k) rim.push_back({k, 2});
+  for (int k = 2; k > 0; --k) rim.push_back({0, k});
+  PlanePolygon p = polygon({rim}, surface);
+  const auto rounded = [&](double by, unsigned seed) {
+    PlanePolygon q = p;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> noise(-by, by);
+    for (double& x : q.points.reshaped()) x += noise(random);
+    q.uv = q.points.leftCols<2>();
+    return q;
+  };
+  const double size = 2000, rounding = 1e-10 * size;
+  const auto changes = [&](double by) {
+    int count = 0;
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const PlanePolygon q = rounded(by, seed);
+      if (remesh(q, 1, surface).triangles != remesh(p, 1, surface).triangles) ++count;
+    }
+    return count;
+  };
+  CHECK(changes(rounding) > 0);
+  p.size = size;
+  CHECK(changes(rounding) == 0);
+  CHECK(changes(100 * rounding) > 0);
+}
+
 TEST_CASE("resolution sets how many triangles a polygon gets inside") {
   const Graph surface(wave);
   const PlanePolygon p = polygon({circle(48)}, surface);

@@ -20,6 +20,7 @@ public:
   bool knows_way() { return way_of(4).has_value(); }
   using DomainMesh::face_away;
   using DomainMesh::positive;
+  using DomainMesh::set_lowest;
 
 private:
   double wanted(const Vec3&) const override { return 1; }
@@ -115,16 +116,21 @@ TEST_CASE("a triangle of a domain has an area from a billionth of its longest ed
 
 TEST_CASE("triangles face away from each other where both have an area of 2e-8 of their edges, or it is rounding",
           "[thresholds]") {
+  Star star(1);
   const Vec3 edge(1, 0, 0), up(0.5, 1, 0);
   const auto thin = [](double height) { return Vec3(0.5, height, 0); };
-  CHECK(Star::face_away({edge, up}, {edge, Vec3(0.5, -1, 0)}));
-  CHECK_FALSE(Star::face_away({edge, up}, {edge, thin(0.5)}));
-  CHECK(Star::face_away({edge, up}, {edge, thin(-0.53 * 2e-8)}));
-  CHECK_FALSE(Star::face_away({edge, up}, {edge, thin(-0.47 * 2e-8)}));
-  CHECK_FALSE(Star::face_away({edge, thin(0.47 * 2e-8)}, {edge, Vec3(0.5, -1, 0)}));
+  CHECK(star.face_away({edge, up}, {edge, Vec3(0.5, -1, 0)}));
+  CHECK_FALSE(star.face_away({edge, up}, {edge, thin(0.5)}));
+  CHECK(star.face_away({edge, up}, {edge, thin(-0.53 * 2e-8)}));
+  CHECK_FALSE(star.face_away({edge, up}, {edge, thin(-0.47 * 2e-8)}));
+  CHECK_FALSE(star.face_away({edge, thin(0.47 * 2e-8)}, {edge, Vec3(0.5, -1, 0)}));
   // half a right angle more than a right one, and 2e-8 of one more
-  CHECK(Star::face_away({edge, up}, {edge, Vec3(0, -2.1e-8, 1)}));
-  CHECK_FALSE(Star::face_away({edge, up}, {edge, Vec3(0, -1.9e-8, 1)}));
+  CHECK(star.face_away({edge, up}, {edge, Vec3(0, -2.1e-8, 1)}));
+  CHECK_FALSE(star.face_away({edge, up}, {edge, Vec3(0, -1.9e-8, 1)}));
+  // nor where the height is a billionth of the size of the hole, to which coordinates far from the origin are rounded
+  star.set_lowest(1000);
+  CHECK(star.face_away({edge, up}, {edge, thin(-1.03e-6)}));
+  CHECK_FALSE(star.face_away({edge, up}, {edge, thin(-0.97e-6)}));
 }
 
 TEST_CASE("in a narrow strip of a domain that lies aslant a vertex goes as far as on the surface") {

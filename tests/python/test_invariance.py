@@ -93,8 +93,9 @@ def test_planes_at_corners_and_choices_among_triangles_do_not_hang_on_rounding(s
 
 #: Thin triangles, of meshes a thousand times as long as wide and others: what bends least, layouts and references of strips;
 #: creases of three vertices; edges that go on as straight as others; rows that are exact beside a fill that is; layouts that
-#: deform all, or whose way is long; fields of strips; flips beside triangles without area; rows beside plain triangles.
-THIN = [124, 546, 872, 1193, 1213, 1324, 1374, 1794, 2270, 18, 89, 260, 782, 5228, 10322]
+#: deform all, or whose way is long; fields of strips; flips beside triangles without area; rows beside plain triangles; triangles
+#: that are as flat, and squares whose diagonals are as good, but for rounding of the whole hole; patches that tell nothing.
+THIN = [124, 546, 872, 1193, 1213, 1324, 1374, 1794, 2270, 18, 89, 260, 782, 5228, 10322, 219, 111, 5316]
 
 
 @pytest.mark.parametrize("seed", THIN)
@@ -104,6 +105,20 @@ def test_beside_thin_triangles_and_where_much_is_equal_rounding_is_not_enlarged(
     left = with_hole(faces, rng)
     found = changes(points, left, max(tripatch.find_holes(left), key=len), seed)
     assert max(found.values()) < 1e-7, found
+
+
+@pytest.mark.parametrize("length", [200, 300])
+def test_a_patch_between_two_sides_that_is_known_no_better_than_the_hole_is_large_gives_way(length):
+    """A thousandth of its energy is how well it is known: 0.8 and 2.3 times the hole. The spline is 25 times nearer there."""
+    rng = np.random.default_rng(5316)
+    points, faces, _ = closed_mesh(rng)
+    left = with_hole(faces, rng)
+    points = points * [length / 1000, 1, 1]
+    own = tripatch.fill(points, left)
+    given = tripatch.fill(points, left, corners=own.report.corners)
+    assert given.report.method == "multi_sided"
+    assert (own.report.method == "multi_sided") == (given.report.energy_after < 1000) == (length == 200)
+    assert length == 200 or "bend too much to tell of a surface" in own.report.method_reason
 
 
 @pytest.mark.parametrize("seed", [*range(30), *HARD])

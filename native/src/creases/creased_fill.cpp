@@ -10,6 +10,7 @@
 
 #include "tripatch/creases/crease_curve.h"
 #include "tripatch/creases/hinged_surface.h"
+#include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/triangles.h"
@@ -555,10 +556,12 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
   const Division division(mesh, rim, features, options);
   if (grazes_rim(division, rim)) return {};
   const std::vector<std::vector<Index>> faces = faces_of_parts(mesh, around, features, division.loops());
+  const double size = diameter(mesh, rim);
   std::vector<PlaneFill> fills;
   std::vector<CreasedPart> parts;
   for (std::size_t k = 0; k < division.loops().size(); ++k) {
-    const CreasedPart part = creased_part(mesh, around, division, k, faces[k], options);
+    CreasedPart part = creased_part(mesh, around, division, k, faces[k], options);
+    part.options.size = size;
     const Mesh own{part.vertices, part.faces};
     fills.push_back(fill_over_plane(own, Connectivity(own), {part.loop}, part.options));
     if (!fills.back().surface || fills.back().doubles_edges) return {};

@@ -15,12 +15,20 @@ double shape(const Vec3& a, const Vec3& b, const Vec3& c) {
   return squares > 0 ? 2 * std::sqrt(3.0) * u.cross(v).norm() / squares : 0;
 }
 
-bool DomainMesh::face_away(const TwoEdges& one, const TwoEdges& other) {
+bool DomainMesh::face_away(const TwoEdges& one, const TwoEdges& other) const {
   const Vec3 n = one[0].cross(one[1]), m = other[0].cross(other[1]);
   const double s = n.norm(), t = m.norm();
   if (!(n.dot(m) < -tie * s * t)) return false;
-  const auto has_area = [](double area, const TwoEdges& edges) { return area > tie * edges[0].norm() * edges[1].norm(); };
+  const auto has_area = [&](double area, const TwoEdges& edges) {
+    const double a = edges[0].norm(), b = edges[1].norm();
+    return area > tie * a * b && area > lowest_ * std::max(a, b);
+  };
   return has_area(s, one) && has_area(t, other);
+}
+
+double DomainMesh::tie_between(const TwoEdges& one, const TwoEdges& other) const {
+  const double shortest = std::min({one[0].squaredNorm(), one[1].squaredNorm(), other[0].squaredNorm(), other[1].squaredNorm()});
+  return tie * tie * shortest < lowest_ * lowest_ ? lowest_ / std::sqrt(shortest) : tie;
 }
 
 std::size_t DomainMesh::alive_triangles() const {
@@ -50,6 +58,12 @@ int DomainMesh::add_vertex(const Vec3& b, const Vec3& x) {
   size_.push_back(0);
   triangle_of_.push_back(-1);
   return static_cast<int>(b_.size()) - 1;
+}
+
+void DomainMesh::set_lowest(double size) {
+  Vec3 low = x_[0], high = x_[0];
+  for (int v = 1; v < rim_; ++v) low = low.cwiseMin(x_[v]), high = high.cwiseMax(x_[v]);
+  lowest_ = rounding * std::max(size, (high - low).maxCoeff());
 }
 
 void DomainMesh::limit_sizes() {

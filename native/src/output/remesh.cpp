@@ -144,6 +144,7 @@ public:
       const Vec2 uv = (polygon.uv.row(v).transpose() - sizes_.middle()) / sizes_.scale();
       add(Vec3(0, uv[0], uv[1]), polygon.points.row(v));
     }
+    set_lowest(polygon.size);
     for (const auto& [a, b] : polygon.joined) joined_.push_back(ordered(a, b));
     std::sort(joined_.begin(), joined_.end());
     for (const auto& [a, b] : polygon.creases) {
@@ -242,7 +243,7 @@ private:
     const bool folded = face_away({ca, cb}, {db, da}), would_fold = face_away({ca, cd}, {cd, cb});
     if (folded != would_fold) return folded;
     const double s1 = ca.cross(cb).norm(), s2 = db.cross(da).norm(), c1 = ca.dot(cb), c2 = da.dot(db);
-    return s1 * c2 + c1 * s2 < -tie * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
+    return s1 * c2 + c1 * s2 < -tie_between({ca, cb}, {da, db}) * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
   }
 
   /// One round of splits, no triangle twice, the longest for its size first.

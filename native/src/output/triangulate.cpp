@@ -53,6 +53,7 @@ public:
       : DomainMesh(static_cast<int>(rim.rows())), patch_(patch), parameters_(parameters), inner_(resolution != 1) {
     const Points x = patch.positions(rim);
     for (Index k = 0; k < rim.rows(); ++k) add_vertex(rim.row(k), x.row(k));
+    set_lowest();
     int start = 0;
     for (int side : {2, 0, 1}) {
       corner_[(side + 1) % 3] = start;

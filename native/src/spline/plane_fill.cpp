@@ -115,6 +115,7 @@ struct Rim {
   bool doubles_edges = false;           // of the mesh, which the rough triangles do
   bool may_cross = false;               // its fill itself, for plain() does too
   double edge = 0, diameter = 0, area = 0;
+  double of_hole = 0;  // the diameter of the hole that this is the rim of a part of, or less
 };
 
 Vec3 normal_of(const Points& p, const std::array<Index, 3>& t) {
@@ -331,6 +332,7 @@ PlanePolygon polygon_of(const Rim& rim, const PlanePoints& uv) {
   polygon.points = rim.points;
   polygon.rim = rim.points.rows();
   polygon.joined = rim.surroundings.joined;
+  polygon.size = rim.of_hole;
   return polygon;
 }
 
@@ -901,6 +903,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
                           const PlaneFillOptions& options) {
   Rim rim = rim_of(mesh, around, loops);
   rim.through = options.through;
+  rim.of_hole = options.size;
   rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
   const RoughFill rough = rough_fill(rim.points, rim.surroundings);
   rim.rough = rough.triangles;

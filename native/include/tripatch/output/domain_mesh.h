@@ -51,7 +51,10 @@ protected:
   /// Two edges of a triangle, from one corner.
   using TwoEdges = std::array<Vec3, 2>;
   /// Whether two triangles lie folded over each other by more than a right angle; not where one has no area but rounding.
-  static bool face_away(const TwoEdges& one, const TwoEdges& other);
+  bool face_away(const TwoEdges& one, const TwoEdges& other) const;
+
+  /// Up to where numbers that are made of directions of such edges are a tie.
+  double tie_between(const TwoEdges& one, const TwoEdges& other) const;
 
   /// Length wanted for edges at b, from what the rim has.
   virtual double wanted(const Vec3& b) const = 0;
@@ -71,6 +74,8 @@ protected:
   void bound_triangles(double count, double edges, std::optional<int> resolution);
 
   int add_vertex(const Vec3& b, const Vec3& x);
+  /// Once all vertices of the rim are there: how far rounding may move them, in a hole of that size or theirs.
+  void set_lowest(double size = 0);
   bool on_rim(int v) const { return v < rim_; }
   bool alive(int t) const { return triangles_[t].v[0] >= 0; }
   std::size_t alive_triangles() const;
@@ -121,6 +126,7 @@ protected:
   double star_quality(int v, const Vec3& x);
 
   int rim_;               // vertices 0 .. rim_ - 1 are the rim
+  double lowest_ = 0;     // height of a triangle in space up to which it may be rounding
   double decline_ = 0.8;  // of the size per distance, where the rim is coarser
   double coarser_ = 1;    // the inside than the wanted sizes
   double most_ = 0;       // triangles beyond which no inner edge is split

@@ -21,6 +21,7 @@ struct PlanePolygon {
   std::vector<std::array<Index, 3>> triangles;  ///< cover it once, all positively oriented in (u, v), every row in one at least
   std::vector<std::array<Index, 2>> creases;    ///< edges of these triangles that stay; halved where they are too long
   std::vector<std::array<Index, 2>> joined;     ///< pairs of rim vertices that the mesh joins already: no inner edge joins them
+  double size = 0;                              ///< of the hole that it is a part of, scene units; less than its own: that
 };
 
 struct PlaneTriangulation {
