@@ -108,8 +108,8 @@ void check_reach(const Sides& sides, const FillOptions& options) {
     if (!(bulge < farthest)) throw InvalidArgument("bulge must be less than a million");
   const double most = farthest * check_sides(sides);
   if (std::abs(options.center_offset) > most || (options.center && !((*options.center - sides[0].c(0)).stableNorm() <= most)))
-    throw InvalidArgument(std::string(options.center ? "center" : "center_offset") +
-                          " is more than a million times the size of the hole");
+    throw Refusal(std::string(options.center ? "center" : "center_offset") + " is more than a million times the size of the hole",
+                  {});
 }
 
 }  // namespace

@@ -222,6 +222,16 @@ def test_what_no_fill_can_reach_is_refused(options, name, size):
     np.testing.assert_allclose(np.linalg.norm(fill.normals, axis=1), 1, atol=1e-12)
 
 
+def test_a_hole_that_is_too_small_for_an_offset_is_refused_by_itself():
+    vertices, faces = flat_with_a_hole()
+    n, rim = len(vertices), min(tripatch.find_holes(faces), key=len)
+    both, rims = np.concatenate([vertices, 1e-9 * vertices - 5]), [rim, [v + n for v in rim]]
+    large, small = tripatch.fill_all(both, np.concatenate([faces, faces + n]), rims=rims, method="side_vertex", center_offset=0.1)
+    assert large.report.seam_angle_max < 1e-6
+    assert isinstance(small, tripatch.Refusal)
+    assert "center_offset is more than a million times the size of the hole" in small.reason
+
+
 @pytest.mark.parametrize(
     "creases",
     [{"edge_creases": ([[0, 9999]], [1.0])}, {"edge_creases": ([[-1, 5]], [1.0])}, {"vertex_creases": ([9999], [1.0])},

@@ -74,6 +74,36 @@ def test_a_blend_is_filled_beside_a_broken_one(tmp_path, capsys):
     assert "1 done before" in run(capsys, *options, "--worst", 0)[2]
 
 
+_WITH_SCRIPTS = (
+    _SCENE.rpartition("bpy.ops.wm.save")[0]
+    + """
+ran = repr(sys.argv[-1] + ".ran")
+text = bpy.data.texts.new("run.py")
+text.from_string(f"open({ran}, 'w')")
+text.use_module = True
+driver = bpy.context.object.driver_add("location", 0).driver
+driver.type = "SCRIPTED"
+driver.expression = f"open({ran}, 'w').write('')"
+bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1])
+"""
+)
+
+
+@needs_blender
+def test_scripts_in_a_blend_are_never_run(tmp_path, capsys):
+    source, ran = tmp_path / "in", tmp_path / "in" / "spheres.blend.ran"
+    source.mkdir()
+    blender(_WITH_SCRIPTS, source / "spheres.blend")
+    ran.unlink(missing_ok=True)  # the driver runs when it is written
+    blender("import bpy, sys; bpy.ops.wm.open_mainfile(filepath=sys.argv[-1], use_scripts=True)", source / "spheres.blend")
+    assert ran.exists()
+    ran.unlink()
+    code, said, _ = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--addon", ADDON)
+    assert code == 0
+    assert said.startswith("Filled 3 holes in 1 of 1 file")
+    assert not ran.exists()
+
+
 def program(tmp_path, text):
     path = tmp_path / "blender"
     path.write_text("#!/bin/sh\n" + text)

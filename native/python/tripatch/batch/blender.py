@@ -41,7 +41,7 @@ def _run(asked: dict[str, Any], program: str) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="tripatch-") as folder:
         question, answer = Path(folder, "question.json"), Path(folder, "answer.json")
         question.write_text(json.dumps({**asked, "answer": os.fspath(answer)}))
-        command = [program, "--background", "--factory-startup", "-noaudio", "--python-exit-code", "9"]
+        command = [program, "--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python-exit-code", "9"]
         command += ["--python", os.fspath(_SCRIPT), "--", os.fspath(question)]
         try:
             ended = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)

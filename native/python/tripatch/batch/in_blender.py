@@ -50,7 +50,7 @@ def command_line(asked: dict[str, Any]) -> Any:
 def opened(path: str) -> None:
     """Opens a file, if this Blender understands all of it."""
     try:
-        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
+        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
     except RuntimeError as error:
         raise Stop(UNREADABLE, f"Blender cannot open it: {str(error).strip()}") from None
     if tuple(bpy.data.version[:2]) > tuple(bpy.app.version[:2]):
