@@ -30,4 +30,7 @@ def poll(operator, context, mode, sentence):
     if missing or context.mode != mode:
         operator.poll_message_set(missing or sentence)
         return False
+    if mode == "EDIT_MESH" and not context.objects_in_mode_unique_data:  # those that are seen
+        operator.poll_message_set("The mesh in edit mode is hidden")
+        return False
     return True

@@ -56,6 +56,15 @@ def _triangles(bm):
     return faces, [[corner.vert.index for corner in f.loops] for f in faces]
 
 
+def _check_backs(faces):
+    """Two triangles between the same three vertices would be cut into some that are one."""
+    first: dict = {}
+    for face in faces:
+        other = first.setdefault(frozenset(face.verts), face)
+        if other != face:
+            raise UnusableError(f"Faces {other.index} and {face.index} have the same vertices; delete one of them")
+
+
 def _check_positions(faces, triangles, positions):
     """The library sees no neighbors, and would number the selected faces only."""
     if not np.isfinite(positions).all():
@@ -103,6 +112,7 @@ def _plan(ob, resolution, curve):
         smooth = smoothed(lambda v: v.co, given)
     except tripatch.Refusal as refusal:
         raise UnusableError(refusal.reason) from None
+    _check_backs(faces)
     weights = tripatch.CutWeights(smooth, triangles, count)
     planned = _Planned(bm, mesh, faces, triangles, smooth, to_object(smooth), _unit(smooth.normals @ linear), weights, custom)
 

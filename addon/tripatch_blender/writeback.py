@@ -304,6 +304,6 @@ def write(bm, mesh, all_planned, shading, deviation=False):
         if deviation:
             _write_deviation(bm, planned, made)
         new_faces += made
-    if custom is not None:
-        normals.set_corner_normals(bm, mesh, custom)
+    if custom is not None:  # edges that were split had corners in faces that are gone too
+        normals.set_corner_normals(bm, mesh, {corner: normal for corner, normal in custom.items() if corner.is_valid})
     return new_faces

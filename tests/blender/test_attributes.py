@@ -360,6 +360,21 @@ def test_custom_normals_around_a_replaced_region_stay():
     assert found == len(outside)
 
 
+def test_custom_normals_where_the_rim_of_a_replaced_region_is_split():
+    points, outside, inside = scenes.lattice_parts()
+    ob = scenes.add_mesh(scenes.bowl(points), inside + outside)
+    custom_normals(ob, 0.5)
+    (bm,) = scenes.edit(ob, mode="FACE")
+    bm.faces.ensure_lookup_table()
+    apart = [f for f in bm.faces if not any(v.is_boundary for v in f.verts)][::7]
+    scenes.select(bm, faces=apart[:3])
+    count = len(bm.verts)
+    assert fill(output="quads", rows=0, odd="split") == {"FINISHED"}
+    assert len(bm.verts) > count
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert ob.data.has_custom_normals
+
+
 def rim_indices(ob):
     bm = bmesh.new()
     bm.from_mesh(ob.data)

@@ -108,6 +108,18 @@ def test_hidden_rims_are_named(refusal):
     assert "The rims of the mesh are hidden" in refusal(ob)
 
 
+@pytest.mark.parametrize("name", ["fill_smooth", "smooth_triangles", "shape_fill"])
+def test_an_object_that_was_hidden_in_edit_mode(name):
+    ob = octahedron(0)
+    ob.hide_set(True)
+    operator = getattr(bpy.ops.mesh, name)
+    assert not operator.poll()
+    with pytest.raises(RuntimeError, match="The mesh in edit mode is hidden"):
+        operator()
+    ob.hide_set(False)
+    assert operator.poll()
+
+
 def test_a_mesh_that_is_linked_has_no_edit_mode(tmp_path, addon):
     scenes.add_hole()
     path = str(tmp_path / "library.blend")

@@ -309,6 +309,14 @@ def test_a_quad_is_refused_by_its_number():
     refusal(ob, "Face 12 is not a triangle; triangulate first")
 
 
+def test_a_face_with_another_on_its_back_is_refused_by_their_numbers():
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+    ob = scenes.add_mesh(points, [[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 5], [2, 1, 0]])
+    scenes.edit(ob, mode="FACE")
+    bpy.ops.mesh.select_all(action="SELECT")
+    refusal(ob, "Faces 0 and 4 have the same vertices; delete one of them")
+
+
 def test_a_face_without_area_is_refused_by_its_number():
     ob = add_blob()
     a, b, c = ob.data.polygons[7].vertices

@@ -56,7 +56,10 @@ Eigen::Matrix2d cholesky_root(const Eigen::Matrix2d& a) {
 
 SquareSystem::SquareSystem(const Eigen::MatrixXd& a) : factors_(a) {}
 
-Eigen::MatrixXd SquareSystem::solve(const Eigen::MatrixXd& b) const { return factors_.solve(b); }
+Eigen::MatrixXd SquareSystem::solve(const Eigen::MatrixXd& b) const {
+  if (b.size() == 0) return b;  // nothing is asked, and Eigen takes the address of what is not there
+  return factors_.solve(b);
+}
 
 Eigen::MatrixXd SquareSystem::inverse() const { return factors_.inverse(); }
 
