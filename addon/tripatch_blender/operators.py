@@ -382,7 +382,10 @@ class FillSmooth(Construction, waiting.Waiting):
         applying = {o.name for o in _of_output() if library.tripatch.options.applies(o, {"output": "quads"})}
         arguments = {name: value for name, value in options.arguments.items() if name in applying or name not in _of_cages_only()}
         quads = replace(options, arguments=arguments | {"output": "quads"})
-        made, new_faces = filling.fill_rims(bm, mesh, matrix, rims, quads)
+        try:
+            made, new_faces = filling.fill_rims(bm, mesh, matrix, rims, quads)
+        except selection.OptionsError:  # the cages that were made stay
+            return []
         outcome.refused = kept
         outcome.cage_rim = outcome.cage_rim if outcome.reports else ""
         if made.reports:

@@ -360,6 +360,22 @@ def test_custom_normals_around_a_replaced_region_stay():
     assert found == len(outside)
 
 
+@pytest.mark.parametrize("options", [{"continuity": "Free"}, {"fairing": "thin_plate"}, {"bulge": 2.0}, {"center_offset": 0.1}])
+def test_options_that_auto_does_not_apply_hinder_no_shape_key(options):
+    points, faces = scenes.lattice()
+    points = scenes.bowl(points) + np.random.default_rng(0).normal(scale=0.02, size=(len(points), 3))
+    ob = scenes.add_mesh(points, faces)
+    ob.shape_key_add(name="Basis")
+    ob.shape_key_add(name="Wide").data.foreach_set("co", (2 * points).astype(np.float32).ravel())
+    scenes.edit(ob)
+    ob.active_shape_key_index = 0
+    assert fill(output="triangles", all_holes=True, **options) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    basis, wide = (np.array([p.co for p in key.data]) for key in ob.data.shape_keys.key_blocks)
+    assert len(basis) > len(points)
+    assert np.abs(wide - 2 * basis).max() < 1e-5
+
+
 def test_custom_normals_where_the_rim_of_a_replaced_region_is_split():
     points, outside, inside = scenes.lattice_parts()
     ob = scenes.add_mesh(scenes.bowl(points), inside + outside)
