@@ -39,8 +39,8 @@ private:
   virtual void ask() = 0;  ///< throws what shall end the work
 
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds between_calls{
-      50};  // often enough for a bar, and for Ctrl-C to be obeyed within 100 ms
+  /// Often enough for a bar, and for Ctrl-C to be obeyed within 100 ms.
+  static constexpr std::chrono::milliseconds between_calls{50};
   static constexpr std::chrono::milliseconds passes_are_rare{1};
   static constexpr int passes_a_look = 16;  // while they are not
 

@@ -41,10 +41,7 @@ public:
     }
     given_.notify_one();
   }
-  bool is_done_within(std::chrono::milliseconds time) {
-    std::unique_lock lock(mutex_);
-    return done_.wait_for(lock, time, [this] { return !work_.valid(); });
-  }
+  bool is_done_within(std::chrono::milliseconds time) const { return result_.wait_for(time) == std::future_status::ready; }
   /// Waits until the work is done; the result throws what that has thrown.
   std::future<void> done() {
     std::unique_lock lock(mutex_);
