@@ -3,31 +3,43 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/ties.h"
 
 namespace tripatch {
 
-double shape(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 u = b - a, v = c - a, w = c - b;
+namespace {
+
+/// Of a triangle with these edges, `area` being twice its own.
+double shape_by_edges(const Vec3& u, const Vec3& v, const Vec3& w, double area) {
   const double squares = u.squaredNorm() + v.squaredNorm() + w.squaredNorm();
-  return squares > 0 ? 2 * std::sqrt(3.0) * u.cross(v).norm() / squares : 0;
+  return squares > 0 ? 2 * std::sqrt(3.0) * area / squares : 0;
+}
+
+}  // namespace
+
+double shape(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u = b - a, v = c - a;
+  return shape_by_edges(u, v, c - b, u.cross(v).norm());
 }
 
 bool DomainMesh::face_away(const TwoEdges& one, const TwoEdges& other) const {
-  const Vec3 n = one[0].cross(one[1]), m = other[0].cross(other[1]);
-  const double s = n.norm(), t = m.norm();
-  if (!(n.dot(m) < -tie * s * t)) return false;
+  const double cosine = one.normal.dot(other.normal);
+  if (!(cosine < 0)) return false;
+  const double s = one.normal.norm(), t = other.normal.norm();
+  if (!(cosine < -tie * s * t)) return false;
   const auto has_area = [&](double area, const TwoEdges& edges) {
-    const double a = edges[0].norm(), b = edges[1].norm();
+    const double a = edges.first.norm(), b = edges.second.norm();
     return area > tie * a * b && area > lowest_ * std::max(a, b);
   };
   return has_area(s, one) && has_area(t, other);
 }
 
 double DomainMesh::tie_between(const TwoEdges& one, const TwoEdges& other) const {
-  const double shortest = std::min({one[0].squaredNorm(), one[1].squaredNorm(), other[0].squaredNorm(), other[1].squaredNorm()});
+  const double shortest = std::min(
+      {one.first.squaredNorm(), one.second.squaredNorm(), other.first.squaredNorm(), other.second.squaredNorm()});
   return tie * tie * shortest < lowest_ * lowest_ ? lowest_ / std::sqrt(shortest) : tie;
 }
 
@@ -116,6 +128,7 @@ void DomainMesh::link(int t, int old_neighbor, int new_neighbor) {
 }
 
 void DomainMesh::split_edge(int t, int k, int m) {
+  ring_of_ = -1;
   const int other = triangles_[t].n[k];
   auto halve = [&](int f, int j) {  // f keeps (apex, first, m); the new one is (apex, m, second)
     const int made = static_cast<int>(triangles_.size());
@@ -161,6 +174,7 @@ void DomainMesh::flip_all() {
     const int c = f.v[k], a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3], d = g.v[j];
     if (!valid(c, a, d) || !valid(c, d, b)) continue;
     if (!wants_flip(a, b, c, d)) continue;
+    ring_of_ = -1;
     const int f_b = f.n[(k + 2) % 3], f_a = f.n[(k + 1) % 3];  // across c-a and across b-c
     const int g_a = g.n[(j + 2) % 3], g_b = g.n[(j + 1) % 3];  // across d-b and across a-d
     // g is (d, b, a): its slot j + 1 holds b, so n[j + 1] is across a-d and n[j + 2] across d-b
@@ -176,16 +190,16 @@ void DomainMesh::flip_all() {
   dirty_.clear();
 }
 
-const std::vector<int>& DomainMesh::around(int v) {
+const std::vector<DomainMesh::Corner>& DomainMesh::around(int v) {
   check_interruption();
+  if (std::exchange(ring_of_, v) == v) return ring_;
   ring_.clear();
   int t = triangle_of_[v];
   do {
-    ring_.push_back(t);
-    const Triangle& f = triangles_[t];
     const int k = corner_of(t, v);
-    t = f.n[(k + 1) % 3];
-  } while (t != ring_.front());
+    ring_.push_back({t, k});
+    t = triangles_[t].n[(k + 1) % 3];
+  } while (t != ring_.front().triangle);
   return ring_;
 }
 
@@ -193,9 +207,8 @@ void DomainMesh::collapse_short() {
   std::vector<Edge> edges;  // triangle: the vertex that goes, k: where to
   for (int v = rim_; v < static_cast<int>(b_.size()); ++v) {
     if (triangle_of_[v] < 0 || is_fixed(v)) continue;
-    for (int t : around(v)) {
-      const Triangle& f = triangles_[t];
-      const int k = corner_of(t, v), w = f.v[(k + 1) % 3];
+    for (const auto& [t, k] : around(v)) {
+      const int w = triangles_[t].v[(k + 1) % 3];
       const double ratio = length(v, w) / (too_short * std::min(size_[v], size_[w]));
       if (ratio >= 1) continue;
       if (const double key = coarse(ratio); key < 1) edges.push_back({v, w, key});
@@ -210,14 +223,12 @@ void DomainMesh::collapse_short() {
 
 bool DomainMesh::collapse(int v, int w) {
   if (triangle_of_[v] < 0 || (!on_rim(w) && triangle_of_[w] < 0)) return false;
-  const std::vector<int>& ring = around(v);
+  const std::vector<Corner>& ring = around(v);
   link_of_v_.clear();
   link_triangles_.clear();
-  for (int t : ring) {
-    const Triangle& f = triangles_[t];
-    const int k = corner_of(t, v);
-    link_of_v_.push_back(f.v[(k + 1) % 3]);
-    link_triangles_.push_back(f.n[k]);
+  for (const auto& [t, k] : ring) {
+    link_of_v_.push_back(triangles_[t].v[(k + 1) % 3]);
+    link_triangles_.push_back(triangles_[t].n[k]);
   }
   const int n = static_cast<int>(ring.size());
   const int at = static_cast<int>(std::find(link_of_v_.begin(), link_of_v_.end(), w) - link_of_v_.begin());
@@ -233,16 +244,16 @@ bool DomainMesh::collapse(int v, int w) {
   }
   if (clearly_less(after, std::min(collapsed_shape, before))) return false;
   // ring[at] = (v, w, next) and ring[at - 1] = (v, previous, w) go
-  const int gone = ring[at], gone2 = ring[(at + n - 1) % n];
+  const int gone = ring[at].triangle, gone2 = ring[(at + n - 1) % n].triangle;
   const int next = link_of_v_[(at + 1) % n], previous = link_of_v_[(at + n - 1) % n];
-  const int inside = ring[(at + 1) % n], inside2 = ring[(at + n - 2) % n];
+  const int inside = ring[(at + 1) % n].triangle, inside2 = ring[(at + n - 2) % n].triangle;
   const int outside = link_triangles_[at], outside2 = link_triangles_[(at + n - 1) % n];
   link(inside, gone, outside);
   link(outside, gone, inside);
   link(inside2, gone2, outside2);
   link(outside2, gone2, inside2);
   for (int i = 2; i < n; ++i) {
-    const int t = ring[(at + i - 1) % n];
+    const int t = ring[(at + i - 1) % n].triangle;
     for (int& corner : triangles_[t].v)
       if (corner == v) corner = w;
     for (int k = 0; k < 3; ++k) dirty_.push_back({t, k});
@@ -251,6 +262,7 @@ bool DomainMesh::collapse(int v, int w) {
   triangle_of_[w] = triangle_of_[next] = inside;
   triangle_of_[previous] = inside2;
   triangle_of_[v] = -1;
+  ring_of_ = -1;
   return true;
 }
 
@@ -260,9 +272,10 @@ std::optional<DomainMesh::Way> DomainMesh::way_of(int v) {
   constexpr double flat_metric = 1e-12;  // of its square: a metric's determinant below it has no inverse but rounding
   Vec3 center = Vec3::Zero();
   double weights = 0, uu = 0, uv = 0;
-  for (int t : around(v)) {
+  spokes_.clear();
+  for (const auto& [t, k] : around(v)) {
     const Triangle& f = triangles_[t];
-    const int k = corner_of(t, v), p = f.v[(k + 1) % 3], q = f.v[(k + 2) % 3];
+    const int p = f.v[(k + 1) % 3], q = f.v[(k + 2) % 3];
     const double size = (size_[v] + size_[p] + size_[q]) / 3;
     const Vec3 x = x_[p] - x_[v];
     const double w = x.cross(x_[q] - x_[v]).norm() / (size * size);
@@ -272,17 +285,14 @@ std::optional<DomainMesh::Way> DomainMesh::way_of(int v) {
     const double near = 1 / std::max(x.squaredNorm(), 1e-300);
     uu += near * along[0] * along[0];
     uv += near * along[0] * along[1];
+    spokes_.push_back({x, along, near});
   }
   if (!(weights > 0) || !(uu > 0)) return {};
   const double lean = uv / uu;
   double across = 0;
   Vec3 by_u = Vec3::Zero(), by_across = Vec3::Zero();
-  for (int t : ring_) {
-    const Triangle& f = triangles_[t];
-    const int p = f.v[(corner_of(t, v) + 1) % 3];
-    const Vec3 x = x_[p] - x_[v];
-    const Vec2 along = (b_[p] - b_[v]).tail<2>();
-    const double near = 1 / std::max(x.squaredNorm(), 1e-300), off = along[1] - lean * along[0];
+  for (const auto& [x, along, near] : spokes_) {
+    const double off = along[1] - lean * along[0];
     across += near * off * off;
     by_u += near * along[0] * x;
     by_across += near * off * x;
@@ -300,9 +310,8 @@ std::optional<DomainMesh::Way> DomainMesh::way_of(int v) {
 }
 
 bool DomainMesh::star_is_valid(int v, const Vec3& b) {
-  for (int t : around(v)) {
+  for (const auto& [t, k] : around(v)) {
     const Triangle& f = triangles_[t];
-    const int k = corner_of(t, v);
     if (!positive(b, b_[f.v[(k + 1) % 3]], b_[f.v[(k + 2) % 3]])) return false;
   }
   return true;
@@ -311,26 +320,22 @@ bool DomainMesh::star_is_valid(int v, const Vec3& b) {
 double DomainMesh::star_quality(int v, const Vec3& x) {
   Vec3 facing = Vec3::Zero();
   double areas = 0;
-  for (int t : around(v)) {
-    const Vec3 normal = star_normal(t, v, x);
-    facing += normal;
-    areas += normal.norm();
+  star_.clear();
+  for (const auto& [t, k] : around(v)) {
+    const Triangle& f = triangles_[t];
+    const Vec3 &p = x_[f.v[(k + 1) % 3]], &q = x_[f.v[(k + 2) % 3]];
+    const TwoEdges edges(p - x, q - x);
+    const double area = edges.normal.norm();
+    facing += edges.normal;
+    areas += area;
+    star_.push_back({edges.normal, area, shape_by_edges(edges.first, edges.second, q - p, area)});
   }
   double worst = 1;
-  for (int t : ring_) {
-    const Triangle& f = triangles_[t];
-    const int k = corner_of(t, v);
-    const double s = shape(x, x_[f.v[(k + 1) % 3]], x_[f.v[(k + 2) % 3]]);
-    const Vec3 normal = star_normal(t, v, x);
-    const bool faces_away = normal.dot(facing) < -tie * areas * normal.norm();  // not at a right angle
-    worst = std::min(worst, faces_away ? -s : s);
+  for (const auto& [normal, area, shape] : star_) {
+    const bool faces_away = normal.dot(facing) < -tie * areas * area;  // not at a right angle
+    worst = std::min(worst, faces_away ? -shape : shape);
   }
   return worst;
-}
-Vec3 DomainMesh::star_normal(int t, int v, const Vec3& x) const {
-  const Triangle& f = triangles_[t];
-  const int k = corner_of(t, v);
-  return (x_[f.v[(k + 1) % 3]] - x).cross(x_[f.v[(k + 2) % 3]] - x);
 }
 
 bool DomainMesh::can_split(int t, int k, const Vec3& m) const {

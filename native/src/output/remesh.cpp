@@ -240,10 +240,13 @@ private:
     if (is_crease(a, b) || is_joined(c, d)) return false;
     if (is_joined(a, b)) return true;
     const Vec3 ca = x_[a] - x_[c], cb = x_[b] - x_[c], da = x_[a] - x_[d], db = x_[b] - x_[d], cd = x_[d] - x_[c];
-    const bool folded = face_away({ca, cb}, {db, da}), would_fold = face_away({ca, cd}, {cd, cb});
-    if (folded != would_fold) return folded;
-    const double s1 = ca.cross(cb).norm(), s2 = db.cross(da).norm(), c1 = ca.dot(cb), c2 = da.dot(db);
-    return s1 * c2 + c1 * s2 < -tie_between({ca, cb}, {da, db}) * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
+    const TwoEdges near(ca, cb), far(db, da);
+    const bool folded = face_away(near, far);
+    const double s1 = near.normal.norm(), s2 = far.normal.norm(), c1 = ca.dot(cb), c2 = da.dot(db);
+    const double sine = s1 * c2 + c1 * s2;  // of both angles
+    if (!folded && !(sine < 0)) return false;  // as most are, whatever a flip would bring
+    if (folded != face_away({ca, cd}, {cd, cb})) return folded;
+    return sine < -tie_between(near, far) * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
   }
 
   /// One round of splits, no triangle twice, the longest for its size first.

@@ -39,6 +39,9 @@ protected:
     std::array<int, 3> v;  // v[0] < 0: removed
     std::array<int, 3> n;  // n[k]: the triangle across the edge opposite v[k], -1 at the rim
   };
+  struct Corner {
+    int triangle, k;
+  };
   struct Edge {
     int triangle, k;
     double excess;  // coarse: what edges are sorted by
@@ -49,7 +52,10 @@ protected:
   explicit DomainMesh(int rim) : rim_(rim) {}
 
   /// Two edges of a triangle, from one corner.
-  using TwoEdges = std::array<Vec3, 2>;
+  struct TwoEdges {
+    TwoEdges(const Vec3& u, const Vec3& v) : first(u), second(v), normal(u.cross(v)) {}
+    Vec3 first, second, normal;
+  };
   /// Whether two triangles lie folded over each other by more than a right angle; not where one has no area but rounding.
   bool face_away(const TwoEdges& one, const TwoEdges& other) const;
 
@@ -108,8 +114,8 @@ protected:
   void look_at_all();
   /// Flips edges while that is wanted.
   void flip_all();
-  /// Triangles around an inner vertex, in order.
-  const std::vector<int>& around(int v);
+  /// The corners of triangles at an inner vertex, in order.
+  const std::vector<Corner>& around(int v);
   /// Takes inner vertices away where edges are too short, by pulling them onto a neighbor.
   void collapse_short();
 
@@ -136,13 +142,25 @@ protected:
   std::vector<int> triangle_of_;  // one triangle of each vertex, -1: removed
   std::vector<Triangle> triangles_;
   std::vector<std::array<int, 2>> dirty_;  // edges (triangle, opposite corner) to be looked at
-  std::vector<int> ring_;
 
 private:
   void raise_beside_rim(double fall);
   bool collapse(int v, int w);
-  Vec3 star_normal(int t, int v, const Vec3& x) const;
 
+  std::vector<Corner> ring_;
+  int ring_of_ = -1;  // the vertex that it is around, until triangles change
+  /// Of a vertex in the triangles around it: a neighbor, in space and in the domain, and how much it counts.
+  struct Spoke {
+    Vec3 x;
+    Vec2 along;
+    double near;
+  };
+  std::vector<Spoke> spokes_;
+  struct StarTriangle {
+    Vec3 normal;  // as long as twice the area, which is
+    double area, shape;
+  };
+  std::vector<StarTriangle> star_;
   // of the vertex that is being collapsed: neighbors in order, ring_[i] spanning link_of_v_[i] and [i + 1], and what lies beyond
   std::vector<int> link_of_v_, link_triangles_;
 };
