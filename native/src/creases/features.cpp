@@ -356,12 +356,17 @@ private:
 
 }  // namespace
 
+bool may_have_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const double across = diameter(mesh, rim);
+  if (!(across > 0) || !std::isfinite(across)) return false;
+  return any_is_crease(mesh, around, rim) || flat_walls(mesh, around, rim, across, {});
+}
+
 Features find_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   Features features;
+  if (!may_have_features(mesh, around, rim)) return features;
   const double across = diameter(mesh, rim);
-  if (!(across > 0) || !std::isfinite(across)) return features;
   const bool any_wall = flat_walls(mesh, around, rim, across, {}).has_value();
-  if (!any_wall && !any_is_crease(mesh, around, rim)) return features;  // as at most holes: nothing ends there
   const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, most_crease_rings);
   features.vertices = disc.vertices;
   std::sort(features.vertices.begin(), features.vertices.end());

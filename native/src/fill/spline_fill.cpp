@@ -163,7 +163,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
   PlaneFillOptions own = {options.quads ? std::nullopt : options.resolution, {}, nullptr, options.through};
   std::optional<PlaneFill> creased;
-  if (options.features && loops.size() == 1 && options.planes.rows() == 0)
+  if (options.features)
     creased = fill_across_creases(mesh, around, rim, find_features(mesh, around, rim), own);
   own.continued = options.continued;
   own.planes = options.planes;
@@ -226,11 +226,11 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   return fill;
 }
 
-/// Faces that a fill may look at: as far as creases are followed, and so many rings more as there are neighbors of neighbors looked at.
+/// Faces that a fill may look at: so far (shares of the hole's diameter), and so many rings more as there are neighbors of neighbors looked at.
 constexpr int rings_beyond = 3;
 
 std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
-                                   const Connectivity* continued) {
+                                   const Connectivity* continued, double reach) {
   double length = 0;
   Index edges = 0;
   for (const std::vector<Index>& loop : loops) {
@@ -238,7 +238,7 @@ std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around,
     edges += static_cast<Index>(loop.size());
   }
   const auto disc = [&](const Connectivity& part) {
-    return disc_around(mesh, part, loops, crease_reach * length, most_crease_rings, most_triangles_around(edges));
+    return disc_around(mesh, part, loops, reach * length, most_crease_rings, most_triangles_around(edges));
   };
   std::vector<Index> vertices = disc(around).vertices;
   if (continued) {
@@ -302,10 +302,13 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
                       const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options) {
   std::vector<std::vector<Index>> loops = {rim};
   loops.insert(loops.end(), islands.begin(), islands.end());
-  const CanonicalPart part = canonical_part(mesh, around, loops, faces_looked_at(mesh, around, loops, options.continued));
+  SplineFillOptions asked = options;
+  asked.features = options.features && islands.empty() && options.planes.rows() == 0 && may_have_features(mesh, around, rim);
+  const double reach = asked.features ? std::max(crease_reach, farthest_reach) : farthest_reach;
+  const CanonicalPart part = canonical_part(mesh, around, loops, faces_looked_at(mesh, around, loops, options.continued, reach));
   const Mesh own{part.vertices, part.faces};
   const Connectivity known(own);
-  SplineFillOptions there = in_part(part, options);
+  SplineFillOptions there = in_part(part, asked);
   std::optional<Connectivity> continued;
   if (options.continued) {
     std::vector<Index> others;

@@ -33,7 +33,7 @@ constexpr double reach_share = 0.25;
 constexpr int most_rings = 40;
 /// Where there is noise of this share of an edge or more on a surface without details, twice as far is nearer by a tenth: without noise
 /// there is nothing to average, and beyond details the surface is another.
-constexpr double least_noise = 0.003, noisy_reach_share = 0.5;
+constexpr double least_noise = 0.003, noisy_reach_share = farthest_reach;
 /// Samples of the field: so many and the rim's. The time grows with their cube; with 240 at least the distances of 220 holes from
 /// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a baseline's.
 constexpr Index least_samples = 160, most_samples = 600;

@@ -40,6 +40,9 @@ struct Features {
   bool found() const { return !creases.empty() || walls; }
 };
 
+/// Whether a crease or a wall ends at the rim: at most holes none does, which the faces beside it say.
+bool may_have_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
 /// rim: as new faces traverse it. An edge is sharp where its faces are 25 degrees or more apart, and three times as much as at
 /// ordinary edges of the surroundings and at those beside it: smooth meshes, however coarse, and noisy ones have no crease.
 Features find_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);

@@ -17,6 +17,9 @@
 
 namespace tripatch {
 
+/// Surroundings farther off than this share of the hole's diameter are not looked at.
+constexpr double farthest_reach = 0.5;
+
 struct PlaneFillOptions {
   std::optional<int> resolution;  ///< a third of the rim has so many edges inside the fill; none: edges as long as the rim's
   /// Rows of the loops' vertices, loop by loop, that no inner edge may join, besides those that the mesh joins already.
