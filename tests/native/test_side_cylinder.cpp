@@ -83,6 +83,44 @@ TEST_CASE("a side that is known is left as it is") {
   CHECK(bent.flat.side().normal[3] == Vec3::UnitZ());
 }
 
+namespace {
+
+/// Rows of squares around an axis, as long as they are wide, with their profile on a circle from so many edges outside the side on: tangent to
+/// the straight line before it, or, from half an edge on, around a row whose two circles are as large.
+Bent behind(double straight, double profile) {
+  Bent bent(6, 0, 1);
+  const double step = 2 * std::asin(0.5 / profile);
+  for (Vec3& p : bent.flat.w.position) {
+    const double angle = std::atan2(p[0], p[2] + radius), outside = std::max(-p[1] - straight, 0.0) * step;
+    const double up = profile * (std::cos(outside) - 1),
+                 along = p[1] < -straight ? -straight - profile * std::sin(outside) : p[1];
+    p = Vec3((radius + up) * std::sin(angle), along, (radius + up) * std::cos(angle) - radius);
+  }
+  bent.fit.slope_variances.assign(7, std::pow(0.9 * well_known, 2));
+  return bent;
+}
+
+double off_cylinder(Bent bent) {
+  bent.taken();
+  double most = 0;
+  for (int k = 0; k <= 6; ++k)
+    most = std::max(most, (bent.flat.side().normal[k] - Vec3(std::sin(k / radius), 0, std::cos(k / radius))).norm());
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a strip as deep as its edges are long is a cylinder where what lies behind it begins to bend there, whatever fits say") {
+  CHECK(off_cylinder(behind(1, 10)) < 1e-12);
+  CHECK(off_cylinder(behind(1, -10)) < 1e-12);
+}
+
+TEST_CASE("a row between two equal circles of a surface that bends on is no cylinder") {
+  CHECK(off_cylinder(behind(0.5, 10)) > 0.01);
+  CHECK(off_cylinder(behind(7, 10)) > 0.01);  // nor where nothing says whether it bends
+}
+
 TEST_CASE("planes beside a cylinder are exact whose faces lie askew on it, to where Gauss-Newton ends") {
   Bent bent(6, 0.1, 10, 0.3);
   REQUIRE(bent.taken());

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -25,6 +26,16 @@ constexpr double last_cylinder_step = 1e-13;
 /// Edges that the faces are deep: vertices on two circles are on a cylinder and on any surface of revolution through these. Meshes follow their
 /// surfaces, so that long faces bend little along them; squares beside a torus, of 1.6, hide 3 degrees.
 constexpr double deep_faces = 5;
+/// Where they are not so deep the cylinder has to end behind them. Sines and a cosine of angles to the way across: of an edge that is a ruling, and
+/// of those that go on from it.
+constexpr double off_ruling = 1e-3, off_way = 0.1, ahead = 0.7;
+/// Of what a strip would turn if it bent as what lies behind it: the turn there is within this of what ends a straight one. Circles of even
+/// edges are to rounding, and strips that bend are off by all of it.
+constexpr double clear_end = 0.25;
+/// Inner vertices of a side that say so, at least; none says otherwise.
+constexpr int least_asked = 2;
+/// Of three faces: the turn that is one, and the sine up to which they turn about one line.
+constexpr double least_turn = 1e-3, off_line = 1e-6;
 
 struct Cylinder {
   Vec3 point, axis;            // axis: unit
@@ -47,6 +58,52 @@ std::vector<Vec3> vertices_beside(const LocalMesh& w, const SideDraft& side, std
   std::vector<Vec3> points;
   for (int v : vertices) points.push_back(w.position[v]);
   return points;
+}
+
+/// From a vertex to the one beside it that lies most nearly one way, and not aside (both unit).
+std::optional<int> vertex_ahead(const LocalMesh& w, int v, const Vec3& way, const Vec3& aside, double off) {
+  std::optional<int> best;
+  double most = ahead;
+  for (int f : w.part.faces_at(v))
+    for (int u : w.part[f]) {
+      const Vec3 to = (w.position[u] - w.position[v]).normalized();
+      if (u == v || !(std::abs(to.dot(aside)) < off && to.dot(way) > most)) continue;
+      most = to.dot(way);
+      best = u;
+    }
+  return best;
+}
+
+/// From a vertex on a cylinder along its ruling, which is an edge, and over two more; nothing where the mesh does not lead that way.
+std::optional<std::array<Vec3, 3>> steps_across(const LocalMesh& w, int v, const Vec3& ruling, const Vec3& around) {
+  std::array<Vec3, 3> steps;
+  Vec3 way = ruling;
+  for (int j = 0; j < 3; ++j) {
+    const std::optional<int> next = vertex_ahead(w, v, way, around, j == 0 ? off_ruling : off_way);
+    if (!next) return {};
+    steps[j] = w.position[*next] - w.position[v];
+    way = steps[j].normalized();
+    v = *next;
+  }
+  return steps;
+}
+
+/// Whether the faces beside a side are straight across it, and what lies behind them bends: between the chord of a circle and a line that is
+/// its tangent there is half of the turn that is between two chords.
+bool ends_behind(const LocalMesh& w, const SideDraft& side, const Cylinder& cylinder) {
+  int asked = 0;
+  for (int k = 1; k < side.edges(); ++k) {
+    const Vec3 out = cylinder.outward(side.position[k]).normalized(), around = cylinder.axis.cross(out);
+    auto steps = steps_across(w, side.vertex[k], cylinder.axis, around);
+    if (!steps) steps = steps_across(w, side.vertex[k], -cylinder.axis, around);
+    if (!steps) continue;
+    const auto rise = [&](int j) { return std::atan2((*steps)[j].dot(out), std::abs((*steps)[j].dot(cylinder.axis))); };
+    const double first = (*steps)[0].norm(), second = (*steps)[1].norm(), third = (*steps)[2].norm();
+    const double turn = rise(1), bend = (rise(2) - turn) / (second + third);
+    if (!(std::abs(turn - bend * second) < clear_end * std::abs(bend * first))) return false;
+    ++asked;
+  }
+  return asked >= least_asked;
 }
 
 /// By Gauss-Newton from the direction that the faces turn about.
@@ -88,16 +145,24 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
   return c;
 }
 
+/// Whether the faces beside a side turn, and about one line, as those of a cylinder do: asked of three, before anything is fitted.
+bool turns_about_line(const LocalMesh& w, const SideDraft& side) {
+  const Vec3 first = w.area[side.face.front()].normalized(), last = w.area[side.face.back()].normalized(),
+             middle = w.area[side.face[side.face.size() / 2]].normalized(), line = first.cross(last);
+  return line.norm() > least_turn && std::abs(line.normalized().dot(middle)) < off_line;
+}
+
 }  // namespace
 
 void take_cylinder(const LocalMesh& w, SideFit& fit, SideDraft& side) {
-  if (!(side.depth >= deep_faces)) return;
   const auto is_known = [&](double variance) { return variance + fit.turned < well_known * well_known; };
-  if (std::all_of(fit.slope_variances.begin(), fit.slope_variances.end(), is_known)) return;
+  const bool deep = side.depth >= deep_faces;
+  // fits across the end of a strip are sure of themselves, and wrong
+  if (deep ? std::all_of(fit.slope_variances.begin(), fit.slope_variances.end(), is_known) : !turns_about_line(w, side)) return;
   std::vector<Vec3> normals;
   const std::vector<Vec3> points = vertices_beside(w, side, normals);
   const std::optional<Cylinder> cylinder = cylinder_through(points, normals);
-  if (!cylinder) return;
+  if (!cylinder || !(deep || ends_behind(w, side, *cylinder))) return;
   const double variance =
       std::max(std::pow(coplanar * M_PI / 180, 2), std::pow(2 * cylinder->off, 2));  // over an edge of the rim
   double before = fit.turned;
