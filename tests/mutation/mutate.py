@@ -3,7 +3,7 @@
 C++: the core is built in build/mutation with the change, and the tests run that include the changed file's header or have its
 name, else those of its room; --thorough: all others too, where those notice nothing. Python: the package with the change, and
 the tests named in TESTS. Which changes: drawn with --seed from all that the tables of this file allow, but for those in
-equivalent.txt, which nobody could see.
+equivalent.txt, which nobody could see; --set: those that a file like core.txt lists, which people have chosen.
 """
 
 from __future__ import annotations
@@ -148,6 +148,22 @@ def drawn(python, count, seed, only, again):
     return [(name, change) for name, change, seen_by_nobody in sample if not seen_by_nobody]
 
 
+def listed(path):
+    """The mutants that a file lists, a line each: FILE: LINE | what stands there -> what is put there @ column # what it breaks."""
+    found = []
+    for line in path.read_text().splitlines():
+        mutant = line.rsplit(" # ", 1)[0]
+        name, rest = mutant.split(": ", 1)
+        code, change = rest.rsplit(" | ", 1)
+        old, new, column = re.fullmatch(r"(.*) -> (.*?) ?@ (\d+)", change).groups()
+        lines = (TREE / name).read_text().splitlines()
+        places = [n for n, there in enumerate(lines) if there.strip() == code and there.startswith(old, int(column))]
+        if len(places) != 1:
+            sys.exit(f"{path.name}: {len(places)} lines of the sources are that of {mutant}")
+        found.append((name, (places[0], old, new, int(column))))
+    return found
+
+
 def label(name, text, change):
     number, old, new, column = change
     return f"{name}: {text.splitlines()[number].strip()} | {old.strip()} -> {new.strip()} @ {column}"
@@ -242,6 +258,7 @@ def main():
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", help="pattern that paths of files contain")
+    parser.add_argument("--set", type=Path, help="a file that lists mutants: these, instead of drawn ones")
     parser.add_argument("--again", type=Path, help="what an earlier run has printed: those mutants only")
     parser.add_argument("--least", type=float, default=0, help="share that must be noticed, else the exit status is 1")
     parser.add_argument("--thorough", action="store_true")
@@ -249,7 +266,10 @@ def main():
     python = given.language == "python"
     bench = (Python if python else Cpp)(given.thorough)
     alive = noticed = 0
-    chosen = drawn(python, given.count, given.seed, given.only, given.again)
+    if given.set:
+        chosen = listed(given.set)
+    else:
+        chosen = drawn(python, given.count, given.seed, given.only, given.again)
     texts = {name: (TREE / name).read_text() for name, _ in chosen}
     for number, (name, change) in enumerate(chosen):
         print(f"{number} of {len(chosen)}, {alive} alive", file=sys.stderr, flush=True)

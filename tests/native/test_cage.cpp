@@ -7,6 +7,7 @@
 #include "tripatch/cage/cage_samples.h"
 #include "tripatch/cage/closed_cage.h"
 #include "tripatch/cage/limit_mesh.h"
+#include "tripatch/report/folded_triangles.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
@@ -105,6 +106,51 @@ TEST_CASE("samples are spread evenly, and their coordinates are linear in those 
   CHECK((barycentric_at({0, 1, 0}, four, square, false) - Vec3::UnitY()).norm() < 1e-15);
   CHECK((barycentric_at({2, 0, 0}, three, square, false) - Vec3::UnitZ()).norm() < 1e-15);
   CHECK((barycentric_at({1, 1, 1}, three, square, false) - Vec3::Constant(1.0 / 3)).norm() < 1e-15);
+}
+
+TEST_CASE("quarters of a face that is no quad meet in the middles of its edges and in its own", "[cage]") {
+  const Points corners = (Points(5, 3) << 1, 0, 0, 0, 1, 0, 0, 0.4, 0.6, 0.1, 0.3, 0.6, 0.7, 0, 0.3).finished();
+  for (const std::vector<Index>& face : {std::vector<Index>{0, 1, 2}, {0, 1, 2, 3, 4}}) {
+    const int n = static_cast<int>(face.size());
+    for (int k = 0; k < n; ++k) {
+      const Vec3 here = corners.row(k), next = corners.row((k + 1) % n);
+      const auto at = [&](int quarter, double u, double v) { return mean_at({quarter, u, v}, face, corners, false); };
+      CHECK((at(k, 0, 0) - here).norm() < 1e-15);
+      CHECK((at(k, 1, 0) - (here + next) / 2).norm() < 1e-15);
+      CHECK((at((k + 1) % n, 0, 1) - (here + next) / 2).norm() < 1e-15);
+      CHECK((at(k, 1, 0.3) - at((k + 1) % n, 0.3, 1)).norm() < 1e-15);  // the spoke between two quarters
+      CHECK((at(k, 1, 1) - at(0, 1, 1)).norm() < 1e-15);
+    }
+  }
+}
+
+TEST_CASE("a limit mesh of triangles has one vertex at each place, whichever edges of theirs two faces share", "[cage]") {
+  // an icosahedron, whose faces begin at corners that differ
+  Points vertices(12, 3);
+  const double g = (1 + std::sqrt(5.0)) / 2;
+  vertices << -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, 0, 0, -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, g, 0, -1, g, 0, 1, -g, 0, -1, -g, 0,
+      1;
+  Faces faces;
+  const std::vector<std::array<Index, 3>> triangles = {
+      {0, 11, 5}, {5, 1, 0}, {0, 1, 7}, {10, 0, 7}, {0, 10, 11}, {1, 5, 9}, {11, 4, 5}, {10, 2, 11}, {7, 6, 10}, {7, 1, 8},
+      {3, 9, 4},  {4, 2, 3}, {3, 2, 6}, {8, 3, 6},  {3, 8, 9},   {4, 9, 5}, {4, 11, 2}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  for (const auto& t : triangles) faces.add(t);
+  Subdivision settings;
+  settings.loop = true;
+  for (int level : {1, 2, 3}) {
+    const LimitMesh mesh = sample_limit({vertices, faces}, settings, 0, level);
+    CHECK(mesh.faces.size() == 20 * (Index{1} << (2 * level)));
+    CHECK(mesh.vertices.rows() == 2 + mesh.faces.size() / 2);
+    CHECK(count_folded_edges(mesh.vertices, Points(0, 3), mesh.faces) == 0);
+    double longest = 0, shortest = INFINITY;
+    for (Index f = 0; f < mesh.faces.size(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const double length = (mesh.vertices.row(mesh.faces[f][k]) - mesh.vertices.row(mesh.faces[f][(k + 1) % 3])).norm();
+        longest = std::max(longest, length);
+        shortest = std::min(shortest, length);
+      }
+    CHECK(longest < 1.5 * shortest);
+  }
 }
 
 TEST_CASE("a limit mesh shares its vertices between faces and reproduces a plane", "[cage]") {

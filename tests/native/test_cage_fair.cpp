@@ -27,7 +27,8 @@ struct Grid {
 };
 
 /// The vertices in the middle freed and moved out of the way, and where the fair cage has them.
-Points repaired(const Grid& given, int first, int last, FairHole& hole) {
+/// held: the weight of their squared distances from where they were moved.
+Points repaired(const Grid& given, int first, int last, FairHole& hole, double held = 0) {
   Points vertices = given.vertices;
   std::vector<Index> free;
   for (int i = first; i <= last; ++i)
@@ -61,7 +62,10 @@ Points repaired(const Grid& given, int first, int last, FairHole& hole) {
   Points start(static_cast<Index>(free.size()), 3);
   for (std::size_t k = 0; k < free.size(); ++k) start.row(static_cast<Index>(k)) = vertices.row(free[k]);
   std::vector<FairHole> holes = {hole};
-  const Points found = fair_cage(system, start, holes, system.zero(), {});
+  CageSystem::Term stay = system.zero();
+  for (int k = 0; k < static_cast<int>(free.size()); ++k)
+    system.add(stay, {{k}, Weights::Ones(1, 1), Points::Zero(1, 3)}, 0, held * Eigen::Matrix3d::Identity(), Vec3::Zero());
+  const Points found = fair_cage(system, start, holes, stay, {});
   hole = holes[0];
   for (std::size_t k = 0; k < free.size(); ++k) vertices.row(free[k]) = found.row(static_cast<Index>(k));
   return vertices;
@@ -117,6 +121,25 @@ TEST_CASE("a fair cage goes on with a sphere, much nearer than the least third d
   for (int i = 3; i <= 8; ++i)
     for (int j = 3; j <= 8; ++j) off = std::max(off, std::abs(found.row(i * 12 + j).norm() - 1));
   CHECK(off < 2e-3);
+}
+
+TEST_CASE("a fair cage stays the nearer to where it is held the more that weighs", "[cage]") {
+  const Grid sphere(12, [](int i, int j) { return Vec3(0.25 * (i - 5.5), 0.25 * (j - 5.5), 1).normalized(); });
+  double last = INFINITY;
+  for (double held : {0.0, 10.0, 1e3, 1e6}) {
+    FairHole hole;
+    const Points found = repaired(sphere, 4, 7, hole, held);
+    double moved = 0;
+    for (int i = 4; i <= 7; ++i)
+      for (int j = 4; j <= 7; ++j) {
+        const Eigen::RowVector3d there =
+            sphere.vertices.row(i * 12 + j) + Eigen::RowVector3d(0.03 * i, -0.02 * j, 0.4 - 0.05 * i);
+        moved = std::max(moved, (found.row(i * 12 + j) - there).norm());
+      }
+    CHECK(moved < last);
+    last = moved;
+  }
+  CHECK(last < 1e-3);
 }
 
 TEST_CASE("a cage without vertices inside has an empty system") {

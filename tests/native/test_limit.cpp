@@ -150,6 +150,45 @@ TEST_CASE("the limit surface of a cage of triangles goes with the cage however f
   }
 }
 
+TEST_CASE("an edge between faces of three, four and five corners is one curve from both, with one tangent plane") {
+  // a prism of five sides with a roof of triangles
+  Cage cage;
+  cage.vertices.resize(11, 3);
+  for (int k = 0; k < 5; ++k) {
+    const double angle = 2 * M_PI * k / 5;
+    cage.vertices.row(k) << 1.3 * std::cos(angle), std::sin(angle), -1;
+    cage.vertices.row(k + 5) << 1.1 * std::cos(angle), std::sin(angle) + 0.2, 1;
+  }
+  cage.vertices.row(10) << 0.1, 0.3, 1.7;
+  cage.faces.add(std::vector<Index>{4, 3, 2, 1, 0});
+  for (Index k = 0; k < 5; ++k) {
+    cage.faces.add(std::vector<Index>{k, (k + 1) % 5, 5 + (k + 1) % 5, 5 + k});
+    cage.faces.add(std::vector<Index>{5 + k, 5 + (k + 1) % 5, 10});
+  }
+  const std::vector<double> t = {0.05, 0.25, 0.4, 0.6, 0.75, 0.95}, back(t.rbegin(), t.rend());
+  for (const std::optional<int> quality : {std::optional<int>(5), std::optional<int>()}) {
+    INFO("true limit: " << !quality);
+    Subdivision settings;
+    settings.quality = quality;
+    const LimitSurface surface(cage.mesh(), settings);
+    const Connectivity around(cage.mesh());
+    for (Index f = 0; f < cage.faces.size(); ++f)
+      for (std::size_t k = 0; k < cage.faces[f].size(); ++k) {
+        const Index a = cage.faces[f][k], b = cage.faces[f][(k + 1) % cage.faces[f].size()];
+        const auto other = around.edge(b, a);
+        REQUIRE(other);
+        std::vector<LimitJet> here(t.size()), there(t.size());
+        surface.evaluate_edge(f, static_cast<int>(k), t, here);
+        surface.evaluate_edge(around.face(*other), static_cast<int>(around.place(*other)), back, there);
+        for (std::size_t i = 0; i < t.size(); ++i) {
+          CHECK((here[i].p - there[i].p).norm() < 1e-3);
+          CHECK(here[i].pu.normalized().dot(there[i].pu.normalized()) < -0.999);
+          CHECK(here[i].pu.cross(here[i].pv).normalized().dot(there[i].pu.cross(there[i].pv).normalized()) > 0.99);
+        }
+      }
+  }
+}
+
 TEST_CASE("stencils exist for every quality there is, and no other is taken") {
   Cage cage = cube(false);
   for (const int quality : {1, 2, 9, 10}) {

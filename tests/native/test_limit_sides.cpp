@@ -4,6 +4,7 @@
 
 #include "test_cages.h"
 #include "tripatch/boundary/limit_sides.h"
+#include "tripatch/boundary/surroundings.h"
 
 using namespace tripatch;
 using tripatch::testing::CubeCorner;
@@ -70,4 +71,24 @@ TEST_CASE("sides of a cage that is moved are its sides, moved") {
       CHECK((at(there.sides[i].c, t) - at(here.sides[i].c, t) - way.transpose()).norm() < 1e-9);
       CHECK((there.sides[i].normal(t) - here.sides[i].normal(t)).norm() < 1e-8);
     }
+}
+
+TEST_CASE("vertices of the rim are where their edges end, however many points the border has between them") {
+  const CubeCorner corner(5, 2, [](double x, double y) { return 0.1 * x * y; });
+  const Connectivity around(corner.mesh());
+  for (int level : {1, 3}) {
+    Subdivision settings;
+    settings.level = level;
+    const Surroundings found = surroundings_of(corner.mesh(), around, around, corner.hole, &settings);
+    const Points b = rim_barycentric(corner.hole, found);
+    REQUIRE(b.rows() == static_cast<Index>(corner.hole.rim.size()));
+    CHECK(found.border.rows() == b.rows() << level);
+    CHECK((b.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-15);
+    for (Index k = 0; k < b.rows(); ++k) {  // a point of the side opposite the corner whose coordinate is 0
+      int side = 0;
+      b.row(k).minCoeff(&side);
+      const Vec3 p = at(found.sides[side].c, b(k, (side + 2) % 3));
+      CHECK((p - found.border.row(k << level).transpose()).norm() < 1e-12);
+    }
+  }
 }
