@@ -149,7 +149,7 @@ def drawn(python, count, seed, only, again):
 
 
 def listed(path):
-    """The mutants that a file lists, a line each: FILE: LINE | what stands there -> what is put there @ column # what it breaks."""
+    """The mutants of a file, a line each: FILE: LINE | what stands there -> what is put there @ column # what it breaks."""
     found = []
     for line in path.read_text().splitlines():
         mutant = line.rsplit(" # ", 1)[0]

@@ -65,3 +65,9 @@ TEST_CASE("A sparse matrix of blocks with one of zeros in a pivot is not factori
   for (int i = 0; i < 4; ++i) ring.sparse.diagonal(0)[i] = 0;
   CHECK_FALSE(ring.sparse.factorize());
 }
+
+TEST_CASE("A matrix of blocks each of which is negative is not definite, though all its determinants are positive", "[math]") {
+  Ring ring(30, -40);
+  REQUIRE(ring.sparse.factorize());
+  CHECK_FALSE(ring.sparse.is_definite());
+}

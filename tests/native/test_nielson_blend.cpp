@@ -36,3 +36,15 @@ TEST_CASE("nielson_blend names the corner where surfaces do not meet") {
   surfaces[0] = bezier(random_net(3, 1, 0.1, corners));
   CHECK_THROWS_WITH(nielson_blend(surfaces), Catch::Contains("surfaces 2 and 0 do not meet at corner 1"));
 }
+
+TEST_CASE("nielson_blend of a surface with itself is that surface, with its derivatives at the corners too") {
+  const SurfacePtr one = unrelated_surfaces(5)[0], patch = nielson_blend({one, one, one});
+  for (int i = 0; i < 3; ++i)
+    for (int order = 1; order <= 2; ++order) {
+      const Vec3 corner = Vec3::Unit(i);
+      std::vector<double> found(3 * jet_size(order)), expected(3 * jet_size(order));
+      patch->evaluate(corner.data(), 1, order, found.data());
+      one->evaluate(corner.data(), 1, order, expected.data());
+      for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == Approx(expected[k]).margin(1e-3));
+    }
+}

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
+#include "tripatch/fill.h"
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_shape.h"
 
@@ -68,6 +70,11 @@ TEST_CASE("a hole that was cut into a few large faces is no outer border, althou
     plate.faces.add(face);
   }
   for (const Border& border : borders_of(plate.mesh())) CHECK(border.outer == (border.loop.size() == 4));
+  FillOptions options;  // it is the only hole, though the plate's own border is the shorter one
+  for (const char* method : {"auto", "multi_sided"}) {
+    options.method = method;
+    CHECK(std::cmp_equal(fill(plate.mesh(), options).rim.size(), 4 * edges));
+  }
 }
 
 TEST_CASE("an outer border counts where the mesh has no other") {

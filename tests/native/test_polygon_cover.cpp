@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <map>
 
+#include "test_plane_rims.h"
 #include "test_surfaces.h"
+#include "tripatch/fill.h"
 #include "tripatch/output/polygon_cover.h"
 
 using namespace tripatch;
@@ -110,4 +112,40 @@ TEST_CASE("polygon cover: quads in a round rim that nobody counts cover 1.25 squ
   CHECK(cover_of(edges, *cap(4 * higher), none).rows == most_extra_rows);  // no more than these, and no warning
   CHECK(cover_of(edges, *cap(4 * higher), none).warnings.empty());
   CHECK(cover_of(edges, *cap(4 * higher), plain).rows == 0);
+}
+
+TEST_CASE("quads between four sides meet points inside and split an edge of the rim, in a mesh and in its mirror image") {
+  const tripatch::testing::PlaneRim given({90, 0, 0, 90, 0, 0, 90, 0, 0, 90, 0, 0, 0}, 1,
+                                          {1, 1, 1, 1, 1, 1, 1.1, 0.9, 1, 0.75, 0.75, 0.75, 0.75});
+  for (const bool is_mirrored : {false, true}) {
+    const double side = is_mirrored ? -1 : 1;
+    Points vertices = given.vertices;
+    vertices.col(2) = 0.02 * vertices.col(0).array() * vertices.col(1).array();
+    vertices.col(0) *= side;
+    Faces faces;
+    for (Index f = 0; f < given.faces.size(); ++f) {
+      std::vector<Index> face(given.faces[f].begin(), given.faces[f].end());
+      if (is_mirrored) std::reverse(face.begin(), face.end());
+      faces.add(face);
+    }
+    FillOptions options;
+    options.rim = given.rim;
+    if (is_mirrored) std::reverse(options.rim->begin(), options.rim->end());
+    options.corners = {0, 3, 6, 9};
+    options.output = Output::quads;
+    const Eigen::RowVector3d middle = vertices.topRows(13).colwise().mean();
+    const Vec3 met = middle.transpose() + Vec3(0.3 * side, 0.5, 0.1);
+    options.through = {{met, {}}};
+    const Fill made = fill({vertices, faces}, options);
+    CHECK((made.vertices.rowwise() - met.transpose()).rowwise().norm().minCoeff() < 1e-9);
+    REQUIRE(made.split_edges.size() == 1);
+    const auto [a, b] = made.split_edges[0];
+    const auto at = std::find(made.rim.begin(), made.rim.end(), a);
+    REQUIRE(at != made.rim.end());
+    CHECK((at + 1 == made.rim.end() ? made.rim.front() : at[1]) == b);
+    const Connectivity own(made.faces, vertices.rows() + made.vertices.rows());
+    CHECK(own.edge(a, vertices.rows()));
+    CHECK(own.edge(vertices.rows(), b));
+    for (Index corner : {0, 3, 6, 9}) CHECK(own.at(corner).size() == 1);
+  }
 }

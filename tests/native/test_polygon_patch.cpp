@@ -563,3 +563,23 @@ TEST_CASE("polygon patch: vertices of quads go to places inside as long as no qu
   CHECK(refused);
   CHECK(least > 0.25);
 }
+
+TEST_CASE("polygon patch: a normal that is given after another one at the same point is the one that is met") {
+  const SideList sides = sides_between(saddle, ring(5));
+  const PolygonPatch without = polygon_patch(sides);
+  const Points place = middle_of(without);
+  PolygonPatchOptions options;
+  for (const Vec3& normal : {Vec3(0.1, -0.2, 1), Vec3(-0.3, 0.1, 1), Vec3(0.1, -0.2, 1)}) {
+    options.center = Vec3(without.patch->positions(place).row(0));
+    options.through = {{Vec3(0.25, 0.2, 0.03), normal.normalized()}};
+    const PolygonPatch made = polygon_patch(sides, options);
+    double nearest = 1, off = 90;
+    const Points grid = polygon_grid(made.domain, 60);
+    const Points p = made.patch->positions(grid), n = made.patch->normals(grid);
+    Index best = 0;
+    nearest = (p.rowwise() - options.through[0].point.transpose()).rowwise().norm().minCoeff(&best);
+    off = degrees_between(n.row(best), normal);
+    CHECK(nearest < 0.03);
+    CHECK(off < 5);
+  }
+}

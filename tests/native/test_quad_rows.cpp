@@ -571,3 +571,21 @@ TEST_CASE("rows that lie next to each other stay a thousandth of the mean step a
     CHECK(least == Approx(std::max(width, 8.75e-4)).epsilon(2e-4));
   }
 }
+
+TEST_CASE("rows that are asked for take the corners that they have, in any order, and refuse others by the rim") {
+  const Grid grid(3, 4, 3, [](double i, double j) { return Vec3(i, j, 0.05 * i * j); });
+  const Mesh mesh{grid.vertices, grid.faces};
+  FillOptions options;
+  options.rim = grid.rim;
+  options.method = rows_method;
+  options.output = Output::quads;
+  const std::vector<Index> own = {grid.vertex(0, 0), grid.vertex(3, 0), grid.vertex(3, 4), grid.vertex(0, 4)};
+  options.corners = {own[2], own[3], own[0], own[1]};
+  CHECK(fill(mesh, options).report.method == rows_method);
+  for (const std::vector<Index>& others : {std::vector<Index>{own[0], own[1], own[2]},
+                                           {own[0], own[1], own[2], grid.vertex(0, 3)},
+                                           {own[0], grid.vertex(1, 0), own[1], own[2], own[3]}}) {
+    options.corners = others;
+    CHECK_THROWS_WITH(fill(mesh, options), Catch::StartsWith("No rows of quads go on across the hole"));
+  }
+}

@@ -79,3 +79,13 @@ TEST_CASE("the plane in which a rim turns is that of the faces within a third of
   for (std::size_t k = 0; k < flat.size(); ++k) changed += std::abs(lifted[k] - flat[k]) > 1e-6;
   CHECK(changed == 2 + 2 * 2);
 }
+
+TEST_CASE("a round rim turns inwards no more than outwards: by two and a half times what each vertex would", "[thresholds]") {
+  const auto dented = [](double inwards) {  // of 72 edges, which would turn by 5 degrees each
+    std::vector<double> turns(36, (180 + inwards) / 35);
+    turns[18] = -inwards;
+    return PlaneRim(turns, 2).round();
+  };
+  CHECK(dented(12.4));
+  CHECK_FALSE(dented(12.6));
+}

@@ -332,3 +332,20 @@ TEST_CASE("triangulation is deterministic and needs increasing parameters") {
   CHECK_THROWS_AS(triangulate({graded(10), graded(5), {0, 0.5, 0.9}}, {}, flat), InvalidArgument);
   CHECK_THROWS_AS(triangulate(p, 0, flat), InvalidArgument);
 }
+
+TEST_CASE("sizes inside are those of the ends of sides that are near") {
+  // fine at corner 0, coarse at the other two
+  Parameters p = {graded(4), {}, graded(16, 2)};
+  for (double t : p[2]) p[1].insert(p[1].begin(), 1 - t);
+  const TriangleMesh mesh = triangulate(p, {}, flat);
+  const Points x = flat.positions(mesh.barycentric);
+  double sum = 0, count = 0;
+  for (const std::array<Index, 3>& t : mesh.triangles) {
+    const double area = Vec3(x.row(t[1]) - x.row(t[0])).cross(Vec3(x.row(t[2]) - x.row(t[0]))).norm() / 2;
+    const double b = (mesh.barycentric(t[0], 0) + mesh.barycentric(t[1], 0) + mesh.barycentric(t[2], 0)) / 3;
+    if (b > 0.4 && b < 0.7) ++count, sum += area;
+  }
+  const double edge = 2 * std::sqrt(0.45) / 16;  // of the two sides there
+  CHECK(sum / count < std::sqrt(3.0) / 4 * edge * edge);
+  CHECK(sum / count > std::sqrt(3.0) / 8 * edge * edge);
+}
