@@ -80,8 +80,8 @@ Weights triangle_weights() {
 double variation(const CageSystem& system, const FairHole& hole, const Points& free, const Eigen::VectorXd& y,
                  CageSystem::Term* model) {
   double sum = 0;
-  check_interruption();
   for (const FaceShape& face : hole.inside) {
+    check_interruption();
     const Points all = face.derivatives.at(free);
     const Index columns = static_cast<Index>(face.derivatives.slots.size());
     const Index places = all.rows() / 9;
@@ -124,8 +124,8 @@ FaceShape face_shape(const Sums& positions, bool triangle) {
 
 void add_third_derivatives(const CageSystem& system, const FairHole& hole, const Points& free, double weight,
                            CageSystem::Term& term) {
-  check_interruption();
   for (const FaceShape& face : hole.even) {
+    check_interruption();
     const Points now = face.derivatives.at(free);
     for (Index row = 0; row < now.rows(); ++row) {
       const Index d = row % 9;

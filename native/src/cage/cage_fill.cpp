@@ -66,7 +66,8 @@ CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Sided
       sides_(holes_.size()),
       seams_(holes_.size()),
       points_(holes_.size()),
-      energies_(holes_.size()) {
+      energies_(holes_.size()),
+      harm_(holes_.size()) {
   if (settings.loop && layout_options_.rows.value_or(0) > 0)
     throw InvalidArgument("a cage of triangles follows the rim: resolution must be 0 or none");
   if (settings.loop)
@@ -136,31 +137,38 @@ std::vector<std::optional<SurfacePoints>> CageFill::points_to_follow(const std::
 
 void CageFill::place(const Points& inside) {
   fit_->place(0, inside);
-  sides_[0] = seams_[0] = fit_->sides(0);
-  points_[0] = fit_->points(0);
   energies_[0] = {};
   placed_ = true;
   open_[0] = 0;
 }
 
-void CageFill::fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fair) {
+void CageFill::take_sides() {
+  sides_[0] = seams_[0] = fit_->sides(0);
+  points_[0] = fit_->points(0);
+}
+
+void CageFill::fit(const std::vector<SurfacePtr>& patches, const std::vector<bool>& fair) {
   const std::vector<bool> none(size(), false);
-  patches_ = std::move(patches);
   if (placed_) return;
   const bool exact = options_.rim == CageRim::exact;
   const std::vector<int> all_rows = rows_to_try(layout_options_, split_.settings.loop, exact);
+  if (layout_options_.rows && all_rows.size() > 1) {  // the first layout was for what the patches are made on
+    rows_ = all_rows.back();
+    fit_ = lay_out(rows_);
+    return fit_->fit(patches, seams_, true);
+  }
   std::vector<double> farthest;  // for each number of rows, of the holes that are open with it: over the tolerance
   std::vector<Index> crossed;    // likewise: their faces
   for (std::size_t k = 0; k < all_rows.size(); ++k) {
     if (k > 0) fit_ = lay_out(all_rows[k]);
     rows_ = all_rows[k];
     const std::vector<std::optional<SurfacePoints>> points = points_to_follow(k == 0 ? fair : none);
-    fit_->fit(patches_, seams_, exact || k > 0, points);
+    fit_->fit(patches, seams_, exact || k > 0, points);
     farthest.push_back(0);
     crossed.push_back(0);
     for (std::size_t h = 0; h < size(); ++h) {
       check_interruption();
-      const double off = points[h] ? 0 : fit_->deviation_rms(h, *patches_[h]) / tolerance_[h];
+      const double off = points[h] || layout_options_.rows ? 0 : fit_->deviation_rms(h, *patches[h]) / tolerance_[h];
       const Index own = fit_->faces_crossed(h);
       if (open_[h]) farthest.back() = std::max(farthest.back(), off);
       if (open_[h]) crossed.back() += own;
@@ -180,12 +188,16 @@ void CageFill::fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fai
   rows_ = all_rows[nearest];
   fit_ = lay_out(rows_);
   if (!exact && nearest == 0) fit_->make_fair();
-  fit_->fit(patches_, seams_, exact || nearest > 0, points_to_follow(nearest == 0 ? fair : none));
+  fit_->fit(patches, seams_, exact || nearest > 0, points_to_follow(nearest == 0 ? fair : none));
 }
 
-void CageFill::complete(std::size_t h, Fill& fill) const {
+const CageHarm& CageFill::harm(std::size_t h) {
+  if (!harm_[h]) harm_[h] = fit_->harm(h);
+  return *harm_[h];
+}
+
+void CageFill::complete(std::size_t h, Fill& fill) {
   check_interruption();
-  fill.rim = holes_[h].rim;
   deliver(h, fill);
   fill.normals = fill.patch->normals(fill.barycentric);
   fill.rim_normals = fill.patch->normals(fill.rim_barycentric);
@@ -196,7 +208,7 @@ void CageFill::complete(std::size_t h, Fill& fill) const {
     fill.rim_barycentric.resize(0, 3);
   }
   fill.sides = seams_[h];
-  report(h, fill.report);
+  report(h, *fill.patch, fill.report);
 }
 
 /// Of the rows of a layout in the mesh with the fill: n .. are the new vertices, that of a split edge first.
@@ -212,6 +224,7 @@ std::vector<Index> CageFill::numbering(std::size_t h) const {
 
 void CageFill::deliver(std::size_t h, Fill& fill) const {
   const auto& [hole, layout] = laid_out_[h];
+  fill.rim = holes_[h].rim;
   const Points inside = fit_->inside(h), rim = fit_->rim(h);  // the rim's as they are now: they may have moved
   const std::vector<Index> index = numbering(h);
   const Index n = mesh_.vertices.rows(), own = split_.split[h] ? 1 : 0;
@@ -247,20 +260,21 @@ void CageFill::deliver(std::size_t h, Fill& fill) const {
     for (Index k = 0; k < around; ++k) fill.creases.push_back({index[k], index[(k + 1) % around]});
 }
 
-void CageFill::report(std::size_t h, Report& report) const {
-  const CageMeasures measures = fit_->measures(h, *patches_[h]);
+void CageFill::report(std::size_t h, const Surface& patch, Report& report) {
+  const CageMeasures measures = fit_->measures(h, patch);
+  const CageHarm& against = harm(h);
   report.cage_deviation_max = measures.deviation_max;
   report.cage_deviation_rms = measures.deviation_rms;
   report.surroundings_moved_max = measures.surroundings_max;
   report.surroundings_moved_rms = measures.surroundings_rms;
   report.surroundings_moved_where = measures.surroundings_where;
   report.corners_moved_max = measures.corners_moved;
-  report.triangles_folded = measures.triangles_folded;
-  report.crosses_itself = measures.crossing.has_value();
-  if (measures.crossing)
-    tell_crossing(mesh_.vertices, holes_[h].rim, *measures.crossing, report);
-  else if (measures.faces_crossing)
-    tell_crossing(mesh_.vertices, holes_[h].rim, *measures.faces_crossing, report,
+  report.triangles_folded = against.triangles_folded;
+  report.crosses_itself = against.crossing.has_value();
+  if (against.crossing)
+    tell_crossing(mesh_.vertices, holes_[h].rim, *against.crossing, report);
+  else if (against.faces_crossing)
+    tell_crossing(mesh_.vertices, holes_[h].rim, *against.faces_crossing, report,
                   "The limit surface does not cross itself, but faces of the cage cross each other");
   report.rows = rows_;
   report_seam(measures, laid_out_[h].hole, report);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/cage/cage_fair.h"
@@ -144,15 +145,14 @@ std::vector<CageEnergies> CageFit::make_fair() {
     if (system_.free()[k] < mesh_.vertices.rows()) waiting.push_back(static_cast<int>(k));
   const Points start = free_;
   std::vector<double> wider(holes_.size(), 1);
-  std::vector<FairHole> fair;
+  std::vector<FairHole> fair;  // of thousands of faces: not copied, but lent
+  for (HoleSamples& hole : samples_) fair.push_back(std::move(hole.shape));
   for (int attempt = 0;; ++attempt) {
-    fair.clear();
     CageSystem::Term held = system_.zero();
     for (std::size_t h = 0; h < holes_.size(); ++h) {
       const HoleSamples& hole = samples_[h];
-      fair.push_back(hole.shape);
-      hold_surroundings(system_, start, hole,
-                        wider[h] * (hole.region ? options_.fair_whole : options_.fair_open) * hole.shape.size, held);
+      hold_surroundings(system_, start, hole, wider[h] * (hole.region ? options_.fair_whole : options_.fair_open) * fair[h].size,
+                        held);
     }
     free_ = fair_cage(system_, start, fair, held, waiting);
     bool bent = false;
@@ -162,7 +162,10 @@ std::vector<CageEnergies> CageFit::make_fair() {
   }
   take();
   std::vector<CageEnergies> energies;
-  for (const FairHole& hole : fair) energies.push_back({hole.before, hole.after});
+  for (std::size_t h = 0; h < holes_.size(); ++h) {
+    energies.push_back({fair[h].before, fair[h].after});
+    samples_[h].shape = std::move(fair[h]);
+  }
   return energies;
 }
 

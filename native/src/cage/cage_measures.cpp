@@ -4,7 +4,6 @@
 
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/cage/cage_fit.h"
-#include "tripatch/cage/limit_mesh.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
@@ -92,17 +91,30 @@ CageMeasures CageFit::measures(std::size_t h, const Surface& patch) const {
   measures.deviation_rms = root_mean_square(distances);
   measure_surroundings(h, measures);
   measure_rim(h, measures);
-  const LimitMesh surface =
-      sample_limit(limit_, closed_.mesh(), settings_.loop, closed_.first_face[h], closed_.first_face[h + 1], folds_level);
+  return measures;
+}
+
+LimitMesh CageFit::sampled(std::size_t h) const {
+  return sample_limit(limit_, closed_.mesh(), settings_.loop, closed_.first_face[h], closed_.first_face[h + 1], folds_level);
+}
+
+Index CageFit::triangles_folded(std::size_t h) const {
+  const LimitMesh surface = sampled(h);
+  return count_folded_edges(surface.vertices, Points(0, 3), surface.faces);
+}
+
+CageHarm CageFit::harm(std::size_t h) const {
+  CageHarm harm;
+  const LimitMesh surface = sampled(h);
   const Points none(0, 3);
   EdgesByVertex edges = edges_of_triangles(surface.vertices.rows(), 0, surface.faces, {});
-  measures.triangles_folded = count_folded_edges(surface.vertices, none, surface.faces, {}, edges);
-  for (const Crossing& each : find_crossings(surface.vertices, none, surface.faces, edges, 1)) measures.crossing = each.where;
+  harm.triangles_folded = count_folded_edges(surface.vertices, none, surface.faces, {}, edges);
+  for (const Crossing& each : find_crossings(surface.vertices, none, surface.faces, edges, 1)) harm.crossing = each.where;
   Faces own;
   for (Index f = closed_.first_face[h]; f < closed_.first_face[h + 1]; ++f) own.add(closed_.faces[f]);
   begin_at_shorter_diagonals(closed_.vertices, none, own);
-  for (const Crossing& each : find_crossings(closed_.vertices, none, own, 1)) measures.faces_crossing = each.where;
-  return measures;
+  for (const Crossing& each : find_crossings(closed_.vertices, none, own, 1)) harm.faces_crossing = each.where;
+  return harm;
 }
 
 }  // namespace tripatch

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/interruption.h"
 #include "tripatch/math/smoothstep.h"
 
 namespace tripatch {
@@ -25,6 +26,7 @@ Points unit_normals(const Points& pu, const Points& pv) {
 void sample_inside(const CageSurfaces& surfaces, const QuadLayout& layout, Index first_face, HoleSamples& hole) {
   std::vector<Vec3> coordinates;
   for (Index f = 0; f < layout.faces.size(); ++f) {
+    check_interruption();
     const std::vector<FacePlace> places = spread_places(layout.faces[f].size(), surfaces.loop);
     const LimitStencils& stencils = hole.stencils.emplace_back(surfaces.limit.stencils(first_face + f, places));
     hole.inside.push_back({first_face + f, surfaces.system.sums(stencils.vertices, stencils.p), {}, {}});
@@ -90,6 +92,7 @@ void sample_outside(const CageSurfaces& surfaces, const SidedRim& hole, const st
   samples.first_ring = rings[0].size();
   for (const std::vector<Index>& faces : rings)
     for (Index f : faces) {
+      check_interruption();
       const auto face = surfaces.closed.faces[f];
       const bool corner = std::any_of(face.begin(), face.end(), [&](Index v) { return corners.contains(v); });
       const std::vector<FacePlace> places = spread_places(face.size(), surfaces.loop);
@@ -108,6 +111,7 @@ FairHole shape_of(const CageSurfaces& surfaces, const SidedRim& hole, const Even
   shape.size = diameter(surfaces.given, hole.rim);
   const std::size_t corners = surfaces.loop ? 3 : 4;
   for (std::size_t k = 0; k < samples.inside.size(); ++k) {
+    check_interruption();
     if (surfaces.closed.faces[samples.inside[k].face].size() != corners) continue;
     shape.inside.push_back(face_shape(samples.inside[k].limit, surfaces.loop));
     shape.even.push_back(even.shape(surfaces.system, samples.stencils[k], surfaces.loop));

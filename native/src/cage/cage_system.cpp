@@ -42,8 +42,10 @@ Sums CageSystem::sums(const std::vector<Index>& vertices, const Weights& weights
 
 void CageSystem::prepare(const std::vector<const Sums*>& together) {
   for (std::size_t k = 0; k < rows_.size(); ++k) rows_[k] = {static_cast<int>(k)};
-  for (const Sums* sums : together)
+  for (const Sums* sums : together) {
+    check_interruption();
     for (int a : sums->slots) rows_[a].insert(rows_[a].end(), sums->slots.begin(), sums->slots.end());
+  }
   const Index n = 3 * static_cast<Index>(free_.size());
   Eigen::VectorXi sizes(n);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
@@ -54,9 +56,11 @@ void CageSystem::prepare(const std::vector<const Sums*>& together) {
   pattern_.resize(n, n);
   if (n == 0) return solver_.analyzePattern(pattern_);  // of a matrix without columns Eigen would compress a second one
   pattern_.reserve(sizes);
-  for (Index column = 0; column < n; ++column)
+  for (Index column = 0; column < n; ++column) {
+    check_interruption();
     for (int k : rows_[column / 3])
       for (int x = 0; x < 3; ++x) pattern_.insert(3 * k + x, column) = 0;
+  }
   pattern_.makeCompressed();
   solver_.analyzePattern(pattern_);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/interruption.h"
 
 namespace tripatch {
 namespace {
@@ -38,6 +39,7 @@ void add_points(const CageSystem& system, const Points& free, const Points& targ
                 const CageOptions& options, CageSystem::Term& term) {
   Index row = 0;
   for (const SampledFace& face : hole.inside) {
+    check_interruption();
     const Points now = face.limit.at(free);
     for (Index k = 0; k < now.rows(); ++k, ++row)
       system.add(term, face.limit, k, metric(normal.row(row), 1, options.tangential), now.row(k) - target.row(row));
@@ -49,6 +51,7 @@ void add_surroundings(const CageSystem& system, const Points& free, const HoleSa
   const double across = hole.region ? options.whole : options.surroundings,
                along = hole.region ? options.whole : options.surroundings_tangential;
   for (const SampledFace& face : hole.outside) {
+    check_interruption();
     if (face.limit.slots.empty()) continue;
     const Points now = face.limit.at(free);
     for (Index k = 0; k < now.rows(); ++k)
@@ -63,6 +66,7 @@ void hold_surroundings(const CageSystem& system, const Points& free, const HoleS
   for (const SampledFace& face : hole.outside)
     if (face.trust == 1) count += static_cast<double>(face.target.rows());
   for (const SampledFace& face : hole.outside) {
+    check_interruption();
     if (face.trust < 1 || face.limit.slots.empty()) continue;
     const Points now = face.limit.at(free);
     for (Index k = 0; k < now.rows(); ++k)

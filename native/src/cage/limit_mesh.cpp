@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "tripatch/math/interruption.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -35,6 +36,7 @@ public:
   /// All that have been asked for since the last time lie on this face.
   void finish(Index face) {
     if (waiting_.empty()) return;
+    check_interruption();
     const LimitStencils stencils = limit_.stencils(face, waiting_);
     const Points p = stencils.p * Points(cage_.vertices(stencils.vertices, Eigen::all));
     for (Index k = 0; k < p.rows(); ++k) points_.push_back(p.row(k));

@@ -4,6 +4,8 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -67,9 +69,6 @@ bool is_shaped(const FillOptions& options) {
 /// Which cages have their vertices where the mesh around would go on.
 enum class OnMeshWhere { nowhere, likelier, run_off, everywhere, untangled };
 
-std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options,
-                                 OnMeshWhere on_mesh = OnMeshWhere::run_off);
-
 /// Puts the vertices of a cage where rows of quads go on, if they do; whether they do.
 bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
   if (hole.given || options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
@@ -79,76 +78,282 @@ bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions
   return points.has_value();
 }
 
-/// Puts the vertices of a cage, if it is one of those, where the mesh around would go on; whether it was.
-bool place_on_mesh(const Ground& ground, const SidedRim& hole, const FillOptions& options, OnMeshWhere where, CageFill& cage) {
-  if (where == OnMeshWhere::nowhere) return false;
-  if (options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0) return false;
+/// Whether a cage was put there, stays where it is, or there is nowhere to put it.
+enum class Placing { placed, stays, nowhere };
+
+/// Puts the vertices of a cage, if it is one of those, where the mesh around would go on.
+Placing place_on_mesh(const Ground& ground, const SidedRim& hole, const FillOptions& options, OnMeshWhere where, CageFill& cage) {
+  if (where == OnMeshWhere::nowhere) return Placing::stays;
+  if (options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
+    return Placing::nowhere;
   const Points inside = cage.inside(0);
-  if (inside.rows() == 0) return false;
+  if (inside.rows() == 0) return Placing::nowhere;
   const Smoothed smoothed = where == OnMeshWhere::untangled  ? Smoothed::in_plane
                             : where == OnMeshWhere::likelier ? Smoothed::on_surface
                                                              : Smoothed::no;
   const std::optional<OnMesh> on_mesh = cage_on_mesh(ground, hole, cage.laid_out(0), options, smoothed);
-  if (!on_mesh) return false;
+  if (!on_mesh) return Placing::nowhere;
   const double size = diameter(ground.mesh, hole.rim);
-  if (where == OnMeshWhere::likelier && !(on_mesh->deviation > well_known * size)) return false;
+  if (where == OnMeshWhere::likelier && !(on_mesh->deviation > well_known * size)) return Placing::stays;
   const Eigen::VectorXd across = (inside - on_mesh->points).cwiseProduct(on_mesh->normals).rowwise().sum();
   const bool goes_on = !hole.guessed || cage.laid_out(0).layout.grown;
   const double least =
       std::max((goes_on ? run_off : run_off_of_guess) * size, std::min(likely * on_mesh->deviation, far_off * size));
-  if (where == OnMeshWhere::run_off && !(across.cwiseAbs().maxCoeff() > least)) return false;
+  if (where == OnMeshWhere::run_off && !(across.cwiseAbs().maxCoeff() > least)) return Placing::stays;
   cage.place(on_mesh->points);
-  return true;
+  return Placing::placed;
 }
+
+/// Ways that were tried where one without harm is wanted: the same again would do the same.
+class SeenWays {
+public:
+  /// Whether it is new.
+  bool add(const SidedRim& hole, const FillOptions& options, OnMeshWhere where, const QuadLayout& layout) {
+    const auto is_same = [&](const Way& other) {
+      return other.hole.rim == hole.rim && other.hole.corners == hole.corners && other.odd == options.odd &&
+             other.resolution == options.resolution && other.where == where &&
+             other.layout.faces.corners == layout.faces.corners && other.layout.faces.offsets == layout.faces.offsets &&
+             other.layout.barycentric == layout.barycentric;
+    };
+    if (std::ranges::any_of(ways_, is_same)) return false;
+    ways_.push_back({hole, options.odd, options.resolution, where, layout});
+    return true;
+  }
+
+private:
+  struct Way {
+    SidedRim hole;
+    Odd odd;
+    std::optional<int> resolution;
+    OnMeshWhere where;
+    QuadLayout layout;
+  };
+  std::vector<Way> ways_;
+};
+
+/// That a cage crosses itself, then its folds: as of a report.
+using Harm = std::pair<bool, Index>;
+constexpr Harm most_harm = {true, std::numeric_limits<Index>::max()};
+
+/// Cages in some holes, in one of several ways. Where a cage is alone and hangs on no patch, its patch, which takes longer than the cage, is
+/// made when the fill is asked for: most of those that are tried are not taken.
+class TriedCages {
+public:
+  /// seen: where one without harm is wanted.
+  TriedCages(const Ground& ground, std::vector<SidedRim> holes, FillOptions options, OnMeshWhere on_mesh, SeenWays* seen)
+      : ground_(ground),
+        holes_(std::move(holes)),
+        options_(std::move(options)),
+        no_harm_wanted_(seen != nullptr),
+        cages_(ground.mesh, ground.left, holes_, options_.subdivision, options_.replaced, layout_options(options_),
+               cage_options(options_)),
+        fills_(holes_.size()) {
+    // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
+    // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
+    // the patch's own shape is asked for, in the patch.
+    exact_ = options_.cage_rim == CageRim::exact;
+    fair_ = options_.fairing == Fairing::automatic && !is_shaped(options_);
+    follows_ = fair_ && !exact_;
+    if (seen && !seen->add(holes_[0], options_, on_mesh, cages_.laid_out(0).layout)) {
+      was_seen_ = true;
+      return;
+    }
+    put(on_mesh);
+    waits_ = holes_.size() == 1 && options_.resolution.value_or(0) == 0 && (placed_ || (fair_ && !holes_[0].is_triangle()));
+    if (waits_)
+      cages_.fit({nullptr}, {true});
+    else
+      complete();
+  }
+  TriedCages(const TriedCages&) = delete;
+  TriedCages& operator=(const TriedCages&) = delete;
+
+  bool is_placed() const { return placed_; }
+  /// Whether, and that in a hole of many vertices, it was placed before it was made fair.
+  bool is_one_of_many() const { return of_many_; }
+  /// Whether there is another place for its vertices.
+  bool has_other_place() const { return has_other_place_; }
+  const std::vector<SidedRim>& holes() const { return holes_; }
+  const FillOptions& options() const { return options_; }
+
+  /// Of the first hole. Where none is wanted what folds is not asked whether it crosses itself too.
+  Harm harm() {
+    if (was_seen_) return most_harm;
+    if (!waits_) return tripatch::harm(fills_[0].report);
+    if (no_harm_wanted_) {
+      if (!folded_) folded_ = cages_.triangles_folded(0);
+      if (*folded_ > 0) return {false, *folded_};
+    }
+    return {cages_.harm(0).crossing.has_value(), cages_.harm(0).triangles_folded};
+  }
+  bool is_harmless() { return harm() == Harm(false, 0); }
+  bool crosses_itself() { return waits_ ? cages_.harm(0).crossing.has_value() : fills_[0].report.crosses_itself; }
+  /// With the folds of a patch that it is fitted to.
+  Harm harm_and_folds() {
+    const auto [crosses, folded] = harm();
+    return {crosses, folded + (waits_ || was_seen_ ? 0 : fills_[0].report.folds)};
+  }
+  int rows() const { return waits_ || was_seen_ ? 0 : fills_[0].report.rows; }
+
+  /// To be said of the first fill.
+  void warn(std::string warning) { warnings_.push_back(std::move(warning)); }
+
+  /// Rim, vertices, faces and what changes around them, of the first hole.
+  Fill faces() const {
+    Fill fill;
+    cages_.deliver(0, fill);
+    return fill;
+  }
+  std::vector<Fill> fills() {
+    if (waits_) complete();
+    std::vector<std::string>& said = fills_[0].report.warnings;
+    said.insert(said.end(), warnings_.begin(), warnings_.end());
+    return std::move(fills_);
+  }
+
+private:
+  static CageOptions cage_options(const FillOptions& options) {
+    CageOptions own;
+    own.rim = options.cage_rim;
+    return own;
+  }
+
+  /// Where the mesh around would go on, if they are to be there, else as the fairest ones.
+  void put(OnMeshWhere on_mesh) {
+    const bool alone = follows_ && holes_.size() == 1, by_itself = alone && on_mesh == OnMeshWhere::run_off;
+    const auto place = [&](OnMeshWhere where) {
+      const Placing found = place_on_mesh(ground_, holes_[0], options_, where, cages_);
+      has_other_place_ = found != Placing::nowhere;
+      return placed_ = found == Placing::placed;
+    };
+    const bool of_many = alone && cages_.inside(0).rows() > many && on_mesh != OnMeshWhere::nowhere,
+               anyway = alone && (on_mesh == OnMeshWhere::everywhere || on_mesh == OnMeshWhere::untangled);
+    in_rows_ = placed_ = by_itself && place_in_rows(ground_, holes_[0], options_, cages_);
+    if (!placed_ && (of_many || anyway)) {
+      of_many_ = place(on_mesh == OnMeshWhere::untangled ? on_mesh : OnMeshWhere::everywhere) && of_many;
+      if (!placed_) return cages_.make_fair();
+    }
+    likelier_ = !placed_ && by_itself && cages_.laid_out(0).layout.grown && place(OnMeshWhere::likelier);
+    if (placed_) return;
+    cages_.make_fair();
+    if (alone) place(on_mesh);
+  }
+
+  void make_patches() {
+    FillOptions wanted = options_;
+    if (options_.fairing == Fairing::automatic && exact_ && options_.tension == 0) wanted.fairing.reset();
+    if (placed_) cages_.take_sides();
+    for (std::size_t h = 0; h < holes_.size(); ++h) {
+      check_interruption();
+      // between other than three sides the patch is that of a smooth rim in any case
+      if (holes_[h].is_triangle() && !options_.through.empty())
+        throw Refusal("A cage of three sides meets no points inside", holes_[h].rim);
+      MadePatch made = holes_[h].is_triangle()
+                           ? patch_from_sides(three_sides(cages_.sides(h)), wanted, follows_ ? &cages_.points(h) : nullptr)
+                           : patch_over_polygon(cages_.sides(h), cages_.domain(h), options_, fair_ ? &cages_.points(h) : nullptr);
+      fills_[h].patch = std::move(made.patch);
+      fills_[h].report = std::move(made.report);
+    }
+  }
+
+  void complete() {
+    make_patches();
+    // The rim's limit may run along its edges at very different rates, beside strips that are long beside them: a patch that folds in
+    // following the fairest cage there is worth nothing, and the cage is kept.
+    std::vector<bool> kept;
+    std::vector<SurfacePtr> patches;
+    for (std::size_t h = 0; h < holes_.size(); ++h) {
+      kept.push_back(placed_ || (fair_ && (!holes_[h].is_triangle() || (follows_ && fills_[h].report.folds > 0))));
+      patches.push_back(fills_[h].patch);
+    }
+    if (!waits_) cages_.fit(patches, kept);
+    waits_ = false;
+    for (std::size_t h = 0; h < holes_.size(); ++h) {
+      cages_.complete(h, fills_[h]);
+      Report& report = fills_[h].report;
+      if (follows_) cages_.report_energies(h, report);
+      if (kept[h]) report.folds = 0;  // of a patch that the cage is not fitted to
+      complete_report(holes_[h], options_, {}, report);
+      if (in_rows_)
+        report.method_reason = rows_reason;
+      else if (placed_ && !likelier_)
+        report.method_reason = of_many_ ? many_reason : placed_reason;
+      else if (cages_.laid_out(h).layout.grown)
+        report.method_reason = grown_reason;
+      else if (holes_[h].guessed)
+        report.method_reason = guessed_reason;
+    }
+  }
+
+  const Ground& ground_;
+  const std::vector<SidedRim> holes_;
+  const FillOptions options_;
+  const bool no_harm_wanted_;
+  CageFill cages_;
+  std::vector<Fill> fills_;
+  std::vector<std::string> warnings_;
+  std::optional<Index> folded_;
+  bool exact_ = false, fair_ = false, follows_ = false;
+  bool in_rows_ = false, of_many_ = false, likelier_ = false, placed_ = false, has_other_place_ = false;
+  bool waits_ = false;     ///< for its patch
+  bool was_seen_ = false;  ///< and does harm
+};
+
+using Tried = std::unique_ptr<TriedCages>;
+
+Tried try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
+                OnMeshWhere on_mesh = OnMeshWhere::run_off);
 
 /// A vertex on an edge of an odd rim leaves the face beside it an n-gon, whose limit goes no way along a strip as that of its neighbors
 /// does: beside long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
-std::vector<Fill> with_triangle_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
-                                                   const FillOptions& options, std::vector<Fill> fills) {
-  const auto harm_and_folds = [](const Report& r) { return std::pair(r.crosses_itself, r.folds + r.triangles_folded); };
-  const auto before = harm_and_folds(fills[0].report);
-  if (holes.size() != 1 || options.odd != Odd::split || holes[0].rim.size() % 2 == 0 || before == std::pair(false, Index{0}) ||
-      !may_fold_by_splitting(ground, holes[0]))
-    return fills;
-  FillOptions triangle = options;
+Tried with_triangle_if_that_folds_less(const Ground& ground, Tried tried, SeenWays* seen) {
+  const std::vector<SidedRim>& holes = tried->holes();
+  if (tried->options().odd != Odd::split || holes[0].rim.size() % 2 == 0) return tried;
+  const Harm before = tried->harm_and_folds();
+  if (before == Harm(false, 0) || !may_fold_by_splitting(ground, holes[0])) return tried;
+  FillOptions triangle = tried->options();
   triangle.odd = Odd::triangle;
-  std::vector<Fill> others = cages_together(ground, holes, triangle);
-  if (harm_and_folds(others[0].report) >= before) return fills;
-  others[0].report.warnings.push_back("The rim is odd, and with an edge of it split the fill would " +
-                                      std::string(before.first ? "cross itself" : "fold") + ": it has a triangle instead");
-  return others;
-}
-
-/// Corners that nobody gave are a person's to choose, and no reason for a cage that crosses itself; guessed ones for none that folds either.
-void refuse_if_harmful(const SidedRim& hole, const Report& report) {
-  const bool folds = report.folds > 0 || report.triangles_folded > 0;
-  if (hole.given || !(report.crosses_itself || (hole.guessed && folds))) return;
-  const std::string seen = "A cage between the " + std::to_string(hole.sides()) + " corners that the rim shows",
-                    none = "Rim has no clear corners, and a cage without them";
-  throw Refusal((hole.guessed ? none : seen) + " would " + (report.crosses_itself ? "cross itself" : "fold") + "; select " +
-                    (hole.guessed ? "two to twelve corners" : "others"),
-                at_places(hole.rim, hole.corners));
+  Tried other = try_cages(ground, holes, triangle, seen);
+  if (other->harm_and_folds() >= before) return tried;
+  other->warn("The rim is odd, and with an edge of it split the fill would " +
+              std::string(before.first ? "cross itself" : "fold") + ": it has a triangle instead");
+  return other;
 }
 
 /// Rows that a tolerance has asked for may turn quads over where there is no room for them.
-std::vector<Fill> without_rows_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
-                                                  const FillOptions& options, std::vector<Fill> fills) {
-  const Report& report = fills[0].report;
-  if (holes.size() != 1 || options.resolution || report.rows == 0 || is_harmless(report)) return fills;
-  FillOptions plain = options;
-  plain.resolution = 0;
-  std::vector<Fill> others = cages_together(ground, holes, plain);
-  if (harm(others[0].report) >= harm(report)) return fills;
-  others[0].report.warnings.emplace_back(crossing_rows);
-  return others;
+Tried without_rows_if_that_folds_less(const Ground& ground, Tried tried, FillOptions options, SeenWays* seen) {
+  if (options.resolution || tried->rows() == 0 || tried->is_harmless()) return tried;
+  options.resolution = 0;
+  Tried other = try_cages(ground, tried->holes(), options, seen);
+  if (other->harm() >= tried->harm()) return tried;
+  other->warn(crossing_rows);
+  return other;
 }
 
-/// A cage whose vertices lie elsewhere, where the mesh around would go on or as the fairest one's.
-std::vector<Fill> the_other_if_that_folds_less(const Ground& ground, const std::vector<SidedRim>& holes,
-                                               const FillOptions& options, OnMeshWhere other, std::vector<Fill> fills) {
-  if (holes.size() != 1 || is_harmless(fills[0].report)) return fills;
-  std::vector<Fill> others = cages_together(ground, holes, options, other);
-  return harm(others[0].report) < harm(fills[0].report) ? others : fills;
+/// Of a hole that is alone other ways are tried where one does harm.
+Tried try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
+                OnMeshWhere on_mesh) {
+  Tried tried = std::make_unique<TriedCages>(ground, holes, options, on_mesh, seen);
+  if (holes.size() != 1 || on_mesh == OnMeshWhere::everywhere || on_mesh == OnMeshWhere::untangled) return tried;
+  const bool placed = tried->is_placed(), has_other_place = tried->has_other_place(), of_many = tried->is_one_of_many();
+  if (on_mesh != OnMeshWhere::nowhere) tried = with_triangle_if_that_folds_less(ground, std::move(tried), seen);
+  tried = without_rows_if_that_folds_less(ground, std::move(tried), options, seen);
+  if (on_mesh == OnMeshWhere::nowhere || (!placed && !has_other_place) || tried->is_harmless()) return tried;
+  // its vertices elsewhere, where the mesh around would go on or as the fairest one's
+  const bool too_many = of_many && tried->faces().vertices.rows() > most_fair;
+  const OnMeshWhere elsewhere = too_many ? OnMeshWhere::untangled : placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere;
+  Tried other = try_cages(ground, holes, options, seen, elsewhere);
+  return other->harm() < tried->harm() ? std::move(other) : std::move(tried);
+}
+
+/// Corners that nobody gave are a person's to choose, and no reason for a cage that crosses itself; guessed ones for none that folds either.
+void refuse_if_harmful(const SidedRim& hole, bool crosses_itself, bool folds) {
+  if (hole.given || !(crosses_itself || (hole.guessed && folds))) return;
+  const std::string seen = "A cage between the " + std::to_string(hole.sides()) + " corners that the rim shows",
+                    none = "Rim has no clear corners, and a cage without them";
+  throw Refusal((hole.guessed ? none : seen) + " would " + (crosses_itself ? "cross itself" : "fold") + "; select " +
+                    (hole.guessed ? "two to twelve corners" : "others"),
+                at_places(hole.rim, hole.corners));
 }
 
 /// How much less two choices of corners may turn for the one that begins first to be taken: far more than rounding, radians.
@@ -192,76 +397,27 @@ std::optional<SidedRim> guessed_rim(const Ground& ground, const std::vector<Inde
   return result;
 }
 
-std::vector<Fill> cages_together(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options,
-                                 OnMeshWhere on_mesh) {
-  CageOptions cage_options;
-  cage_options.rim = options.cage_rim;
-  CageFill cages(ground.mesh, ground.left, holes, options.subdivision, options.replaced, layout_options(options), cage_options);
+/// Edges of a fill that the mesh has already would have four faces.
+void refuse_if_doubled(const Ground& ground, const SidedRim& hole, const Fill& fill) {
+  if (!doubles_edges_of_mesh(ground.left, hole.rim, fill.faces)) return;
+  throw Refusal(
+      "A cage would join two vertices of the rim by an edge that the mesh has already; choose other corners, or triangles",
+      at_places(hole.rim, hole.corners));
+}
 
-  // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
-  // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
-  // the patch's own shape is asked for, in the patch.
-  const bool exact = options.cage_rim == CageRim::exact, automatic = options.fairing == Fairing::automatic;
-  const bool fair = automatic && !is_shaped(options), follows = fair && !exact;
-  const bool alone = follows && holes.size() == 1,
-             of_many = alone && cages.inside(0).rows() > many && on_mesh != OnMeshWhere::nowhere;
-  const bool untangled = on_mesh == OnMeshWhere::untangled;
-  const bool in_rows = alone && on_mesh == OnMeshWhere::run_off && place_in_rows(ground, holes[0], options, cages);
-  bool placed =
-      in_rows || (of_many && place_on_mesh(ground, holes[0], options, untangled ? on_mesh : OnMeshWhere::everywhere, cages));
-  const bool first_placed = placed && !in_rows;
-  const bool likelier = !placed && alone && on_mesh == OnMeshWhere::run_off && cages.laid_out(0).layout.grown &&
-                        place_on_mesh(ground, holes[0], options, OnMeshWhere::likelier, cages);
-  placed |= likelier;
-  if (!placed) {
-    cages.make_fair();
-    placed = alone && place_on_mesh(ground, holes[0], options, on_mesh, cages);
+/// A cage without harm between four guessed corners, or of quads that grow in from the rim.
+std::optional<Fill> harmless_without_corners(const Ground& ground, const SidedRim& hole, const FillOptions& options,
+                                             SeenWays& seen) {
+  std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(ground, hole.rim);
+  for (const bool by_angle : {false, true}) {
+    if (!guess || (hole.guessed && !by_angle)) continue;
+    guess->by_angle = by_angle;
+    const Tried other = try_cages(ground, {*guess}, options, &seen);
+    if (!other->is_harmless()) continue;
+    Fill fill = std::move(other->fills()[0]);
+    if (is_finite(fill)) return fill;
   }
-  FillOptions wanted = options;
-  if (automatic && exact && options.tension == 0) wanted.fairing.reset();
-  std::vector<Fill> fills(holes.size());
-  std::vector<SurfacePtr> patches;
-  for (std::size_t h = 0; h < holes.size(); ++h) {
-    check_interruption();
-    // between other than three sides the patch is that of a smooth rim in any case
-    if (holes[h].is_triangle() && !options.through.empty())
-      throw Refusal("A cage of three sides meets no points inside", holes[h].rim);
-    MadePatch made = holes[h].is_triangle()
-                         ? patch_from_sides(three_sides(cages.sides(h)), wanted, follows ? &cages.points(h) : nullptr)
-                         : patch_over_polygon(cages.sides(h), cages.domain(h), options, fair ? &cages.points(h) : nullptr);
-    fills[h].patch = made.patch;
-    fills[h].report = std::move(made.report);
-    patches.push_back(std::move(made.patch));
-  }
-
-  // The rim's limit may run along its edges at very different rates, beside strips that are long beside them: a patch that folds in
-  // following the fairest cage there is worth nothing, and the cage is kept.
-  std::vector<bool> kept;
-  for (std::size_t h = 0; h < holes.size(); ++h)
-    kept.push_back(placed || (fair && (!holes[h].is_triangle() || (follows && fills[h].report.folds > 0))));
-  cages.fit(std::move(patches), kept);
-  for (std::size_t h = 0; h < holes.size(); ++h) {
-    cages.complete(h, fills[h]);
-    if (follows) cages.report_energies(h, fills[h].report);
-    if (kept[h]) fills[h].report.folds = 0;  // of a patch that the cage is not fitted to
-    complete_report(holes[h], options, {}, fills[h].report);
-    std::string& reason = fills[h].report.method_reason;
-    if (in_rows)
-      reason = rows_reason;
-    else if (placed && !likelier)
-      reason = first_placed ? many_reason : placed_reason;
-    else if (cages.laid_out(h).layout.grown)
-      reason = grown_reason;
-    else if (holes[h].guessed)
-      reason = guessed_reason;
-  }
-  if (on_mesh == OnMeshWhere::everywhere || untangled) return fills;
-  fills = with_triangle_if_that_folds_less(ground, holes, options, std::move(fills));
-  fills = without_rows_if_that_folds_less(ground, holes, options, std::move(fills));
-  if (on_mesh == OnMeshWhere::nowhere) return fills;
-  const bool too_many = first_placed && fills[0].vertices.rows() > most_fair;
-  const OnMeshWhere other = too_many ? OnMeshWhere::untangled : placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere;
-  return the_other_if_that_folds_less(ground, holes, options, other, std::move(fills));
+  return {};
 }
 
 }  // namespace
@@ -281,25 +437,23 @@ bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
 }
 
 std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
-  std::vector<Fill> fills = cages_together(ground, holes, options);
+  const SidedRim& first = holes[0];
+  const bool alone = holes.size() == 1;
+  SeenWays seen;
+  const Tried tried = try_cages(ground, holes, options, alone && first.guessed ? &seen : nullptr);
+  if (alone && !first.given && !tried->is_harmless()) {
+    const Fill faces = tried->faces();
+    refuse_infinite(faces, first.rim);
+    refuse_if_doubled(ground, first, faces);
+    if (std::optional<Fill> other = harmless_without_corners(ground, first, options, seen)) return {std::move(*other)};
+    refuse_if_harmful(first, tried->crosses_itself(), true);
+  }
+  std::vector<Fill> fills = tried->fills();
   for (std::size_t h = 0; h < holes.size(); ++h) {
-    const SidedRim& hole = holes[h];
     const Report& report = fills[h].report;
-    refuse_infinite(fills[h], hole.rim);
-    if (doubles_edges_of_mesh(ground.left, hole.rim, fills[h].faces))
-      throw Refusal(
-          "A cage would join two vertices of the rim by an edge that the mesh has already; choose other corners, or triangles",
-          at_places(hole.rim, hole.corners));
-    if (holes.size() == 1 && !hole.given && !is_harmless(report)) {
-      std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(ground, hole.rim);
-      for (const bool by_angle : {false, true}) {
-        if (!guess || (hole.guessed && !by_angle)) continue;
-        guess->by_angle = by_angle;
-        std::vector<Fill> others = cages_together(ground, {*guess}, options);
-        if (is_harmless(others[0].report) && is_finite(others[0])) return others;
-      }
-    }
-    refuse_if_harmful(hole, report);
+    refuse_infinite(fills[h], holes[h].rim);
+    refuse_if_doubled(ground, holes[h], fills[h]);
+    refuse_if_harmful(holes[h], report.crosses_itself, report.folds > 0 || report.triangles_folded > 0);
   }
   return fills;
 }

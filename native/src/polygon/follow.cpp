@@ -1,6 +1,7 @@
 #include "tripatch/polygon/follow.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -22,8 +23,10 @@ Eigen::VectorXd nearest_in_polygon(const Surface& surface, const PolygonDomain& 
   Points at = uv;
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> jets(points.rows(), 9);
   for (int step = 0; step <= newton_steps; ++step) {
-    check_interruption();
-    surface.evaluate(at.data(), at.rows(), 1, jets.data());
+    for (Index first = 0; first < at.rows(); first += points_a_look) {
+      check_interruption();
+      surface.evaluate(at.row(first).data(), std::min(points_a_look, at.rows() - first), 1, jets.row(first).data());
+    }
     for (Index k = 0; k < points.rows(); ++k) {
       const Vec3 off = points.row(k) - jets.row(k).head<3>();
       if (off.norm() < distance[k]) {

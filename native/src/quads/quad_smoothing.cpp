@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +9,9 @@
 #include <numeric>
 #include <optional>
 
+#include "tripatch/math/interruption.h"
 #include "tripatch/math/machines.h"
+#include "tripatch/math/sparse_ldlt.h"
 
 namespace tripatch {
 namespace {
@@ -47,8 +48,10 @@ class RowWidths {
 public:
   /// round: of rows that go round and have no ends; none: the mean length of their edges.
   RowWidths(const Faces& faces, Index rim_count, const Points& positions, std::optional<double> round = {}) {
-    for (Index f = 0; f < faces.size(); ++f)
+    for (Index f = 0; f < faces.size(); ++f) {
+      check_interruption();
       for (std::size_t k = 0, m = faces[f].size(); k < m; ++k) number(edge_of(faces[f][k], faces[f][(k + 1) % m]));
+    }
     std::vector<Index> root(number_.size());
     std::iota(root.begin(), root.end(), Index{0});
     const auto find = [&](Index e) {
@@ -257,6 +260,7 @@ public:
     read_surface();
     const RowWidths widths(layout.faces, layout.rim, positions());
     for (Index f = 0; f < layout.faces.size(); ++f) {
+      check_interruption();
       const auto face = layout.faces[f];
       const std::size_t m = face.size();
       for (std::size_t k = 0; k < m; ++k) {
@@ -273,6 +277,7 @@ public:
 
   void run(int sweeps, int sharpening) {
     for (int sweep = 0; sweep < sweeps + sharpening; ++sweep) {
+      check_interruption();
       if (surface_ && sweep > 0 && sweep % sweeps_a_metric == 0) read_surface();
       bound_ = 0;
       for (const Corner& corner : corners_)
@@ -537,6 +542,7 @@ private:
   }
 
   void move(Index v) {
+    check_interruption();
     const Eigen::Vector2d d = (layout_.uv.row(v) - base_.row(v)).transpose();
     const Taylor& t = taylor_[v];
     Vector<Second> moving;
@@ -633,7 +639,9 @@ void spread_inside(const Faces& faces, Index rim, Points& rows) {
   }
   Eigen::SparseMatrix<double> laplacian(unknowns, unknowns);
   laplacian.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(laplacian);
+  SparseLdlt solver;
+  solver.analyzePattern(laplacian);
+  solver.factorize(laplacian);
   rows.bottomRows(unknowns) = solver.solve(right);
 }
 

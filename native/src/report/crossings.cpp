@@ -90,6 +90,7 @@ private:
     for (Index k = first; k < end; ++k) bounds.take(bounds_[order_[k]]);
     nodes_.push_back({bounds, first, end});
     if (end - first <= few) return at;
+    check_interruption();
     Index axis = 0;
     (bounds.high - bounds.low).maxCoeff(&axis);
     const Index middle = (first + end) / 2;
@@ -179,6 +180,7 @@ std::vector<Crossing> find_crossings(const PointsRef& vertices, const PointsRef&
   const auto at = [&](Index v) -> Vec3 { return v < n ? vertices.row(v) : added.row(v - n); };
   std::vector<CrossingTriangle> triangles;
   for (Index f = 0; f < faces.size(); ++f) {
+    if (f % 256 == 0) check_interruption();
     const auto face = faces[f];
     for (std::size_t k = 2; k < face.size(); ++k) {
       CrossingTriangle t{{face[0], face[k - 1], face[k]}, {at(face[0]), at(face[k - 1]), at(face[k])}, {}, 0};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "tripatch/cage/cage_fit.h"
@@ -33,16 +34,22 @@ public:
   /// The vertices inside the first layout of a hole, in its order, and the layout.
   Points inside(std::size_t hole) const { return fit_->inside(hole); }
   const CageHole& laid_out(std::size_t hole) const { return laid_out_[hole]; }
-  /// Puts the vertices of a hole that is alone where they shall be, in place of the fairest: no fit moves them.
+  /// Puts the vertices of a hole that is alone where they shall be, in place of the fairest: no fit moves them. What its patch is to be
+  /// made on it has from `take_sides`.
   void place(const Points& inside);
+  void take_sides();
 
   /// To a patch for each hole, with more rows where the tolerance asks for them. fair: by hole, whether
-  /// it keeps to the fairest cage itself, as far as its rows are that one's.
-  void fit(std::vector<SurfacePtr> patches, const std::vector<bool>& fair);
+  /// it keeps to the fairest cage itself, as far as its rows are that one's; as long as no rows are asked for it needs no patch.
+  void fit(const std::vector<SurfacePtr>& patches, const std::vector<bool>& fair);
 
-  /// The rest of a fill that has its patch: vertices, faces, what changes around them, and the numbers of the report, whose seam is
-  /// the one between the limit surfaces.
-  void complete(std::size_t hole, Fill& fill) const;
+  /// Of a cage that is fitted.
+  const CageHarm& harm(std::size_t hole);
+  Index triangles_folded(std::size_t hole) const { return fit_->triangles_folded(hole); }
+  /// Of a fill: vertices, faces, and what changes around them.
+  void deliver(std::size_t hole, Fill& fill) const;
+  /// That and the rest of a fill that has its patch, and the numbers of the report, whose seam is the one between the limit surfaces.
+  void complete(std::size_t hole, Fill& fill);
   /// The energies of the fairest cage, where it is what is made fair and not the patch.
   void report_energies(std::size_t hole, Report& report) const;
 
@@ -52,8 +59,7 @@ private:
   std::vector<std::optional<SurfacePoints>> points_to_follow(const std::vector<bool>& fair) const;
   std::vector<Index> numbering(std::size_t hole) const;
   void take_smooth_rims();
-  void deliver(std::size_t hole, Fill& fill) const;
-  void report(std::size_t hole, Report& report) const;
+  void report(std::size_t hole, const Surface& patch, Report& report);
   void report_poles(std::size_t hole, Report& report) const;
 
   const Mesh mesh_;
@@ -74,7 +80,7 @@ private:
   std::vector<CageSides> sides_, seams_;  ///< what the patch is made on, and what the fill is to be tangent to
   std::vector<SurfacePoints> points_;
   std::vector<CageEnergies> energies_;
-  std::vector<SurfacePtr> patches_;
+  std::vector<std::optional<CageHarm>> harm_;
 };
 
 /// Holes in groups: those that share faces of their first two rings belong together. mesh: without the faces in them.

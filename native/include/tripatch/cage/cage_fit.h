@@ -11,6 +11,7 @@
 #include "tripatch/cage/cage_options.h"
 #include "tripatch/cage/cage_samples.h"
 #include "tripatch/cage/closed_cage.h"
+#include "tripatch/cage/limit_mesh.h"
 #include "tripatch/fairing/follow.h"
 #include "tripatch/patch/surface.h"
 
@@ -27,11 +28,15 @@ struct CageMeasures {
   double surroundings_max = 0, surroundings_rms = 0;  ///< movement of the old limit surface, first two rings
   Index surroundings_where = -1;                      ///< a vertex of the face that moved most
   double corners_moved = 0;                           ///< largest movement of the limit at the corners
-  Index triangles_folded = 0;                         ///< edges of the fill's limit surface, see count_folded_edges
-  std::optional<Vec3> crossing;                       ///< where the fill's limit surface goes through itself
-  std::optional<Vec3> faces_crossing;                 ///< where the fill's own faces do
   std::vector<std::vector<double>>
       seam_angles;  ///< by side, degrees, between the limit normals of the two faces along each rim edge; -1: none there
+};
+
+/// What speaks against a cage, whatever its patch.
+struct CageHarm {
+  Index triangles_folded = 0;          ///< edges of the fill's limit surface, see count_folded_edges
+  std::optional<Vec3> crossing;        ///< where the fill's limit surface goes through itself
+  std::optional<Vec3> faces_crossing;  ///< where the fill's own faces do
 };
 
 /// Phases: made; on a first layout `make_fair` (but for an exact rim), then patches on `sides`; `fit`; what it became.
@@ -67,6 +72,9 @@ public:
   /// Faces of the cage's fill that cross themselves or are bent inwards: a corner of theirs turns against the others.
   Index faces_crossed(std::size_t hole) const;
   CageMeasures measures(std::size_t hole, const Surface& patch) const;
+  CageHarm harm(std::size_t hole) const;
+  /// Its folded triangles alone.
+  Index triangles_folded(std::size_t hole) const;
 
 private:
   bool exact() const { return options_.rim == CageRim::exact; }
@@ -76,6 +84,7 @@ private:
   std::vector<Index> free_vertices() const;
   bool replaces(const SidedRim& hole) const;
   Eigen::VectorXd deviation(std::size_t hole, const Surface& patch) const;
+  LimitMesh sampled(std::size_t hole) const;
   void measure_surroundings(std::size_t hole, CageMeasures& measures) const;
   void measure_rim(std::size_t hole, CageMeasures& measures) const;
   void move_to_patch(std::size_t hole, const Surface& patch);

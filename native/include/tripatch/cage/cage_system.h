@@ -3,10 +3,10 @@
 #pragma once
 
 #include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
 #include <span>
 #include <vector>
 
+#include "tripatch/math/sparse_ldlt.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -58,7 +58,7 @@ private:
   std::vector<int> slot_;               ///< of each vertex, -1: not free
   std::vector<std::vector<int>> rows_;  ///< of each slot, those that it occurs with, itself included, in order
   Eigen::SparseMatrix<double> pattern_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  SparseLdlt solver_;
 };
 
 }  // namespace tripatch
