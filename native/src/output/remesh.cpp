@@ -243,7 +243,7 @@ private:
     const TwoEdges near(ca, cb), far(db, da);
     const bool folded = face_away(near, far);
     const double s1 = near.normal.norm(), s2 = far.normal.norm(), c1 = ca.dot(cb), c2 = da.dot(db);
-    const double sine = s1 * c2 + c1 * s2;  // of both angles
+    const double sine = s1 * c2 + c1 * s2;     // of both angles
     if (!folded && !(sine < 0)) return false;  // as most are, whatever a flip would bring
     if (folded != face_away({ca, cd}, {cd, cb})) return folded;
     return sine < -tie_between(near, far) * (s1 + std::abs(c1)) * (s2 + std::abs(c2));
