@@ -38,8 +38,8 @@ bool DomainMesh::face_away(const TwoEdges& one, const TwoEdges& other) const {
 }
 
 double DomainMesh::tie_between(const TwoEdges& one, const TwoEdges& other) const {
-  const double shortest = std::min(
-      {one.first.squaredNorm(), one.second.squaredNorm(), other.first.squaredNorm(), other.second.squaredNorm()});
+  const double shortest =
+      std::min({one.first.squaredNorm(), one.second.squaredNorm(), other.first.squaredNorm(), other.second.squaredNorm()});
   return tie * tie * shortest < lowest_ * lowest_ ? lowest_ / std::sqrt(shortest) : tie;
 }
 
