@@ -20,41 +20,41 @@ struct Columns {
   std::array<double, most_together> times;
 };
 
-/// y less `count` columns, from `first` of their rows on.
-template <int count>
+/// y less N columns, from `first` of their rows on.
+template <int N>
 void subtract_columns_from(int first, double* y, const Columns& columns, const int* rows, int size) {
   for (int p = first; p < size; ++p) {
     double sum = y[rows[p]];
-    for (int c = 0; c < count; ++c) sum -= columns.values[c][p] * columns.times[c];
+    for (int c = 0; c < N; ++c) sum -= columns.values[c][p] * columns.times[c];
     y[rows[p]] = sum;
   }
 }
 
 #ifdef TRIPATCH_PACKS
 /// Rows that follow each other by fours.
-template <int count>
+template <int N>
 TRIPATCH_PACKED void subtract_columns_packed(double* y, const Columns& columns, const int* rows, int size) {
   int p = 0;
   for (; p + lanes <= size; p += lanes) {
     if (rows[p + lanes - 1] - rows[p] != lanes - 1) {
-      subtract_columns_from<count>(p, y, columns, rows, p + lanes);
+      subtract_columns_from<N>(p, y, columns, rows, p + lanes);
       continue;
     }
     Pack sum = loaded(y + rows[p]);
-    for (int c = 0; c < count; ++c) sum = sum - loaded(columns.values[c] + p) * all_lanes(columns.times[c]);
+    for (int c = 0; c < N; ++c) sum = sum - loaded(columns.values[c] + p) * all_lanes(columns.times[c]);
     store(sum, y + rows[p]);
   }
-  subtract_columns_from<count>(p, y, columns, rows, size);
+  subtract_columns_from<N>(p, y, columns, rows, size);
 }
 #endif
 
-template <int count>
+template <int N>
 void subtract_columns(double* y, const Columns& columns, const int* rows, int size) {
 #ifdef TRIPATCH_PACKS
   static const bool are_there = __builtin_cpu_supports("avx2");
-  if (are_there) return subtract_columns_packed<count>(y, columns, rows, size);
+  if (are_there) return subtract_columns_packed<N>(y, columns, rows, size);
 #endif
-  subtract_columns_from<count>(0, y, columns, rows, size);
+  subtract_columns_from<N>(0, y, columns, rows, size);
 }
 
 constexpr std::array subtract_any_columns = {subtract_columns<1>, subtract_columns<2>, subtract_columns<3>, subtract_columns<4>,
