@@ -225,9 +225,10 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   return fill;
 }
 
-/// Faces that a fill may look at: so far (shares of the hole's diameter), and so many rings more as there are neighbors of neighbors looked at.
+/// Rings of faces beyond those that a fill looks at: neighbors of neighbors are looked at too.
 constexpr int rings_beyond = 3;
 
+/// reach: as a share of the hole's diameter.
 std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                                    const Connectivity* continued, double reach) {
   double length = 0;

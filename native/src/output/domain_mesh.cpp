@@ -26,10 +26,10 @@ double shape(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 bool DomainMesh::face_away(const TwoEdges& one, const TwoEdges& other) const {
-  const double cosine = one.normal.dot(other.normal);
-  if (!(cosine < 0)) return false;
+  const double dot = one.normal.dot(other.normal);
+  if (!(dot < 0)) return false;
   const double s = one.normal.norm(), t = other.normal.norm();
-  if (!(cosine < -tie * s * t)) return false;
+  if (!(dot < -tie * s * t)) return false;
   const auto has_area = [&](double area, const TwoEdges& edges) {
     const double a = edges.first.norm(), b = edges.second.norm();
     return area > tie * a * b && area > lowest_ * std::max(a, b);

@@ -157,7 +157,7 @@ private:
   };
   std::vector<Spoke> spokes_;
   struct StarTriangle {
-    Vec3 normal;  // as long as twice the area, which is
+    Vec3 normal;  // as long as `area`, which is twice the triangle's
     double area, shape;
   };
   std::vector<StarTriangle> star_;
