@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
-from scipy.spatial import cKDTree
+from scipy.spatial import Delaunay, cKDTree
 from shapes import cube_sphere
 from tripatch import _arrays, _native
 
@@ -117,6 +117,20 @@ def test_an_odd_rim_of_many_sides(odd):
     assert sum(len(f) == 3 for f in fill.faces) == (odd == "triangle")
     assert len(fill.split_edges[0]) == (odd == "split")
     assert fill.report.triangles_folded == 0 and fill.report.seam_angle_max < 1e-3
+
+
+def test_extra_rows_that_do_not_fit_are_left_out():
+    # a jagged rim: rows beside it would cross each other
+    rng = np.random.default_rng(3)
+    plane = rng.uniform(-1, 1, (500, 2))
+    vertices = np.column_stack([plane, 0.2 * (plane**2).sum(axis=1)])
+    triangles = Delaunay(plane).simplices
+    faces = triangles[np.linalg.norm(plane[triangles].mean(axis=1), axis=1) > 0.4].tolist()
+    rim = next(hole for hole in tripatch.find_holes(faces) if np.linalg.norm(plane[hole], axis=1).max() < 0.6)
+    plain = tripatch.fill(vertices, faces, rim=rim, output="cage", resolution=0)
+    fill = tripatch.fill(vertices, faces, rim=rim, output="cage", resolution=3)
+    assert "Only 0 of 3 extra rows of quads fit" in fill.report.warnings and fill.report.rows == 0
+    assert fill.faces == plain.faces and (fill.vertices == plain.vertices).all()
 
 
 def test_rows_shape_and_several_holes():

@@ -436,7 +436,10 @@ bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
   return false;
 }
 
-std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+namespace {
+
+/// With as many extra rows of quads as are asked for.
+std::vector<Fill> with_these_rows(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
   const SidedRim& first = holes[0];
   const bool alone = holes.size() == 1;
   SeenWays seen;
@@ -456,6 +459,30 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
     refuse_if_harmful(holes[h], report.crosses_itself, report.folds > 0 || report.triangles_folded > 0);
   }
   return fills;
+}
+
+bool is_harmless(const Fill& fill) { return harm(fill.report) == Harm(false, 0) && fill.report.folds == 0; }
+
+}  // namespace
+
+std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+  const int wanted = options.resolution.value_or(0);
+  if (wanted == 0 || holes.size() > 1) return with_these_rows(ground, holes, options);
+  FillOptions fewer = options;
+  std::optional<Fill> best;
+  int most = 0;
+  for (int rows = wanted; !best || !is_harmless(*best); rows /= 2) {
+    fewer.resolution = rows;
+    try {
+      Fill fill = std::move(with_these_rows(ground, holes, fewer)[0]);
+      if (!best || harm(fill.report) < harm(best->report)) best = std::move(fill), most = rows;
+    } catch (const Refusal&) {
+      if (rows == 0 && !best) throw;
+    }
+    if (rows == 0) break;
+  }
+  if (most < wanted) best->report.warnings.push_back(fewer_rows(most, wanted));
+  return {std::move(*best)};
 }
 
 namespace {

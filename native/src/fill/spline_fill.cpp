@@ -216,9 +216,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops), report);
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   report.rows = quads ? rows : 0;
-  if (quads && rows < options.resolution.value_or(0))
-    report.warnings.push_back("Only " + std::to_string(rows) + " of " + std::to_string(*options.resolution) +
-                              " extra rows of quads fit");
+  if (quads && rows < options.resolution.value_or(0)) report.warnings.push_back(fewer_rows(rows, *options.resolution));
   for (Index pole : quads ? quads->poles : std::vector<Index>())
     report.poles.push_back({mesh_index(pole), std::ranges::count(quads->faces.corners, pole)});
   if (!made.plainer.empty()) report.warnings.push_back(made.plainer);

@@ -29,6 +29,10 @@ double deviation(const Cover& cover, const Surface& patch) {
 const char* const crossing_rows = "With the rows that the tolerance asks for the cage would fold or cross itself: it has none";
 const char* const too_few_rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand";
 
+std::string fewer_rows(int rows, int wanted) {
+  return "Only " + std::to_string(rows) + " of " + std::to_string(wanted) + " extra rows of quads fit";
+}
+
 std::size_t longest_edge(const PointsRef& rim) {
   const Index n = rim.rows();
   const auto length = [&](Index k) { return (rim.row(k) - rim.row((k + 1) % n)).norm(); };
