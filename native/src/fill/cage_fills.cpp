@@ -461,8 +461,6 @@ std::vector<Fill> with_these_rows(const Ground& ground, const std::vector<SidedR
   return fills;
 }
 
-bool is_harmless(const Fill& fill) { return harm(fill.report) == Harm(false, 0) && fill.report.folds == 0; }
-
 }  // namespace
 
 std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
@@ -471,7 +469,7 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
   FillOptions fewer = options;
   std::optional<Fill> best;
   int most = 0;
-  for (int rows = wanted; !best || !is_harmless(*best); rows /= 2) {
+  for (int rows = wanted; !best || harm(best->report) != Harm(false, 0); rows /= 2) {
     fewer.resolution = rows;
     try {
       Fill fill = std::move(with_these_rows(ground, holes, fewer)[0]);
