@@ -48,6 +48,37 @@ TEST_CASE("surroundings are followed over a quarter of the hole's diameter, and 
   CHECK(filled(Rings(radii(0.0052, 60), flat), coarse_inside()).rings == 40);
 }
 
+TEST_CASE("a resolution of more than half of the rim's edges has the surface of none", "[thresholds]") {
+  const auto dome = [](double x, double y) -> Vec3 { return {x, y, std::sqrt(1.3 - x * x - y * y)}; };
+  const Rings rings(radii(0.05, 2), dome);
+  const PlaneFill own = filled(rings);
+  const PlanePoints places = own.rim_uv / 2;
+  const auto off_by = [&](int resolution) {
+    PlaneFillOptions options;
+    options.resolution = resolution;
+    const PlaneFill fill = filled(rings, options);
+    return (fill.surface->positions(as_rows(places)) - own.surface->positions(as_rows(places))).norm();
+  };
+  const int half = static_cast<int>(rings.rim.size()) / 2;
+  CHECK(off_by(half + 1) == 0);
+  CHECK(off_by(half) > 0);
+}
+
+TEST_CASE("what both models of a rough hole are apart by is known of finer triangles too", "[thresholds]") {
+  const auto rough = [](double x, double y) -> Vec3 { return {x, y, 0.03 * random_at(x, y)}; };
+  const Rings rings(radii(0.13, 3), rough);
+  PlaneFillOptions options;
+  options.resolution = 40;
+  const PlaneFill own = filled(rings), fine = filled(rings, options);
+  REQUIRE(fine.vertices.rows() > 10 * own.vertices.rows());
+  CHECK(fine.surface->positions(as_rows(own.rim_uv)) == own.surface->positions(as_rows(own.rim_uv)));
+  for (Index k = 0; k < own.vertices.rows(); ++k) {
+    Index nearest = 0;
+    (fine.uv.rowwise() - own.uv.row(k)).rowwise().norm().minCoeff(&nearest);
+    CHECK(fine.deviation[nearest] == Approx(own.deviation[k]).epsilon(0.25));
+  }
+}
+
 TEST_CASE("nothing is laid out where half of the rim's edges are 2e-10 of its size or less", "[thresholds]") {
   const auto told = [](double out) {  // edges of about 0.13 in a rim with one vertex far out
     Rings rings(radii(0.1, 3), flat);

@@ -285,7 +285,8 @@ struct Attempt {
   double left_by_reference = 0;  // scene units
   std::optional<SecondModel> second;
   double share_of_second = 0;
-  double fed_back = 0;  // share of the fill's error that its layout hands on to it
+  Eigen::VectorXd spread;  // variance of both models about their average, of each new vertex; none where there is one model
+  double fed_back = 0;     // share of the fill's error that its layout hands on to it
 };
 
 /// The disc's points in the plane, laid out with the hole as it is filled so far.
@@ -505,6 +506,53 @@ void hold_back(const Disc& disc, const Rim& rim, Attempt& result) {
     result = std::move(held);
 }
 
+/// Variance of both models about their average, of each new vertex.
+Eigen::VectorXd spread_of_models(const Attempt& result) {
+  const Index added = result.second->vertices.rows();
+  const Points normals = result.surface->normals(as_rows(PlanePoints(result.made.uv.bottomRows(added))));
+  const double share = std::min(result.share_of_second, most_of_second);
+  const Points way = result.second->vertices - result.on_field.bottomRows(added);
+  const Eigen::VectorXd between = way.cwiseProduct(normals).rowwise().sum();
+  const Eigen::VectorXd apart = result.second->apart.cwiseProduct(normals).rowwise().sum();
+  return share * (1 - share) * between.cwiseAbs2() + share * apart.cwiseAbs2();
+}
+
+/// Values at some places of the plane, carried to others: none below zero.
+Eigen::VectorXd carried(const Eigen::VectorXd& values, const PlanePoints& places, double unit, const PlanePoints& to) {
+  std::vector<Index> rows;
+  for (Index k = 0; k < places.rows(); k += (places.rows() + points_of_difference - 1) / points_of_difference) rows.push_back(k);
+  FieldOptions fields;
+  fields.orders = {order_of_difference};
+  fields.unit = unit;
+  Points known = Points::Zero(static_cast<Index>(rows.size()), 3);
+  known.col(0) = rows_of(values, rows);
+  try {
+    return Field(rows_of(places, rows), known, fields).positions(as_rows(to)).col(0).cwiseMax(0);
+  } catch (const InvalidArgument&) {  // places on a line
+    return Eigen::VectorXd::Constant(to.rows(), values.maxCoeff());
+  }
+}
+
+/// Whether a resolution asks for more than twice the triangles that the rim's edges do.
+bool is_finer(const Rim& rim, const PlaneFillOptions& options) {
+  return options.resolution && 2 * *options.resolution > rim.points.rows() && options.through.empty() &&
+         options.planes.rows() == 0;
+}
+
+/// Other triangles on the same surface. False where they will not do.
+bool refine(const Rim& rim, std::optional<int> resolution, Attempt& result) {
+  const Index r = rim.points.rows();
+  const PlanePoints places = result.made.uv;
+  Eigen::VectorXd spread = Eigen::VectorXd::Zero(places.rows());
+  if (result.second) spread.tail(places.rows() - r) = spread_of_models(result);
+  result.made = remesh(polygon_of(rim, result.rim_uv), resolution, *result.surface);
+  if (!result.made.points.allFinite() || !stay(result.made.points, rim)) return false;
+  const PlanePoints inside = result.made.uv.bottomRows(result.made.uv.rows() - r);
+  if (result.second) result.spread = carried(spread, places, std::max(rim.edge, 1e-300), inside);
+  result.second.reset();
+  return !result.made.doubles_edges || rim.doubles_edges;
+}
+
 /// Moves vertices of folded edges, and flips edges, until none is folded, or no more than of the rim's own; returns how many are.
 Index unfolded(const Rim& rim, Attempt& result) {
   if (folded_edges(result.made.points, result.made.triangles, rim.beyond) == 0) return 0;
@@ -537,6 +585,12 @@ struct Bends {
   bool keep_planes = true;
 };
 
+/// Whether an attempt, its folds mended, does no more harm than its rim.
+bool serves(const Rim& rim, Attempt& result) {
+  return unfolded(rim, result) <= most_folds(rim, result) &&
+         folded_edges(result.made.points, result.made.triangles, {}) <= rim.folds_of_plain && !crosses(rim, result);
+}
+
 /// The second model by itself where the field folds: on meshes whose noise is a third of an edge the field passes the rim's vertices so
 /// far off that its triangles fold back over the mesh, and so may those that keep the planes beside the rim, which are noise. False, and
 /// as it was, where this folds more than the rim too.
@@ -547,9 +601,7 @@ bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
     for (int round = 0; round < 2; ++round) {  // the second by angles of triangles that do not fold
       const std::optional<SecondModel> second = second_model(alone.made.points, alone.made.triangles, disc, orders, keep_planes);
       if (!second || !take_second(rim, *second, 1, alone)) break;
-      if (unfolded(rim, alone) > most_folds(rim, alone)) continue;
-      if (folded_edges(alone.made.points, alone.made.triangles, {}) > rim.folds_of_plain) continue;
-      if (crosses(rim, alone)) continue;
+      if (!serves(rim, alone)) continue;
       result = std::move(alone);
       return true;
     }
@@ -602,14 +654,8 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   }
   const double near_rim = deviation.tail(inside.rows()).norm() / std::sqrt(static_cast<double>(inside.rows()));
   fill.deviation = with_layout_errors(deviation.head(added), near_rim, result.fed_back);
-  if (result.second) {  // and the spread of the models about their average
-    const double share = std::min(result.share_of_second, most_of_second);
-    const Points way = result.second->vertices - result.on_field.bottomRows(added);
-    const Eigen::VectorXd between = way.cwiseProduct(fill.normals).rowwise().sum();
-    const Eigen::VectorXd apart = result.second->apart.cwiseProduct(fill.normals).rowwise().sum();
-    fill.deviation =
-        (fill.deviation.cwiseAbs2() + share * (1 - share) * between.cwiseAbs2() + share * apart.cwiseAbs2()).cwiseSqrt();
-  }
+  const Eigen::VectorXd spread = result.second ? spread_of_models(result) : result.spread;
+  if (spread.size() > 0) fill.deviation = (fill.deviation.cwiseAbs2() + spread).cwiseSqrt();
   fill.fed_back = result.fed_back;
   fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
   fill.folds = folded_edges(result.made.points, fill.triangles, rim.beyond);
@@ -738,6 +784,9 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
       Way{0, 1, {2}, "Only the first ring of the surroundings is followed, as flat as possible: otherwise the fill would fold"},
       Way{0, 0, of_rim_alone, "The fill follows its rim alone: with the surroundings it would fold or run away"}};
   const Connectivity& continued = options.continued ? *options.continued : around;
+  const bool finer = is_finer(rim, options);  // the surface is that of triangles like the rim's, which bend in far less time
+  PlaneFillOptions coarse = options;
+  if (finer) coarse.resolution.reset();
   for (const Way& way : ways) {
     if (way.rings == 0 && best.surface) break;
     Disc disc = disc_to_sample(mesh, continued, loops, way.reach * rim.diameter, way.rings);
@@ -746,14 +795,16 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     FieldOptions fields;
     fields.orders = disc.triangles.empty() ? of_rim_alone : way.orders;
     fields.unit = std::max(rim.edge, 1e-300);
-    std::optional<Attempt> result = attempts(disc, rim, samples, fields, options);
+    std::optional<Attempt> result = attempts(disc, rim, samples, fields, coarse);
     if (!result || (result->made.doubles_edges && !rim.doubles_edges)) continue;
     if (way.reach > 0) {
-      look_farther(mesh, continued, loops, rim, fields, options, disc, *result);
-      look_closer(disc, rim, fields, options, *result);
+      look_farther(mesh, continued, loops, rim, fields, coarse, disc, *result);
+      look_closer(disc, rim, fields, coarse, *result);
     }
     average_models(disc, rim, *result);
     hold_back(disc, rim, *result);
+    const std::optional<Attempt> before = finer ? result : std::nullopt;
+    if (finer && !refine(rim, options.resolution, *result)) continue;
     const Index folds = folded_edges(result->made.points, result->made.triangles, rim.beyond);
     const Index left = unfolded(rim, *result);
     const bool is_long = disc.rim > long_rim;  // bending its thousands of triangles takes longer than all the rest
@@ -762,8 +813,13 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     const Index most = most_folds(rim, *result);
     const bool fails = left > most || folds_inside || crosses(rim, *result);
     const bool prefers_second = !is_long && mostly_details(details_in(*result)) && (fails || way.reach == 0);
-    const bool bends_least =
-        (prefers_second || (fails && !is_long)) && second_alone(with_two_rings(mesh, continued, loops, disc), rim, *result);
+    bool bends_least = false;
+    if (prefers_second || (fails && !is_long)) {
+      Attempt alone = before ? *before : *result;
+      bends_least = second_alone(with_two_rings(mesh, continued, loops, disc), rim, alone);
+      if (bends_least && finer) bends_least = refine(rim, options.resolution, alone) && serves(rim, alone);
+      if (bends_least) result = std::move(alone);
+    }
     if (fails && !bends_least) continue;
     if (bends_least && !prefers_second && best.surface) continue;
     PlaneFill fill = completed(*result, rim, disc);
