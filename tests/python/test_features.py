@@ -94,6 +94,15 @@ def test_a_crease_goes_on_across_a_jagged_hole(solid, bound, seed):
     assert fill.report.triangles_folded == 0
 
 
+@pytest.mark.parametrize("degrees", [125, 140])
+def test_an_edge_sharper_than_a_fold_goes_on_and_is_counted_as_the_rim_s_own(degrees):
+    lift, distance = roof(degrees)
+    vertices, faces = creased(lift)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
+    assert distances(fill, vertices, distance)[0].max() < 1e-9
+    assert fill.report.triangles_folded == fill.report.rim_folded == len(fill.feature_edges) > 3
+
+
 @pytest.mark.parametrize("seed", [41, 44, 45])
 def test_a_crease_that_gets_blunt_goes_on_all_the_same(seed):
     """Where two pipes meet, from 60 degrees on one side of a large hole to 34 and less on the other."""

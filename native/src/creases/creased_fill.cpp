@@ -575,8 +575,8 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
   points.bottomRows(fill.vertices.rows()) = fill.vertices;
   fill.folds = count_folded_edges(points, Points(0, 3), faces_of(fill.triangles), faces_beyond_rows(mesh, around, {rim}));
   fill.rim_folds = folds_of_rim(mesh, around, {rim});
-  // walls that meet so sharply leave no other way either
-  if (features.walls && std::ranges::all_of(fills, [](const PlaneFill& part) { return part.folds == 0; }))
+  // walls and creases that meet so sharply leave no other way either
+  if (std::ranges::all_of(fills, [](const PlaneFill& part) { return part.folds == 0; }))
     fill.rim_folds = std::max(fill.rim_folds, fill.folds);
   if (fill.folds > fill.rim_folds || crosses_itself(points, fill.triangles)) return {};
   return fill;
