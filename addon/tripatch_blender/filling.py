@@ -111,9 +111,14 @@ class Outcome:
 
     def sentence(self):
         """'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'"""
-        told = {"cage_rim": self.cage_rim, "quads": self.faces, "limit": bool(self.beside), "into": self.beside + self.live}
-        left = f"; {self.triangles} of {self.faces} new faces are triangles" if self.triangles else ""
-        return words.filled(self.reports, **told) + left
+        return words.filled(
+            self.reports,
+            cage_rim=self.cage_rim,
+            quads=self.faces,
+            triangles=self.triangles,
+            limit=bool(self.beside),
+            into=self.beside + self.live,
+        )
 
 
 #: What is said of a rim of no extent.

@@ -367,6 +367,14 @@ def test_quads_of_an_odd_rim_leave_every_face_of_the_file(one, tmp_path, capsys)
     assert (tmp_path / "out.obj").read_bytes().startswith(one.read_bytes())
 
 
+def test_triangles_among_quads_are_counted(tmp_path, capsys):
+    one = write_obj(tmp_path / "in.obj", sphere_hole(5))
+    for options, told in (([], False), (["--output", "quads", "--odd", "triangle", "--resolution", "0"], True)):
+        code, said, _ = run(capsys, "fill", one, tmp_path / "out.obj", *options)
+        new = [len(face) for face in files.read(tmp_path / "out.obj").faces[len(files.read(one).faces) :]]
+        assert code == 0 and (f"; {new.count(3)} of {len(new)} new faces are triangles" in said) == told
+
+
 def test_cages_say_what_a_file_cannot_hold(one, tmp_path, capsys):
     out = tmp_path / "out.obj"
     code, _, errors = run(

@@ -169,8 +169,10 @@ def _fill(args: argparse.Namespace) -> int:
     if not same_format:
         _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
     cage_rim = options.get("cage_rim", "smooth") if options.get("output") == "cage" else ""
-    limit, quads = options.get("surroundings") == "limit", sum(len(fill.faces) for fill in fills)
-    print(words.filled([fill.report for fill in fills], cage_rim=cage_rim, quads=quads, limit=limit))
+    limit, faces = options.get("surroundings") == "limit", [face for fill in fills for face in fill.faces]
+    triangles = sum(len(face) == 3 for face in faces) if options.get("output") == "quads" else 0
+    reports = [fill.report for fill in fills]
+    print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit))
     folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
     if folded:
         _say(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")

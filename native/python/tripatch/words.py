@@ -20,7 +20,13 @@ def length(value: float) -> str:
 
 
 def filled(
-    reports: Sequence[Report], *, cage_rim: str = "", quads: int = 0, limit: bool = False, into: Sequence[str] = ()
+    reports: Sequence[Report],
+    *,
+    cage_rim: str = "",
+    quads: int = 0,
+    triangles: int = 0,
+    limit: bool = False,
+    into: Sequence[str] = (),
 ) -> str:
     """What became of holes: 'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'.
 
@@ -29,7 +35,8 @@ def filled(
 
     Args:
         reports: of the filled holes.
-        cage_rim: of fills that are cages; quads: how many faces they have.
+        cage_rim: of fills that are cages.
+        quads: how many faces cages, or fills with quads, have; triangles: how many of these are none.
         limit: the surroundings are a limit surface, which is known exactly.
         into: names of the objects that the fills became.
     """
@@ -59,6 +66,8 @@ def filled(
         said.append(f"seam within {degrees(max(*kept, known))} (surroundings known to {degrees(known)})")
     if others:
         said.append(f"bends by up to {degrees(max(others))} at sides met in position only")
+    if triangles:
+        said.append(f"{triangles} of {quads} new faces are triangles")
     return "; ".join(said)
 
 
