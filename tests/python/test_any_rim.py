@@ -151,17 +151,29 @@ def test_options_of_patches_are_refused_where_the_spline_is_insisted_on_and_a_wa
     assert any("bulge" in warning for warning in fill.report.warnings)
 
 
-def test_an_island_stays():
-    vertices, faces = irregular(wave, n=30, cut=0.0)
+@pytest.mark.parametrize("island_is_rim", [False, True], ids=["outer rim", "inner rim, far from the outer one"])
+def test_an_island_stays(island_is_rim):
+    inner, n = (0.06, 100) if island_is_rim else (0.25, 30)
+    vertices, faces = irregular(wave, n=n, cut=0.0)
     size = np.linalg.norm(np.array([np.mean(vertices[f], axis=0) for f in faces])[:, :2], axis=1)
-    kept = [f for f, s in zip(faces, size, strict=True) if s > 0.6 or s < 0.25]
+    kept = [f for f, s in zip(faces, size, strict=True) if s > 0.6 or s < inner]
     loops = sorted(tripatch.find_holes(kept), key=len)
-    fill = tripatch.fill(vertices, kept, rim=loops[1], islands=[loops[0]])
+    rim, island = loops[:2] if island_is_rim else loops[1::-1]
+    fill = tripatch.fill(vertices, kept, rim=rim, islands=[island])
     count = edge_counts(kept + fill.faces)
     assert max(count.values()) == 2
     for loop in loops[:2]:
         assert all(count[min(a, b), max(a, b)] == 2 for a, b in itertools.pairwise([*loop, loop[0]]))
     assert off(fill, wave).max() < 1e-5
+
+
+def test_islands_are_apart_from_the_rim_and_each_other():
+    vertices, faces = irregular(wave)
+    rim = inner_rim(faces)
+    outer = max(tripatch.find_holes(faces), key=len)
+    for islands in ([rim], [outer, outer]):
+        with pytest.raises(tripatch.Refusal, match="on two borders, of the rim and the islands"):
+            tripatch.fill(vertices, faces, rim=rim, islands=islands)
 
 
 @pytest.mark.parametrize("resolution", [1, 4, 12])

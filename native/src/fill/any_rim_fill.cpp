@@ -68,6 +68,15 @@ Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, c
   return fill;
 }
 
+/// No vertex is on two of the loops.
+void check_apart(std::vector<Index> all, const std::vector<std::vector<Index>>& islands) {
+  for (const std::vector<Index>& island : islands) all.insert(all.end(), island.begin(), island.end());
+  std::sort(all.begin(), all.end());
+  if (const auto twice = std::adjacent_find(all.begin(), all.end()); twice != all.end())
+    throw Refusal("Vertex " + std::to_string(*twice) + " is on two borders, of the rim and the islands: they must be apart",
+                  {*twice});
+}
+
 }  // namespace
 
 bool is_of_sharp_sides(const std::string& warning) { return warning.starts_with(sharp_sides_sentence); }
@@ -119,6 +128,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   const std::optional<Connectivity> all =
       ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
   std::vector<Index> loop = ordered(rim), at;  // from the first corner on; the others as the rim meets them
+  check_apart(loop, islands);
   if (corners && !corners->empty()) {
     const auto first = std::find(loop.begin(), loop.end(), (*corners)[0]);
     if (first != loop.end()) std::rotate(loop.begin(), first, loop.end());

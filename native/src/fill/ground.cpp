@@ -12,15 +12,21 @@ namespace tripatch {
 
 namespace {
 
-Connectivity around_rim(const Mesh& mesh, const std::optional<std::vector<Index>>& rim, const std::vector<Index>& replaced) {
-  return rim ? Connectivity::around(mesh, *rim, most_rings, replaced) : Connectivity(mesh, replaced);
+/// Islands may lie far from the rim, or on another piece of the mesh.
+Connectivity around_rim(const Mesh& mesh, const std::optional<std::vector<Index>>& rim,
+                        const std::vector<std::vector<Index>>& islands, const std::vector<Index>& replaced) {
+  if (!rim) return Connectivity(mesh, replaced);
+  std::vector<Index> vertices = *rim;
+  for (const std::vector<Index>& island : islands) vertices.insert(vertices.end(), island.begin(), island.end());
+  return Connectivity::around(mesh, vertices, most_rings, replaced);
 }
 
 }  // namespace
 
 Ground::Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options)
-    : mesh(given), left(around_rim(given, rim, options.replaced)), is_part_(rim.has_value()) {
-  if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim)) all_ = around_rim(given, rim, {});
+    : mesh(given), left(around_rim(given, rim, options.islands, options.replaced)), is_part_(rim.has_value()) {
+  if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim))
+    all_ = around_rim(given, rim, options.islands, {});
 }
 
 std::optional<std::array<Index, 3>> three(const Corners& corners) {
