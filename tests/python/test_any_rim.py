@@ -140,6 +140,8 @@ def test_one_corner_is_a_mistake():
     vertices, faces, rim = octant()
     with pytest.raises(ValueError, match="one is given"):
         tripatch.fill(vertices, faces, rim=rim, corners=rim[:1])
+    with pytest.raises(ValueError, match="one is given"):
+        tripatch.fill_all(vertices, faces, [rim], corners=[rim[:1]])
 
 
 def test_options_of_patches_are_refused_where_the_spline_is_insisted_on_and_a_warning_under_auto():

@@ -1,7 +1,8 @@
-"""TriPatch fills three-sided holes with patches that continue the surrounding surface exactly.
+"""TriPatch fills holes in meshes with surfaces that continue their surroundings.
 
-Corners are 0, 1, 2 in rim order, the direction in which the new faces traverse the rim. Side i is opposite corner i and runs, t
-from 0 to 1, from corner i + 1 to corner i + 2. Lengths are in the units of the input, angles in degrees.
+Corners are 0, 1, 2 in rim order, the direction in which the new faces traverse the rim. Of three, side i is opposite corner i and
+runs, t from 0 to 1, from corner i + 1 to corner i + 2; of another number, from corner i to corner i + 1. Lengths are in the units
+of the input, angles in degrees.
 """
 
 from . import between

@@ -154,7 +154,8 @@ def fill_all(
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
         rims: a list of rims; None: those that `choose_holes` finds by the last of the options.
-        corners: for each rim three of its vertices, or None where they are to be detected; None: all are detected.
+        corners: for each rim what `fill` takes: two of its vertices or more, an empty list for a round one, or None where they
+            are to be detected; None: all are detected.
         progress: called with the number of holes done and the number of all, several times a second; what it raises ends the
             work, as Ctrl-C does.
         **options: see OPTIONS.

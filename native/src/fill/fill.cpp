@@ -161,10 +161,14 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
   return fill;
 }
 
+void check_corners(const Corners& corners) {
+  if (corners && corners->size() == 1)
+    throw InvalidArgument("corners must be two vertices of the rim or more, or none for a round rim; one is given");
+}
+
 void check_for_holes(const FillOptions& options) {
   check_options(options);
-  if (options.corners && options.corners->size() == 1)
-    throw InvalidArgument("corners must be two vertices of the rim or more, or none for a round rim; one is given");
+  check_corners(options.corners);
   if (options.method != automatic_method && !find_method(options.method).fills_holes)
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
   const bool meets = options.method == automatic_method || options.method == polygon_method || options.method == patch_method ||
@@ -332,6 +336,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
                                                   const FillOptions& options,
                                                   const std::vector<std::optional<std::vector<Index>>>& corners,
                                                   const Progress& progress) {
+  for (const Corners& each : corners) check_corners(each);  // as given: two at one place come to be one
   Results results = fill_every_hole(mesh, rims, options, corners, progress);
   const std::vector<std::string> unjoined = told_of_unjoined(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {
