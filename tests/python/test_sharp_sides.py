@@ -7,6 +7,7 @@ from shapes import corner_removed, cube_sphere, octant
 
 TRIANGLE = np.array([(-0.5, -0.4), (0.6, -0.3), (0.0, 0.7)])
 QUADRANGLE = np.array([(-0.5, -0.5), (0.5, -0.45), (0.55, 0.5), (-0.45, 0.6)])
+OCTAGON = np.array([(0.7, 0), (0.5, 0.45), (0.1, 0.7), (-0.4, 0.55), (-0.75, 0.1), (-0.5, -0.5), (0, -0.65), (0.55, -0.5)])
 PENTAGON = 0.6 * np.array([(np.cos(a), np.sin(a)) for a in 2 * np.pi * np.arange(5) / 5])
 
 
@@ -26,14 +27,16 @@ def saddle(x, y):
     return 0.3 * (x * x - y * y)
 
 
-def column(top, corners, edges=12, rows=5):
-    """What is left of a column below z = top(x, y) over a polygon: its walls. The face on top is the hole."""
+def column(top, corners, edges=12, rows=5, lean=0.0):
+    """What is left of a column below z = top(x, y) over a polygon: its walls, which lean inwards by a share of its width. The
+    face on top is the hole."""
     n, t = len(corners), np.arange(edges)[:, None] / edges
     plan = np.concatenate([corners[k] + t * (corners[(k + 1) % n] - corners[k]) for k in range(n)])
     z = top(*plan.T)
     down = np.linspace(0, 1, rows + 1)[:, None]
     heights = z + down * (z.min() - 0.5 - z)
-    vertices = np.column_stack([np.tile(plan, (rows + 1, 1)), heights.ravel()])
+    narrowed = (1 - lean * down[:, :, None]) * plan
+    vertices = np.column_stack([narrowed.reshape(-1, 2), heights.ravel()])
     r = len(plan)
     quads = [(j * r + (k + 1) % r, j * r + k, (j + 1) * r + k, (j + 1) * r + (k + 1) % r) for j in range(rows) for k in range(r)]
     return vertices, np.array(quads), list(range(r)), list(range(0, r, edges))
@@ -62,6 +65,30 @@ def test_sides_met_in_position_only_take_nothing_from_their_neighbors(continuity
     fill = tripatch.fill(vertices, faces, rim=rim, corners=at, continuity=continuity)
     assert distance(fill, slope) < 1e-12
     assert not fill.report.warnings
+
+
+@pytest.mark.parametrize("continuity", ["G0", "Free"])
+@pytest.mark.parametrize("top", [slope, sphere, saddle])
+@pytest.mark.parametrize("corners", [TRIANGLE, QUADRANGLE, OCTAGON])
+def test_they_are_the_same_however_these_lean(corners, top, continuity):
+    patches = []
+    for lean in (-0.3, 0.0, 0.4):
+        vertices, faces, rim, at = column(top, corners, edges=4, rows=3, lean=lean)
+        method = "side_vertex" if len(at) == 3 else "multi_sided"
+        fill = tripatch.fill(vertices, faces, rim=rim, corners=at, continuity=continuity, method=method)
+        patches.append(fill.patch)
+    places = patches[0].triangles(8)[0]
+    for patch in patches:
+        assert np.abs(patch.evaluate(places) - patches[0].evaluate(places)).max() < 1e-9
+
+
+@pytest.mark.parametrize("corners", [TRIANGLE, QUADRANGLE, PENTAGON])
+def test_the_angle_to_walls_is_told(corners):
+    vertices, faces, rim, _ = column(slope, corners)
+    report = tripatch.fill(vertices, faces, rim=rim).report
+    assert report.continuity == ["Free"] * len(corners)
+    assert all(60 < angle < 120 for angle in report.seam_angle_max_by_side)
+    assert 60 < report.seam_angle_rms < 120
 
 
 def test_g1_is_what_it_is_called_at_sharp_sides_too():

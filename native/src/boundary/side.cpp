@@ -36,6 +36,17 @@ std::array<Vec3, 2> normals_at_corner(const Side& in, const Side& out, bool in_c
   return {n.stableNormalized(), n.stableNormalized()};
 }
 
+/// The side of a mesh with the curve that its vertices tell: its own bends between them as the faces beside it do.
+void run_by_vertices(Side& side) {
+  if (side.rim.empty()) return;
+  std::vector<double> points;
+  for (double t : side.rim) {
+    const Vec3 p = side.c(t);
+    points.insert(points.end(), p.data(), p.data() + 3);
+  }
+  side.c = PiecewisePolynomial::spline(side.rim, points, 3);
+}
+
 /// The side with planes that turn from one normal to another.
 Side with_planes(Side side, const Vec3& from, const Vec3& to) {
   std::vector<double> t, r;
@@ -83,6 +94,8 @@ Side moved_ends(Side side, const Vec3& start, const Vec3& end) {
 std::vector<Side> told_by_rim(std::vector<Side> sides, const std::vector<bool>& continued) {
   const std::size_t n = sides.size();
   if (std::find(continued.begin(), continued.end(), false) == continued.end()) return sides;
+  for (std::size_t k = 0; k < n; ++k)
+    if (!continued[k]) run_by_vertices(sides[k]);
   const Vec3 area = area_vector(sides);
   std::vector<std::array<Vec3, 2>> normals;  // where side k ends and the next one begins
   for (std::size_t k = 0; k < n; ++k) {

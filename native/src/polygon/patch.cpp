@@ -100,7 +100,8 @@ PolygonBase base_of(const SideList& sides, const Asked& asked, const std::vector
   return base;
 }
 
-void measure_seam(PolygonPatch& made) {
+/// given: the sides as what surrounds the hole has them, of which those that are met in position only have been given other planes.
+void measure_seam(const SideList& given, PolygonPatch& made) {
   const int n = made.domain.sides();
   for (int i = 0; i < n; ++i) {
     const double first = made.corner_mismatch_deg[i] <= same_plane ? 0 : beside_corner,
@@ -115,7 +116,7 @@ void measure_seam(PolygonPatch& made) {
     double most = 0, squares = 0;
     Index used = 0;
     for (int k = 0; k < seam_samples; ++k) {
-      const Vec3 theirs = made.sides[i].normal(t[k]);
+      const Vec3 theirs = given[i].normal(t[k]);
       if (!(theirs.norm() > 0)) continue;
       const double angle = normals.row(k).norm() > 0 ? degrees_between(normals.row(k), theirs) : 90;
       most = std::max(most, angle);
@@ -252,6 +253,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
   const int n = static_cast<int>(sides.size());
   check_shape_options(options.fairing.has_value(), options.tension, options.center.has_value(), options.center_offset);
   const Asked wanted = asked(each(options.continuity, n, SideContinuity::automatic, "continuity"), sides);
+  const SideList surroundings = sides;
   sides = told_by_rim(std::move(sides), wanted.tangent);
   const std::vector<double> bulge = each(options.bulge, n, 1.0, "bulge");
   const Vec2 center = (options.domain ? *options.domain : polygon_boundary(sides).domain).center();
@@ -272,7 +274,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
   }
   made.patch = std::make_shared<OverPolygon>(made.domain, made.patch);
   made.continuity = wanted.names;
-  measure_seam(made);
+  measure_seam(surroundings, made);
   return made;
 }
 

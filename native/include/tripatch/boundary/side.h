@@ -31,9 +31,10 @@ Side piece_of(const Side& side, double from, double to);
 /// The side with its ends moved, and all between in proportion.
 Side moved_ends(Side side, const Vec3& start, const Vec3& end);
 
-/// Sides in rim order of which some are not continued: those take nothing from what lies beyond them. Their planes are spanned by what
-/// the rim itself says: at a corner the plane of a neighbor that is continued, else that of the two sides' tangents; in between they turn
-/// evenly from one to the other. No curvature across them is known. The others stay as they are, bit for bit.
+/// Sides in rim order of which some are not continued: those take nothing from what lies beyond them. Between the vertices of a rim
+/// they run as these alone tell, not as the faces beside them bend. Their planes are spanned by what the rim itself says: at a corner
+/// the plane of a neighbor that is continued, else that of the two sides' tangents; in between they turn evenly from one to the other.
+/// No curvature across them is known. The others stay as they are, bit for bit.
 std::vector<Side> told_by_rim(std::vector<Side> sides, const std::vector<bool>& continued);
 Sides told_by_rim(const Sides& sides, const std::array<bool, 3>& continued);
 
