@@ -128,6 +128,16 @@ def test_either_method_can_be_insisted_on():
         tripatch.fill(jagged, around, rim=inner_rim(around), method="side_vertex")
 
 
+def test_the_spline_insisted_on_is_refused_where_nothing_but_plain_triangles_is_left():
+    """Three faces of a cube around one of its corners."""
+    vertices = list(itertools.product((0, 1), repeat=3))
+    faces = [[4, 6, 7, 5], [2, 3, 7, 6], [1, 5, 7, 3]]
+    plain = tripatch.fill(vertices, faces)
+    assert plain.patch is None and any("plain triangles" in warning for warning in plain.report.warnings)
+    with pytest.raises(tripatch.Refusal, match="the method auto closes the hole with plain triangles"):
+        tripatch.fill(vertices, faces, method="polyharmonic_spline")
+
+
 @pytest.mark.parametrize("count", [0, 2, 4, 5, 7])
 def test_any_number_of_corners_may_be_given(count):
     vertices, faces, rim = octant(12)

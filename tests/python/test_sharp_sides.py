@@ -187,3 +187,14 @@ def test_the_tip_of_a_coarse_ball_is_no_end_of_a_prism():
     for vertices, faces in ((octahedron, [[1, 0, 4], [2, 1, 4], [3, 2, 4], [0, 3, 4]]), prism(6, 3, 0.5)):
         fill = tripatch.fill(vertices, faces)
         assert "Free" not in fill.report.continuity
+
+
+@pytest.mark.parametrize("given", [True, False])
+@pytest.mark.parametrize("continuity", ["auto", "Free", "G0"])
+@pytest.mark.parametrize("corners", [TRIANGLE, QUADRANGLE, PENTAGON])
+def test_a_flat_lid_over_walls_that_lean_under_it(corners, continuity, given):
+    """Less than 60 degrees from the lid to the walls: it folds over the mesh where the rim itself does, and does no harm."""
+    vertices, faces, rim, at = column(lambda x, _: 0 * x, 2 * corners, edges=5, rows=3, lean=0.8)
+    fill = tripatch.fill(vertices, faces, rim=rim, continuity=continuity, **({"corners": at} if given else {}))
+    assert np.abs(fill.vertices[:, 2]).max() < 1e-9
+    assert 0 < fill.report.triangles_folded <= fill.report.rim_folded

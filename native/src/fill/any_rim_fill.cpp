@@ -143,6 +143,8 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   const bool looks_for_sharp = islands.empty() && (!corners || !corners->empty()) && is_continuity_open(options);
   Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)
                               : fill_with_spline(ground.mesh, around, loop, islands, own);
+  if (insisted && !fill.patch && loop.size() > 3)
+    throw Refusal("No surface of the surroundings could be laid out; the method auto closes the hole with plain triangles", loop);
   fill.report.method_reason = reason;
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);

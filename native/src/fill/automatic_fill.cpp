@@ -200,6 +200,14 @@ bool keeps_better_planes(const Fill& patch, const Fill& spline) {
 
 namespace {
 
+/// Whether all that is asked for by hand is that the sides meet the mesh in position only.
+bool asks_for_positions_only(FillOptions options) {
+  const bool all = std::ranges::all_of(options.continuity,
+                                       [](SideContinuity c) { return c == SideContinuity::free || c == SideContinuity::g0; });
+  options.continuity = FillOptions().continuity;
+  return all && !is_shaped_by_hand(options);
+}
+
 /// Without a look at rows of quads.
 Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, FillOptions options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
@@ -238,7 +246,7 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
     const std::string otherwise = "no smooth sides were found: " + without_advice(refusal.what());
     const std::vector<Index> sharp = corners_between_sharp(ground, checked);
     if (sharp.empty()) return fill_round_rim(ground, checked, options, otherwise);
-    const bool sided = makes_polygon(sharp) && not_taken(options).empty();
+    const bool sided = makes_polygon(sharp) && (not_taken(options).empty() || asks_for_positions_only(options));
     return sided ? fill_between_many(ground, rim, sharp, false, options) : any_rim(otherwise);
   }
   check_counts(options, 3);
@@ -252,7 +260,8 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
     const double planes_apart = own_choice ? planes_apart_at_corners(patch->sides) : 0;
     const bool no_one_surface = planes_apart > one_surface && !any_sharp(sharp_sides_of(ground, hole));
     apart = no_one_surface && planes_apart > no_surface;
-    const bool folds = patch->report.folds > 0 || patch->report.triangles_folded > 0, crosses = patch->report.crosses_itself;
+    const bool folds = patch->report.folds > 0 || folds_in_vain(ground.mesh, ground.left, *patch),
+               crosses = patch->report.crosses_itself;
     away = runs_away(ground, *patch, options);
     if (!folds && !crosses && !apart && !away) {
       if (!no_one_surface || is_shaped_by_hand(options)) return std::move(*patch);

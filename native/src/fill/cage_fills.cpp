@@ -346,12 +346,18 @@ Tried try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const 
   return other->harm() < tried->harm() ? std::move(other) : std::move(tried);
 }
 
+/// Of a cage that does harm: fewer rows may do none.
+class Harmful final : public Refusal {
+public:
+  using Refusal::Refusal;
+};
+
 /// Corners that nobody gave are a person's to choose, and no reason for a cage that crosses itself; guessed ones for none that folds either.
 void refuse_if_harmful(const SidedRim& hole, bool crosses_itself, bool folds) {
   if (hole.given || !(crosses_itself || (hole.guessed && folds))) return;
   const std::string seen = "A cage between the " + std::to_string(hole.sides()) + " corners that the rim shows",
                     none = "Rim has no clear corners, and a cage without them";
-  throw Refusal((hole.guessed ? none : seen) + " would " + (crosses_itself ? "cross itself" : "fold") + "; select " +
+  throw Harmful((hole.guessed ? none : seen) + " would " + (crosses_itself ? "cross itself" : "fold") + "; select " +
                     (hole.guessed ? "two to twelve corners" : "others"),
                 at_places(hole.rim, hole.corners));
 }
@@ -400,7 +406,7 @@ std::optional<SidedRim> guessed_rim(const Ground& ground, const std::vector<Inde
 /// Edges of a fill that the mesh has already would have four faces.
 void refuse_if_doubled(const Ground& ground, const SidedRim& hole, const Fill& fill) {
   if (!doubles_edges_of_mesh(ground.left, hole.rim, fill.faces)) return;
-  throw Refusal(
+  throw Harmful(
       "A cage would join two vertices of the rim by an edge that the mesh has already; choose other corners, or triangles",
       at_places(hole.rim, hole.corners));
 }
@@ -474,7 +480,7 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
     try {
       Fill fill = std::move(with_these_rows(ground, holes, fewer)[0]);
       if (!best || harm(fill.report) < harm(best->report)) best = std::move(fill), most = rows;
-    } catch (const Refusal&) {
+    } catch (const Harmful&) {
       if (rows == 0 && !best) throw;
     }
     if (rows == 0) break;

@@ -24,8 +24,17 @@
 #include "tripatch/polygon/follow.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/plane_fill.h"
 
 namespace tripatch {
+
+bool folds_in_vain(const Mesh& mesh, const Connectivity& around, const Fill& fill) {
+  const Report& report = fill.report;
+  if (report.triangles_folded == 0) return false;
+  const bool at_angles = std::ranges::any_of(report.continuity, [](const std::string& c) { return c == "Free" || c == "G0"; });
+  return !at_angles || report.triangles_folded > folds_of_rim(mesh, around, {fill.rim});
+}
+
 namespace {
 
 /// Where the patch lies farther from the spline than this many of the standard deviations that the spline states of itself, the spline
@@ -239,7 +248,7 @@ bool complete(const Mesh& mesh, const Connectivity& around, double surroundings_
   report.surroundings_error = surroundings_error;
   measure_faces(mesh, result.fill.vertices, result.fill.faces, faces_beyond(mesh, around, {result.fill.rim}), report);
   tell_folds(report);
-  return faired.gave_up || report.folds > 0 || !is_harmless(report);
+  return faired.gave_up || report.folds > 0 || report.crosses_itself || folds_in_vain(mesh, around, result.fill);
 }
 
 /// Root mean square distance of some of the points from a surface over a plane, by Gauss-Newton from the places of other points of it.

@@ -69,4 +69,8 @@ constexpr Index least_round = 6;
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
                        bool folded_too = true);
 
+/// Whether triangles fold that need not. A side that is met in position only may meet the mesh at however sharp an angle: there as many may
+/// as the rim itself folds.
+bool folds_in_vain(const Mesh& mesh, const Connectivity& around, const Fill& fill);
+
 }  // namespace tripatch
