@@ -103,7 +103,6 @@ TEST_CASE("a rim that is closed with plain triangles gets the same in a mirror")
     }
     FillOptions options;
     options.rim = wave.rim;
-    options.method = spline_method;
     const Fill filled = fill({wave.points, faces}, options);
     CHECK(filled.vertices.rows() == 0);
     CHECK(filled.faces.size() == static_cast<Index>(wave.rim.size()) - 2);
