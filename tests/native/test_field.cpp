@@ -76,6 +76,32 @@ TEST_CASE("the noise of samples is told from their surface") {
   CHECK(deviation.maxCoeff() < 0.03);
 }
 
+TEST_CASE("kernels around some of the samples make the surface that those around all of them do") {
+  const PlanePoints inside = scattered(200, 0, 17) * 0.5;
+  const Points truth = over(inside, wave);
+  for (const double noise : {0.0, 1e-3, 0.02}) {
+    double apart = 0, off_all = 0, off_some = 0, off_few = 0;
+    for (unsigned seed = 20; seed < 26; ++seed) {
+      const PlanePoints at = scattered(800, 0.5, seed);
+      std::mt19937 random(seed);
+      std::normal_distribution<double> normal(0, noise > 0 ? noise : 1);
+      Points samples = over(at, wave);
+      for (Index k = 0; noise > 0 && k < samples.rows(); ++k) samples(k, 2) += normal(random);
+      const Field all(at, samples, {{2.5, 3.5, 5.5}, 0.1}), some(at, samples, {{2.5, 3.5, 5.5}, 0.1, 200});
+      const Field few(at.topRows(200), samples.topRows(200), {{2.5, 3.5, 5.5}, 0.1});
+      const auto off = [&](const Field& one) { return (one.positions(rows_of(inside)) - truth).norm(); };
+      apart += (some.positions(rows_of(inside)) - all.positions(rows_of(inside))).norm();
+      off_all += off(all);
+      off_some += off(some);
+      off_few += off(few);
+    }
+    CAPTURE(noise, off_all, off_some, off_few);
+    CHECK(apart < 0.5 * off_all + 1e-4);
+    CHECK(off_some < 1.3 * off_all + 1e-4);
+    if (noise > 0) CHECK(off_some < 0.9 * off_few);
+  }
+}
+
 TEST_CASE("derivatives of a field are those of its values") {
   const PlanePoints at = scattered(80, 0.4, 7);
   const Field field(at, over(at, wave), {{2, 3, 4}, 0.1});

@@ -236,7 +236,8 @@ std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around,
     edges += static_cast<Index>(loop.size());
   }
   const auto disc = [&](const Connectivity& part) {
-    return disc_around(mesh, part, loops, reach * length, most_crease_rings, most_triangles_around(edges));
+    const int rings = static_cast<int>(std::max<Index>(edges, most_crease_rings));
+    return disc_around(mesh, part, loops, reach * length, rings, most_triangles_around(edges));
   };
   std::vector<Index> vertices = disc(around).vertices;
   if (continued) {

@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <queue>
-#include <tuple>
+#include <array>
+#include <cmath>
+#include <utility>
 
+#include "tripatch/math/interruption.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/mesh/triangles.h"
@@ -15,6 +17,8 @@ namespace {
 /// Of the angle by which a triangle may turn: below the 60 degrees from which on fills count as folded at neighbors.
 constexpr double least_cosine = 0.5;
 constexpr Index least_loop = 8;  ///< vertices that a border loop keeps: a round island is still round
+constexpr int most_levels = 12;  ///< of lengths, each twice the one before
+constexpr Index often = 4096;    ///< vertices between two looks for an interruption
 
 class Collapsing {
 public:
@@ -22,11 +26,13 @@ public:
       : points_(points),
         triangles_(triangles),
         length_(length),
-        at_(points.rows()),
+        first_(points.rows(), none),
+        next_(3 * triangles.size(), none),
         loop_(points.rows(), -1),
-        fixed_(points.rows(), 0) {
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-      for (Index v : triangles[t]) at_[v].push_back(static_cast<Index>(t));
+        fixed_(points.rows(), 0),
+        seen_(points.rows(), 0) {
+    for (std::size_t t = triangles.size(); t-- > 0;)
+      for (int k = 3; k-- > 0;) link(static_cast<int>(3 * t) + k);
     const Faces faces = faces_of(triangles);
     for (const std::vector<Index>& loop : border_loops(Connectivity(faces, points.rows()))) {
       for (Index v : loop) {
@@ -35,24 +41,23 @@ public:
       }
       left_.push_back(static_cast<Index>(loop.size()));
     }
-    for (const std::array<Index, 3>& t : triangles)
-      for (int k = 0; k < 3; ++k) push(t[k], t[(k + 1) % 3]);
   }
 
   void run() {
-    while (!queue_.empty()) {
-      const auto [length, a, b] = queue_.top();
-      queue_.pop();
-      if (at_[a].empty() || at_[b].empty()) continue;
-      if (!collapse(a, b)) collapse(b, a);
-    }
+    double shortest = length_;
+    for (const std::array<Index, 3>& t : triangles_)
+      for (int k = 0; k < 3; ++k) shortest = std::min(shortest, (points_.row(t[k]) - points_.row(t[(k + 1) % 3])).norm());
+    int level = 0;
+    while (level < most_levels && clearly_less(shortest, std::ldexp(length_, -level - 1))) ++level;
+    for (; level > 0; --level) sweep(std::ldexp(length_, -level));
+    while (sweep(length_)) continue;
   }
 
   CoarserMesh result() const {
     CoarserMesh out;
-    std::vector<Index> place(at_.size(), -1);
-    for (std::size_t v = 0; v < at_.size(); ++v) {
-      if (at_[v].empty()) continue;
+    std::vector<Index> place(first_.size(), -1);
+    for (std::size_t v = 0; v < first_.size(); ++v) {
+      if (first_[v] == none) continue;
       place[v] = static_cast<Index>(out.kept.size());
       out.kept.push_back(static_cast<Index>(v));
     }
@@ -62,34 +67,77 @@ public:
   }
 
 private:
-  using Entry = std::tuple<double, Index, Index>;
+  static constexpr int none = -1;
 
-  void push(Index a, Index b) {
-    const double length = (points_.row(a) - points_.row(b)).norm();
-    if (clearly_less(length, length_)) queue_.push({coarse(length), std::min(a, b), std::max(a, b)});
+  void link(int corner) {
+    const Index v = triangles_[corner / 3][corner % 3];
+    next_[corner] = first_[v];
+    first_[v] = corner;
+  }
+
+  /// The triangles at v, those that are gone taken out of its list.
+  const std::vector<Index>& around(Index v) {
+    at_.clear();
+    for (int* corner = &first_[v]; *corner != none;) {
+      if (triangles_[*corner / 3][0] < 0) {
+        *corner = next_[*corner];
+        continue;
+      }
+      at_.push_back(*corner / 3);
+      corner = &next_[*corner];
+    }
+    return at_;
   }
 
   static bool has(const std::array<Index, 3>& t, Index v) { return std::find(t.begin(), t.end(), v) != t.end(); }
 
-  std::vector<Index> neighbors(Index v) const {
-    std::vector<Index> all;
-    for (Index t : at_[v])
-      for (Index w : triangles_[t])
-        if (w != v) all.push_back(w);
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
+  /// Marks v's neighbors with a number that no other vertex has.
+  void mark(Index v) {
+    ++mark_;
+    for (Index t : around(v))
+      for (Index w : triangles_[t]) seen_[w] = mark_;
+    seen_[v] = 0;
+  }
+
+  /// Every vertex once: what is nearer to it than `length` is collapsed with it, the nearest first. Whether anything was.
+  bool sweep(double length) {
+    bool changed = false;
+    for (Index v = 0; std::cmp_less(v, first_.size()); ++v) {
+      if (v % often == 0) check_interruption();
+      while (first_[v] != none && collapse_nearest(v, length)) changed = true;
+    }
+    return changed;
+  }
+
+  bool collapse_nearest(Index v, double length) {
+    near_.clear();
+    mark(v);
+    for (Index t : at_)
+      for (Index w : triangles_[t]) {
+        if (seen_[w] != mark_) continue;
+        seen_[w] = 0;
+        if (const double far = (points_.row(v) - points_.row(w)).norm(); clearly_less(far, length))
+          near_.push_back({coarse(far), w});
+      }
+    std::sort(near_.begin(), near_.end());
+    for (const auto& [far, w] : near_)
+      if (collapse(std::min(v, w), std::max(v, w)) || collapse(std::max(v, w), std::min(v, w))) return true;
+    return false;
   }
 
   /// Whether `gone` can become `kept` and the mesh stays what it is: the vertices joined to both are those of the triangles at the edge.
-  bool may_go(Index kept, Index gone) const {
-    const Index shared = std::count_if(at_[gone].begin(), at_[gone].end(), [&](Index t) { return has(triangles_[t], kept); });
-    if (shared == 0 || fixed_[gone]) return false;
-    if (loop_[gone] >= 0 && (shared != 1 || loop_[kept] != loop_[gone] || left_[loop_[gone]] <= least_loop)) return false;
-    const std::vector<Index> a = neighbors(kept), b = neighbors(gone);
-    std::vector<Index> common;
-    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
-    return static_cast<Index>(common.size()) == shared;
+  /// Leaves the triangles at `gone`.
+  bool may_go(Index kept, Index gone) {
+    if (fixed_[gone]) return false;
+    if (loop_[gone] >= 0 && (loop_[kept] != loop_[gone] || left_[loop_[gone]] <= least_loop)) return false;
+    mark(kept);
+    Index shared = 0, common = 0;
+    for (Index t : around(gone)) {
+      shared += has(triangles_[t], kept);
+      for (Index w : triangles_[t])
+        if (seen_[w] == mark_ && w != gone) ++common, seen_[w] = 0;
+    }
+    return shared > 0 && common == shared && (loop_[gone] < 0 || shared == 1);
   }
 
   Vec3 normal(const std::array<Index, 3>& t) const {
@@ -99,7 +147,7 @@ private:
 
   bool collapse(Index kept, Index gone) {
     if (!may_go(kept, gone)) return false;
-    for (Index t : at_[gone]) {
+    for (Index t : at_) {
       std::array<Index, 3> turned = triangles_[t];
       if (has(turned, kept)) continue;
       const Vec3 before = normal(turned);
@@ -107,29 +155,32 @@ private:
       const Vec3 after = normal(turned);
       if (!(after.dot(before) > least_cosine * after.norm() * before.norm())) return false;
     }
-    for (Index t : at_[gone]) {
-      if (has(triangles_[t], kept)) {
-        for (Index v : triangles_[t])
-          if (v != gone) std::erase(at_[v], t);
-        triangles_[t] = {-1, -1, -1};
-      } else {
-        std::replace(triangles_[t].begin(), triangles_[t].end(), gone, kept);
-        at_[kept].push_back(t);
+    first_[gone] = none;
+    for (Index t : at_) {
+      std::array<Index, 3>& triangle = triangles_[t];
+      if (has(triangle, kept)) {
+        triangle = {-1, -1, -1};
+        continue;
       }
+      const auto corner = std::find(triangle.begin(), triangle.end(), gone);
+      *corner = kept;
+      link(static_cast<int>(3 * t + (corner - triangle.begin())));
     }
-    at_[gone].clear();
     if (loop_[gone] >= 0) --left_[loop_[gone]];
-    for (Index v : neighbors(kept)) push(kept, v);
     return true;
   }
 
   const Points& points_;
   std::vector<std::array<Index, 3>> triangles_;  // -1: gone
   double length_;
-  std::vector<std::vector<Index>> at_;  // triangles at each vertex; none: it is gone
-  std::vector<Index> loop_, left_;      // of each vertex, -1: none; vertices of each loop
+  std::vector<int> first_,
+      next_;  // a corner of each vertex, 3 times the triangle and its place there, and after each the next one
+  std::vector<Index> loop_, left_;  // of each vertex, -1: none; vertices of each loop
   std::vector<char> fixed_;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  std::vector<Index> seen_;  // of each vertex the mark
+  Index mark_ = 0;
+  std::vector<Index> at_;
+  std::vector<std::pair<double, Index>> near_;
 };
 
 }  // namespace

@@ -224,6 +224,43 @@ void fit(Field::Part& part, const Contrasts& contrasts, const Points& samples, M
   part.polynomial = contrasts.polynomial(part.weights, samples);
 }
 
+/// The same for samples at more places than there are centers, whose contrasts are given: of the surfaces with kernels around these the
+/// likeliest. That the root of the kernel among centers comes first keeps the system's condition that of the kernel.
+void fit_all(Field::Part& part, const Contrasts& contrasts, const PlanePoints& centers, const PlanePoints& places,
+             const Points& samples, MatrixXd& lower) {
+  const Index n = places.rows(), m = centers.rows();
+  const double rounding = std::pow(10.0, lowest_nugget) * contrasts.unit;
+  double root_nugget = rounding;
+  while (!contrasts.factor(root_nugget, lower) && root_nugget < contrasts.unit) root_nugget *= 10;
+  const MatrixXd kernel = polyharmonic_kernel(part.order, PlaneDistances(centers, places));
+  RowMajor known = contrasts.of(kernel);
+  solve_lower_triangular(lower, known);
+  const OrthonormalColumns polynomials = orthonormal_columns(monomials(places, part.order), false);
+  const MatrixXd& basis = polynomials.basis;
+  RowMajor rows(n, m + 3);
+  rows << known.transpose(), samples;
+  const MatrixXd within = basis.transpose() * rows;
+  rows.noalias() -= basis * within;
+  RowMajor gram = RowMajor::Zero(m + 3, m + 3);
+  add_gram(rows, gram);
+  const MatrixXd all = symmetric_of_lower(gram, m + 3);
+  double& nugget = part.used_nugget = std::max(part.nugget, rounding);
+  MatrixXd factor;
+  const auto definite = [&] {
+    factor = all.topLeftCorner(m, m);
+    factor.diagonal().array() += nugget;
+    return factor_cholesky(factor);
+  };
+  while (!definite() && nugget < contrasts.unit) nugget *= 10;
+  MatrixXd x = all.topRightCorner(m, 3);
+  factor.triangularView<Eigen::Lower>().solveInPlace(x);
+  factor.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+  lower.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+  part.weights = contrasts.of(x);
+  part.polynomial = polynomials.triangle.triangularView<Eigen::Upper>().solve(basis.transpose() *
+                                                                              (samples - kernel.transpose() * part.weights));
+}
+
 }  // namespace
 
 Field::Field(const PlanePoints& points, const Points& samples, const FieldOptions& options) {
@@ -234,15 +271,17 @@ Field::Field(const PlanePoints& points, const Points& samples, const FieldOption
   size_ = (points.rowwise() - middle_).cwiseAbs().maxCoeff();
   if (!(size_ > 0)) throw InvalidArgument("the points of a field are all one");
   axes_ = along_and_across((points.rowwise() - middle_) / size_);
-  points_ = normalised(points);
+  const PlanePoints all = normalised(points);
+  const Index centers = std::min(n, options.centers);
+  points_ = all.topRows(centers);
   origin_ = samples.colwise().mean();
   const Points local = samples.rowwise() - origin_;
-  const Index few = std::min(n, deciding_samples);
+  const Index few = std::min(centers, deciding_samples);
   PlanePoints at(few, 2);
   Points values(few, 3);
   for (Index k = 0; k < few; ++k) {
-    at.row(k) = points_.row(k * n / few);
-    values.row(k) = local.row(k * n / few);
+    at.row(k) = points_.row(k * centers / few);
+    values.row(k) = local.row(k * centers / few);
   }
   MatrixXd room;
   const std::vector<OrderFound> found = orders_found(at, values / options.unit, options.orders, room);
@@ -261,14 +300,16 @@ Field::Field(const PlanePoints& points, const Points& samples, const FieldOption
   }
   weigh(options.unit);
   std::optional<PlaneDistances> apart;
-  if (few < n) apart.emplace(points_, points_);
+  if (few < centers) apart.emplace(points_, points_);
   sum_.emplace(points_);
+  std::optional<Contrasts> among_all;
   for (Part& part : parts_) {
     const auto known = std::find_if(found.begin(), found.end(), [&](const OrderFound& each) { return each.order == part.order; });
-    if (apart)
-      fit(part, Contrasts(points_, *apart, part.order), local, room);
+    const Contrasts& contrasts = apart ? among_all.emplace(points_, *apart, part.order) : known->contrasts;
+    if (centers < n)
+      fit_all(part, contrasts, points_, all, local, room);
     else
-      fit(part, known->contrasts, local, room);
+      fit(part, contrasts, local, room);
     sum_->add(part.order, part.share, part.weights, part.polynomial);
   }
 }

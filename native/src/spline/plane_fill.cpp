@@ -16,6 +16,7 @@
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/disc.h"
+#include "tripatch/spline/field_around.h"
 #include "tripatch/spline/layout.h"
 #include "tripatch/spline/least_bent.h"
 #include "tripatch/spline/met_points.h"
@@ -185,11 +186,11 @@ Eigen::VectorXd distances(const Disc& disc) {
 /// The best spread samples, rows of the disc's vertices and of the points on its edges: all of the rim if there are not too many, then
 /// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim has more of them
 /// than samples, all others would be of the rim too, and the slope beside it unseen. In an order of which every k-th is spread over all.
-std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim) {
+std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim, Index most = most_samples) {
   const Points points = with_points_on_edges(disc, disc.points);
   const Eigen::VectorXd distance = distances(disc);
   const Index n = points.rows();
-  const Index wanted = std::min(n, std::clamp(disc.rim + more, least_samples, most_samples));
+  const Index wanted = std::min(n, std::clamp(disc.rim + more, least_samples, most));
   std::vector<Index> taken;
   const Index of_rim = std::min(disc.rim, wanted / 2);
   for (Index k = 0; k < of_rim; ++k) taken.push_back(k * disc.rim / of_rim);
@@ -834,14 +835,17 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
 
 /// Of a long rim, and what surrounds it, edges shorter than so many of a circle of the hole's diameter are collapsed. Caps of a sphere
 /// with rims of 500 to 5,000 edges, 45 to 80 degrees wide, are farther off with 160, and with 240 the field takes the layout's errors for
-/// noise now and then.
-constexpr double edges_of_circle = 200;
+/// noise now and then. But where the surroundings are narrow so many more that there are three rows of triangles: of caps and waves with
+/// rims of 4,000 edges, 40 rings of faces wide, the fills were 2 to 30 times farther off.
+constexpr double edges_of_circle = 200, most_edges_of_circle = 350, least_rows = 3;
 /// Surroundings that reach less far than this share of such an edge say too little then: of those caps with 5,000 edges, of which ten of
 /// them are seen, one is four times farther off than seen from above.
 constexpr double least_width = 0.75;
-/// Gauss-Newton's, to the feet of the rim on a surface: they move by this share of its domain at most, and end with a billionth of that.
-constexpr int steps_to_feet = 12;
-constexpr double longest_step_to_feet = 0.02, last_step_to_feet = 1e-9;
+/// Below this share of such an edge there is no noise to average: then the field meets its samples. Fitted to more than it can meet caps of
+/// a ball are up to 180 times farther off.
+constexpr double met_noise = 1e-3;
+/// Of a field fitted to more: with 600 and 200 caps and waves are as far off, with 100 some are farther.
+constexpr Index most_centers = 300;
 
 /// A hole whose rim has a part of another's vertices.
 struct CoarseHole {
@@ -849,12 +853,13 @@ struct CoarseHole {
   Faces faces;
   std::vector<std::vector<Index>> loops;
   std::vector<Index> rows;  ///< of the loops' vertices in the rim that has them all
+  std::vector<Index> kept;  ///< of all vertices the row in the disc
 };
 
 /// loops: that the disc has all the vertices of.
 CoarseHole coarse_hole(const Disc& disc, const std::vector<std::vector<Index>>& loops, double length) {
   const CoarserMesh coarse = coarsened(disc.points, disc.triangles, length);
-  CoarseHole hole{disc.points(coarse.kept, Eigen::all), faces_of(coarse.triangles), {}, {}};
+  CoarseHole hole{disc.points(coarse.kept, Eigen::all), faces_of(coarse.triangles), {}, {}, coarse.kept};
   Index end = 0;
   for (const std::vector<Index>& loop : loops) {
     end += static_cast<Index>(loop.size());
@@ -865,6 +870,17 @@ CoarseHole coarse_hole(const Disc& disc, const std::vector<std::vector<Index>>& 
     }
   }
   return hole;
+}
+
+/// Rows in the disc of the best spread samples among a coarse hole's vertices.
+std::vector<Index> spread_samples(const Disc& disc, const CoarseHole& hole, double length, Index most) {
+  Disc known;
+  known.rim = static_cast<Index>(hole.rows.size());
+  known.points = hole.vertices;
+  for (Index row : hole.kept) known.distance.push_back(disc.distance[row]);
+  std::vector<Index> rows = spread_samples(known, length, most, most);
+  for (Index& row : rows) row = hole.kept[row];
+  return rows;
 }
 
 /// Places of all the rim's vertices, those of some of them given: in between along each loop.
@@ -893,47 +909,13 @@ PlanePoints between_known(const Rim& rim, const std::vector<Index>& known, const
   return uv;
 }
 
-/// Where points are nearest to a surface, by Gauss-Newton from these places: foot_at's steps, for all points at once.
-PlanePoints feet_on(const Surface& surface, const Points& points, PlanePoints uv) {
-  const double longest = longest_step_to_feet * (uv.colwise().maxCoeff() - uv.colwise().minCoeff()).maxCoeff();
-  std::vector<double> jets(static_cast<std::size_t>(9 * uv.rows()));
-  double most = longest;
-  for (int step = 0; step < steps_to_feet && most > last_step_to_feet * longest; ++step) {
-    surface.evaluate(as_rows(uv).data(), uv.rows(), 1, jets.data());
-    most = 0;
-    for (Index k = 0; k < uv.rows(); ++k) {
-      const double* jet = &jets[static_cast<std::size_t>(9 * k)];
-      Vec2 way = in_frame(Vec3::Map(jet + 3), Vec3::Map(jet + 6), Vec3(points.row(k)) - Vec3::Map(jet));
-      if (!way.allFinite()) continue;
-      way *= std::min(1.0, longest / std::max(way.norm(), 1e-300));
-      uv.row(k) += way;
-      most = std::max(most, way.norm());
-    }
-  }
-  return uv;
-}
-
-/// A long rim on the fill of a coarser one: thousands of triangles lay out slowly, and their samples are too many for a field. Nothing where
-/// that is no surface of all the surroundings, or triangles on it will not do.
-std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& around,
-                                        const std::vector<std::vector<Index>>& loops, const PlaneFillOptions& options,
-                                        const Rim& rim) {
-  const Index r = rim.points.rows();
-  if (r <= long_rim || options.continued || !options.through.empty() || options.planes.rows() > 0) return {};
-  const Disc disc = disc_around(mesh, around, loops, reach_share * rim.diameter, most_rings, most_triangles_around(r));
-  if (disc.rim != r) return {};  // the rim touches itself
-  const double length = std::numbers::pi * rim.diameter / edges_of_circle;
-  if (!(*std::max_element(disc.distance.begin(), disc.distance.end()) > least_width * length)) return {};
-  const CoarseHole hole = coarse_hole(disc, loops, length);
-  if (static_cast<Index>(hole.rows.size()) > long_rim) return {};
-  const Mesh coarse{hole.vertices, hole.faces};
-  const PlaneFill from = fill_over_plane(coarse, Connectivity(coarse), hole.loops);
-  if (!from.field || !from.plainer.empty()) return {};
+/// A long rim's fill on a field found otherwise. Nothing where triangles on it will not do.
+std::optional<PlaneFill> on_field(const Disc& disc, const Rim& rim, const PlaneFillOptions& options,
+                                  const std::shared_ptr<const Field>& field, const PlanePoints& rim_uv, double fed_back) {
   Attempt result;
-  result.field = from.field;
-  result.surface = from.surface;
-  result.fed_back = from.fed_back;
-  result.rim_uv = feet_on(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
+  result.surface = result.field = field;
+  result.fed_back = fed_back;
+  result.rim_uv = rim_uv;
   const PlanePolygon polygon = polygon_of(rim, result.rim_uv);
   if (polygon.triangles.empty()) return {};
   result.made = remesh(polygon, options.resolution, *result.surface);
@@ -945,6 +927,40 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
   PlaneFill fill = completed(result, rim, disc);
   if (left < folds) fill.plainer = mended;
   return fill;
+}
+
+/// A long rim by way of a coarser one's fill: thousands of triangles lay out slowly. By the places of the vertices on that the field is one
+/// through more of them, or where there is noise one fitted to thousands. Nothing where that is no surface of all the surroundings, or
+/// triangles on it will not do.
+std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& around,
+                                        const std::vector<std::vector<Index>>& loops, const PlaneFillOptions& options,
+                                        const Rim& rim) {
+  const Index r = rim.points.rows();
+  if (r <= long_rim || options.continued || !options.through.empty() || options.planes.rows() > 0) return {};
+  const Disc disc = disc_around(mesh, around, loops, reach_share * rim.diameter, static_cast<int>(r), most_triangles_around(r));
+  if (disc.rim != r) return {};  // the rim touches itself
+  const double width = *std::max_element(disc.distance.begin(), disc.distance.end());
+  const double circle = std::numbers::pi * rim.diameter, longest = circle / edges_of_circle;
+  if (!(width > least_width * longest)) return {};
+  double length = std::clamp(width / least_rows, circle / most_edges_of_circle, longest);
+  const auto is_long = [](const CoarseHole& each) { return static_cast<Index>(each.rows.size()) > long_rim; };
+  CoarseHole hole = coarse_hole(disc, loops, length);
+  if (is_long(hole)) hole = coarse_hole(disc, loops, length = longest);
+  if (is_long(hole)) return {};
+  const Mesh coarse{hole.vertices, hole.faces};
+  const PlaneFill from = fill_over_plane(coarse, Connectivity(coarse), hole.loops);
+  if (!from.field || !from.plainer.empty()) return {};
+  const PlanePoints rim_uv = feet_on(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
+  const bool is_met = from.field->noise() < met_noise * length;
+  const std::vector<Index> centers = spread_samples(disc, hole, length, is_met ? most_samples : most_centers);
+  const std::vector<Index> rows = is_met ? centers : fitted_rows(disc, centers);
+  const PlanePoints places = places_on(*from.surface, rim_uv, disc, rows);
+  std::optional<PlaneFill> fill;
+  if (const auto field = field_through(disc.points(rows, Eigen::all), places, static_cast<Index>(centers.size()), rim.edge))
+    fill = on_field(disc, rim, options, field, rim_uv, from.fed_back);
+  if (fill && fill->plainer.empty()) return fill;
+  std::optional<PlaneFill> other = on_field(disc, rim, options, from.field, rim_uv, from.fed_back);
+  return other && (!fill || other->plainer.empty()) ? other : fill;
 }
 
 }  // namespace

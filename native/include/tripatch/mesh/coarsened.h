@@ -13,9 +13,9 @@ struct CoarserMesh {
   std::vector<std::array<Index, 3>> triangles;  ///< by place in `kept`
 };
 
-/// Edges shorter than `length` (scene units) are collapsed into one of their ends, the shortest first, as long as no triangle turns by
-/// more than 60 degrees and what is joined to what stays the same. Borders are collapsed along themselves only, and keep eight vertices a
-/// loop. Where edges are equally long the order is that of the numbers. Takes n log n time.
+/// Edges shorter than `length` (scene units) are collapsed into one of their ends as long as no triangle turns by more than 60 degrees and
+/// what is joined to what stays the same. Borders are collapsed along themselves only, and keep eight vertices a loop. Short edges go
+/// first, up to lengths that double; among these vertices go by their numbers, each to its nearest.
 CoarserMesh coarsened(const Points& points, const std::vector<std::array<Index, 3>>& triangles, double length);
 
 }  // namespace tripatch

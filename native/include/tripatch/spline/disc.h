@@ -16,9 +16,9 @@ constexpr Index most_laid_out = 12'000;
 /// not possible, or what is continued or met is given, they are seen from above if nothing leans by more than 60 degrees. Shorter ones
 /// are not: laid out, spheres under noise are twice as near.
 constexpr Index long_rim = 400;
-/// What is coarsened may have more triangles: forty rings, where the mesh is as fine as the rim, and no more than coarsening takes as long
-/// for as the rest does.
-inline Index most_triangles_around(Index rim) { return rim > long_rim ? std::min<Index>(80 * rim, 200'000) : most_laid_out; }
+/// What is coarsened may have more triangles: no more than coarsening takes as long for as the rest does.
+constexpr Index most_coarsened = 1'000'000;
+inline Index most_triangles_around(Index rim) { return rim > long_rim ? most_coarsened : most_laid_out; }
 
 struct Disc {
   std::vector<Index> vertices;                  ///< of the mesh; those of the loops come first, loop by loop

@@ -20,6 +20,9 @@ struct FieldOptions {
       2.5, 3.5, 5.5};  ///< halves are fastest; those with more free polynomials than a third of the samples are left out
   /// Scene units: the length of an edge. Likelihoods of orders are compared as if free polynomials were known to about that.
   double unit = 1;
+  /// Where there are more samples, kernels are around so many of them alone, the first, which also decide on order and nugget, and all
+  /// are fitted: the time grows with their number and the square of this one.
+  Index centers = 1500;
 };
 
 /// A surface over a plane: rows of Surface::evaluate are (u, v, not read), derivatives are by (u, v).
@@ -49,7 +52,7 @@ public:
     double share = 0;
     double nugget = 0;           ///< in units of the kernel, in normalised coordinates; 0: the samples are met
     double used_nugget = 0;      ///< at least as much as doubles need
-    Eigen::MatrixXd weights;     ///< n x 3, of the kernel
+    Eigen::MatrixXd weights;     ///< n x 3, of the kernel around each sample, or each center
     Eigen::MatrixXd polynomial;  ///< q x 3
     double variance = 0;         ///< of the kernel's unit, scene units squared
   };
@@ -72,7 +75,7 @@ private:
   Eigen::Matrix2d axes_;       // of normalised coordinates, in columns
   Eigen::RowVector3d origin_;  // of the samples
   double size_ = 1;
-  PlanePoints points_;  // normalised
+  PlanePoints points_;  // normalised: the samples' places, or those of the centers
   std::vector<Part> parts_;
   std::optional<PolyharmonicSum> sum_;  // of the parts, by normalised coordinates
   double noise_ = 0, roughness_ = 0, mean_order_ = 0, likelihood_ = 0;

@@ -1,0 +1,104 @@
+#include "tripatch/spline/field_around.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "tripatch/math/linear.h"
+
+namespace tripatch {
+namespace {
+
+/// Gauss-Newton's, to feet on a surface: they move by this share of its domain at most, and end with a billionth of that.
+constexpr int steps_to_feet = 12;
+constexpr double longest_step_to_feet = 0.02, last_step_to_feet = 1e-9;
+/// Vertices that a field is fitted to beside its centers: the time grows with their number, noise is averaged over them.
+constexpr Index most_fitted = 4000;
+
+/// For each vertex of a disc the one of the rim from which a short way leads there.
+std::vector<Index> owners(const Disc& disc) {
+  const Index n = disc.points.rows();
+  std::vector<Index> order(static_cast<std::size_t>(n)), owner(static_cast<std::size_t>(n), -1);
+  std::iota(order.begin(), order.end(), Index{0});
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return disc.distance[a] < disc.distance[b]; });
+  std::vector<std::vector<Index>> beside(static_cast<std::size_t>(n));
+  for (const std::array<Index, 3>& t : disc.triangles)
+    for (int k = 0; k < 3; ++k)
+      for (int other = 1; other < 3; ++other) beside[t[k]].push_back(t[(k + other) % 3]);
+  for (Index v : order) {
+    if (v < disc.rim) owner[v] = v;
+    if (owner[v] < 0) continue;
+    for (Index w : beside[v])
+      if (owner[w] < 0) owner[w] = owner[v];
+  }
+  return owner;
+}
+
+/// Where the tangent planes at the rim have vertices.
+PlanePoints on_tangent_planes(const Disc& disc, const std::vector<Index>& rows, const Surface& surface,
+                              const PlanePoints& rim_uv) {
+  std::vector<double> jets(static_cast<std::size_t>(9 * rim_uv.rows()));
+  surface.evaluate(as_rows(rim_uv).data(), rim_uv.rows(), 1, jets.data());
+  const std::vector<Index> owner = owners(disc);
+  PlanePoints uv(static_cast<Index>(rows.size()), 2);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Index from = owner[static_cast<std::size_t>(rows[k])];
+    uv.row(static_cast<Index>(k)).setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (from < 0) continue;
+    const double* jet = &jets[static_cast<std::size_t>(9 * from)];
+    const Vec3 way = Vec3(disc.points.row(rows[k])) - Vec3::Map(jet);
+    uv.row(static_cast<Index>(k)) = rim_uv.row(from) + in_frame(Vec3::Map(jet + 3), Vec3::Map(jet + 6), way).transpose();
+  }
+  return uv;
+}
+
+}  // namespace
+
+PlanePoints feet_on(const Surface& surface, const Points& points, PlanePoints uv) {
+  const double longest = longest_step_to_feet * (uv.colwise().maxCoeff() - uv.colwise().minCoeff()).maxCoeff();
+  std::vector<double> jets(static_cast<std::size_t>(9 * uv.rows()));
+  double most = longest;
+  for (int step = 0; step < steps_to_feet && most > last_step_to_feet * longest; ++step) {
+    surface.evaluate(as_rows(uv).data(), uv.rows(), 1, jets.data());
+    most = 0;
+    for (Index k = 0; k < uv.rows(); ++k) {
+      const double* jet = &jets[static_cast<std::size_t>(9 * k)];
+      Vec2 way = in_frame(Vec3::Map(jet + 3), Vec3::Map(jet + 6), Vec3(points.row(k)) - Vec3::Map(jet));
+      if (!way.allFinite()) continue;
+      way *= std::min(1.0, longest / std::max(way.norm(), 1e-300));
+      uv.row(k) += way;
+      most = std::max(most, way.norm());
+    }
+  }
+  return uv;
+}
+
+std::vector<Index> fitted_rows(const Disc& disc, const std::vector<Index>& centers) {
+  const Index n = disc.points.rows(), more = std::min(n, most_fitted);
+  std::vector<char> taken(static_cast<std::size_t>(n), 0);
+  std::vector<Index> rows = centers;
+  for (Index k : rows) taken[static_cast<std::size_t>(k)] = 1;
+  for (Index i = 0; i < more; ++i)
+    if (!std::exchange(taken[static_cast<std::size_t>(i * n / more)], 1)) rows.push_back(i * n / more);
+  return rows;
+}
+
+PlanePoints places_on(const Surface& surface, const PlanePoints& rim_uv, const Disc& disc, const std::vector<Index>& rows) {
+  const PlanePoints first = on_tangent_planes(disc, rows, surface, rim_uv);
+  return first.allFinite() ? feet_on(surface, disc.points(rows, Eigen::all), first) : first;
+}
+
+std::shared_ptr<const Field> field_through(const Points& points, const PlanePoints& uv, Index centers, double edge) {
+  if (!uv.allFinite()) return {};
+  FieldOptions fields;
+  fields.unit = std::max(edge, 1e-300);
+  fields.centers = centers;
+  try {
+    return std::make_shared<Field>(uv, points, fields);
+  } catch (const InvalidArgument&) {  // places on a line
+    return {};
+  }
+}
+
+}  // namespace tripatch
