@@ -85,7 +85,7 @@ class Construction:
         return _about(self.method).continuity != "G0"
 
     def _has(self, name):
-        return name in _about(self.method).options
+        return _about(self.method).takes(name)
 
     def shape_rows(self, row):
         """How the fill meets its surroundings and what shape it takes."""
@@ -143,11 +143,20 @@ class Construction:
             return self._each(option.name)
         return None if option.none and value == option.none.name else value
 
+    def _is_asked_for(self, option):
+        """Whether a script has set an option, which the panel may not show: the library says what it makes of it."""
+        names = [option.name, *_SWITCHES.get(option.name, ())[:1]]
+        if self.individual and option.name in ("continuity", "bulge"):
+            names += [f"{option.name}_{i}" for i in range(filling.MOST_SIDES)]
+        return not self.by_hand and any(map(self.properties.is_property_set, names))
+
     def construction(self):
         """Arguments of `tripatch.fill` and `tripatch.patch`."""
-        arguments = {"continuity": self.continuities() if self.keeps_tangents() else "auto"}  # else greyed out
+        shown = self.keeps_tangents() or self._is_asked_for(OPTIONS["continuity"])  # else greyed out
+        arguments = {"continuity": self.continuities() if shown else "auto"}
         for option in options():
-            if option.name in arguments or (_of_methods(option) and option.name not in _about(self.method).options):
+            of_another = _of_methods(option) and not self._has(option.name)
+            if option.name in arguments or (of_another and not self._is_asked_for(option)):
                 continue
             greyed = option.applies and not _of_methods(option) and self.fairing == "none"
             arguments[option.name] = option.default if greyed else self._argument(option)

@@ -369,14 +369,10 @@ def _is_cage_in_rows(plan):
     return plan.cage and plan.fill.report.method_reason.startswith("rows of quads")
 
 
-#: What these two do not take, where they are named; auto says that it did not apply it.
-_OF_SMOOTH_SIDES = ("continuity", "fairing", "bulge", "tension", "center", "center_offset")
-
-
-def _by(method, arguments):
-    """The arguments of the method that auto took."""
-    taken = {name: value for name, value in arguments.items() if name not in _OF_SMOOTH_SIDES}
-    return (taken if method in ("polyharmonic_spline", "quad_rows") else arguments) | {"method": method}
+def by_method(method, arguments):
+    """The arguments of the method that auto took, which said of the others that it did not apply them."""
+    left_out = tripatch.options.not_taken(method, arguments)
+    return {name: value for name, value in arguments.items() if name not in left_out} | {"method": method}
 
 
 def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
@@ -393,12 +389,12 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
         if guides := writeback.guides_of(plan):
             moved = _moved_with_rim(plan, bm.verts.layers.shape[name])[list(guides)]
             points = moved @ world[:3, :3].T + world[:3, 3]
-            own = _by(method[k], arguments)
+            own = by_method(method[k], arguments)
             made[k] = _through(in_shape, loops[k], same[k], guides.values(), own, len(same[k] or ()) or 1, points)
     for each in sorted(set(method.values())):
         own = [k for k in left if k not in made and method[k] == each]
         there = [loops[k] for k in own], [same[k] for k in own]
-        made |= zip(own, _shared_or_each(in_shape, *there, _by(each, arguments)), strict=True)
+        made |= zip(own, _shared_or_each(in_shape, *there, by_method(each, arguments)), strict=True)
     for k, plan in left.items():
         results[k][1].extend(_in_shape_key(bm, plan, name, made[k], world))
 

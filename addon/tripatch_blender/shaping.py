@@ -438,10 +438,8 @@ class Shaping:
     def _quick(self, given):
         """The options of a step: just the surface where that serves, without a mesh and, of sides, as they alone tell."""
         method = self._quick_method(given.get("method", "auto"))
-        given = given | {"method": method, "output": "triangles"}
-        if method == "polyharmonic_spline":  # which takes neither, and was taken nevertheless
-            given = given | {"bulge": 1.0, "center_offset": 0.0}
-        elif method in _PATCHES and self.corners():
+        given = (given if method == "auto" else filling.by_method(method, given)) | {"method": method, "output": "triangles"}
+        if method in _PATCHES and self.corners():
             given["fairing"] = None
         if method in _PATCHES or self._in_rows:
             given["resolution"] = 1

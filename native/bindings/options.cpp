@@ -173,6 +173,8 @@ void bind_options(py::module_& m) {
       .def_property_readonly(
           "default", [](const Option& option) { return py::object(defaults()[option.name]); }, "Where it is not given.")
       .def("__repr__", [](const Option& option) { return "<tripatch option " + std::string(option.name) + ">"; });
+  m.def("_not_taken",
+        [](const std::string& method, const py::dict& given) { return not_taken(find_method(method), fill_options(given)); });
   m.def("_options", [] {
     py::dict all;
     for (const Option& option : options()) all[option.name] = py::cast(&option, py::return_value_policy::reference);

@@ -119,8 +119,10 @@ void bind_patches(py::module_& m) {
 void bind_making(py::module_& m) {
   m.def("_patch", [](const Sides& sides, const py::dict& given, const py::object& progress) {
     const FillOptions options = fill_options(given);
+    check_taken(options);
     MadePatch made;
     interruptibly([&] { made = patch_from_sides(sides, options); }, progress);
+    for (std::string& said : told_of_not_taken(options, patch_method)) made.report.warnings.push_back(std::move(said));
     return std::make_pair(std::const_pointer_cast<Surface>(made.patch),
                           told_of_patch(std::move(made.report.warnings), made.report.folds));
   });

@@ -24,6 +24,16 @@ py::tuple triangles_from(const F& make) {
   return py::make_tuple(array_from(made.uv), triangles);
 }
 
+PolygonPatchOptions asked_of_polygon(const FillOptions& asked) {
+  check_taken(asked);
+  return polygon_options(asked);
+}
+
+std::vector<std::string> told(const FillOptions& asked, std::vector<std::string> warnings, Index folds) {
+  for (std::string& said : told_of_not_taken(asked, polygon_method)) warnings.push_back(std::move(said));
+  return told_of_patch(std::move(warnings), folds);
+}
+
 }  // namespace
 
 void bind_polygon(py::module_& m) {
@@ -60,10 +70,11 @@ void bind_polygon(py::module_& m) {
   });
   m.def("_evenly_run", &evenly_run, py::call_guard<py::gil_scoped_release>());
   m.def("_round_patch", [](const Side& side, const py::dict& given, const py::object& progress) {
-    const PolygonPatchOptions options = polygon_options(fill_options(given));
+    const FillOptions asked = fill_options(given);
+    const PolygonPatchOptions options = asked_of_polygon(asked);
     RoundPatch made;
     interruptibly([&] { made = round_patch(side, options); }, progress);
-    return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), told_of_patch(made.warnings, made.folds),
+    return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), told(asked, made.warnings, made.folds),
                           made.seam_angle_max);
   });
   m.def("_polygon_triangles", [](const std::shared_ptr<OverPolygon>& patch, const std::vector<std::vector<double>>& parameters,
@@ -75,11 +86,12 @@ void bind_polygon(py::module_& m) {
     return triangles_from([&] { return triangulate_disc(*patch, parameters[0], resolution); });
   });
   m.def("_polygon_patch", [](const std::vector<Side>& sides, const py::dict& given, const py::object& progress) {
-    PolygonPatchOptions options = polygon_options(fill_options(given));
+    const FillOptions asked = fill_options(given);
+    PolygonPatchOptions options = asked_of_polygon(asked);
     options.past_hooks = true;  // there is no spline to fall back to
     PolygonPatch made;
     interruptibly([&] { made = polygon_patch(sides, options); }, progress);
-    return py::make_tuple(std::const_pointer_cast<Surface>(made.patch), told_of_patch(made.warnings, made.folds),
+    return py::make_tuple(std::const_pointer_cast<Surface>(made.patch), told(asked, made.warnings, made.folds),
                           made.seam_angle_max);
   });
 }

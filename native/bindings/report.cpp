@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/options.h"
 #include "tripatch/spline/plane_triangles.h"
 
 using namespace tripatch;
@@ -112,6 +113,15 @@ void bind_methods(py::module_& m) {
           },
           "The smallest and the largest number of sides; (0, None): any rim.")
       .def_property_readonly("options", [](const Method& method) { return py::tuple(py::cast(method.options)); })
+      .def(
+          "takes",
+          [](const Method& method, const std::string& name) {
+            for (const Option& option : options())
+              if (name == option.name) return takes(method, option);
+            throw InvalidArgument("There is no option " + name);
+          },
+          "Whether it reads an option of `fill`, by its name; of continuity whether it does what is below tangent planes, or "
+          "above.")
       .def("__repr__", [](const Method& method) { return std::string("<tripatch method ") + method.name + ">"; });
   m.def("_methods", [] {
     py::dict all;

@@ -1,5 +1,6 @@
 #include "tripatch/options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <type_traits>
@@ -120,7 +121,110 @@ const Option& option_named(const char* name) {
   throw InvalidArgument(std::string("There is no option ") + name);
 }
 
+/// Names of the methods that name an option as one of their own; empty: most methods read it.
+std::vector<std::string> named_by(const Option& option) {
+  std::vector<std::string> names;
+  for (const Condition& condition : option.applies)
+    if (condition.option == "method") names.push_back(condition.value);
+  return names;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+bool is_plain(const auto& value, const auto& plain) { return value == plain; }
+bool is_plain(const BySide<double>& value, const BySide<double>& plain) { return value.are_all(plain[0]); }
+bool is_plain(const std::optional<BySide<double>>& value, const std::optional<BySide<double>>& plain) {
+  return value && plain && is_plain(*value, *plain);
+}
+bool is_plain(const BySide<SideContinuity>& value, const BySide<SideContinuity>&) {
+  return std::ranges::all_of(value, [](SideContinuity c) { return c == SideContinuity::automatic || c == SideContinuity::g1; });
+}
+bool is_plain(const std::vector<Through>& value, const std::vector<Through>&) { return value.empty(); }
+bool is_plain(const Subdivision&, const Subdivision&) { return true; }  // for another surroundings or output, not another method
+bool is_plain(const std::optional<int>& value, const std::optional<int>&) { return value.value_or(0) == 0; }  // no extra rows
+
+/// Whether an option means something for what the hole is filled with.
+bool is_of_output(const Option& option, Output output) {
+  const auto names_output = [](const Condition& condition) { return condition.option == "output"; };
+  return std::ranges::none_of(option.applies, names_output) ||
+         std::ranges::any_of(option.applies, [&](const Condition& c) { return names_output(c) && c.value == name_of(output); });
+}
+
 }  // namespace
+
+bool takes(const Method& method, const Option& option) {
+  const auto is_in = [&](const std::vector<std::string>& names) { return std::ranges::find(names, option.name) != names.end(); };
+  return named_by(option).empty() ? !is_in(method.lacks) : is_in(method.options);
+}
+
+std::vector<std::string> not_taken(const Method& method, const FillOptions& given, bool patch) {
+  static const FillOptions plain;
+  std::vector<std::string> names;
+  const auto look = [&](const char* name, bool is_given) {
+    if (!is_given) return;
+    const Option& option = option_named(name);
+    if ((option.patch || !patch) && is_of_output(option, given.output) && !takes(method, option)) names.emplace_back(name);
+  };
+#define OPTION(type, name, value, ...) look(#name, !is_plain(given.name, plain.name));
+#define METHOD_OPTION(type, name, value, ...) look(#name, !is_plain(given.own.name, plain.own.name));
+#include "tripatch/options.def"
+  return names;
+}
+
+namespace {
+
+/// Of methods: an option that no more than so many read is said to be theirs. A choice.
+constexpr std::size_t few = 2;
+
+/// "shape is an option of szilvasi_nagy_c0, szilvasi_nagy_c1"; of an option of many methods nothing.
+std::string whose(const std::string& name) {
+  const std::vector<std::string> methods = named_by(option_named(name.c_str()));
+  return methods.empty() || methods.size() > few ? "" : name + " is an option of " + listed(methods);
+}
+
+/// Of names that a method, which is named, does not read: those that several constructions of patches read and this one, another, does not.
+/// They are told; who names the method by its paper may have the same options for all.
+bool is_told(const Method& method, const std::string& name) {
+  const bool between_sides = method.from_boundary || method.name == std::string(polygon_method);
+  return between_sides && named_by(option_named(name.c_str())).size() > 1;
+}
+
+}  // namespace
+
+void check_taken(const FillOptions& given) {
+  if (given.method == automatic_method) return;
+  const Method& method = find_method(given.method);
+  std::vector<std::string> names;
+  for (std::string& name : not_taken(method, given))
+    if (!is_told(method, name)) names.push_back(std::move(name));
+  for (const std::string& name : names)
+    if (const std::string said = whose(name); !said.empty()) throw InvalidArgument(said + ", not of " + given.method);
+  if (!names.empty()) throw InvalidArgument(given.method + " does not take " + listed(names));
+}
+
+std::vector<std::string> told_of_not_taken(const FillOptions& given, const std::string& used) {
+  const bool automatic = given.method == automatic_method;
+  const Method& method = find_method(automatic ? used : given.method);
+  std::vector<std::string> told, others;
+  for (const std::string& name : not_taken(method, given)) {
+    const std::string said = whose(name);
+    if (said.empty())
+      others.push_back(name);
+    else
+      told.push_back(said + ": not applied");
+  }
+  if (!others.empty())
+    told.push_back(automatic ? "For " + listed(others) +
+                                   " smooth sides are needed, between which a patch lies without folds: not applied"
+                             : given.method + " does not take " + listed(others) + ": not applied");
+  if (automatic && used == polygon_method && given.cross_boundary != CrossBoundary::consistent)
+    told.emplace_back("For cross_boundary three smooth sides are needed: not applied");
+  return told;
+}
 
 std::span<const Option> options() {
   static const std::vector<Option> all = {

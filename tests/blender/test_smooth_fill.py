@@ -297,6 +297,50 @@ def test_options_that_do_not_go_together_are_said_and_can_be_changed(addon, opti
     assert len(border_lengths(ob)) == 2
 
 
+SPLINE = "polyharmonic_spline"
+
+
+@pytest.mark.parametrize(
+    ("method", "options", "said"),
+    [
+        (SPLINE, {"bulge": 2.0}, "Polyharmonic Spline does not take Bulge"),
+        (SPLINE, {"individual": True, "bulge_2": 2.0}, "Polyharmonic Spline does not take Bulge"),
+        ("gordon_coons", {"continuity": "G1"}, "The method Gordon Coons keeps G0 along the rim"),
+        (SPLINE, {"cross_boundary": "given"}, "Polyharmonic Spline does not take Slopes"),
+        (SPLINE, {"shape": (0.3, 0.5, 0.5)}, "shape is an option of Szilvasi Nagy C0, Szilvasi Nagy C1, not of"),
+        (SPLINE, {"optimal_shape": True}, "shape is an option of"),
+        ("side_vertex", {"symmetric": True}, "symmetric is an option of Coons Extremal"),
+    ],
+)
+def test_what_a_method_does_not_take_is_an_error_of_a_script_and_nothing_where_the_panel_hides_it(addon, method, options, said):
+    ob = scenes.add_hole()
+    scenes.edit(ob)
+    with pytest.raises(RuntimeError, match=f"Error: {said}"):
+        smooth(method=method, **options)
+    faces = len(bmesh.from_edit_mesh(ob.data).faces)
+    state = operator(addon, method=method, **options)
+    assert state.invoke(bpy.context, None) == {"FINISHED"}
+    assert len(bmesh.from_edit_mesh(ob.data).faces) > faces and state.reasons == ""
+    assert not [text for _, text in state.said if said[:12] in text]
+
+
+def test_what_is_not_applied_is_said_of_what_was_chosen_only(addon):
+    scenes.edit(scenes.add_hole())
+    of_another = {"method": "gordon_coons", "bulge": 2.0}
+    for options, said in (
+        ({"symmetric": True}, "symmetric is an option of Coons Extremal: not applied"),
+        (of_another, "Gordon Coons does not take Bulge: not applied"),
+        (of_another | {"by_hand": True}, ""),  # the panel greys it
+        ({}, ""),
+    ):
+        state = operator(addon, **options)
+        assert state.execute(bpy.context) == {"FINISHED"}
+        (kind, text) = state.said[-1]
+        assert (said in text) and kind == ({"WARNING"} if said else {"INFO"})
+        bpy.ops.object.mode_set(mode="OBJECT")
+        scenes.edit(scenes.add_hole())
+
+
 def test_folded_parts_open(addon):
     scenes.edit(scenes.add_hole())
     state = operator(addon, show_advanced=True, all_holes=True, show_holes=True)

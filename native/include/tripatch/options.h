@@ -70,6 +70,17 @@ struct Option : AboutOption {
 /// All rows, in their order.
 std::span<const Option> options();
 
+/// Whether a method reads an option of a fill.
+bool takes(const Method& method, const Option& option);
+/// Names of the options that are not at their defaults, go with the output, and are none that a method reads, in their order. A continuity that is left open, or
+/// G1, every method has: more than that is told of by what makes the patch. patch: of those that concern the patch alone.
+std::vector<std::string> not_taken(const Method& method, const FillOptions& given, bool patch = false);
+/// Throws InvalidArgument where a method that is named does not read what is given; but what several other patches between sides read,
+/// and a named one does not, is told.
+void check_taken(const FillOptions& given);
+/// What is said of options that were given and that the method which was used does not read.
+std::vector<std::string> told_of_not_taken(const FillOptions& given, const std::string& used);
+
 /// Throws InvalidArgument where a number is not finite or out of its range.
 void check(const FillOptions& options);
 void check(const MethodOptions& options);

@@ -34,6 +34,7 @@ class Method:
     continuity: Literal["G0", "G1", "G2"]
     sides: tuple[int, int | None]
     options: tuple[str, ...]
+    def takes(self, name: str) -> bool: ...
 
 METHODS: dict[str, Method]
 

@@ -249,7 +249,7 @@ def checked(function: str, given: dict[str, Any]) -> dict[str, Any]:
     """The options of a function, by their types and with defaults, as the core reads them; it checks their ranges itself.
 
     Raises:
-        TypeError, ValueError: what is given has the wrong type or shape, is no option, or not one of the method.
+        TypeError, ValueError: what is given has the wrong type or shape, or is no option. What a method takes the core knows.
     """
     rows, defaults, ready = _rows(function), _defaults(function), _ready(function)
     unknown = given.keys() - defaults.keys()
@@ -258,14 +258,8 @@ def checked(function: str, given: dict[str, Any]) -> dict[str, Any]:
     values, made = defaults | given, dict(ready)
     if "method" in values:
         choice(values["method"], "method", names(OPTIONS["method"]))
-    own = [option for option in rows if option.name in given]
-    for option in own:
-        having = [value for name, value in option.applies if name == "method"]
-        strict = option.default in (None, False)  # the others are options of many methods, and always have a value
-        if having and strict and values["method"] not in having and values[option.name] not in (None, False):
-            raise ValueError(f"{option.name} is an option of {', '.join(having)}, not of {values['method']}")
-    for option in own:
-        if option.kind != "subdivision":
+    for option in rows:
+        if option.name in given and option.kind != "subdivision":
             made[option.name] = value(option, values[option.name])
     for option in rows:
         if option.kind == "subdivision":
@@ -278,6 +272,16 @@ def not_at_default(function: str, values: dict[str, Any]) -> dict[str, Any]:
     """Of what `checked` has returned what the core does not have anyway, which takes it 50 us to read."""
     ready = _ready(function)
     return {name: each for name, each in values.items() if name not in ready or each is not ready[name]}
+
+
+def not_taken(method: str, values: Mapping[str, Any]) -> list[str]:
+    """Of values for `fill`: the names of those that are not at their defaults and that a method, not "auto", does not read.
+
+    Raises:
+        TypeError, ValueError: no method of that name, or a value has the wrong type or range.
+    """
+    given = {name: value(OPTIONS[name], each) for name, each in values.items() if name in OPTIONS and name != "subdivision"}
+    return _native._not_taken(method, given)
 
 
 def described(option: Option) -> str:

@@ -44,6 +44,14 @@ SurfacePtr from_curves(const Boundary& boundary, const MethodOptions&) {
 }
 
 const std::vector<std::string> slopes = {"cross_boundary", "bulge"}, lambda = {"shape", "reading"};
+/// What only a patch between sides has.
+const std::vector<std::string> of_sides = {"continuity",    "fairing",   "tension",    "center",
+                                           "center_offset", "tolerance", "pole_offset"};
+std::vector<std::string> with(std::vector<std::string> names, const std::vector<std::string>& others) {
+  names.insert(names.end(), others.begin(), others.end());
+  return names;
+}
+
 const std::vector<Method> all = {
     {"gordon_coons",
      "Boolean sum of linear lofts between the curves",
@@ -93,7 +101,9 @@ const std::vector<Method> all = {
      [](const Boundary& boundary, const MethodOptions& options) {
        return options.to_be_faired ? curved_side_vertex(boundary) : side_vertex(boundary);
      },
-     {}},
+     {},
+     {3, 3},
+     {"islands"}},  // inner points are met over a polygon of three sides
     {"quintic",
      "A quintic fitted to the boundary, plus the side-vertex patch of what it misses",
      "Zhang, Ji and Yang 2005",
@@ -146,7 +156,8 @@ const std::vector<Method> all = {
      slopes,
      {},
      {},
-     {2, most_sides}},
+     {2, most_sides},
+     {"islands"}},
     {spline_method,
      "The surface of the surroundings as a Gaussian field over a plane, for any rim; knows how well it is known",
      "Duchon 1977; Wahba 1990",
@@ -155,7 +166,8 @@ const std::vector<Method> all = {
      {},
      {},
      {},
-     {0, 0}},
+     {0, 0},
+     of_sides},
     {rows_method,
      "Rows of quads around a rectangular hole go on across it: their mixed differences are least",
      "Birkhoff and Gordon 1968",
@@ -164,7 +176,8 @@ const std::vector<Method> all = {
      {},
      {},
      {},
-     {4, 4}},
+     {4, 4},
+     with(of_sides, {"islands", "through", "resolution"})},
 };
 
 }  // namespace

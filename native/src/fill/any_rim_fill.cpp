@@ -81,22 +81,13 @@ void check_apart(std::vector<Index> all, const std::vector<std::vector<Index>>& 
 
 bool is_of_sharp_sides(const std::string& warning) { return warning.starts_with(sharp_sides_sentence); }
 
-std::string not_taken(const FillOptions& options) {
-  std::string names;
-  const auto add = [&](bool given, const char* name) {
-    if (given) names += (names.empty() ? "" : ", ") + std::string(name);
-  };
-  const auto plain = [](SideContinuity c) { return c == SideContinuity::automatic || c == SideContinuity::g1; };
-  add(!std::all_of(options.continuity.begin(), options.continuity.end(), plain), "continuity");
-  add(options.fairing != Fairing::automatic, "fairing");
-  add(!options.bulge.are_all(1), "bulge");
-  add(options.tension > 0, "tension");
-  add(options.center.has_value(), "center");
-  add(options.center_offset != 0, "center_offset");
-  return names;
+bool asks_for_sides(const FillOptions& options) {
+  const std::vector<std::string> others = not_taken(find_method(patch_method), options, true);
+  return std::ranges::any_of(not_taken(find_method(spline_method), options, true),
+                             [&](const std::string& name) { return std::ranges::find(others, name) == others.end(); });
 }
 
-bool is_shaped_by_hand(const FillOptions& options) { return !options.through.empty() || !not_taken(options).empty(); }
+bool is_shaped_by_hand(const FillOptions& options) { return !options.through.empty() || asks_for_sides(options); }
 
 bool is_continuity_open(const FillOptions& options) {
   return std::ranges::all_of(options.continuity, [](SideContinuity c) { return c == SideContinuity::automatic; });
@@ -104,9 +95,6 @@ bool is_continuity_open(const FillOptions& options) {
 
 Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
                   const std::string& reason) {
-  const std::string ignored = not_taken(options);
-  const bool insisted = options.method == spline_method;
-  if (insisted && !ignored.empty()) throw InvalidArgument(std::string(spline_method) + " does not take " + ignored);
   if (options.surroundings == SurroundingsFrom::limit)
     throw Refusal("Limit surroundings are read for holes with three corners only: " + reason, {});
   std::vector<std::string> warnings;
@@ -143,14 +131,11 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   const bool looks_for_sharp = islands.empty() && (!corners || !corners->empty()) && is_continuity_open(options);
   Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)
                               : fill_with_spline(ground.mesh, around, loop, islands, own);
-  if (insisted && !fill.patch && loop.size() > 3)
+  if (options.method == spline_method && !fill.patch && loop.size() > 3)
     throw Refusal("No surface of the surroundings could be laid out; the method auto closes the hole with plain triangles", loop);
   fill.report.method_reason = reason;
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);
-  if (!insisted && !ignored.empty())
-    fill.report.warnings.push_back("For " + ignored +
-                                   " smooth sides are needed, between which a patch lies without folds: not applied");
   return fill;
 }
 

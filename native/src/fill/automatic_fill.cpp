@@ -75,7 +75,8 @@ private:
 
 /// The exact patch between two sides or four and more where they are smooth, else the surface over a plane. given: the corners are a person's.
 Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, bool given,
-                       const FillOptions& options) {
+                       FillOptions options) {
+  options.cross_boundary = CrossBoundary::consistent;  // of three sides
   check_counts(options, corners.size());
   SplineBeside any_rim(ground, rim, corners, options);
   const std::string smooth = "the rim has " + std::to_string(corners.size()) + " smooth sides";
@@ -108,7 +109,7 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     reason = "no patch fits between " + std::to_string(corners.size()) + " sides: " + refusal.what();
   }
   Fill other = any_rim(reason);
-  if (patch && not_taken(options).empty() && keeps_better_planes(*patch, other)) {
+  if (patch && !asks_for_sides(options) && keeps_better_planes(*patch, other)) {
     Fill planar = fill_with_planes_of(ground, *patch, options, reason);
     if (planar.patch && harm(planar.report) <= harm(other.report)) return planar;
   }
@@ -139,8 +140,8 @@ std::vector<Index> corners_between_sharp(const Ground& ground, const std::vector
 }
 
 /// The patch over a disc where the rim is smooth all around, else the surface over a plane. rim: as new faces take it.
-Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options,
-                    const std::string& otherwise) {
+Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, FillOptions options, const std::string& otherwise) {
+  options.cross_boundary = CrossBoundary::consistent;  // of three sides
   const auto any_rim = [&](const std::string& reason) {
     return fill_any_rim(ground, rim, std::vector<Index>(), options, reason);
   };
@@ -246,7 +247,7 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
     const std::string otherwise = "no smooth sides were found: " + without_advice(refusal.what());
     const std::vector<Index> sharp = corners_between_sharp(ground, checked);
     if (sharp.empty()) return fill_round_rim(ground, checked, options, otherwise);
-    const bool sided = makes_polygon(sharp) && (not_taken(options).empty() || asks_for_positions_only(options));
+    const bool sided = makes_polygon(sharp) && (!asks_for_sides(options) || asks_for_positions_only(options));
     return sided ? fill_between_many(ground, rim, sharp, false, options) : any_rim(otherwise);
   }
   check_counts(options, 3);
@@ -256,7 +257,7 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
   bool apart = false, away = false;
   try {
     patch = fill_with_patch(ground, hole, options);
-    const bool own_choice = !corners && hole.rim.size() >= least_edges_apart && not_taken(options).empty();
+    const bool own_choice = !corners && hole.rim.size() >= least_edges_apart && !asks_for_sides(options);
     const double planes_apart = own_choice ? planes_apart_at_corners(patch->sides) : 0;
     const bool no_one_surface = planes_apart > one_surface && !any_sharp(sharp_sides_of(ground, hole));
     apart = no_one_surface && planes_apart > no_surface;

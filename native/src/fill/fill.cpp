@@ -171,11 +171,11 @@ void check_for_holes(const FillOptions& options) {
   check_corners(options.corners);
   if (options.method != automatic_method && !find_method(options.method).fills_holes)
     throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
-  const bool meets = options.method == automatic_method || options.method == polygon_method || options.method == patch_method ||
-                     options.method == spline_method;
+  const bool meets = options.method == automatic_method || std::ranges::count(find_method(options.method).lacks, "through") == 0;
   if (!options.through.empty() && (!meets || options.surroundings != SurroundingsFrom::mesh))
     throw InvalidArgument("through is met by the methods auto, " + std::string(polygon_method) + " and " +
                           std::string(spline_method) + ", beside surroundings that are a mesh");
+  check_taken(options);
   if ((options.method == spline_method || options.method == rows_method) && options.output == Output::cage)
     throw InvalidArgument(options.method + " makes no cages; choose another method, or triangles or quads");
 }
@@ -316,6 +316,10 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
   return results;
 }
 
+void tell_not_taken(const FillOptions& options, Report& report) {
+  for (std::string& said : told_of_not_taken(options, report.method)) report.warnings.push_back(std::move(said));
+}
+
 }  // namespace
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
@@ -323,6 +327,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const auto unjoined = [&](const std::vector<Index>& rim) { return told_of_unjoined(mesh, {&rim, 1})[0]; };
   try {
     Fill result = fill_one_hole(mesh, options);
+    tell_not_taken(options, result.report);
     if (std::string told = unjoined(result.rim); !told.empty()) result.report.warnings.push_back(std::move(told));
     return result;
   } catch (const Refusal& refusal) {
@@ -340,8 +345,10 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   Results results = fill_every_hole(mesh, rims, options, corners, progress);
   const std::vector<std::string> unjoined = told_of_unjoined(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {
+    Fill* const fill = std::get_if<Fill>(&results[k]);
+    if (fill) tell_not_taken(options, fill->report);
     if (unjoined[k].empty()) continue;
-    if (Fill* fill = std::get_if<Fill>(&results[k]))
+    if (fill)
       fill->report.warnings.push_back(unjoined[k]);
     else
       std::get<Refused>(results[k]).reason += ". " + unjoined[k];

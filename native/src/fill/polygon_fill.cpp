@@ -367,7 +367,7 @@ LayoutOptions layout_options(const FillOptions& options) {
 
 PolygonPatchOptions polygon_options(const FillOptions& options) {
   PolygonPatchOptions own;
-  if (options.cross_boundary != CrossBoundary::consistent)
+  if (options.cross_boundary != CrossBoundary::consistent && options.method != automatic_method)  // which tells of it
     throw InvalidArgument("cross_boundary is consistent where a patch has not three sides");
   own.continuity = options.continuity.values();
   own.bulge = options.bulge.values();

@@ -269,8 +269,6 @@ std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index
 
 Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                          const FillOptions& options) {
-  const std::string ignored = not_taken(options);
-  if (!ignored.empty()) throw InvalidArgument(std::string(rows_method) + " does not take " + ignored);
   if (options.surroundings == SurroundingsFrom::limit)
     throw Refusal("Limit surroundings are read for holes with three corners only: quad_rows reads the mesh", {});
   std::optional<Fill> fill = fill_with_rows(ground, check_topology(ground.left, rim), options.output, options.features);

@@ -36,6 +36,8 @@ struct Method {
   SurfacePtr (*from_surfaces)(const std::array<SurfacePtr, 3>&, const MethodOptions&);
   /// The fewest and the most sides of what it fills; {0, 0}: rims with any number of corners, from the surroundings alone.
   std::array<int, 2> sides = {3, 3};
+  /// Names of options of `fill` that it does not read and most methods do; those that single methods read need not be named.
+  std::vector<std::string> lacks = {"islands", "through"};
 };
 
 /// What `method` is called where the rim decides.

@@ -8,9 +8,8 @@
 
 namespace tripatch {
 
-/// Options that a fill over a plane domain does not take, of those that are not as they come.
-std::string not_taken(const FillOptions& options);
-
+/// Whether something is asked of the patch that only one between sides has.
+bool asks_for_sides(const FillOptions& options);
 /// Whether somebody shapes the fill: then the patch is made wherever it lies well.
 bool is_shaped_by_hand(const FillOptions& options);
 /// Whether it is left to the fill which of its surroundings it goes on from.

@@ -1,0 +1,85 @@
+"""Methods that are insisted on: what they would deliver folded or crossed is refused, and options that they do not take."""
+
+import numpy as np
+import pytest
+import tripatch
+from test_report import jagged
+
+
+#: Of every option of a fill that says something of the surface, a value that is not its default.
+SHAPES = {
+    "continuity": "G0",
+    "fairing": "thin_plate",
+    "bulge": 2.0,
+    "tension": 0.5,
+    "center": (0.5, 0.5, 0.5),
+    "center_offset": 0.1,
+    "cross_boundary": "given",
+    "shape": 0.3,
+    "reading": "as_printed",
+    "symmetric": True,
+    "alpha": 0.2,
+    "tolerance": 0.01,
+    "pole_offset": (0.1, 0.0),
+}
+OF_ONE_KIND = ("shape", "reading", "symmetric", "alpha")
+
+
+def with_output(name, value):
+    return {name: value, "output": "quads" if name in ("tolerance", "pole_offset") else "triangles"}
+
+
+@pytest.mark.parametrize("method", ["polyharmonic_spline", "quad_rows"])
+@pytest.mark.parametrize(("name", "value"), SHAPES.items())
+def test_what_a_surface_of_the_surroundings_does_not_take_is_a_mistake(method, name, value):
+    vertices, faces, rim, _ = jagged(8, 0.6)
+    said = f"{name} is an option of .*, not of {method}" if name in OF_ONE_KIND else f"{method} does not take {name}"
+    with pytest.raises(ValueError, match=said) as caught:
+        tripatch.fill(vertices, faces, rim=rim, method=method, **with_output(name, value))
+    assert not isinstance(caught.value, tripatch.Refusal)
+    with pytest.raises(ValueError, match=said):
+        tripatch.fill_all(vertices, faces, [rim], method=method, **with_output(name, value))
+
+
+@pytest.mark.parametrize(("name", "value"), SHAPES.items())
+def test_under_auto_it_is_told_and_the_fill_is_the_same(name, value):
+    vertices, faces, rim, _ = jagged(8, 0.6)
+    options = with_output(name, value)
+    plain = tripatch.fill(vertices, faces, rim=rim, output=options["output"])
+    assert plain.report.method == "polyharmonic_spline" and not plain.report.warnings
+    fill = tripatch.fill(vertices, faces, rim=rim, **options)
+    assert fill.report.method == "polyharmonic_spline" and np.array_equal(fill.vertices, plain.vertices)
+    (said,) = fill.report.warnings
+    assert name in said and said.endswith("not applied")
+    if options["output"] == "quads":  # it means nothing for triangles, whatever the method
+        assert not tripatch.fill(vertices, faces, rim=rim, **{name: value}).report.warnings
+
+
+@pytest.mark.parametrize("method", ["auto", "polyharmonic_spline", "multi_sided"])
+def test_of_options_at_their_defaults_nothing_is_said(method):
+    vertices, faces, rim, corners = jagged(8, 0.0 if method == "multi_sided" else 0.6)
+    given = {name: tripatch.OPTIONS[name].default for name in SHAPES}
+    given |= {"bulge": (1, 1, 1), "shape": (0.5,) * 3, "continuity": "G1"}
+    fill = tripatch.fill(vertices, faces, rim=rim, method=method, **given)
+    assert not [warning for warning in fill.report.warnings if "applied" in warning]
+
+
+def test_under_auto_the_options_of_a_formula_are_told_where_a_patch_is_taken_too():
+    vertices, faces, rim, corners = jagged(8, 0.0)
+    for name in OF_ONE_KIND:
+        fill = tripatch.fill(vertices, faces, rim=rim, **{name: SHAPES[name]})
+        assert fill.report.method == "side_vertex"
+        assert any(warning.startswith(f"{name} is an option of") for warning in fill.report.warnings)
+    assert not tripatch.fill(vertices, faces, rim=rim, cross_boundary="given").report.warnings
+
+
+def test_what_other_patches_between_sides_read_is_told_of_one_that_does_not():
+    vertices, faces, rim, corners = jagged(8, 0.0)
+    options = {"rim": rim, "corners": corners, "method": "gordon_coons"}
+    plain, fill = (tripatch.fill(vertices, faces, **options, **more) for more in ({}, {"bulge": 2.0, "shape": 0.3}))
+    assert np.array_equal(fill.vertices, plain.vertices) and not plain.report.warnings
+    assert any("gordon_coons does not take bulge" in warning for warning in fill.report.warnings)
+    assert any("shape is an option of szilvasi_nagy_c0" in warning for warning in fill.report.warnings)
+    with pytest.raises(ValueError, match="gordon_coons does not take islands"):
+        tripatch.fill(vertices, faces, **options, islands=[rim])
+    assert tripatch.METHODS["side_vertex"].takes("bulge") and not tripatch.METHODS["gordon_coons"].takes("bulge")
