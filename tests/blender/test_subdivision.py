@@ -307,7 +307,7 @@ def test_an_odd_rim(odd, output):
     vertices, edges, faces = len(ob.data.vertices), len(ob.data.edges), len(ob.data.polygons)
     extent = np.ptp(evaluated(ob)[0], axis=0).max()
     assert edit_with_corners(ob, 2)[1] % 2
-    assert fill(output=output, odd=odd, rows=0, method="side_vertex") == {"FINISHED"}
+    assert fill(output=output, odd=odd, rows=0, method="side_vertex", fairing="none") == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     bm = scenes.checked(ob)
     assert all(e.is_manifold and e.is_contiguous for e in bm.edges) and len(bm.edges) > edges and len(bm.verts) > vertices

@@ -3,7 +3,51 @@
 import numpy as np
 import pytest
 import tripatch
+from test_cli import write_obj
 from test_report import jagged
+from tripatch.__main__ import main
+
+
+def two_holes():
+    """The jagged octant, and beside it the smooth one: vertices, faces, rims and the corners of each."""
+    vertices, faces, rim, corners = jagged(8, 0.6)
+    other, _, smooth, smooth_corners = jagged(8, 0.0)
+    n = len(vertices)
+    beside = [[n + v for v in face] for face in faces]
+    rims = [list(rim), [n + v for v in smooth]]
+    return np.concatenate([vertices, other + 5]), [*map(list, faces), *beside], rims, [corners, [n + v for v in smooth_corners]]
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+@pytest.mark.parametrize(("method", "count"), [("side_vertex", 3), ("gregory", 3), ("multi_sided", 4), ("multi_sided", 3)])
+def test_a_patch_that_would_fold_is_refused_and_auto_fills_the_hole(method, count, output):
+    vertices, faces, rim, corners = jagged(8, 0.6)
+    if count == 4:
+        corners = [rim[k * len(rim) // 4] for k in range(4)]
+    options = {"rim": rim, "corners": corners, "output": output}
+    with pytest.raises(tripatch.Refusal, match=rf"A fill by {method} would fold over itself near vertex \d+") as caught:
+        tripatch.fill(vertices, faces, **options, method=method)
+    assert caught.value.where and set(caught.value.where) <= set(map(int, rim))
+    assert "the method auto" in caught.value.reason
+    report = tripatch.fill(vertices, faces, **options).report
+    assert report.triangles_folded <= report.rim_folded
+    told = tripatch.fill(vertices, faces, **options, method=method, fairing=None).report  # the formula's own, as asked for
+    assert told.triangles_folded > told.rim_folded and any("folds over itself" in warning for warning in told.warnings)
+
+
+def test_of_several_holes_only_those_that_would_fold_are_refused():
+    vertices, faces, rims, corners = two_holes()
+    folded, smooth = tripatch.fill_all(vertices, faces, rims, corners=corners, method="side_vertex")
+    assert isinstance(folded, tripatch.Refusal) and "fold over itself" in folded.reason
+    assert smooth.report.method == "side_vertex" and smooth.report.triangles_folded == 0
+
+
+def test_the_command_line_writes_no_fill_that_was_refused(tmp_path, capsys):
+    vertices, faces, rims, corners = two_holes()
+    path, out = write_obj(tmp_path / "in.obj", (vertices, faces)), tmp_path / "out.obj"
+    named = "--rim", ",".join(map(str, rims[0])), "--corners", ",".join(map(str, corners[0])), "--method", "side_vertex"
+    assert main(["fill", str(path), str(out), *named]) == 1
+    assert "would fold over itself" in capsys.readouterr().err and not out.exists()
 
 
 #: Of every option of a fill that says something of the surface, a value that is not its default.

@@ -13,6 +13,7 @@
 #include "tripatch/cage/cage_fill.h"
 #include "tripatch/fill/cage_in_rows.h"
 #include "tripatch/fill/cage_on_mesh.h"
+#include "tripatch/fill/insisted.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/triangle_fill.h"
@@ -467,9 +468,8 @@ std::vector<Fill> with_these_rows(const Ground& ground, const std::vector<SidedR
   return fills;
 }
 
-}  // namespace
-
-std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+/// The same, or fewer where that does less harm.
+std::vector<Fill> with_rows_or_fewer(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
   const int wanted = options.resolution.value_or(0);
   if (wanted == 0 || holes.size() > 1) return with_these_rows(ground, holes, options);
   FillOptions fewer = options;
@@ -487,6 +487,14 @@ std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedR
   }
   if (most < wanted) best->report.warnings.push_back(fewer_rows(most, wanted));
   return {std::move(*best)};
+}
+
+}  // namespace
+
+std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+  std::vector<Fill> fills = with_rows_or_fewer(ground, holes, options);
+  for (const Fill& fill : fills) refuse_if_insisted(ground, fill, options);
+  return fills;
 }
 
 namespace {

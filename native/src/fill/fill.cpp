@@ -9,6 +9,7 @@
 #include "tripatch/fill/automatic_fill.h"
 #include "tripatch/fill/cage_fills.h"
 #include "tripatch/fill/ground.h"
+#include "tripatch/fill/insisted.h"
 #include "tripatch/fill/merged_rims.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"
@@ -154,6 +155,7 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
   Report& report = fill.report;
   if (report.triangles_folded > 0 && report.method != spline_method)
     report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
+  refuse_if_insisted(ground, fill, options);
   if (report.triangles_folded > 0) tell_turned_over(ground.mesh, ground.left, fill.rim, report);
   if (report.crosses_itself)
     if (const auto where = place_of_crossing(ground.mesh, fill.vertices, fill.faces))

@@ -182,9 +182,12 @@ bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Fa
   });
 }
 
-Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
-                         std::span<const FaceBeyond> beyond, EdgesByVertex& edges) {
-  if (surely_unfolded(vertices, added, faces, beyond)) return 0;
+namespace {
+
+/// use(one vertex, the other) for each other triangle that is folded over the first along an edge. edges: as of count_folded_edges.
+template <class Use>
+void for_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
+                      EdgesByVertex& edges, const Use& use) {
   const Places at(vertices, added);
   std::vector<Vec3> normals;
   normals.reserve(faces.corners.size() + beyond.size());
@@ -195,12 +198,21 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
   const std::size_t own = normals.size();  // those beyond count only where one of these is
   for (const FaceBeyond& face : beyond) normals.push_back(face.normal.stableNormalized());
   const double cosine = std::cos(folded_degrees * M_PI / 180);
-  Index count = 0;
-  edges.for_edges([&](Index, std::span<const EdgeUse> along) {
+  edges.for_edges([&](Index high, std::span<const EdgeUse> along) {
     const std::size_t first = along[0].what / 2;
     if (first >= own) return;
-    for (const EdgeUse& other : along.subspan(1)) count += normals[other.what / 2].dot(normals[first]) < cosine;
+    for (const EdgeUse& other : along.subspan(1))
+      if (normals[other.what / 2].dot(normals[first]) < cosine) use(static_cast<Index>(other.low), high);
   });
+}
+
+}  // namespace
+
+Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
+                         std::span<const FaceBeyond> beyond, EdgesByVertex& edges) {
+  if (surely_unfolded(vertices, added, faces, beyond)) return 0;
+  Index count = 0;
+  for_folded_edges(vertices, added, faces, beyond, edges, [&](Index, Index) { ++count; });
   return count;
 }
 
@@ -209,6 +221,16 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
   if (surely_unfolded(vertices, added, faces, beyond)) return 0;
   EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), faces, beyond);
   return count_folded_edges(vertices, added, faces, beyond, edges);
+}
+
+std::vector<std::array<Index, 2>> folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
+                                               std::span<const FaceBeyond> beyond) {
+  Faces cut = faces;
+  begin_at_shorter_diagonals(vertices, added, cut);
+  EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), cut, beyond);
+  std::vector<std::array<Index, 2>> out;
+  for_folded_edges(vertices, added, cut, beyond, edges, [&](Index a, Index b) { out.push_back({a, b}); });
+  return out;
 }
 
 }  // namespace tripatch

@@ -37,11 +37,14 @@ void report_corners(const std::vector<Index>& rim, std::span<const Index> corner
                                 std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
 }
 
+Index nearest_of(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where) {
+  const auto far = [&](Index v) { return (Vec3(vertices.row(v)) - where).squaredNorm(); };
+  return *std::min_element(rim.begin(), rim.end(), [&](Index a, Index b) { return clearly_less(far(a), far(b)); });
+}
+
 void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
                    const std::string& what) {
-  const auto far = [&](Index v) { return (Vec3(vertices.row(v)) - where).squaredNorm(); };
-  const Index near = *std::min_element(rim.begin(), rim.end(), [&](Index a, Index b) { return clearly_less(far(a), far(b)); });
-  report.warnings.push_back(what + " near vertex " + std::to_string(near) + " of the rim");
+  report.warnings.push_back(what + " near vertex " + std::to_string(nearest_of(vertices, rim, where)) + " of the rim");
 }
 
 void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Report& report) {

@@ -1,6 +1,7 @@
 // Folds of the faces that are delivered. (count_folds in report.h asks the patch on a grid of its own.)
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -49,5 +50,8 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
                          std::span<const FaceBeyond> beyond, EdgesByVertex& edges);
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                          std::span<const FaceBeyond> beyond = {});
+/// Edges so counted, both vertices of each, of faces that measure_faces has measured.
+std::vector<std::array<Index, 2>> folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
+                                               std::span<const FaceBeyond> beyond);
 
 }  // namespace tripatch

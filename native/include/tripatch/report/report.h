@@ -65,6 +65,8 @@ void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces,
                    Report& report, std::vector<Index> border = {});
 /// Where faces so measured go through each other; none: nowhere.
 std::optional<Vec3> place_of_crossing(const Mesh& mesh, const PointsRef& added, const Faces& faces);
+/// The vertex of a rim that is nearest to a place.
+Index nearest_of(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where);
 /// Tells of faces that go through each other, and near which vertex of the rim.
 void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
                    const std::string& what = "The fill crosses itself");

@@ -1,0 +1,13 @@
+// What a method that is insisted on may not deliver: the method auto would take another.
+#pragma once
+
+#include "tripatch/fill/ground.h"
+#include "tripatch/output/fill_result.h"
+
+namespace tripatch {
+
+/// Throws a Refusal where a method is insisted on and its fill folds more than its rim does or, if it is no surface of the surroundings as
+/// a whole, goes through itself. Who shapes the fill has it as he does, and is told; under auto others were tried.
+void refuse_if_insisted(const Ground& ground, const Fill& fill, const FillOptions& options);
+
+}  // namespace tripatch
