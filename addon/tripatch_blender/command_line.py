@@ -25,7 +25,6 @@ filled, OUT is not written; 2 bad usage."""
 #: The options of the library's table; the modifier and the mesh say the others.
 _OPTIONS = {name: option for name, option in OPTIONS.items() if name not in ("subdivision", "level", "replaced")}
 _METHOD = "auto"  # unless another is asked for, as in the operator and in the library
-_ADVICE = "name one by --rim or --corners, or fill them by --all"
 
 
 def _parser(prog):
@@ -105,16 +104,7 @@ def _rims(bm, matrix, arguments):
         return [selection.Rim(around[0], corners=corners)]
     if arguments.all:
         return _chosen(bm, matrix, arguments)
-    any_rim = getattr(arguments, "method", _METHOD) in filling.ANY_RIM and getattr(arguments, "output", "") != "cage"
-    any_rim = any_rim and getattr(arguments, "surroundings", "mesh") != "limit"
-    if arguments.object:
-        return filling.open_holes(bm, matrix, any_rim, _ADVICE)
-    if any_rim:
-        return filling.holes(bm, matrix)
-    found, _ = filling.three_sided(bm, matrix, filling.holes(bm, matrix))
-    if len(found) > 1:
-        raise filling.a_choice(found, _ADVICE)
-    return found
+    return filling.open_holes(bm, matrix) if arguments.object else filling.holes(bm, matrix)
 
 
 def _options(ob, arguments):

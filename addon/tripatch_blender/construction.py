@@ -77,10 +77,6 @@ class Construction:
         self.layout.use_property_decorate = False
         return panel.Rows(self, self.layout)
 
-    def takes_any_rim(self):
-        """Whether a hole may have any number of corners."""
-        return self.method in library.ANY_RIM
-
     def keeps_tangents(self):
         return _about(self.method).continuity != "G0"
 

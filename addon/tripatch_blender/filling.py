@@ -564,30 +564,6 @@ def without_outer(bm, matrix, rims):
     return left
 
 
-def three_sided(bm, matrix, rims):
-    """Those of some rims that have three corners, and why the others have not: [(vertex, sentence)]."""
-    bm.verts.index_update()
-    bm.faces.index_update()
-    around, found, others = Surroundings(bm, matrix), [], []
-    for rim in rims:
-        positions, faces, _ = around.around(rim)
-        loop = [v.index for v in rim.loop]
-        try:
-            tripatch.find_corners(positions, faces, loop)
-        except tripatch.Refusal as refusal:
-            others.append((min(loop), refusal.reason))
-        else:
-            found.append(rim)
-    return found, others
-
-
-def a_choice(found, advice):
-    """UnusableError for several holes of which one is meant."""
-    places = ", ".join(str(min(v.index for v in rim.loop)) for rim in found[:5]) + (", ..." if len(found) > 5 else "")
-    vertices = [v for rim in found for v in rim.loop]
-    return UnusableError(f"{len(found)} holes have three corners (rims at vertices {places}); {advice}", vertices)
-
-
 def filtered(bm, matrix, rims, filters):
     """Those of some rims that the filters of `tripatch.choose_holes` let through."""
     if not {"max_edges", "max_diameter", "corner_count"} & set(filters):
@@ -599,9 +575,9 @@ def filtered(bm, matrix, rims, filters):
     return [rim for rim in rims if frozenset(v.index for v in rim.loop) in chosen]
 
 
-def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None):
-    """Every hole where any rim can be filled, else the mesh's only three-sided one; UnusableError if there is none, or a choice:
-    how to choose is the advice. filters: arguments of `tripatch.choose_holes`."""
+def open_holes(bm, matrix, filters=None):
+    """Every hole, of which the library says where a method does not fill it; UnusableError if there is none. filters: arguments
+    of `tripatch.choose_holes`."""
     filters = filters or {}
     rims = holes(bm, matrix, filters.get("outer", False))
     hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
@@ -614,21 +590,8 @@ def open_holes(bm, matrix, any_rim, advice="select the rim of one", filters=None
     if not rims:
         none = f"None of the {len(every)} holes is as Holes asks for" if len(every) > 1 else "The hole is not as Holes asks for"
         raise UnusableError(none, [v for rim in every for v in rim.loop])
-    if hidden and any_rim and not filters.get("outer", False):
+    if hidden and not filters.get("outer", False):
         rims = [rim for rim in rims if not is_outer(bm, matrix, rim)]
         if not rims:
             raise UnusableError(OTHERS_HIDDEN)
-    if any_rim or (len(rims) == 1 and not hidden):
-        return rims  # the library says what is wrong with it
-    found, others = three_sided(bm, matrix, rims)
-    if len(found) == 1:
-        return found
-    if found:
-        raise a_choice(found, advice)
-    reasons = "; ".join(f"at vertex {vertex}: {reason}" for vertex, reason in others[:3]) + ("; ..." if len(others) > 3 else "")
-    none = (
-        "No visible hole can be filled as it is, and others are hidden"
-        if hidden
-        else f"None of the {len(rims)} holes can be filled"
-    )
-    raise UnusableError(f"{none}: {reasons}", [v for rim in rims for v in rim.loop])
+    return rims

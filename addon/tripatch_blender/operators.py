@@ -363,13 +363,11 @@ class FillSmooth(Construction, waiting.Waiting):
         return apart, refused
 
     def _rims_meant(self, bm, matrix, selected, everything):
-        caged = self.output == "cage" and not self._is_computed("output", None)
-        any_rim = self.takes_any_rim() and not caged and self.surroundings != "limit"
-        if selected.vertices and not (any_rim and everything):
+        if not everything:
             rims, refused = selection.selected_rims(bm, selected)
             return rims if self.outer else filling.without_outer(bm, matrix, rims), refused
         self.all_holes = True
-        return filling.open_holes(bm, matrix, any_rim, filters=self._filters()), []
+        return filling.open_holes(bm, matrix, self._filters()), []
 
     def _fill_with_quads(self, bm, mesh, matrix, outcome, options):
         """Nobody asked for a cage by name: a hole that gets none, such as one of five corners, gets quads, which the modifier

@@ -231,7 +231,8 @@ class Selected:
 
     def is_all(self, bm):
         """Whether everything that is visible is selected."""
-        return all(v.select or v.hide for v in bm.verts)  # which mostly ends at once
+        seen = all(v.select or v.hide for v in bm.verts)  # which mostly ends at once
+        return seen and all(f.select or f.hide for f in bm.faces)  # a ring of faces may have all vertices
 
     def replace(self, bm, faces):
         """Selects these faces instead."""

@@ -209,7 +209,7 @@ def test_every_method_says_between_how_many_sides_it_fills():
                 corners = [int(k) for k in np.arange(count) * 36 // count]
                 fill = tripatch.fill(vertices, faces, rim=range(36), corners=corners, method=name)
                 assert fill.report.method == name
-            if most and name != "side_vertex":  # between more it is multi_sided
+            if most:
                 with pytest.raises((tripatch.Refusal, ValueError)):
                     tripatch.fill(vertices, faces, rim=range(36), corners=np.arange(most + 1) * 36 // (most + 1), method=name)
 

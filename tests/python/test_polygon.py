@@ -181,13 +181,34 @@ def test_a_corner_that_turns_little_is_no_kink_in_a_side():
 
 def test_the_method_can_be_insisted_on():
     vertices, faces, corners = around(5)
-    for method in ("multi_sided", "side_vertex"):
-        fill = tripatch.fill(vertices, faces, rim=np.arange(40), corners=corners, method=method)
-        assert fill.report.method == "multi_sided" and fill.report.method_reason == "it was asked for"
+    fill = tripatch.fill(vertices, faces, rim=np.arange(40), corners=corners, method="multi_sided")
+    assert fill.report.method == "multi_sided" and fill.report.method_reason == "it was asked for"
     found = tripatch.fill(vertices, faces, rim=np.arange(40), method="multi_sided")
     assert sorted(found.report.corners) == corners
-    with pytest.raises(tripatch.Refusal, match="three corners"):
-        tripatch.fill(vertices, faces, rim=np.arange(40), corners=corners, method="quintic")
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads", "cage"])
+@pytest.mark.parametrize("method", ["side_vertex", "quintic"])
+@pytest.mark.parametrize("count", [0, 2, 4, 5])
+def test_a_method_of_three_sides_says_so_where_it_is_given_others(method, count, output):
+    vertices, faces, _ = around(5)
+    corners = [40 * k // count for k in range(count)] if count else ()
+    given = f"{count} are given" if count else "a round rim has none"
+    with pytest.raises(tripatch.Refusal, match=f"{method} takes three corners; {given}. The methods auto and multi_sided fill"):
+        tripatch.fill(vertices, faces, rim=np.arange(40), corners=corners, method=method, output=output)
+    for found in (tripatch.fill, lambda *mesh, rim, **options: tripatch.fill_all(*mesh, [rim], **options)[0]):
+        with pytest.raises(tripatch.Refusal, match="corners"):
+            result = found(vertices, faces, rim=np.arange(40), method=method, output=output)
+            raise result
+    with pytest.raises(ValueError, match="of three sides"):
+        tripatch.patch(flat_sides(np.eye(4)[:, :3]), method=method)
+
+
+def test_where_points_inside_are_met_over_a_polygon_the_report_says_why():
+    vertices, faces, corners = around(3)
+    inner = vertices[:24].mean(axis=0) + (0, 0, 0.05)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(24), corners=corners, method="side_vertex", through=[inner])
+    assert (fill.report.method, fill.report.method_reason) == ("multi_sided", "points inside are met over a polygon")
 
 
 def flat_sides(corners):

@@ -114,7 +114,8 @@ def _between_many(
     sides: Sequence[Side], options: dict[str, Any], progress: Callable[[int, int], object] | None
 ) -> tuple[Patch, list[str]]:
     """A patch of another number of sides than three: options by side have one value or one a side."""
-    if options["method"] not in ("auto", "multi_sided", "side_vertex"):
+    many = ("auto", "multi_sided", "side_vertex") if len(sides) == 3 else ("auto", "multi_sided")
+    if options["method"] not in many:
         raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
     given = checked("patch", options)
     if len(sides) == 1:

@@ -97,19 +97,20 @@ void check_options(const FillOptions& options) {
     throw InvalidArgument("resolution must be from 0 to " + std::to_string(most_rows));
 }
 
-/// The patch over a polygon or a disc, insisted on; nothing where the rim has three sides. Corners that are not given are detected.
+/// The patch over a polygon or a disc, insisted on, or that of three sides which meets points inside; nothing where the rim has three sides
+/// and no such points. Corners that are not given are detected.
 std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::optional<std::vector<Index>>& rim,
                                          const Corners& corners, const FillOptions& options) {
   const bool inner = !options.through.empty();
   if (corners && !corners->empty() && !makes_polygon(*corners) && !inner) return {};
-  if (!corners && options.method != polygon_method && !inner) return {};
   std::vector<Index> given = corners.value_or(std::vector<Index>());
   std::vector<Index> loop = rim ? *rim : given.empty() ? only_hole(ground) : loop_through(ground, given);
   loop = check_topology(ground.left, loop);
   check_finite(ground.mesh, ground.left, loop);
   if (!corners) {
     given = at_places(loop, corners_between_sides(ground.mesh, ground.left, loop));
-    if ((given.size() == 3 && !inner) || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
+    const bool other = given.size() != 3 && options.method == patch_method;
+    if (other || (given.size() == 3 && !inner) || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
   }
   check_counts(options, std::max<std::size_t>(given.size(), 1));
   Fill fill;
@@ -120,8 +121,22 @@ std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::option
     const CorneredRim found = cornered(ground, loop, given);
     fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
   }
-  fill.report.method_reason = "it was asked for";
+  fill.report.method_reason = options.method == polygon_method ? "it was asked for" : "points inside are met over a polygon";
   return fill;
+}
+
+/// Whether a method is insisted on that fills between three sides and nothing else.
+bool wants_three(const FillOptions& options) {
+  return options.method != automatic_method && find_method(options.method).sides == std::array{3, 3};
+}
+
+/// Throws a Refusal where such a method is given other corners.
+void check_three(const FillOptions& options, const Corners& corners) {
+  if (!corners || corners->size() == 3 || !wants_three(options)) return;
+  throw Refusal(options.method + " takes three corners; " +
+                    (corners->empty() ? "a round rim has none" : std::to_string(corners->size()) + " are given") +
+                    ". The methods auto and " + polygon_method + " fill such holes",
+                *corners);
 }
 
 Fill fill_one_hole(const Mesh& mesh, const FillOptions& options);
@@ -132,8 +147,8 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
   const bool automatic = options.method == automatic_method && of_mesh;
   const bool any_rim = options.method == spline_method || options.method == rows_method;
   if (!automatic && !any_rim) {
-    const bool polygon = options.method == polygon_method || options.method == patch_method;
-    if (polygon && of_mesh)
+    check_three(options, corners);
+    if (of_mesh && (options.method == polygon_method || !options.through.empty()))
       if (std::optional<Fill> fill = fill_with_many_sides(ground, rim, corners, options)) return std::move(*fill);
     return fill_with_patch(ground, hole_of(ground, rim, corners), options);
   }
@@ -198,11 +213,24 @@ bool takes_any_rim(const FillOptions& options) {
   return any_rim && options.output != Output::cage && options.surroundings == SurroundingsFrom::mesh;
 }
 
+/// The rim of a cage's hole, which has three corners where the method wants that.
+SidedRim cage_rim_for(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+                      const FillOptions& options) {
+  check_three(options, corners);
+  SidedRim found = cage_rim_of(ground, rim, corners);
+  if (wants_three(options) && !found.is_triangle())
+    throw Refusal(options.method + " takes three corners; " +
+                      (found.guessed ? "the rim shows none" : "the rim has " + std::to_string(found.sides())) +
+                      ". The method auto fills it",
+                  found.rim);
+  return found;
+}
+
 /// A hole of a mesh near the origin.
 Fill fill_as_it_is(const Mesh& mesh, const FillOptions& options) {
   const Ground ground(mesh, options.rim, options);
   if (options.output == Output::cage)
-    return std::move(fill_with_cages(ground, {cage_rim_of(ground, options.rim, options.corners)}, options)[0]);
+    return std::move(fill_with_cages(ground, {cage_rim_for(ground, options.rim, options.corners, options)}, options)[0]);
   return fill_by_method(ground, options.rim, options.corners, options);
 }
 
@@ -295,7 +323,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     std::vector<std::optional<SidedRim>> holes(rims.size());
     for (std::size_t k = 0; k < rims.size(); ++k) {
       try {
-        holes[k] = cage_rim_of(ground, rims[k], corners_at(k));
+        holes[k] = cage_rim_for(ground, rims[k], corners_at(k), options);
       } catch (const Refusal& refusal) {
         results[k] = refused(refusal);
       }
