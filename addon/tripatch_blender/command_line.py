@@ -91,7 +91,14 @@ def _chosen(bm, matrix, arguments):
 
 
 def _rims(bm, matrix, arguments):
-    """The rims that the arguments mean in one mesh."""
+    """The rims that the arguments mean in one mesh, round where they are to have no corners."""
+    rims = _rims_meant(bm, matrix, arguments)
+    for rim in rims:
+        rim.round = hasattr(arguments, "corners") and not arguments.corners
+    return rims
+
+
+def _rims_meant(bm, matrix, arguments):
     bm.verts.ensure_lookup_table()
     corners = _vertices(bm, getattr(arguments, "corners", []), "corners")
     if rim := getattr(arguments, "rim", []):
@@ -183,7 +190,7 @@ def _run(arguments):
     if not os.path.isdir(os.path.dirname(os.path.abspath(arguments.out))):
         raise _UsageError(f"the folder of '{arguments.out}' does not exist")
     objects = _objects(arguments.object)
-    if (hasattr(arguments, "rim") or hasattr(arguments, "corners")) and len(objects) != 1:
+    if (hasattr(arguments, "rim") or getattr(arguments, "corners", [])) and len(objects) != 1:
         raise _UsageError("--rim and --corners need one --object")
     if getattr(arguments, "method", _METHOD) not in filling.ANY_RIM and len(getattr(arguments, "corners", (0,) * 3)) != 3:
         raise _UsageError("--corners: three are needed, but for --method auto and polyharmonic_spline")

@@ -132,6 +132,19 @@ def test_deviation_is_written_where_asked(run):
     assert attributes["reconstructed"].domain == "FACE"
 
 
+@pytest.mark.parametrize("arguments", [("--all",), ("--object", "A"), ()])
+def test_rims_may_be_called_round(run, arguments):
+    scenes.add_hole().name = "A"
+    scenes.add_mesh(*scenes.ring()).name = "B"
+    report = run.out.with_suffix(".json")
+    found = {}
+    for more in ((), ("--corners", "none")):
+        assert run(*arguments, *more, "--report", str(report))[0] == 0
+        found[more] = [hole["corners"] for each in json.loads(report.read_text()) for hole in each["filled"]]
+        bpy.ops.wm.open_mainfile(filepath=str(run.out.with_name("in.blend")))
+    assert any(found[()]) and found[("--corners", "none")] == [[]] * len(found[()])
+
+
 def test_nothing_to_fill(run):
     bpy.ops.mesh.primitive_cube_add()
     status, _, err = run()

@@ -154,6 +154,18 @@ def test_one_corner_is_a_mistake():
         tripatch.fill_all(vertices, faces, [rim], corners=[rim[:1]])
 
 
+def test_corners_of_all_holes_may_be_none():
+    """As for `fill`: an empty list is no corners, None those that are detected."""
+    vertices, faces, rim = octant(12)
+    detected, round_, one_by_one = (tripatch.fill_all(vertices, faces, [rim], corners=given)[0] for given in (None, (), [()]))
+    assert len(detected.report.corners) == 3 and round_.report.corners == one_by_one.report.corners == []
+    assert np.array_equal(round_.vertices, one_by_one.vertices)
+    (named,) = tripatch.fill_all(vertices, faces, max_edges=len(rim), corners=np.array([], int))
+    assert named.report.corners == []
+    with pytest.raises(ValueError, match="for each of the 1 rims, not for 2"):
+        tripatch.fill_all(vertices, faces, [rim], corners=[(), ()])
+
+
 def test_options_of_patches_are_refused_where_the_spline_is_insisted_on_and_a_warning_under_auto():
     vertices, faces = irregular(wave)
     rim = inner_rim(faces)

@@ -133,8 +133,7 @@ def _fill(args: argparse.Namespace) -> int:
     holes: list[tuple[Any, ...]] = []
     if args.all:
         rims = tripatch.choose_holes(mesh.vertices, mesh.faces, **choosing)
-        corners = None if options.pop("corners", None) is None else [()] * len(rims)
-        results = tripatch.fill_all(mesh.vertices, mesh.faces, rims, corners=corners, progress=_progress, **options)
+        results = tripatch.fill_all(mesh.vertices, mesh.faces, rims, progress=_progress, **options)
         holes = list(zip(rims, results, strict=True))
         if not holes:
             borders = tripatch.find_holes(mesh.faces)

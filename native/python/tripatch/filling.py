@@ -155,7 +155,7 @@ def fill_all(
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
         rims: a list of rims; None: those that `choose_holes` finds by the last of the options.
         corners: for each rim what `fill` takes: two of its vertices or more, an empty list for a round one, or None where they
-            are to be detected; None: all are detected.
+            are to be detected; None: all are detected; an empty list: all are round.
         progress: called with the number of holes done and the number of all, several times a second; what it raises ends the
             work, as Ctrl-C does.
         **options: see OPTIONS.
@@ -171,8 +171,9 @@ def fill_all(
         raise ValueError(f"{choosing[0]} chooses among the holes of a mesh; with rims that are named it means nothing")
     chosen = _native._choose_holes(v, offsets, face_corners, given) if rims is None else rims
     loops = [_arrays.indices(loop, "rim") for loop in chosen]
-    by_rim = [value(OPTIONS["corners"], each) for each in corners or ()]
-    if by_rim and len(by_rim) != len(loops):
+    given_corners = () if corners is None else corners if len(corners) else [()] * len(loops)
+    by_rim = [value(OPTIONS["corners"], each) for each in given_corners]
+    if corners is not None and len(by_rim) != len(loops):
         raise ValueError(f"corners must be given for each of the {len(loops)} rims, not for {len(by_rim)}")
     results = _native._fill_all(v, offsets, face_corners, loops, given, by_rim, progress)
     together: list[Fill] = []
