@@ -77,6 +77,9 @@ def _new_object(ob, vertices, faces, materials, smooth):
     return new
 
 
+STAY = "The selected faces stay: without them the modifier would draw the surface around otherwise"
+
+
 def fill_rims(ob, bm, matrix, rims, options):
     """Fills rims of an object's BMesh by one new object. Returns (Outcome, the object or None)."""
     modifier = subdivision.usable(ob, limit=True)
@@ -101,9 +104,11 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
     drawn: Any = None
     tree: Any = None
     count = missing = 0
+    said = []
     for rim, own, fill in zip(rims, named, fills, strict=True):
         if isinstance(fill, tripatch.Refusal):
             outcome.refused.append(filling.Refused(words.refused(fill), [v.index for v in own.loop], ob))
+            said.append((min(v.index for v in own.loop), []))
             continue
         if drawn is None:
             drawn = subdivision.evaluated_points(bm, modifier)
@@ -125,11 +130,10 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         outcome.rim_edges.append(len(fill.border))
         if options.arguments.get("output", "triangles") != "triangles":
             outcome.diameters.append(filling.diameter(own.loop, matrix))
-        outcome.notes += fill.report.warnings
-        if rim.replaced:
-            outcome.notes.append("The selected faces stay: without them the modifier would draw the surface around otherwise")
+        said.append((min(v.index for v in own.loop), [*fill.report.warnings, *[STAY] * bool(rim.replaced)]))
     if not vertices:
         return outcome, None
+    outcome.notes += words.gathered(said)
     if missing:
         outcome.notes.append(f"{missing} points of the border are not on the surface that the modifier draws")
     waiting.goes_on()

@@ -456,6 +456,13 @@ def _plan_group(bm, rims, matrix, options, active_shape, cages, modifier):
             made.free()
 
 
+def _gathered(bm, said):
+    """Sentences on holes, each once: of several with vertices of those that it is said of. said: [(loop, sentences)]."""
+    if len(said) > 1 and any(sentences for _, sentences in said):
+        bm.verts.index_update()
+    return words.gathered([(min((v.index for v in loop if v.is_valid), default=0), sentences) for loop, sentences in said])
+
+
 def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None):
     """Fills rims of a BMesh; returns (Outcome, new faces). Cages of holes that touch each other are made one after the other, all
     others together.
@@ -469,7 +476,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             raise UnusableError(f"Cage Rim: Exact creases the rim, and the modifier '{modifier.name}' does not use creases")
     # What one rim replaces would be missing around another that it touches; cages are fitted to what cages before have changed.
     apart = cages or any(rim.replaced for rim in rims)
-    planned, loops = [], []
+    planned, loops, said = [], [], []
     for group in _clear_of_each_other(rims) if apart else [rims]:
         usable = [rim for rim in group if all(element.is_valid for element in (*rim.loop, *rim.replaced))]
         outcome.refused += [Refused("A fill before has replaced a part of this rim")] * (len(group) - len(usable))
@@ -480,6 +487,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             if isinstance(plan, tripatch.Refusal):
                 where = list(plan.where) or [v.index for v in rim.loop]
                 outcome.refused.append(Refused(words.refused(plan), where, rim=rim))
+                said.append((rim.loop, []))
                 continue
             planned.append(plan)
             loops.append(plan.loop)
@@ -487,15 +495,15 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             if options.arguments.get("output", "triangles") != "triangles":
                 outcome.diameters.append(diameter(rim.loop, matrix))
             outcome.reports.append(plan.fill.report)
-            outcome.notes += [*plan.fill.report.warnings, *notes]
-            if options.deviation and plan.fill.deviation is None:
-                outcome.notes.append(NO_DEVIATION)
+            unknown = options.deviation and plan.fill.deviation is None
+            said.append((plan.loop, [*plan.fill.report.warnings, *notes, *[NO_DEVIATION] * unknown]))
         if planned and cages:
             new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
             planned = []
     if planned:
         new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
     new_faces = [face for face in new_faces if face.is_valid]
+    outcome.notes += _gathered(bm, said)
     outcome.count([face.verts for face in new_faces], options.arguments.get("output"))
     if loops:
         seam.remember(bm, mesh.name, loops)

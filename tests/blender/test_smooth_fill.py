@@ -341,6 +341,19 @@ def test_what_is_not_applied_is_said_of_what_was_chosen_only(addon):
         scenes.edit(scenes.add_hole())
 
 
+def test_what_is_said_of_several_holes_is_said_once_with_their_names(addon):
+    ob = three_holes()
+    bm = scenes.checked(ob)
+    rims = sorted(min(v.index for v in loop) for loop in scenes.border_loops(bm)[:3])
+    scenes.edit(ob)
+    state = operator(addon, symmetric=True, output="triangles")
+    assert state.execute(bpy.context) == {"FINISHED"}
+    ((_, text),) = state.said
+    assert text.count("not applied") == 1
+    named = text.split("3 holes, through vertices ")[1].split(":")[0]
+    assert sorted(map(int, named.split(", "))) == rims
+
+
 def test_folded_parts_open(addon):
     scenes.edit(scenes.add_hole())
     state = operator(addon, show_advanced=True, all_holes=True, show_holes=True)

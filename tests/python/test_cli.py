@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import tripatch
 from tripatch import __main__ as cli
-from tripatch import files
+from tripatch import files, words
 
 
 def sphere_hole(n=6, rings=3, center=0.0):
@@ -151,6 +151,27 @@ def test_some_refused(tmp_path, capsys):
     assert first["refused"] == "Rim has 4 corners; select three"
     assert first["where"] == [76, 77, 78, 79]
     assert second["corners"] == [0, 6, 12]
+
+
+def test_what_is_said_of_several_holes_is_said_once_with_their_names(tmp_path, capsys):
+    path, out = write_obj(tmp_path / "in.obj", sphere_hole(), sphere_hole(center=9.0), square()), tmp_path / "out.obj"
+    said = "shape is an option of szilvasi_nagy_c0, szilvasi_nagy_c1: not applied\n"
+    code, _, err = run(capsys, "fill", path, out, "--all", "--shape", "0.3")
+    assert code == 0 and err == "tripatch: 3 holes, through vertices 148, 0, 72: " + said
+    code, _, err = run(capsys, "fill", path, out, "--all", "--method", "side_vertex", "--shape", "0.3")
+    assert code == 3 and err.endswith("tripatch: 2 holes, through vertices 0, 72: " + said)
+    code, _, err = run(capsys, "fill", path, out, "--all", "--max-edges", "4", "--shape", "0.3")
+    assert code == 0 and err == "tripatch: " + said
+    code, _, err = run(capsys, "fill", path, out, "--rim", ",".join(map(str, range(18))), "--shape", "0.3")
+    assert code == 0 and err == "tripatch: " + said
+
+
+def test_sentences_on_one_hole_of_several_name_it():
+    told = [(4, ["It folds", "It is odd"]), (7, []), *[(k, ["It is odd"]) for k in range(10, 20)]]
+    named = "4, 10, 11, 12, 13, 14, 15, 16, ..."
+    assert words.gathered(told) == ["Hole through vertex 4: It folds", f"11 holes, through vertices {named}: It is odd"]
+    assert words.gathered(told[:1]) == ["It folds", "It is odd"]
+    assert words.gathered(told[:2]) == ["Hole through vertex 4: It folds", "Hole through vertex 4: It is odd"]
 
 
 def test_all_rims_may_be_called_round(two, tmp_path, capsys):

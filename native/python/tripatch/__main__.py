@@ -87,6 +87,13 @@ def _refused(refusal: tripatch.Refusal, rim: Sequence[int] | None = None) -> Non
     _say(hole + words.refused(refusal))
 
 
+def _said(rim: Sequence[int] | None, result: Any) -> tuple[int, list[str]]:
+    """A vertex of a hole, and what its fill says."""
+    if isinstance(result, tripatch.Refusal):
+        return (0 if rim is None else min(rim)), []
+    return int(min(result.rim)), result.report.warnings
+
+
 def _write_report(path: Path, holes: list[Any]) -> None:
     entries = []
     for rim, result in holes:
@@ -159,8 +166,11 @@ def _fill(args: argparse.Namespace) -> int:
         _say("Exact cages want their rims creased, which no file holds: crease them where the cage is subdivided (see --report)")
     for fill in fills:
         out.append(fill)
-        for warning in fill.report.warnings:
-            _say(warning)
+    told = words.gathered([_said(*hole) for hole in holes])
+    for warning in told[:MOST_TOLD]:
+        _say(warning)
+    if len(told) > MOST_TOLD:
+        _say(f"{len(told) - MOST_TOLD} more warnings; --report FILE.json has each")
     unknown = sum(fill.deviation is None for fill in fills) if args.deviation else 0
     if unknown:
         _say(f"How well it is known cannot be told of {unknown} of {len(fills)} fills, the deviation there is -1")

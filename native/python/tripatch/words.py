@@ -71,10 +71,35 @@ def filled(
     return "; ".join(said)
 
 
+def _vertices(where: Sequence[int]) -> str:
+    """'vertex 4', or 'vertices 4, 19'; the first few of many."""
+    names = ", ".join(map(str, where[:8])) + ", ..." * (len(where) > 8)
+    return f"{'vertex' if len(where) == 1 else 'vertices'} {names}"
+
+
 def refused(refusal: Refusal) -> str:
     """The reason, with the vertices concerned where it does not name them itself."""
     where = list(refusal.where)
     if not where or re.search(r"vert(ex|ices) \d", refusal.reason):
         return refusal.reason
-    names = ", ".join(map(str, where[:8])) + ", ..." * (len(where) > 8)
-    return f"{refusal.reason} ({'vertex' if len(where) == 1 else 'vertices'} {names})"
+    return f"{refusal.reason} ({_vertices(where)})"
+
+
+def gathered(told: Sequence[tuple[int, Sequence[str]]]) -> list[str]:
+    """What is said of holes, of several ones each sentence once, with those that it is said of: 'Hole through vertex 4: ...',
+    '2 holes, through vertices 4, 19: ...'.
+
+    Args:
+        told: of each hole a vertex of its rim, and sentences; of one that is not filled none.
+    """
+    holes: dict[str, list[int]] = {}
+    for vertex, sentences in told:
+        for sentence in sentences:
+            holes.setdefault(sentence, []).append(vertex)
+    if len(told) < 2:
+        return list(holes)
+
+    def named(where: list[int]) -> str:
+        return f"{'Hole' if len(where) == 1 else f'{len(where)} holes,'} through {_vertices(where)}"
+
+    return [f"{named(where)}: {sentence}" for sentence, where in holes.items()]
