@@ -166,6 +166,23 @@ def test_corners_of_all_holes_may_be_none():
         tripatch.fill_all(vertices, faces, [rim], corners=[(), ()])
 
 
+@pytest.mark.parametrize("method", ["auto", "polyharmonic_spline"])
+def test_quads_in_an_odd_rim_of_which_no_edge_is_split_say_so(method):
+    angle = 2 * np.pi * np.arange(47) / 47
+    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * np.random.default_rng(1).uniform(0.97, 1.03, (47, 1))
+    points = np.concatenate([(1 + 0.12 * k) * ring for k in range(5)])
+    vertices = np.column_stack([points, 0.2 * points[:, 0] ** 2])
+    at = [(47 * j + k, 47 * j + (k + 1) % 47) for j in range(4) for k in range(47)]
+    faces = [face for a, b in at for face in ([b, a, a + 47], [b, a + 47, b + 47])]
+    said = "The rim has an odd number of edges: the quads leave one triangle"
+    for odd in ("split", "triangle"):
+        fill = tripatch.fill(vertices, faces, rim=range(47), output="quads", odd=odd, method=method)
+        assert fill.report.method == "polyharmonic_spline" and not len(fill.split_edges[0])
+        assert [len(face) for face in fill.faces].count(3) == 1
+        assert (said in fill.report.warnings) == (odd == "split")  # else it is what was asked for
+    assert said not in tripatch.fill(vertices, faces, rim=range(47), method=method).report.warnings
+
+
 def test_options_of_patches_are_refused_where_the_spline_is_insisted_on_and_a_warning_under_auto():
     vertices, faces = irregular(wave)
     rim = inner_rim(faces)

@@ -186,6 +186,7 @@ def test_quads_in_a_round_rim_are_rings_about_a_grid(edges, profile):
     one = tripatch.fill(vertices, faces, rim=np.arange(edges), corners=(), output="quads", odd="triangle")
     assert sum(len(f) == 3 for f in one.faces) == edges % 2 and len(one.split_edges[0]) == 0
     assert len(one.faces) == len(fill.faces) and one.report.poles[0][1] == 3
+    assert any("one triangle" in warning for warning in one.report.warnings) == (edges % 2 == 1)
 
 
 @pytest.mark.parametrize("profile", ["tube", "cone", "sphere"])

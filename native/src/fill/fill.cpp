@@ -19,6 +19,7 @@
 #include "tripatch/hole/unjoined.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
+#include "tripatch/output/polygon_cover.h"
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/surface.h"
@@ -163,6 +164,15 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
   return fill_as_the_rim_asks(ground, loop, corners, options);
 }
 
+/// Tells where no edge of an odd rim was split although that was asked for.
+void tell_odd(const FillOptions& options, Fill& fill) {
+  if (options.output != Output::quads || options.odd != Odd::split || fill.rim.size() % 2 == 0 || !fill.split_edges.empty())
+    return;
+  Index triangles = 0;
+  for (Index f = 0; f < fill.faces.size(); ++f) triangles += fill.faces[f].size() == 3 ? 1 : 0;
+  if (triangles == 1) fill.report.warnings.push_back(one_triangle);
+}
+
 Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
   Fill fill = fill_as_asked(ground, rim, corners, options);
@@ -171,6 +181,7 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
   if (report.triangles_folded > 0 && report.method != spline_method)
     report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
   refuse_if_insisted(ground, fill, options);
+  tell_odd(options, fill);
   if (report.triangles_folded > 0) tell_turned_over(ground.mesh, ground.left, fill.rim, report);
   if (report.crosses_itself)
     if (const auto where = place_of_crossing(ground.mesh, fill.vertices, fill.faces))

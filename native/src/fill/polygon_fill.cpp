@@ -681,9 +681,9 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   }
   deliver(cover, mesh.vertices.rows(), fill);
   Report& report = fill.report;
-  report_layout(cover, mesh.vertices.rows(), report);
   result.of_revolution = made.of_revolution;
   report_fairing(made, report);
+  report_layout(cover, mesh.vertices.rows(), report);
   report.continuity = {made.continuity};
   report.seam_angle_max_by_side = {made.seam_angle_max};
   report.seam_angle_rms_by_side = {made.seam_angle_rms};

@@ -176,7 +176,7 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
     border = with_row(points, place, patch.positions(surface_rows(rim.row(place + 1))));
     for (RimCorner& corner : corners) corner.place += corner.place > place;
   } else if (odd) {
-    cover.warnings.emplace_back("The rim has an odd number of edges: the quads leave one triangle");
+    cover.warnings.emplace_back(one_triangle);
   }
   cover.rim = rim.rows();
   // rows along the rim put two quads into each corner: none is added that is not asked for

@@ -23,6 +23,8 @@ struct PlaneCover {
   std::vector<std::string> warnings;
 };
 
+inline const std::string one_triangle = "The rim has an odd number of edges: the quads leave one triangle";
+
 /// rim: places in a convex domain and `points` in space, a row each; corners: as polygon_layout takes them. met: places inside that
 /// become vertices, as far as no quad is turned over by that; a warning else. Without corners, and where neither rows nor a tolerance are
 /// given, as many rows as make the quads about as large as squares of the rim's edges. No faces where a rim that stays odd has neither corners
