@@ -245,6 +245,22 @@ def test_creases_are_at_vertices_that_exist(creases):
         tripatch.fill(vertices, faces, rim=rim, surroundings="limit", subdivision=given, method="side_vertex")
 
 
+@pytest.mark.parametrize("options", [{"surroundings": "limit"}, {"output": "cage"}], ids=str)
+def test_creases_lie_on_edges_of_the_mesh(options):
+    vertices, faces = flat_with_a_hole()
+    rim = min(tripatch.find_holes(faces), key=len)
+    there, diagonal = sorted(map(int, faces[0][:2])), [0, 15]
+    assert not any(set(diagonal) <= set(face) for face in faces.tolist())
+    for pairs, fits in (([there], True), ([there[::-1]], True), ([there, diagonal], False)):
+        settings = {"edge_creases": (np.array(pairs), np.ones(len(pairs)))}
+        for fill in (tripatch.fill, lambda *mesh, rim, **more: tripatch.fill_all(*mesh, [rim], **more)):
+            if fits:
+                fill(vertices, faces, rim=rim, subdivision=settings, **options)
+                continue
+            with pytest.raises(ValueError, match="edge_creases names vertices 0 and 15, between which the mesh has no edge"):
+                fill(vertices, faces, rim=rim, subdivision=settings, **options)
+
+
 @pytest.mark.parametrize("options", [{}, {"method": "gregory"}], ids=str)
 def test_a_hole_far_from_the_origin_is_filled_as_one_near_it(options):
     """Coordinates as of a map: a hole of unit size, 30 edges a side, 1e6 away, where double precision knows 1e-10."""

@@ -161,6 +161,27 @@ def test_cages_and_methods_that_are_insisted_on_ask_for_a_clean_rim(options):
         tripatch.fill(more, doubles, rim=rim, **options)
 
 
+def test_two_corners_at_one_place_are_a_mistake():
+    rng = np.random.default_rng(3)
+    points, faces, _ = closed_mesh(rng, "icosphere", "none")
+    left = [list(f) for f in faces if points[list(f)].mean(axis=0)[2] < 0.8]
+    more, doubles, stands = doubled(points, left, tripatch.find_holes(left)[0], rng)
+    rim = rim_of(doubles, stands)
+    new = next(v for v in rim if stands[v] != v)
+    others = [v for v in rim if stands[v] not in (new, stands[new])]
+    for corners in ([stands[new], new], [new, others[0], stands[new]], [stands[new], others[0], others[5], new]):
+        said = "Corners {} and {} are at one place of the rim; give one of them".format(*[v for v in corners if v not in others])
+        for method in ("auto", "polyharmonic_spline"):
+            with pytest.raises(ValueError, match=said):
+                tripatch.fill(more, doubles, rim=rim, corners=corners, method=method)
+            with pytest.raises(ValueError, match=said):
+                tripatch.fill_all(more, doubles, [rim], corners=[corners], method=method)
+    with pytest.raises(ValueError, match="given twice"):
+        tripatch.fill(more, doubles, rim=rim, corners=[new, new, others[0], others[3]])
+    fill = tripatch.fill(more, doubles, rim=rim, corners=[new, others[4]])
+    assert len(fill.report.corners) == 2
+
+
 def test_islands_with_doubled_vertices():
     n = 14
     x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0), indexing="ij")

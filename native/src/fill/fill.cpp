@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "tripatch/constructions/methods.h"
@@ -218,6 +219,25 @@ void check_named(const Mesh& mesh, std::span<const std::vector<Index>> rims, con
   if (corners) check_vertices(*corners, n, "Corner");
 }
 
+/// Creases that are given lie on edges of the mesh.
+void check_creases(const Mesh& mesh, const std::vector<std::array<Index, 2>>& creases) {
+  if (creases.empty()) return;
+  std::set<std::array<Index, 2>> missing;
+  for (const auto& [a, b] : creases) missing.insert({std::min(a, b), std::max(a, b)});
+  for (Index f = 0; f < mesh.faces.size(); ++f) {
+    const std::span<const Index> face = mesh.faces[f];
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const Index a = face[k], b = face[(k + 1) % face.size()];
+      missing.erase({std::min(a, b), std::max(a, b)});
+    }
+  }
+  if (missing.empty()) return;
+  const auto [a, b] = *missing.begin();
+  if (a < 0 || b >= mesh.vertices.rows()) return;  // told by what reads them
+  throw InvalidArgument("edge_creases names vertices " + std::to_string(a) + " and " + std::to_string(b) +
+                        ", between which the mesh has no edge");
+}
+
 /// Whether a rim is taken as it comes, its edges of no length too: cages, and single methods that are insisted on, ask for a clean one.
 bool takes_any_rim(const FillOptions& options) {
   const bool any_rim = options.method == automatic_method || options.method == spline_method || options.method == rows_method;
@@ -365,6 +385,7 @@ void tell_not_taken(const FillOptions& options, Report& report) {
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
   const KeptThreads kept;
+  check_creases(mesh, options.subdivision.crease_edges);
   const auto unjoined = [&](const std::vector<Index>& rim) { return told_of_unjoined(mesh, {&rim, 1})[0]; };
   try {
     Fill result = fill_one_hole(mesh, options);
@@ -382,7 +403,8 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
                                                   const FillOptions& options,
                                                   const std::vector<std::optional<std::vector<Index>>>& corners,
                                                   const Progress& progress) {
-  for (const Corners& each : corners) check_corners(each);  // as given: two at one place come to be one
+  check_creases(mesh, options.subdivision.crease_edges);
+  for (const Corners& each : corners) check_corners(each);
   Results results = fill_every_hole(mesh, rims, options, corners, progress);
   const std::vector<std::string> unjoined = told_of_unjoined(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {

@@ -101,7 +101,13 @@ std::vector<Index> MergedRims::merged(const std::vector<Index>& loop) const {
 Corners MergedRims::merged(const Corners& corners) const {
   if (!corners) return {};
   std::vector<Index> out;
-  for (Index v : *corners) out.push_back(place(v));
+  for (Index v : *corners) {
+    const auto same = std::ranges::find(out, place(v));
+    if (same != out.end() && (*corners)[same - out.begin()] != v)
+      throw InvalidArgument("Corners " + std::to_string((*corners)[same - out.begin()]) + " and " + std::to_string(v) +
+                            " are at one place of the rim; give one of them");
+    out.push_back(place(v));
+  }
   return out;
 }
 

@@ -29,6 +29,7 @@ public:
   /// Those that were given, by the vertices and faces of this mesh.
   const FillOptions& options() const { return options_; }
   std::vector<Index> merged(const std::vector<Index>& loop) const;
+  /// Throws InvalidArgument where two are at one place.
   Corners merged(const Corners& corners) const;
   /// Joins a fill of this mesh to the one that was given: a triangle without area is added for every edge of no length. False where such
   /// a triangle would double an edge of the mesh: the fill is of no use then.
