@@ -515,6 +515,34 @@ def test_where_a_field_would_run_on_as_fillets_end_the_triangles_bend_least(gone
     assert 0.8 < radius.min() and radius.max() < 1.2
 
 
+def test_a_solid_that_is_only_sharp_has_no_folded_faces():
+    """Faces of convex bodies that have lost one, some of which meet at more than 120 degrees."""
+    rng, sharp = np.random.default_rng(2), 0
+    solids = [np.vstack([np.zeros(3), np.eye(3)]), *(rng.normal(size=(int(rng.integers(4, 9)), 3)) for _ in range(60))]
+    for points in solids:
+        hull = ConvexHull(points)
+        outward = np.einsum("ij,ij->i", np.cross(*(points[hull.simplices[:, k]] - points[hull.simplices[:, 0]] for k in (1, 2))),
+                            hull.equations[:, :3]) > 0  # fmt: skip
+        faces = np.where(outward[:, None], hull.simplices, hull.simplices[:, ::-1]).tolist()
+        for gone in range(len(faces)):
+            report = tripatch.fill(points, faces[:gone] + faces[gone + 1 :]).report
+            sharp += report.triangles_folded > 0
+            assert report.triangles_folded <= report.rim_folded
+            assert not [warning for warning in report.warnings if "folded" in warning]
+    assert sharp > 20
+
+
+def test_a_face_folded_under_a_flat_sheet_is_named():
+    angle = 2 * np.pi * np.arange(12) / 12
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(12)])
+    vertices = np.concatenate([(1 + 0.4 * k) * ring for k in range(4)])
+    vertices[2] = vertices[1] + 0.3 * (vertices[1] - vertices[2]) + (0, 0, -0.02)
+    at = [(12 * j + k, 12 * j + (k + 1) % 12) for j in range(3) for k in range(12)]
+    faces = [face for a, b in at for face in ([b, a, a + 12], [b, a + 12, b + 12])]
+    report = tripatch.fill(vertices, faces, rim=range(12)).report
+    assert report.triangles_folded > 0 and any("folded over those around" in warning for warning in report.warnings)
+
+
 def test_a_face_folded_beside_the_rim_is_named_and_the_fill_goes_on():
     """A vertex of the rim dragged over the next one: faces there are folded over those around, and any smooth fill over them."""
     vertices, faces = irregular(hill, seed=4)

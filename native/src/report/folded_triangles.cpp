@@ -23,6 +23,8 @@ namespace {
 constexpr double turned_degrees = 100;
 /// Of the areas of faces: so long is their vector area where they tell a side. A bound: of two halves at a right angle it is .7.
 constexpr double agree = 0.5;
+/// Sine of an angle to a plane, of what counts as in it: single precision leaves 1e-7. A choice.
+constexpr double in_plane = 1e-5;
 
 /// Of a triangle, by twice its vector area; zero where it has none.
 Vec3 unit(const Vec3& area) {
@@ -62,14 +64,20 @@ bool is_folded_over_one_beside(const Mesh& mesh, const Connectivity& around, Ind
   });
 }
 
-/// From what the other faces at its vertices are together.
-bool turns_from_those_around(const Mesh& mesh, const Connectivity& around, Index face) {
+/// The other faces at the vertices of one.
+std::vector<Index> faces_at_vertices_of(const Connectivity& around, Index face) {
   std::vector<Index> others;
   for (Index v : around.faces()[face])
     for (Connectivity::Corner c : around.at(v))
       if (around.face(c) != face) others.push_back(around.face(c));
   std::sort(others.begin(), others.end());
   others.erase(std::unique(others.begin(), others.end()), others.end());
+  return others;
+}
+
+/// From what the other faces at its vertices are together.
+bool turns_from_those_around(const Mesh& mesh, const Connectivity& around, Index face) {
+  const std::vector<Index> others = faces_at_vertices_of(around, face);
   Vec3 way = Vec3::Zero();
   double areas = 0;
   for (Index other : others) {
@@ -117,6 +125,22 @@ std::vector<char> turned_over(const Mesh& mesh, const Connectivity& around, cons
       out.push_back(face && is_folded_over_one_beside(mesh, around, *face) && turns_from_those_around(mesh, around, *face));
     }
   return out;
+}
+
+bool is_of_convex_body(const Mesh& mesh, const Connectivity& around, Index face) {
+  std::vector<Index> faces = faces_at_vertices_of(around, face), vertices;
+  faces.push_back(face);
+  for (Index f : faces) vertices.insert(vertices.end(), around.faces()[f].begin(), around.faces()[f].end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return std::ranges::all_of(faces, [&](Index f) {
+    const Vec3 normal = area_vector(mesh, f).stableNormalized(), on = mesh.vertices.row(around.faces()[f][0]);
+    return std::ranges::all_of(vertices, [&](Index v) {
+      if (std::ranges::find(around.faces()[f], v) != around.faces()[f].end()) return true;
+      const Vec3 to = Vec3(mesh.vertices.row(v)) - on;
+      return to.dot(normal) < -in_plane * to.norm();
+    });
+  });
 }
 
 void begin_at_shorter_diagonals(const PointsRef& vertices, const PointsRef& added, Faces& faces) {

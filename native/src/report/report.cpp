@@ -48,7 +48,9 @@ void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, con
 }
 
 void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Report& report) {
-  const std::vector<char> turned = turned_over(mesh, around, {rim});
+  std::vector<char> turned = turned_over(mesh, around, {rim});
+  for (std::size_t k = 0; k < rim.size(); ++k)
+    if (turned[k] && is_of_convex_body(mesh, around, around.face(*around.edge(rim[(k + 1) % rim.size()], rim[k])))) turned[k] = 0;
   const std::ptrdiff_t count = std::ranges::count(turned, 1), first = std::ranges::find(turned, 1) - turned.begin();
   if (count == 0) return;
   const std::string from = std::to_string(rim[first]), to = std::to_string(rim[(first + 1) % rim.size()]);

@@ -31,6 +31,10 @@ std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& 
 /// vertices are together. A fill that goes on as those do folds over them. Other faces that face all ways have no say.
 std::vector<char> turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
+/// Whether the faces at the vertices of one bound a body that is convex, no two of them in a plane: then it is no fold that they make, they
+/// meet sharply, as at the tip of a pyramid.
+bool is_of_convex_body(const Mesh& mesh, const Connectivity& around, Index face);
+
 /// Turns quads so that each begins where its shorter diagonal does: cut into fans they are then cut along that, whichever corner they began at
 /// and in a mirror too. Numbers as of count_folded_edges.
 void begin_at_shorter_diagonals(const PointsRef& vertices, const PointsRef& added, Faces& faces);

@@ -70,7 +70,7 @@ Index nearest_of(const PointsRef& vertices, const std::vector<Index>& rim, const
 /// Tells of faces that go through each other, and near which vertex of the rim.
 void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
                    const std::string& what = "The fill crosses itself");
-/// Tells of faces beyond the rim that are turned over, and where one is.
+/// Tells of faces beyond the rim that are turned over, and where one is; of those of a convex body nothing, which are only sharp.
 void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Report& report);
 /// Tells of a patch that folds.
 void tell_folds(Report& report);
