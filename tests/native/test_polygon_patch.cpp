@@ -250,8 +250,8 @@ TEST_CASE("polygon patch: four sides are a strip from three times as long as wid
     options.domain = PolygonDomain({Vec2(0, 0), Vec2(ratio, 0), Vec2(ratio, 1), Vec2(0, 1)});
     return largest_distance(polygon_patch(sides_between(known, strip_of_torus(round, over)), options), known);
   };
-  CHECK(off(torus<10>, 90, 30, 3.05) < 0.1 * off(torus<10>, 90, 30, 2.95));
-  CHECK(off(torus<50>, 200, 90, 3.05) < 0.1 * off(torus<50>, 200, 90, 2.95));
+  CHECK(off(torus<10>, 60, 30, 3.05) < 0.1 * off(torus<10>, 60, 30, 2.95));
+  CHECK(off(torus<50>, 200, 60, 3.05) < 0.1 * off(torus<50>, 200, 60, 2.95));
 }
 
 TEST_CASE("polygon patch: sides of more than eight pieces are measured without their kinks", "[thresholds]") {
@@ -582,4 +582,11 @@ TEST_CASE("polygon patch: a normal that is given after another one at the same p
     CHECK(nearest < 0.03);
     CHECK(off < 5);
   }
+}
+
+TEST_CASE("polygon patch: where a corner hardly turns the energy is gone down from several places") {
+  // from the third-derivative solution alone it ends at 640, 5e-3 off
+  const PolygonPatch made = polygon_patch(sides_between(saddle, ring(8, 0.4, 0.25)));
+  CHECK(made.energy_after < 200);
+  CHECK(largest_distance(made, saddle) < 3e-3);
 }

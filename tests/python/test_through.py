@@ -60,7 +60,7 @@ def test_quads_of_a_patch_between_sides_have_vertices_there(name, count):
     vertices, faces, corners, edges = HOLES[name]
     options = {"rim": np.arange(edges), "corners": corners, "output": "quads", "resolution": 2}
     size = np.ptp(vertices[:edges], axis=0).max()
-    plain = tripatch.fill(vertices, faces, **options, through=[vertices[:edges].mean(axis=0) + [0, 0, 0.1 * size]])
+    plain = tripatch.fill(vertices, faces, **options, through=[vertices[:edges].mean(axis=0) + [0, 0, 0.05 * size]])
     order = np.linalg.norm(plain.vertices - plain.vertices.mean(axis=0), axis=1).argsort()[: 8 * count : 8]
     apart = np.linalg.norm(plain.vertices[order, None] - plain.vertices, axis=2)
     nearest = plain.vertices[apart.argsort(axis=1)[:, 1]]

@@ -226,17 +226,26 @@ Descent descent(const EnergyProblem& problem, const Quadratic& third) {
   return d;
 }
 
-Descent lower_by_variation(const EnergyProblem& problem, const Quadratic& third, Descent first) {
-  if (problem.options().energy != Fairing::automatic) return first;
-  const int iterations = problem.options().iterations;
-  const Merit variation = merit_by(problem, third, Fairing::minimum_variation), merit = merit_of(problem, third);
-  Descent other = first;
-  other.x = first.first;
-  other.value = variation(other.x);
-  other.iterations += descend(variation, third.normal, other.x, other.value, iterations);
-  other.value = merit(other.x);
-  other.iterations += descend(merit, third.normal, other.x, other.value, iterations);
-  return other.value.log < first.value.log ? other : first;
+Descent lowest_of_descents(const EnergyProblem& problem, const Quadratic& third, const Descent& first) {
+  const FairingOptions& options = problem.options();
+  const Merit merit = merit_of(problem, third);
+  const auto descended = [&](const Merit& by, Descent from) {
+    from.value = by(from.x);
+    from.iterations += descend(by, third.normal, from.x, from.value, options.iterations);
+    return from;
+  };
+  const auto lower = [](const Descent& a, const Descent& b) { return b.value.log < a.value.log; };
+  Descent thin = first;
+  thin.x = minimum(problem, problem.quadratic(2));
+  const Eigen::VectorXd start = thin.x;
+  thin = descended(merit, thin);
+  Descent by_way = first;
+  by_way.x = lower(first, thin) ? start : first.first;
+  const Fairing other = options.energy == Fairing::automatic ? Fairing::minimum_variation : Fairing::automatic;
+  by_way = descended(merit, descended(merit_by(problem, third, other), by_way));
+  Descent lowest = lower(first, thin) ? thin : first;
+  if (lower(lowest, by_way)) lowest = by_way;
+  return lowest;
 }
 
 }  // namespace tripatch

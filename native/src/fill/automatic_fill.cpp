@@ -38,9 +38,10 @@ constexpr double far_off_planes = 2, worth_their_planes = 4;
 /// But where the planes are not known to so many degrees the mesh is rough, and the spline knows it.
 constexpr double well_known_planes = 1.5;
 
-/// Of the hole's diameter: a patch that is known no better by its energy tells nothing, and whether it folds is rounding. Of 44 between
-/// smooth sides none is known worse than to a ninth; of 421 holes in meshes stretched by up to 1000 one is filled otherwise, 25 times nearer.
-constexpr double knows_nothing = 1;
+/// Of the hole's diameter: a patch that is known no better by its energy tells nothing, and whether it folds is rounding. Of 63 corners
+/// between fillets of three radii 14 are known no better, up to 0.04 of the diameter off, three times as far as the spline; of 400 holes in
+/// smooth surfaces, stretched up to 1000 times and not, three are filled otherwise, 280 and 5 times nearer and 1.3 times farther.
+constexpr double knows_nothing = 0.12;
 
 /// Whether a patch leaves the hole although nobody has pulled at it.
 bool runs_away(const Ground& ground, const Fill& patch, const FillOptions& options) {

@@ -167,7 +167,7 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
     FairingOptions fairing;
     fairing.energy = *options.fairing;
     fairing.tension = options.tension;
-    fairing.both_valleys = true;
+    fairing.many_starts = true;
     if (!through.empty()) fairing.center = through[0].point;  // the shape is a person's, however wild
     const int n = made.domain.sides();                        // as many nodes in all as a triangle has, or a few more
     fairing.nodes = n <= 5 ? 8 : n <= 8 ? 7 : 6;

@@ -67,8 +67,9 @@ struct Descent {
 };
 
 Descent descent(const EnergyProblem& problem, const Quadratic& third);
-/// The same by way of the least variation, where that ends lower than `first` has.
-Descent lower_by_variation(const EnergyProblem& problem, const Quadratic& third, Descent first);
+/// The lowest of that and two others: from the thin plate; and, from the better start of both, by way of another energy, the least variation
+/// to the automatic one, that one to the others.
+Descent lowest_of_descents(const EnergyProblem& problem, const Quadratic& third, const Descent& first);
 
 /// With few nodes and unknowns first: the last steps are those of the exact energy.
 template <class Problem, class Base>
@@ -76,8 +77,11 @@ Candidates<Problem> geometric_candidates(const Base& base, const FairingOptions&
   Candidates<Problem> out;
   const Problem rough(base, low, low.rough_nodes);
   Quadratic third = rough.quadratic(3);
-  Descent d = descent(rough, third);
-  if (low.both_valleys && d.value.energy > low.rich) d = lower_by_variation(rough, third, std::move(d));
+  const auto least_of = [&](const Problem& of, const Quadratic& its_third) {
+    const Descent first = descent(of, its_third);
+    return low.many_starts && first.value.energy > low.rich ? lowest_of_descents(of, its_third, first) : first;
+  };
+  Descent d = least_of(rough, third);
   out.iterations = d.iterations;
   FairingOptions options = low;
   if (d.value.energy > low.rich) options.degree = std::max(low.degree, low.high_degree);
@@ -89,7 +93,7 @@ Candidates<Problem> geometric_candidates(const Base& base, const FairingOptions&
   Merit::Value value = merit(x);
   if (oscillates(value.energy, d.value.energy, low.rich)) {
     const Problem all(base, low, low.nodes);
-    d = descent(all, all.quadratic(3));
+    d = least_of(all, all.quadratic(3));
     out.iterations += d.iterations;
     x = problem.raised(rough, d.x);
     value = merit(x);

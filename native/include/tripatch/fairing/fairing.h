@@ -27,9 +27,8 @@ struct FairingOptions {
   int degree = 4;       ///< of the interior term's polynomial
   int high_degree = 8;  ///< the same for the last steps, two of them, where a geometric energy stays above `rich`
   double rich = 1;      ///< and what is that: a surface with features of its own
-  /// Where the automatic energy of such a surface ends in the quadrics' valley, the other one, of least variation, is gone into too, and
-  /// the deeper one is taken.
-  bool both_valleys = false;
+  /// The energy of such a surface has many valleys: it is gone down from several places, and the deepest is taken.
+  bool many_starts = false;
   int second_cross = 4;                                  ///< coefficients of the second cross derivative of each side
   int slopes = usual_slopes;                             ///< coefficients of each of alpha and beta on each side
   int nodes = 8;                                         ///< of the quadrature, per direction
