@@ -63,7 +63,7 @@ void bind_holes(py::module_& m) {
     if (any_number) {
       const Connectivity around = Connectivity::around({points, faces}, rim, most_rings, replaced);
       const std::vector<Index> loop = check_topology(around, rim);
-      for (Index place : corners_between_sides({points, faces}, around, loop)) found.push_back(loop[place]);
+      for (Index place : corners_of_fill({points, faces}, around, loop)) found.push_back(loop[place]);
     } else {
       const Hole hole = make_hole({points, faces}, rim, std::nullopt, replaced);
       for (Index place : hole.corners) found.push_back(hole.rim[place]);

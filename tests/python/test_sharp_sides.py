@@ -8,6 +8,7 @@ from shapes import corner_removed, cube_sphere, octant
 TRIANGLE = np.array([(-0.5, -0.4), (0.6, -0.3), (0.0, 0.7)])
 QUADRANGLE = np.array([(-0.5, -0.5), (0.5, -0.45), (0.55, 0.5), (-0.45, 0.6)])
 OCTAGON = np.array([(0.7, 0), (0.5, 0.45), (0.1, 0.7), (-0.4, 0.55), (-0.75, 0.1), (-0.5, -0.5), (0, -0.65), (0.55, -0.5)])
+FLAT_HEXAGON = 0.6 * np.array([(1, 0), (0.5, 0.75), (-0.5, 0.75), (-0.9, 0.35), (-1, -0.3), (0, -0.9)])  # 36 degrees once
 PENTAGON = 0.6 * np.array([(np.cos(a), np.sin(a)) for a in 2 * np.pi * np.arange(5) / 5])
 
 
@@ -57,6 +58,17 @@ def test_a_face_between_walls_is_what_its_rim_says(top, within, corners):
     assert distance(fill, top) < within
     assert any("at an angle of about" in warning and "all sides" in warning for warning in fill.report.warnings)
     assert fill.report.surroundings_error == 0  # none are continued
+
+
+@pytest.mark.parametrize("edges", [3, 12])
+@pytest.mark.parametrize("corners", [QUADRANGLE, PENTAGON, FLAT_HEXAGON, OCTAGON])
+def test_all_corners_between_walls_are_found_and_told(corners, edges):
+    vertices, faces, rim, at = column(slope, corners, edges=edges)
+    fill = tripatch.fill(vertices, faces, rim=rim)
+    assert fill.report.corners == at
+    assert tripatch.find_corners(vertices, faces, rim, any_number=True).tolist() == at
+    insisted = tripatch.fill(vertices, faces, rim=rim, method="multi_sided")
+    assert insisted.report.continuity == ["Free"] * len(at) and distance(insisted, slope) < 1e-12
 
 
 @pytest.mark.parametrize("continuity", ["G0", "Free"])

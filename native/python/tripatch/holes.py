@@ -54,8 +54,8 @@ def find_corners(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, replaced:
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
         rim: vertex indices of the hole's border, any start, either direction.
         replaced: indices of faces that count as not there.
-        any_number: not only three, but those between smooth sides that method="auto" takes: four to twelve where they are clear,
-            three, or none. Corners between faces that meet the hole at an angle all around are found by `fill` only.
+        any_number: not only three, but those that method="auto" takes: two to twelve between smooth sides or such as meet the
+            mesh at an angle, or none.
 
     Returns:
         (3,) vertex indices, in the direction in which new faces traverse the rim; of any number (n,).

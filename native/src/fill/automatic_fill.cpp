@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -16,7 +15,6 @@
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/grid/continued_quads.h"
 #include "tripatch/hole/clear_corners.h"
-#include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
@@ -122,24 +120,6 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
   return harm(other.report) <= harm(patch->report) ? other : std::move(*patch);
 }
 
-/// The end of a prism of so few walls has a corner at every vertex: of more it may be a coarse tube.
-constexpr std::size_t most_walls = 6;
-
-/// The corners of a rim, as detected, where the mesh meets the hole at an angle between them: there the rim alone tells its sides.
-std::vector<Index> corners_between_sharp(const Ground& ground, const std::vector<Index>& rim) {
-  try {
-    std::vector<Index> places = detect_corners(ground.mesh, ground.left, rim);
-    if (places.empty() && rim.size() <= most_walls) {
-      places.resize(rim.size());
-      std::iota(places.begin(), places.end(), 0);
-    }
-    if (places.size() <= static_cast<std::size_t>(most_sides) && any_sharp(sharp_sides(ground.mesh, ground.left, rim, places)))
-      return at_places(rim, places);
-  } catch (const Refusal&) {  // faces without area
-  }
-  return {};
-}
-
 /// The patch over a disc where the rim is smooth all around, else the surface over a plane. rim: as new faces take it.
 Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, FillOptions options, const std::string& otherwise) {
   options.cross_boundary = CrossBoundary::consistent;  // of three sides
@@ -180,7 +160,7 @@ std::string without_advice(std::string said) {
 bool lost_a_wall(const Ground& ground, const std::vector<Index>& rim, std::vector<Index> corners, const FillOptions& options) {
   if (is_shaped_by_hand(options) || !is_continuity_open(options)) return false;
   if (!walls_end_at_flat_rim(ground.mesh, ground.left, rim, diameter(ground.mesh, rim))) return false;
-  if (corners.empty()) corners = corners_between_sharp(ground, rim);
+  if (corners.empty()) corners = at_places(rim, corners_between_sharp(ground.mesh, ground.left, rim));
   if (corners.size() < 2 || corners.size() > static_cast<std::size_t>(most_sides)) return true;
   const std::vector<double> angles = sharp_sides(ground.mesh, ground.left, rim, places_in(rim, corners));
   return !std::ranges::all_of(angles, [](double angle) { return angle > 0; });
@@ -246,7 +226,7 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
   } catch (const Refusal& refusal) {
     if (corners) throw;
     const std::string otherwise = "no smooth sides were found: " + without_advice(refusal.what());
-    const std::vector<Index> sharp = corners_between_sharp(ground, checked);
+    const std::vector<Index> sharp = at_places(checked, corners_between_sharp(ground.mesh, ground.left, checked));
     if (sharp.empty()) return fill_round_rim(ground, checked, options, otherwise);
     const bool sided = makes_polygon(sharp) && (!asks_for_sides(options) || asks_for_positions_only(options));
     return sided ? fill_between_many(ground, rim, sharp, false, options) : any_rim(otherwise);

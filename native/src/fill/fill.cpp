@@ -110,7 +110,7 @@ std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::option
   loop = check_topology(ground.left, loop);
   check_finite(ground.mesh, ground.left, loop);
   if (!corners) {
-    given = at_places(loop, corners_between_sides(ground.mesh, ground.left, loop));
+    given = at_places(loop, corners_of_fill(ground.mesh, ground.left, loop));
     const bool other = given.size() != 3 && options.method == patch_method;
     if (other || (given.size() == 3 && !inner) || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
   }

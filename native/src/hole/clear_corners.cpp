@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/ties.h"
 
 namespace tripatch {
@@ -24,6 +26,8 @@ constexpr double over_bend = 4;
 constexpr Index least_edges = 2, mean_edges = 3;
 constexpr Index most_clear = 12;
 constexpr Index least_round_edges = 8;
+/// The end of a prism of so few walls has a corner at every vertex: of more it may be a coarse tube.
+constexpr std::size_t most_walls = 6;
 
 /// Whether no face around is a triangle: lines of quads tell of three corners more surely than turns do.
 bool between_lines(const Connectivity& around, const std::vector<Index>& rim) {
@@ -33,13 +37,10 @@ bool between_lines(const Connectivity& around, const std::vector<Index>& rim) {
   return true;
 }
 
-}  // namespace
-
-std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+/// As clear_corners, by the turns of the rim.
+std::vector<Index> clear_by(const RimShape& shape, const Mesh& mesh, const std::vector<Index>& rim) {
   const Index n = static_cast<Index>(rim.size());
-  if (n < 2 * mean_edges) return {};
-  const RimShape shape = measure(mesh, around, rim);
-  if (shape.without_area) return {};
+  if (n < 2 * mean_edges || shape.without_area) return {};
   std::vector<Index> order(n);
   std::iota(order.begin(), order.end(), Index{0});
   const auto size = [&](Index k) { return std::abs(shape.turn[k]); };
@@ -75,6 +76,20 @@ std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, c
   return corners;
 }
 
+bool meet_at_angle(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                   const std::vector<Index>& places) {
+  return places.size() >= 2 && std::cmp_less_equal(places.size(), most_clear) &&
+         any_sharp(sharp_sides(mesh, around, rim, places));
+}
+
+}  // namespace
+
+std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  // faces that meet the hole at an angle tell of another plane than the one in which the rim turns
+  const std::vector<Index> alone = clear_by(measure_alone(mesh, rim), mesh, rim);
+  return meet_at_angle(mesh, around, rim, alone) ? alone : clear_by(measure(mesh, around, rim), mesh, rim);
+}
+
 bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   const Index n = static_cast<Index>(rim.size());
   if (n < least_round_edges) return false;
@@ -96,6 +111,24 @@ std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& a
   if (clear.size() > 3 && !(seen.size() == 3 && between_lines(around, rim))) return clear;
   if (seen.size() == 3) return seen;
   return clear.size() == 2 ? clear : std::vector<Index>();
+}
+
+std::vector<Index> corners_between_sharp(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  try {
+    std::vector<Index> places = detect_corners(mesh, around, rim);
+    if (places.empty() && rim.size() <= most_walls) {
+      places.resize(rim.size());
+      std::iota(places.begin(), places.end(), Index{0});
+    }
+    if (meet_at_angle(mesh, around, rim, places)) return places;
+  } catch (const Refusal&) {  // faces without area
+  }
+  return {};
+}
+
+std::vector<Index> corners_of_fill(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  std::vector<Index> places = corners_between_sides(mesh, around, rim);
+  return places.empty() ? corners_between_sharp(mesh, around, rim) : places;
 }
 
 }  // namespace tripatch
