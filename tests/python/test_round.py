@@ -61,6 +61,35 @@ def test_the_end_of_a_surface_of_revolution_is_one_too(profile, edges):
     assert found.report.method == "multi_sided" and len(found.report.corners) == 0
 
 
+def funnel(narrowing, edges):
+    """A cone's side below its wide end, which is the rim, of radius 1."""
+    angle, down = 2 * np.pi * np.arange(edges) / edges, np.arange(6) / 5
+    radius = (1 - narrowing * down)[:, None]
+    rows = [radius * np.cos(angle), radius * np.sin(angle), -down[:, None] * np.ones(edges)]
+    n = edges
+    faces = [[j * n + (k + 1) % n, j * n + k, (j + 1) * n + k, (j + 1) * n + (k + 1) % n] for j in range(5) for k in range(n)]
+    return np.stack(rows, axis=-1).reshape(-1, 3), faces
+
+
+@pytest.mark.parametrize("edges", [20, 36])
+@pytest.mark.parametrize("narrowing", [0.1, 0.3, 0.5, 0.9])
+def test_the_wide_end_of_a_funnel_gets_a_ball_or_where_that_is_too_high_a_lid(narrowing, edges):
+    vertices, faces = funnel(narrowing, edges)
+    fill = tripatch.fill(vertices, faces, rim=np.arange(edges))
+    assert "of revolution" in fill.report.method_reason
+    if narrowing > 0.6:  # it would be twice as high as the rim is wide
+        assert np.abs(fill.vertices[:, 2]).max() < 1e-12
+        assert fill.report.continuity == ["Free"] and "the fill is flat" in fill.report.warnings[0]
+        return
+    assert fill.report.continuity == ["G1"] and not fill.report.warnings
+    assert fill.report.seam_angle_max < 1e-5
+    points = np.concatenate([fill.vertices, vertices[:edges]])
+    center = np.array([0, 0, narrowing])  # of the ball that touches the cone along its rim
+    assert np.abs(np.linalg.norm(points - center, axis=1) - np.hypot(1, narrowing)).max() < 1e-5
+    tall = tripatch.fill(vertices, faces, rim=np.arange(edges), method="multi_sided")
+    assert tall.vertices[:, 2].max() > 1.5  # follows the straight walls
+
+
 def test_a_cap_is_the_spheres():
     for edges, near in ((17, 2e-4), (36, 2e-5), (64, 4e-6)):
         vertices, faces = revolved("sphere", edges)

@@ -155,9 +155,7 @@ Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOp
   Fill fill = fill_with_spline(ground.mesh, ground.left, rim, {},
                                {options.resolution, options.output == Output::quads, false, &nothing, options.through});
   fill.report.method_reason = "the hole has lost a flat wall";
-  fill.report.warnings = {
-      "The mesh meets the flat rim of the hole at an angle all around: the fill is flat; continuity G1 continues it"
-      " all the same"};
+  fill.report.warnings = {flat_all_around};
   return fill;
 }
 

@@ -120,6 +120,23 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
   return harm(other.report) <= harm(patch->report) ? other : std::move(*patch);
 }
 
+const std::string round_of_revolution = "the rim is round, and what surrounds it of revolution";
+
+/// Where a cap of revolution that goes on as its surroundings bend leaves the hole: one that is tangent to them only or, where that one does
+/// too, a flat one.
+std::optional<Fill> lower_cap(const Ground& ground, const std::vector<Index>& rim, FillOptions options) {
+  if (!is_continuity_open(options)) return {};
+  for (const SideContinuity less : {SideContinuity::g1, SideContinuity::free}) {
+    options.continuity = less;
+    PolygonFill made = fill_round(ground.mesh, ground.left, rim, options, false);
+    if (!made.of_revolution || made.crumpled || leaves_hole(ground.mesh, rim, made.fill.vertices)) continue;
+    made.fill.report.method_reason = round_of_revolution + "; as these bend it would leave the hole";
+    if (less == SideContinuity::free) made.fill.report.warnings.push_back(flat_all_around);
+    return std::move(made.fill);
+  }
+  return {};
+}
+
 /// The patch over a disc where the rim is smooth all around, else the surface over a plane. rim: as new faces take it.
 Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, FillOptions options, const std::string& otherwise) {
   options.cross_boundary = CrossBoundary::consistent;  // of three sides
@@ -131,8 +148,9 @@ Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, FillOpt
   try {
     check_positions(ground.mesh, ground.left, rim);
     PolygonFill made = fill_round(ground.mesh, ground.left, rim, options, false);
-    made.fill.report.method_reason =
-        made.of_revolution ? "the rim is round, and what surrounds it of revolution" : "the rim is round";
+    made.fill.report.method_reason = made.of_revolution ? round_of_revolution : "the rim is round";
+    if (made.of_revolution && runs_away(ground, made.fill, options))
+      if (std::optional<Fill> lower = lower_cap(ground, rim, options)) return std::move(*lower);
     if (made.crumpled || runs_away(ground, made.fill, options))
       return any_rim("a patch over the round rim would fold, crumple or leave the hole");
     if (made.of_revolution || is_shaped_by_hand(options)) return std::move(made.fill);

@@ -15,13 +15,16 @@ bool is_shaped_by_hand(const FillOptions& options);
 /// Whether it is left to the fill which of its surroundings it goes on from.
 bool is_continuity_open(const FillOptions& options);
 
-/// reason: why this method.
 /// The spline of the rim alone with the normals that a patch has along it, where that patch knows the planes there but folds inside.
 Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOptions& options, const std::string& reason);
 
+/// reason: why this method.
 Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
                   const std::string& reason);
 
+/// What is told of fills in the plane of a rim that the mesh meets at an angle.
+inline const std::string flat_all_around =
+    "The mesh meets the flat rim of the hole at an angle all around: the fill is flat; continuity G1 continues it all the same";
 /// In the plane of a flat rim.
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
 
