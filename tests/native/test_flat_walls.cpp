@@ -517,6 +517,25 @@ TEST_CASE("walls end at a flat rim that all lean against it by 40 degrees, or ha
   CHECK_FALSE(walls_end(below_square({60.5, 59.5, 30, 30})));
 }
 
+TEST_CASE("walls that lean under a flat rim by 150 degrees need not meet at creases", "[flat_walls][thresholds]") {
+  const auto dish = [](double degrees) {  // eight walls, 21 to 23 degrees between each and the next
+    const double depth = 0.5 * std::tan((180 - degrees) * std::numbers::pi / 180);
+    std::vector<Vec3> points;
+    std::vector<std::vector<Index>> faces;
+    for (const bool low : {false, true})
+      for (Index k = 0; k < 8; ++k) {
+        const double angle = std::numbers::pi * static_cast<double>(k) / 4,
+                     radius = (low ? 0.5 : 1) / std::cos(std::numbers::pi / 8);
+        points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), low ? -depth : 0);
+      }
+    for (Index k = 0; k < 8; ++k) faces.push_back({(k + 1) % 8, k, 8 + k, 8 + (k + 1) % 8});
+    faces.push_back({15, 14, 13, 12, 11, 10, 9, 8});
+    return Solid(points, faces);
+  };
+  CHECK(walls_end(dish(150.5)));
+  CHECK_FALSE(walls_end(dish(149.5)));
+}
+
 TEST_CASE("faces beside a flat rim are of one wall up to a degree between them, from 25 on of two", "[flat_walls][thresholds]") {
   const auto bent = [](double degrees) { return below_square({90, 90, 90, 90}, std::tan(degrees * std::numbers::pi / 360)); };
   CHECK(walls_end(bent(0.95)));

@@ -28,14 +28,14 @@ def saddle(x, y):
     return 0.3 * (x * x - y * y)
 
 
-def column(top, corners, edges=12, rows=5, lean=0.0):
-    """What is left of a column below z = top(x, y) over a polygon: its walls, which lean inwards by a share of its width. The
-    face on top is the hole."""
+def column(top, corners, edges=12, rows=5, lean=0.0, depth=0.5):
+    """What is left of a column below z = top(x, y) over a polygon: its walls, which lean inwards by a share of its width, so far
+    down below the lowest place of its top. The face on top is the hole."""
     n, t = len(corners), np.arange(edges)[:, None] / edges
     plan = np.concatenate([corners[k] + t * (corners[(k + 1) % n] - corners[k]) for k in range(n)])
     z = top(*plan.T)
     down = np.linspace(0, 1, rows + 1)[:, None]
-    heights = z + down * (z.min() - 0.5 - z)
+    heights = z + down * (z.min() - depth - z)
     narrowed = (1 - lean * down[:, :, None]) * plan
     vertices = np.column_stack([narrowed.reshape(-1, 2), heights.ravel()])
     r = len(plan)
@@ -69,6 +69,17 @@ def test_all_corners_between_walls_are_found_and_told(corners, edges):
     assert tripatch.find_corners(vertices, faces, rim, any_number=True).tolist() == at
     insisted = tripatch.fill(vertices, faces, rim=rim, method="multi_sided")
     assert insisted.report.continuity == ["Free"] * len(at) and distance(insisted, slope) < 1e-12
+
+
+@pytest.mark.parametrize("given", [False, True])
+@pytest.mark.parametrize("edges", [2, 8])
+@pytest.mark.parametrize("corners", [TRIANGLE, QUADRANGLE, PENTAGON, FLAT_HEXAGON, OCTAGON])
+def test_a_lid_over_walls_that_lean_far_under_it_is_flat(corners, edges, given):
+    """Less than 30 degrees are between them: a smooth fill would be as large as the hole or many times larger."""
+    vertices, faces, rim, at = column(lambda x, y: 0 * x, corners, edges=edges, lean=0.9, depth=0.1)
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=at if given else None)
+    assert np.abs(fill.vertices[:, 2]).max(initial=0) < 1e-12
+    assert any("at an angle" in warning for warning in fill.report.warnings)
 
 
 @pytest.mark.parametrize("continuity", ["G0", "Free"])

@@ -23,6 +23,9 @@ constexpr double least_turn = 20 * std::numbers::pi / 180;
 constexpr double least_end_angle = 40 * std::numbers::pi / 180;
 /// The same where it is enough that half of the rim's edges have it.
 constexpr double clear_end_angle = 60 * std::numbers::pi / 180;
+/// The same where walls lean far under the rim, less than 30 degrees from what lies in it: whatever goes on from them leaves the hole, so that
+/// walls need not meet at creases.
+constexpr double under_rim = 150 * std::numbers::pi / 180;
 /// Between faces of one wall, at most.
 constexpr double in_one_wall = 1 * std::numbers::pi / 180;
 /// Of the hole's diameter, from the nearest vertex of the rim: where walls meet farther off, the fill would leave the hole.
@@ -77,7 +80,7 @@ public:
     const Plane flat = plane_of_rim();
     if (n_ < 4 || !contains(flat, rim_)) return false;
     std::vector<Vec3> normal;
-    Index least = 0, clear = 0;
+    Index least = 0, clear = 0, under = 0;
     for (Index k = 0; k < n_; ++k) {
       const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
       if (!corner) return false;
@@ -87,14 +90,16 @@ public:
       if (angle < least_crease_angle) return false;
       least += angle > least_end_angle;
       clear += angle > clear_end_angle;
+      under += angle > under_rim;
     }
     if (least < n_ && 2 * clear < n_) return false;
+    const double apart = under == n_ ? in_one_wall : least_crease_angle;
     std::size_t walls = 0;
     for (Index k = 0; k < n_; ++k) {
       const Vec3 &here = normal[k], &before = normal[(k + n_ - 1) % n_];
       const double turn = angle_between(here, before);
-      if (turn > in_one_wall && turn < least_crease_angle) return false;
-      walls += turn >= least_crease_angle;
+      if (turn > in_one_wall && turn < apart) return false;
+      walls += turn > in_one_wall;
       for (Connectivity::Corner c : around_.at(rim_[k])) {  // between two walls is nothing else, as in a ball of triangles
         const Vec3 own = area_vector(mesh_, around_.face(c));
         if (std::min(angle_between(own, here), angle_between(own, before)) > in_one_wall) return false;

@@ -117,7 +117,7 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     patch = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill;
     patch->report.method_reason = smooth;
   }
-  return harm(other.report) <= harm(patch->report) ? other : std::move(*patch);
+  return runs_away(ground, *patch, options) || harm(other.report) <= harm(patch->report) ? other : std::move(*patch);
 }
 
 const std::string round_of_revolution = "the rim is round, and what surrounds it of revolution";
@@ -215,6 +215,12 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
   if (corners && corners->empty())
     return fill_round_rim(ground, check_topology(ground.left, rim), options,
                           "a round rim was asked for, and this one is not smooth");
+  if (corners && lost_a_wall(ground, check_topology(ground.left, rim), *corners, options)) {
+    options.continuity = SideContinuity::free;
+    Fill fill = fill_by_sides(ground, rim, corners, options);
+    fill.report.warnings.push_back(flat_all_around);
+    return fill;
+  }
   const bool inner = !options.through.empty();  // the patch of three sides meets none: one over a polygon is made
   if (corners && (makes_polygon(*corners) || (inner && corners->size() == 3)))
     return fill_between_many(ground, rim, *corners, true, options);
