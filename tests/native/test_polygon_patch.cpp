@@ -590,3 +590,20 @@ TEST_CASE("polygon patch: where a corner hardly turns the energy is gone down fr
   CHECK(made.energy_after < 200);
   CHECK(largest_distance(made, saddle) < 3e-3);
 }
+
+TEST_CASE("polygon patch: corners that hardly turn are told, for without them it comes nearer") {
+  const std::vector<Vec2> corners = ring(8, 0.4, 0.25);  // of which one turns by 4 degrees
+  SideList sides = sides_between(saddle, corners);
+  const PolygonPatch made = polygon_patch(sides);
+  REQUIRE(made.warnings.size() == 1);
+  CHECK(made.warnings[0].find("less than 10 degrees") != std::string::npos);
+  CHECK(polygon_patch(sides_between(saddle, ring(8))).warnings.empty());
+  const std::size_t corner = std::stoul(made.warnings[0].substr(std::string("Corner ").size()));
+  REQUIRE(corner > 0);
+  const Side whole = joined({sides[corner - 1], sides[corner]}).side;
+  sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(corner));
+  sides[corner - 1] = whole;
+  const PolygonPatch without = polygon_patch(sides);
+  CHECK(without.warnings.empty());
+  CHECK(largest_distance(without, saddle) < 0.6 * largest_distance(made, saddle));
+}

