@@ -237,3 +237,22 @@ def test_the_end_of_an_egg_goes_on_in_a_cage(cells, direction):
     left, gone = without_rings(vertices, [list(f) for f in faces], direction, 2)
     fill = tripatch.fill(vertices, left, output="cage")
     assert farthest_off(vertices, left, gone, fill.limit(3)[0]) < 0.025
+
+
+@pytest.mark.parametrize(("edges", "turned"), [(4, True), (6, False)])
+def test_corners_of_faces_that_turn_back_are_told_where_the_surface_is_good(edges, turned):
+    at = [(0.99, 0.38), (0.47, 0.89), (-0.39, 0.99), (-0.85, 0.52), (-0.94, -0.31), (-0.51, -0.92), (0.37, -1.01), (0.84, -0.5)]
+    corners, n = np.array(at), 8 * edges
+    t = np.arange(edges)[:, None] / edges
+    rim = np.concatenate([corners[k] + t * (corners[(k + 1) % 8] - corners[k]) for k in range(8)])
+    plane = np.concatenate([(1 + 1.5 / edges * row) * rim for row in range(5)])
+    vertices = np.column_stack([plane, np.zeros(len(plane))])
+    faces = [[j * n + (k + 1) % n, j * n + k, (j + 1) * n + k, (j + 1) * n + (k + 1) % n] for j in range(4) for k in range(n)]
+    fill = tripatch.fill(vertices, faces, rim=np.arange(n), corners=range(0, n, edges), output="cage")
+    assert fill.report.triangles_folded == 0
+    moved = vertices.copy()
+    moved[fill.moved[0]] = fill.moved[1]
+    quads = np.concatenate([moved, fill.vertices])[np.array(fill.faces)][..., :2]
+    ahead, back = (np.roll(quads, by, axis=1) - quads for by in (-1, 1))
+    assert ((ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]).min() < 0) == turned
+    assert any("turns back" in warning for warning in fill.report.warnings) == turned

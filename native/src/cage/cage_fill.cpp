@@ -276,6 +276,8 @@ void CageFill::report(std::size_t h, const Surface& patch, Report& report) {
   else if (against.faces_crossing)
     tell_crossing(mesh_.vertices, holes_[h].rim, *against.faces_crossing, report,
                   "The limit surface does not cross itself, but faces of the cage cross each other");
+  if (report.triangles_folded == 0 && against.faces_turned)
+    report.warnings.emplace_back("The limit surface does not fold, but a corner of a face of the cage turns back");
   report.rows = rows_;
   report_seam(measures, laid_out_[h].hole, report);
   report_poles(h, report);

@@ -5,6 +5,7 @@
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/cage/cage_fit.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 
@@ -112,6 +113,7 @@ CageHarm CageFit::harm(std::size_t h) const {
   for (const Crossing& each : find_crossings(surface.vertices, none, surface.faces, edges, 1)) harm.crossing = each.where;
   Faces own;
   for (Index f = closed_.first_face[h]; f < closed_.first_face[h + 1]; ++f) own.add(closed_.faces[f]);
+  harm.faces_turned = quad_quality(closed_.vertices, own).least < 0;
   begin_at_shorter_diagonals(closed_.vertices, none, own);
   for (const Crossing& each : find_crossings(closed_.vertices, none, own, 1)) harm.faces_crossing = each.where;
   return harm;

@@ -36,7 +36,8 @@ struct CageMeasures {
 struct CageHarm {
   Index triangles_folded = 0;          ///< edges of the fill's limit surface, see count_folded_edges
   std::optional<Vec3> crossing;        ///< where the fill's limit surface goes through itself
-  std::optional<Vec3> faces_crossing;  ///< where the fill's own faces do
+  bool faces_turned = false;           ///< whether a corner of the fill's own quads turns back
+  std::optional<Vec3> faces_crossing;  ///< where the fill's own faces go through themselves
 };
 
 /// Phases: made; on a first layout `make_fair` (but for an exact rim), then patches on `sides`; `fit`; what it became.
