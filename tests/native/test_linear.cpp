@@ -106,27 +106,6 @@ TEST_CASE("coordinates in a frame of two vectors") {
   CHECK(in_frame(Vec3::Zero(), Vec3::Zero(), a).norm() == 0);
 }
 
-TEST_CASE("sums of weighted powers are where their places say") {
-  const Index points = 13;
-  RowsOf16 x = RowsOf16::Zero(points, 16), y = x;
-  const Eigen::VectorXd at = Eigen::VectorXd::Random(points), beside = Eigen::VectorXd::Random(points);
-  for (int d = 0; d <= 10; ++d) {
-    x.col(d) = at.array().pow(d);
-    y.col(d) = beside.array().pow(d);
-  }
-  const Eigen::VectorXd w = Eigen::VectorXd::Random(points), wz = Eigen::VectorXd::Random(points);
-  RowsOf24 room;
-  PowerSums sums;
-  sum_powers({x, y, w.data(), wz.data()}, room, sums);
-  for (int i = 0; i <= 10; ++i)
-    for (int j = 0; i + j <= 10; ++j) {
-      CAPTURE(i, j);
-      const Eigen::VectorXd power = x.col(i).cwiseProduct(y.col(j));
-      CHECK(sums[place_of_w(i, j)] == Approx(w.dot(power)).margin(1e-13));
-      if (i + j <= 5) CHECK(sums[place_of_wz(i, j)] == Approx(wz.dot(power)).margin(1e-13));
-    }
-}
-
 TEST_CASE("a symmetric matrix of up to 24 unknowns has a factor unless it is nearly singular") {
   const Index n = 21;
   const Eigen::MatrixXd rows = Eigen::MatrixXd::Random(40, n);
@@ -149,17 +128,6 @@ TEST_CASE("a symmetric matrix of up to 24 unknowns has a factor unless it is nea
   a.setZero();
   a.topLeftCorner(n, n) = fewer.transpose() * fewer;
   CHECK_FALSE(factor_symmetric(a, n, 1e-9));
-}
-
-TEST_CASE("lengths of rows times a triangle are those of the product, whatever their number") {
-  const SquareOf24 u = SquareOf24::Random().triangularView<Eigen::Upper>();
-  for (const Index rows : {0, 1, 3, 4, 5, 11}) {
-    CAPTURE(rows);
-    const RowsOf24 a = RowsOf24::Random(rows, 24);
-    Eigen::VectorXd out(rows);
-    squared_lengths(a, u, out.data());
-    CHECK((out - (a * u).rowwise().squaredNorm()).cwiseAbs().sum() < 1e-12);
-  }
 }
 
 TEST_CASE("a symmetric matrix becomes tridiagonal with the same solutions and determinant, whatever the size") {

@@ -21,17 +21,38 @@ Stencil stencil(int rings, const F& height) {
   Seen seen;
   measure(flat.w, flat.drafts, 2, 3, {rings, false, true, false}, search, seen);
   Stencil& s = seen.stencil;
-  for (Index k = 0; k < s.share.size(); ++k) s.rows(k, fit_terms) = height(s.rows(k, 1), s.rows(k, 2));
+  for (EightHeights& of : s.heights)
+    for (int k = 0; k < 8; ++k) of.z[k] = height(of.x[k], of.y[k]);
   return s;
+}
+
+/// The terms at each point, whose coefficients are the derivatives of the height.
+Eigen::MatrixXd rows_of(const Stencil& s) {
+  Eigen::MatrixXd rows(s.points, fit_terms);
+  for (Index k = 0; k < s.points; ++k)
+    for (int d = 0, column = 0; d <= fit_degree; ++d)
+      for (int j = 0; j <= d; ++j, ++column)
+        rows(k, column) = std::pow(s.heights[k / 8].x[k % 8], d - j) / std::tgamma(d - j + 1) *
+                          std::pow(s.heights[k / 8].y[k % 8], j) / std::tgamma(j + 1);
+  return rows;
+}
+
+/// Inverse variances of the heights, times their shares.
+Eigen::VectorXd weights_of(const Stencil& s, const VarianceComponents& components) {
+  Eigen::VectorXd weights(s.points);
+  for (Index k = 0; k < s.points; ++k) {
+    const EightHeights& of = s.heights[k / 8];
+    weights[k] = of.share[k % 8] / (components.noise + components.truncation * of.g[k % 8]);
+  }
+  return weights;
 }
 
 /// The normal matrix of a fit.
 struct Normal {
   Eigen::MatrixXd matrix;
   Normal(const Stencil& s, const VarianceComponents& components, const PlaneFit& fit) {
-    const Eigen::MatrixXd rows = s.rows.leftCols(fit_terms);
-    const Eigen::VectorXd weight = s.share.array() / (components.noise + components.truncation * s.g.array());
-    matrix = rows.transpose() * weight.asDiagonal() * rows;
+    const Eigen::MatrixXd rows = rows_of(s);
+    matrix = rows.transpose() * weights_of(s, components).asDiagonal() * rows;
     matrix.diagonal() += fit.prior;
   }
   /// The least of what elimination leaves of a diagonal element.
@@ -78,12 +99,14 @@ TEST_CASE("a fit that is refined is that of an orthogonal triangularization to i
   PlaneFit fit = fit_plane(s, components, room);
   refine(s, room, fit);
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  const Index n = s.share.size();
+  const Index n = s.points;
   Long rows = Long::Zero(n + fit_terms, fit_terms), right = Long::Zero(n + fit_terms, 1);
+  const Eigen::MatrixXd given = rows_of(s);
+  const Eigen::VectorXd weight = weights_of(s, components);
   for (Index k = 0; k < n; ++k) {
-    const long double root = std::sqrt(s.share[k] / (components.noise + components.truncation * s.g[k]));
-    rows.row(k) = root * s.rows.row(k).head<fit_terms>().cast<long double>();
-    right(k) = root * s.rows(k, fit_terms);
+    const long double root = std::sqrt(static_cast<long double>(weight[k]));
+    rows.row(k) = root * given.row(k).cast<long double>();
+    right(k) = root * s.heights[k / 8].z[k % 8];
   }
   for (Index k = 0; k < fit_terms; ++k) rows(n + k, k) = std::sqrt(static_cast<long double>(fit.prior[k]));
   right(n + 2) = rows(n + 2, 2) * s.faces;

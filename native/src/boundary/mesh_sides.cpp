@@ -98,7 +98,7 @@ VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft,
   for (const std::vector<Stencil>& side : samples)
     for (const Stencil& s : side) {
       radius += s.distances;
-      points += static_cast<double>(s.g.size());
+      points += static_cast<double>(s.points);
     }
   // the squared curvature that the faces beside the rim show, to start with
   double bend = 0;

@@ -5,13 +5,11 @@
 #include <cstddef>
 #include <utility>
 
-#include "tripatch/math/machines.h"
 #include "tripatch/math/meanwhile.h"
 
 namespace tripatch {
 namespace {
 
-using Square = PlaneFit::Square;
 using Column = PlaneFit::Column;
 
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
@@ -56,31 +54,22 @@ constexpr std::array<Term, fit_terms> term = [] {
   return all;
 }();
 
-/// Powers of a coordinate that products of two terms have.
-void set_powers(double x, double* out) {
+/// x^i y^j of the terms.
+Column monomials(double x, double y) {
+  Column out;
   out[0] = 1;
-  for (int d = 1; d <= 2 * fit_degree; ++d) out[d] = out[d - 1] * x;
-  std::fill(out + 2 * fit_degree + 1, out + 16, 0.0);
+  for (int d = 1; d <= fit_degree; ++d) {
+    for (int j = 0; j < d; ++j) out[place_of(d, j)] = out[place_of(d - 1, j)] * x;
+    out[place_of(d, d)] = out[place_of(d - 1, d - 1)] * y;
+  }
+  return out;
 }
 
-/// The terms at (x, y), from the powers of both.
-void set_terms(const double* xs, const double* ys, double* out) {
-  [&]<std::size_t... K>(std::index_sequence<K...>) {  // unrolled: the plain loop costs twice as much
-    ((out[K] = term[K].over * (xs[term[K].i] * ys[term[K].j])), ...);
-  }(std::make_index_sequence<fit_terms>());
+/// Coefficients of the monomials from those of the terms.
+Column of_monomials(Column of_terms) {
+  for (int k = 0; k < fit_terms; ++k) of_terms[k] *= term[k].over;
+  return of_terms;
 }
-
-/// Where the sums for a product of two terms are.
-struct Places {
-  std::array<std::array<short, fit_terms>, fit_terms> w;
-};
-constexpr Places places = [] {
-  Places all{};
-  for (int k = 0; k < fit_terms; ++k)
-    for (int l = 0; l < fit_terms; ++l)
-      all.w[k][l] = static_cast<short>(place_of_w(term[k].i + term[l].i, term[k].j + term[l].j));
-  return all;
-}();
 
 Column prior_of(const Stencil& s, const VarianceComponents& components) {
   Column prior;
@@ -94,122 +83,58 @@ Column prior_of(const Stencil& s, const VarianceComponents& components) {
 /// a time by Householder's reflections. Normal equations square what the weights differ by, 1e7 and more where there is
 /// no noise, and leave to rounding what few points do not tell.
 void reflect(const Stencil& s, FitRoom& room) {
-  const Index points = s.share.size(), rows = points + fit_terms;
+  const std::vector<double>& weight = room.heights.weight;
+  const Index points = s.points, rows = points + fit_terms;
   room.order.clear();
-  for (Index k = 0; k < rows; ++k) room.order.emplace_back(-(k < points ? room.weight[k] : room.prior[k - points]), k);
+  for (Index k = 0; k < rows; ++k) room.order.emplace_back(-(k < points ? weight[k] : room.prior[k - points]), k);
   std::sort(room.order.begin(), room.order.end());
   room.rows.resize(rows, Eigen::NoChange);
   for (Index row = 0; row < rows; ++row) {
     const auto [minus_weight, k] = room.order[row];
     const double root = std::sqrt(-minus_weight);
+    room.rows.row(row).setZero();
     if (k < points) {
-      room.rows.row(row) = root * s.rows.row(k);
+      const EightHeights& of = s.heights[k / 8];
+      room.rows.row(row).head<fit_terms>() = root * monomials(of.x[k % 8], of.y[k % 8]);
+      room.rows(row, fit_terms) = root * of.z[k % 8];
       continue;
     }
-    room.rows.row(row).setZero();
-    room.rows(row, k - points) = root;
+    room.rows(row, k - points) = root / term[k - points].over;
     if (k == points + 2) room.rows(row, fit_terms) = root * s.faces;
   }
   triangularize(room.rows, fit_terms);
   room.root.topRows<fit_terms>() = room.rows.topRows<fit_terms>();
-  for (int k = 0; k < fit_terms; ++k) room.root.col(k) /= term[k].over;
 }
 
-/// The sums over the points, and the root of the normal matrix that they make; false where that is left to rounding.
-bool take_root(const Stencil& s, FitRoom& room) {
-  room.weighted_height = room.weight.cwiseProduct(s.rows.col(fit_terms));
-  sum_powers({s.x, s.y, room.weight.data(), room.weighted_height.data()}, room.powers, room.sums);
-  double* row = room.root.data();
-  for (int k = 0; k < fit_terms; ++k, row += 24) {
-    for (int l = k; l < fit_terms; ++l) row[l] = room.sums[places.w[k][l]];
-    row[fit_terms] = room.sums[place_of_wz(term[k].i, term[k].j)];
-    row[k] += room.prior[k] / (term[k].over * term[k].over);
-    row[fit_terms + 1] = row[fit_terms + 2] = 0;
-  }
+/// The root of the normal matrix; false where it is left to rounding.
+bool take_root(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
+  room.prior = prior_of(s, components);
+  sum_products(s.heights, {components.noise, components.truncation}, room.heights, room.root);
+  for (int k = 0; k < fit_terms; ++k) room.root(k, k) += room.prior[k] / (term[k].over * term[k].over);
   room.root(2, fit_terms) += room.prior[2] * s.faces;
   return factor_symmetric(room.root, fit_terms, least_pivot);
 }
 
-/// Of r x = the last column of the root, by terms.
-Column solved(const SquareOf24& root) {
-  Column x;
-  for (int i = fit_terms - 1; i >= 0; --i) {
-    const double* const row = root.data() + 24 * i;
-    double left = row[fit_terms];
-    for (int j = i + 1; j < fit_terms; ++j) left -= row[j] * x[j];
-    x[i] = left / row[i];
-  }
-  for (int k = 0; k < fit_terms; ++k) x[k] /= term[k].over;
-  return x;
+/// Root and mean.
+void fit(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
+  room.normal_equations = take_root(s, components, room);
+  if (!room.normal_equations) reflect(s, room);
+  for (int k = 0; k < fit_terms; ++k) room.over[k] = 1 / room.root(k, k);
+  room.mean = room.root.col(fit_terms).head<fit_terms>();
+  solve_upper(room.root, room.over, room.mean.data());
+  for (int k = 0; k < fit_terms; ++k) room.mean[k] /= term[k].over;
 }
-
-/// Fitted less given heights.
-void set_residual(const Stencil& s, FitRoom& room) {
-  std::array<double, 24> x = {};
-  std::copy(room.mean.begin(), room.mean.end(), x.begin());
-  x[fit_terms] = -1;
-  room.residual.setZero();
-  add_product(s.rows, x.data(), room.residual.data());
-}
-
-using RowSum = Eigen::Matrix<double, 24, 1>;
-
-/// Of the rows, each times its weight and its residual.
-RowSum sum_of_rows(const Stencil& s, const FitRoom& room) {
-  RowSum sum = RowSum::Zero();
-  for (Index k = 0; k < room.residual.size(); ++k) sum += room.weight[k] * room.residual[k] * s.rows.row(k).transpose();
-  return sum;
-}
-
-#ifdef TRIPATCH_PACKS
-/// The same bits.
-TRIPATCH_PACKED void sum_rows_packed(const Stencil& s, const FitRoom& room, RowSum& out) {
-  constexpr int packs = 24 / lanes;
-  Pack sum[packs] = {};
-  const double* row = s.rows.data();
-  for (Index k = 0; k < room.residual.size(); ++k, row += 24) {
-    const Pack factor = all_lanes(room.weight.data()[k] * room.residual.data()[k]);
-    for (int j = 0; j < packs; ++j) sum[j] += factor * loaded(row + lanes * j);
-  }
-  for (int j = 0; j < packs; ++j) store(sum[j], out.data() + lanes * j);
-}
-#endif
 
 /// Adds what the residuals of the rows themselves still ask for (corrected seminormal equations: Bjorck 1987).
 void correct(const Stencil& s, FitRoom& room) {
-  set_residual(s, room);
-  SquareOf24& root = room.root;
   Column x = -room.prior.cwiseProduct(room.mean);
   x[2] += room.prior[2] * s.faces;
-  RowSum sum;
-#ifdef TRIPATCH_PACKS
-  static const bool packs = __builtin_cpu_supports("avx2");
-  if (packs)
-    sum_rows_packed(s, room, sum);
-  else
-#endif
-    sum = sum_of_rows(s, room);
-  x -= sum.head<fit_terms>();
-  for (int k = 0; k < fit_terms; ++k) x[k] /= term[k].over;
-  for (int k = 0; k < fit_terms; ++k) {  // r' y = x
-    const double entry = x[k] /= root(k, k);
-    const double* const row = root.data() + 24 * k;
-    for (int i = k + 1; i < fit_terms; ++i) x[i] -= entry * row[i];
-  }
-  root.col(fit_terms).head<fit_terms>() = x;
-  room.mean += solved(root);
-}
-
-/// The x with lower x = a.
-Column whitened(const PlaneFit& fit, Column a) {
-  for (int k = 0; k < fit_terms; ++k) {
-    if (a[k] == 0) continue;
-    a[k] /= fit.lower(k, k);
-    const double entry = a[k];
-    const double* const column = fit.lower.data() + k * fit_terms;
-    for (int i = k + 1; i < fit_terms; ++i) a[i] -= entry * column[i];
-  }
-  return a;
+  MonomialSums sums;
+  sum_residuals(s.heights, room.heights, of_monomials(room.mean).data(), sums);
+  for (int k = 0; k < fit_terms; ++k) x[k] = x[k] / term[k].over - sums[k];
+  solve_upper_transposed(room.root, room.over, x.data());
+  solve_upper(room.root, room.over, x.data());
+  for (int k = 0; k < fit_terms; ++k) room.mean[k] += x[k] / term[k].over;
 }
 
 /// What one stencil says of each component: a sum of squares, and the number of well-determined parameters that it is over.
@@ -231,49 +156,30 @@ struct Explained {
   }
 };
 
-/// Variances of the terms, and of the heights that they make at the points.
-Column variances(const Stencil& s, FitRoom& room) {
-  SquareOf24 inverse = inverse_of_triangle(room.root, fit_terms);
-  for (int k = 0; k < fit_terms; ++k) inverse.row(k) /= term[k].over;
-  squared_lengths(s.rows, inverse, room.known.data());
-  return inverse.topRows<fit_terms>().rowwise().squaredNorm();
-}
-
 Explained explain(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
+  fit(s, components, room);
+  const SquareOf24 inverse = inverse_of_triangle(room.root, fit_terms);
   Explained e;
-  const Index size = s.share.size();
-  room.resize(size);
-  for (Index k = 0; k < size; ++k) room.weight[k] = s.share[k] / (components.noise + components.truncation * s.g[k]);
-  room.prior = prior_of(s, components);
-  if (!take_root(s, room)) reflect(s, room);
-  room.mean = solved(room.root);
-  const Column variance = variances(s, room);
-  for (int j = 0; j < fit_terms; ++j) {
-    const int d = term[j].i + term[j].j;
+  const auto count = [&](int k, double prior) {
+    const double variance = inverse.row(k).squaredNorm() / (term[k].over * term[k].over);
+    return std::max(1 - variance * prior, least_count);
+  };
+  for (int k = 0; k < fit_terms; ++k) {
+    const int d = term[k].i + term[k].j;
     if (d == 1) continue;
-    e.sum[d] += room.mean[j] * room.mean[j];
-    e.count[d] += std::max(1 - variance[j] / components.term[d], least_count);
+    e.sum[d] += room.mean[k] * room.mean[k];
+    e.count[d] += count(k, 1 / components.term[d]);
   }
   e.tilt = std::pow(room.mean[2] - s.faces, 2);
-  e.tilt_count = std::max(1 - variance[2] * room.prior[2], least_count);
+  e.tilt_count = count(2, room.prior[2]);
   // The points less the parameters that they determine: of each what is noise, and the rest. Sums of what is left of the points, for the
   // difference of the two numbers is often rounding.
-  set_residual(s, room);
-  double noise_points = 0, truncation_points = 0;
-  for (Index k = 0; k < size; ++k) {
-    const double truncation = components.truncation * s.g[k], over = 1 / (components.noise + truncation);
-    const double part = components.noise * over, rest = truncation * over;
-    const double left = std::max(s.share[k] - room.weight[k] * room.known[k], 0.0);
-    const double square = s.share[k] * room.residual[k] * room.residual[k];
-    noise_points += s.share[k] * part;
-    truncation_points += s.share[k] * rest;
-    e.noise_count += left * part;
-    e.truncation_count += left * rest;
-    e.noise += part * part * square;
-    if (s.g[k] > 0) e.truncation += rest * rest * square / s.g[k];
-  }
-  e.noise_count = std::max(e.noise_count, least_count * noise_points);
-  e.truncation_count = std::max(e.truncation_count, least_count * truncation_points);
+  const ExplainedHeights heights = explain_heights(s.heights, {components.noise, components.truncation}, room.heights,
+                                                   of_monomials(room.mean).data(), inverse);
+  e.noise = heights.noise;
+  e.truncation = heights.truncation;
+  e.noise_count = std::max(heights.noise_count, least_count * heights.noise_points);
+  e.truncation_count = std::max(heights.truncation_count, least_count * heights.truncation_points);
   return e;
 }
 
@@ -317,38 +223,9 @@ bool have_settled(const VarianceComponents& now, const VarianceComponents& befor
 
 }  // namespace
 
-void Stencil::resize(Index places) {
-  rows.resize(places, Eigen::NoChange);
-  x.resize(places, Eigen::NoChange);
-  y.resize(places, Eigen::NoChange);
-  share.resize(places);
-  g.resize(places);
-}
-
-void Stencil::set(const Vec3& place, Index k) {
-  double* const row = rows.data() + 24 * k;
-  set_powers(place[0], x.data() + 16 * k);
-  set_powers(place[1], y.data() + 16 * k);
-  set_terms(x.data() + 16 * k, y.data() + 16 * k, row);
-  row[fit_terms] = place[2];
-  std::fill(row + fit_terms + 1, row + 24, 0.0);
-}
-
-void FitRoom::resize(Index points) {
-  for (Eigen::VectorXd* v : {&weight, &weighted_height, &residual, &known}) v->resize(points);
-}
-
 PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
-  room.resize(s.share.size());
-  room.weight = s.share.array() / (components.noise + components.truncation * s.g.array());
-  room.prior = prior_of(s, components);
-  room.normal_equations = take_root(s, room);
-  if (!room.normal_equations) reflect(s, room);
-  room.mean = solved(room.root);
-  PlaneFit fit = {room.mean, room.prior, Square::Zero()};
-  for (int i = 0; i < fit_terms; ++i)
-    for (int j = 0; j <= i; ++j) fit.lower(i, j) = room.root(j, i) * term[i].over;
-  return fit;
+  fit(s, components, room);
+  return {room.mean, room.prior};
 }
 
 void refine(const Stencil& s, FitRoom& room, PlaneFit& fit) {
@@ -357,28 +234,25 @@ void refine(const Stencil& s, FitRoom& room, PlaneFit& fit) {
   fit.mean = room.mean;
 }
 
-FitVariances variances_of(const PlaneFit& fit) {
-  const std::array<Column, 3> half = {whitened(fit, Column::Unit(1)), whitened(fit, Column::Unit(2)),
-                                      whitened(fit, Column::Unit(5))};
+FitVariances variances_of(const FitRoom& room) {
+  const auto [along, across, bend, both] = products_of_columns(room.root, room.over);
   FitVariances known;
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j) known.slopes(i, j) = half[i].dot(half[j]);
-  known.bend = half[2].squaredNorm();
+  known.slopes << along, both, both, across;
+  known.bend = bend / (term[5].over * term[5].over);
   return known;
 }
 
-double predicted_density(const PlaneFit& fit, const VarianceComponents& components, const Vec3& at, double share) {
-  Column row;
-  std::array<double, 16> xs, ys;
-  set_powers(at[0], xs.data());
-  set_powers(at[1], ys.data());
-  set_terms(xs.data(), ys.data(), row.data());
+double predicted_density(const PlaneFit& fit, const FitRoom& room, const VarianceComponents& components, const Vec3& at,
+                         double share) {
+  Column row = monomials(at[0], at[1]);
   const double square = at.squaredNorm(), cube = square * square * square;
   const double own = components.noise + components.truncation * (cube * cube);
-  const double known = whitened(fit, row).squaredNorm();
+  const double off_mean = at[2] - row.dot(of_monomials(fit.mean));
+  solve_upper_transposed(room.root, room.over, row.data());
+  const double known = row.squaredNorm();
   // of the sum of the weights at the point, what is left without it
   const double left = std::max(1 - share * known / own, 1e-9);
-  const double off = (at[2] - row.dot(fit.mean)) / left, variance = own + known / left;
+  const double off = off_mean / left, variance = own + known / left;
   return -0.5 * (std::log(2 * M_PI * variance) + off * off / variance);
 }
 

@@ -42,14 +42,14 @@ constexpr double always_plausible =
 
 /// The heights nearest to a rim vertex, which every neighborhood has to explain.
 std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, const std::vector<Share>& nearest,
-                              const Seen& seen, const PlaneFit& fit, const VarianceComponents& components) {
+                              const Seen& seen, const PlaneFit& fit, const FitRoom& room, const VarianceComponents& components) {
   std::vector<double> all;
   const Stencil& s = seen.stencil;
   for (const auto& [v, counts] : nearest) {
     if (v == side.vertex[k]) continue;
     const Vec3 d = w.position[v] - side.position[k];
     const auto place = std::find_if(seen.used.begin(), seen.used.end(), [v = v](const Share& u) { return u.first == v; });
-    all.push_back(counts * predicted_density(fit, components, {d.dot(s.e1), d.dot(s.e2) / s.depth, d.dot(s.e3)},
+    all.push_back(counts * predicted_density(fit, room, components, {d.dot(s.e1), d.dot(s.e2) / s.depth, d.dot(s.e3)},
                                              place == seen.used.end() ? 0 : place->second));
   }
   return all;
@@ -103,11 +103,11 @@ VertexFit SideFitting::fit(int k) {
   hessian << fit.mean[3], fit.mean[4], fit.mean[4], fit.mean[5];
   hessian = over.asDiagonal() * hessian * over.asDiagonal();
   at.second = at.frame * (hessian / std::sqrt(1 + fx * fx + fy * fy)) * at.frame.transpose();
-  const FitVariances known = variances_of(fit);
+  const FitVariances known = variances_of(room_);
   at.covariance = over.asDiagonal() * known.slopes * over.asDiagonal();
   at.slope_variances = at.covariance.trace();
   at.bend_variance = known.bend * std::pow(over[1], 4);
-  if (!nearest_.empty()) at.density = densities(w_, side, k, nearest_[k], seen_, fit, components_);
+  if (!nearest_.empty()) at.density = densities(w_, side, k, nearest_[k], seen_, fit, room_, components_);
   return at;
 }
 

@@ -144,18 +144,32 @@ const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k,
 }
 
 /// Places, heights and weights of the stencil's vertices about p.
-void set_rows(const LocalMesh& w, const std::vector<Share>& used, const Vec3& p, Stencil& s) {
-  const Index size = static_cast<Index>(used.size());
-  s.resize(size);
+void set_heights(const LocalMesh& w, const std::vector<Share>& used, const Vec3& p, Stencil& s) {
+  s.points = static_cast<Index>(used.size());
+  s.heights.resize((used.size() + 7) / 8);
   s.distances = 0;
-  for (Index j = 0; j < size; ++j) {
-    const Vec3 d = w.position[used[j].first] - p;
-    const double y = d.dot(s.e2);
-    s.set({d.dot(s.e1), y / s.depth, d.dot(s.e3)}, j);
-    s.share[j] = used[j].second;
-    const double square = s.depth == 1 ? d.squaredNorm() : d.squaredNorm() + y * y * (1 / (s.depth * s.depth) - 1);
-    s.g[j] = square * square * square * square * square * square;
-    s.distances += std::sqrt(square);
+  const double stretch = 1 / (s.depth * s.depth) - 1;
+  for (std::size_t first = 0; first < used.size(); first += 8) {
+    EightHeights& of = s.heights[first / 8];
+    std::array<double, 8> x, y, z, squares;
+    for (std::size_t k = 0; k < 8; ++k) {
+      const bool is_there = first + k < used.size();
+      const Vec3& at = is_there ? w.position[used[first + k].first] : p;
+      x[k] = at[0] - p[0];
+      y[k] = at[1] - p[1];
+      z[k] = at[2] - p[2];
+      of.share[k] = is_there ? used[first + k].second : 0;
+    }
+    for (int k = 0; k < 8; ++k) {
+      of.x[k] = x[k] * s.e1[0] + y[k] * s.e1[1] + z[k] * s.e1[2];
+      const double across = x[k] * s.e2[0] + y[k] * s.e2[1] + z[k] * s.e2[2];
+      of.y[k] = across / s.depth;
+      of.z[k] = x[k] * s.e3[0] + y[k] * s.e3[1] + z[k] * s.e3[2];
+      const double square = x[k] * x[k] + y[k] * y[k] + z[k] * z[k] + across * across * stretch;
+      of.g[k] = square * square * square * square * square * square;
+      squares[k] = std::sqrt(square);
+    }
+    for (double distance : squares) s.distances += distance;
   }
 }
 
@@ -198,7 +212,7 @@ void look(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int
 void measure(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near,
              SideSearch& search, Seen& seen) {
   look(w, drafts, i, k, near, search, seen);
-  set_rows(w, seen.used, drafts[i].position[k], seen.stencil);
+  set_heights(w, seen.used, drafts[i].position[k], seen.stencil);
   set_slopes(w, drafts[i], k, seen.stencil);
 }
 

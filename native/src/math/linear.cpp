@@ -52,6 +52,12 @@ struct AnyRegisters {
     }
   }
 
+  /// to -= factor from.
+  template <Index Columns>
+  TRIPATCH_INLINE static void take(double factor, const double* from, double* __restrict to) {
+    for (Index q = 0; q < Columns; ++q) to[q] -= factor * from[q];
+  }
+
   /// Takes from each of `count` rows of 24 `across` times its entry at `column`, which becomes 0. products: of the next column as it
   /// then is with all columns. Only the last `Columns` columns are looked at; a and across begin with them.
   template <Index Columns>
@@ -131,69 +137,31 @@ TRIPATCH_INLINE void add_dots_with(const double* a, Index m, Index n, const doub
   }
 }
 
-/// Row i of a factor of 24 columns, from those above it, of which only the last `Columns` are looked at: a begins with them. False where
-/// the diagonal element is left with less than `least` of itself.
+/// Takes `pivot` times its own entries over the diagonal element from the rows begin to end - 1 of 24 columns each, of which only the last
+/// `Columns` are looked at.
 template <class Registers, Index Columns>
-TRIPATCH_INLINE bool factor_row(double* a, Index i, double least) {
+TRIPATCH_INLINE void eliminate_rows(const double* pivot, double over, Index begin, Index end, double* a) {
   constexpr Index width = 24, from = width - Columns;
-  double* const row = a + i * width;
-  const double enough = least * row[i - from];
-  double taken[1][Columns];
-  Registers::product(a + i - from, 1, width, i, a, width, taken);
-  const double left = row[i - from] - taken[0][i - from], over = 1 / std::sqrt(left);
-  for (Index c = 0; c < Columns; ++c) row[c] = (row[c] - taken[0][c]) * over;
-  return left > enough;
+  for (Index i = begin; i < end; ++i) Registers::template take<Columns>(pivot[i] * over, pivot + from, a + i * width + from);
 }
 
+/// Row by row from what those below still have: as soon as one is done the next one is begun.
 template <class Registers>
 TRIPATCH_INLINE bool factor_symmetric_with(double* a, Index n, double least) {
-  for (Index i = 0; i < n; ++i) {
-    bool good = false;
-    switch (i / 8) {
-      case 0: good = factor_row<Registers, 24>(a, i, least); break;
-      case 1: good = factor_row<Registers, 16>(a + 8, i, least); break;
-      default: good = factor_row<Registers, 8>(a + 16, i, least); break;
-    }
-    if (!good) return false;
+  constexpr Index width = 24, block = 8;
+  double enough[width];
+  for (Index i = 0; i < n; ++i) enough[i] = least * a[i * width + i];
+  for (Index k = 0; k < n; ++k) {
+    double* const row = a + k * width;
+    const double left = row[k], over = 1 / left;
+    if (!(left > enough[k])) return false;
+    eliminate_rows<Registers, 24>(row, over, k + 1, std::min(n, block), a);
+    eliminate_rows<Registers, 16>(row, over, std::max(k + 1, block), std::min(n, 2 * block), a);
+    eliminate_rows<Registers, 8>(row, over, std::max(k + 1, 2 * block), n, a);
+    const double root = 1 / std::sqrt(left);
+    for (Index c = k / block * block; c < width; ++c) row[c] *= root;
   }
   return true;
-}
-
-/// out (24, 16) = a' b for a (m, 24) and b (m, 16), the second half of its columns in the first rows only: where powers have a sum of 10 or
-/// less the first is 2 or less. The last columns of a are left out where registers allow it.
-template <class Registers>
-TRIPATCH_INLINE void sum_products_with(const double* a, Index m, const double* b, double* __restrict out) {
-  constexpr Index rows = Registers::rows, columns = 8, left = 24, right = 16, used = 18, low = 3;
-  double sum[rows][columns];
-  for (Index half = 0; half < right; half += columns)
-    for (Index i = 0; i < (half == 0 ? used : low); i += rows) {
-      Registers::product(a + i, 1, left, m, b + half, right, sum);
-      for (Index p = 0; p < rows; ++p)
-        for (Index q = 0; q < columns; ++q) out[(i + p) * right + half + q] = sum[p][q];
-    }
-}
-
-/// out[k] = |a_k u|^2 for rows a_k of 24 and an upper triangular u (24, 24).
-template <class Registers, Index Rows>
-TRIPATCH_INLINE void squared_lengths_of(const double* a, const double* u, double* __restrict out) {
-  constexpr Index width = 24, block = 8;
-  double squares[Rows][block] = {}, sum[Rows][block];
-  for (Index c = 0; c < width; c += block) {
-    Registers::product(a, width, 1, c + block, u + c, width, sum);
-    for (Index p = 0; p < Rows; ++p)
-      for (Index q = 0; q < block; ++q) squares[p][q] += sum[p][q] * sum[p][q];
-  }
-  for (Index p = 0; p < Rows; ++p) {
-    const double* const each = squares[p];
-    out[p] = ((each[0] + each[4]) + (each[2] + each[6])) + ((each[1] + each[5]) + (each[3] + each[7]));
-  }
-}
-template <class Registers>
-TRIPATCH_INLINE void squared_lengths_with(const double* a, Index m, const double* u, double* __restrict out) {
-  constexpr Index rows = 4, width = 24;
-  Index k = 0;
-  for (; k + rows <= m; k += rows) squared_lengths_of<Registers, rows>(a + k * width, u, out + k);
-  for (; k < m; ++k) squared_lengths_of<Registers, 1>(a + k * width, u, out + k);
 }
 
 /// m rows of 24: for each of the first n columns, fewer than 24, Householder's reflection that leaves of it what is above and its
@@ -228,9 +196,7 @@ struct Products {
   void (*multiply_four)(const double* a, Index k, const double* b, Index n, double* out, Index stride);  ///< n: eight or more
   void (*add_product_of_fours)(const double* a, Index m, Index k, const double* b, double* out);
   void (*add_dots)(const double* a, Index m, Index n, const double* x, double* out);
-  void (*sum_products)(const double* a, Index m, const double* b, double* out);
   bool (*factor_symmetric)(double* a, Index n, double least);
-  void (*squared_lengths)(const double* a, Index m, const double* u, double* out);
 };
 
 #define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                           \
@@ -251,18 +217,11 @@ struct Products {
   machine void add_dots_##name(const double* a, Index m, Index n, const double* x, double* out) {                             \
     add_dots_with<Registers>(a, m, n, x, out);                                                                                \
   }                                                                                                                           \
-  machine void sum_products_##name(const double* a, Index m, const double* b, double* out) {                                  \
-    sum_products_with<Registers>(a, m, b, out);                                                                               \
-  }                                                                                                                           \
   machine bool factor_symmetric_##name(double* a, Index n, double least) {                                                    \
     return factor_symmetric_with<Registers>(a, n, least);                                                                     \
   }                                                                                                                           \
-  machine void squared_lengths_##name(const double* a, Index m, const double* u, double* out) {                               \
-    squared_lengths_with<Registers>(a, m, u, out);                                                                            \
-  }                                                                                                                           \
-  constexpr Products name = {reflect_columns_##name,      add_gram_##name, subtract_gram_##name, multiply_four_##name,        \
-                             add_product_of_fours_##name, add_dots_##name, sum_products_##name,  factor_symmetric_##name,     \
-                             squared_lengths_##name};
+  constexpr Products name = {reflect_columns_##name,      add_gram_##name, subtract_gram_##name,   multiply_four_##name,      \
+                             add_product_of_fours_##name, add_dots_##name, factor_symmetric_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
@@ -300,6 +259,13 @@ struct VectorRegisters {
       sum[p] = (part[p][0] + part[p][2]) + (part[p][1] + part[p][3]);
       for (Index r = q; r < n; ++r) sum[p] += a[p * stride + r] * x[r];
     }
+  }
+
+  template <Index Columns>
+  TRIPATCH_INLINE static void take(double factor, const double* from, double* __restrict to) {
+#pragma GCC unroll 6
+    for (Index q = 0; q < Columns; q += Width)
+      *reinterpret_cast<Vector*>(to + q) -= factor * *reinterpret_cast<const Vector*>(from + q);
   }
 
   template <Index Columns>
@@ -408,16 +374,6 @@ TRIPATCH_FOR_EACH_MACHINE void invert_triangle(const double* __restrict r, Index
     }
 }
 
-/// Rows of 24: the powers of x times w and wz, in the order of place_of_w and place_of_wz.
-TRIPATCH_FOR_EACH_MACHINE void set_weighted(const double* __restrict x, const double* w, const double* wz, Index m,
-                                            double* __restrict out) {
-  for (Index k = 0; k < m; ++k, x += 16, out += 24) {
-    for (Index i = 0; i < 12; ++i) out[i] = w[k] * x[i];
-    for (Index i = 0; i < 8; ++i) out[12 + i] = wz[k] * x[i];
-    for (Index i = 20; i < 24; ++i) out[i] = 0;
-  }
-}
-
 }  // namespace
 
 /// By columns: Eigen's takes twice the time, for it is compiled for every machine.
@@ -515,18 +471,7 @@ SquareOf24 inverse_of_triangle(const SquareOf24& r, Index n) {
   return u;
 }
 
-void squared_lengths(const RowsOf24& a, const SquareOf24& u, double* out) {
-  products.squared_lengths(a.data(), a.rows(), u.data(), out);
-}
-
 bool factor_symmetric(SquareOf24& a, Index n, double least) { return products.factor_symmetric(a.data(), n, least); }
-
-void sum_powers(const WeightedPowers& of, RowsOf24& room, PowerSums& out) {
-  const Index m = of.x.rows();
-  if (room.rows() < m) room.resize(m, Eigen::NoChange);
-  set_weighted(of.x.data(), of.w, of.wz, m, room.data());
-  products.sum_products(room.data(), m, of.y.data(), out.data());
-}
 
 Eigen::MatrixXd least_squares(const MatrixRef& a, const MatrixRef& b) { return a.completeOrthogonalDecomposition().solve(b); }
 

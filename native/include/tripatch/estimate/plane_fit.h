@@ -8,31 +8,23 @@
 #include <utility>
 #include <vector>
 
-#include "tripatch/math/linear.h"
+#include "tripatch/estimate/heights.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
 
-constexpr int fit_degree = 5;  ///< of the local polynomials
-constexpr int fit_terms = 21;
-
 /// The heights around one rim vertex over its first guess of a tangent plane. Lengths are in the units of the local mesh.
 struct Stencil {
-  Vec3 e1, e2, e3;           ///< along the rim, outward, normal
-  double depth = 1;          ///< of a row of faces, in edges: y is over it
-  RowsOf24 rows;             ///< the terms at the places, in column fit_terms the height, then 0
-  RowsOf16 x, y;             ///< powers of the coordinates from 0 to twice the degree, then 0
-  Eigen::VectorXd share, g;  ///< weight by place, radius^(2 degree + 2)
-  double distances = 0;      ///< of the places, their sum
-  double faces = 0;          ///< slope across the rim of the faces beside it
-  double faces_noise = 0;    ///< its variance over that of the noise
-  double slope_noise = 1;    ///< of the rim's own direction: variance over that of the noise,
-  int slope_order = 4;       ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
+  Vec3 e1, e2, e3;   ///< along the rim, outward, normal
+  double depth = 1;  ///< of a row of faces, in edges: y is over it
+  Index points = 0;
+  std::vector<EightHeights> heights;  ///< of the points, y over depth
+  double distances = 0;               ///< of the places, their sum
+  double faces = 0;                   ///< slope across the rim of the faces beside it
+  double faces_noise = 0;             ///< its variance over that of the noise
+  double slope_noise = 1;             ///< of the rim's own direction: variance over that of the noise,
+  int slope_order = 4;                ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
   double slope_truncation = 0;
-
-  void resize(Index places);
-  /// Row k: of a place (x, y, height).
-  void set(const Vec3& place, Index k);
 };
 
 /// Variances of what the heights consist of: everything that decides between smoothing and precision.
@@ -45,41 +37,38 @@ struct VarianceComponents {
 
 /// Coefficients of the terms of 1, x, y, x^2, xy, y^2, ..., which are the derivatives of the height.
 struct PlaneFit {
-  using Square = Eigen::Matrix<double, fit_terms, fit_terms>;
   using Column = Eigen::Matrix<double, fit_terms, 1>;
 
   Column mean, prior;  ///< coefficients, inverse variances
-  Square lower;        ///< a Cholesky factor of the inverse covariance, its diagonal of any sign
 };
 
 /// Room for fits that is used again and again, and what the last one leaves in it.
 struct FitRoom {
-  Eigen::VectorXd weight, weighted_height, residual, known;  ///< known: variances of the heights that are fitted
-  PowerSums sums;
-  RowsOf24 powers, rows;
+  HeightRoom heights;
+  RowsOf24 rows;
   std::vector<std::pair<double, Index>> order;
   /// r of the weighted x^i y^j and their prior = q r, in column fit_terms the heights likewise.
   SquareOf24 root = SquareOf24::Zero();
+  Reciprocals over;               ///< of its diagonal
   PlaneFit::Column prior, mean;   ///< of the terms
   bool normal_equations = false;  ///< made the root, and know the mean to some digits only
-
-  void resize(Index points);
 };
 
 PlaneFit fit_plane(const Stencil& stencil, const VarianceComponents& components, FitRoom& room);
 /// The mean of a fit just made to its last digits.
 void refine(const Stencil& stencil, FitRoom& room, PlaneFit& fit);
 
-/// How well it is known.
+/// How well the fit just made is known.
 struct FitVariances {
   Eigen::Matrix2d slopes;  ///< covariance of the slopes along and across
   double bend;             ///< variance of the second derivative across
 };
-FitVariances variances_of(const PlaneFit& fit);
+FitVariances variances_of(const FitRoom& room);
 
-/// Logarithm of the density that a fit predicts for a height over its frame: `at` is the point in it (x, y, height). share: how much the
+/// Logarithm of the density that a fit just made predicts for a height over its frame: `at` is the point in it (x, y, height). share: how much the
 /// point counted in the fit, which is taken back (leave-one-out cross-validation).
-double predicted_density(const PlaneFit& fit, const VarianceComponents& components, const Vec3& at, double share);
+double predicted_density(const PlaneFit& fit, const FitRoom& room, const VarianceComponents& components, const Vec3& at,
+                         double share);
 
 /// The components that make the heights of all stencils, by side, likeliest. radius: mean distance of the points; bend: squared
 /// curvature that the faces show.

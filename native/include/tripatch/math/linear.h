@@ -81,24 +81,10 @@ Eigen::MatrixXd symmetric_of_lower(const RowMajor& a, Index n);
 void triangularize(RowsOf24& a, Index n);
 /// r^-1 for the upper triangular r in the first n rows and columns, 0 elsewhere.
 SquareOf24 inverse_of_triangle(const SquareOf24& r, Index n);
-/// out: of each row of a times the upper triangular u the squared length.
-void squared_lengths(const RowsOf24& a, const SquareOf24& u, double* out);
 /// r of a = r' r in place of the upper triangle of the first n rows and columns of a, symmetric, of which that is read; the columns after
 /// them become r'^-1 times themselves, and what is below means nothing. False where a diagonal element is left with less than `least` of
 /// itself: rounding, as far as it counts.
 bool factor_symmetric(SquareOf24& a, Index n, double least);
-
-/// Sums of w x^i y^j for i + j <= 10 and of w z x^i y^j for i, j <= 5, over points with rows of powers (m, 16) from 0 to 10, then 0:
-/// where they are in `out` say the functions below. room: for what is summed up.
-using RowsOf16 = Eigen::Matrix<double, Eigen::Dynamic, 16, Eigen::RowMajor>;
-struct WeightedPowers {
-  const RowsOf16 &x, &y;
-  const double *w, *wz;
-};
-using PowerSums = std::array<double, 24 * 16>;
-constexpr int place_of_w(int i, int j) { return 16 * i + j; }
-constexpr int place_of_wz(int i, int j) { return 16 * (12 + i) + j; }
-void sum_powers(const WeightedPowers& of, RowsOf24& room, PowerSums& out);
 
 /// (x, y) such that x a + y b is nearest to v; the shortest such where a and b are parallel or zero.
 Eigen::Vector2d in_frame(const Vec3& a, const Vec3& b, const Vec3& v);

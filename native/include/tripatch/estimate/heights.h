@@ -1,0 +1,62 @@
+// The heights that a plane is fitted to, eight at a time, and the sums over them that fits ask for: compiled for each kind of machine.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tripatch/math/linear.h"
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+constexpr int fit_degree = 5;  ///< of the local polynomials
+constexpr int fit_terms = 21;
+
+/// Of two coordinates' monomials, by degree and in each by the power j of the second one.
+constexpr int place_of(int degree, int j) { return degree * (degree + 1) / 2 + j; }
+
+/// Eight points over a frame, in the units of the local mesh; where fewer are left the rest are nothing and have no share.
+struct EightHeights {
+  std::array<double, 8> x, y, z;   ///< place and height
+  std::array<double, 8> share, g;  ///< weight by place, radius^(2 degree + 2)
+};
+
+/// Of a height: noise, and over radius^(2 degree + 2) what the polynomial leaves out.
+struct HeightVariances {
+  double noise, truncation;
+};
+
+/// Room for sums over many heights.
+struct HeightRoom {
+  std::vector<double> weight;  ///< share over variance, eight for each eight heights
+  std::vector<double> powers;
+};
+
+/// The normal matrix of the monomials up to fit_degree in the first rows and columns of `out`, both triangles, and in column fit_terms what
+/// they make with the heights: sums of weights times products. Sets the weights.
+void sum_products(const std::vector<EightHeights>& heights, const HeightVariances& variances, HeightRoom& room, SquareOf24& out);
+
+/// Sums of the monomials times weight and what a polynomial is above the heights. coefficients: of the monomials.
+using MonomialSums = std::array<double, 24>;
+void sum_residuals(const std::vector<EightHeights>& heights, const HeightRoom& room, const double* coefficients,
+                   MonomialSums& out);
+
+/// What noise and truncation explain of heights that a polynomial is fitted to.
+struct ExplainedHeights {
+  double noise = 0, truncation = 0;                ///< sums of squares,
+  double noise_count = 0, truncation_count = 0;    ///< and over how many heights, without those that determine the polynomial
+  double noise_points = 0, truncation_points = 0;  ///< with them
+};
+/// inverse: of the root of the normal matrix.
+ExplainedHeights explain_heights(const std::vector<EightHeights>& heights, const HeightVariances& variances,
+                                 const HeightRoom& room, const double* coefficients, const SquareOf24& inverse);
+
+/// Systems of fit_terms unknowns with the upper triangular r, whose diagonal has these reciprocals: x becomes r^-1 x, r'^-1 x.
+using Reciprocals = std::array<double, fit_terms>;
+void solve_upper(const SquareOf24& r, const Reciprocals& over, double* x);
+void solve_upper_transposed(const SquareOf24& r, const Reciprocals& over, double* x);
+/// The squares of the columns 1, 2 and 5 of r'^-1, and the product of the first two.
+using ColumnProducts = std::array<double, 4>;
+ColumnProducts products_of_columns(const SquareOf24& r, const Reciprocals& over);
+
+}  // namespace tripatch
