@@ -19,7 +19,7 @@ Stencil stencil(int rings, const F& height) {
   FlatDrafts flat(6);
   SideSearch search(flat.w, flat.drafts, 2);
   Seen seen;
-  measure(flat.w, flat.drafts, 2, 3, {rings, false, true, false}, search, seen);
+  measure(flat.w, flat.drafts[2], 3, {rings, false, true, false}, search, seen);
   Stencil& s = seen.stencil;
   for (EightHeights& of : s.heights)
     for (int k = 0; k < 8; ++k) of.z[k] = height(of.x[k], of.y[k]);

@@ -52,8 +52,8 @@ TEST_CASE("heights are measured once more over the plane that was found where it
     VarianceComponents exact;
     exact.noise = 1e-12;
     SideSearch search(flat.w, flat.drafts, 2);
-    const auto nearest = nearest_of(flat.w, flat.drafts, 2, search);
-    const std::vector<VertexFit> fits = fit_side(flat.w, exact, flat.drafts, 2, {2, false, true, false}, nearest, search);
+    const auto nearest = nearest_of(flat.w, flat.drafts[2], search);
+    const std::vector<VertexFit> fits = fit_side(flat.w, exact, flat.drafts[2], {2, false, true, false}, nearest, search);
     REQUIRE(fits.size() == 5);
     const Vec3 over = fits[0].frame.col(0).cross(fits[0].frame.col(1));  // what its heights were measured over
     CHECK(fits[0].normal[1] == Approx(0).margin(1e-9));
@@ -68,9 +68,9 @@ TEST_CASE("planes along a side are the same whether they are looked for at one g
   exact.noise = 1e-12;
   SideSearch search(flat.w, flat.drafts, 2), other(flat.w, flat.drafts, 2);
   const Neighborhood near = {2, false, true, false};
-  const auto nearest = nearest_of(flat.w, flat.drafts, 2, search);
-  const std::vector<VertexFit> whole = fit_side(flat.w, exact, flat.drafts, 2, near, nearest, search);
-  SideFitting fitting(flat.w, exact, flat.drafts, 2, near, nearest, other);
+  const auto nearest = nearest_of(flat.w, flat.drafts[2], search);
+  const std::vector<VertexFit> whole = fit_side(flat.w, exact, flat.drafts[2], near, nearest, search);
+  SideFitting fitting(flat.w, exact, flat.drafts[2], near, nearest, other);
   for (const int vertices : {3, 0, 1, 100}) fitting.go_on(vertices);
   CHECK(fitting.left() == 0);
   const std::vector<VertexFit> parts = fitting.fits();

@@ -17,7 +17,7 @@ constexpr double one_degree = M_PI / 180;
 std::vector<Share> told(const FlatDrafts& flat, int k, int rings, bool widened = false) {
   SideSearch search(flat.w, flat.drafts, 2);
   Seen seen;
-  look(flat.w, flat.drafts, 2, k, {rings, widened, true, false}, search, seen);
+  look(flat.w, flat.drafts[2], k, {rings, widened, true, false}, search, seen);
   return seen.used;
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("vertices count where they are turned by less than 60 degrees, and ful
   for (const double cosine : {0.49, 0.51, 0.6, 0.79, 0.81}) {
     FlatDrafts flat(4);
     const int v = flat.local(2, -1);
-    flat.w.area_at[v] = Vec3(0, std::sqrt(1 - cosine * cosine), cosine);
+    flat.w.normal_at[v] = Vec3(0, std::sqrt(1 - cosine * cosine), cosine);
     CHECK(share_of(flat, 2, 1, v) == Approx(std::max(smoothstep((cosine - 0.5) / 0.3), 1e-6)));
   }
 }
@@ -98,6 +98,14 @@ TEST_CASE("with fewer than eight vertices in front of the side beyond the rim wh
   }
 }
 
+TEST_CASE("where all that is there tells a plane already it counts as it does") {
+  FlatDrafts flat(4);
+  silence(flat, {{-1, 0}, {-1, 1}, {0, 1}});
+  const int v = flat.local(-1, -1);
+  flat.w.position[v] = Vec3(-0.2, -1, 0);
+  CHECK(share_of(flat, 0, 1, v, true) == Approx(smoothstep(0.15 / 0.25)));
+}
+
 TEST_CASE("beyond sharp edges nothing tells a plane, though faces there touch those that do") {
   for (const bool sharp : {false, true}) {
     FlatDrafts flat(4);
@@ -116,7 +124,7 @@ TEST_CASE("the curve through a rim knows its direction by the shorter edge besid
   const auto measured = [](FlatDrafts& flat, int k) {
     SideSearch search(flat.w, flat.drafts, 2);
     Seen seen;
-    measure(flat.w, flat.drafts, 2, k, {1, false, true, false}, search, seen);
+    measure(flat.w, flat.drafts[2], k, {1, false, true, false}, search, seen);
     return seen.stencil;
   };
   for (const double before : {0.5, 1.0, 1.4}) {

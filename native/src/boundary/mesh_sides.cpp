@@ -90,14 +90,15 @@ VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft,
     const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / ((only < 0 ? 1 : 3) * samples_a_side));
     for (int j = 0; j < n; j += step) {
       Seen seen;
-      measure(w, drafts, i, drafts[i].looked_at(j), near, searches[i], seen);
+      measure(w, drafts[i], drafts[i].looked_at(j), near, searches[i], seen);
       samples[i].push_back(std::move(seen.stencil));
     }
   }
   double radius = 0, points = 0;
   for (const std::vector<Stencil>& side : samples)
     for (const Stencil& s : side) {
-      radius += s.distances;
+      for (const EightHeights& of : s.heights)
+        for (int k = 0; k < 8; ++k) radius += Vec3(of.x[k], of.y[k], of.z[k]).norm();
       points += static_cast<double>(s.points);
     }
   // the squared curvature that the faces beside the rim show, to start with
@@ -115,11 +116,11 @@ std::vector<std::vector<VertexFit>> fits_of(const LocalMesh& w, const VarianceCo
                                             const std::array<SideDraft, 3>& drafts, int i, Searches& searches,
                                             std::vector<VertexFit> known) {
   if (!known.empty()) return {std::move(known)};
-  const std::vector<std::vector<Share>> nearest = nearest_of(w, drafts, i, searches[i]);
+  const std::vector<std::vector<Share>> nearest = nearest_of(w, drafts[i], searches[i]);
   std::vector<std::vector<VertexFit>> fits;
   for (const Neighborhood& near : neighborhoods) {
     const VarianceComponents own = near.all_sides ? components : components_of(w, drafts, near, i, searches);
-    fits.push_back(fit_side(w, own, drafts, i, near, nearest, searches[i]));
+    fits.push_back(fit_side(w, own, drafts[i], near, nearest, searches[i]));
   }
   return fits;
 }
@@ -167,7 +168,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
   const double rough = roughness(guessed);
   const std::vector<std::vector<Share>> nobody_asks;
   std::vector<SideFitting> fittings;
-  for (int i = 0; i < 3; ++i) fittings.emplace_back(w, components, guessed, i, neighborhoods[0], nobody_asks, searches[i]);
+  for (int i = 0; i < 3; ++i) fittings.emplace_back(w, components, guessed[i], neighborhoods[0], nobody_asks, searches[i]);
   fit_sides(fittings, [&](int i) {
     const std::vector<std::vector<VertexFit>> by_neighborhood = fits_of(w, components, guessed, i, searches, fittings[i].fits());
     fits[i] = choose(w, by_neighborhood, drafts[i], rough);

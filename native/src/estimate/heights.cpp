@@ -72,6 +72,23 @@ TRIPATCH_INLINE void add_up(const double* sums, int count, double* out) {
   }
 }
 
+template <int Width>
+TRIPATCH_INLINE void lay_over_with(const double* along, const double* across, const double* up, EightHeights* heights,
+                                   Index count) {
+  using V = typename Register<Width>::Of;
+  for (Index k = 0; k < count; ++k)
+    for (int half = 0; half < 8; half += Width) {
+      EightHeights& of = heights[k];
+      V &x = TRIPATCH_IN(V, of.x.data() + half), &y = TRIPATCH_IN(V, of.y.data() + half), &z = TRIPATCH_IN(V, of.z.data() + half);
+      const V a = x * along[0] + y * along[1] + z * along[2], b = x * across[0] + y * across[1] + z * across[2],
+              c = x * up[0] + y * up[1] + z * up[2], square = a * a + b * b + c * c, cube = square * square * square;
+      x = a;
+      y = b;
+      z = c;
+      TRIPATCH_IN(V, of.g.data() + half) = cube * cube;
+    }
+}
+
 /// Sums of x^i times the powers J and K of y, i + J and i + K from 0 to Highest: as many as registers hold.
 template <int Width, int First, int Highest, int J, int K>
 TRIPATCH_INLINE void sum_two(const typename Register<Width>::Of* p, Index count, double* out) {
@@ -281,6 +298,7 @@ TRIPATCH_INLINE void products_of_columns_with(const double* r, const double* ove
 }
 
 struct Sums {
+  void (*lay_over)(const double* along, const double* across, const double* up, EightHeights* heights, Index count);
   void (*products)(const EightHeights* heights, Index count, const HeightVariances& variances, double* weight, double* room,
                    double* out);
   void (*residuals)(const EightHeights* heights, Index count, const double* weight, const double* c, double* out);
@@ -292,6 +310,10 @@ struct Sums {
 };
 
 #define TRIPATCH_SUMS(name, width, machine)                                                                                     \
+  machine void lay_over_##name(const double* along, const double* across, const double* up, EightHeights* heights,              \
+                               Index count) {                                                                                   \
+    lay_over_with<width>(along, across, up, heights, count);                                                                    \
+  }                                                                                                                             \
   machine void products_##name(const EightHeights* heights, Index count, const HeightVariances& variances, double* weight,      \
                                double* room, double* out) {                                                                     \
     sum_products_with<width>(heights, count, variances, weight, room, out);                                                     \
@@ -310,9 +332,10 @@ struct Sums {
   machine void products_of_columns_##name(const double* r, const double* over, double* out) {                                   \
     products_of_columns_with(r, over, out);                                                                                     \
   }                                                                                                                             \
-  constexpr Sums name = {                                                                                                       \
-      products_##name,           residuals_##name, explain_##name, solve_upper_##name, solve_upper_transposed_##name,           \
-      products_of_columns_##name};
+  constexpr Sums name = {lay_over_##name,           products_##name,                                                            \
+                         residuals_##name,          explain_##name,                                                             \
+                         solve_upper_##name,        solve_upper_transposed_##name,                                              \
+                         products_of_columns_##name};
 
 TRIPATCH_SUMS(any_machine_sums, 4, )
 #ifdef TRIPATCH_PACKS
@@ -326,6 +349,10 @@ constexpr Sums sums = any_machine_sums;
 #endif
 
 }  // namespace
+
+void lay_over(const Vec3& along, const Vec3& across, const Vec3& up, std::vector<EightHeights>& heights) {
+  sums.lay_over(along.data(), across.data(), up.data(), heights.data(), static_cast<Index>(heights.size()));
+}
 
 void sum_products(const std::vector<EightHeights>& heights, const HeightVariances& variances, HeightRoom& room, SquareOf24& out) {
   const Index count = static_cast<Index>(heights.size());

@@ -58,6 +58,7 @@ void take_out(const Mesh& mesh, const Connectivity& around, const std::vector<In
       if (!mesh.vertices.row(v).allFinite())
         throw Refusal("Vertex " + name(v) + " beside the hole has a coordinate that is not a finite number", {v});
   w.part = submesh(mesh.faces, rings.all_faces(), rim);
+  w.position.reserve(w.part.vertex.size());
   for (Index v : w.part.vertex.items()) w.position.push_back((Vec3(mesh.vertices.row(v)) - w.origin) / w.scale);
 }
 
@@ -149,6 +150,13 @@ Reached reach(const LocalMesh& w) {
 /// The corner after c in face f.
 int after(const LocalMesh& w, int f, int c) { return c + 1 < w.part.offsets[f + 1] ? c + 1 : w.part.offsets[f]; }
 
+bool has(const Submesh& part, int f, int v) {
+  const int* const c = &part.corners[part.offsets[f]];
+  const int size = part.offsets[f + 1] - part.offsets[f];
+  if (size == 3) return c[0] == v || c[1] == v || c[2] == v;
+  return std::find(c, c + size, v) != c + size;
+}
+
 /// The faces beyond the edges of those reached, by corner.
 void find_across(LocalMesh& w, const Reached& reached) {
   const Submesh& part = w.part;
@@ -156,10 +164,11 @@ void find_across(LocalMesh& w, const Reached& reached) {
   for (int f : reached.order)
     for (int c = part.offsets[f]; c < part.offsets[f + 1]; ++c) {
       const int a = part.corners[c], b = part.corners[after(w, f, c)];
-      for (int g : part.faces_at(a)) {
-        if (g == f || !reached.face[g] || w.across[c] >= 0) continue;
-        if (std::find(part[g].begin(), part[g].end(), b) != part[g].end()) w.across[c] = g;
-      }
+      for (int g : part.faces_at(a))
+        if (g != f && reached.face[g] && has(part, g, b)) {
+          w.across[c] = g;
+          break;
+        }
     }
 }
 
@@ -222,11 +231,15 @@ LocalMesh local_mesh(const Mesh& mesh, const Connectivity& around, const Hole& h
   LocalMesh w;
   measure_rim(mesh, hole.rim, w);
   take_out(mesh, around, hole.rim, w);
+  w.area.reserve(w.part.face.size());
+  w.twice_area.reserve(w.part.face.size());
   for (int f = 0; f < static_cast<int>(w.part.face.size()); ++f) w.area.push_back(area_of(w, w.part[f]));
   for (const Vec3& area : w.area) w.twice_area.push_back(area.norm());
-  w.area_at.assign(w.position.size(), Vec3::Zero());
-  for (int v = 0; v < static_cast<int>(w.position.size()); ++v)
-    for (int f : w.part.faces_at(v)) w.area_at[v] += w.area[f];
+  w.normal_at.assign(w.position.size(), Vec3::Zero());
+  for (int f = 0; f < static_cast<int>(w.area.size()); ++f)
+    for (int v : w.part[f]) w.normal_at[v] += w.area[f];
+  for (Vec3& n : w.normal_at)
+    if (const double length = n.norm(); length > 0) n /= length;
   const int n = static_cast<int>(hole.rim.size());
   for (int k = 0; k < n; ++k) w.rim.push_back(k);
   for (int k = 0; k < n; ++k) w.beside.push_back(face_beside(w, k, (k + 1) % n));

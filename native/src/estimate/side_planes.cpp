@@ -67,13 +67,12 @@ double slope_ahead(const VertexFit& last, const Vec3& step, const Vec3& faces, c
 bool is_known(const VertexFit& fit) { return fit.slope_variances < well_known * well_known; }
 
 void SideFitting::go_on(int vertices) {
-  SideDraft& side = drafts_[i_];
   for (const int end = next_ + std::min(vertices, left()); next_ < end; ++next_) {
-    const int k = side.looked_at(next_);
+    const int k = side_.looked_at(next_);
     if (next_ > 0) {
-      const Vec3 outward = side.tangent[k].cross(side.guess[k]);
-      const int last = side.looked_at(next_ - 1);
-      side.guess[k] -= slope_ahead(fits_[last], side.position[k] - side.position[last], side.guess[k], outward) * outward;
+      const Vec3 outward = side_.tangent[k].cross(side_.guess[k]);
+      const int last = side_.looked_at(next_ - 1);
+      side_.guess[k] -= slope_ahead(fits_[last], side_.position[k] - side_.position[last], side_.guess[k], outward) * outward;
     }
     fits_[k] = fit(k);
     if (!nearest_.empty() || is_known(fits_[k])) continue;
@@ -84,12 +83,11 @@ void SideFitting::go_on(int vertices) {
 }
 
 VertexFit SideFitting::fit(int k) {
-  SideDraft& side = drafts_[i_];
-  measure(w_, drafts_, i_, k, near_, search_, seen_);
+  measure(w_, side_, k, near_, search_, seen_);
   PlaneFit fit = fit_plane(seen_.stencil, components_, room_);
   if (std::abs(fit.mean[2]) > flat_enough * seen_.stencil.depth) {  // once more over the plane just found
-    side.guess[k] = seen_.stencil.e3 - fit.mean[2] / seen_.stencil.depth * seen_.stencil.e2;
-    measure(w_, drafts_, i_, k, near_, search_, seen_);
+    side_.guess[k] = seen_.stencil.e3 - fit.mean[2] / seen_.stencil.depth * seen_.stencil.e2;
+    measure(w_, side_, k, near_, search_, seen_);
     fit = fit_plane(seen_.stencil, components_, room_);
   }
   refine(seen_.stencil, room_, fit);
@@ -107,23 +105,22 @@ VertexFit SideFitting::fit(int k) {
   at.covariance = over.asDiagonal() * known.slopes * over.asDiagonal();
   at.slope_variances = at.covariance.trace();
   at.bend_variance = known.bend * std::pow(over[1], 4);
-  if (!nearest_.empty()) at.density = densities(w_, side, k, nearest_[k], seen_, fit, room_, components_);
+  if (!nearest_.empty()) at.density = densities(w_, side_, k, nearest_[k], seen_, fit, room_, components_);
   return at;
 }
 
-std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
+std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, const SideDraft& side,
                                 const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search) {
-  SideFitting fitting(w, components, std::move(drafts), i, near, nearest, search);
+  SideFitting fitting(w, components, side, near, nearest, search);
   fitting.go_on(fitting.left());
   return fitting.fits();
 }
 
-std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i,
-                                           SideSearch& search) {
+std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const SideDraft& side, SideSearch& search) {
   std::vector<std::vector<Share>> nearest;
-  for (int k = 0; k <= drafts[i].edges(); ++k) {
+  for (int k = 0; k <= side.edges(); ++k) {
     Seen seen;
-    look(w, drafts, i, k, {1, false, false, false}, search, seen);
+    look(w, side, k, {1, false, false, false}, search, seen);
     nearest.push_back(std::move(seen.used));
   }
   return nearest;

@@ -28,12 +28,13 @@ constexpr double fade_width = 0.25;
 class InFront {
 public:
   /// Distances of vertices from the ends of a side and of its neighbors are asked for again and again, and kept in `distances`.
-  InFront(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, SideDistances& distances)
-      : w_(w), side_(drafts[i]), distances_(distances), edges_(side_.edges()) {
+  InFront(const LocalMesh& w, const SideDraft& side, int k, SideDistances& distances)
+      : w_(w), side_(side), distances_(distances), edges_(side.edges()) {
     nearest_ = std::max(k - most_rings, 0);
     farthest_ = std::min(k + most_rings, edges_);
     h_first_ = (w.position[side_.vertex[1]] - first()).norm();
     h_last_ = (w.position[side_.vertex[edges_ - 1]] - last()).norm();
+    counts_all_ = nearest_ > 0 && farthest_ < edges_;
   }
 
   bool is_own(int v) const {
@@ -42,9 +43,11 @@ public:
   }
 
   /// From 0, not in front, to 1. between: also between the planes across the side's ends.
-  double share(int v, bool between) const {
+  double share(int v, bool between) const { return counts_all_ || is_own(v) ? 1.0 : share_at_end(v, between); }
+
+private:
+  double share_at_end(int v, bool between) const {
     const bool at_start = nearest_ == 0, at_end = farthest_ == edges_;
-    if ((!at_start && !at_end) || is_own(v)) return 1.0;
     const Vec3 q = w_.position[v];
     double share = 1;
     if (between && at_start) share *= fade((q - first()).dot(side_.tangent.front()) / h_first_ + beyond_end);
@@ -56,7 +59,6 @@ public:
     return share * fade(nearer_other - mine / std::max(other, 1e-12 * mine));
   }
 
-private:
   static double fade(double x) { return smoothstep(x / fade_width); }
   const Vec3& first() const { return w_.position[side_.vertex.front()]; }
   const Vec3& last() const { return w_.position[side_.vertex.back()]; }
@@ -65,75 +67,126 @@ private:
   const SideDraft& side_;
   SideDistances& distances_;
   int edges_, nearest_, farthest_;
+  bool counts_all_;  // far from the ends
   double h_first_ = 0, h_last_ = 0;
 };
+
+/// Whether the faces at a vertex follow each other around it, each across a smooth edge of the one before.
+bool follow_smoothly(const LocalMesh& w, int v) {
+  const Submesh& part = w.part;
+  const std::span<const int> faces = part.faces_at(v);
+  std::size_t met = 1;
+  for (const bool forth : {true, false})
+    for (int f = faces[0]; met < faces.size(); ++met) {
+      const int begin = part.offsets[f], end = part.offsets[f + 1];
+      int c = begin;
+      while (c < end && part.corners[c] != v) ++c;
+      if (c == end) return false;
+      f = w.across[forth ? c : c > begin ? c - 1 : end - 1];
+      if (f == faces[0]) return false;
+      if (f < 0) break;
+    }
+  return met == faces.size();
+}
 
 /// The vertices of a stencil: rings around vertex k of a side, across smooth edges, on the sheet with normal e3.
 const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k, const Vec3& e3, const InFront& in_front,
                                const Neighborhood& near, SideSearch& marks) {
   std::vector<Share>& used = marks.grown.used;
   if (marks.grown.is_of(k, near, e3)) return used;
-  std::vector<int>&front = marks.front, &next = marks.next, &all = marks.all;
-  used.clear();
-  all.clear();
-  next.clear();
-  double margin = INFINITY;  // of the cosines to the faces
-  const auto reach = [&](int v) {
-    if (marks.vertex[v] == marks.now) return;
-    marks.vertex[v] = marks.now;
-    next.push_back(v);
-    if (w.on_chord[v]) return;
-    all.push_back(v);
-    const double share = in_front.share(v, true);
-    if (share > 0) used.emplace_back(v, share);
+  int *const vertex = marks.vertex.data(), *const face = marks.face.data(), *const reached = marks.reached.data();
+  int now = 0, count = 0;          // of those reached
+  double margin = INFINITY;        // of the cosines to the faces
+  const auto reach = [&](int v) {  // without a branch: it would often be guessed wrong
+    reached[count] = v;
+    count += vertex[v] != now;
+    vertex[v] = now;
+  };
+  const auto use = [&](int from) {
+    for (int j = from; j < count; ++j) {
+      const int v = reached[j];
+      if (w.on_chord[v]) continue;
+      const double share = in_front.share(v, true);
+      if (share > 0) used.emplace_back(v, share);
+    }
   };
   const auto take = [&](int f) {
-    marks.face[f] = marks.now;
+    face[f] = now;
     for (int v : w.part[f]) reach(v);
   };
   const auto is_of_sheet = [&](int f) {
-    const double along = w.area[f].dot(e3), least = same_sheet * w.twice_area[f];
-    margin = std::min(margin, std::abs(along - least) / w.twice_area[f]);  // no number where there is no area: never of it
-    return along > least;
+    const double along = w.area[f].dot(e3), off = along - same_sheet * w.twice_area[f];
+    if (std::abs(off) < margin * w.twice_area[f]) margin = std::abs(off) / w.twice_area[f];  // where there is no area, none
+    return off > 0;
   };
+  const auto begin = [&] {
+    used.clear();
+    now = ++marks.now;
+    margin = INFINITY;
+    count = 0;
+    reach(side.vertex[k]);
+    take(side.face[std::max(k - 1, 0)]);
+    take(side.face[std::min(k, side.edges() - 1)]);
+    use(0);
+  };
+  // ring after ring, the first around vertex k; of_ring(from, to) takes those at the vertices that are its front
+  const auto take_rings = [&](const auto& of_ring) {
+    begin();
+    for (int ring = 0, from = 0; ring < near.rings && static_cast<int>(used.size()) < enough_points && from < count; ++ring) {
+      const int to = ring == 0 ? 1 : count;
+      const int before = count;
+      if (!of_ring(from, to)) return false;
+      use(before);
+      from = to;
+    }
+    return true;
+  };
+  // Where all faces at a vertex follow each other and are of the sheet, one of which is taken, all are.
+  const bool smooth = take_rings([&](int from, int to) {
+    for (int j = from; j < to; ++j) {
+      const SideSearch::Around& around = marks.around(w, reached[j]);
+      const double over = w.normal_at[reached[j]].dot(e3) - around.off - same_sheet;
+      if (!(over > 0)) return false;
+      margin = std::min(margin, over);
+      for (int u = around.begin; u < around.end; ++u) reach(marks.neighbors[u]);
+    }
+    return true;
+  });
   // smooth edges connect it with a face that is taken
   const auto connected = [&](int f) {
     for (int c = w.part.offsets[f]; c < w.part.offsets[f + 1]; ++c)
-      if (w.across[c] >= 0 && marks.face[w.across[c]] == marks.now) return true;
+      if (w.across[c] >= 0 && face[w.across[c]] == now) return true;
     return false;
   };
-  ++marks.now;
-  reach(side.vertex[k]);
-  front.assign(1, side.vertex[k]);
-  next.clear();
-  take(side.face[std::max(k - 1, 0)]);
-  take(side.face[std::min(k, side.edges() - 1)]);
-  for (int ring = 0; ring < near.rings && static_cast<int>(used.size()) < enough_points && !front.empty(); ++ring) {
-    for (bool more = true; more;) {  // until none is left that is connected: in whatever order they are looked at
-      bool taken = false, left = false;
-      for (int v : front)
-        for (int f : w.part.faces_at(v)) {
-          if (std::abs(marks.face[f]) == marks.now) continue;
-          if (!is_of_sheet(f)) {
-            marks.face[f] = -marks.now;
-          } else if (connected(f)) {
-            take(f);
-            taken = true;
-          } else {
-            left = true;
+  if (!smooth)
+    take_rings([&](int from, int to) {
+      for (bool more = true; more;) {  // until none is left that is connected: in whatever order they are looked at
+        bool taken = false, left = false;
+        for (int j = from; j < to; ++j)
+          for (int f : w.part.faces_at(reached[j])) {
+            if (std::abs(face[f]) == now) continue;
+            if (!is_of_sheet(f)) {
+              face[f] = -now;
+            } else if (connected(f)) {
+              take(f);
+              taken = true;
+            } else {
+              left = true;
+            }
           }
-        }
-      more = taken && left;
-    }
-    std::swap(front, next);
-    next.clear();
-  }
+        more = taken && left;
+      }
+      return true;
+    });
   // Where the rows lean over the end of the side, next to nothing may be left: then what is nearer to this side, then all.
+  const std::span<const int> all(reached, reached + count);
+  const auto telling = [&] { return std::count_if(all.begin(), all.end(), [&](int v) { return !w.on_chord[v]; }); };
   for (int attempt = 0; near.widened && attempt < 2; ++attempt) {
     const auto beyond_rim = std::count_if(used.begin(), used.end(), [&](const Share& u) { return !in_front.is_own(u.first); });
-    if (beyond_rim >= few_points || used.size() == all.size()) break;
+    if (beyond_rim >= few_points || static_cast<std::ptrdiff_t>(used.size()) == telling()) break;
     used.clear();
     for (int v : all) {
+      if (w.on_chord[v]) continue;
       const double share = attempt == 0 ? in_front.share(v, false) : 1;
       if (share > 0) used.emplace_back(v, share);
     }
@@ -145,32 +198,19 @@ const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k,
 
 /// Places, heights and weights of the stencil's vertices about p.
 void set_heights(const LocalMesh& w, const std::vector<Share>& used, const Vec3& p, Stencil& s) {
-  s.points = static_cast<Index>(used.size());
-  s.heights.resize((used.size() + 7) / 8);
-  s.distances = 0;
-  const double stretch = 1 / (s.depth * s.depth) - 1;
-  for (std::size_t first = 0; first < used.size(); first += 8) {
-    EightHeights& of = s.heights[first / 8];
-    std::array<double, 8> x, y, z, squares;
-    for (std::size_t k = 0; k < 8; ++k) {
-      const bool is_there = first + k < used.size();
-      const Vec3& at = is_there ? w.position[used[first + k].first] : p;
-      x[k] = at[0] - p[0];
-      y[k] = at[1] - p[1];
-      z[k] = at[2] - p[2];
-      of.share[k] = is_there ? used[first + k].second : 0;
-    }
-    for (int k = 0; k < 8; ++k) {
-      of.x[k] = x[k] * s.e1[0] + y[k] * s.e1[1] + z[k] * s.e1[2];
-      const double across = x[k] * s.e2[0] + y[k] * s.e2[1] + z[k] * s.e2[2];
-      of.y[k] = across / s.depth;
-      of.z[k] = x[k] * s.e3[0] + y[k] * s.e3[1] + z[k] * s.e3[2];
-      const double square = x[k] * x[k] + y[k] * y[k] + z[k] * z[k] + across * across * stretch;
-      of.g[k] = square * square * square * square * square * square;
-      squares[k] = std::sqrt(square);
-    }
-    for (double distance : squares) s.distances += distance;
+  const std::size_t size = used.size();
+  s.points = static_cast<Index>(size);
+  s.heights.resize((size + 7) / 8);
+  if (size % 8 > 0) s.heights.back() = {};
+  for (std::size_t k = 0; k < size; ++k) {
+    EightHeights& of = s.heights[k / 8];
+    const Vec3& at = w.position[used[k].first];
+    of.x[k % 8] = at[0] - p[0];
+    of.y[k % 8] = at[1] - p[1];
+    of.z[k % 8] = at[2] - p[2];
+    of.share[k % 8] = used[k].second;
   }
+  lay_over(s.e1, s.e2 / s.depth, s.e3, s.heights);
 }
 
 /// What is known of the slopes at vertex k beside the heights: from the faces beside the rim, and from the curve through it.
@@ -192,28 +232,43 @@ void set_slopes(const LocalMesh& w, const SideDraft& side, int k, Stencil& s) {
 
 }  // namespace
 
-void look(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near, SideSearch& search,
-          Seen& seen) {
+const SideSearch::Around& SideSearch::around(const LocalMesh& w, int v) {
+  Around& all = around_[v];
+  if (all.begin >= 0) return all;
+  all.begin = static_cast<int>(neighbors.size());
+  seen_from_[v] = v;
+  double cosine = follow_smoothly(w, v) ? 1 : -INFINITY;
+  for (int f : w.part.faces_at(v)) {
+    cosine = std::min(cosine, w.twice_area[f] > 0 ? w.area[f].dot(w.normal_at[v]) / w.twice_area[f] : -INFINITY);
+    for (int u : w.part[f])
+      if (std::exchange(seen_from_[u], v) != v) neighbors.push_back(u);
+  }
+  all.end = static_cast<int>(neighbors.size());
+  constexpr double rounding = 1e-12;
+  all.off = std::sqrt(2 * (1 - cosine) + rounding);
+  return all;
+}
+
+void look(const LocalMesh& w, const SideDraft& side, int k, const Neighborhood& near, SideSearch& search, Seen& seen) {
   Stencil& s = seen.stencil;
-  const SideDraft& side = drafts[i];
   s.e1 = side.tangent[k];
   s.e3 = (side.guess[k] - s.e1 * s.e1.dot(side.guess[k])).normalized();
   s.e2 = s.e1.cross(s.e3);
   s.depth = near.scaled ? side.depth : 1;
-  seen.used = grow(w, side, k, s.e3, InFront(w, drafts, i, k, search.distances), near, search);
+  seen.used = grow(w, side, k, s.e3, InFront(w, side, k, search.distances), near, search);
   // Where the surface has turned far away, its height over this plane is no polynomial any more.
   for (auto& [v, share] : seen.used) {
-    const Vec3& n = w.area_at[v];
-    const double length = n.norm();
-    if (length > 0) share *= std::max(smoothstep((n.dot(s.e3) / length - steep) / fully_from), never_nothing);
+    const Vec3& n = w.normal_at[v];
+    const double cosine = n.dot(s.e3);
+    if (cosine >= steep + fully_from || n.isZero(0)) continue;
+    share *= std::max(smoothstep((cosine - steep) / fully_from), never_nothing);
   }
 }
 
-void measure(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near,
-             SideSearch& search, Seen& seen) {
-  look(w, drafts, i, k, near, search, seen);
-  set_heights(w, seen.used, drafts[i].position[k], seen.stencil);
-  set_slopes(w, drafts[i], k, seen.stencil);
+void measure(const LocalMesh& w, const SideDraft& side, int k, const Neighborhood& near, SideSearch& search, Seen& seen) {
+  look(w, side, k, near, search, seen);
+  set_heights(w, seen.used, side.position[k], seen.stencil);
+  set_slopes(w, side, k, seen.stencil);
 }
 
 }  // namespace tripatch

@@ -21,6 +21,9 @@ struct EightHeights {
   std::array<double, 8> share, g;  ///< weight by place, radius^(2 degree + 2)
 };
 
+/// Heights over a frame whose origin they are given about, in x, y and z; sets g.
+void lay_over(const Vec3& along, const Vec3& across, const Vec3& up, std::vector<EightHeights>& heights);
+
 /// Of a height: noise, and over radius^(2 degree + 2) what the polynomial leaves out.
 struct HeightVariances {
   double noise, truncation;

@@ -17,7 +17,7 @@ struct LocalMesh {
   std::vector<Vec3> position;
   std::vector<Vec3> area;          ///< of faces: normal times twice the area; zero where that is rounding
   std::vector<double> twice_area;  ///< its length
-  std::vector<Vec3> area_at;       ///< of vertices: the sum over their faces
+  std::vector<Vec3> normal_at;     ///< of vertices: along the sum of the areas of their faces; zero where that is
   std::vector<int> rim;            ///< vertices
   std::vector<int> beside;         ///< face that holds rim edge k reversed
   std::vector<int> across;         ///< face beyond the edge that starts at a corner; -1: none, or the edge is sharp

@@ -19,7 +19,6 @@ struct Stencil {
   double depth = 1;  ///< of a row of faces, in edges: y is over it
   Index points = 0;
   std::vector<EightHeights> heights;  ///< of the points, y over depth
-  double distances = 0;               ///< of the places, their sum
   double faces = 0;                   ///< slope across the rim of the faces beside it
   double faces_noise = 0;             ///< its variance over that of the noise
   double slope_noise = 1;             ///< of the rim's own direction: variance over that of the noise,

@@ -36,21 +36,20 @@ struct SideFit {
   double bend_variance = 0;             ///< of the second derivative across, mean over the side
 };
 
-/// The planes and second fundamental forms of side i, as one neighborhood has them, vertex after vertex, for each is looked for from the one
+/// The planes and second fundamental forms of a side, as one neighborhood has them, vertex after vertex, for each is looked for from the one
 /// before. nearest: what each fit is asked to predict; empty: nobody asks as long as all planes are well known, and there is nothing where
 /// one is not. What it is made of must outlive it.
 class SideFitting {
 public:
-  SideFitting(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
-              const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search)
+  SideFitting(const LocalMesh& w, const VarianceComponents& components, SideDraft side, const Neighborhood& near,
+              const std::vector<std::vector<Share>>& nearest, SideSearch& search)
       : w_(w),
         components_(components),
-        drafts_(std::move(drafts)),
-        i_(i),
+        side_(std::move(side)),
         near_(near),
         nearest_(nearest),
         search_(search),
-        fits_(drafts_[i].vertex.size()) {}
+        fits_(side_.vertex.size()) {}
 
   int left() const { return static_cast<int>(fits_.size()) - next_; }
   /// So many more vertices.
@@ -63,8 +62,7 @@ private:
 
   const LocalMesh& w_;
   const VarianceComponents& components_;
-  std::array<SideDraft, 3> drafts_;
-  int i_;
+  SideDraft side_;
   const Neighborhood& near_;
   const std::vector<std::vector<Share>>& nearest_;
   SideSearch& search_;
@@ -75,11 +73,11 @@ private:
 };
 
 /// All of them.
-std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, std::array<SideDraft, 3> drafts, int i,
+std::vector<VertexFit> fit_side(const LocalMesh& w, const VarianceComponents& components, const SideDraft& side,
                                 const Neighborhood& near, const std::vector<std::vector<Share>>& nearest, SideSearch& search);
 
-/// The vertices of side i that are nearest to each: in the faces at it, in front of the side.
-std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, SideSearch& search);
+/// The vertices of a side that are nearest to each: in the faces at it, in front of the side.
+std::vector<std::vector<Share>> nearest_of(const LocalMesh& w, const SideDraft& side, SideSearch& search);
 
 /// Whether nothing is to be won by looking at less.
 bool is_known(const VertexFit& fit);

@@ -82,7 +82,8 @@ struct SideSearch {
   SideDistances distances;
   std::vector<int> vertex, face;  ///< number of the last stencil that has reached it; minus it: the face is of another sheet
   int now = 0;                    ///< number of the stencil
-  std::vector<int> front, next, all;
+  std::vector<int> reached;       ///< vertices, in their order
+  std::vector<int> neighbors;     ///< of vertices, by their Around
 
   /// The stencil found last, at place `k`; the same is found about any normal that is nearer than `margin` to the one it was found about.
   struct Grown {
@@ -96,8 +97,25 @@ struct SideSearch {
     }
   } grown;
 
+  /// The other vertices of the faces at a vertex, in `neighbors`, and how far the faces' unit normals are from its own at most: beyond all
+  /// measure where the faces do not follow each other around it across smooth edges.
+  struct Around {
+    int begin = -1, end = 0;  // begin: none, nobody has asked
+    double off = 0;
+  };
+  const Around& around(const LocalMesh& w, int v);
+
   SideSearch(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i)
-      : distances(w, drafts, i), vertex(w.position.size(), 0), face(w.area.size(), 0) {}
+      : distances(w, drafts, i),
+        vertex(w.position.size(), 0),
+        face(w.area.size(), 0),
+        reached(w.position.size() + 1),
+        around_(w.position.size()),
+        seen_from_(w.position.size(), -1) {}
+
+private:
+  std::vector<Around> around_;
+  std::vector<int> seen_from_;  ///< vertices: the last one that they were found to be beside
 };
 
 /// The heights at a rim vertex, and which vertices have them.
@@ -109,12 +127,10 @@ struct Seen {
 /// One search a side.
 using Searches = std::array<SideSearch, 3>;
 
-/// The frame at vertex k of side i, over the plane guessed there, and the vertices seen from it.
-void look(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near, SideSearch& search,
-          Seen& seen);
+/// The frame at vertex k of a side, over the plane guessed there, and the vertices seen from it.
+void look(const LocalMesh& w, const SideDraft& side, int k, const Neighborhood& near, SideSearch& search, Seen& seen);
 
 /// The same with the heights.
-void measure(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i, int k, const Neighborhood& near,
-             SideSearch& search, Seen& seen);
+void measure(const LocalMesh& w, const SideDraft& side, int k, const Neighborhood& near, SideSearch& search, Seen& seen);
 
 }  // namespace tripatch
