@@ -75,18 +75,15 @@ TEST_CASE("residuals are those of the polynomial above the heights") {
     SquareOf24 normal;
     sum_products(some.heights, some.variances, room, normal);
     const Eigen::VectorXd c = Eigen::VectorXd::Random(fit_terms), residual = some.rows * c - some.z;
-    MonomialSums out;
+    ByMonomial out;
     sum_residuals(some.heights, room, c.data(), out);
     const Eigen::VectorXd expected = some.rows.transpose() * some.weight.cwiseProduct(residual);
     for (int k = 0; k < fit_terms; ++k) CHECK(out[k] == Approx(expected[k]).margin(1e-12));
 
-    const Triangle some_root;
-    SquareOf24 inverse = SquareOf24::Zero();
-    inverse.topLeftCorner<fit_terms, fit_terms>() = some_root.square;  // any triangle does
-    const ExplainedHeights e = explain_heights(some.heights, some.variances, room, c.data(), inverse);
+    const Triangle root;  // any does
+    const Eigen::VectorXd known = (some.rows * root.square.inverse()).rowwise().squaredNorm();
+    const ExplainedHeights e = explain_heights(some.heights, some.variances, room, c.data(), root.r, root.over);
     ExplainedHeights sum;
-    const Eigen::VectorXd known = (some.rows * some_root.square).rowwise().squaredNorm() / 1e4;
-    const ExplainedHeights less = explain_heights(some.heights, some.variances, room, c.data(), SquareOf24(inverse / 100));
     for (Index k = 0; k < n; ++k) {
       const double rest = some.variances.truncation * some.g[k] / (some.variances.noise + some.variances.truncation * some.g[k]);
       const double square = some.share[k] * residual[k] * residual[k], left = some.share[k] - some.weight[k] * known[k];
@@ -97,15 +94,17 @@ TEST_CASE("residuals are those of the polynomial above the heights") {
       sum.noise_points += some.share[k] * (1 - rest);
       sum.truncation_points += some.share[k] * rest;
     }
-    for (const ExplainedHeights& found : {e, less}) {
-      CHECK(found.noise == Approx(sum.noise));
-      CHECK(found.truncation == Approx(sum.truncation));
-      CHECK(found.noise_points == Approx(sum.noise_points));
-      CHECK(found.truncation_points == Approx(sum.truncation_points));
-    }
-    CHECK(less.noise_count == Approx(sum.noise_count));
-    CHECK(less.truncation_count == Approx(sum.truncation_count));
-    CHECK(e.noise_count == 0);  // the polynomial is known to less than the heights
+    CHECK(e.noise == Approx(sum.noise));
+    CHECK(e.truncation == Approx(sum.truncation));
+    CHECK(e.noise_count == Approx(sum.noise_count));
+    CHECK(e.truncation_count == Approx(sum.truncation_count));
+    CHECK(e.noise_points == Approx(sum.noise_points));
+    CHECK(e.truncation_points == Approx(sum.truncation_points));
+    // where the polynomial is known to less than the heights none is left
+    Triangle small;
+    small.r /= 100;
+    for (double& over : small.over) over *= 100;
+    CHECK(explain_heights(some.heights, some.variances, room, c.data(), small.r, small.over).noise_count == 0);
   }
 }
 
@@ -119,6 +118,8 @@ TEST_CASE("triangular systems of the terms are solved") {
   solve_upper_transposed(t.r, t.over, x.data());
   CHECK((t.square.transpose() * x - right).cwiseAbs().maxCoeff() < 1e-13);
   const Eigen::MatrixXd columns = t.square.transpose().inverse();
+  const ByMonomial variances = coefficient_variances(t.r, t.over);
+  for (int k = 0; k < fit_terms; ++k) CHECK(variances[k] == Approx(columns.col(k).squaredNorm()));
   const auto [along, across, bend, both] = products_of_columns(t.r, t.over);
   CHECK(along == Approx(columns.col(1).squaredNorm()));
   CHECK(across == Approx(columns.col(2).squaredNorm()));

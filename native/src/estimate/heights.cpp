@@ -198,42 +198,64 @@ TRIPATCH_INLINE void sum_residuals_with(const EightHeights* heights, Index count
   add_up(sums, 24, out);
 }
 
+/// The squared lengths of r'^-1 y, for as many y as a register holds, all 0 before `From`.
+template <int Width, int From>
+TRIPATCH_INLINE void square_lengths(const double* r, const double* over, typename Register<Width>::Of (&y)[fit_terms],
+                                    typename Register<Width>::Of& squares) {
+  Register<Width>::clear(squares);
+  TRIPATCH_UNROLL
+  for (int i = From; i < fit_terms; ++i) {
+    y[i] = y[i] * over[i];
+    squares += y[i] * y[i];
+    TRIPATCH_UNROLL
+    for (int j = i + 1; j < fit_terms; ++j) y[j] -= r[24 * i + j] * y[i];
+  }
+}
+
 /// Variances of the heights that are fitted to eight points, and what the polynomial is above these.
 template <int Width>
-TRIPATCH_INLINE void look_at(const EightHeights& of, const double* c, const double* inverse, double* known, double* residual) {
+TRIPATCH_INLINE void look_at(const EightHeights& of, const double* c, const double* r, const double* over, double* known,
+                             double* residual) {
   using V = typename Register<Width>::Of;
   for (int half = 0; half < 8; half += Width) {
-    double room[8 * fit_terms];
-    V(&t)[fit_terms] = *reinterpret_cast<V(*)[fit_terms]>(room);
+    V t[fit_terms], squares;
     set_monomials<Width>(of.x.data() + half, of.y.data() + half, t);
     Register<Width>::clear(t[0]);
     t[0] = 1 + t[0];
-    V off = -TRIPATCH_IN(const V, of.z.data() + half), squares;
-    Register<Width>::clear(squares);
-    for (int i = 0; i < fit_terms; ++i) off += c[i] * t[i];
-    for (int column = 0; column < 24; column += 4) {
-      V sum[4];
-      for (V& s : sum) Register<Width>::clear(s);
-      for (int i = 0; i < std::min(column + 4, fit_terms); ++i) {
-        TRIPATCH_UNROLL
-        for (int s = 0; s < 4; ++s) sum[s] += inverse[24 * i + column + s] * t[i];
-      }
-      TRIPATCH_UNROLL
-      for (int s = 0; s < 4; ++s) squares += sum[s] * sum[s];
-    }
+    V even = c[0] - TRIPATCH_IN(const V, of.z.data() + half), odd = c[1] * t[1];
+    TRIPATCH_UNROLL
+    for (int i = 2; i < fit_terms; i += 2) even += c[i] * t[i];
+    TRIPATCH_UNROLL
+    for (int i = 3; i < fit_terms; i += 2) odd += c[i] * t[i];
+    TRIPATCH_IN(V, residual + half) = even + odd;
+    square_lengths<Width, 0>(r, over, t, squares);
     TRIPATCH_IN(V, known + half) = squares;
-    TRIPATCH_IN(V, residual + half) = off;
   }
+}
+
+/// Of the coefficients from `First` on.
+template <int Width, int First = 0>
+TRIPATCH_INLINE void coefficient_variances_with(const double* r, const double* over, double* out) {
+  using V = typename Register<Width>::Of;
+  double unit[fit_terms][Width] = {};
+  for (int k = First; k < std::min(First + Width, fit_terms); ++k) unit[k][k - First] = 1;
+  V y[fit_terms], squares;
+  TRIPATCH_UNROLL
+  for (int k = First; k < fit_terms; ++k) y[k] = TRIPATCH_IN(const V, unit[k]);
+  square_lengths<Width, First>(r, over, y, squares);
+  TRIPATCH_IN(V, out + First) = squares;
+  if constexpr (First + Width < 24) coefficient_variances_with<Width, First + Width>(r, over, out);
 }
 
 template <int Width>
 TRIPATCH_INLINE void explain_heights_with(const EightHeights* heights, Index count, const HeightVariances& variances,
-                                          const double* weight, const double* c, const double* inverse, ExplainedHeights& out) {
+                                          const double* weight, const double* c, const double* r, const double* over_diagonal,
+                                          ExplainedHeights& out) {
   constexpr int sums = 6;
   double sum[sums][8] = {}, known[8], residual[8];
   for (Index k = 0; k < count; ++k) {
     const EightHeights& of = heights[k];
-    look_at<Width>(of, c, inverse, known, residual);
+    look_at<Width>(of, c, r, over_diagonal, known, residual);
     for (int i = 0; i < 8; ++i) {
       const double truncation = variances.truncation * of.g[i], over = 1 / (variances.noise + truncation);
       const double part = variances.noise * over, rest = truncation * over;
@@ -303,7 +325,8 @@ struct Sums {
                    double* out);
   void (*residuals)(const EightHeights* heights, Index count, const double* weight, const double* c, double* out);
   void (*explain)(const EightHeights* heights, Index count, const HeightVariances& variances, const double* weight,
-                  const double* c, const double* inverse, ExplainedHeights& out);
+                  const double* c, const double* r, const double* over, ExplainedHeights& out);
+  void (*coefficient_variances)(const double* r, const double* over, double* out);
   void (*solve_upper)(const double* r, const double* over, double* x);
   void (*solve_upper_transposed)(const double* r, const double* over, double* x);
   void (*products_of_columns)(const double* r, const double* over, double* out);
@@ -322,8 +345,11 @@ struct Sums {
     sum_residuals_with<width>(heights, count, weight, c, out);                                                                  \
   }                                                                                                                             \
   machine void explain_##name(const EightHeights* heights, Index count, const HeightVariances& variances, const double* weight, \
-                              const double* c, const double* inverse, ExplainedHeights& out) {                                  \
-    explain_heights_with<width>(heights, count, variances, weight, c, inverse, out);                                            \
+                              const double* c, const double* r, const double* over, ExplainedHeights& out) {                    \
+    explain_heights_with<width>(heights, count, variances, weight, c, r, over, out);                                            \
+  }                                                                                                                             \
+  machine void coefficient_variances_##name(const double* r, const double* over, double* out) {                                 \
+    coefficient_variances_with<width>(r, over, out);                                                                            \
   }                                                                                                                             \
   machine void solve_upper_##name(const double* r, const double* over, double* x) { solve_upper_with(r, over, x); }             \
   machine void solve_upper_transposed_##name(const double* r, const double* over, double* x) {                                  \
@@ -332,9 +358,13 @@ struct Sums {
   machine void products_of_columns_##name(const double* r, const double* over, double* out) {                                   \
     products_of_columns_with(r, over, out);                                                                                     \
   }                                                                                                                             \
-  constexpr Sums name = {lay_over_##name,           products_##name,                                                            \
-                         residuals_##name,          explain_##name,                                                             \
-                         solve_upper_##name,        solve_upper_transposed_##name,                                              \
+  constexpr Sums name = {lay_over_##name,                                                                                       \
+                         products_##name,                                                                                       \
+                         residuals_##name,                                                                                      \
+                         explain_##name,                                                                                        \
+                         coefficient_variances_##name,                                                                          \
+                         solve_upper_##name,                                                                                    \
+                         solve_upper_transposed_##name,                                                                         \
                          products_of_columns_##name};
 
 TRIPATCH_SUMS(any_machine_sums, 4, )
@@ -362,15 +392,22 @@ void sum_products(const std::vector<EightHeights>& heights, const HeightVariance
 }
 
 void sum_residuals(const std::vector<EightHeights>& heights, const HeightRoom& room, const double* coefficients,
-                   MonomialSums& out) {
+                   ByMonomial& out) {
   sums.residuals(heights.data(), static_cast<Index>(heights.size()), room.weight.data(), coefficients, out.data());
 }
 
 ExplainedHeights explain_heights(const std::vector<EightHeights>& heights, const HeightVariances& variances,
-                                 const HeightRoom& room, const double* coefficients, const SquareOf24& inverse) {
+                                 const HeightRoom& room, const double* coefficients, const SquareOf24& r,
+                                 const Reciprocals& over) {
   ExplainedHeights out;
-  sums.explain(heights.data(), static_cast<Index>(heights.size()), variances, room.weight.data(), coefficients, inverse.data(),
-               out);
+  sums.explain(heights.data(), static_cast<Index>(heights.size()), variances, room.weight.data(), coefficients, r.data(),
+               over.data(), out);
+  return out;
+}
+
+ByMonomial coefficient_variances(const SquareOf24& r, const Reciprocals& over) {
+  ByMonomial out;
+  sums.coefficient_variances(r.data(), over.data(), out.data());
   return out;
 }
 

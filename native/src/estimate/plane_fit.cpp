@@ -40,6 +40,8 @@ constexpr double unseen_share = 0.1;
 constexpr double least_pivot = 1e-4;
 /// Of a fit, after which its coefficients are those of an orthogonal triangularization.
 constexpr int refinements = 2;
+/// Of the coefficients, both in deviations: each correction leaves about as small a part of the one before, and after one of this only rounding.
+constexpr double small_correction = 1e-9;
 
 /// The term of x^i y^j / (i! j!), so that the coefficients are the derivatives of the height.
 struct Term {
@@ -125,16 +127,19 @@ void fit(const Stencil& s, const VarianceComponents& components, FitRoom& room) 
   for (int k = 0; k < fit_terms; ++k) room.mean[k] /= term[k].over;
 }
 
-/// Adds what the residuals of the rows themselves still ask for (corrected seminormal equations: Bjorck 1987).
-void correct(const Stencil& s, FitRoom& room) {
+/// Adds what the residuals of the rows themselves still ask for (corrected seminormal equations: Bjorck 1987). Returns how much that is, in
+/// deviations of the coefficients.
+double correct(const Stencil& s, FitRoom& room) {
   Column x = -room.prior.cwiseProduct(room.mean);
   x[2] += room.prior[2] * s.faces;
-  MonomialSums sums;
+  ByMonomial sums;
   sum_residuals(s.heights, room.heights, of_monomials(room.mean).data(), sums);
   for (int k = 0; k < fit_terms; ++k) x[k] = x[k] / term[k].over - sums[k];
   solve_upper_transposed(room.root, room.over, x.data());
+  const double off = x.norm();
   solve_upper(room.root, room.over, x.data());
   for (int k = 0; k < fit_terms; ++k) room.mean[k] += x[k] / term[k].over;
+  return off;
 }
 
 /// What one stencil says of each component: a sum of squares, and the number of well-determined parameters that it is over.
@@ -158,11 +163,10 @@ struct Explained {
 
 Explained explain(const Stencil& s, const VarianceComponents& components, FitRoom& room) {
   fit(s, components, room);
-  const SquareOf24 inverse = inverse_of_triangle(room.root, fit_terms);
+  const ByMonomial variances = coefficient_variances(room.root, room.over);
   Explained e;
   const auto count = [&](int k, double prior) {
-    const double variance = inverse.row(k).squaredNorm() / (term[k].over * term[k].over);
-    return std::max(1 - variance * prior, least_count);
+    return std::max(1 - variances[k] / (term[k].over * term[k].over) * prior, least_count);
   };
   for (int k = 0; k < fit_terms; ++k) {
     const int d = term[k].i + term[k].j;
@@ -175,7 +179,7 @@ Explained explain(const Stencil& s, const VarianceComponents& components, FitRoo
   // The points less the parameters that they determine: of each what is noise, and the rest. Sums of what is left of the points, for the
   // difference of the two numbers is often rounding.
   const ExplainedHeights heights = explain_heights(s.heights, {components.noise, components.truncation}, room.heights,
-                                                   of_monomials(room.mean).data(), inverse);
+                                                   of_monomials(room.mean).data(), room.root, room.over);
   e.noise = heights.noise;
   e.truncation = heights.truncation;
   e.noise_count = std::max(heights.noise_count, least_count * heights.noise_points);
@@ -230,7 +234,9 @@ PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components, FitRo
 
 void refine(const Stencil& s, FitRoom& room, PlaneFit& fit) {
   if (!room.normal_equations) return;
-  for (int pass = 0; pass < refinements; ++pass) correct(s, room);
+  const double enough = small_correction * room.root.col(fit_terms).head<fit_terms>().norm();
+  for (int pass = 0; pass < refinements; ++pass)
+    if (correct(s, room) < enough) break;
   fit.mean = room.mean;
 }
 

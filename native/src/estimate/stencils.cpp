@@ -232,21 +232,27 @@ void set_slopes(const LocalMesh& w, const SideDraft& side, int k, Stencil& s) {
 
 }  // namespace
 
-const SideSearch::Around& SideSearch::around(const LocalMesh& w, int v) {
+void SideSearch::look_around(const LocalMesh& w, int v) {
   Around& all = around_[v];
-  if (all.begin >= 0) return all;
-  all.begin = static_cast<int>(neighbors.size());
+  const Submesh& part = w.part;
+  const std::span<const int> faces = part.faces_at(v);
+  std::size_t most = 0;
+  for (int f : faces) most += part[f].size();
+  all.begin = all.end = static_cast<int>(neighbors.size());
+  neighbors.resize(neighbors.size() + most);
   seen_from_[v] = v;
   double cosine = follow_smoothly(w, v) ? 1 : -INFINITY;
-  for (int f : w.part.faces_at(v)) {
+  for (int f : faces) {
     cosine = std::min(cosine, w.twice_area[f] > 0 ? w.area[f].dot(w.normal_at[v]) / w.twice_area[f] : -INFINITY);
-    for (int u : w.part[f])
-      if (std::exchange(seen_from_[u], v) != v) neighbors.push_back(u);
+    for (int u : part[f]) {
+      neighbors[all.end] = u;
+      all.end += seen_from_[u] != v;
+      seen_from_[u] = v;
+    }
   }
-  all.end = static_cast<int>(neighbors.size());
+  neighbors.resize(all.end);
   constexpr double rounding = 1e-12;
   all.off = std::sqrt(2 * (1 - cosine) + rounding);
-  return all;
 }
 
 void look(const LocalMesh& w, const SideDraft& side, int k, const Neighborhood& near, SideSearch& search, Seen& seen) {

@@ -39,10 +39,10 @@ struct HeightRoom {
 /// they make with the heights: sums of weights times products. Sets the weights.
 void sum_products(const std::vector<EightHeights>& heights, const HeightVariances& variances, HeightRoom& room, SquareOf24& out);
 
+/// Numbers by monomial, and three more.
+using ByMonomial = std::array<double, 24>;
 /// Sums of the monomials times weight and what a polynomial is above the heights. coefficients: of the monomials.
-using MonomialSums = std::array<double, 24>;
-void sum_residuals(const std::vector<EightHeights>& heights, const HeightRoom& room, const double* coefficients,
-                   MonomialSums& out);
+void sum_residuals(const std::vector<EightHeights>& heights, const HeightRoom& room, const double* coefficients, ByMonomial& out);
 
 /// What noise and truncation explain of heights that a polynomial is fitted to.
 struct ExplainedHeights {
@@ -50,12 +50,16 @@ struct ExplainedHeights {
   double noise_count = 0, truncation_count = 0;    ///< and over how many heights, without those that determine the polynomial
   double noise_points = 0, truncation_points = 0;  ///< with them
 };
-/// inverse: of the root of the normal matrix.
-ExplainedHeights explain_heights(const std::vector<EightHeights>& heights, const HeightVariances& variances,
-                                 const HeightRoom& room, const double* coefficients, const SquareOf24& inverse);
-
-/// Systems of fit_terms unknowns with the upper triangular r, whose diagonal has these reciprocals: x becomes r^-1 x, r'^-1 x.
+/// Of the upper triangles r below, whose diagonals have these reciprocals.
 using Reciprocals = std::array<double, fit_terms>;
+/// r: the root of the normal matrix, r'r.
+ExplainedHeights explain_heights(const std::vector<EightHeights>& heights, const HeightVariances& variances,
+                                 const HeightRoom& room, const double* coefficients, const SquareOf24& r,
+                                 const Reciprocals& over);
+/// The diagonal of (r'r)^-1.
+ByMonomial coefficient_variances(const SquareOf24& r, const Reciprocals& over);
+
+/// x becomes r^-1 x, r'^-1 x.
 void solve_upper(const SquareOf24& r, const Reciprocals& over, double* x);
 void solve_upper_transposed(const SquareOf24& r, const Reciprocals& over, double* x);
 /// The squares of the columns 1, 2 and 5 of r'^-1, and the product of the first two.

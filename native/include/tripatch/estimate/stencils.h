@@ -103,7 +103,10 @@ struct SideSearch {
     int begin = -1, end = 0;  // begin: none, nobody has asked
     double off = 0;
   };
-  const Around& around(const LocalMesh& w, int v);
+  const Around& around(const LocalMesh& w, int v) {
+    if (around_[v].begin < 0) look_around(w, v);
+    return around_[v];
+  }
 
   SideSearch(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, int i)
       : distances(w, drafts, i),
@@ -114,6 +117,8 @@ struct SideSearch {
         seen_from_(w.position.size(), -1) {}
 
 private:
+  void look_around(const LocalMesh& w, int v);
+
   std::vector<Around> around_;
   std::vector<int> seen_from_;  ///< vertices: the last one that they were found to be beside
 };
