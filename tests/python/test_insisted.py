@@ -31,6 +31,9 @@ def test_a_patch_that_would_fold_is_refused_and_auto_fills_the_hole(method, coun
     assert "the method auto" in caught.value.reason
     report = tripatch.fill(vertices, faces, **options).report
     assert report.triangles_folded <= report.rim_folded
+    for more in ({"fairing": "thin_plate"}, {"continuity": "Free"}):
+        with pytest.raises(tripatch.Refusal, match="would fold"):
+            tripatch.fill(vertices, faces, **options, method=method, **more)
     told = tripatch.fill(vertices, faces, **options, method=method, fairing=None).report  # the formula's own, as asked for
     assert told.triangles_folded > told.rim_folded and any("folds over itself" in warning for warning in told.warnings)
 

@@ -35,10 +35,17 @@ std::string near_vertex(const std::vector<Index>& where) {
   return where.empty() ? "" : " near vertex " + std::to_string(where[0]) + " of the rim";
 }
 
+/// Whether somebody shapes the patch, or wants the method's own: which energy it has, or how its sides are met, does not count.
+bool is_shaped_or_plain(FillOptions options) {
+  options.continuity = FillOptions().continuity;
+  if (options.fairing) options.fairing = Fairing::automatic;
+  return asks_for_sides(options);
+}
+
 }  // namespace
 
 void refuse_if_insisted(const Ground& ground, const Fill& fill, const FillOptions& options) {
-  if (options.method == automatic_method || asks_for_sides(options)) return;
+  if (options.method == automatic_method || is_shaped_or_plain(options)) return;
   const Report& report = fill.report;
   const bool as_a_whole = options.method == spline_method;
   const auto refuse = [&](const std::string& what, const std::vector<Index>& where) {

@@ -7,7 +7,8 @@
 namespace tripatch {
 
 /// Throws a Refusal where a method is insisted on and its fill folds more than its rim does or, if it is no surface of the surroundings as
-/// a whole, goes through itself. Who shapes the fill has it as he does, and is told; under auto others were tried.
+/// a whole, goes through itself. Who shapes the patch, or wants the method's own without fairing, has it as it is, and is told; under auto
+/// others were tried.
 void refuse_if_insisted(const Ground& ground, const Fill& fill, const FillOptions& options);
 
 }  // namespace tripatch
