@@ -170,6 +170,20 @@ def test_rims_with_other_than_three_corners(refusal, count):
     assert f"Rim has {count} corners; select three" in sentence
 
 
+def test_a_patch_that_would_fold_is_refused_and_auto_fills_the_hole(refusal):
+    """Every second vertex of a round rim pulled inwards, and three of the others for its corners."""
+    points, faces = scenes.ring(24)
+    points = np.array(points, float)
+    points[1:24:2] *= (0.45, 0.45, 1)
+    ob = scenes.add_mesh(points, faces)
+    (bm,) = scenes.edit(ob)
+    bm.verts.ensure_lookup_table()
+    scenes.select(bm, [bm.verts[k] for k in (0, 8, 16)])
+    sentence = refusal(ob)
+    assert "A fill by Side Vertex would fold over itself near vertex" in sentence and "the method auto" in sentence
+    assert fill() == {"FINISHED"}
+
+
 def test_two_loops_that_touch_are_told_apart_by_the_faces_between():
     holes = (3, 3, 4), (7, 3, 4)
     points, faces = scenes.lattice(size=18, holes=holes)
