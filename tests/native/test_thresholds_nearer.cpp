@@ -61,10 +61,24 @@ TEST_CASE("a spline excludes no patch whose planes it misses by half a degree, w
     two.patch.report.surroundings_error = known;
     return two.spline_taken();
   };
-  CHECK(taken(0.49, 0));
-  CHECK_FALSE(taken(0.51, 0));
+  CHECK(taken(0.49, 0.02));
+  CHECK_FALSE(taken(0.51, 0.02));
   CHECK(taken(2, 0.101));
   CHECK_FALSE(taken(2, 0.099));
+}
+
+TEST_CASE("nor one whose planes it misses by a hundredth of a degree, where they are known a thousand times better",
+          "[thresholds]") {
+  Two two(1, 0.01);
+  const auto taken = [&](double missed, double known) {
+    two.spline.report.surroundings_error = missed;
+    two.patch.report.surroundings_error = known;
+    return two.spline_taken();
+  };
+  CHECK(taken(0.0099, 0));
+  CHECK_FALSE(taken(0.0101, 0));
+  CHECK(taken(0.1, 1.01e-4));
+  CHECK_FALSE(taken(0.1, 0.99e-4));
 }
 
 TEST_CASE("a spline that misses planes by two degrees, known four times better and to one and a half, is made again with them",
