@@ -89,85 +89,46 @@ bool follow_smoothly(const LocalMesh& w, int v) {
   return met == faces.size();
 }
 
-/// The vertices of a stencil: rings around vertex k of a side, across smooth edges, on the sheet with normal e3.
-const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k, const Vec3& e3, const InFront& in_front,
-                               const Neighborhood& near, SideSearch& marks) {
-  std::vector<Share>& used = marks.grown.used;
-  if (marks.grown.is_of(k, near, e3)) return used;
-  int *const vertex = marks.vertex.data(), *const face = marks.face.data(), *const reached = marks.reached.data();
-  int now = 0, count = 0;          // of those reached
-  double margin = INFINITY;        // of the cosines to the faces
-  const auto reach = [&](int v) {  // without a branch: it would often be guessed wrong
-    reached[count] = v;
-    count += vertex[v] != now;
-    vertex[v] = now;
-  };
-  const auto use = [&](int from) {
-    for (int j = from; j < count; ++j) {
-      const int v = reached[j];
-      if (w.on_chord[v]) continue;
-      const double share = in_front.share(v, true);
-      if (share > 0) used.emplace_back(v, share);
-    }
-  };
-  const auto take = [&](int f) {
-    face[f] = now;
-    for (int v : w.part[f]) reach(v);
-  };
-  const auto is_of_sheet = [&](int f) {
-    const double along = w.area[f].dot(e3), off = along - same_sheet * w.twice_area[f];
-    if (std::abs(off) < margin * w.twice_area[f]) margin = std::abs(off) / w.twice_area[f];  // where there is no area, none
-    return off > 0;
-  };
-  const auto begin = [&] {
-    used.clear();
-    now = ++marks.now;
-    margin = INFINITY;
-    count = 0;
-    reach(side.vertex[k]);
-    take(side.face[std::max(k - 1, 0)]);
-    take(side.face[std::min(k, side.edges() - 1)]);
-    use(0);
-  };
-  // ring after ring, the first around vertex k; of_ring(from, to) takes those at the vertices that are its front
-  const auto take_rings = [&](const auto& of_ring) {
-    begin();
-    for (int ring = 0, from = 0; ring < near.rings && static_cast<int>(used.size()) < enough_points && from < count; ++ring) {
-      const int to = ring == 0 ? 1 : count;
-      const int before = count;
-      if (!of_ring(from, to)) return false;
-      use(before);
-      from = to;
-    }
-    return true;
-  };
-  // Where all faces at a vertex follow each other and are of the sheet, one of which is taken, all are.
-  const bool smooth = take_rings([&](int from, int to) {
-    for (int j = from; j < to; ++j) {
-      const SideSearch::Around& around = marks.around(w, reached[j]);
-      const double over = w.normal_at[reached[j]].dot(e3) - around.off - same_sheet;
-      if (!(over > 0)) return false;
-      margin = std::min(margin, over);
-      for (int u = around.begin; u < around.end; ++u) reach(marks.neighbors[u]);
-    }
-    return true;
-  });
-  // smooth edges connect it with a face that is taken
-  const auto connected = [&](int f) {
-    for (int c = w.part.offsets[f]; c < w.part.offsets[f + 1]; ++c)
-      if (w.across[c] >= 0 && face[w.across[c]] == now) return true;
-    return false;
-  };
-  if (!smooth)
-    take_rings([&](int from, int to) {
+/// Grows the vertices of a stencil: rings around vertex k of a side, across smooth edges, on the sheet with normal e3.
+class Growing {
+public:
+  Growing(const LocalMesh& w, const SideDraft& side, int k, const Vec3& e3, const InFront& in_front, SideSearch& search)
+      : w_(w),
+        side_(side),
+        k_(k),
+        e3_(e3),
+        in_front_(in_front),
+        search_(search),
+        vertex_(search.vertex.data()),
+        face_(search.face.data()),
+        reached_(search.reached.data()) {}
+
+  /// By vertices: where all faces at one follow each other and are of the sheet, and one is taken, all are. False, and what is grown is nothing,
+  /// where that does not hold.
+  bool grow_smoothly(int rings) {
+    return take_rings(rings, [&](int from, int to) {
+      for (int j = from; j < to; ++j) {
+        const SideSearch::Around& around = search_.around(w_, reached_[j]);
+        const double over = w_.normal_at[reached_[j]].dot(e3_) - around.off - same_sheet;
+        if (!(over > 0)) return false;
+        margin_ = std::min(margin_, over);
+        for (int u = around.begin; u < around.end; ++u) reach(search_.neighbors[u]);
+      }
+      return true;
+    });
+  }
+
+  /// By faces, in any mesh.
+  void grow(int rings) {
+    take_rings(rings, [&](int from, int to) {
       for (bool more = true; more;) {  // until none is left that is connected: in whatever order they are looked at
         bool taken = false, left = false;
         for (int j = from; j < to; ++j)
-          for (int f : w.part.faces_at(reached[j])) {
-            if (std::abs(face[f]) == now) continue;
+          for (int f : w_.part.faces_at(reached_[j])) {
+            if (std::abs(face_[f]) == now_) continue;
             if (!is_of_sheet(f)) {
-              face[f] = -now;
-            } else if (connected(f)) {
+              face_[f] = -now_;
+            } else if (is_connected(f)) {
               take(f);
               taken = true;
             } else {
@@ -178,22 +139,101 @@ const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k,
       }
       return true;
     });
-  // Where the rows lean over the end of the side, next to nothing may be left: then what is nearer to this side, then all.
-  const std::span<const int> all(reached, reached + count);
-  const auto telling = [&] { return std::count_if(all.begin(), all.end(), [&](int v) { return !w.on_chord[v]; }); };
-  for (int attempt = 0; near.widened && attempt < 2; ++attempt) {
-    const auto beyond_rim = std::count_if(used.begin(), used.end(), [&](const Share& u) { return !in_front.is_own(u.first); });
-    if (beyond_rim >= few_points || static_cast<std::ptrdiff_t>(used.size()) == telling()) break;
-    used.clear();
-    for (int v : all) {
-      if (w.on_chord[v]) continue;
-      const double share = attempt == 0 ? in_front.share(v, false) : 1;
-      if (share > 0) used.emplace_back(v, share);
+  }
+
+  /// Where the rows lean over the end of the side, next to nothing may be left: then what is nearer to this side is used, then all.
+  void widen() {
+    const std::span<const int> all(reached_, reached_ + count_);
+    const auto telling = std::count_if(all.begin(), all.end(), [&](int v) { return !w_.on_chord[v]; });
+    for (const bool by_share : {true, false}) {
+      const auto beyond_rim =
+          std::count_if(used_.begin(), used_.end(), [&](const Share& u) { return !in_front_.is_own(u.first); });
+      if (beyond_rim >= few_points || static_cast<std::ptrdiff_t>(used_.size()) == telling) return;
+      used_.clear();
+      use(0, [&](int v) { return by_share ? in_front_.share(v, false) : 1; });
     }
   }
+
+  /// Of the cosines to the faces.
+  double margin() const { return margin_; }
+
+private:
+  /// Ring after ring, the first around vertex k: of_ring(from, to) takes the faces at the vertices that are its front.
+  template <class OfRing>
+  bool take_rings(int rings, const OfRing& of_ring) {
+    used_.clear();
+    now_ = ++search_.now;
+    margin_ = INFINITY;
+    count_ = 0;
+    reach(side_.vertex[k_]);
+    take(side_.face[std::max(k_ - 1, 0)]);
+    take(side_.face[std::min(k_, side_.edges() - 1)]);
+    const auto in_front = [&](int v) { return in_front_.share(v, true); };
+    use(0, in_front);
+    for (int ring = 0, from = 0; ring < rings && static_cast<int>(used_.size()) < enough_points && from < count_; ++ring) {
+      const int to = ring == 0 ? 1 : count_, before = count_;
+      if (!of_ring(from, to)) return false;
+      use(before, in_front);
+      from = to;
+    }
+    return true;
+  }
+
+  /// Without a branch: it would often be guessed wrong.
+  void reach(int v) {
+    reached_[count_] = v;
+    count_ += vertex_[v] != now_;
+    vertex_[v] = now_;
+  }
+  /// Those reached from number `from` on.
+  template <class ShareOf>
+  void use(int from, const ShareOf& share_of) {
+    for (int j = from; j < count_; ++j) {
+      const int v = reached_[j];
+      if (w_.on_chord[v]) continue;
+      const double share = share_of(v);
+      if (share > 0) used_.emplace_back(v, share);
+    }
+  }
+  void take(int f) {
+    face_[f] = now_;
+    for (int v : w_.part[f]) reach(v);
+  }
+  bool is_of_sheet(int f) {
+    const double along = w_.area[f].dot(e3_), off = along - same_sheet * w_.twice_area[f];
+    if (std::abs(off) < margin_ * w_.twice_area[f]) margin_ = std::abs(off) / w_.twice_area[f];  // where there is no area, none
+    return off > 0;
+  }
+  /// Whether a smooth edge connects it with a face that is taken.
+  bool is_connected(int f) const {
+    for (int c = w_.part.offsets[f]; c < w_.part.offsets[f + 1]; ++c)
+      if (w_.across[c] >= 0 && face_[w_.across[c]] == now_) return true;
+    return false;
+  }
+
+  const LocalMesh& w_;
+  const SideDraft& side_;
+  int k_;
+  Vec3 e3_;
+  const InFront& in_front_;
+  SideSearch& search_;
+  int *vertex_, *face_, *reached_;
+  std::vector<Share>& used_ = search_.grown.used;
+  int now_ = 0, count_ = 0;  // of those reached
+  double margin_ = INFINITY;
+};
+
+/// What is grown, or was last.
+const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k, const Vec3& e3, const Neighborhood& near,
+                               SideSearch& search) {
+  if (search.grown.is_of(k, near, e3)) return search.grown.used;
+  const InFront in_front(w, side, k, search.distances);
+  Growing growing(w, side, k, e3, in_front, search);
+  if (!growing.grow_smoothly(near.rings)) growing.grow(near.rings);
+  if (near.widened) growing.widen();
   constexpr double rounding = 1e-9;
-  marks.grown = {k, near, e3, margin * (1 - rounding) - rounding, std::move(used)};
-  return marks.grown.used;
+  search.grown = {k, near, e3, growing.margin() * (1 - rounding) - rounding, std::move(search.grown.used)};
+  return search.grown.used;
 }
 
 /// Places, heights and weights of the stencil's vertices about p.
@@ -261,7 +301,7 @@ void look(const LocalMesh& w, const SideDraft& side, int k, const Neighborhood& 
   s.e3 = (side.guess[k] - s.e1 * s.e1.dot(side.guess[k])).normalized();
   s.e2 = s.e1.cross(s.e3);
   s.depth = near.scaled ? side.depth : 1;
-  seen.used = grow(w, side, k, s.e3, InFront(w, side, k, search.distances), near, search);
+  seen.used = grow(w, side, k, s.e3, near, search);
   // Where the surface has turned far away, its height over this plane is no polynomial any more.
   for (auto& [v, share] : seen.used) {
     const Vec3& n = w.normal_at[v];
