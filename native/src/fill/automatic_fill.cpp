@@ -36,10 +36,12 @@ constexpr double far_off_planes = 2, worth_their_planes = 4;
 /// But where the planes are not known to so many degrees the mesh is rough, and the spline knows it.
 constexpr double well_known_planes = 1.5;
 
-/// Of the hole's diameter: a patch that is known no better by its energy tells nothing, and whether it folds is rounding. Of 63 corners
-/// between fillets of three radii 14 are known no better, up to 0.04 of the diameter off, three times as far as the spline; of 400 holes in
-/// smooth surfaces, stretched up to 1000 times and not, three are filled otherwise, 280 and 5 times nearer and 1.3 times farther.
-constexpr double knows_nothing = 0.12;
+/// Of the hole's diameter: a patch that is known no better by its energy tells nothing, and whether it folds is rounding. Of four sides less is
+/// asked: of 63 corners between fillets of three radii 14 are known no better, up to 0.04 of the diameter off, three times as far as the spline;
+/// of 400 holes in smooth surfaces, stretched up to 1000 times and not, three are filled otherwise, 280 and 5 times nearer and 1.3 times
+/// farther. Between more sides a patch may bend as much and be right, as where three half pipes meet (0.72), which the spline's triangles
+/// do with an edge of 80 degrees.
+double knows_nothing(std::size_t sides) { return sides <= 4 ? 0.12 : 1; }
 
 /// Whether a patch leaves the hole although nobody has pulled at it.
 bool runs_away(const Ground& ground, const Fill& patch, const FillOptions& options) {
@@ -94,7 +96,8 @@ Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, cons
     if (!given && !beside_sharp && made.planes_apart_deg > one_surface)
       return any_rim("the tangent planes of the " + std::to_string(corners.size()) + " sides differ at the corners");
     const double size = diameter(ground.mesh, rim);
-    const bool unknown = !given && !is_shaped_by_hand(options) && off_by_energy(made.fill, size) > knows_nothing * size;
+    const bool unknown =
+        !given && !is_shaped_by_hand(options) && off_by_energy(made.fill, size) > knows_nothing(corners.size()) * size;
     if (!unknown && !made.crumpled && !runs_away(ground, made.fill, options)) {
       if (is_shaped_by_hand(options) || beside_sharp) return std::move(made.fill);
       Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
