@@ -33,6 +33,12 @@ struct Two {
     spline.deviation = Eigen::VectorXd::Constant(n, said);
   }
   bool spline_taken(double diameter = 1) const { return excluded_by(patch, spline, diameter); }
+  /// missed: by the spline, of the planes along the rim; known: to so much by the patch. Degrees.
+  bool spline_taken_for(double missed, double known) {
+    spline.report.surroundings_error = missed;
+    patch.report.surroundings_error = known;
+    return spline_taken();
+  }
 };
 
 }  // namespace
@@ -56,11 +62,7 @@ TEST_CASE("a patch whose energy tells of a thousandth of the diameter is exclude
 TEST_CASE("a spline excludes no patch whose planes it misses by half a degree, where they are known twenty times better",
           "[thresholds]") {
   Two two(1, 0.01);
-  const auto taken = [&](double missed, double known) {
-    two.spline.report.surroundings_error = missed;
-    two.patch.report.surroundings_error = known;
-    return two.spline_taken();
-  };
+  const auto taken = [&](double missed, double known) { return two.spline_taken_for(missed, known); };
   CHECK(taken(0.49, 0.02));
   CHECK_FALSE(taken(0.51, 0.02));
   CHECK(taken(2, 0.101));
@@ -70,11 +72,7 @@ TEST_CASE("a spline excludes no patch whose planes it misses by half a degree, w
 TEST_CASE("nor one whose planes it misses by a hundredth of a degree, where they are known a thousand times better",
           "[thresholds]") {
   Two two(1, 0.01);
-  const auto taken = [&](double missed, double known) {
-    two.spline.report.surroundings_error = missed;
-    two.patch.report.surroundings_error = known;
-    return two.spline_taken();
-  };
+  const auto taken = [&](double missed, double known) { return two.spline_taken_for(missed, known); };
   CHECK(taken(0.0099, 0));
   CHECK_FALSE(taken(0.0101, 0));
   CHECK(taken(0.1, 1.01e-4));
