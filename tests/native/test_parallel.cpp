@@ -1,3 +1,6 @@
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -175,12 +178,37 @@ TEST_CASE("of two pieces of work both are done, one after the other where no cor
 TEST_CASE("what a thread that keeps others shares out goes to the same ones time and again", "[parallel]") {
   const std::thread::id caller = std::this_thread::get_id();
   std::vector<std::thread::id> others;
-  const KeptThreads kept;
-  for (int round = 0; round < 100; ++round) both_at_once([] {}, [&] { others.push_back(std::this_thread::get_id()); });
+  for (int round = 0; round < 100; ++round) {
+    const KeptThreads kept;  // also by one after another
+    both_at_once([] {}, [&] { others.push_back(std::this_thread::get_id()); });
+  }
   REQUIRE(others.size() == 100);
   CHECK(std::all_of(others.begin(), others.end(), [&](std::thread::id other) { return other == others[0]; }));
   CHECK((others[0] != caller) == has_free_core());
 }
+
+#ifndef __SANITIZE_THREAD__  // which knows no threads after a fork
+TEST_CASE("a process that is forked begins threads of its own, and ends without those of the one that it comes from",
+          "[parallel]") {
+  const KeptThreads kept;
+  const auto works = [] {
+    std::atomic<int> done = 0;
+    both_at_once([&] { done += 1; }, [&] { done += 10; });
+    return done == 11;
+  };
+  REQUIRE(works());
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);  // where it waits for a thread that is not there
+    std::thread([] { const KeptThreads of_this; }).join();
+    _exit(works() ? 0 : 1);
+  }
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
+  CHECK(works());
+}
+#endif
 
 TEST_CASE("threads that are kept do all of what is shared out within what is shared out", "[parallel]") {
   const KeptThreads kept;

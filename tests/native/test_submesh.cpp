@@ -76,7 +76,7 @@ TEST_CASE("rings around a vertex of a grid are squares") {
 TEST_CASE("a submesh has the faces of the mesh by numbers of its own, and the faces at its vertices") {
   const Faces faces = quads(5);
   const Loop some = {7, 8, 12}, first = {14, 9};
-  const Submesh part = submesh(faces, some, first);
+  const Submesh part = submesh(faces, 36, some, first);
   CHECK(part.vertex.items()[0] == 14);
   CHECK(part.vertex.items()[1] == 9);
   for (int f = 0; f < 3; ++f) {

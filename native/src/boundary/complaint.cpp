@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <vector>
 
 #include "tripatch/mesh/submesh.h"
@@ -52,7 +53,7 @@ bool Complaint::takes_warning() { return innermost != nullptr; }
 Refusal not_subdivided(const std::string& what, const FacesRef& faces, std::span<const Index> some, const Complaint& complaint) {
   const std::string cannot = what + " cannot be subdivided: ",
                     too_many = "; subdivision takes " + std::to_string(most) + " at most";
-  const Submesh part = submesh(faces, {some.begin(), some.end()});
+  const Submesh part = submesh(faces, std::numeric_limits<Index>::max(), {some.begin(), some.end()});
   const std::vector<Index>& vertices = part.vertex.items();
   for (Index f : part.face) {
     const Index size = static_cast<Index>(faces[f].size());

@@ -57,7 +57,8 @@ public:
   std::unique_ptr<far::TopologyRefiner> refiner;
 
   /// Of the faces `some` of a cage, in its order.
-  LocalCage(const Mesh& cage, const Subdivision& settings, std::vector<Index> some) : part(submesh(cage.faces, std::move(some))) {
+  LocalCage(const Mesh& cage, const Subdivision& settings, std::vector<Index> some)
+      : part(submesh(cage.faces, cage.vertices.rows(), std::move(some))) {
     check_vertices(settings, cage.vertices.rows());
     if (part.face.empty()) throw Refusal("The cage has no faces around the hole");
     for (Index f : part.face) {

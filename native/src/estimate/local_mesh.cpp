@@ -57,7 +57,7 @@ void take_out(const Mesh& mesh, const Connectivity& around, const std::vector<In
     for (Index v : rings.vertices[ring])
       if (!mesh.vertices.row(v).allFinite())
         throw Refusal("Vertex " + name(v) + " beside the hole has a coordinate that is not a finite number", {v});
-  w.part = submesh(mesh.faces, rings.all_faces(), rim);
+  w.part = submesh(mesh.faces, mesh.vertices.rows(), rings.all_faces(), rim);
   w.position.reserve(w.part.vertex.size());
   for (Index v : w.part.vertex.items()) w.position.push_back((Vec3(mesh.vertices.row(v)) - w.origin) / w.scale);
 }

@@ -215,10 +215,10 @@ bool asks_for_positions_only(FillOptions options) {
 Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, FillOptions options) {
   const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
   if (!options.islands.empty()) return any_rim("the hole has islands");
+  std::vector<Index> checked = check_topology(ground.left, rim);
   if (corners && corners->empty())
-    return fill_round_rim(ground, check_topology(ground.left, rim), options,
-                          "a round rim was asked for, and this one is not smooth");
-  if (corners && lost_a_wall(ground, check_topology(ground.left, rim), *corners, options)) {
+    return fill_round_rim(ground, checked, options, "a round rim was asked for, and this one is not smooth");
+  if (corners && lost_a_wall(ground, checked, *corners, options)) {
     options.continuity = SideContinuity::free;
     Fill fill = fill_by_sides(ground, rim, corners, options);
     fill.report.warnings.push_back(flat_all_around);
@@ -229,7 +229,6 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
     return fill_between_many(ground, rim, *corners, true, options);
   if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
   Hole hole;
-  std::vector<Index> checked = check_topology(ground.left, rim);
   if (!corners)  // wherever the rim is begun, the same corners are found, in the same order
     std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
   check_finite(ground.mesh, ground.left, checked);

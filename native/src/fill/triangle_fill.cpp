@@ -136,12 +136,12 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
 
   const bool own_rim = surroundings.border.rows() > 0;
   Report& report = fill.report;
+  Cover cover;
   const auto cover_it = [&] {
-    Cover cover = options.output == Output::quads
-                      ? cover_with_quads(mesh, hole, surroundings.parameters, *fill.patch, layout_options(options), own_rim)
-                      : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution,
-                                             own_rim ? nullptr : &ground.left);
-    deliver(std::move(cover), surroundings.border, mesh.vertices.rows(), fill);
+    cover = options.output == Output::quads
+                ? cover_with_quads(mesh, hole, surroundings.parameters, *fill.patch, layout_options(options), own_rim)
+                : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution,
+                                       own_rim ? nullptr : &ground.left);
   };
   const auto look_at_rim = [&] {
     fill.rim = hole.rim;
@@ -155,6 +155,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   } else {
     both_at_once(cover_it, look_at_rim);
   }
+  deliver(std::move(cover), surroundings.border, mesh.vertices.rows(), fill);
   const bool along_rim = options.output == Output::triangles && !own_rim;
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}), report,
                 along_rim ? hole.rim : std::vector<Index>());

@@ -149,11 +149,15 @@ PiecewisePolynomial PiecewisePolynomial::hermite(std::span<const double> paramet
   return {{parameters.begin(), parameters.end()}, 3, dimension, coefficients};
 }
 
-PiecewisePolynomial PiecewisePolynomial::spline(std::span<const double> t, std::span<const double> values, int dimension,
-                                                std::span<const double> start, std::span<const double> end) {
+namespace {
+
+/// PiecewisePolynomial::spline, with the dimension where it is known beforehand.
+template <int Known>
+PiecewisePolynomial spline_of(std::span<const double> t, std::span<const double> values, int dimension,
+                              std::span<const double> start, std::span<const double> end) {
   const Index n = static_cast<Index>(t.size());
-  if (n < 2 || static_cast<Index>(values.size()) != n * dimension) throw InvalidArgument("a spline needs two or more values");
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Known, Eigen::RowMajor>;
+  using Row = Eigen::Matrix<double, 1, Known>;
   const Eigen::Map<const Matrix> y(values.data(), n, dimension);
   Matrix m(n, dimension);  // derivatives at the knots
   // tridiagonal system lower_k m_{k-1} + diagonal_k m_k + upper_k m_{k+1} = m_k's right side
@@ -165,7 +169,7 @@ PiecewisePolynomial PiecewisePolynomial::spline(std::span<const double> t, std::
     m.row(0) = m.row(1) = slope(0);
   } else if (n == 3 && start.empty() && end.empty()) {
     const double h0 = t[1] - t[0], h1 = t[2] - t[1];
-    const Eigen::RowVectorXd s = (slope(1) - slope(0)) / (h0 + h1);
+    const Row s = (slope(1) - slope(0)) / (h0 + h1);
     m.row(0) = slope(0) - h0 * s;
     m.row(1) = slope(0) + h0 * s;
     m.row(2) = slope(1) + h1 * s;
@@ -177,7 +181,7 @@ PiecewisePolynomial PiecewisePolynomial::spline(std::span<const double> t, std::
       upper[k] = a;
       m.row(k) = 3 * (b * slope(k - 1) + a * slope(k));
     }
-    const auto given = [&](std::span<const double> d) { return Eigen::Map<const Eigen::RowVectorXd>(d.data(), dimension); };
+    const auto given = [&](std::span<const double> d) { return Eigen::Map<const Row>(d.data(), dimension); };
     if (!start.empty()) {
       m.row(0) = given(start);
     } else if (n == 2) {  // one end given: the parabola
@@ -208,7 +212,15 @@ PiecewisePolynomial PiecewisePolynomial::spline(std::span<const double> t, std::
     m.row(n - 1) /= diagonal[n - 1];
     for (Index k = n - 2; k >= 0; --k) m.row(k) = (m.row(k) - upper[k] * m.row(k + 1)) / diagonal[k];
   }
-  return hermite(t, values, {m.data(), static_cast<std::size_t>(m.size())}, dimension);
+  return PiecewisePolynomial::hermite(t, values, {m.data(), static_cast<std::size_t>(m.size())}, dimension);
+}
+
+}  // namespace
+
+PiecewisePolynomial PiecewisePolynomial::spline(std::span<const double> t, std::span<const double> values, int dimension,
+                                                std::span<const double> start, std::span<const double> end) {
+  if (t.size() < 2 || values.size() != t.size() * dimension) throw InvalidArgument("a spline needs two or more values");
+  return dimension == 3 ? spline_of<3>(t, values, 3, start, end) : spline_of<Eigen::Dynamic>(t, values, dimension, start, end);
 }
 
 PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<const double>, std::span<double>)>& f,
@@ -371,6 +383,7 @@ PiecewisePolynomial PiecewisePolynomial::part(double t0, double t1) const {
 
 PiecewisePolynomial PiecewisePolynomial::refined(const std::vector<double>& more_breaks, int degree) const {
   const int n = std::max(degree, degree_);
+  if (n == degree_ && std::ranges::includes(breaks_, more_breaks)) return *this;
   const std::vector<double> breaks = merged(breaks_, more_breaks);
   std::vector<double> coefficients((breaks.size() - 1) * (n + 1) * dimension_, 0.0);
   for (std::size_t p = 0; p + 1 < breaks.size(); ++p) {
@@ -399,14 +412,15 @@ PiecewisePolynomial operator*(double s, PiecewisePolynomial a) {
 
 PiecewisePolynomial operator*(const PiecewisePolynomial& scalar, const PiecewisePolynomial& field) {
   const PiecewisePolynomial s = scalar.refined(field.breaks_, 0), f = field.refined(scalar.breaks_, 0);
-  const int degree = s.degree_ + f.degree_, dimension = f.dimension_;
+  const int degree = s.degree_ + f.degree_, dimension = f.dimension_, row = (f.degree_ + 1) * dimension;
   std::vector<double> coefficients(f.pieces() * (degree + 1) * dimension, 0.0);
   for (Index p = 0; p < f.pieces(); ++p)
-    for (int i = 0; i <= s.degree_; ++i)
-      for (int k = 0; k <= f.degree_; ++k)
-        for (int x = 0; x < dimension; ++x)
-          coefficients[(p * (degree + 1) + i + k) * dimension + x] +=
-              s.coefficients_[p * (s.degree_ + 1) + i] * f.coefficients_[(p * (f.degree_ + 1) + k) * dimension + x];
+    for (int i = 0; i <= s.degree_; ++i) {
+      const double by = s.coefficients_[p * (s.degree_ + 1) + i];
+      const double* const from = &f.coefficients_[p * row];
+      double* const to = &coefficients[(p * (degree + 1) + i) * dimension];
+      for (int k = 0; k < row; ++k) to[k] += by * from[k];
+    }
   return {f.breaks_, degree, dimension, coefficients};
 }
 

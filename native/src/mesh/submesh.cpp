@@ -19,16 +19,12 @@ std::size_t Numbering::slot(Index item) const {
   return k;
 }
 
-bool Numbering::add_hashed(Index item) {
+int& Numbering::place_to_add(Index item) {
   if (2 * (items_.size() + 1) > place_.size()) {
     place_.assign(std::max<std::size_t>(64, 2 * place_.size()), -1);
     for (std::size_t k = 0; k < items_.size(); ++k) place_[slot(items_[k])] = static_cast<int>(k);
   }
-  int& place = place_[slot(item)];
-  if (place >= 0) return false;
-  place = static_cast<int>(items_.size());
-  items_.push_back(item);
-  return true;
+  return place_[slot(item)];
 }
 
 std::vector<Index> Rings::all_faces() const {
@@ -69,16 +65,13 @@ Rings rings_around(const Connectivity& mesh, std::span<const Index> vertices, in
   return result;
 }
 
-Submesh submesh(const FacesRef& faces, std::vector<Index> some, std::span<const Index> first) {
-  Submesh part;
-  part.face = std::move(some);
+Submesh submesh(const FacesRef& faces, Index vertices, std::vector<Index> some, std::span<const Index> first) {
+  Submesh part{std::move(some), Numbering(vertices), {0}, {}, {}, {}};
   for (Index v : first) part.vertex.add(v);
-  part.offsets = {0};
+  part.offsets.reserve(part.face.size() + 1);
+  part.corners.reserve(4 * part.face.size());
   for (Index f : part.face) {
-    for (Index v : faces[f]) {
-      part.vertex.add(v);
-      part.corners.push_back(part.vertex.find(v));
-    }
+    for (Index v : faces[f]) part.corners.push_back(part.vertex.number(v));
     part.offsets.push_back(static_cast<int>(part.corners.size()));
   }
   part.fan_offsets.assign(part.vertex.size() + 1, 0);

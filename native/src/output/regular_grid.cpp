@@ -19,7 +19,7 @@ namespace {
 constexpr double least_shape_in_domain = 0.1, least_shape_in_space = 0.2;
 
 /// So many of the grid are worth a thread: each takes some 20 ns.
-constexpr Index grid_points_a_thread = 5000;
+constexpr Index grid_points_a_thread = 1500;
 
 using Parameters = std::array<std::vector<double>, 3>;
 

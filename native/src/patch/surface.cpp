@@ -48,7 +48,7 @@ private:
 /// use(k, position and first derivatives) for each place.
 template <class Use>
 void for_tangents(const Surface& surface, const PointsRef& b, const Use& use) {
-  constexpr Index at_once = 1 << 12, size = 9, share = 300;  // jets that stay in the cache; as below
+  constexpr Index at_once = 1 << 12, size = 9, share = 150;  // jets that stay in the cache; as below
   const Places places(b);
   parallel_for(0, b.rows(), share, [&](Index from, Index to) {
     const Alone alone;
@@ -104,7 +104,7 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
   for (Index k = 0; k < n; ++k)
     if (vertex_of(b + 3 * k, vertex_radius[order]) >= 0) near.push_back(k);
   // A run of points far from the vertices at a time; a share of one is worth a thread (some 0.1 us a point without derivatives).
-  constexpr std::array<Index, max_order + 1> share = {600, 300, 150, 80, 40};
+  constexpr std::array<Index, max_order + 1> share = {300, 150, 80, 40, 20};
   constexpr Index block = 4096;  // some milliseconds
   Index start = 0;
   const Index row = 3 * jet_size(order);

@@ -42,19 +42,22 @@ private:
   bool before_;
 };
 
-/// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time: see KeptThread for what that costs.
+/// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time: see KeptThread for what that costs. Other threads
+/// than the caller's share nothing out of what they do.
 template <class F>
 void parallel_for(Index from, Index to, Index least, const F& f) {
-  const Index n = to - from, cores = one_of_many ? 1 : static_cast<Index>(most_threads());
+  const std::size_t others_at_most = one_of_many ? 0 : KeptThreads::free(most_threads() - 1);
+  const Index n = to - from, cores = 1 + static_cast<Index>(others_at_most);
   const Index shares = std::clamp<Index>(n / least, 1, cores);
   check_interruption();
   std::vector<InOtherThread> others;  // which are waited for, whatever is thrown here
   const auto share = [&f, flag = interruption](Index first, Index last) {
     const InterruptedBy inherited(flag);
+    const Alone alone;
     f(first, last);
   };
   for (Index k = 1; k < shares; ++k)
-    others.emplace_back(cores - 1,
+    others.emplace_back(most_threads() - 1,
                         [&share, first = from + n * k / shares, last = from + n * (k + 1) / shares] { share(first, last); });
   if (n > 0) f(from, from + n / shares);
   for (InOtherThread& other : others) other.wait();
@@ -72,7 +75,7 @@ void both_at_once(const F& f, const G& g) {
 /// Whether f(k) is true for each k < count, on all cores where they are many; each takes some 10 ns.
 template <class F>
 bool holds_for_all(Index count, const F& f) {
-  constexpr Index share = 30000;  // several times what a thread costs
+  constexpr Index share = 4000;  // several times what it costs to share
   std::atomic<bool> all = true;
   parallel_for(0, count, share, [&](Index from, Index to) {
     for (Index next = from; next < to && all;) {

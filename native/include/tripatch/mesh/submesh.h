@@ -18,12 +18,17 @@ public:
 
   /// Whether it had no number before.
   bool add(Index item) {
-    if (!direct_) return add_hashed(item);
-    int& place = place_[item];
-    if (place >= 0) return false;
-    place = static_cast<int>(items_.size());
-    items_.push_back(item);
-    return true;
+    const std::size_t before = items_.size();
+    return number(item) == static_cast<int>(before) && items_.size() > before;
+  }
+  /// The one that it has from now on.
+  int number(Index item) {
+    int& place = direct_ ? place_[item] : place_to_add(item);
+    if (place < 0) {
+      place = static_cast<int>(items_.size());
+      items_.push_back(item);
+    }
+    return place;
   }
   /// -1: none.
   int find(Index item) const {
@@ -36,7 +41,7 @@ public:
 private:
   static constexpr Index most_direct = 20'000;  ///< to clear as many places takes as long as to hash some hundred items
 
-  bool add_hashed(Index item);
+  int& place_to_add(Index item);
   std::size_t slot(Index item) const;
 
   bool direct_ = false;
@@ -66,7 +71,7 @@ struct Submesh {
   }
   std::span<const int> faces_at(int v) const { return {fan.data() + fan_offsets[v], fan.data() + fan_offsets[v + 1]}; }
 };
-/// first: vertices that take the first numbers.
-Submesh submesh(const FacesRef& faces, std::vector<Index> some, std::span<const Index> first = {});
+/// vertices: how many the mesh has. first: those that take the first numbers.
+Submesh submesh(const FacesRef& faces, Index vertices, std::vector<Index> some, std::span<const Index> first = {});
 
 }  // namespace tripatch
