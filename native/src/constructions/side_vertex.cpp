@@ -35,11 +35,12 @@ private:
 #ifdef TRIPATCH_PACKS
   template <int N, class P>
   TRIPATCH_ANY_PACK PackPoint<N, P> blended(const PackBarycentric<N, P>& b) const {
+    const PackRays<N, P> rays(b);
     PackJet<N, P> w[3];
-    side_weights<2>(b, w);
+    side_weights<2>(b, rays, w);
     PackPoint<N, P> p = {};
     for (int i = 0; i < 3; ++i) {
-      const PackPoint<N, P> ray = rays_[i].at(b);
+      const PackPoint<N, P> ray = rays_[i].at(rays.s[i], rays.t[i]);
       for (int x = 0; x < 3; ++x) p.x[x] += w[i] * ray.x[x];
     }
     return p;

@@ -60,14 +60,14 @@ private:
   TRIPATCH_ANY_PACK PackPoint<N, P> whole(const PackBarycentric<N, P>& b) const {
     PackPoint<N, P> p = inside(b);
     const PackJet<N, P> over = square(27.0 * (b[0] * b[1] * b[2]));
+    const PackRays<N, P> rays(b);
     PackJet<N, P> weights[3], cubic_weights[3];
-    side_weights<2>(b, weights);
-    side_weights<3>(b, cubic_weights);
+    side_weights<2>(b, rays, weights);
+    side_weights<3>(b, rays, cubic_weights);
     for (int x = 0; x < 3; ++x) p.x[x] = over * p.x[x];
     for (int i = 0; i < 3; ++i) {
-      const PackJet<N, P> t = ray_parameter(b, i), s = b[(i + 1) % 3] + b[(i + 2) % 3];
-      add(-1.0 * (weights[i] * (square(s) * b[i])), packed_slopes_[i].at(t), p);
-      if (!second_cross_[i].empty()) add(0.5 * (square(b[i]) * cubic_weights[i]), packed_second_cross_[i].at(t), p);
+      add(-1.0 * (weights[i] * (square(rays.s[i]) * b[i])), packed_slopes_[i].at(rays.t[i]), p);
+      if (!second_cross_[i].empty()) add(0.5 * (square(b[i]) * cubic_weights[i]), packed_second_cross_[i].at(rays.t[i]), p);
     }
     return p;
   }
@@ -80,9 +80,9 @@ private:
   /// What the bubble multiplies.
   template <int N, class P>
   TRIPATCH_ANY_PACK PackPoint<N, P> inside(const PackBarycentric<N, P>& b) const {
-    PackJet<N, P> power[3][highest_interior + 1] = {};
+    PackJet<N, P> power[3][highest_interior + 1];
     for (int i = 0; i < 3; ++i) {
-      power[i][0].c[0] = all_lanes_of<P>(1);
+      power[i][0] = {{all_lanes_of<P>(1)}};
       for (int k = 1; k <= degree_; ++k) power[i][k] = power[i][k - 1] * b[i];
     }
     PackPoint<N, P> p = {};

@@ -1,14 +1,23 @@
 #include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
+namespace {
+
+/// d/ds = -delta_i + (t - 1/2) (along the side).
+PiecewisePolynomial slope_at_side(const Ribbon& ribbon) {
+  return ribbon.d + PiecewisePolynomial::linear(-0.5, 0.5) * ribbon.c.derivative();
+}
+
+}  // namespace
 
 VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree)
     : i_(i),
       degree_(degree),
-      ribbon_(boundary.ribbons[i]),
-      packed_c_(ribbon_.c),
-      packed_d_(ribbon_.d),
-      same_pieces_(packed_c_.has_places_of(packed_d_)) {
+      c_(boundary.ribbons[i].c),
+      slope_(slope_at_side(boundary.ribbons[i])),
+      packed_c_(c_),
+      packed_slope_(slope_),
+      same_pieces_(packed_c_.has_places_of(packed_slope_)) {
   const auto& ribbons = boundary.ribbons;
   for (int k = 0; k < 3; ++k) corner_[k] = ribbons[(k + 2) % 3].c(0);
   // towards corner i + 1 along side i + 2, towards corner i + 2 back along side i + 1
@@ -25,11 +34,11 @@ VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree)
   // At the side: Q + 2 (t - 1/2) d' + (t - 1/2)^2 c'' with Q, d', c'' linear between the corners, as they are for cubic surfaces, Q such
   // that a ray along one of the other two sides has that side's own second derivative. The d' and c'' of a spline in between are
   // left alone: the patch would take four of its derivatives.
-  const Vec3 c0 = ribbon_.c.derivative_at(0, 2), c1 = ribbon_.c.derivative_at(1, 2);
-  const Vec3 d0 = ribbon_.d.derivative_at(0), d1 = ribbon_.d.derivative_at(1);
+  const PiecewisePolynomial& d = ribbons[i].d;
+  const Vec3 c0 = c_.derivative_at(0, 2), c1 = c_.derivative_at(1, 2), d0 = d.derivative_at(0), d1 = d.derivative_at(1);
   const Vec3 q0 = next.c.derivative_at(1, 2) + d0 - 0.25 * c0, q1 = previous.c.derivative_at(0, 2) - d1 - 0.25 * c1;
-  const Vec3 q = q1 - q0, d = d1 - d0, c = c1 - c0;
-  side_second_ = {q0 - d0 + 0.25 * c0, q + 2 * d0 - d + 0.25 * c - c0, 2 * d + c0 - c, c};
+  const Vec3 q = q1 - q0, e = d1 - d0, c = c1 - c0;
+  side_second_ = {q0 - d0 + 0.25 * c0, q + 2 * d0 - e + 0.25 * c - c0, 2 * e + c0 - c, c};
 }
 
 }  // namespace tripatch

@@ -15,14 +15,6 @@
 
 namespace tripatch {
 
-/// The vertex that is nearest to b, as side_weights sees it.
-inline int nearest_vertex(const double* b) {
-  int i = 0;
-  for (int k = 1; k < 3; ++k)
-    if (b[k] > b[i]) i = k;
-  return i;
-}
-
 #ifdef TRIPATCH_PACKS
 
 template <int N, class P = Pack>
@@ -132,48 +124,76 @@ TRIPATCH_ANY_PACK PackPoint<N, P> compose(const P (&taylor)[jet_size(N)][3], con
   return r;
 }
 
-/// Barycentric coordinates of points with the same nearest vertex.
+/// Barycentric coordinates of points.
 template <int N, class P = Pack>
 struct PackBarycentric {
-  PackJet<N, P> b[3] = {};
-  int nearest;
+  PackJet<N, P> b[3];
 
-  TRIPATCH_ANY_PACK PackBarycentric(const double* all, const Index (&rows)[width_of<P>], int nearest_vertex)
-      : nearest(nearest_vertex) {
+  /// Of so many; the last again where there are no more.
+  TRIPATCH_ANY_PACK PackBarycentric(const double* all, Index count) {
     for (int i = 0; i < 3; ++i) {
-      for (Index lane = 0; lane < width_of<P>; ++lane) b[i].c[0][lane] = all[3 * rows[lane] + i];
-      if constexpr (N > 0) {
-        b[i].c[1] = all_lanes_of<P>(i == 0 ? 1.0 : i == 1 ? 0.0 : -1.0);
-        b[i].c[2] = all_lanes_of<P>(i == 0 ? 0.0 : i == 1 ? 1.0 : -1.0);
-      }
+      for (Index lane = 0; lane < width_of<P>; ++lane) b[i].c[0][lane] = all[3 * std::min(lane, count - 1) + i];
+      for (int k = 1; k < PackJet<N, P>::size; ++k) b[i].c[k] = all_lanes_of<P>(k > 2 ? 0 : i == 2 ? -1 : i + 1 == k ? 1 : 0);
     }
   }
   TRIPATCH_ANY_PACK const PackJet<N, P>& operator[](int i) const { return b[i]; }
 };
 
+/// The three rays through points: see ray_parameter.
+template <int N, class P>
+struct PackRays {
+  PackJet<N, P> s[3];     ///< fraction of the ray, 0 at the vertex
+  PackJet<N, P> over[3];  ///< 1 / s
+  PackJet<N, P> t[3];     ///< parameter of its side
+
+  TRIPATCH_ANY_PACK explicit PackRays(const PackBarycentric<N, P>& b) {
+    for (int i = 0; i < 3; ++i) {
+      s[i] = b[(i + 1) % 3] + b[(i + 2) % 3];
+      over[i] = reciprocal(s[i]);
+      t[i] = b[(i + 2) % 3] * over[i];
+    }
+  }
+};
+
+/// Which vertex is nearest to each of several points, as side_weights sees it.
+template <class P>
+class NearestVertex {
+public:
+  template <int N>
+  TRIPATCH_ANY_PACK explicit NearestVertex(const PackBarycentric<N, P>& b)
+      : not_0_(b[1].c[0] > b[0].c[0]), is_2_(b[2].c[0] > (not_0_ ? b[1].c[0] : b[0].c[0])) {}
+
+  /// a[(i + vertex) % 3], or with Step = 2 a[(i - vertex) % 3].
+  template <int Step = 1, int N>
+  TRIPATCH_ANY_PACK PackJet<N, P> turned(const PackJet<N, P> (&a)[3], int i) const {
+    PackJet<N, P> r;
+    for (int k = 0; k < PackJet<N, P>::size; ++k) {
+      const P &at_0 = a[i].c[k], &at_1 = a[(i + Step) % 3].c[k], &at_2 = a[(i + 2 * Step) % 3].c[k];
+      r.c[k] = is_2_ ? at_2 : not_0_ ? at_1 : at_0;
+    }
+    return r;
+  }
+
+private:
+  decltype(P{} > P{}) not_0_, is_2_;
+};
+
 /// side_weights, Power = 2, and cubic_side_weights, 3.
 template <int Power, int N, class P>
-TRIPATCH_ANY_PACK void side_weights(const PackBarycentric<N, P>& b, PackJet<N, P> (&w)[3]) {
-  const int i = b.nearest, j = (i + 1) % 3, k = (i + 2) % 3;
-  const PackJet<N, P> rho = b[j] + b[k], over = reciprocal(rho);
-  const PackJet<N, P> t = b[k] * over, s = b[j] * over;
-  PackJet<N, P> tt = square(t), ss = square(s), bb = square(b[i]), outer = square(rho);
+TRIPATCH_ANY_PACK void side_weights(const PackBarycentric<N, P>& b, const PackRays<N, P>& rays, PackJet<N, P> (&w)[3]) {
+  const NearestVertex<P> nearest(b);
+  const PackJet<N, P> bi = nearest.turned(b.b, 0), bj = nearest.turned(b.b, 1), rho = nearest.turned(rays.s, 0);
+  const PackJet<N, P> t = nearest.turned(rays.t, 0), s = bj * nearest.turned(rays.over, 0);
+  PackJet<N, P> tt = square(t), ss = square(s), bb = square(bi), outer = square(rho);
   if constexpr (Power == 3) {
     tt = t * tt;
     ss = s * ss;
-    bb = b[i] * bb;
+    bb = bi * bb;
     outer = rho * outer;
   }
-  const PackJet<N, P> wi = outer * tt * ss, wj = bb * tt, wk = bb * ss;
-  const PackJet<N, P> inverse = reciprocal(wi + wj + wk);
-  w[i] = wi * inverse;
-  w[j] = wj * inverse;
-  w[k] = wk * inverse;
-}
-
-template <int N, class P>
-TRIPATCH_ANY_PACK PackJet<N, P> ray_parameter(const PackBarycentric<N, P>& b, int i) {
-  return b[(i + 2) % 3] * reciprocal(b[(i + 1) % 3] + b[(i + 2) % 3]);
+  const PackJet<N, P> wi = outer * tt * ss, wj = bb * tt, wk = bb * ss, inverse = reciprocal(wi + wj + wk);
+  const PackJet<N, P> of_nearest[3] = {wi * inverse, wj * inverse, wk * inverse};
+  for (int i = 0; i < 3; ++i) w[i] = nearest.template turned<2>(of_nearest, i);
 }
 
 #endif
@@ -185,8 +205,10 @@ public:
   explicit PackedField(const PiecewisePolynomial& field) : degree_(field.degree()) {
     const std::vector<double>& breaks = field.breaks();
     const Index n = field.pieces();
-    coefficients_.assign(field.coefficients().begin(), field.coefficients().end());
-    coefficients_.push_back(0);  // whole registers are read
+    for (std::size_t k = 0; k < field.coefficients().size(); ++k) {
+      coefficients_.push_back(field.coefficients()[k]);
+      if (k % 3 == 2) coefficients_.push_back(0);
+    }
     for (Index p = 0; p < n; ++p) {
       middles_.push_back(0.5 * (breaks[p] + breaks[p + 1]));
       ends_.push_back(p + 1 < n ? breaks[p + 1] : std::numeric_limits<double>::infinity());
@@ -205,24 +227,27 @@ public:
   /// Parameters among the pieces.
   template <class P>
   struct Places {
-    Index piece[width_of<P>];
-    P u;  ///< from the middles of the pieces
+    P t;
+    Index piece[width_of<P>];  ///< these where there are more pieces than one
+    double u[width_of<P>];     ///< t from their middles
   };
   template <class P>
   TRIPATCH_ANY_PACK Places<P> places(const P& t) const {
+    Places<P> out;
+    out.t = t;
+    if (middles_.size() == 1) return out;
     const double size = static_cast<double>(lookup_.size());
     const P least = {}, most = all_lanes_of<P>(size - 1);
-    P scaled = t * size, middle;
+    P scaled = t * size;
     scaled = scaled > least ? scaled : least;
     scaled = scaled < most ? scaled : most;
-    Places<P> out;
     for (int lane = 0; lane < width_of<P>; ++lane) {
       Index p = lookup_[static_cast<std::int32_t>(scaled[lane])];
+      p += t[lane] >= ends_[p];  // whether one break is passed is not known beforehand, another rarely is
       while (t[lane] >= ends_[p]) ++p;
       out.piece[lane] = p;
-      middle[lane] = middles_[p];
+      out.u[lane] = t[lane] - middles_[p];
     }
-    out.u = t - middle;
     return out;
   }
   /// As PiecewisePolynomial::taylor.
@@ -248,58 +273,57 @@ public:
 private:
   template <int Order, class P>
   TRIPATCH_ANY_PACK void series(const Places<P>& at, P (&out)[Order + 1][3]) const {
-    constexpr int lanes = width_of<P>;
-    const Index width = 3 * (degree_ + 1);
-    const double* a[lanes];
-    bool same = true;
-    for (int lane = 0; lane < lanes; ++lane) {
-      a[lane] = &coefficients_[width * at.piece[lane]];
-      same = same && a[lane] == a[0];
+    if (middles_.size() == 1) {
+      const P from_middle = at.t - middles_[0], u[3] = {from_middle, from_middle, from_middle};
+      return horner<Order>(
+          u, [&](Index k, int x) TRIPATCH_ANY_PACK_LAMBDA { return all_lanes_of<P>(coefficients_[4 * k + x]); }, out);
     }
-    if (same)
-      horner<Order>(at.u, out, [&](Index k, P(&next)[3]) TRIPATCH_ANY_PACK_LAMBDA {
-        for (int x = 0; x < 3; ++x) next[x] = all_lanes_of<P>(a[0][3 * k + x]);
-      });
-    else
-      horner<Order>(at.u, out, [&](Index k, P(&next)[3]) TRIPATCH_ANY_PACK_LAMBDA { load(a, k, next); });
+    const double* a[width_of<P>];
+    Pack u[width_of<P>], points[Order + 1][width_of<P>];  // the components of a point in a register
+    for (int lane = 0; lane < width_of<P>; ++lane) {
+      a[lane] = &coefficients_[4 * (degree_ + 1) * at.piece[lane]];
+      u[lane] = all_lanes_of<Pack>(at.u[lane]);
+    }
+    horner<Order>(u, [&](Index k, int lane) TRIPATCH_ANY_PACK_LAMBDA { return loaded(a[lane] + 4 * k); }, points);
+    for (int j = 0; j <= Order; ++j) turn(points[j], out[j]);
   }
 
-  /// The coefficients of u^k of four places; one number beyond the last ones is there.
-  TRIPATCH_ANY_PACK static void load(const double* const* a, Index k, Pack (&next)[3]) {
-    const Pack even = loaded_pairs(a[0] + 3 * k, a[2] + 3 * k), odd = loaded_pairs(a[1] + 3 * k, a[3] + 3 * k);
-    next[0] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
-    next[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
-    next[2] = __builtin_shufflevector(loaded_pairs(a[0] + 3 * k + 2, a[2] + 3 * k + 2),
-                                      loaded_pairs(a[1] + 3 * k + 2, a[3] + 3 * k + 2), 0, 4, 2, 6);
-  }
-  TRIPATCH_ANY_PACK static void load(const double* const* a, Index k, WidePack (&next)[3]) {
-    Pack low[3], high[3];
-    load(a, k, low);
-    load(a + 4, k, high);
-    for (int x = 0; x < 3; ++x) next[x] = __builtin_shufflevector(low[x], high[x], 0, 1, 2, 3, 4, 5, 6, 7);
-  }
-
-  /// load_next(k, next): the coefficients of u^k.
-  template <int Order, class P, class Load>
-  TRIPATCH_ANY_PACK void horner(const P& u, P (&out)[Order + 1][3], const Load& load_next) const {
-    P sum[Order + 1][3] = {}, next[3];
-    load_next(degree_, sum[0]);
-    for (Index k = degree_ - 1; k >= 0; --k) {
-      load_next(k, next);
-      for (int j = Order; j > 0; --j)
-        for (int x = 0; x < 3; ++x) sum[j][x] = sum[j][x] * u + sum[j - 1][x];
-      for (int x = 0; x < 3; ++x) sum[0][x] = sum[0][x] * u + next[x];
-    }
+  /// coefficient(k, x): that of u^k in x.
+  template <int Order, class P, int Count, class Coefficient>
+  TRIPATCH_ANY_PACK void horner(const P (&u)[Count], const Coefficient& coefficient, P (&out)[Order + 1][Count]) const {
+    P sum[Order + 1][Count] = {};
+    for (int x = 0; x < Count; ++x) sum[0][x] = coefficient(degree_, x);
+    for (Index k = degree_ - 1; k >= 0; --k)
+      for (int x = 0; x < Count; ++x) {
+        for (int j = Order; j > 0; --j) sum[j][x] = sum[j][x] * u[x] + sum[j - 1][x];
+        sum[0][x] = sum[0][x] * u[x] + coefficient(k, x);
+      }
     for (int j = 0; j <= Order; ++j)
-      for (int x = 0; x < 3; ++x) out[j][x] = sum[j][x];
+      for (int x = 0; x < Count; ++x) out[j][x] = sum[j][x];
+  }
+
+  /// From points with their components to components of points.
+  TRIPATCH_ANY_PACK static void turn(const Pack* p, Pack (&out)[3]) {
+    const Pack xz = __builtin_shufflevector(p[0], p[1], 0, 4, 2, 6), y = __builtin_shufflevector(p[0], p[1], 1, 5, 3, 7);
+    const Pack more_xz = __builtin_shufflevector(p[2], p[3], 0, 4, 2, 6),
+               more_y = __builtin_shufflevector(p[2], p[3], 1, 5, 3, 7);
+    out[0] = __builtin_shufflevector(xz, more_xz, 0, 1, 4, 5);
+    out[1] = __builtin_shufflevector(y, more_y, 0, 1, 4, 5);
+    out[2] = __builtin_shufflevector(xz, more_xz, 2, 3, 6, 7);
+  }
+  TRIPATCH_ANY_PACK static void turn(const Pack* p, WidePack (&out)[3]) {
+    Pack low[3], high[3];
+    turn(p, low);
+    turn(p + 4, high);
+    for (int x = 0; x < 3; ++x) out[x] = __builtin_shufflevector(low[x], high[x], 0, 1, 2, 3, 4, 5, 6, 7);
   }
 #endif
 
 private:
   int degree_ = 0;
   std::vector<double> middles_, ends_;  // of the pieces; the last ends nowhere
-  std::vector<double> coefficients_;
-  std::vector<std::int32_t> lookup_;  // first candidate piece for floor(t * lookup size)
+  std::vector<double> coefficients_;    // of each power four numbers, the last 0: whole registers are read
+  std::vector<std::int32_t> lookup_;    // first candidate piece for floor(t * lookup size)
 };
 
 /// A JetSurface whose formula Derived has for four points too:
@@ -333,19 +357,12 @@ private:
   template <int N, class P>
   TRIPATCH_ANY_PACK void run(const double* b, Index n, double* out) const {
     constexpr int size = jet_size(N), lanes = width_of<P>;
-    std::array<std::vector<Index>, 3> groups;  // of points, by nearest vertex
-    for (Index k = 0; k < n; ++k) groups[nearest_vertex(b + 3 * k)].push_back(k);
-    for (int i = 0; i < 3; ++i) {
-      const std::vector<Index>& group = groups[i];
-      const Index count = static_cast<Index>(group.size());
-      for (Index first = 0; first < count; first += lanes) {
-        Index rows[lanes];  // the last again where there are no more
-        for (Index lane = 0; lane < lanes; ++lane) rows[lane] = group[std::min(first + lane, count - 1)];
-        const PackPoint<N, P> p = static_cast<const Derived*>(this)->template at<N>(PackBarycentric<N, P>(b, rows, i));
-        for (Index lane = 0; lane < lanes; ++lane)
-          for (int k = 0; k < size; ++k)
-            for (int x = 0; x < 3; ++x) out[(rows[lane] * size + k) * 3 + x] = p.x[x].c[k][lane];
-      }
+    for (Index first = 0; first < n; first += lanes, b += 3 * lanes, out += 3 * size * lanes) {
+      const Index count = std::min<Index>(lanes, n - first);
+      const PackPoint<N, P> p = static_cast<const Derived*>(this)->template at<N>(PackBarycentric<N, P>(b, count));
+      for (Index lane = 0; lane < count; ++lane)
+        for (int k = 0; k < size; ++k)
+          for (int x = 0; x < 3; ++x) out[(lane * size + k) * 3 + x] = p.x[x].c[k][lane];
     }
   }
 #endif

@@ -31,34 +31,30 @@ public:
   }
 
 #ifdef TRIPATCH_PACKS
-  /// The same of several points.
+  /// The same of several points, from their places on the rays: fraction and parameter of the side.
   template <int N, class P>
-  TRIPATCH_ANY_PACK PackPoint<N, P> at(const PackBarycentric<N, P>& b) const {
-    return degree_ == RayDegree::quintic ? at<N, RayDegree::quintic>(b)
-           : degree_ == RayDegree::cubic ? at<N, RayDegree::cubic>(b)
-                                         : at<N, RayDegree::quadratic>(b);
+  TRIPATCH_ANY_PACK PackPoint<N, P> at(const PackJet<N, P>& s, const PackJet<N, P>& t) const {
+    return degree_ == RayDegree::quintic ? at<N, RayDegree::quintic>(s, t)
+           : degree_ == RayDegree::cubic ? at<N, RayDegree::cubic>(s, t)
+                                         : at<N, RayDegree::quadratic>(s, t);
   }
 #endif
 
 private:
 #ifdef TRIPATCH_PACKS
   template <int N, RayDegree Degree>
-  TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
-    return on_rays<N, Degree>(b);
+  TRIPATCH_PACKED PackPoint<N> at(const PackJet<N>& s, const PackJet<N>& t) const {
+    return on_rays<N, Degree>(s, t);
   }
   template <int N, RayDegree Degree>
-  TRIPATCH_WIDE PackPoint<N, WidePack> at(const PackBarycentric<N, WidePack>& b) const {
-    return on_rays<N, Degree>(b);
+  TRIPATCH_WIDE PackPoint<N, WidePack> at(const PackJet<N, WidePack>& s, const PackJet<N, WidePack>& t) const {
+    return on_rays<N, Degree>(s, t);
   }
 
   template <int N, RayDegree Degree, class P>
-  TRIPATCH_ANY_PACK PackPoint<N, P> on_rays(const PackBarycentric<N, P>& b) const {
-    const PackJet<N, P> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3], t = ray_parameter(b, i_);
+  TRIPATCH_ANY_PACK PackPoint<N, P> on_rays(const PackJet<N, P>& s, const PackJet<N, P>& t) const {
     const P at = t.c[0];
-    P c[N + 2][3], d[N + 1][3], field[N + 1][3], polar[jet_size(N)][3] = {};
-    const PackedField::Places<P> of_c = packed_c_.places(at);
-    packed_c_.taylor<N + 1>(of_c, c);
-    packed_d_.taylor<N>(same_pieces_ ? of_c : packed_d_.places(at), d);
+    P field[N + 1][3], polar[jet_size(N)][3] = {};
     fill(field, corner_[i_]);
     add<N, Degree>(0, s.c[0], field, polar, 1);
     if constexpr (Degree != RayDegree::quadratic) {
@@ -73,11 +69,10 @@ private:
       taylor<N>(vertex_second_, at, field);
       add<N, Degree>(2, s.c[0], field, polar);
     }
-    for (int k = 0; k <= N; ++k)
-      for (int x = 0; x < 3; ++x) field[k][x] = c[k][x];
+    const PackedField::Places<P> places = packed_c_.places(at);
+    packed_c_.taylor<N>(places, field);
     add<N, Degree>(3, s.c[0], field, polar);
-    for (int k = 0; k <= N; ++k)
-      for (int x = 0; x < 3; ++x) field[k][x] = d[k][x] + (at - 0.5) * (k + 1.0) * c[k + 1][x] + static_cast<double>(k) * c[k][x];
+    packed_slope_.taylor<N>(same_pieces_ ? places : packed_slope_.places(at), field);
     add<N, Degree>(4, s.c[0], field, polar);
     if constexpr (Degree == RayDegree::quintic) {
       taylor<N>(side_second_, at, field);
@@ -131,9 +126,6 @@ private:
     const Jet<N> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3];  // fraction of the ray, 0 at the vertex
     const Jet<N> t = ray_parameter(b, i_);
     using Field = std::array<Vec3, N + 1>;  // Taylor coefficients in t
-    std::array<Vec3, N + 2> c, d;
-    ribbon_.c.taylor(t.value(), N + 1, c[0].data());
-    ribbon_.d.taylor(t.value(), N, d[0].data());
     std::array<Vec3, Jet<N>::size> polar;
     polar.fill(Vec3::Zero());
     // `field` times the polynomial that carries it along the ray; `orders`: of its coefficients, how many are not zero
@@ -155,10 +147,9 @@ private:
       taylor<N>(vertex_second_, t.value(), Vec3(Vec3::Zero()), field);
       add(2, field);
     }
-    for (int k = 0; k <= N; ++k) field[k] = c[k];
+    c_.taylor(t.value(), N, field[0].data());
     add(3, field);
-    for (int k = 0; k <= N; ++k)  // d/ds = -delta_i + (t - 1/2) (along the side)
-      field[k] = d[k] + (t.value() - 0.5) * (k + 1.0) * c[k + 1] + static_cast<double>(k) * c[k];
+    slope_.taylor(t.value(), N, field[0].data());
     add(4, field);
     if constexpr (Degree == RayDegree::quintic) {
       taylor<N>(side_second_, t.value(), Vec3(Vec3::Zero()), field);
@@ -195,8 +186,8 @@ private:
 
   int i_;
   RayDegree degree_;
-  Ribbon ribbon_;
-  PackedField packed_c_, packed_d_;
+  PiecewisePolynomial c_, slope_;  ///< of the side: its curve and d/ds
+  PackedField packed_c_, packed_slope_;
   bool same_pieces_;
   std::array<Vec3, 3> corner_;
   Vec3 to_next_, to_previous_;         ///< slopes of the rays along the two sides at the vertex, the inward part included
