@@ -79,7 +79,7 @@ class _Net:
         b = np.roll(a, -1, axis=1)
         beside = [np.stack(three, axis=-1).reshape(-1, 3) for three in ((a[:-1], b[:-1], a[1:]), (b[:-1], b[1:], a[1:]))]
         triangles = np.vstack([beside[0], beside[1][: -len(rim)]])  # at the middle there is but one
-        return cls(places, fill.patch.evaluate(places), fill.patch.normal(places), triangles)
+        return cls(places, *fill.patch.positions_and_normals(places), triangles)
 
 
 class _Between:
@@ -109,7 +109,7 @@ class _Between:
     def _keep(self, shape, patch):
         if len(self._known) >= _MOST_KEPT:
             self._known.clear()
-        self._known[shape] = patch.evaluate(self._places), patch.normal(self._places)
+        self._known[shape] = patch.positions_and_normals(self._places)
         return self._known[shape]
 
     def at(self, shape):
@@ -169,8 +169,8 @@ class _Between:
 
 def _middle_of(patch: Any):
     """The middle of a patch and its normal."""
-    place = _middle_place(patch)
-    return patch.evaluate(place)[0], patch.normal(place)[0]
+    position, normal = patch.positions_and_normals(_middle_place(patch))
+    return position[0], normal[0]
 
 
 def _middle_place(patch: Any):

@@ -24,19 +24,13 @@ inline tripatch::FacesRef faces_from(const IndexArray& offsets, const IndexArray
   return {{offsets.data(), static_cast<std::size_t>(offsets.size())}, {corners.data(), static_cast<std::size_t>(corners.size())}};
 }
 
-inline tripatch::Points points_from(const Array& a) { return Eigen::Map<const tripatch::Points>(a.data(), a.shape(0), 3); }
+inline Eigen::Map<const tripatch::Points> rows_of(const Array& a) { return {a.data(), a.shape(0), 3}; }
+inline tripatch::Points points_from(const Array& a) { return rows_of(a); }
 
 inline Array array_from(const tripatch::Points& p) {
   Array a({p.rows(), tripatch::Index{3}});
   std::copy_n(p.data(), p.size(), a.mutable_data());
   return a;
-}
-
-/// The points themselves, without a copy.
-inline Array array_of(tripatch::Points p) {
-  const auto* const kept = new tripatch::Points(std::move(p));
-  const py::capsule owner(kept, [](void* points) { delete static_cast<tripatch::Points*>(points); });
-  return Array({kept->rows(), tripatch::Index{3}}, kept->data(), owner);
 }
 
 /// Points that belong to an object of Python, without a copy: the array keeps the object.

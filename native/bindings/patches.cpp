@@ -99,12 +99,20 @@ void bind_patches(py::module_& m) {
             return energy(surface, of, size_of(surface));
           },
           py::call_guard<py::gil_scoped_release>())
-      .def("_normal", [](const Surface& surface, const Array& b) {
-        const Eigen::Map<const Points> points(b.data(), b.shape(0), 3);
-        Points normals;
-        interruptibly([&] { normals = surface.normals(points); });
-        return array_of(std::move(normals));
+      .def("_normal",
+           [](const Surface& surface, const Array& b) {
+             Array normals({b.shape(0), Index{3}});
+             double* const out = normals.mutable_data();
+             interruptibly([&] { surface.positions_and_normals(rows_of(b), nullptr, out); });
+             return normals;
+           })
+      .def("_positions_and_normals", [](const Surface& surface, const Array& b) {
+        Array positions({b.shape(0), Index{3}}), normals({b.shape(0), Index{3}});
+        double *const to = positions.mutable_data(), *const beside = normals.mutable_data();
+        interruptibly([&] { surface.positions_and_normals(rows_of(b), to, beside); });
+        return std::make_pair(positions, normals);
       });
+  m.def("_first_outside", [](const Array& b, double off) { return first_outside(rows_of(b), off); });
 
   py::class_<Side>(m, "Side", "A side of the hole: position and the derivative of the surroundings across it.")
       .def_static("_from_functions", &side_from_functions)

@@ -41,8 +41,8 @@ def triangle_grid(m=48):
 def of_patch(patch, m=48):
     """Grids of points and exact unit normals of a triangular patch."""
     b = triangle_grid(m)
-    flat = b.reshape(-1, 3)
-    return patch.evaluate(flat).reshape(b.shape), patch.normal(flat).reshape(b.shape)
+    points, normals = patch.positions_and_normals(b.reshape(-1, 3))
+    return points.reshape(b.shape), normals.reshape(b.shape)
 
 
 def of_rectangle(rectangle, m=40, u=(0, 1), v=(0, 1)):

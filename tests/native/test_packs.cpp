@@ -54,10 +54,12 @@ TEST_CASE("points that are evaluated together have the bits of points evaluated 
   const int degree = 5;
   const SurfacePtr added = correction(slopes, degree, 3, Points::Random(scalars(degree, 3), 3)),
                    less = correction(slopes, degree, 0, Points::Random(scalars(degree, 0), 3));
-  for (const SurfacePtr& surface : {side_vertex(boundary), curved_side_vertex(boundary), added, less})
+  const Index on_threads = 2001;
+  for (const SurfacePtr& surface :
+       {side_vertex(boundary), curved_side_vertex(boundary), added, less, sum(curved_side_vertex(boundary), added)})
     for (int order = 0; order <= 4; ++order) {
       CAPTURE(order);
-      for (const Index n : {4, 5, 203}) CHECK(differing(*surface, scattered(n), order) == 0);
+      for (const Index n : {Index{4}, Index{5}, Index{203}, on_threads}) CHECK(differing(*surface, scattered(n), order) == 0);
     }
 }
 

@@ -208,6 +208,28 @@ def test_points_outside_the_triangle(b):
         patch.evaluate(b)
 
 
+def test_of_many_points_the_first_outside_is_named():
+    vertices, faces, rim = octant(4)
+    patch = tripatch.fill(vertices, faces, rim=rim).patch
+    b = np.full((100_000, 3), 1 / 3)
+    b[[70_000, 90_000]] = 1.2, -0.1, -0.1
+    with pytest.raises(ValueError, match=r"b\[70000\] is no point of the triangle"):
+        patch.evaluate(b)
+    b[80_000, 2] = np.inf
+    with pytest.raises(ValueError, match=r"b\[80000\] is not finite"):
+        patch.normal(b)
+
+
+def test_positions_and_normals_come_together():
+    vertices, faces, rim = octant(4)
+    patch = tripatch.fill(vertices, faces, rim=rim).patch
+    b = np.vstack([np.eye(3), np.random.default_rng(0).dirichlet([1, 1, 1], 5000)])
+    positions, normals = patch.positions_and_normals(b)
+    assert np.allclose(positions, patch.evaluate(b), rtol=0, atol=1e-15)
+    assert np.array_equal(normals, patch.normal(b))
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1, rtol=0, atol=1e-15)
+
+
 def test_a_wrong_derivative_is_noticed():
     def line(t):
         return np.stack([t, 0 * t, 0 * t], axis=1)

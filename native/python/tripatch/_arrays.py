@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from . import _native
 from ._types import Array, ArrayLike, Faces
 
 
@@ -91,10 +92,10 @@ _OUTSIDE = 1e-9
 def barycentric(value: Any) -> Array:
     """(k, 3) rows inside the triangle that sum to 1; one row may be given flat."""
     a = np.asarray(value)
-    b = points(a[None] if a.shape == (3,) else a, "b", finite=True)
-    off = (np.abs(b.sum(axis=1) - 1) > _OUTSIDE) | (b.min(axis=1, initial=0) < -_OUTSIDE)
-    if off.any():
-        row = int(np.argmax(off))
+    b = points(a[None] if a.shape == (3,) else a, "b")
+    row = _native._first_outside(b, _OUTSIDE)
+    if row is not None:
+        points(b, "b", finite=True)
         raise ValueError(f"b[{row}] is no point of the triangle: barycentric coordinates are from 0 to 1 and sum to 1")
     return b
 

@@ -14,16 +14,38 @@
 namespace tripatch {
 namespace {
 
+/// f(first, count) for pieces of n points, on all cores where they are many: so few that their Taylor coefficients stay in the cache next to
+/// the core. Few points come in one piece, and whatever evaluates them may share them out.
+template <class F>
+void in_blocks(Index n, int order, const F& f) {
+  constexpr std::array<Index, max_order + 1> worth_a_thread = {600, 300, 150, 80,
+                                                               40};  // some 0.05 us a point without derivatives
+  constexpr Index block = 256;
+  const Index share = worth_a_thread[std::clamp(order, 0, max_order)];
+  check_interruption();
+  if (n < 2 * share) return f(0, n);
+  parallel_for(0, n, share, [&](Index from, Index to) {
+    const Alone alone;
+    for (Index first = from; first < to; first += block) {
+      check_interruption();
+      f(first, std::min(block, to - first));
+    }
+  });
+}
+
 class Sum final : public Surface {
 public:
   Sum(SurfacePtr a, SurfacePtr b) : a_(std::move(a)), b_(std::move(b)) {}
 
   void evaluate(const double* b, Index n, int order, double* out) const override {
-    a_->evaluate(b, n, order, out);
-    const Index size = n * jet_size(order) * 3;
-    const auto added = std::make_unique_for_overwrite<double[]>(size);
-    b_->evaluate(b, n, order, added.get());
-    for (Index k = 0; k < size; ++k) out[k] += added[k];
+    const Index row = jet_size(order) * 3;
+    in_blocks(n, order, [&](Index first, Index count) {
+      double* const sums = out + first * row;
+      const auto added = std::make_unique_for_overwrite<double[]>(count * row);
+      a_->evaluate(b + 3 * first, count, order, sums);
+      b_->evaluate(b + 3 * first, count, order, added.get());
+      for (Index k = 0; k < count * row; ++k) sums[k] += added[k];
+    });
   }
 
 private:
@@ -45,24 +67,11 @@ private:
   const double* data_;
 };
 
-/// use(k, position and first derivatives) for each place.
-template <class Use>
-void for_tangents(const Surface& surface, const PointsRef& b, const Use& use) {
-  constexpr Index at_once = 1 << 12, size = 9, share = 150;  // jets that stay in the cache; as below
-  const Places places(b);
-  parallel_for(0, b.rows(), share, [&](Index from, Index to) {
-    const Alone alone;
-    const auto jets = std::make_unique_for_overwrite<double[]>(std::min(to - from, at_once) * size);
-    for (Index first = from; first < to; first += at_once) {
-      const Index count = std::min(at_once, to - first);
-      surface.evaluate(places.data() + 3 * first, count, 1, jets.get());
-      for (Index k = 0; k < count; ++k) use(first + k, jets.get() + size * k);
-    }
-  });
-}
-
-Eigen::RowVector3d normal_of(const double* jet) {
-  return Eigen::Map<const Vec3>(jet + 3).cross(Eigen::Map<const Vec3>(jet + 6)).stableNormalized();
+Vec3 normal_of(const double* jet) {
+  const Vec3 across = Vec3::Map(jet + 3).cross(Vec3::Map(jet + 6));
+  const double squared = across.squaredNorm();
+  const bool far_from_overflow = squared > 1e-250 && squared < 1e250;
+  return far_from_overflow ? Vec3(across * (1 / std::sqrt(squared))) : across.stableNormalized();
 }
 
 }  // namespace
@@ -85,37 +94,57 @@ Points Surface::positions(const PointsRef& b) const {
 
 Points Surface::normals(const PointsRef& b) const {
   Points normals(b.rows(), 3);
-  for_tangents(*this, b, [&](Index k, const double* jet) { normals.row(k) = normal_of(jet); });
+  positions_and_normals(b, nullptr, normals.data());
   return normals;
 }
 
 std::pair<Points, Points> Surface::positions_and_normals(const PointsRef& b) const {
   Points positions(b.rows(), 3), normals(b.rows(), 3);
-  for_tangents(*this, b, [&](Index k, const double* jet) {
-    positions.row(k) = Eigen::Map<const Vec3>(jet);
-    normals.row(k) = normal_of(jet);
-  });
+  positions_and_normals(b, positions.data(), normals.data());
   return {std::move(positions), std::move(normals)};
+}
+
+void Surface::positions_and_normals(const PointsRef& b, double* positions, double* normals) const {
+  constexpr Index size = 9;
+  const Places places(b);
+  in_blocks(b.rows(), 1, [&](Index first, Index count) {
+    const auto jets = std::make_unique_for_overwrite<double[]>(count * size);
+    evaluate(places.data() + 3 * first, count, 1, jets.get());
+    for (Index k = 0; k < count; ++k) {
+      const double* const jet = jets.get() + size * k;
+      if (positions) std::copy_n(jet, 3, positions + 3 * (first + k));
+      Eigen::Map<Vec3>(normals + 3 * (first + k)) = normal_of(jet);
+    }
+  });
+}
+
+std::optional<Index> first_outside(const PointsRef& b, double off) {
+  const auto is_inside = [&](Index k) {
+    const double* const p = b.data() + k * b.outerStride();
+    return std::abs(p[0] + p[1] + p[2] - 1) <= off && p[0] >= -off && p[1] >= -off && p[2] >= -off;
+  };
+  if (holds_for_all(b.rows(), is_inside)) return {};
+  Index k = 0;
+  while (is_inside(k)) ++k;
+  return k;
 }
 
 void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* out) const {
   if (order < 0 || order > max_order) throw InvalidArgument("derivatives must be from 0 to " + std::to_string(max_order));
+  in_blocks(n, order,
+            [&](Index first, Index count) { evaluate_some(b + 3 * first, count, order, out + 3 * jet_size(order) * first); });
+}
+
+void VertexSafeSurface::evaluate_some(const double* b, Index n, int order, double* out) const {
   std::vector<Index> near;
   for (Index k = 0; k < n; ++k)
     if (vertex_of(b + 3 * k, vertex_radius[order]) >= 0) near.push_back(k);
-  // A run of points far from the vertices at a time; a share of one is worth a thread (some 0.1 us a point without derivatives).
-  constexpr std::array<Index, max_order + 1> share = {300, 150, 80, 40, 20};
-  constexpr Index block = 4096;  // some milliseconds
+  // a run of points far from the vertices at a time
   Index start = 0;
   const Index row = 3 * jet_size(order);
   for (std::size_t next = 0; start < n; ++next) {
     const Index end = next < near.size() ? near[next] : n;
-    parallel_for(start, end, share[order], [&](Index from, Index to) {
-      for (Index first = from; first < to; first += block) {
-        check_interruption();
-        evaluate_regular(b + 3 * first, std::min(block, to - first), order, out + first * row);
-      }
-    });
+    if (end > start) evaluate_regular(b + 3 * start, end - start, order, out + start * row);
     start = end + 1;
   }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 
@@ -27,9 +28,14 @@ public:
   Points normals(const PointsRef& b) const;
   /// Both from one evaluation.
   std::pair<Points, Points> positions_and_normals(const PointsRef& b) const;
+  /// The same into n x 3 numbers each; positions: null where only normals are asked for.
+  void positions_and_normals(const PointsRef& b, double* positions, double* normals) const;
 };
 
 using SurfacePtr = std::shared_ptr<const Surface>;
+
+/// The first row of b (n x 3) that is no point of the triangle: not finite, or by more than `off` below 0 or not summing to 1.
+std::optional<Index> first_outside(const PointsRef& b, double off);
 
 /// Moves barycentric coordinates b (n x 3) to where the surface is nearest to points (n x 3): Gauss-Newton from where they are, kept
 /// in the triangle. Returns the distances.
@@ -60,6 +66,9 @@ protected:
   /// As evaluate(), never called at a vertex. Throws InvalidArgument for an order it cannot give.
   virtual void evaluate_regular(const double* b, Index n, int order, double* out) const = 0;
   virtual Vec3 corner(int i) const = 0;
+
+private:
+  void evaluate_some(const double* b, Index n, int order, double* out) const;
 };
 
 /// Calls f(std::integral_constant<int, order>): from an order known at run time to a template argument.
