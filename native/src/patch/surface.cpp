@@ -18,8 +18,8 @@ namespace {
 /// the core. Few points come in one piece, and whatever evaluates them may share them out.
 template <class F>
 void in_blocks(Index n, int order, const F& f) {
-  constexpr std::array<Index, max_order + 1> worth_a_thread = {600, 300, 150, 80,
-                                                               40};  // some 0.05 us a point without derivatives
+  constexpr std::array<Index, max_order + 1> worth_a_thread = {400, 200, 100, 50,
+                                                               25};  // some 0.05 us a point without derivatives
   constexpr Index block = 256;
   const Index share = worth_a_thread[std::clamp(order, 0, max_order)];
   check_interruption();
