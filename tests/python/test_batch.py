@@ -21,7 +21,7 @@ from test_cli import sphere_hole, square, unjoined, write_obj
 from test_crossings import trefoil
 from tripatch import __main__ as cli
 from tripatch import files
-from tripatch.batch import creases, inputs, job, journal, keeper, pictures, record, scheduling
+from tripatch.batch import command, creases, inputs, job, journal, keeper, pictures, record, scheduling
 from tripatch.batch.settings import Settings
 
 distributed = pytest.importorskip("distributed")
@@ -92,9 +92,10 @@ def test_the_workers_of_a_machine_share_its_cores(monkeypatch, given):
         monkeypatch.setenv("TRIPATCH_THREADS", given)
     else:
         monkeypatch.delenv("TRIPATCH_THREADS", raising=False)
-    client, cluster = scheduling._client(2, None)
+    client, cluster = scheduling._client(9, None, files=2)  # no more than there are files
     with cluster, client:
         said = client.run(lambda: os.environ["TRIPATCH_THREADS"])
+    assert len(said) == 2
     assert set(said.values()) == {given or str(max(1, (os.cpu_count() or 1) // 2))}
 
 
@@ -204,7 +205,7 @@ def test_filters_and_reasons_of_a_dry_run(tmp_path, capsys):
     assert "two.obj: hole through vertex 0, 9 edges, 1.73 wide: would be filled" in told
     assert any("15 edges" in line and line.endswith("--max-edges 10 leaves it out") for line in told)
     assert any("9 edges" in line and "An outer border of an open mesh" in line for line in told)
-    assert told[-1] == "1 hole in 1 files would be filled"
+    assert told[-1] == "1 hole in 1 file would be filled"
     assert run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--dry-run", "--max-edges", 3)[0] == 1
 
 
@@ -307,6 +308,19 @@ if "tripatch.batch.child" in " ".join(sys.orig_argv):
 """
 
 
+_HOG = """
+import time
+def take_all():
+    kept, size = [], 2**20
+    while size > 2**12:
+        try:
+            kept.append(bytearray(size))
+        except MemoryError:
+            size //= 2
+    time.sleep(60)
+"""
+
+
 def test_a_crash_and_limits_cost_that_file_only(tmp_path, capsys, monkeypatch):
     in_child(monkeypatch, tmp_path, _BAD)
     source = spheres(tmp_path / "in", 5)
@@ -323,6 +337,19 @@ def test_a_crash_and_limits_cost_that_file_only(tmp_path, capsys, monkeypatch):
     assert made["d-once.obj"]["status"] == made["m004.obj"]["status"] == "filled"  # tried again
     again = run(capsys, source, "--out", tmp_path / "out", *options)[2]
     assert "2 done before" in again  # what failed is tried again
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="Linux says how much memory a process has")
+def test_a_process_that_stays_without_memory_is_ended(tmp_path, monkeypatch):
+    """As CPython does that has none for a MemoryError: it tries again and again, and no other thread of it runs."""
+    (tmp_path / "hog.py").write_text(_HOG)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    settings = Settings(str(tmp_path), str(tmp_path), {}, tripatch.__version__, "crop", memory_limit=300, time_limit=30)
+    with keeper.Keeper(settings) as one:
+        with pytest.raises(keeper._Ended) as caught:
+            one.call("hog", "take_all")
+        assert caught.value.status == record.MEMORY_LIMIT
+        assert one.call("math", "sqrt", 4) == 2
 
 
 def test_a_process_is_recycled_and_ends_with_the_one_that_asks(tmp_path):
@@ -352,6 +379,54 @@ time.sleep(100)
         time.sleep(0.02)
     else:
         pytest.fail("the process that fills outlives the one that asks")
+
+
+_SCHEDULER = """
+import time
+from distributed import LocalCluster
+if __name__ == "__main__":
+    given = {"processes": False, "protocol": "tcp", "memory_limit": 0, "dashboard_address": None}
+    with LocalCluster(n_workers=1, threads_per_worker=1, **given) as cluster:
+        print(cluster.scheduler_address, flush=True)
+        time.sleep(100)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs POSIX signals")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_while_dask_starts_is_not_lost(number):
+    own = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        reached = []
+        with pytest.raises(KeyboardInterrupt), scheduling._deaf_to_ctrl_c():
+            signal.raise_signal(number)
+            child = [sys.executable, "-c", "import os, signal; os.kill(os.getpid(), signal.SIGINT); print('deaf')"]
+            reached.append(subprocess.run(child, capture_output=True, text=True).stdout)
+        assert reached == ["deaf\n"]
+        assert signal.getsignal(signal.SIGTERM) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGTERM, own)
+
+
+def test_a_scheduler_that_goes_away_is_said(tmp_path, capsys):
+    source, out = spheres(tmp_path / "in", 40), tmp_path / "out"
+    with subprocess.Popen([sys.executable, "-c", _SCHEDULER], stdout=subprocess.PIPE, text=True) as scheduler:
+        address = scheduler.stdout.readline().strip()
+
+        def end():
+            for _ in range(6000):
+                if list(out.glob("*.obj")):
+                    break
+                time.sleep(0.01)
+            scheduler.kill()
+
+        ending = threading.Thread(target=end)
+        ending.start()
+        code, _, err = run(capsys, source, "--out", out, "--worst", 0, "--scheduler", address)
+        ending.join()
+    assert code == 2
+    assert f"The scheduler at {address} is gone; the same command goes on with what is left" in err
+    assert run(capsys, source, "--out", out, "--workers", 0, "--worst", 0)[0] == 0
 
 
 def test_ctrl_c_ends_it_orderly(tmp_path, capsys):
@@ -413,12 +488,18 @@ def test_without_dask_a_clear_sentence(tmp_path, capsys, monkeypatch):
         (["in", "--bulge", "-1"], "bulge"),
         (["in", "--root", "elsewhere"], "--root"),
         (["--files", "list", "--range", "5-3"], "5-3"),
+        (["--files", "list", "--range", "2-3"], "list has 1 file"),
+        (["--files", "no-text"], "no-text is no text file"),
+        (["in", "--max-edges", "2"], "max_edges must be 3 or greater"),
+        (["in", "--time-limit", "soon"], "invalid number of seconds value: 'soon'"),
+        (["in", "--time-limit", "inf"], "longer than nothing, and less than"),
     ],
 )
 def test_bad_usage(tmp_path, capsys, monkeypatch, arguments, word):
     monkeypatch.chdir(tmp_path)
     spheres(tmp_path / "in", 1)
     (tmp_path / "list").write_text("in/m000.obj\n")
+    (tmp_path / "no-text").write_bytes(b"solid\0\0")
     code, _, err = run(capsys, *arguments, "--out", "out")
     assert code == 2
     assert word in err
@@ -426,10 +507,92 @@ def test_bad_usage(tmp_path, capsys, monkeypatch, arguments, word):
 
 
 def test_inputs_are_never_written_over(tmp_path, capsys):
+    """Nor by other names that they have."""
+    source = spheres(tmp_path / "in", 2)
+    before = {path.name: path.read_bytes() for path in source.iterdir()}
+    (tmp_path / "folder").symlink_to(source)
+    for name in ("link", "hard", "sub"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "link" / "m001.obj").symlink_to(source / "m001.obj")
+    os.link(source / "m001.obj", tmp_path / "hard" / "m001.obj")
+    (tmp_path / "sub" / "in").symlink_to(source)
+    for out in ("in", "folder", "link", "hard"):
+        for given in (source, source / "m001.obj"):
+            code, _, err = run(capsys, given, "--out", tmp_path / out, "--workers", 0)
+            assert (code, "would be written over" in err) == (2, True), out
+    assert run(capsys, source, "--root", tmp_path, "--out", tmp_path / "sub", "--workers", 0)[0] == 2
+    assert {path.name: path.read_bytes() for path in source.iterdir()} == before
+
+
+def test_results_are_no_inputs_by_whatever_name(tmp_path, capsys):
+    source = spheres(tmp_path / "in", 2)
+    (tmp_path / "link").symlink_to(source)
+    for out in (source / "out", tmp_path / "link" / "out"):
+        assert run(capsys, source, "--out", out, "--workers", 0)[1].startswith("Filled 2 holes in 2 of 2 files")
+
+
+def test_no_file_at_all_is_said(tmp_path, capsys):
+    (tmp_path / "in").mkdir()
+    code, out, err = run(capsys, tmp_path / "in", "--out", tmp_path / "out")
+    assert (code, out) == (1, "")
+    assert "There is no file to fill; folders are searched for .obj, .ply, .stl, .off and .blend" in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_where_nothing_can_be_written_is_said_before_the_first_file(tmp_path, capsys, monkeypatch):
+    def full(**_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(journal.tempfile, "TemporaryFile", full)
+    monkeypatch.setattr(command.serial, "run", lambda *_: pytest.fail("a file was done"))
+    code, _, err = run(capsys, spheres(tmp_path / "in", 1), "--out", tmp_path / "out", "--workers", 0)
+    assert code == 2
+    assert f"Nothing can be written to {tmp_path / 'out'}: No space left on device" in err
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes that have names")
+def test_a_pipe_among_files_keeps_nobody_waiting(tmp_path, capsys):
     source = spheres(tmp_path / "in", 1)
-    for given in (source, source / "m000.obj"):
-        code, _, err = run(capsys, given, "--out", source, "--workers", 0)
-        assert (code, "would be written over" in err) == (2, True)
+    os.mkfifo(source / "pipe.obj")
+    options = ["--workers", 0, "--worst", 0, "--time-limit", 20]
+    assert run(capsys, source, "--out", tmp_path / "out", *options)[0] == 3
+    assert heads(tmp_path / "out")["pipe.obj"]["status"] == "unreadable"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere names of files are text")
+def test_names_that_are_no_text(tmp_path, capsys):
+    source = spheres(tmp_path / "in", 1)
+    os.rename(source / "m000.obj", os.fsencode(source) + b"/m\xff.obj")
+    for before in ("", "1 done before"):
+        code, _, err = run(capsys, source, "--out", tmp_path / "out", "--workers", 0)
+        assert code == 0
+        assert before in err
+    assert list(heads(tmp_path / "out")) == [os.fsdecode(b"m\xff.obj")]  # the lines are UTF-8 all the same
+    out = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--dry-run")[1]
+    assert "m\\udcff.obj: hole through vertex" in out
+
+
+def test_a_list_has_names_with_whatever_is_no_line_break(tmp_path, capsys):
+    source = spheres(tmp_path / "in", 1)
+    name = "m\x1c\x85\u2028.obj"
+    (source / "m000.obj").rename(source / name)
+    (tmp_path / "list").write_text(f"\ufeffin/{name}\n", encoding="utf-8")
+    assert inputs.from_list(tmp_path / "list") == [source / name]
+    (source / name).rename(source / "a\nb.obj")
+    code, out, err = run(capsys, source, "--out", tmp_path / "out", "--emit", "commands")
+    assert (code, out) == (2, "")
+    assert "has a line break in its name" in err
+
+
+def test_no_result_stays_of_other_options(tmp_path, capsys):
+    """What lies in the folder is what the lines say."""
+    source, out = spheres(tmp_path / "in", 3), tmp_path / "out"  # rims of 6, 9 and 12 edges
+    for more, left in (([], 3), (["--max-edges", 9], 2), ([], 3), (["--max-edges", 9], 2)):
+        run(capsys, source, "--out", out, "--workers", 0, "--worst", 0, *more)
+        assert len(list(out.glob("*.obj"))) == left == sum(head["output"] is not None for head in heads(out).values())
+    (out / "m002.obj").write_text("of somebody else")
+    run(capsys, source, "--out", out, "--workers", 0, "--worst", 0, "--max-edges", 9)
+    assert (out / "m002.obj").exists()
 
 
 def test_portions_are_of_a_size_and_hold_every_file_once(tmp_path):

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from . import crops, job, record
+from . import child, crops, job, record
 from .settings import CROP, Settings
 
 _SCRIPT = Path(__file__).with_name("in_blender.py")
@@ -36,23 +36,42 @@ def _asked(file: Path, part: Path, settings: Settings, holes: tuple[Any, ...], f
     }
 
 
-def _run(asked: dict[str, Any], program: str) -> dict[str, Any]:
-    """What the script in Blender answers; else a status and a reason."""
+def _waited(process: subprocess.Popen[bytes], memory_limit: int | None) -> tuple[bytes, bool]:
+    """What it says up to its end, and whether it was ended as it stayed without memory."""
+    looks = 0
+    while True:
+        try:
+            return process.communicate(timeout=1)[0], False
+        except subprocess.TimeoutExpired:
+            looks = looks + 1 if memory_limit and child.out_of_memory(process.pid, memory_limit) else 0
+            if looks > 1:
+                process.kill()
+                return process.communicate()[0], True
+
+
+def _run(asked: dict[str, Any], program: str, memory_limit: int | None) -> dict[str, Any]:
+    """What the script in Blender answers; else a status and a reason, None where the memory is short."""
     with tempfile.TemporaryDirectory(prefix="tripatch-") as folder:
         question, answer = Path(folder, "question.json"), Path(folder, "answer.json")
         question.write_text(json.dumps({**asked, "answer": os.fspath(answer)}))
         command = [program, "--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python-exit-code", "9"]
         command += ["--python", os.fspath(_SCRIPT), "--", os.fspath(question)]
+        streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
         try:
-            ended = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            ended = subprocess.Popen(command, **streams)
         except OSError:
             return {"status": record.CRASHED, "reason": MISSING.format(program)}
+        out, full = _waited(ended, memory_limit)
+        if full:
+            return {"status": record.MEMORY_LIMIT, "reason": None}
         # a Blender that crashes after its answer has done what it was asked for
         if answer.exists():
             told: dict[str, Any] = json.loads(answer.read_text())
             return told
-        said = ended.stdout.decode(errors="replace").strip().splitlines()
-    last = next((line for line in reversed(said) if "Error" in line or "error" in line), "")[:200]
+        said = out.decode(errors="replace").strip().splitlines()
+    # Blender's own last word, that the script has failed, says nothing of why
+    words = [line for line in said if ("Error" in line or "error" in line) and not line.startswith("Error: script failed")]
+    last = words[-1][:200] if words else ""
     how = f"was ended by signal {-ended.returncode}" if ended.returncode < 0 else f"ended with code {ended.returncode}"
     return {"status": record.CRASHED, "reason": f"Blender {how}{': ' * bool(last)}{last}"}
 
@@ -72,12 +91,12 @@ def work(file: Path, name: str, sha256: str, settings: Settings, begun: float, h
     try:
         if settings.mode == "fill":
             out.parent.mkdir(parents=True, exist_ok=True)
-        answer = _run(_asked(file, part, settings, holes, out), program)
+        answer = _run(_asked(file, part, settings, holes, out), program, settings.memory_limit)
         if settings.mode == CROP:
             parts = answer.get("crops", [])
             return {"crops": [c and crops.of_parts(np.array(c["vertices"]), c["around"], c["fill"]) for c in parts]}
         if "status" in answer:
-            return told(answer["status"], answer["reason"])
+            return told(answer["status"], answer["reason"] or job.memory_reason(settings))
         lines = [record.of_hole(settings, name, **hole) for hole in answer["holes"]]
         values = {"sha256": sha256, "vertices": answer["vertices"], "faces": answer["faces"], **record.outcome(lines)}
         if values["filled"] and settings.mode == "fill":

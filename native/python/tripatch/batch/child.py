@@ -9,10 +9,12 @@ import importlib
 import os
 import pickle
 import queue
+import re
 import signal
 import struct
 import sys
 import threading
+from pathlib import Path
 from typing import Any
 
 SIZE = struct.Struct("<Q")
@@ -49,6 +51,19 @@ def limit_memory(megabytes: int | None) -> None:
         _, hard = resource.getrlimit(kind)
         wanted = megabytes * 2**20
         resource.setrlimit(kind, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))
+
+
+def out_of_memory(pid: int, megabytes: int) -> bool:
+    """Whether a process has nothing left of its limit that a small request could have. False where the system does not say.
+
+    Some stay so for ever: CPython up to 3.11 at least has no memory for the MemoryError itself, tries again, and no thread of it
+    runs meanwhile.
+    """
+    try:
+        used = re.search(rb"VmData:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_bytes())
+    except OSError:
+        return False
+    return used is not None and int(used[1]) > megabytes * 1024 - 256
 
 
 def _read(requests: Any, waiting: queue.SimpleQueue[Any]) -> None:

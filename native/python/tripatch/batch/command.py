@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import io
+import os
 import signal
 import sys
 import threading
@@ -14,9 +16,10 @@ import numpy as np
 
 from .. import __version__, _native, arguments
 from ..filling import fill_all
+from ..holes import choose_holes
 from . import emit, inputs, journal, pictures, record, scheduling, serial
 from .in_words import given
-from .progress import Progress
+from .progress import Progress, counted
 from .settings import BATCH_OPTIONS, FILL, LIST, Settings
 
 DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
@@ -57,9 +60,12 @@ def _whole(least: int) -> Any:
 
 def _seconds(text: str) -> float:
     value = float(text)
-    if not value > 0:
-        raise argparse.ArgumentTypeError("a time limit must be longer than nothing")
+    if not 0 < value < threading.TIMEOUT_MAX:
+        raise argparse.ArgumentTypeError(f"a time limit must be longer than nothing, and less than {threading.TIMEOUT_MAX:g}")
     return value
+
+
+_seconds.__name__ = "number of seconds"  # as it is called where the text is none
 
 
 def add(commands: Any) -> None:
@@ -123,14 +129,22 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
     root = inputs.root_of(found, args.root)
     args.root, args.options = str(root), record.plain({n: getattr(args, n) for n in BATCH_OPTIONS if hasattr(args, n)})
     # what no file could be filled with is said before the first
-    fill_all(np.eye(3), [[0, 1, 2]], [], **Settings("", "", args.options).filling())
-    if not args.dry_run:
-        inputs.check_places(found, root, out)
+    asked = Settings("", "", args.options)
+    choose_holes(np.eye(3), [[0, 1, 2]], **asked.choosing())
+    fill_all(np.eye(3), [[0, 1, 2]], [], **asked.filling())
+    wanted = found
     if args.range:
-        found = found[args.range[0] - 1 : args.range[1]]
+        wanted = found[args.range[0] - 1 : args.range[1]]
+        if found and not wanted:
+            raise inputs.InputError(f"{args.files} has {counted(len(found), 'file')}, and --range begins at {args.range[0]}")
+    if not args.dry_run:
+        inputs.check_places(wanted, found, root, out)
+    # who does the files may stand in another folder
+    args.addon = args.addon and os.path.abspath(args.addon)
+    args.blender = os.path.abspath(args.blender) if os.path.dirname(args.blender) else args.blender
     common = {name: getattr(args, name) for name in ("time_limit", "memory_limit", "retries", "blender", "addon")}
     mode = LIST if args.dry_run else FILL
-    return found, Settings(args.root, str(out), args.options, __version__, mode, **common)
+    return wanted, Settings(args.root, str(out), args.options, __version__, mode, **common)
 
 
 def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) -> tuple[list[dict[str, Any] | None], bool]:
@@ -151,7 +165,7 @@ def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) ->
     try:
         if args.range or args.workers == 0:
             serial.run(found, settings, before, take)
-        elif found:
+        else:
             scheduling.run(found, settings, before, take, args.workers, args.scheduler)
     except KeyboardInterrupt:
         stopped = True
@@ -160,17 +174,13 @@ def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) ->
     return entries, stopped
 
 
-def _counted(number: int, word: str) -> str:
-    return f"{number} {word}{'' if number == 1 else 's'}"
-
-
 def _of_unjoined(heads: Sequence[dict[str, Any]]) -> list[str]:
     """Nothing, or a part of a sentence."""
     rims = [head["unjoined"] for head in heads if head["unjoined"]]
     if not rims:
         return []
     lie = "lies" if sum(rims) == 1 else "lie"
-    where = f"{_counted(sum(rims), 'rim')} in {_counted(len(rims), 'file')}"
+    where = f"{counted(sum(rims), 'rim')} in {counted(len(rims), 'file')}"
     return [f"{where} {lie} upon other borders ({_native.not_joined}; Merge by Distance joins them)"]
 
 
@@ -188,7 +198,7 @@ def _listing(entries: Sequence[dict[str, Any]]) -> int:
             filled = ["would be filled"] if hole["status"] == record.LISTED else []
             what = ". ".join(filter(None, [*filled, hole["reason"]]))
             print(f"{head['input']}: {ob}{place if hole['vertex'] is not None else ''}: {what}")
-    said = [f"{meant} {'hole' if meant == 1 else 'holes'} in {len(entries)} files would be filled"]
+    said = [f"{counted(meant, 'hole')} in {counted(len(entries), 'file')} would be filled"]
     print("; ".join(said + _of_unjoined([entry["lines"][0] for entry in entries])))
     return DONE if meant else NOTHING
 
@@ -197,19 +207,17 @@ def _summary(entries: Sequence[dict[str, Any]]) -> str:
     """'Filled 950 holes in 900 of 1000 files; 50 holes refused; 2 files failed: 1 unreadable, 1 crashed'"""
     heads = [entry["lines"][0] for entry in entries]
     holes = sum(head["filled"] for head in heads)
-    said = [
-        f"Filled {_counted(holes, 'hole')} in {sum(h['output'] is not None for h in heads)} of {_counted(len(heads), 'file')}"
-    ]
+    said = [f"Filled {counted(holes, 'hole')} in {sum(h['output'] is not None for h in heads)} of {counted(len(heads), 'file')}"]
     refused, folded = sum(head["refused"] for head in heads), sum(head["folded"] for head in heads)
     if refused:
-        said.append(f"{_counted(refused, 'hole')} refused")
+        said.append(f"{counted(refused, 'hole')} refused")
     if folded:
-        said.append(f"{_counted(folded, 'fill')} folded")
+        said.append(f"{counted(folded, 'fill')} folded")
     said += _of_unjoined(heads)
     bad = [head["status"] for head in heads if head["status"] in (record.UNREADABLE, *record.PASSING)]
     if bad:
         kinds = ", ".join(f"{bad.count(kind)} {kind}" for kind in dict.fromkeys(sorted(bad)))
-        said.append(f"{_counted(len(bad), 'file')} failed ({kinds})")
+        said.append(f"{counted(len(bad), 'file')} failed ({kinds})")
     return "; ".join(said)
 
 
@@ -240,13 +248,20 @@ def _stops() -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Runs `tripatch batch`; the exit status."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # names of files need not be text
+        sys.stdout.reconfigure(errors="surrogateescape" if args.emit else "backslashreplace")
     found, settings = _settings(args)
+    if not found:
+        _say(f"There is no file to fill; folders are searched for {', '.join(inputs.SUFFIXES[:-1])} and {inputs.SUFFIXES[-1]}")
+        return NOTHING
+    if args.emit or not args.dry_run:
+        journal.prepare(Path(settings.out))
     if args.emit:
         out = Path(settings.out)
         text, told = emit.emitted(args.emit, found, out, _words(args), args.chunk, args.memory_limit)
         print(text, end="")
         _say(told)
-        return DONE if found else NOTHING
+        return DONE
     _stops()
     try:
         entries, stopped = _run(args, found, settings)

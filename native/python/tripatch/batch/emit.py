@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from . import journal
+from .inputs import InputError
 
 KINDS = ("commands", "slurm", "openjd", "flamenco")
 
@@ -19,9 +20,10 @@ _MOST_TASKS = 1000
 
 def written_list(files: Sequence[Path], out: Path) -> Path:
     """The list of files, in the folder of the results."""
-    folder = out / journal.FOLDER
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "files.txt"
+    broken = next((file for file in files if "\n" in str(file) or "\r" in str(file)), None)
+    if broken:
+        raise InputError(f"{str(broken)!r} has a line break in its name, and a list names one file a line")
+    path = out / journal.FOLDER / "files.txt"
     path.write_text("".join(f"{file}\n" for file in files), encoding="utf-8", errors="surrogateescape")
     return path
 

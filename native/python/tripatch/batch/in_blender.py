@@ -14,7 +14,8 @@ import addon_utils
 import bpy
 
 NAME = "tripatch_blender"
-UNREADABLE, CRASHED, NOT_WRITTEN = "unreadable", "crashed", "not written"  # as record.py names them, which needs the library
+# as record.py names them, which needs the library
+UNREADABLE, CRASHED, NOT_WRITTEN, MEMORY_LIMIT = "unreadable", "crashed", "not written", "memory limit"
 
 
 class Stop(Exception):
@@ -52,7 +53,8 @@ def opened(path: str) -> None:
     try:
         bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
     except RuntimeError as error:
-        raise Stop(UNREADABLE, f"Blender cannot open it: {str(error).strip()}") from None
+        reason = str(error).strip().replace(path, os.path.basename(path))  # the same on every machine
+        raise Stop(UNREADABLE, f"Blender cannot open it: {reason}") from None
     if tuple(bpy.data.version[:2]) > tuple(bpy.app.version[:2]):
         of, this = (".".join(map(str, version[:2])) for version in (bpy.data.version, bpy.app.version))
         raise Stop(UNREADABLE, f"It was saved by Blender {of}, and this one, {this}, would lose what it does not know")
@@ -220,6 +222,8 @@ def main(path: str) -> None:
             answer["holes"] = listed(module, asked["options"]) if asked["mode"] == "list" else filled(module, asked)
     except Stop as stop:
         answer = {"status": stop.status, "reason": stop.reason}
+    except MemoryError:
+        answer = {"status": MEMORY_LIMIT, "reason": None}
     part = asked["answer"] + ".part"
     with open(part, "w", encoding="utf-8") as file:
         json.dump(answer, file)

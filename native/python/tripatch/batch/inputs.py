@@ -24,10 +24,11 @@ class InputError(ValueError):
 def listed(inputs: Sequence[str], out: Path) -> list[Path]:
     """The files that inputs mean, absolute, each once, sorted; folders are searched, `out` is not."""
     found: set[Path] = set()
+    own = _identity(out)
     for given in inputs:
         path = Path(os.path.abspath(given))
         if path.is_dir():
-            found.update(_below(path, out))
+            found.update(_below(path, own))
         elif path.exists() or path.is_symlink():
             found.add(path)
         else:
@@ -35,9 +36,18 @@ def listed(inputs: Sequence[str], out: Path) -> list[Path]:
     return sorted(found, key=os.fspath)
 
 
-def _below(folder: Path, out: Path) -> Iterator[Path]:
+def _identity(path: Path) -> tuple[int, int] | None:
+    """The same for all names of a file or folder, links among them; None where there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _below(folder: Path, out: tuple[int, int] | None) -> Iterator[Path]:
     for place, folders, names in os.walk(folder):
-        folders[:] = [name for name in folders if Path(place, name) != out and not name.startswith(".")]
+        folders[:] = [name for name in folders if not name.startswith(".") and not (out and _identity(Path(place, name)) == out)]
         for name in names:
             if name.lower().endswith(SUFFIXES) and not name.startswith("."):
                 yield Path(place, name)
@@ -46,9 +56,12 @@ def _below(folder: Path, out: Path) -> Iterator[Path]:
 def from_list(path: Path) -> list[Path]:
     """The files that a list names, one a line, in its order."""
     try:
-        lines = path.read_text(encoding="utf-8", errors="surrogateescape").splitlines()
+        # not by splitlines: a name may hold what else ends a line of text
+        lines = path.read_text(encoding="utf-8-sig", errors="surrogateescape").split("\n")
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+    if any("\0" in line for line in lines):
+        raise InputError(f"{path} is no text file that names files, one a line")
     return [Path(os.path.abspath(path.parent / line)) for line in lines if line.strip()]
 
 
@@ -63,12 +76,12 @@ def root_of(files: Sequence[Path], given: str | None) -> Path:
     return Path(os.path.commonpath([file.parent for file in files])) if files else Path.cwd()
 
 
-def check_places(files: Sequence[Path], root: Path, out: Path) -> None:
-    """No result takes the place of an input."""
-    taken = set(files)
-    for file in files:
-        if out / file.relative_to(root) in taken:
-            raise InputError(f"{file} would be written over; --out must be another folder than that of the inputs")
+def check_places(files: Sequence[Path], inputs: Sequence[Path], root: Path, out: Path) -> None:
+    """No result of files takes the place of an input, nor by a link."""
+    there = {identity for file in files if (identity := _identity(out / file.relative_to(root)))}
+    over = next((file for file in inputs if _identity(file) in there), None) if there else None
+    if over:
+        raise InputError(f"{over} would be written over; --out must be another folder than that of the inputs")
 
 
 def size(path: Path) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import stat
 import time
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,8 @@ def work(path: str, settings: Settings, done_before: dict[str, Any] | None = Non
     file = Path(path)
     name = file.relative_to(settings.root).as_posix()
     try:
+        if not stat.S_ISREG(file.stat().st_mode):  # a pipe would keep its reader waiting
+            raise OSError("it is no file with a content")
         with file.open("rb") as opened:
             sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
     except OSError as error:

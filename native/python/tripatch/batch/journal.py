@@ -5,16 +5,21 @@ from __future__ import annotations
 import json
 import os
 import socket
+import tempfile
 import time
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TextIO
 
+from ..files.writing import FileError, write_over
 from . import record
 
 FOLDER = ".tripatch-batch"
 LINES = "tripatch-batch.jsonl"
 SHEET = "tripatch-batch.png"
+
+#: Names of files need not be text: bytes that are none are written as JSON's escapes, which every reader takes.
+_NO_TEXT = "backslashreplace"
 
 
 class Journal:
@@ -43,7 +48,7 @@ class Journal:
         if self._file is None:
             self._folder.mkdir(parents=True, exist_ok=True)
             name = f"journal-{time.time_ns():x}-{socket.gethostname()}-{os.getpid()}.jsonl"
-            self._file = (self._folder / name).open("a", encoding="utf-8", errors="surrogatepass")
+            self._file = (self._folder / name).open("a", encoding="utf-8", errors=_NO_TEXT)
         self._file.write(record.text(entry) + "\n")
         self._file.flush()
 
@@ -53,12 +58,23 @@ class Journal:
             self._file = None
 
 
+def prepare(out: Path) -> None:
+    """Makes the folder of the results; FileError if nothing can be written there, which nobody wants to hear in the end."""
+    try:
+        (out / FOLDER).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out / FOLDER):
+            pass
+    except OSError as error:
+        raise FileError(f"Nothing can be written to {out}: {error.strerror or error}") from error
+
+
 def write_lines(out: Path, entries: Iterable[dict[str, Any]]) -> Path:
     """All lines, in the order of the files."""
-    out.mkdir(parents=True, exist_ok=True)
-    path, part = out / LINES, out / (LINES + ".part")
-    with part.open("w", encoding="utf-8", errors="surrogatepass", newline="\n") as file:
-        for entry in entries:
-            file.writelines(record.text(line) + "\n" for line in entry["lines"])
-    os.replace(part, path)
-    return path
+
+    def save(part: Path) -> None:
+        with part.open("w", encoding="utf-8", errors=_NO_TEXT, newline="\n") as file:
+            for entry in entries:
+                file.writelines(record.text(line) + "\n" for line in entry["lines"])
+
+    write_over(out / LINES, save)
+    return out / LINES

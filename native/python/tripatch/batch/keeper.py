@@ -17,6 +17,9 @@ from . import child, job, record
 from .journal import Journal
 from .settings import FILL, Settings
 
+#: Seconds between two looks at the memory of a process.
+_LOOK = 1.0
+
 
 class _Ended(Exception):
     """The process is gone; says why."""
@@ -44,6 +47,8 @@ class Keeper:
         self._settings = settings
         self._process: subprocess.Popen[bytes] | None = None
         self._done = 0
+        self._over = threading.Event()  # nobody has to watch the process any more
+        self._full = False  # it was ended as it had used up its memory
         self._journal = Journal(Path(settings.out)) if settings.mode == FILL else None
 
     def __enter__(self) -> Keeper:
@@ -57,9 +62,22 @@ class Keeper:
     def work(self, path: str, done_before: dict[str, Any] | None = None) -> dict[str, Any]:
         """`job.work`, whatever becomes of the process; what it answers is in a journal by then."""
         entry = self._worked(path, done_before)
-        if self._journal and "again" not in entry:
+        if not self._journal:
+            return entry
+        before = done_before or {}
+        known, result = (True, before[entry["again"]]) if "again" in entry else (entry["key"], entry["output_sha256"])
+        if known and not result:
+            self._remove_old(path, before)
+        if "again" not in entry:
             self._journal.add(entry)
         return entry
+
+    def _remove_old(self, path: str, before: dict[str, Any]) -> None:
+        """Of a file that has no result: what a run with other options, or with another content, has written for it."""
+        old = Path(self._settings.out, Path(path).relative_to(self._settings.root))
+        if old.exists() and job.sha256_of(old) in before.values():
+            with contextlib.suppress(OSError):
+                old.unlink()
 
     def _worked(self, path: str, done_before: dict[str, Any] | None) -> dict[str, Any]:
         begun = time.monotonic()
@@ -118,6 +136,7 @@ class Keeper:
 
     def close(self) -> None:
         """Ends the process."""
+        self._over.set()
         process, self._process = self._process, None
         if process is not None and process.stdin and process.stdout:
             with contextlib.suppress(OSError):
@@ -137,8 +156,22 @@ class Keeper:
         streams: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self._said}
         group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
         self._process = subprocess.Popen(command, env=environment, **streams, **group)
-        self._done = 0
+        self._done, self._over, self._full = 0, threading.Event(), False
+        if self._settings.memory_limit:
+            watch = (self._process, self._over, self._settings.memory_limit)
+            threading.Thread(target=self._watch, args=watch, daemon=True).start()
         return self._process
+
+    def _watch(self, process: subprocess.Popen[bytes], over: threading.Event, limit: int) -> None:
+        """Ends the process if it stays without memory."""
+        before = False
+        while not over.wait(_LOOK):
+            now = child.out_of_memory(process.pid, limit)
+            if now and before:
+                self._full = True
+                _kill(process)
+                return
+            before = now
 
     def _ended(self, late: bool) -> _Ended:
         process = self._process
@@ -151,6 +184,8 @@ class Keeper:
         self._said.seek(0)
         lines = self._said.read().decode(errors="replace").strip().splitlines()
         self.close()
+        if self._full:
+            return _Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
         if late:
             return _Ended(record.TIME_LIMIT, f"It took longer than the {self._settings.time_limit:g} s that a file may take")
         said = f" ({lines[-1][:200]})" if lines and code >= 0 else ""

@@ -23,6 +23,11 @@ def duration(seconds: float) -> str:
     return f"{whole // 60} min {whole % 60:02d} s" if whole >= 60 else f"{whole} s"
 
 
+def counted(number: int, word: str) -> str:
+    """'1 hole' or '2 holes'."""
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
 class Progress:
     """Told of every entry; says so on stderr."""
 
@@ -44,15 +49,15 @@ class Progress:
 
     def end(self) -> None:
         """The last word, which also stands where there is no terminal."""
+        if not self._done:
+            return
         self._say(time.monotonic())
-        if self._terminal and self._total:
+        if self._terminal:
             print(file=self._stream, flush=True)
 
     def _say(self, now: float) -> None:
-        if not self._total:
-            return
-        text = f"{self._done} of {self._total} files"
-        text += f", {self._holes} holes filled" if self._holes else ""
+        text = f"{self._done} of {counted(self._total, 'file')}"
+        text += f", {counted(self._holes, 'hole')} filled" if self._holes else ""
         text += f", {self._failed} failed" if self._failed else ""
         text += f", {self._again} done before" if self._again else ""
         fresh = self._done - self._again

@@ -10,8 +10,10 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Sequence
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any
 
@@ -57,18 +59,31 @@ def do_portion(portion: list[tuple[int, str, dict[str, Any] | None]], settings: 
 
 @contextlib.contextmanager
 def _deaf_to_ctrl_c() -> Any:
-    """Processes that are started meanwhile stay so: a terminal sends Ctrl-C to all, and this one ends the others in order."""
+    """Processes that are started meanwhile stay so: a terminal sends Ctrl-C to all, and this one ends the others in order.
+
+    What comes for this one meanwhile it hears at the end; Dask could not be ended in order in between.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    own = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    came: list[int] = []
+    waits = hasattr(signal, "pthread_sigmask")
+    if waits:
+        resource_tracker.ensure_running()  # the thread that starts it would let the signal through
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    own = signal.signal(signal.SIGINT, signal.SIG_IGN), signal.signal(signal.SIGTERM, lambda number, _: came.append(number))
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, own)
+        signal.signal(signal.SIGINT, own[0])
+        signal.signal(signal.SIGTERM, own[1])
+        if waits:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        if came:
+            signal.raise_signal(signal.SIGTERM)
 
 
-def _client(workers: int | None, address: str | None) -> Any:
+def _client(workers: int | None, address: str | None, files: int) -> Any:
     try:
         import dask
         import distributed
@@ -89,20 +104,26 @@ def _client(workers: int | None, address: str | None) -> Any:
         "distributed.admin.system-monitor.interval": "2s",
         "distributed.admin.system-monitor.gil.enabled": False,
     }
-    processes = workers or max(1, dask.system.CPU_COUNT)
+    processes = min(workers or max(1, dask.system.CPU_COUNT), files)
     # a fill takes the cores that no other process has: more threads than that only take turns
     threads = os.environ.get("TRIPATCH_THREADS", str(max(1, dask.system.CPU_COUNT // processes)))
-    with dask.config.set(settings), _deaf_to_ctrl_c():
-        cluster = distributed.LocalCluster(
-            n_workers=processes,
-            env={"TRIPATCH_THREADS": threads},
-            threads_per_worker=1,
-            processes=True,
-            memory_limit=0,
-            dashboard_address=":0",  # any free port: two batches at once must not argue over one
-            silence_logs=50,
-        )
-    return distributed.Client(cluster), cluster
+    cluster = None
+    try:
+        with dask.config.set(settings), _deaf_to_ctrl_c():
+            cluster = distributed.LocalCluster(
+                n_workers=processes,
+                env={"TRIPATCH_THREADS": threads},
+                threads_per_worker=1,
+                processes=True,
+                memory_limit=0,
+                dashboard_address=":0",  # any free port: two batches at once must not argue over one
+                silence_logs=50,
+            )
+        return distributed.Client(cluster), cluster
+    except KeyboardInterrupt:
+        if cluster is not None:
+            cluster.close(timeout=5)
+        raise
 
 
 def _given_up(k: int, file: Path, settings: Settings) -> tuple[int, dict[str, Any]]:
@@ -130,11 +151,14 @@ def run(
     Raises:
         SchedulerError: Dask is not installed, or its scheduler cannot be had.
     """
-    client, cluster = _client(workers, address)
+    client, cluster = _client(workers, address, len(files))
     from distributed import KilledWorker, as_completed
 
     try:
-        number = max(1, len(client.scheduler_info(n_workers=-1)["workers"]) if address else len(cluster.workers))
+        number = len(client.scheduler_info(n_workers=-1)["workers"]) if address else len(cluster.workers)
+        if not number:
+            print(f"tripatch: The scheduler at {address} has no worker yet; the files wait for one", file=sys.stderr, flush=True)
+            number = 1
         parts = inputs.portions(files, number)
         parts.sort(key=lambda part: -sum(inputs.size(files[k]) for k in part))  # the longest first: no worker is last alone
         submitted = {}
@@ -151,6 +175,8 @@ def run(
             _, places = submitted.pop(future.key)
             if future.status == "finished":
                 take(future.result())
+            elif future.status != "error":
+                raise SchedulerError(f"The scheduler at {address} is gone; the same command goes on with what is left")
             elif isinstance(error := future.exception(), KilledWorker):
                 if len(places) == 1:
                     take([_given_up(places[0], files[places[0]], settings)])
