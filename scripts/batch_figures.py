@@ -2,7 +2,7 @@
 
     python scripts/batch_figures.py [--files 1000] [--workers 2] [--kill] [--sheet PNG]
 
---kill: a worker and then the whole run are killed half-way, and the run goes on: the night's test with --files 10000. Figures
+--kill: a process and then the whole run are killed half-way, and the run goes on: the night's test with --files 10000. Figures
 are CPU seconds of all processes together, which other work on the machine changes little; wall seconds beside them.
 """
 
@@ -115,7 +115,7 @@ def batch(folder: Path, out: Path, workers: int, *more: str) -> list[str]:
 
 
 def killed_half_way(folder: Path, out: Path, count: int, workers: int) -> None:
-    """A worker is killed at a quarter, the run at a half; then it goes on to the end."""
+    """A process that fills is killed at a quarter, the run at a half; then it goes on to the end."""
 
     def done() -> int:
         return sum(1 for _ in out.rglob("*.obj"))
@@ -124,9 +124,9 @@ def killed_half_way(folder: Path, out: Path, count: int, workers: int) -> None:
     while done() < count // 4 and run.poll() is None:
         time.sleep(0.05)
     listed = subprocess.run(["pgrep", "-P", str(run.pid)], capture_output=True, text=True).stdout.split()
-    parts = [p for p in listed if b"spawn_main" in Path(f"/proc/{p}/cmdline").read_bytes()]
+    parts = [p for p in listed if b"batch.child" in Path(f"/proc/{p}/cmdline").read_bytes()]
     os.kill(int(parts[0]), signal.SIGKILL)
-    print(f"killed a worker with {done()} files done")
+    print(f"killed a process that fills with {done()} files done")
     while done() < count // 2 and run.poll() is None:
         time.sleep(0.05)
     os.killpg(run.pid, signal.SIGKILL)

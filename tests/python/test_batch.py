@@ -87,16 +87,17 @@ def test_fills_take_the_threads_that_the_environment_says(threads):
 
 
 @pytest.mark.parametrize("given", [None, "3"])
-def test_the_workers_of_a_machine_share_its_cores(monkeypatch, given):
+def test_the_processes_of_a_machine_share_its_cores(tmp_path, capsys, monkeypatch, given):
     if given:
         monkeypatch.setenv("TRIPATCH_THREADS", given)
     else:
         monkeypatch.delenv("TRIPATCH_THREADS", raising=False)
-    client, cluster = scheduling._client(9, None, files=2)  # no more than there are files
-    with cluster, client:
-        said = client.run(lambda: os.environ["TRIPATCH_THREADS"])
-    assert len(said) == 2
-    assert set(said.values()) == {given or str(max(1, (os.cpu_count() or 1) // 2))}
+    seen = []
+    monkeypatch.setattr(scheduling, "Keeper", lambda settings: seen.append(settings) or keeper.Keeper(settings))
+    run(capsys, spheres(tmp_path / "in", 2), "--out", tmp_path / "out", "--workers", 9, "--worst", 0)
+    assert 1 <= len(seen) <= 2  # no more than there are files
+    with keeper.Keeper(seen[0]) as one:
+        assert one.call("os", "getenv", "TRIPATCH_THREADS") == (given or str(max(1, (os.cpu_count() or 1) // 2)))
 
 
 def test_every_format_and_folder(tmp_path, capsys):
@@ -392,20 +393,38 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs POSIX signals")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_while_dask_starts_is_not_lost(number):
-    own = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        reached = []
-        with pytest.raises(KeyboardInterrupt), scheduling._deaf_to_ctrl_c():
-            signal.raise_signal(number)
-            child = [sys.executable, "-c", "import os, signal; os.kill(os.getpid(), signal.SIGINT); print('deaf')"]
-            reached.append(subprocess.run(child, capture_output=True, text=True).stdout)
-        assert reached == ["deaf\n"]
-        assert signal.getsignal(signal.SIGTERM) is signal.default_int_handler
-    finally:
-        signal.signal(signal.SIGTERM, own)
+def test_ctrl_c_while_dask_starts_is_not_lost(tmp_path, capsys, monkeypatch):
+    own = distributed.LocalCluster
+
+    def interrupted(**given):
+        signal.raise_signal(signal.SIGINT)
+        return own(**given)
+
+    monkeypatch.setattr(distributed, "LocalCluster", interrupted)
+    assert run(capsys, spheres(tmp_path / "in", 2), "--out", tmp_path / "out", "--worst", 0)[0] == 130
+
+
+def test_a_run_that_is_stopped_leaves_no_process_and_waits_for_none(tmp_path, monkeypatch):
+    """A process may be at a file for hours."""
+    in_child(monkeypatch, tmp_path, _BAD)
+    source = spheres(tmp_path / "in", 2)
+    (source / "m000.obj").rename(source / "sleep.obj")
+    settings = Settings(str(source), str(tmp_path / "out"), {}, tripatch.__version__)
+    made = []
+    monkeypatch.setattr(scheduling, "Keeper", lambda given: made.append(keeper.Keeper(given)) or made[-1])
+
+    def stop(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        scheduling.run(sorted(source.iterdir()), settings, [None, None], stop, workers=2)
+    assert not (tmp_path / "out" / "sleep.obj").exists()
+    for _ in range(200):
+        if all(one._process is None or one._process.poll() is not None for one in made):
+            break
+        time.sleep(0.02)
+    else:
+        pytest.fail("a process goes on")
 
 
 def test_a_scheduler_that_goes_away_is_said(tmp_path, capsys):

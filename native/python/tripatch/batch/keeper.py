@@ -21,6 +21,10 @@ from .settings import FILL, Settings
 _LOOK = 1.0
 
 
+class Stopped(Exception):
+    """Nobody wants to know any more."""
+
+
 class _Ended(Exception):
     """The process is gone; says why."""
 
@@ -49,6 +53,7 @@ class Keeper:
         self._done = 0
         self._over = threading.Event()  # nobody has to watch the process any more
         self._full = False  # it was ended as it had used up its memory
+        self._stopped = False
         self._journal = Journal(Path(settings.out)) if settings.mode == FILL else None
 
     def __enter__(self) -> Keeper:
@@ -86,6 +91,8 @@ class Keeper:
                 entry: dict[str, Any] = self.call("tripatch.batch.job", "work", path, self._settings, done_before)
                 return entry
             except _Ended as end:
+                if self._stopped:
+                    raise Stopped from None
                 status, reason = end.status, end.reason
                 if status == record.TIME_LIMIT or trial == self._settings.retries:
                     break
@@ -102,6 +109,9 @@ class Keeper:
         if self._done >= self._settings.recycle:
             self.close()
         process = self._process or self._started()
+        if self._stopped:
+            self.close()
+            raise Stopped
         try:
             if not self._done:
                 child.receive(process.stdout)  # it is ready
@@ -134,6 +144,13 @@ class Keeper:
             raise _Ended(record.CRASHED, f"TriPatch failed on it ({answer})")
         return answer
 
+    def stop(self) -> None:
+        """From another thread: the process ends at once, and who waits for it gets Stopped."""
+        self._stopped = True
+        process = self._process
+        if process is not None:
+            _kill(process)
+
     def close(self) -> None:
         """Ends the process."""
         self._over.set()
@@ -152,6 +169,8 @@ class Keeper:
         paths = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
         # -P: not the folder that the command was started in; one thread of BLAS: there is a process for each core
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"}
+        if self._settings.threads:
+            environment.setdefault("TRIPATCH_THREADS", str(self._settings.threads))
         command = [sys.executable, "-P", "-m", "tripatch.batch.child", str(self._settings.memory_limit or 0)]
         streams: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self._said}
         group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}

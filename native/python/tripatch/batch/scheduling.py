@@ -8,18 +8,16 @@ is found that costs the workers.
 from __future__ import annotations
 
 import contextlib
-import os
-import signal
+import dataclasses
 import sys
 import threading
 from collections.abc import Callable, Sequence
-from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any
 
 from .. import __version__
 from . import inputs, job, record
-from .keeper import Keeper
+from .keeper import Keeper, Stopped
 from .settings import Settings
 
 NEEDED = (
@@ -27,7 +25,9 @@ NEEDED = (
     "and --emit makes commands for a render farm"
 )
 
-_keepers: dict[str, list[Keeper]] = {}
+_keepers: dict[str, list[Keeper]] = {}  # those that are free
+_all: list[Keeper] = []
+_over = threading.Event()  # in the process that shares the work out: nothing more is to be begun
 _lock = threading.Lock()
 
 
@@ -40,8 +40,12 @@ def _a_keeper(settings: Settings) -> Any:
     """One that is free in this worker: processes outlive a portion."""
     label = repr(settings)
     with _lock:
+        if _over.is_set():
+            raise Stopped
         free = _keepers.setdefault(label, [])
         keeper = free.pop() if free else Keeper(settings)
+        if keeper not in _all:
+            _all.append(keeper)
     try:
         yield keeper
     finally:
@@ -57,30 +61,17 @@ def do_portion(portion: list[tuple[int, str, dict[str, Any] | None]], settings: 
         return [(k, keeper.work(path, before)) for k, path, before in portion]
 
 
-@contextlib.contextmanager
-def _deaf_to_ctrl_c() -> Any:
-    """Processes that are started meanwhile stay so: a terminal sends Ctrl-C to all, and this one ends the others in order.
-
-    What comes for this one meanwhile it hears at the end; Dask could not be ended in order in between.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    came: list[int] = []
-    waits = hasattr(signal, "pthread_sigmask")
-    if waits:
-        resource_tracker.ensure_running()  # the thread that starts it would let the signal through
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    own = signal.signal(signal.SIGINT, signal.SIG_IGN), signal.signal(signal.SIGTERM, lambda number, _: came.append(number))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, own[0])
-        signal.signal(signal.SIGTERM, own[1])
-        if waits:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        if came:
-            signal.raise_signal(signal.SIGTERM)
+def _end_keepers() -> None:
+    """Where the workers are threads of this process: theirs end at once, and nobody waits for what they are at."""
+    with _lock:
+        _over.set()
+        for keeper in _all:
+            keeper.stop()
+        for free in _keepers.values():
+            for keeper in free:
+                keeper.__exit__()
+        _keepers.clear()
+        _all.clear()
 
 
 def _client(workers: int | None, address: str | None, files: int) -> Any:
@@ -104,26 +95,16 @@ def _client(workers: int | None, address: str | None, files: int) -> Any:
         "distributed.admin.system-monitor.interval": "2s",
         "distributed.admin.system-monitor.gil.enabled": False,
     }
-    processes = min(workers or max(1, dask.system.CPU_COUNT), files)
-    # a fill takes the cores that no other process has: more threads than that only take turns
-    threads = os.environ.get("TRIPATCH_THREADS", str(max(1, dask.system.CPU_COUNT // processes)))
-    cluster = None
-    try:
-        with dask.config.set(settings), _deaf_to_ctrl_c():
-            cluster = distributed.LocalCluster(
-                n_workers=processes,
-                env={"TRIPATCH_THREADS": threads},
-                threads_per_worker=1,
-                processes=True,
-                memory_limit=0,
-                dashboard_address=":0",  # any free port: two batches at once must not argue over one
-                silence_logs=50,
-            )
-        return distributed.Client(cluster), cluster
-    except KeyboardInterrupt:
-        if cluster is not None:
-            cluster.close(timeout=5)
-        raise
+    with dask.config.set(settings):
+        cluster = distributed.LocalCluster(
+            n_workers=min(workers or max(1, dask.system.CPU_COUNT), files),
+            threads_per_worker=1,
+            processes=False,  # each file is done by a process of its keeper's: workers only wait for it
+            memory_limit=0,
+            dashboard_address=None,
+            silence_logs=50,
+        )
+    return distributed.Client(cluster), cluster
 
 
 def _given_up(k: int, file: Path, settings: Settings) -> tuple[int, dict[str, Any]]:
@@ -152,10 +133,17 @@ def run(
         SchedulerError: Dask is not installed, or its scheduler cannot be had.
     """
     client, cluster = _client(workers, address, len(files))
+    _over.clear()
+    import dask
     from distributed import KilledWorker, as_completed
 
     try:
-        number = len(client.scheduler_info(n_workers=-1)["workers"]) if address else len(cluster.workers)
+        if cluster is None:
+            number = len(client.scheduler_info(n_workers=-1)["workers"])
+        else:
+            number = len(cluster.workers)
+            # a fill takes the cores that no other process has: more threads than that only take turns
+            settings = dataclasses.replace(settings, threads=max(1, dask.system.CPU_COUNT // number))
         if not number:
             print(f"tripatch: The scheduler at {address} has no worker yet; the files wait for one", file=sys.stderr, flush=True)
             number = 1
@@ -188,6 +176,8 @@ def run(
     finally:
         with contextlib.suppress(Exception):
             client.cancel([future for future, _ in submitted.values()])
+        if cluster is not None:
+            _end_keepers()
         with contextlib.suppress(Exception):
             client.close(timeout=5)
         if cluster is not None:

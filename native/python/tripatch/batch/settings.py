@@ -29,6 +29,7 @@ class Settings:
         recycle: files that a process does before a new one takes its place.
         blender: the program for .blend files.
         addon: folder that holds tripatch_blender, where that Blender has the add-on not installed.
+        threads: that a fill may work on, where the environment does not say; None: as many as there are cores.
     """
 
     root: str
@@ -42,6 +43,7 @@ class Settings:
     recycle: int = 200
     blender: str = "blender"
     addon: str | None = None
+    threads: int | None = None
 
     def choosing(self) -> dict[str, Any]:
         """The options that say which holes are meant."""
