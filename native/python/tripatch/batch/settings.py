@@ -40,7 +40,7 @@ class Settings:
     time_limit: float | None = None
     memory_limit: int | None = None
     retries: int = 1
-    recycle: int = 200
+    recycle: int = 1000
     blender: str = "blender"
     addon: str | None = None
     threads: int | None = None
