@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
 import signal
+import socket
 import stat
 import subprocess
 import sys
@@ -391,6 +393,15 @@ if __name__ == "__main__":
         print(cluster.scheduler_address, flush=True)
         time.sleep(100)
 """
+
+
+def test_two_batches_at_once_do_not_argue_over_a_port(tmp_path, capsys, recwarn):
+    with socket.socket() as other:
+        with contextlib.suppress(OSError):  # somebody else has it, which is as good
+            other.bind(("", 8787))  # Dask's page about its work
+            other.listen()
+        assert run(capsys, spheres(tmp_path / "in", 2), "--out", tmp_path / "out", "--workers", 2, "--worst", 0)[0] == 0
+    assert not [str(warning.message) for warning in recwarn if "Port" in str(warning.message)]
 
 
 def test_ctrl_c_while_dask_starts_is_not_lost(tmp_path, capsys, monkeypatch):

@@ -101,7 +101,7 @@ def _client(workers: int | None, address: str | None, files: int) -> Any:
             threads_per_worker=1,
             processes=False,  # each file is done by a process of its keeper's: workers only wait for it
             memory_limit=0,
-            dashboard_address=None,
+            dashboard_address=":0",  # any free port: two batches at once must not argue over one
             silence_logs=50,
         )
     return distributed.Client(cluster), cluster
