@@ -78,6 +78,7 @@ public:
       row[k] = static_cast<Index>(out.vertices.size());
       out.vertices.push_back(disc_.vertices[k]);
       out.distance.push_back(disc_.distance[k]);
+      out.nearest.push_back(disc_.nearest[k]);
     }
     for (const std::array<Index, 3>& t : disc_.triangles) out.triangles.push_back({row[t[0]], row[t[1]], row[t[2]]});
     out.points.resize(static_cast<Index>(out.vertices.size()), 3);
@@ -97,6 +98,7 @@ private:
     if (!row_.add(v)) return;
     disc_.vertices.push_back(v);
     disc_.distance.push_back(distance);
+    disc_.nearest.push_back(distance < 0 ? -1 : static_cast<Index>(disc_.nearest.size()));
   }
 
   void take(Index face, std::vector<Index>& faces) {
@@ -184,7 +186,8 @@ private:
             const int row = row_.find(w);
             const bool is_looked_at = round > 0 && std::cmp_less(row, first);  // those before are as they were
             if (row < 0 || is_looked_at || disc_.distance[row] < 0 || disc_.distance[row] >= best) continue;
-            best = std::min(best, disc_.distance[row] + (point(v) - point(w)).norm());
+            const double there = disc_.distance[row] + (point(v) - point(w)).norm();
+            if (there < best) best = there, disc_.nearest[k] = disc_.nearest[row];
           }
         if (std::isfinite(best)) disc_.distance[k] = best;
       }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "tripatch/math/linear.h"
@@ -16,34 +15,14 @@ constexpr double longest_step_to_feet = 0.02, last_step_to_feet = 1e-9;
 /// Vertices that a field is fitted to beside its centers: the time grows with their number, noise is averaged over them.
 constexpr Index most_fitted = 4000;
 
-/// For each vertex of a disc the one of the rim from which a short way leads there.
-std::vector<Index> owners(const Disc& disc) {
-  const Index n = disc.points.rows();
-  std::vector<Index> order(static_cast<std::size_t>(n)), owner(static_cast<std::size_t>(n), -1);
-  std::iota(order.begin(), order.end(), Index{0});
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return disc.distance[a] < disc.distance[b]; });
-  std::vector<std::vector<Index>> beside(static_cast<std::size_t>(n));
-  for (const std::array<Index, 3>& t : disc.triangles)
-    for (int k = 0; k < 3; ++k)
-      for (int other = 1; other < 3; ++other) beside[t[k]].push_back(t[(k + other) % 3]);
-  for (Index v : order) {
-    if (v < disc.rim) owner[v] = v;
-    if (owner[v] < 0) continue;
-    for (Index w : beside[v])
-      if (owner[w] < 0) owner[w] = owner[v];
-  }
-  return owner;
-}
-
 /// Where the tangent planes at the rim have vertices.
 PlanePoints on_tangent_planes(const Disc& disc, const std::vector<Index>& rows, const Surface& surface,
                               const PlanePoints& rim_uv) {
   std::vector<double> jets(static_cast<std::size_t>(9 * rim_uv.rows()));
   surface.evaluate(as_rows(rim_uv).data(), rim_uv.rows(), 1, jets.data());
-  const std::vector<Index> owner = owners(disc);
   PlanePoints uv(static_cast<Index>(rows.size()), 2);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const Index from = owner[static_cast<std::size_t>(rows[k])];
+    const Index from = disc.nearest[static_cast<std::size_t>(rows[k])];
     uv.row(static_cast<Index>(k)).setConstant(std::numeric_limits<double>::quiet_NaN());
     if (from < 0) continue;
     const double* jet = &jets[static_cast<std::size_t>(9 * from)];

@@ -26,6 +26,7 @@ struct Disc {
   Points points;                                ///< of `vertices`
   std::vector<std::array<Index, 3>> triangles;  ///< of the surroundings, by row of `vertices`; larger faces cut
   std::vector<double> distance;                 ///< of each vertex from the rim, along edges, scene units
+  std::vector<Index> nearest;                   ///< the row in the rim from which that is measured
   Faces faces;                                  ///< the same as the mesh has them, but for those that no fan cuts
   int rings = 0;
   std::vector<OnEdge> on_edges;  ///< of a disc to sample: spread along edges, and across faces, that are much longer than others
