@@ -162,7 +162,7 @@ void DomainMesh::look_at_all() {
 }
 
 void DomainMesh::flip_all() {
-  std::size_t budget = 40 * alive_triangles() + 1000;  // where the surface folds over itself there may be no end
+  std::size_t budget = looks_ * alive_triangles() + 1000;
   while (!dirty_.empty() && budget-- > 0) {
     check_interruption();
     const auto [t, k] = dirty_.back();
@@ -187,6 +187,7 @@ void DomainMesh::flip_all() {
       if (i != 1) dirty_.push_back({t, i});
     for (int i = 0; i < 2; ++i) dirty_.push_back({o, i});
   }
+  if (!dirty_.empty()) looks_ = few_looks;
   dirty_.clear();
 }
 

@@ -30,6 +30,9 @@ protected:
   static constexpr double most_over = 8;  // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
   static constexpr double too_long = 4.0 / 3, too_short = 0.75;  // times the size: where edges are split and collapsed
 
+  /// Edges looked at for each triangle until flips have come to no end, which there may be none of where the surface folds over itself; and
+  /// from then on.
+  static constexpr std::size_t many_looks = 40, few_looks = 4;
   static constexpr double good_enough = 0.3;      // shape of a triangle that a move in between may bring about
   static constexpr double collapsed_shape = 0.4;  // that a collapse may bring about; or no worse than what was there
   static constexpr double rounding =
@@ -136,8 +139,9 @@ protected:
   double decline_ = 0.8;  // of the size per distance, where the rim is coarser
   double coarser_ = 1;    // the inside than the wanted sizes
   double most_ = 0;       // triangles beyond which no inner edge is split
-  std::vector<Vec3> b_;   // in the domain: the last two coordinates count
-  std::vector<Vec3> x_;   // in space
+  std::size_t looks_ = many_looks;
+  std::vector<Vec3> b_;  // in the domain: the last two coordinates count
+  std::vector<Vec3> x_;  // in space
   std::vector<double> size_;
   std::vector<int> triangle_of_;  // one triangle of each vertex, -1: removed
   std::vector<Triangle> triangles_;
