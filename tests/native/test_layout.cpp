@@ -141,6 +141,21 @@ TEST_CASE("no triangle is turned over and the energy falls on hard surfaces") {
   }
 }
 
+TEST_CASE("the way from a start that is far off has so many steps as its vertices allow, and the usual ones anyway") {
+  const Surface s = grid(12, 12, [](double u, double v) { return Vec3(u, v, 0.1 * std::sin(5 * u)); });
+  PlanePoints thin = s.points.leftCols(2);
+  thin.col(1) *= 1e-6;
+  const auto steps = [&](int vertex_steps) {
+    const PlaneLayoutOptions options = {4, 0, vertex_steps};
+    return lay_out(s.points, s.triangles, options, &thin)->energies.size() - 1;
+  };
+  const int n = static_cast<int>(s.points.rows());
+  CHECK(steps(5 * n) == 5);
+  CHECK(steps(6 * n) == 6);
+  CHECK(steps(n) == 4);
+  CHECK(steps(1000 * n) > 6);
+}
+
 TEST_CASE("a layout is the same turned and scaled") {
   const Surface s = bumpy(12);
   const auto layout = lay_out(s.points, s.triangles, to_the_end);

@@ -706,7 +706,8 @@ std::optional<Layout> lay_out(const PointsRef& points, const std::vector<std::ar
   const bool is_hard = energy > hard;
   const PlanePoints begun = *uv;
   const double tolerance = is_hard ? hard_tolerance * options.tolerance : options.tolerance;
-  const int iterations = is_hard ? hard_iterations * options.iterations : options.iterations;
+  const int affordable = std::max(options.iterations, options.vertex_steps / disc->count);
+  const int iterations = is_hard ? std::min(hard_iterations * options.iterations, affordable) : options.iterations;
   bool is_near = false;
   for (int k = 0; k < iterations; ++k) {
     const double before = energy;

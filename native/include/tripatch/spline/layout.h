@@ -12,6 +12,8 @@ namespace tripatch {
 struct PlaneLayoutOptions {
   int iterations = 40;      ///< at most; five times as many where the start has an energy of more than 100
   double tolerance = 1e-4;  ///< stop where a step takes less than this share off the energy; there a thousandth of it
+  /// Steps times vertices, as many where there are more than `iterations`: at 10,000 vertices 120 steps.
+  int vertex_steps = 1'200'000;
 };
 
 struct Layout {
