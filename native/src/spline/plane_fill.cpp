@@ -68,6 +68,11 @@ constexpr double most_leaning = 0.5;
 /// of the rings. Of six caps of a sphere, 60 degrees, rims of 600 to 1,050 edges that are jagged by 0.01 and 0.02, with 10, 40 and 200
 /// five are as far off, one with 10 half as far; with 200 it takes twice as long.
 constexpr int edges_in_layouts = 20;
+/// The same of shorter rims' fills with more triangles than this, as none in a flat round hole has: where the field runs away they are many,
+/// and take seconds to lay out and to bend.
+constexpr std::size_t most_in_layouts = 30'000;
+/// Vertices of a fill times those of its rim: where there are more, fewer triangles are bent by themselves, of which each try takes 0.2 s there.
+constexpr Index most_bent = 1'000'000;
 /// Degrees of the reference. Of known surfaces with no noise, holes to half a ball: with degree 4 foot points are smooth enough that
 /// the field's distance from the truth falls to a hundredth of that over the layout; higher degrees follow the layout's noise, and
 /// noise of 2% of an edge. Scanned and modelled meshes have details: around 250 holes of them degree 6 is 5% nearer, 7 no more.
@@ -283,6 +288,7 @@ struct Attempt {
   PlaneTriangulation made;
   Points on_field = Points(0, 3);  // its vertices before any is moved, those of the rim where they are
   bool from_above = false;
+  bool few = false;              // triangles, for the layouts: it is refined in the end
   double left_by_reference = 0;  // scene units
   std::optional<SecondModel> second;
   double share_of_second = 0;
@@ -313,20 +319,6 @@ std::optional<PlanePoints> laid_out(const Disc& disc, const Rim& rim, const Atte
   return PlanePoints(layout->uv.topRows(n));
 }
 
-/// The surface through points inside, where it comes nearest to them, and triangles that have them as vertices.
-void meet(const std::vector<Through>& through, const PlaneFillOptions& options, PlanePolygon& polygon, Attempt& result) {
-  result.met_uv = nearest_places(*result.field, polygon.uv, polygon.triangles, through);
-  result.met = std::make_shared<MetPoints>(*result.field, result.rim_uv, result.met_uv, through, options.planes);
-  result.surface = sum(result.field, result.met);
-  bool inside = true;
-  for (std::size_t k = 0; k < through.size(); ++k)
-    inside = inside && insert_row(polygon, result.met_uv.row(static_cast<Index>(k)), through[k].point);
-  if (inside && all_positive(polygon.uv, polygon.triangles))
-    result.made = remesh(polygon, options.resolution, *result.surface);
-  else
-    result.made.points.setConstant(std::numeric_limits<double>::quiet_NaN());
-}
-
 PlanePolygon polygon_of(const Rim& rim, const PlanePoints& uv) {
   PlanePolygon polygon;
   polygon.uv = uv;
@@ -336,6 +328,25 @@ PlanePolygon polygon_of(const Rim& rim, const PlanePoints& uv) {
   polygon.joined = rim.surroundings.joined;
   polygon.size = rim.of_hole;
   return polygon;
+}
+
+/// The surface through points inside, where it comes nearest to them.
+void meet(const std::vector<Through>& through, const Points& planes, const PlanePolygon& polygon, Attempt& result) {
+  result.met_uv = nearest_places(*result.field, polygon.uv, polygon.triangles, through);
+  result.met = std::make_shared<MetPoints>(*result.field, result.rim_uv, result.met_uv, through, planes);
+  result.surface = sum(result.field, result.met);
+}
+
+/// Triangles on the surface, with what is met inside as vertices: none of them finite where that cannot be.
+PlaneTriangulation triangulated(PlanePolygon polygon, const std::vector<Through>& through, std::optional<int> resolution,
+                                const Attempt& result) {
+  bool inside = true;
+  for (std::size_t k = 0; k < through.size(); ++k)
+    inside = inside && insert_row(polygon, result.met_uv.row(static_cast<Index>(k)), through[k].point);
+  if (inside && (!result.met || all_positive(polygon.uv, polygon.triangles))) return remesh(polygon, resolution, *result.surface);
+  PlaneTriangulation none;
+  none.points = Points::Constant(1, 3, std::numeric_limits<double>::quiet_NaN());
+  return none;
 }
 
 /// Places in the plane of the samples and of the rim.
@@ -407,9 +418,9 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
       if (places.size() > 2) continue;
       return {};
     }
-    result.made = remesh(polygon, options.resolution, *result.field);
+    if (!rim.through.empty() || options.planes.rows() > 0) meet(rim.through, options.planes, polygon, result);
+    result.made = triangulated(polygon, rim.through, options.resolution, result);
     result.on_field = result.made.points;
-    if (!rim.through.empty() || options.planes.rows() > 0) meet(rim.through, options, polygon, result);
     if (result.made.points.allFinite()) return result;
   }
   return {};
@@ -417,29 +428,48 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
 
 double details_in(const Attempt& result) { return share_of_details(result.field->noise(), result.left_by_reference); }
 
+/// Every so many rows that they are not more than a difference is made of.
+std::vector<Index> rows_of_difference(Index all) {
+  std::vector<Index> rows;
+  for (Index k = 0; k < all; k += (all + points_of_difference - 1) / points_of_difference) rows.push_back(k);
+  return rows;
+}
+
+/// Nothing where the places lie on a line, or numbers are beyond all measure.
+std::shared_ptr<const Field> field_of_difference(const PlanePoints& places, const Points& difference, double unit) {
+  FieldOptions fields;
+  fields.orders = {order_of_difference};
+  fields.unit = std::max(unit, 1e-300);
+  try {
+    return std::make_shared<Field>(places, difference, fields);
+  } catch (const InvalidArgument&) {
+    return {};
+  }
+}
+
+/// A surface through the vertices of a fill, those of its rim first: all of these, and as many inside as a field has samples.
+SurfacePtr through_vertices(const PlanePoints& uv, const Points& points, Index rim, double unit) {
+  const Index step = (uv.rows() - rim) / std::max<Index>(most_samples - rim, 1) + 1;
+  std::vector<Index> rows(static_cast<std::size_t>(rim));
+  std::iota(rows.begin(), rows.end(), Index{0});
+  for (Index k = rim; k < uv.rows(); k += step) rows.push_back(k);
+  return field_of_difference(rows_of(uv, rows), rows_of(points, rows), unit);
+}
+
 /// The new vertices so far between the field's and the second model's as the share says, the surface with them. False, and as it was,
 /// where that leaves the rim's neighborhood.
 bool take_second(const Rim& rim, const SecondModel& second, double share, Attempt& result) {
   const Index all = result.made.points.rows(), added = second.vertices.rows();
-  const Index stride = (all + points_of_difference - 1) / points_of_difference;
-  std::vector<Index> rows;
-  for (Index k = 0; k < all; k += stride) rows.push_back(k);
+  const std::vector<Index> rows = rows_of_difference(all);
   Points other = result.made.points;
   other.bottomRows(added) = second.vertices;
   const PlanePoints places = rows_of(PlanePoints(result.made.uv), rows);
   Points known = rows_of(result.on_field, rows);
-  const Index of_rim = (all - added + stride - 1) / stride;
+  const Index of_rim = std::ranges::lower_bound(rows, all - added) - rows.begin();
   known.topRows(of_rim) = result.field->positions(as_rows(places.topRows(of_rim)));
   const Points difference = share * (rows_of(other, rows) - known);
-  FieldOptions fields;
-  fields.orders = {order_of_difference};
-  fields.unit = std::max(rim.edge, 1e-300);
-  SurfacePtr change;
-  try {
-    change = std::make_shared<Field>(places, difference, fields);
-  } catch (const InvalidArgument&) {  // places on a line, or numbers beyond all measure
-    return false;
-  }
+  const SurfacePtr change = field_of_difference(places, difference, rim.edge);
+  if (!change) return false;
   Points points = result.made.points;
   points.bottomRows(added) =
       result.on_field.bottomRows(added) + change->positions(as_rows(PlanePoints(result.made.uv.bottomRows(added))));
@@ -520,18 +550,12 @@ Eigen::VectorXd spread_of_models(const Attempt& result) {
 
 /// Values at some places of the plane, carried to others: none below zero.
 Eigen::VectorXd carried(const Eigen::VectorXd& values, const PlanePoints& places, double unit, const PlanePoints& to) {
-  std::vector<Index> rows;
-  for (Index k = 0; k < places.rows(); k += (places.rows() + points_of_difference - 1) / points_of_difference) rows.push_back(k);
-  FieldOptions fields;
-  fields.orders = {order_of_difference};
-  fields.unit = unit;
+  const std::vector<Index> rows = rows_of_difference(places.rows());
   Points known = Points::Zero(static_cast<Index>(rows.size()), 3);
   known.col(0) = rows_of(values, rows);
-  try {
-    return Field(rows_of(places, rows), known, fields).positions(as_rows(to)).col(0).cwiseMax(0);
-  } catch (const InvalidArgument&) {  // places on a line
-    return Eigen::VectorXd::Constant(to.rows(), values.maxCoeff());
-  }
+  const SurfacePtr field = field_of_difference(rows_of(places, rows), known, unit);
+  if (!field) return Eigen::VectorXd::Constant(to.rows(), values.maxCoeff());
+  return field->positions(as_rows(to)).col(0).cwiseMax(0);
 }
 
 /// Whether a resolution asks for more than twice the triangles that the rim's edges do.
@@ -546,8 +570,9 @@ bool refine(const Rim& rim, std::optional<int> resolution, Attempt& result) {
   const PlanePoints places = result.made.uv;
   Eigen::VectorXd spread = Eigen::VectorXd::Zero(places.rows());
   if (result.second) spread.tail(places.rows() - r) = spread_of_models(result);
-  result.made = remesh(polygon_of(rim, result.rim_uv), resolution, *result.surface);
+  result.made = triangulated(polygon_of(rim, result.rim_uv), rim.through, resolution, result);
   if (!result.made.points.allFinite() || !stay(result.made.points, rim)) return false;
+  result.on_field = result.made.points;
   const PlanePoints inside = result.made.uv.bottomRows(result.made.uv.rows() - r);
   if (result.second) result.spread = carried(spread, places, std::max(rim.edge, 1e-300), inside);
   result.second.reset();
@@ -572,6 +597,11 @@ Index unfolded(const Rim& rim, Attempt& result) {
     return left;
   }
   return 0;
+}
+
+/// Whether folds cannot be mended, or it crosses itself. Where few triangles on a field are so, many are: of 22 such fields of long rims all.
+bool stays_folded(const Rim& rim, Attempt looked_at) {
+  return unfolded(rim, looked_at) > most_folds(rim, looked_at) || crosses(rim, looked_at);
 }
 
 /// The disc, or one of the rings that the second model needs.
@@ -608,6 +638,20 @@ bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
     }
   }
   return false;
+}
+
+/// The same with the few triangles of long rims' layouts, and a surface through their vertices: many triangles take minutes to bend, and
+/// those on a field that folds over itself are no good.
+bool few_alone(const Disc& disc, const Rim& rim, std::optional<int> resolution, Attempt& result) {
+  Attempt few = result;
+  few.surface = few.field;
+  few.second.reset();
+  if (few.met || !refine(rim, edges_in_layouts, few) || !second_alone(disc, rim, few)) return false;
+  few.surface = through_vertices(few.made.uv, few.made.points, disc.rim, rim.edge);
+  if (!few.surface) return false;
+  if (!refine(rim, resolution, few) || !serves(rim, few)) return false;
+  result = std::move(few);
+  return true;
 }
 
 /// Places one edge inside the rim.
@@ -708,12 +752,17 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
                                 const PlaneFillOptions& options) {
   std::optional<Attempt> result;
   double area = rim.area, change = 0;
-  const bool is_long = disc.rim > long_rim && options.through.empty() && options.planes.rows() == 0 && !options.resolution;
+  const bool is_long = disc.rim > long_rim && !options.resolution;
   PlaneFillOptions in_layouts = options;
   if (is_long) in_layouts.resolution = edges_in_layouts;
   for (int round = 0; round < layouts; ++round) {
     std::optional<Attempt> next = attempt(disc, rim, samples, fields, in_layouts, result ? &*result : nullptr);
     if (!next || !stay(next->made.points, rim)) break;
+    if (!in_layouts.resolution && next->made.triangles.size() > most_in_layouts) {
+      if (!refine(rim, edges_in_layouts, *next)) break;
+      in_layouts.resolution = edges_in_layouts;
+    }
+    next->few = in_layouts.resolution != options.resolution;
     const double now = area_of(next->made.points, next->made.triangles);
     const bool as_good_as_it_gets = next->from_above || (!is_long && next->field->noise() > too_rough * rim.edge);
     const bool same_area = now < strongly_curved * area && area < strongly_curved * now;
@@ -724,10 +773,6 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
     area = now;
     if (settled) break;
   }
-  if (!is_long || !result) return result;
-  result->made = remesh(polygon_of(rim, result->rim_uv), options.resolution, *result->field);
-  result->on_field = result->made.points;
-  if (!result->made.points.allFinite() || !stay(result->made.points, rim)) return {};
   return result;
 }
 
@@ -745,6 +790,7 @@ void look_farther(const Mesh& mesh, const Connectivity& around, const std::vecto
   std::optional<Attempt> next = attempt(wide, rim, spread_samples(wide, rim.edge), fields, options, &result);
   if (!next || !between(-1, next->left_by_reference, detail) || !stay(next->made.points, rim)) return;
   next->fed_back = result.fed_back;
+  next->few = result.few;
   result = std::move(*next);
   disc = std::move(wide);
 }
@@ -758,6 +804,7 @@ void look_closer(const Disc& disc, const Rim& rim, const FieldOptions& fields, c
   std::optional<Attempt> next = attempt(disc, rim, spread_samples(disc, rim.edge, more_where_clear), fields, options, &result);
   if (!next || !stay(next->made.points, rim) || folds(*next) > folds(result)) return;
   next->fed_back = result.fed_back;
+  next->few = result.few;
   result = std::move(*next);
 }
 
@@ -799,13 +846,16 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     std::optional<Attempt> result = attempts(disc, rim, samples, fields, coarse);
     if (!result || (result->made.doubles_edges && !rim.doubles_edges)) continue;
     if (way.reach > 0) {
-      look_farther(mesh, continued, loops, rim, fields, coarse, disc, *result);
-      look_closer(disc, rim, fields, coarse, *result);
+      PlaneFillOptions own = coarse;
+      if (result->few) own.resolution = edges_in_layouts;
+      look_farther(mesh, continued, loops, rim, fields, own, disc, *result);
+      look_closer(disc, rim, fields, own, *result);
     }
     average_models(disc, rim, *result);
     hold_back(disc, rim, *result);
-    const std::optional<Attempt> before = finer ? result : std::nullopt;
-    if (finer && !refine(rim, options.resolution, *result)) continue;
+    const std::optional<Attempt> before = finer || result->few ? result : std::nullopt;
+    const bool is_hopeless = result->few && stays_folded(rim, *result);
+    if (before && !is_hopeless && !refine(rim, options.resolution, *result)) continue;
     const Index folds = folded_edges(result->made.points, result->made.triangles, rim.beyond);
     const Index left = unfolded(rim, *result);
     const bool is_long = disc.rim > long_rim;  // bending its thousands of triangles takes longer than all the rest
@@ -817,8 +867,10 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     bool bends_least = false;
     if (prefers_second || (fails && !is_long)) {
       Attempt alone = before ? *before : *result;
-      bends_least = second_alone(with_two_rings(mesh, continued, loops, disc), rim, alone);
-      if (bends_least && finer) bends_least = refine(rim, options.resolution, alone) && serves(rim, alone);
+      const Disc rings = with_two_rings(mesh, continued, loops, disc);
+      const bool few = alone.few || disc.rim * alone.made.points.rows() > most_bent;
+      bends_least = few ? few_alone(rings, rim, options.resolution, alone) : second_alone(rings, rim, alone);
+      if (bends_least && finer && !few) bends_least = refine(rim, options.resolution, alone) && serves(rim, alone);
       if (bends_least) result = std::move(alone);
     }
     if (fails && !bends_least) continue;
