@@ -225,3 +225,22 @@ TEST_CASE("sums, multiples and products are those of the values") {
   CHECK(apart(s * f, [&](double t) { return Vec3(scalar(t) * f(t)); }) < 1e-13);
   CHECK((s * f).degree() == s.degree() + f.degree());
 }
+
+TEST_CASE("breaks that are one but for rounding are one in sums and products, whoever has them") {
+  const auto with_breaks = [](std::vector<double> breaks) {
+    std::vector<double> values;
+    for (double t : breaks) values.insert(values.end(), {t, 2 * t, 3 * t});
+    return PiecewisePolynomial::spline(breaks, values, 3);
+  };
+  const PiecewisePolynomial even = with_breaks({0, 0.25, 0.5, 0.75, 1}), off = with_breaks({0, 0.25, 0.5 + 1e-13, 0.75, 1});
+  const PiecewisePolynomial twice = {{0, 0.25, 0.5, 0.5 + 1e-13, 0.75, 1}, 0, 3, std::vector<double>(15, 1.0)};
+  const PiecewisePolynomial scalar = {{0, 0.5, 0.5 + 1e-13, 1}, 0, 1, {2.0, 2.0, 2.0}};
+  const auto values = [](double t) { return Vec3(t, 2 * t, 3 * t); };
+  CHECK(apart(even + off, [&](double t) { return Vec3(2 * values(t)); }) < 1e-12);
+  CHECK(apart(off + even, [&](double t) { return Vec3(2 * values(t)); }) < 1e-12);
+  CHECK(apart(even + twice, [&](double t) { return Vec3(values(t) + Vec3::Ones()); }) < 1e-12);
+  CHECK(apart(twice + even, [&](double t) { return Vec3(values(t) + Vec3::Ones()); }) < 1e-12);
+  CHECK(apart(scalar * even, [&](double t) { return Vec3(2 * values(t)); }) < 1e-12);
+  CHECK((even + twice).pieces() == 4);
+  CHECK((scalar * twice).pieces() == 4);
+}

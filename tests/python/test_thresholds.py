@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tripatch
 from tripatch import _arrays, between, quality, words
-from tripatch.batch import emit, inputs, record
+from tripatch.batch import emit, inputs, journal, record
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -166,6 +166,7 @@ def test_portions_are_of_32_files_or_eight_million_bytes_or_a_quarter_of_a_worke
 
 
 def test_a_farm_gets_a_thousand_tasks(tmp_path):
+    journal.prepare(tmp_path)
     for count, tasks in ((1000, 1000), (1001, 501)):
         text, _ = emit.emitted("commands", [tmp_path / f"{k}.obj" for k in range(count)], tmp_path, ["tripatch"], 1, None)
         assert len(text.splitlines()) == tasks

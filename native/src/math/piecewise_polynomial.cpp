@@ -383,8 +383,8 @@ PiecewisePolynomial PiecewisePolynomial::part(double t0, double t1) const {
 
 PiecewisePolynomial PiecewisePolynomial::refined(const std::vector<double>& more_breaks, int degree) const {
   const int n = std::max(degree, degree_);
-  if (n == degree_ && std::ranges::includes(breaks_, more_breaks)) return *this;
   const std::vector<double> breaks = merged(breaks_, more_breaks);
+  if (n == degree_ && breaks == breaks_) return *this;
   std::vector<double> coefficients((breaks.size() - 1) * (n + 1) * dimension_, 0.0);
   for (std::size_t p = 0; p + 1 < breaks.size(); ++p) {
     const double m = 0.5 * (breaks[p] + breaks[p + 1]);

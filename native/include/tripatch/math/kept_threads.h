@@ -1,6 +1,7 @@
 // Threads that are kept from one piece of work to the next.
 #pragma once
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -143,13 +144,25 @@ public:
   KeptThreads& operator=(const KeptThreads&) = delete;
 
   /// One that is free, of the thread that asks; null where it keeps none, or where `most` are at work.
-  static KeptThread* free_one(std::size_t most) { return asked_for ? of_this_thread.find(most) : nullptr; }
+  static KeptThread* free_one(std::size_t most) { return asked_for ? of_this_thread().find(most) : nullptr; }
   /// Of `most` threads, those that are not at work for the thread that asks.
-  static std::size_t free(std::size_t most) { return asked_for ? most - std::min(most, of_this_thread.at_work()) : most; }
+  static std::size_t free(std::size_t most) { return asked_for ? most - std::min(most, of_this_thread().at_work()) : most; }
 
 private:
+  /// Ended with the thread; with the process those of its first one are left, which sleep. By the system's own means: objects of threads whose
+  /// ends do something ask for a newer C library.
+  static ThreadsOfOne& of_this_thread() {
+    static const pthread_key_t key = [] {
+      pthread_key_t made{};
+      pthread_key_create(&made, [](void* threads) { delete static_cast<ThreadsOfOne*>(threads); });
+      return made;
+    }();
+    static thread_local ThreadsOfOne* threads = nullptr;
+    if (!threads) pthread_setspecific(key, threads = new ThreadsOfOne);
+    return *threads;
+  }
+
   static inline thread_local bool asked_for = false;
-  static inline thread_local ThreadsOfOne of_this_thread;
   bool before_;
 };
 
