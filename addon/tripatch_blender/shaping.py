@@ -79,7 +79,8 @@ class _Net:
         b = np.roll(a, -1, axis=1)
         beside = [np.stack(three, axis=-1).reshape(-1, 3) for three in ((a[:-1], b[:-1], a[1:]), (b[:-1], b[1:], a[1:]))]
         triangles = np.vstack([beside[0], beside[1][: -len(rim)]])  # at the middle there is but one
-        return cls(places, *fill.patch.positions_and_normals(places), triangles)
+        points, normals = fill.patch.positions_and_normals(places)
+        return cls(places, points, normals, triangles)
 
 
 class _Between:
