@@ -78,11 +78,14 @@ bool FoldCounter::surely_none(const Surface& patch) const {
   static const Points b = [] {
     Points all(grid.size() + 3 * grid.rows, 3);
     all.topRows(grid.size()) = grid.barycentric();
-    for (Index k = 0; k < 3 * grid.rows; ++k) {  // the rim's other points
-      const double t = (2.0 * static_cast<double>(k / 3) + 1) / fold_grid_rows;
-      all.row(grid.size() + k).setZero();
-      all(grid.size() + k, k % 3) = 1 - t;
-      all(grid.size() + k, (k + 1) % 3) = t;
+    all.bottomRows(3 * grid.rows).setZero();
+    for (Index k = 0; k < grid.rows; ++k) {  // the rim's other points
+      const double t = (2.0 * static_cast<double>(k) + 1) / fold_grid_rows;
+      for (int i = 0; i < 3; ++i) {
+        const Index row = grid.size() + 3 * k + i;
+        all(row, i) = 1 - t;
+        all(row, (i + 1) % 3) = t;
+      }
     }
     return all;
   }();

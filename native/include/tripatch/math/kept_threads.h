@@ -127,7 +127,9 @@ private:
   /// After a fork those of the process that was forked are here too, but do not run.
   void leave_those_of_others() {
     if (const pid_t here = getpid(); std::exchange(process_, here) != here)
-      for (auto& thread : std::exchange(threads_, {})) static_cast<void>(thread.release());
+      for (auto& thread : std::exchange(threads_, {})) {
+        [[maybe_unused]] const KeptThread* const left = thread.release();
+      }
   }
 
   pid_t process_ = getpid();
