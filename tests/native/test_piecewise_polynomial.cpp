@@ -244,3 +244,15 @@ TEST_CASE("breaks that are one but for rounding are one in sums and products, wh
   CHECK((even + twice).pieces() == 4);
   CHECK((scalar * twice).pieces() == 4);
 }
+
+TEST_CASE("copies and fields of the same pieces share what they hold, and none of them changes another") {
+  const PiecewisePolynomial f = wave_spline();
+  PiecewisePolynomial copy = f;
+  CHECK(copy.coefficients().data() == f.coefficients().data());
+  CHECK(f.derivative().breaks().data() == f.breaks().data());
+  CHECK((f + f.derivative()).breaks().data() == f.breaks().data());
+  CHECK((2.0 * f).breaks().data() == f.breaks().data());
+  copy = 2.0 * copy;
+  CHECK(apart(copy, [&](double t) { return Vec3(2 * f(t)); }) == 0);
+  CHECK(copy.coefficients().data() != f.coefficients().data());
+}

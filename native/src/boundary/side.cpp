@@ -108,6 +108,7 @@ std::vector<Side> told_by_rim(std::vector<Side> sides, const std::vector<bool>& 
 }
 
 Sides told_by_rim(const Sides& sides, const std::array<bool, 3>& continued) {
+  if (continued[0] && continued[1] && continued[2]) return sides;
   std::vector<Side> all =
       told_by_rim(std::vector<Side>(sides.begin(), sides.end()), std::vector<bool>(continued.begin(), continued.end()));
   return {std::move(all[0]), std::move(all[1]), std::move(all[2])};

@@ -72,31 +72,43 @@ const Interpolation& interpolation(int n) {
 
 }  // namespace
 
-PiecewisePolynomial::PiecewisePolynomial(std::vector<double> breaks, int degree, int dimension, std::vector<double> coefficients)
-    : breaks_(std::move(breaks)), degree_(degree), dimension_(dimension), coefficients_(std::move(coefficients)) {
-  if (breaks_.size() < 2 || coefficients_.size() != (breaks_.size() - 1) * (degree_ + 1) * dimension_)
-    throw InvalidArgument("a piecewise polynomial needs (degree + 1) coefficients for each piece");
-  build_lookup();
-}
-
-void PiecewisePolynomial::build_lookup() {
-  const Index n = pieces();
-  lookup_.assign(n == 1 ? 1 : 2 * n, 0);
+PiecewisePolynomial::Places::Places(std::vector<double> given) : breaks(std::move(given)) {
+  if (breaks.size() < 2) return;
+  const Index n = static_cast<Index>(breaks.size()) - 1;
+  lookup.assign(n == 1 ? 1 : 2 * n, 0);
   Index p = 0;
-  for (std::size_t k = 0; k < lookup_.size(); ++k) {
-    const double t = static_cast<double>(k) / static_cast<double>(lookup_.size());
-    while (p + 1 < n && breaks_[p + 1] <= t) ++p;
-    lookup_[k] = static_cast<std::int32_t>(p);
+  for (std::size_t k = 0; k < lookup.size(); ++k) {
+    const double t = static_cast<double>(k) / static_cast<double>(lookup.size());
+    while (p + 1 < n && breaks[p + 1] <= t) ++p;
+    lookup[k] = static_cast<std::int32_t>(p);
   }
 }
 
-Index PiecewisePolynomial::piece(double t) const {
-  const Index n = pieces();
+Index PiecewisePolynomial::Places::piece(double t) const {
+  const Index n = static_cast<Index>(breaks.size()) - 1;
   if (n == 1 || !(t > 0)) return 0;
   if (t >= 1) return n - 1;
-  Index p = lookup_[static_cast<std::size_t>(t * static_cast<double>(lookup_.size()))];
-  while (p + 1 < n && t >= breaks_[p + 1]) ++p;
+  Index p = lookup[static_cast<std::size_t>(t * static_cast<double>(lookup.size()))];
+  while (p + 1 < n && t >= breaks[p + 1]) ++p;
   return p;
+}
+
+PiecewisePolynomial::PiecewisePolynomial() {
+  static const PiecewisePolynomial empty(std::make_shared<const Places>(std::vector<double>()), {}, 0, 0);
+  *this = empty;
+}
+
+PiecewisePolynomial::PiecewisePolynomial(std::shared_ptr<const Places> places, std::vector<double> coefficients, int degree,
+                                         int dimension)
+    : places_(std::move(places)),
+      degree_(degree),
+      dimension_(dimension),
+      coefficients_(std::make_shared<const std::vector<double>>(std::move(coefficients))) {}
+
+PiecewisePolynomial::PiecewisePolynomial(std::vector<double> breaks, int degree, int dimension, std::vector<double> coefficients)
+    : PiecewisePolynomial(std::make_shared<const Places>(std::move(breaks)), std::move(coefficients), degree, dimension) {
+  if (empty() || coefficients_->size() != static_cast<std::size_t>(pieces() * (degree_ + 1) * dimension_))
+    throw InvalidArgument("a piecewise polynomial needs (degree + 1) coefficients for each piece");
 }
 
 PiecewisePolynomial PiecewisePolynomial::constant(std::span<const double> value) {
@@ -292,12 +304,12 @@ PiecewisePolynomial PiecewisePolynomial::joined(const std::vector<PiecewisePolyn
   double start = 0;
   for (std::size_t k = 0; k < parts.size(); start += shares[k++]) {
     const PiecewisePolynomial part = parts[k].refined({}, degree);
-    for (Index p = 1; p <= part.pieces(); ++p) breaks.push_back(start + shares[k] * part.breaks_[p]);
+    for (Index p = 1; p <= part.pieces(); ++p) breaks.push_back(start + shares[k] * part.breaks()[p]);
     for (Index p = 0; p < part.pieces(); ++p) {
       double scale = 1;
       for (int power = 0; power <= degree; ++power, scale /= shares[k])
         for (int x = 0; x < part.dimension_; ++x)
-          coefficients.push_back(scale * part.coefficients_[(p * (degree + 1) + power) * part.dimension_ + x]);
+          coefficients.push_back(scale * part.coefficients()[(p * (degree + 1) + power) * part.dimension_ + x]);
     }
   }
   breaks.back() = 1;
@@ -305,9 +317,9 @@ PiecewisePolynomial PiecewisePolynomial::joined(const std::vector<PiecewisePolyn
 }
 
 void PiecewisePolynomial::taylor(double t, int order, double* out) const {
-  const Index p = piece(t);
-  const double u = t - 0.5 * (breaks_[p] + breaks_[p + 1]);
-  const double* a = &coefficients_[p * (degree_ + 1) * dimension_];
+  const Index p = places_->piece(t);
+  const double u = t - places_->middle(p);
+  const double* a = &(*coefficients_)[p * (degree_ + 1) * dimension_];
   if (dimension_ == 3) {
     switch (order) {
       case 0: return horner<0>(a, degree_, u, out);
@@ -347,25 +359,26 @@ PiecewisePolynomial PiecewisePolynomial::derivative() const {
   for (Index p = 0; p < pieces(); ++p)
     for (int k = 1; k <= degree_; ++k)
       for (int x = 0; x < dimension_; ++x)
-        coefficients[(p * (degree + 1) + k - 1) * dimension_ + x] = k * coefficients_[(p * (degree_ + 1) + k) * dimension_ + x];
-  return {breaks_, degree, dimension_, coefficients};
+        coefficients[(p * (degree + 1) + k - 1) * dimension_ + x] =
+            k * (*coefficients_)[(p * (degree_ + 1) + k) * dimension_ + x];
+  return {places_, std::move(coefficients), degree, dimension_};
 }
 
 PiecewisePolynomial PiecewisePolynomial::reversed() const {
   const Index n = pieces();
-  std::vector<double> breaks(n + 1), coefficients(coefficients_.size());
-  for (Index p = 0; p <= n; ++p) breaks[p] = p == 0 ? 0 : p == n ? 1 : 1 - breaks_[n - p];
+  std::vector<double> breaks(n + 1), coefficients(coefficients_->size());
+  for (Index p = 0; p <= n; ++p) breaks[p] = p == 0 ? 0 : p == n ? 1 : 1 - places_->breaks[n - p];
   for (Index p = 0; p < n; ++p)
     for (int k = 0; k <= degree_; ++k)
       for (int x = 0; x < dimension_; ++x)
         coefficients[(p * (degree_ + 1) + k) * dimension_ + x] =
-            (k % 2 ? -1 : 1) * coefficients_[((n - 1 - p) * (degree_ + 1) + k) * dimension_ + x];
-  return {breaks, degree_, dimension_, coefficients};
+            (k % 2 ? -1 : 1) * (*coefficients_)[((n - 1 - p) * (degree_ + 1) + k) * dimension_ + x];
+  return {std::move(breaks), degree_, dimension_, std::move(coefficients)};
 }
 
 PiecewisePolynomial PiecewisePolynomial::part(double t0, double t1) const {
   std::vector<double> inner;
-  for (double t : breaks_)
+  for (double t : breaks())
     if (t > t0 && t < t1) inner.push_back((t - t0) / (t1 - t0));
   const std::vector<double> breaks = merged(inner, {});
   std::vector<double> coefficients;
@@ -382,46 +395,60 @@ PiecewisePolynomial PiecewisePolynomial::part(double t0, double t1) const {
 }
 
 PiecewisePolynomial PiecewisePolynomial::refined(const std::vector<double>& more_breaks, int degree) const {
-  const int n = std::max(degree, degree_);
-  const std::vector<double> breaks = merged(breaks_, more_breaks);
-  if (n == degree_ && breaks == breaks_) return *this;
-  std::vector<double> coefficients((breaks.size() - 1) * (n + 1) * dimension_, 0.0);
-  for (std::size_t p = 0; p + 1 < breaks.size(); ++p) {
-    const double m = 0.5 * (breaks[p] + breaks[p + 1]);
-    const Index old = piece(m);
-    double* a = &coefficients[p * (n + 1) * dimension_];
-    std::copy_n(&coefficients_[old * (degree_ + 1) * dimension_], (degree_ + 1) * dimension_, a);
-    taylor_shift(a, degree_, dimension_, m - 0.5 * (breaks_[old] + breaks_[old + 1]));
+  const std::vector<double> all = merged(breaks(), more_breaks);
+  return on(all == breaks() ? places_ : std::make_shared<const Places>(all), std::max(degree, degree_));
+}
+
+PiecewisePolynomial PiecewisePolynomial::on(const std::shared_ptr<const Places>& places, int degree) const {
+  if (degree == degree_ && places == places_) return *this;
+  const Index n = static_cast<Index>(places->breaks.size()) - 1;
+  std::vector<double> coefficients(n * (degree + 1) * dimension_, 0.0);
+  for (Index p = 0; p < n; ++p) {
+    const double m = places->middle(p);
+    const Index old = places_->piece(m);
+    double* a = &coefficients[p * (degree + 1) * dimension_];
+    std::copy_n(&(*coefficients_)[old * (degree_ + 1) * dimension_], (degree_ + 1) * dimension_, a);
+    taylor_shift(a, degree_, dimension_, m - places_->middle(old));
   }
-  return {breaks, n, dimension_, coefficients};
+  return {places, std::move(coefficients), degree, dimension_};
+}
+
+std::shared_ptr<const PiecewisePolynomial::Places> PiecewisePolynomial::common_places(const PiecewisePolynomial& o) const {
+  if (places_ == o.places_ || breaks() == o.breaks()) return places_;
+  std::vector<double> all = merged(breaks(), o.breaks());
+  return all == breaks() ? places_ : all == o.breaks() ? o.places_ : std::make_shared<const Places>(std::move(all));
 }
 
 PiecewisePolynomial operator+(const PiecewisePolynomial& a, const PiecewisePolynomial& b) {
-  PiecewisePolynomial r = a.refined(b.breaks_, b.degree_);
-  const PiecewisePolynomial s = b.refined(a.breaks_, a.degree_);
-  for (std::size_t k = 0; k < r.coefficients_.size(); ++k) r.coefficients_[k] += s.coefficients_[k];
-  return r;
+  const auto places = a.common_places(b);
+  const int degree = std::max(a.degree_, b.degree_);
+  const PiecewisePolynomial r = a.on(places, degree), s = b.on(places, degree);
+  std::vector<double> sum = *r.coefficients_;
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += (*s.coefficients_)[k];
+  return {places, std::move(sum), degree, r.dimension_};
 }
 
 PiecewisePolynomial operator-(const PiecewisePolynomial& a, const PiecewisePolynomial& b) { return a + (-1.0) * b; }
 
-PiecewisePolynomial operator*(double s, PiecewisePolynomial a) {
-  for (double& c : a.coefficients_) c *= s;
-  return a;
+PiecewisePolynomial operator*(double s, const PiecewisePolynomial& a) {
+  std::vector<double> coefficients = *a.coefficients_;
+  for (double& c : coefficients) c *= s;
+  return {a.places_, std::move(coefficients), a.degree_, a.dimension_};
 }
 
 PiecewisePolynomial operator*(const PiecewisePolynomial& scalar, const PiecewisePolynomial& field) {
-  const PiecewisePolynomial s = scalar.refined(field.breaks_, 0), f = field.refined(scalar.breaks_, 0);
+  const auto places = field.common_places(scalar);
+  const PiecewisePolynomial s = scalar.on(places, scalar.degree_), f = field.on(places, field.degree_);
   const int degree = s.degree_ + f.degree_, dimension = f.dimension_, row = (f.degree_ + 1) * dimension;
   std::vector<double> coefficients(f.pieces() * (degree + 1) * dimension, 0.0);
   for (Index p = 0; p < f.pieces(); ++p)
     for (int i = 0; i <= s.degree_; ++i) {
-      const double by = s.coefficients_[p * (s.degree_ + 1) + i];
-      const double* const from = &f.coefficients_[p * row];
+      const double by = (*s.coefficients_)[p * (s.degree_ + 1) + i];
+      const double* const from = &(*f.coefficients_)[p * row];
       double* const to = &coefficients[(p * (degree + 1) + i) * dimension];
       for (int k = 0; k < row; ++k) to[k] += by * from[k];
     }
-  return {f.breaks_, degree, dimension, coefficients};
+  return {places, std::move(coefficients), degree, dimension};
 }
 
 PiecewisePolynomial PiecewisePolynomial::linear(double a, double b) {
@@ -430,7 +457,7 @@ PiecewisePolynomial PiecewisePolynomial::linear(double a, double b) {
 }
 
 bool PiecewisePolynomial::is_finite() const {
-  return std::all_of(coefficients_.begin(), coefficients_.end(), [](double c) { return std::isfinite(c); });
+  return std::ranges::all_of(*coefficients_, [](double c) { return std::isfinite(c); });
 }
 
 double arc_length(const PiecewisePolynomial& curve) {

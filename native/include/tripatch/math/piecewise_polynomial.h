@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,9 +16,12 @@ namespace tripatch {
 inline constexpr const char* beyond_measure =
     "Numbers along a side are not finite, or too large to compute with; move what lies far away";
 
+/// Never changed once made: copies share what they hold, and fields of the same pieces share these.
 class PiecewisePolynomial {
 public:
-  PiecewisePolynomial() = default;
+  PiecewisePolynomial();
+  PiecewisePolynomial(const PiecewisePolynomial&) = default;  // and no moves: what is moved from stays whole
+  PiecewisePolynomial& operator=(const PiecewisePolynomial&) = default;
   /// breaks: pieces + 1 increasing values from 0 to 1. coefficients: for piece p, power k (of t - middle of the piece) and
   /// component x: coefficients[(p * (degree + 1) + k) * dimension + x].
   PiecewisePolynomial(std::vector<double> breaks, int degree, int dimension, std::vector<double> coefficients);
@@ -45,10 +49,10 @@ public:
 
   int dimension() const { return dimension_; }
   int degree() const { return degree_; }
-  Index pieces() const { return static_cast<Index>(breaks_.size()) - 1; }
-  const std::vector<double>& breaks() const { return breaks_; }
-  std::span<const double> coefficients() const { return coefficients_; }
-  bool empty() const { return breaks_.size() < 2; }
+  Index pieces() const { return static_cast<Index>(breaks().size()) - 1; }
+  const std::vector<double>& breaks() const { return places_->breaks; }
+  std::span<const double> coefficients() const { return *coefficients_; }
+  bool empty() const { return breaks().size() < 2; }
   /// Whether all its coefficients are.
   bool is_finite() const;
 
@@ -67,19 +71,31 @@ public:
   PiecewisePolynomial refined(const std::vector<double>& more_breaks, int degree) const;
   friend PiecewisePolynomial operator+(const PiecewisePolynomial& a, const PiecewisePolynomial& b);
   friend PiecewisePolynomial operator-(const PiecewisePolynomial& a, const PiecewisePolynomial& b);
-  friend PiecewisePolynomial operator*(double s, PiecewisePolynomial a);
+  friend PiecewisePolynomial operator*(double s, const PiecewisePolynomial& a);
   /// Scalar field (dimension 1) times field.
   friend PiecewisePolynomial operator*(const PiecewisePolynomial& scalar, const PiecewisePolynomial& field);
 
 private:
-  Index piece(double t) const;
-  void build_lookup();
+  /// The breaks, and how a parameter is found among them.
+  struct Places {
+    std::vector<double> breaks;
+    std::vector<std::int32_t> lookup;  // first candidate piece for floor(t * lookup size)
 
-  std::vector<double> breaks_;
-  int degree_ = 0;
-  int dimension_ = 0;
-  std::vector<double> coefficients_;
-  std::vector<std::int32_t> lookup_;  // first candidate piece for floor(t * lookup size)
+    explicit Places(std::vector<double> given);
+    Index piece(double t) const;
+    double middle(Index p) const { return 0.5 * (breaks[p] + breaks[p + 1]); }
+  };
+
+  PiecewisePolynomial(std::shared_ptr<const Places> places, std::vector<double> coefficients, int degree, int dimension);
+  /// On pieces that lie within its own.
+  PiecewisePolynomial on(const std::shared_ptr<const Places>& places, int degree) const;
+  /// Pieces of both.
+  std::shared_ptr<const Places> common_places(const PiecewisePolynomial& o) const;
+
+  std::shared_ptr<const Places> places_;
+  int degree_;
+  int dimension_;
+  std::shared_ptr<const std::vector<double>> coefficients_;
 };
 
 /// Of a curve in space, by 32 chords.

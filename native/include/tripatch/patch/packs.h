@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -204,19 +205,20 @@ public:
   PackedField() = default;
   explicit PackedField(const PiecewisePolynomial& field) : degree_(field.degree()) {
     const std::vector<double>& breaks = field.breaks();
-    const Index n = field.pieces();
-    for (std::size_t k = 0; k < field.coefficients().size(); ++k) {
-      coefficients_.push_back(field.coefficients()[k]);
-      if (k % 3 == 2) coefficients_.push_back(0);
-    }
+    const std::span<const double> given = field.coefficients();
+    const Index n = field.pieces(), powers = n * (degree_ + 1), places = n == 1 ? 1 : 2 * n;
+    coefficients_.assign(4 * powers, 0);
+    for (Index k = 0; k < powers; ++k) std::copy_n(&given[3 * k], 3, &coefficients_[4 * k]);
+    middles_.resize(n);
+    ends_.resize(n);
     for (Index p = 0; p < n; ++p) {
-      middles_.push_back(0.5 * (breaks[p] + breaks[p + 1]));
-      ends_.push_back(p + 1 < n ? breaks[p + 1] : std::numeric_limits<double>::infinity());
+      middles_[p] = 0.5 * (breaks[p] + breaks[p + 1]);
+      ends_[p] = p + 1 < n ? breaks[p + 1] : std::numeric_limits<double>::infinity();
     }
-    const std::size_t places = n == 1 ? 1 : 2 * n;
-    for (std::size_t k = 0, p = 0; k < places; ++k) {
+    lookup_.resize(places);
+    for (Index k = 0, p = 0; k < places; ++k) {
       while (ends_[p] <= static_cast<double>(k) / static_cast<double>(places)) ++p;
-      lookup_.push_back(static_cast<std::int32_t>(p));
+      lookup_[k] = static_cast<std::int32_t>(p);
     }
   }
 
