@@ -10,6 +10,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/unit_vector.h"
 
 namespace tripatch {
 namespace {
@@ -67,13 +68,6 @@ private:
   const double* data_;
 };
 
-Vec3 normal_of(const double* jet) {
-  const Vec3 across = Vec3::Map(jet + 3).cross(Vec3::Map(jet + 6));
-  const double squared = across.squaredNorm();
-  const bool far_from_overflow = squared > 1e-250 && squared < 1e250;
-  return far_from_overflow ? Vec3(across * (1 / std::sqrt(squared))) : across.stableNormalized();
-}
-
 }  // namespace
 
 Foot foot_at(const Surface& surface, const Vec2& place, const Vec3& point) {
@@ -113,7 +107,7 @@ void Surface::positions_and_normals(const PointsRef& b, double* positions, doubl
     for (Index k = 0; k < count; ++k) {
       const double* const jet = jets.get() + size * k;
       if (positions) std::copy_n(jet, 3, positions + 3 * (first + k));
-      Eigen::Map<Vec3>(normals + 3 * (first + k)) = normal_of(jet);
+      Eigen::Map<Vec3>(normals + 3 * (first + k)) = unit_vector(Vec3::Map(jet + 3).cross(Vec3::Map(jet + 6)));
     }
   });
 }

@@ -11,6 +11,7 @@
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/math/unit_vector.h"
 #include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
@@ -25,13 +26,6 @@ constexpr double turned_degrees = 100;
 constexpr double agree = 0.5;
 /// Sine of an angle to a plane, of what counts as in it: single precision leaves 1e-7. A choice.
 constexpr double in_plane = 1e-5;
-
-/// Of a triangle, by twice its vector area; zero where it has none.
-Vec3 unit(const Vec3& area) {
-  constexpr double least = 1e-140, most = 1e140;  // squares of which are numbers
-  const double length = area.norm();
-  return length > least && length < most ? Vec3(area / length) : area.stableNormalized();
-}
 
 /// use(its corners) for each triangle of faces that are cut into fans.
 template <class Use>
@@ -183,7 +177,7 @@ bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Fa
   const Vec3 origin = at(beyond[0].from);
   Vec3 way = Vec3::Zero();
   for (const FaceBeyond& face : beyond) way += (at(face.from) - origin).cross(at(face.to) - origin);
-  way = unit(way);
+  way = unit_vector(way);
   for (const FaceBeyond& face : beyond)
     if (!face.normal.isZero(0)) {
       if (face.normal.dot(way) < 0) way = -way;
@@ -217,7 +211,7 @@ void for_folded_edges(const PointsRef& vertices, const PointsRef& added, const F
   normals.reserve(faces.corners.size() + beyond.size());
   for_triangles(faces, [&](Index a, Index b, Index c) {
     const Vec3 first = at(a);
-    normals.push_back(unit((at(b) - first).cross(at(c) - first)));
+    normals.push_back(unit_vector((at(b) - first).cross(at(c) - first)));
   });
   const std::size_t own = normals.size();  // those beyond count only where one of these is
   for (const FaceBeyond& face : beyond) normals.push_back(face.normal.stableNormalized());
