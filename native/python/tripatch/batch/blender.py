@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from . import child, crops, job, record
+from . import crops, job, memory, record
 from .settings import CROP, Settings
 
 _SCRIPT = Path(__file__).with_name("in_blender.py")
@@ -36,19 +36,6 @@ def _asked(file: Path, part: Path, settings: Settings, holes: tuple[Any, ...], f
     }
 
 
-def _waited(process: subprocess.Popen[bytes], memory_limit: int | None) -> tuple[bytes, bool]:
-    """What it says up to its end, and whether it was ended as it stayed without memory."""
-    looks = 0
-    while True:
-        try:
-            return process.communicate(timeout=1)[0], False
-        except subprocess.TimeoutExpired:
-            looks = looks + 1 if memory_limit and child.out_of_memory(process.pid, memory_limit) else 0
-            if looks > 1:
-                process.kill()
-                return process.communicate()[0], True
-
-
 def _run(asked: dict[str, Any], program: str, memory_limit: int | None) -> dict[str, Any]:
     """What the script in Blender answers; else a status and a reason, None where the memory is short."""
     with tempfile.TemporaryDirectory(prefix="tripatch-") as folder:
@@ -61,8 +48,10 @@ def _run(asked: dict[str, Any], program: str, memory_limit: int | None) -> dict[
             ended = subprocess.Popen(command, **streams)
         except OSError:
             return {"status": record.CRASHED, "reason": MISSING.format(program)}
-        out, full = _waited(ended, memory_limit)
-        if full:
+        watch = memory.Watch(ended.pid, memory_limit, ended.kill)
+        out = ended.communicate()[0]
+        watch.over()
+        if watch.found:
             return {"status": record.MEMORY_LIMIT, "reason": None}
         # a Blender that crashes after its answer has done what it was asked for
         if answer.exists():

@@ -9,13 +9,13 @@ import importlib
 import os
 import pickle
 import queue
-import re
 import signal
 import struct
 import sys
 import threading
-from pathlib import Path
 from typing import Any
+
+from . import memory
 
 SIZE = struct.Struct("<Q")
 
@@ -39,33 +39,6 @@ def receive(stream: Any) -> Any:
     return pickle.loads(data)
 
 
-def limit_memory(megabytes: int | None) -> None:
-    """This process asks for no more than so much: what it asks for then fails as MemoryError. No effect on Windows."""
-    if not megabytes:
-        return
-    try:
-        import resource
-    except ImportError:
-        return
-    for kind in (resource.RLIMIT_DATA, resource.RLIMIT_AS) if sys.platform != "linux" else (resource.RLIMIT_DATA,):
-        _, hard = resource.getrlimit(kind)
-        wanted = megabytes * 2**20
-        resource.setrlimit(kind, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))
-
-
-def out_of_memory(pid: int, megabytes: int) -> bool:
-    """Whether a process has nothing left of its limit that a small request could have. False where the system does not say.
-
-    Some stay so for ever: CPython up to 3.11 at least has no memory for the MemoryError itself, tries again, and no thread of it
-    runs meanwhile.
-    """
-    try:
-        used = re.search(rb"VmData:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_bytes())
-    except OSError:
-        return False
-    return used is not None and int(used[1]) > megabytes * 1024 - 256
-
-
 def _read(requests: Any, waiting: queue.SimpleQueue[Any]) -> None:
     """Ends the process, and the Blender that it may have started, at once when the one that asks is gone."""
     while True:
@@ -84,7 +57,7 @@ def main() -> None:
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.dup2(2, 1)  # what a library prints is no answer
-    limit_memory(int(sys.argv[1]))
+    memory.limit(int(sys.argv[1]))
     waiting: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(requests, waiting), daemon=True).start()
     importlib.import_module("tripatch.batch.job")  # before the time of the first file counts

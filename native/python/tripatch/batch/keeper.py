@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import signal
 import subprocess
@@ -13,12 +14,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from . import child, job, record
+from . import child, job, memory, record
 from .journal import Journal
 from .settings import FILL, Settings
-
-#: Seconds between two looks at the memory of a process.
-_LOOK = 1.0
 
 
 class Stopped(Exception):
@@ -51,8 +49,6 @@ class Keeper:
         self._settings = settings
         self._process: subprocess.Popen[bytes] | None = None
         self._done = 0
-        self._over = threading.Event()  # nobody has to watch the process any more
-        self._full = False  # it was ended as it had used up its memory
         self._stopped = False
         self._journal = Journal(Path(settings.out)) if settings.mode == FILL else None
 
@@ -153,9 +149,9 @@ class Keeper:
 
     def close(self) -> None:
         """Ends the process."""
-        self._over.set()
         process, self._process = self._process, None
         if process is not None and process.stdin and process.stdout:
+            self._watch.over()
             with contextlib.suppress(OSError):
                 process.stdin.close()
             _kill(process)
@@ -175,22 +171,9 @@ class Keeper:
         streams: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self._said}
         group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
         self._process = subprocess.Popen(command, env=environment, **streams, **group)
-        self._done, self._over, self._full = 0, threading.Event(), False
-        if self._settings.memory_limit:
-            watch = (self._process, self._over, self._settings.memory_limit)
-            threading.Thread(target=self._watch, args=watch, daemon=True).start()
+        self._done = 0
+        self._watch = memory.Watch(self._process.pid, self._settings.memory_limit, functools.partial(_kill, self._process))
         return self._process
-
-    def _watch(self, process: subprocess.Popen[bytes], over: threading.Event, limit: int) -> None:
-        """Ends the process if it stays without memory."""
-        before = False
-        while not over.wait(_LOOK):
-            now = child.out_of_memory(process.pid, limit)
-            if now and before:
-                self._full = True
-                _kill(process)
-                return
-            before = now
 
     def _ended(self, late: bool) -> _Ended:
         process = self._process
@@ -203,7 +186,7 @@ class Keeper:
         self._said.seek(0)
         lines = self._said.read().decode(errors="replace").strip().splitlines()
         self.close()
-        if self._full:
+        if self._watch.found:
             return _Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
         if late:
             return _Ended(record.TIME_LIMIT, f"It took longer than the {self._settings.time_limit:g} s that a file may take")
