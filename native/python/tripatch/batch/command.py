@@ -47,11 +47,13 @@ def _range(text: str) -> tuple[int, int]:
     return of, to
 
 
-def _whole(least: int) -> Any:
+def _whole(least: int, most: int = sys.maxsize) -> Any:
     def read(text: str) -> int:
         value = int(text)
         if value < least:
             raise argparse.ArgumentTypeError(f"{least} or more are needed, not {value}")
+        if value > most:
+            raise argparse.ArgumentTypeError(f"{most} at most are possible, not {value}")
         return value
 
     read.__name__ = "whole number"
@@ -90,7 +92,7 @@ def add(commands: Any) -> None:
     where.add_argument("--chunk", type=_whole(1), default=50, metavar="N", help="files in each of these commands (50)")
     limits = batch.add_argument_group("limits")
     limits.add_argument("--time-limit", type=_seconds, metavar="SECONDS", help="for each file")
-    limits.add_argument("--memory-limit", type=_whole(200), metavar="MB", help="for the process of a file")
+    limits.add_argument("--memory-limit", type=_whole(200, sys.maxsize >> 20), metavar="MB", help="for the process of a file")
     limits.add_argument("--retries", type=_whole(0), default=1, metavar="N", help="for a file whose process crashed (1)")
     batch.add_argument("--worst", type=_whole(0), default=12, metavar="N", help="seams on the picture (12)")
     batch.add_argument("--blender", default="blender", metavar="PROGRAM", help="for .blend files (blender)")
@@ -127,11 +129,12 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
         raise inputs.InputError(f"{args.out} is a file, and --out names a folder")
     found = inputs.from_list(args.files) if args.files else inputs.listed(args.inputs, out)
     root = inputs.root_of(found, args.root)
-    args.root, args.options = str(root), record.plain({n: getattr(args, n) for n in BATCH_OPTIONS if hasattr(args, n)})
+    given = {name: getattr(args, name) for name in BATCH_OPTIONS if hasattr(args, name)}
     # what no file could be filled with is said before the first
-    asked = Settings("", "", args.options)
+    asked = Settings("", "", given)
     choose_holes(np.eye(3), [[0, 1, 2]], **asked.choosing())
     fill_all(np.eye(3), [[0, 1, 2]], [], **asked.filling())
+    args.root, args.options = str(root), record.plain(given)
     wanted = found
     if args.range:
         wanted = found[args.range[0] - 1 : args.range[1]]
