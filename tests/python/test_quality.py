@@ -358,6 +358,12 @@ def test_what_cannot_be_drawn_is_said(tmp_path, capsys):
     assert cli.main(["view", str(mesh), str(tmp_path / "none" / "o.png"), "--size", "40,30"]) == 2
     assert "cannot be written" in capsys.readouterr().err
     assert cli.main(["view", str(mesh), "--zebra", str(tmp_path / "o.png"), "--direction", "0,0,0"]) == 2
+    bad = {"--direction=inf,0,0": "finite", "--from=nan,1,1": "finite", "--lines=nan": "finite"}
+    bad |= {"--most=nan": "finite, not nan", "--most=-1": "finite, not -1", "--most=0": "greater than 0"}
+    for option, word in bad.items():
+        assert cli.main(["view", str(mesh), "--seam", str(tmp_path / "o.png"), option]) == 2
+        assert word in capsys.readouterr().err
+    assert not (tmp_path / "o.png").exists()
     (tmp_path / "empty.obj").write_text("v 0 0 0\n")
     assert cli.main(["view", str(tmp_path / "empty.obj"), str(tmp_path / "o.png")]) == 2
 

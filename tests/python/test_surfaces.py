@@ -240,8 +240,9 @@ def test_smooth_triangles_bad_input():
         tripatch.smooth_triangles(v, f, normals)
     with pytest.raises(ValueError, match="normals must have shape"):
         tripatch.smooth_triangles(v, f, v[:3])
-    with pytest.raises(ValueError, match="resolution"):
-        tripatch.smooth_triangles(v, f, resolution=0)
+    for resolution in (0, 257, 10**12):
+        with pytest.raises(ValueError, match="resolution must be from 1 to 256"):
+            tripatch.smooth_triangles(v, f, resolution=resolution)
     with pytest.raises(TypeError, match="resolution"):
         tripatch.smooth_triangles(v, f, resolution=2.5)
     with pytest.raises(ValueError, match="curve"):

@@ -25,10 +25,14 @@ def _named(value: Any, name: str, allowed: dict[str, Any]) -> Any:
     return allowed[value]
 
 
+#: The core has no larger whole numbers; what is allowed ends far below, as it says.
+_LARGEST = 2**31 - 1
+
+
 def _whole(value: Any, name: str) -> int:
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
         raise TypeError(f"{name} must be a whole number, not {value!r}")
-    return int(value)
+    return max(-_LARGEST, min(int(value), _LARGEST))
 
 
 def _number(value: Any, name: str) -> float:

@@ -242,6 +242,10 @@ def run(args: argparse.Namespace) -> int:
     mesh = files.read(args.input)
     if min(args.size) < 1 or not any(args.toward) or not any(args.direction):
         raise ValueError("--size must be positive, --from and --direction must not be zero")
+    if not np.isfinite([*args.toward, *args.direction, args.lines]).all():
+        raise ValueError("--from, --direction and --lines must be finite")
+    if args.most is not None and not 0 < args.most < np.inf:
+        raise ValueError(f"--most must be greater than 0 and finite, not {args.most:g}")
     deviation = mesh.deviation if args.kind == "deviation" else None
     if args.kind == "deviation" and deviation is None:
         said = "does not say how well its vertices are known; tripatch fill IN OUT.ply --deviation writes it"
