@@ -369,19 +369,54 @@ one.work({str(source / "m000.obj")!r})
 print(one._process.pid, flush=True)
 time.sleep(100)
 """
-    asking = subprocess.Popen([sys.executable, "-c", ask], stdout=subprocess.PIPE, text=True)
-    child = int(asking.stdout.readline())
+    assert ends_when_killed(subprocess.Popen([sys.executable, "-c", ask], stdout=subprocess.PIPE, text=True))
+
+
+def is_gone(pid):
+    """Within some seconds; a process that nobody has waited for yet counts as gone."""
+    state = Path(f"/proc/{pid}/stat")
+    for _ in range(200):
+        if not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z":
+            return True
+        time.sleep(0.02)
+    return False
+
+
+def ends_when_killed(asking):
+    """Whether the process that another asks, and has named on stdout, is gone when that one is killed."""
+    pid = int(asking.stdout.readline())
     asking.kill()
     asking.wait()
     asking.stdout.close()
-    for _ in range(200):
-        # a process that nobody has waited for yet counts as gone
-        state = Path(f"/proc/{child}/stat")
-        if not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z":
-            break
-        time.sleep(0.02)
-    else:
-        pytest.fail("the process that fills outlives the one that asks")
+    return is_gone(pid)
+
+
+_HELD = """
+import ctypes
+import os
+import pathlib
+def hold(path):
+    pathlib.Path(path).write_text(str(os.getpid()))
+    ctypes.PyDLL(None).sleep(60)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere its own code has to end it")
+def test_a_process_ends_with_the_one_that_asks_though_no_code_of_python_can_run_in_it(tmp_path, monkeypatch):
+    (tmp_path / "held.py").write_text(_HELD)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]))
+    ask = f"""
+import pathlib, threading, time
+from tripatch.batch import keeper, settings
+one = keeper.Keeper(settings.Settings({str(tmp_path)!r}, {str(tmp_path)!r}, {{}}, {tripatch.__version__!r}, "crop"))
+seen = pathlib.Path({str(tmp_path / "seen")!r})
+threading.Thread(target=one.call, args=("held", "hold", str(seen)), daemon=True).start()
+while not seen.exists() or not seen.read_text():
+    time.sleep(0.01)
+print(seen.read_text(), flush=True)
+time.sleep(100)
+"""
+    assert ends_when_killed(subprocess.Popen([sys.executable, "-c", ask], stdout=subprocess.PIPE, text=True))
 
 
 _SCHEDULER = """

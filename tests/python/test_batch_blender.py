@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_batch import _HOG, heads, lines, run
+from test_batch import _HOG, heads, is_gone, lines, run
 from tripatch.batch import journal
 
 ADDON = Path(__file__).resolve().parents[2] / "addon"
@@ -132,6 +132,16 @@ def test_a_blender_that_fails_costs_its_file(tmp_path, capsys, text, status, rea
     made = heads(tmp_path / "out")
     assert (made["a.blend"]["status"], made["a.blend"]["reason"]) == (status, reason)
     assert made["b.obj"]["status"] == "nothing"
+
+
+def test_a_blender_ends_with_the_process_that_has_opened_it(tmp_path, capsys):
+    """As where the system is short of memory and ends that one."""
+    (tmp_path / "a.blend").write_bytes(b"BLENDER")
+    text = f"echo $$ >'{tmp_path / 'seen'}'; kill -KILL $PPID; exec sleep 60\n"
+    options = ["--workers", 0, "--retries", 0, "--blender", program(tmp_path, text)]
+    run(capsys, tmp_path / "a.blend", "--out", tmp_path / "out", *options)
+    assert "was ended by SIGKILL" in heads(tmp_path / "out")["a.blend"]["reason"]
+    assert is_gone(int((tmp_path / "seen").read_text()))
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="Linux says how much memory a process has")

@@ -5,10 +5,12 @@ Requests come as pickles on stdin, answers go as pickles to stdout; it ends when
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import pickle
 import queue
+import select
 import signal
 import struct
 import sys
@@ -39,19 +41,41 @@ def receive(stream: Any) -> Any:
     return pickle.loads(data)
 
 
+def _end() -> None:
+    """Ends this process and the Blender that it may have started."""
+    if hasattr(os, "killpg") and os.getpgid(0) == os.getpid():
+        os.killpg(0, signal.SIGKILL)
+    os._exit(0)
+
+
+def _end_with(line: int) -> None:
+    """Has Linux do that when nobody holds the other end of a pipe any more, into which nobody writes.
+
+    At once, also where a library keeps all code of Python waiting, or no memory is left for any.
+    """
+    if sys.platform == "linux":
+        import fcntl
+
+        with contextlib.suppress(OSError):  # what only looks like Linux may not know all of this
+            fcntl.fcntl(line, fcntl.F_SETOWN, -os.getpgid(0))
+            fcntl.fcntl(line, fcntl.F_SETSIG, signal.SIGKILL)
+            fcntl.fcntl(line, fcntl.F_SETFL, fcntl.fcntl(line, fcntl.F_GETFL) | os.O_ASYNC)
+        if select.select([line], [], [], 0)[0]:  # it has happened already
+            _end()
+
+
 def _read(requests: Any, waiting: queue.SimpleQueue[Any]) -> None:
-    """Ends the process, and the Blender that it may have started, at once when the one that asks is gone."""
+    """Ends the process when the one that asks is gone, where the system has not."""
     while True:
         try:
             waiting.put(receive(requests))
         except (EOFError, OSError):
-            if hasattr(os, "killpg") and os.getpgid(0) == os.getpid():
-                os.killpg(0, signal.SIGKILL)
-            os._exit(0)
+            _end()
 
 
 def main() -> None:
     """Does what is asked for, one after the other."""
+    _end_with(int(sys.argv[2]))
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that shares the work out
     requests, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDONLY)

@@ -33,8 +33,12 @@ class _Ended(Exception):
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
     """Ends it and what it has started."""
-    if process.poll() is not None:
-        return
+    if process.poll() is None:
+        _kill_group(process)
+
+
+def _kill_group(process: subprocess.Popen[bytes]) -> None:
+    """Ends what it has started too where it is gone itself, but not long: its number may be another's by then."""
     with contextlib.suppress(OSError):
         if os.name == "posix":
             os.killpg(process.pid, signal.SIGKILL)
@@ -156,6 +160,7 @@ class Keeper:
                 process.stdin.close()
             _kill(process)
             process.wait()
+            os.close(self._line)
             process.stdout.close()
             self._said.close()
 
@@ -167,10 +172,12 @@ class Keeper:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"}
         if self._settings.threads:
             environment.setdefault("TRIPATCH_THREADS", str(self._settings.threads))
-        command = [sys.executable, "-P", "-m", "tripatch.batch.child", str(self._settings.memory_limit or 0)]
+        line, self._line = os.pipe()
+        command = [sys.executable, "-P", "-m", "tripatch.batch.child", str(self._settings.memory_limit or 0), str(line)]
         streams: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self._said}
-        group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
+        group: dict[str, Any] = {"process_group": 0, "pass_fds": [line]} if os.name == "posix" else {}
         self._process = subprocess.Popen(command, env=environment, **streams, **group)
+        os.close(line)
         self._done = 0
         self._watch = memory.Watch(self._process.pid, self._settings.memory_limit, functools.partial(_kill, self._process))
         return self._process
@@ -181,7 +188,7 @@ class Keeper:
         if process.poll() is None:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(1)  # it is about to end by itself: its own code says more than SIGKILL
-        _kill(process)
+        _kill_group(process)
         code = process.wait()
         self._said.seek(0)
         lines = self._said.read().decode(errors="replace").strip().splitlines()
