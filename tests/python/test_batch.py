@@ -419,6 +419,29 @@ time.sleep(100)
     assert ends_when_killed(subprocess.Popen([sys.executable, "-c", ask], stdout=subprocess.PIPE, text=True))
 
 
+def test_a_process_with_nothing_to_do_ends_though_its_worker_stays(tmp_path, monkeypatch):
+    source = spheres(tmp_path / "in", 3)
+    settings = Settings(str(source), str(tmp_path / "out"), {}, tripatch.__version__)
+    made = []
+    monkeypatch.setattr(scheduling, "Keeper", lambda given: made.append(keeper.Keeper(given)) or made[-1])
+    scheduling._over.clear()
+
+    def do(k):
+        ((_, entry),) = scheduling.do_portion([(k, str(source / f"m{k:03}.obj"), None)], settings)
+        assert entry["lines"][0]["status"] == "filled"
+
+    do(0)
+    pid = made[0]._process.pid
+    monkeypatch.setattr(scheduling, "_IDLE", 0.01)
+    do(1)
+    assert len(made) == 1  # one that is free is asked again
+    assert is_gone(pid)
+    assert not scheduling._all
+    do(2)
+    assert len(made) == 2
+    scheduling._end_keepers()
+
+
 _SCHEDULER = """
 import time
 from distributed import LocalCluster

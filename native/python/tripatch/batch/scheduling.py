@@ -25,8 +25,11 @@ NEEDED = (
     "and --emit makes commands for a render farm"
 )
 
-_keepers: dict[str, list[Keeper]] = {}  # those that are free
-_all: list[Keeper] = []
+#: Seconds after which a process that has nothing to do ends: a worker of somebody else's may live for weeks.
+_IDLE = 10.0
+
+_keepers: dict[str, dict[Keeper, threading.Timer]] = {}  # those that are free, and what ends them
+_all: set[Keeper] = set()
 _over = threading.Event()  # in the process that shares the work out: nothing more is to be begun
 _lock = threading.Lock()
 
@@ -42,15 +45,30 @@ def _a_keeper(settings: Settings) -> Any:
     with _lock:
         if _over.is_set():
             raise Stopped
-        free = _keepers.setdefault(label, [])
-        keeper = free.pop() if free else Keeper(settings)
-        if keeper not in _all:
-            _all.append(keeper)
+        free = _keepers.setdefault(label, {})
+        if free:
+            keeper, idle = free.popitem()
+            idle.cancel()
+        else:
+            keeper = Keeper(settings)
+            _all.add(keeper)
     try:
         yield keeper
     finally:
+        idle = threading.Timer(_IDLE, _end_idle, (free, keeper))
+        idle.daemon = True
         with _lock:
-            free.append(keeper)
+            free[keeper] = idle
+        idle.start()
+
+
+def _end_idle(free: dict[Keeper, threading.Timer], keeper: Keeper) -> None:
+    with _lock:
+        if free.get(keeper) is not threading.current_thread():
+            return  # it has been asked since
+        del free[keeper]
+        _all.discard(keeper)
+    keeper.__exit__()
 
 
 def do_portion(portion: list[tuple[int, str, dict[str, Any] | None]], settings: Settings) -> list[tuple[int, dict[str, Any]]]:
@@ -68,7 +86,9 @@ def _end_keepers() -> None:
         for keeper in _all:
             keeper.stop()
         for free in _keepers.values():
-            for keeper in free:
+            while free:
+                keeper, idle = free.popitem()
+                idle.cancel()
                 keeper.__exit__()
         _keepers.clear()
         _all.clear()
