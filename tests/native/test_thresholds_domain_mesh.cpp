@@ -96,7 +96,45 @@ private:
   bool may_join(int from, int) const override { return from == 0; }
 };
 
+/// A thousand triangles in a polygon, whose edges are flipped time and again, for ever where nobody but this stops it.
+class Restless final : public DomainMesh {
+public:
+  static constexpr int count = 1000;
+  explicit Restless() : DomainMesh(count + 2) {
+    for (int k = 0; k < count + 2; ++k) {
+      const double angle = 2 * M_PI * k / (count + 2);
+      add_vertex(Vec3(0, std::cos(angle), std::sin(angle)), Vec3(std::cos(angle), std::sin(angle), 0));
+    }
+    for (int t = 0; t < count; ++t) triangles_.push_back({{0, t + 1, t + 2}, {-1, t + 1 < count ? t + 1 : -1, t - 1}});
+    triangle_of_.assign(count + 2, 0);
+  }
+  /// Edges looked at, for each triangle, until flips end that are wanted so often.
+  double looks(int wanted) {
+    looks_at_ = 0;
+    wanted_ = wanted * count;
+    look_at_all();
+    flip_all();
+    return static_cast<double>(looks_at_) / count;
+  }
+
+private:
+  double wanted(const Vec3&) const override { return 1; }
+  bool wants_flip(int, int, int, int) const override { return ++looks_at_ < wanted_; }
+  mutable int looks_at_ = 0;
+  int wanted_ = 0;
+};
+
 }  // namespace
+
+TEST_CASE("flips that come to no end are given up after 40 looks a triangle, and once they have after four", "[thresholds]") {
+  Restless mesh;
+  CHECK(mesh.looks(5) > 5);  // until no more are wanted
+  const double first = mesh.looks(200), then = mesh.looks(200);
+  CHECK(first > 39);
+  CHECK(first < 41.5);  // and a thousand in all
+  CHECK(then > 3);
+  CHECK(then < 5.5);
+}
 
 TEST_CASE("an edge is taken away that leaves triangles of a shape of 0.4", "[thresholds]") {
   for (const double far : {0.80, 0.83}) {

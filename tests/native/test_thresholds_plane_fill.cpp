@@ -1,6 +1,7 @@
 // What decides about a fill over a plane, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <tuple>
 
 #include "test_rings.h"
 #include "tripatch/creases/creased_fill.h"
@@ -409,5 +410,42 @@ TEST_CASE("faces that are folded beside the rim do not keep a fill from going on
     CHECK(fill.folds <= fill.rim_folds);
     REQUIRE(fill.vertices.rows() > 50);
     CHECK((fill.vertices.rowwise().norm().array() - 1).abs().maxCoeff() < 5e-3);
+  }
+}
+
+TEST_CASE("a fill of more than 30,000 triangles is laid out with a third of its rim in 20 edges", "[thresholds]") {
+  for (const auto& [degrees, is_few] : {std::pair(70.0, true), {30.0, false}}) {
+    const double angle = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 360;
+    const auto cap = [&](double x, double y) {
+      const double r = std::hypot(x, y), from_pole = angle + 2 * (r - 0.5);
+      return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole));
+    };
+    const Rings rings(radii(edge / 2, 6), cap, 360);
+    PlaneFillOptions coarse;
+    coarse.resolution = 20;
+    const PlaneFill fill = filled(rings), of_20 = filled(rings, coarse);
+    CHECK(fill.plainer.empty());
+    CHECK((fill.triangles.size() > 30'000) == is_few);
+    CHECK((fill.rim_uv == of_20.rim_uv) == is_few);
+  }
+}
+
+TEST_CASE(
+    "of more than a million vertices times those of the rim few triangles bend least, and the fill is on a surface through "
+    "theirs",
+    "[thresholds]") {
+  for (const auto& [n, middle, lobe] : {std::tuple(Index{240}, 2.1, 0.6), {Index{200}, 2.2, 0.5}}) {
+    const double edge = 2 * M_PI * std::sin(1.2) / static_cast<double>(n);
+    const auto lobes = [&, middle = middle, lobe = lobe](double x, double y) {  // of a rough ball: the field folds
+      const double r = std::hypot(x, y), from_pole = middle + lobe * std::sin(3 * std::atan2(y, x)) + 2 * (r - 0.5);
+      const double size = 1 + 0.2 * edge * random_at(x, y);
+      return Vec3(size * Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole)));
+    };
+    const PlaneFill fill = filled(Rings(radii(edge / 2, 6), lobes, n));
+    CAPTURE(fill.vertices.rows(), fill.plainer);
+    CHECK(fill.plainer.starts_with("The triangles of the fill bend as little as they can"));
+    CHECK((fill.vertices.rows() * n > 1'000'000) == (n == 240));
+    CHECK((dynamic_cast<const Field*>(fill.surface.get()) != nullptr) == (n == 240));
+    CHECK(fill.folds == 0);
   }
 }
