@@ -208,6 +208,24 @@ TEST_CASE("where a surface is torn or folds the number of triangles of a polygon
   CHECK(m.triangles.size() <= 5 * 24 * 24);
 }
 
+TEST_CASE("a triangulation ends where it has more triangles and a larger area than it may") {
+  const Graph surface([](double u, double v) { return Vec3(u, v, (1 - u * u - v * v) * std::sin(40 * u)); });
+  const PlanePolygon p = polygon({circle(48)}, surface);
+  const PlaneTriangulation whole = remesh(p, {}, surface);
+  const Index points = std::exchange(surface.points, 0);
+  REQUIRE(whole.triangles.size() > 2000);
+  CHECK_FALSE(whole.unfinished);
+  const PlaneTriangulation cut = remesh(p, {}, surface, {500, 5});
+  CHECK(cut.unfinished);
+  CHECK(cut.triangles.size() > 500);
+  CHECK(surface.points < points / 4);
+  for (const MostTriangles& most : {MostTriangles{500, 1e6}, {100'000, 5}}) {
+    const PlaneTriangulation same = remesh(p, {}, surface, most);
+    CHECK_FALSE(same.unfinished);
+    CHECK(same.points == whole.points);
+  }
+}
+
 TEST_CASE("islands and strips of the plane are remeshed") {
   const Graph surface(wave);
   for (double off : {0.0, 0.3}) {

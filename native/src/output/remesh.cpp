@@ -155,7 +155,7 @@ public:
     set_sizes(resolution);
   }
 
-  PlaneTriangulation run() {
+  PlaneTriangulation run(const MostTriangles& most) {
     look_at_all();
     flip_all();
     int nearly_done = 0;
@@ -169,6 +169,7 @@ public:
         flip_all();
         smooth(false);
       }
+      if (is_more_than(most)) return unfinished();
       if (splits == 0) break;
       if (!crease_halved_ && 30 * splits < triangles_.size() && ++nearly_done > 1) break;
     }
@@ -187,6 +188,20 @@ public:
   }
 
 private:
+  bool is_more_than(const MostTriangles& most) const {
+    if (alive_triangles() <= most.count) return false;
+    double twice = 0;
+    for (const Triangle& f : triangles_)
+      if (f.v[0] >= 0) twice += (x_[f.v[1]] - x_[f.v[0]]).cross(x_[f.v[2]] - x_[f.v[0]]).norm();
+    return twice > 2 * most.area;
+  }
+
+  PlaneTriangulation unfinished() const {
+    PlaneTriangulation made = result();
+    made.unfinished = true;
+    return made;
+  }
+
   int add(const Vec3& b, const Vec3& x) {
     on_crease_.push_back(0);
     return add_vertex(b, x);
@@ -466,9 +481,10 @@ double triangles_wanted(const PlanePolygon& polygon, std::optional<int> resoluti
   return Sizes(polygon, resolution).triangles(polygon);
 }
 
-PlaneTriangulation remesh(const PlanePolygon& polygon, std::optional<int> resolution, const Surface& surface) {
+PlaneTriangulation remesh(const PlanePolygon& polygon, std::optional<int> resolution, const Surface& surface,
+                          const MostTriangles& most) {
   check(polygon, resolution);
-  return PlaneRemesher(polygon, resolution, surface).run();
+  return PlaneRemesher(polygon, resolution, surface).run(most);
 }
 
 }  // namespace tripatch

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -30,6 +31,13 @@ struct PlaneTriangulation {
   std::vector<std::array<Index, 3>> triangles;                   ///< all positively oriented in (u, v)
   std::vector<std::array<Index, 2>> creases;                     ///< the edges that the polygon's creases have become
   bool doubles_edges = false;  ///< an inner edge that the mesh has already is left: it could not be halved
+  bool unfinished = false;     ///< it came to more than was allowed
+};
+
+/// Where a triangulation has both more triangles and a larger area in space than this it ends, for nobody takes it.
+struct MostTriangles {
+  std::size_t count = std::numeric_limits<std::size_t>::max();
+  double area = 0;
 };
 
 /// Makes a place inside a row that stays, and splits the triangles that it lies in. A row that lies there already is moved to the point.
@@ -46,6 +54,7 @@ double triangles_wanted(const PlanePolygon& polygon, std::optional<int> resoluti
 /// flips by the sum of the angles in space. What is given must be a triangulation of the polygon with every triangle positively
 /// oriented; everything that follows is one too. The rim's vertices stay, and no vertex is added to it.
 /// The same input gives the same bits. Throws InvalidArgument for triangles that are turned over, and rows that do not fit.
-PlaneTriangulation remesh(const PlanePolygon& polygon, std::optional<int> resolution, const Surface& surface);
+PlaneTriangulation remesh(const PlanePolygon& polygon, std::optional<int> resolution, const Surface& surface,
+                          const MostTriangles& most = {});
 
 }  // namespace tripatch
