@@ -193,7 +193,10 @@ TEST_CASE("the second model has a quarter of the triangles whose bending varies 
   Triangles rows = triangles;
   for (std::array<Index, 3>& t : rows)
     for (Index& v : t) v = (v + 16) % 17;
-  const SecondModel model = *second_model(turned, rows, none, {2, 3});
+  SecondModels models(turned, rows, none);
+  const SecondModel model = *models.by({2, 3});
+  CHECK(models.by({2})->vertices == second_model(turned, rows, none, {2})->vertices);
+  CHECK(models.by({1})->vertices == second_model(turned, rows, none, {1})->vertices);
   const Points bends = *least_bent(turned, rows, {}, 16, 1, 2), varies = *least_bent(turned, rows, {}, 16, 1, 3);
   REQUIRE((bends - varies).norm() > 1e-6);
   CHECK((model.vertices - (0.75 * bends + 0.25 * varies)).norm() < 1e-12);

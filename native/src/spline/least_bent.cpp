@@ -276,8 +276,12 @@ double share_of_second(const FieldFindings& s) {
   return share + (most_of_second - share) * far;
 }
 
-std::optional<SecondModel> second_model(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
-                                        const Disc& disc, const std::vector<int>& orders, bool keep_planes) {
+struct SecondModels::Own : Bending {
+  using Bending::Bending;
+};
+
+SecondModels::SecondModels(const Points& points, const std::vector<std::array<Index, 3>>& triangles, const Disc& disc,
+                           bool keep_planes) {
   const Index r = disc.rim, made = points.rows();
   Points all(made + disc.points.rows() - r, 3);
   all << points, disc.points.bottomRows(disc.points.rows() - r);
@@ -285,19 +289,30 @@ std::optional<SecondModel> second_model(const Points& points, const std::vector<
   for (std::array<Index, 3>& t : around)
     for (Index& v : t)
       if (v >= r) v += made - r;
-  std::vector<Points> found;
   std::vector<std::array<Index, 3>> own = triangles;
   if (!keep_planes) {
     own.insert(own.end(), around.begin(), around.end());
     around.clear();
   }
-  Bending bending(all, own, around, r, made - r);
+  own_ = std::make_unique<Own>(all, own, around, r, made - r);
+}
+
+SecondModels::SecondModels(SecondModels&&) noexcept = default;
+SecondModels::~SecondModels() = default;
+
+std::optional<SecondModel> SecondModels::by(const std::vector<int>& orders) {
+  std::vector<Points> found;
   for (int order : orders)
-    if (const std::optional<Points> each = bending.least(order)) found.push_back(*each);
+    if (const std::optional<Points> each = own_->least(order)) found.push_back(*each);
   if (found.empty()) return {};
   const Points way = found.back() - found.front();
   SecondModel model{found.front() + share_of_last * way, std::sqrt(share_of_last * (1 - share_of_last)) * way};
   return model;
+}
+
+std::optional<SecondModel> second_model(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
+                                        const Disc& disc, const std::vector<int>& orders, bool keep_planes) {
+  return SecondModels(points, triangles, disc, keep_planes).by(orders);
 }
 
 }  // namespace tripatch

@@ -603,10 +603,12 @@ bool refine(const Rim& rim, std::optional<int> resolution, Attempt& result) {
 
 /// Moves vertices of folded edges, and flips edges, until none is folded, or no more than of the rim's own; returns how many are.
 Index unfolded(const Rim& rim, Attempt& result) {
-  if (folded_edges(result.made.points, result.made.triangles, rim.beyond) == 0) return 0;
+  const Index folds = folded_edges(result.made.points, result.made.triangles, rim.beyond);
+  if (folds == 0) return 0;
   const Index r = rim.points.rows();
   PlaneTriangulation& made = result.made;
   const Index most = most_folds(rim, result);
+  if (folds > most && is_past_mending(folds, made.triangles.size())) return folds;
   for (const Index allowed : {Index{0}, most}) {
     Index left = unfold(made.points, made.triangles, r, allowed, rim.beyond);
     if (left <= allowed) return left;
@@ -649,10 +651,14 @@ bool serves(const Rim& rim, Attempt& result) {
 /// as it was, where this folds more than the rim too.
 bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
   if (disc.triangles.empty() || result.made.points.rows() == disc.rim || result.met) return false;
+  std::array<std::optional<SecondModels>, 2> of_result;  // that need not keep the planes beside the rim, and that do
   for (const auto& [orders, keep_planes] : {Bends{{2, 3}}, {{2}}, {{2, 3}, false}, {{2}, false}, {{1}}}) {
     Attempt alone = result;
+    std::optional<SecondModels>& models = of_result[keep_planes];
+    if (!models) models.emplace(alone.made.points, alone.made.triangles, disc, keep_planes);
+    std::optional<SecondModel> second = models->by(orders);
     for (int round = 0; round < 2; ++round) {  // the second by angles of triangles that do not fold
-      const std::optional<SecondModel> second = second_model(alone.made.points, alone.made.triangles, disc, orders, keep_planes);
+      if (round > 0) second = second_model(alone.made.points, alone.made.triangles, disc, orders, keep_planes);
       if (!second || !take_second(rim, *second, 1, alone)) break;
       if (!serves(rim, alone)) continue;
       result = std::move(alone);

@@ -52,18 +52,18 @@ std::vector<std::array<Index, 2>> folded_pairs(const Points& points, const std::
   return out;
 }
 
-bool too_many(Index folded, const std::vector<Joint>& edges) {
-  return folded > std::max(some_anyway, static_cast<Index>(some * static_cast<double>(edges.size()) / 2));
-}
-
 }  // namespace
+
+bool is_past_mending(Index folded, std::size_t triangles) {
+  return folded > std::max(some_anyway, static_cast<Index>(some * static_cast<double>(3 * triangles) / 2));
+}
 
 Index unfold(Points& points, const std::vector<std::array<Index, 3>>& triangles, Index fixed, Index allowed,
              std::span<const FaceBeyond> beyond) {
   const std::vector<Joint> edges = sorted_joints(triangles);
   std::vector<std::array<Index, 2>> found = folded_pairs(points, triangles, edges, beyond);
   const Index before = static_cast<Index>(found.size());
-  if (before <= allowed || too_many(before, edges)) return before;
+  if (before <= allowed || is_past_mending(before, triangles.size())) return before;
   Points moved = points;
   for (int round = 0; round < mending_rounds; ++round) {
     std::vector<Index> who;
@@ -191,7 +191,7 @@ Index flip_folded(const Points& points, std::vector<std::array<Index, 3>>& trian
     const std::vector<Joint> edges = sorted_joints(turned);
     const std::vector<std::array<Index, 2>> found = folded_pairs(points, turned, edges, beyond);
     left = static_cast<Index>(found.size());
-    if (round == 0 && too_many(left, edges)) return left;
+    if (round == 0 && is_past_mending(left, turned.size())) return left;
     if (left <= allowed) break;
     const Flip flip(points, turned, edges, beyond);
     std::vector<char> touched(turned.size(), 0);  // of this round: the edges are those before it

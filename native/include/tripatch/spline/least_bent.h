@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -47,9 +48,24 @@ struct SecondModel {
   Points apart;     ///< what these spread about it
 };
 
-/// Of a fill's points (the disc's rim first, then the new vertices) and triangles: positions of the new vertices by one or two orders.
-/// The disc has as many rings as the highest order less one, where there are so many. keep_planes: of the disc's triangles beside the rim,
-/// as a clamped plate does; else these bend with the fill's. Nothing where no numbers come.
+/// Of a fill's points (the disc's rim first, then the new vertices) and triangles: positions of the new vertices by one or two orders, all
+/// of the same measures. The disc has as many rings as the highest order less one, where there are so many. keep_planes: of the disc's
+/// triangles beside the rim, as a clamped plate does; else these bend with the fill's.
+class SecondModels {
+public:
+  SecondModels(const Points& points, const std::vector<std::array<Index, 3>>& triangles, const Disc& disc,
+               bool keep_planes = true);
+  SecondModels(SecondModels&&) noexcept;
+  ~SecondModels();
+
+  /// Nothing where no numbers come.
+  std::optional<SecondModel> by(const std::vector<int>& orders);
+
+private:
+  struct Own;
+  std::unique_ptr<Own> own_;
+};
+
 std::optional<SecondModel> second_model(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
                                         const Disc& disc, const std::vector<int>& orders, bool keep_planes = true);
 

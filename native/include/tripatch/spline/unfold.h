@@ -8,6 +8,9 @@
 
 namespace tripatch {
 
+/// Whether more than a few edges are folded, of so many triangles: then nothing is moved, and nothing flipped.
+bool is_past_mending(Index folded, std::size_t triangles);
+
 /// Moves vertices of folded edges (report/folded_triangles.h) from row `fixed` on to the middle of their neighbors until no more
 /// than `allowed` edges are folded. Points stay as they are where that does not succeed, or where more than a few are folded:
 /// returns how many edges are folded then.
