@@ -184,6 +184,15 @@ def test_obj_texture_coordinates_where_faces_are_split(tmp_path):
     assert reread(out, "b.obj", tmp_path).faces[1] == [3, 0, 4, 7]
 
 
+@pytest.mark.parametrize("third", [b"vt 1 1/31", b"vt 1 1 0", b""])
+def test_obj_face_split_between_texture_coordinates_that_are_none_or_differ_in_kind(tmp_path, third):
+    """The new corner has those of the one before it."""
+    data = OBJ_V + b"vt 0 0\nvt 1 0\nvt 1 1\n" + third + b"\nf 1 2 6 5\nf 2/1 3/2 7/3 6/4\nf 3 4 8 7\nf 4 1 5 8\n"
+    out = filled(data, "a.obj", tmp_path, [SPLIT])
+    assert b"f 2/1 3/2 7/3 9/3 6/4" in out.splitlines()
+    assert out.count(b"vt ") == data.count(b"vt ")
+
+
 def test_off_split_face(tmp_path):
     data = b"OFF\n8 4 0\n" + b"".join(b"%d %d %d\n" % tuple(p) for p in FRAME.astype(int))
     data += b"".join(b" 4  %d %d %d %d  255 0 %d # c\n" % (*q, k) for k, q in enumerate(QUADS))

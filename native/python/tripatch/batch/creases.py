@@ -46,14 +46,19 @@ def _at(vertices: Array, faces: Any, keys: Array, n: int) -> dict[int, Array]:
     if not len(corners):
         return {}
     following = _next(offsets, corners)
-    key = np.minimum(corners, following) * n + np.maximum(corners, following)
-    places = np.nonzero(np.isin(key, keys))[0]
+    near = np.zeros(n, bool)  # of a large mesh few edges need be looked for
+    near[keys // n] = near[keys % n] = True
+    places = np.nonzero(near[corners] & near[following])[0]
+    a, b = corners[places], following[places]
+    key = np.minimum(a, b) * n + np.maximum(a, b)
+    found = np.isin(key, keys)
+    places, key = places[found], key[found]
     if not len(places):
         return {}
     owner = np.searchsorted(offsets, places, "right") - 1
     wanted, back = np.unique(owner, return_inverse=True)
     normals = _normals(vertices, offsets, corners, wanted)
-    return dict(zip(key[places].tolist(), normals[back.reshape(-1)], strict=True))
+    return dict(zip(key.tolist(), normals[back.reshape(-1)], strict=True))
 
 
 def largest(vertices: Array, faces: Any, fills: Sequence[tuple[Array, list[Any], Array]]) -> list[float | None]:

@@ -105,5 +105,8 @@ class MeshFile:
         following = np.roll(self._corners, -1)
         ends = np.cumsum(self._sizes)
         following[ends - 1] = self._corners[ends - self._sizes]
-        at_rim = np.isin(keys(self._corners, following), keys(rim, np.roll(rim, -1)))
-        return np.unique(np.searchsorted(ends, np.nonzero(at_rim)[0], "right"))
+        near = np.zeros(n, bool)  # of a large mesh few edges need be looked for
+        near[rim] = True
+        places = np.nonzero(near[self._corners] & near[following])[0]
+        at_rim = np.isin(keys(self._corners[places], following[places]), keys(rim, np.roll(rim, -1)))
+        return np.unique(np.searchsorted(ends, places[at_rim], "right"))

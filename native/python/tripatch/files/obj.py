@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from array import array
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,25 +23,30 @@ class ObjFile(MeshFile):
 
     def __init__(self, data: bytes) -> None:
         self._new: list[bytes] = []
-        vertices, extras, faces = [], [], []
-        self._vertex_lines, self._face_lines = [], []  # first and end
-        self._counts: list[tuple[int, int, int]] = []  # of v, vt and vn before each face, for negative indices
+        # numbers by the million lie in arrays: an object for each takes several times the memory of the file
+        vertices, faces = array("d"), []
+        indices: list[int] = []  # one object of each for all faces
+        self._extras: list[Sequence[bytes]] = []
+        self._vertex_lines, self._face_lines = array("q"), array("q")  # of each the first and the end
+        self._counts = array("q")  # of v, vt and vn before each face, for negative indices
         self._textures: list[list[bytes]] = []
         self._changed: dict[int, tuple[int, list[Any]]] = {}  # faces that were split: place in `new`, corners
+        self._replaced: dict[int, tuple[int, bytes]] = {}  # lines by the first: the end, and what stands there instead
         self._normals = 0
         if data.startswith((b"\xff\xfe", b"\xfe\xff")):
             raise FileError("The file is UTF-16 text; save it as UTF-8")
-        lines = self._lines = writing.lines(data)
-        self._eol = writing.line_end(lines)
+        self._data, self._starts = data, writing.line_starts(data)
+        starts, lines = self._starts, len(self._starts) - 1
+        self._eol = writing.line_end([data[: starts[1]]] if lines else [])
         state: dict[bytes, bytes] = {}  # the last line of each keyword that later faces are under
         self._states, self._state_of = [state], []
         self._with_normals = False
         number = 0
-        while number < len(lines):
-            line, start = lines[number], number
+        while number < lines:
+            line, start = data[starts[number] : starts[number + 1]], number
             number += 1
-            while line.rstrip(b"\r\n").endswith(b"\\") and number < len(lines):
-                line = line.rstrip(b"\r\n")[:-1] + b" " + lines[number]
+            while line.rstrip(b"\r\n").endswith(b"\\") and number < lines:
+                line = line.rstrip(b"\r\n")[:-1] + b" " + data[starts[number] : starts[number + 1]]
                 number += 1
             words = (line.removeprefix(writing.BYTE_ORDER_MARK) if start == 0 else line).split()
             if not words or words[0][:1] == b"#":
@@ -47,9 +54,10 @@ class ObjFile(MeshFile):
             keyword = words[0]
             try:
                 if keyword == b"v":
-                    vertices.append((float(words[1]), float(words[2]), float(words[3])))
-                    extras.append(words[4:])
-                    self._vertex_lines.append((start, number))
+                    vertices.extend((float(words[1]), float(words[2]), float(words[3])))
+                    indices.append(len(indices))
+                    self._extras.append(words[4:] or ())
+                    self._vertex_lines.extend((start, number))
                 elif keyword == b"vn":
                     self._normals += 1
                 elif keyword == b"vt":
@@ -61,10 +69,11 @@ class ObjFile(MeshFile):
                     if 0 in face:
                         raise ValueError
                     if len(face) >= 3:
-                        faces.append([v - 1 if v > 0 else v + len(vertices) for v in face])
+                        n = len(indices)
+                        faces.append([indices[v - 1] if 0 < v <= n else v - 1 if v > 0 else v + n for v in face])
                         self._state_of.append(len(self._states) - 1)
-                        self._face_lines.append((start, number))
-                        self._counts.append((len(vertices), len(self._textures), self._normals))
+                        self._face_lines.extend((start, number))
+                        self._counts.extend((n, len(self._textures), self._normals))
                         if words[1].count(b"/") == 2 and not words[1].endswith(b"/"):
                             self._with_normals = True
                 elif keyword in _OBJ_STATE:
@@ -72,9 +81,8 @@ class ObjFile(MeshFile):
                     self._states.append(state)
             except (ValueError, IndexError):
                 raise FileError(f"Line {number} cannot be understood: {line.strip().decode(errors='replace')[:60]}") from None
-        self._extras = extras
         self._state = state
-        super().__init__(np.array(vertices, float).reshape(-1, 3), faces)
+        super().__init__(np.array(vertices).reshape(-1, 3), faces)
 
     @classmethod
     def of_mesh(cls, vertices: Array, faces: list[list[int]]) -> ObjFile:
@@ -84,9 +92,12 @@ class ObjFile(MeshFile):
         return cls(b"\n".join(rows) + b"\n")
 
     def _move(self, v: int, place: Array) -> None:
-        start, end = self._vertex_lines[v]
-        self._lines[start] = writing.with_numbers(b"".join(self._lines[start:end]), 1, [writing.number(x) for x in place])
-        self._lines[start + 1 : end] = [b""] * (end - start - 1)
+        start, end = self._vertex_lines[2 * v : 2 * v + 2]
+        self._replaced[start] = end, writing.with_numbers(self._text(start, end), 1, [writing.number(x) for x in place])
+
+    def _text(self, start: int, end: int) -> bytes:
+        """Of lines, as it is by now."""
+        return self._replaced[start][1] if start in self._replaced else self._data[self._starts[start] : self._starts[end]]
 
     def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
         new = self._new
@@ -116,23 +127,23 @@ class ObjFile(MeshFile):
     def _split(self, f: int, place: int, v: int, t: float) -> None:
         # a face must not come before its vertices: it goes to the end, as it was
         if f not in self._changed:
-            start, end = self._face_lines[f]
-            text = b"".join(self._lines[start:end])
+            start, end = self._face_lines[2 * f : 2 * f + 2]
+            text = self._text(start, end)
             words = re.sub(rb"\\\r?\n", b" ", text).split(b"#")[0].split()[1:]
             corners = []
             for word in words:
                 parts = [int(part) if part else 0 for part in word.split(b"/")]
-                corners.append([x if x >= 0 else x + n + 1 for x, n in zip(parts, self._counts[f])])
-            self._lines[start:end] = [text[text.index(b"#") :] if b"#" in text else b""] + [b""] * (end - start - 1)
+                corners.append([x if x >= 0 else x + n + 1 for x, n in zip(parts, self._counts[3 * f : 3 * f + 3])])
+            self._replaced[start] = end, text[text.index(b"#") :] if b"#" in text else b""
             self._go_under(self._states[self._state_of[f]])
             self._new.append(b"")
             self._changed[f] = len(self._new) - 1, corners
         at, corners = self._changed[f]
         first, second = corners[place], corners[(place + 1) % len(corners)]
         between = [v + 1, *first[1:]]
-        if len(between) > 1 and first[1] and second[1]:
-            ends = [np.array(list(map(float, self._textures[x[1] - 1]))) for x in (first, second)]
-            self._textures.append([writing.number(x) for x in (1 - t) * ends[0] + t * ends[1]])
+        middle = self._texture_between(first[1], second[1], t) if min(len(first), len(second)) > 1 else None
+        if middle:
+            self._textures.append(middle)
             between[1] = len(self._textures)
             self._new.insert(at, b"vt " + b" ".join(self._textures[-1]))
             self._changed = {g: (k + (k >= at), c) for g, (k, c) in self._changed.items()}
@@ -140,8 +151,23 @@ class ObjFile(MeshFile):
         corners.insert(place + 1, between)
         self._new[at] = b"f " + b" ".join(b"/".join(b"%d" % x if x else b"" for x in corner) for corner in corners)
 
+    def _texture_between(self, first: int, second: int, t: float) -> list[bytes] | None:
+        """None where one is not there or no numbers, or they differ in kind."""
+        if not (0 < first <= len(self._textures) and 0 < second <= len(self._textures)):
+            return None
+        words = self._textures[first - 1], self._textures[second - 1]
+        try:
+            ends = [np.array(list(map(float, each))) for each in words]
+        except ValueError:
+            return None
+        return [writing.number(x) for x in (1 - t) * ends[0] + t * ends[1]] if len(ends[0]) == len(ends[1]) else None
+
     def _save(self, path: Path) -> None:
-        data = b"".join(self._lines)
+        pieces, last = [], 0
+        for start, (end, text) in sorted(self._replaced.items()):
+            pieces += [self._data[last : self._starts[start]], text]
+            last = self._starts[end]
+        data = b"".join([*pieces, self._data[last:]])
         with path.open("wb") as out:
             out.write(data)
             if not self._new:

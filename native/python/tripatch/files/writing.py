@@ -9,6 +9,7 @@ import secrets
 import shutil
 import stat
 import tempfile
+from array import array
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -83,6 +84,15 @@ def with_numbers(text: bytes, first: int, values: Sequence[bytes]) -> bytes:
 
 def lines(data: bytes) -> list[bytes]:
     return data.splitlines(keepends=True)
+
+
+def line_starts(data: bytes) -> array[int]:
+    """Of each line as `lines` has it, and the end of the last."""
+    starts = array("q", [0])
+    starts.extend(match.end() for match in re.finditer(rb"\r\n?|\n", data))
+    if starts[-1] < len(data):
+        starts.append(len(data))
+    return starts
 
 
 def line_end(lines: Sequence[bytes]) -> bytes:
