@@ -13,7 +13,7 @@ import bpy
 
 from . import beside, filling, layers, library, mirrored, selection, subdivision, writeback
 from .library import arguments as by_table
-from .library import np, tripatch
+from .library import tripatch
 from .properties import OPTIONS
 
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
@@ -80,7 +80,7 @@ def _given(arguments, function):
 def _chosen(bm, matrix, arguments):
     """The visible border loops that the library chooses."""
     bm.verts.index_update()
-    points = np.array([v.co for v in bm.verts], dtype=np.float64).reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    points = selection.coordinates(bm.verts) @ matrix[:3, :3].T + matrix[:3, 3]
     faces = [[v.index for v in f.verts] for f in bm.faces]
     try:
         loops = tripatch.choose_holes(points, faces, **_given(arguments, "choose_holes"))

@@ -240,7 +240,7 @@ def _in_shape_key(bm, planned, name, in_key, world):
 
 def is_a_point(rim):
     """Whether all of a rim lies at one point, to what the last digit of float32 leaves."""
-    places = np.array([v.co for v in rim.loop], dtype=np.float64)
+    places = selection.coordinates(rim.loop)
     return np.ptp(places, axis=0).max() <= np.finfo(np.float32).eps * np.abs(places).max()
 
 
@@ -401,7 +401,7 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
 
 def _moved_with_rim(planned, layer):
     """The new vertices, moved as the rim is in a shape."""
-    moved = np.array([v[layer] - v.co for v in planned.loop])
+    moved = selection.coordinates(planned.loop, layer) - selection.coordinates(planned.loop)
     blend = tripatch.attribute_weights(planned.fill)
     ends = np.stack([moved, np.roll(moved, -1, axis=0)], axis=1).reshape(-1, 3)
     return planned.positions + blend(ends)
@@ -512,7 +512,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
 
 def diameter(loop, matrix):
     """Of a hole, in the world: the largest distance of two vertices of its rim."""
-    points = np.array([v.co for v in loop], dtype=np.float64) @ matrix[:3, :3].T
+    points = selection.coordinates(loop) @ matrix[:3, :3].T
     return float(max(np.linalg.norm(points - p, axis=1).max() for p in points))
 
 

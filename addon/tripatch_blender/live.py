@@ -208,7 +208,7 @@ def _nearest(borders, settings):
     was = np.array(settings["positions"], np.float64)
     best: tuple = (np.inf, None)
     for border in borders:
-        here = np.array([v.co for v in border], np.float64)
+        here = selection.coordinates(border)
         apart = np.linalg.norm(was[:, None] - here, axis=2)
         best = min(best, ((apart.min(axis=1).mean() + apart.min(axis=0).mean()) / 2, border), key=lambda pair: pair[0])
     distance, border = best
@@ -226,7 +226,7 @@ def find_rim(bm, settings):
     border = _nearest(selection.border_loops(selection.border_vertices(bm)), settings)
     if given is None:
         return border, None
-    here, was = np.array([v.co for v in border], np.float64), np.array(settings["positions"], np.float64)
+    here, was = selection.coordinates(border), np.array(settings["positions"], np.float64)
     nearest = [int(np.linalg.norm(here - was[k], axis=1).argmin()) for k in given]
     return border, [border[k] for k in sorted(set(nearest))]
 

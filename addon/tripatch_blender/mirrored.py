@@ -133,7 +133,7 @@ def half_rims(ob, bm, selected):
         if any(e.is_boundary and held & on_planes.get(e.other_vert(v), _NONE) for e in v.link_edges):
             joined.add(v)
     found, done = [], set()
-    for start in sorted(joined, key=lambda v: v.index):
+    for start in selection.by_index(joined):
         if start in done:
             continue
         chain = _chain(start, on_planes)
@@ -163,7 +163,7 @@ def _around(vertices):
         faces |= ring
         front = {v for f in ring for v in f.verts} - seen
         seen |= front
-    return sorted(faces, key=lambda f: f.index)
+    return selection.by_index(faces)
 
 
 def _weights(bm, vertex):
@@ -229,7 +229,7 @@ def image_of(bm, half):
     around, image, had = _around(chain), [], {}
     for plane in planes:
         had = _even_out(bm, _on_plane(chain, plane), plane) | had
-        images = sorted({f for v in image for f in v.link_faces}, key=lambda f: f.index)
+        images = selection.by_index({f for v in image for f in v.link_faces})
         image += _add_image(bm, [*around, *images], plane)
         bm.verts.index_update()
         bm.faces.index_update()
@@ -371,4 +371,4 @@ def _cut(bm, faces, plane, side, old):
         larger = [f for f in kept if len(f.verts) > 3]
         kept -= set(larger)
         kept |= set(bmesh.ops.triangulate(bm, faces=larger)["faces"]) if larger else set()
-    return sorted((f for f in kept if f.is_valid), key=lambda f: f.index)
+    return selection.by_index(f for f in kept if f.is_valid)

@@ -12,6 +12,7 @@ import bmesh
 import bpy
 
 from .library import np
+from .selection import by_index
 
 _LAYERS = ("uv", "color", "float_color", "float_vector", "float", "int", "bool", "string")
 
@@ -96,7 +97,7 @@ def corner_normals(bm, mesh, vertices):
     free = free_layer(bm)
     if free is not None:
         return {loop: np.array(loop[free]) for v in vertices for loop in v.link_loops}
-    faces = sorted({f for v in vertices for f in v.link_faces}, key=lambda f: f.index)
+    faces = by_index({f for v in vertices for f in v.link_faces})
     with _Scratch(bm, mesh, faces) as scratch:
         values = scratch.decoded()
     at, normals = set(vertices), {}
@@ -115,7 +116,7 @@ def set_corner_normals(bm, mesh, normals):
         return
     # A closed fan is counted from its first face on, so the order of the faces matters.
     bm.faces.index_update()
-    faces = sorted({f for loop in normals for f in loop.vert.link_faces}, key=lambda f: f.index)
+    faces = by_index({f for loop in normals for f in loop.vert.link_faces})
     with _Scratch(bm, mesh, faces) as scratch:
         corners = [corner for f in faces for corner in f.loops]
         scratch.mesh.normals_split_custom_set([tuple(normals.get(corner, (0.0, 0.0, 0.0))) for corner in corners])

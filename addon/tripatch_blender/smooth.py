@@ -88,13 +88,13 @@ def _plan(ob, resolution, curve):
     world = filling.world_matrix(ob.name, ob.matrix_world)
     linear, inverse = world[:3, :3], np.linalg.inv(world[:3, :3])
     outer = np.sign(np.linalg.det(linear))
-    around = sorted({f for face in faces for v in face.verts for f in v.link_faces}, key=lambda f: f.index)
+    around = selection.by_index({f for face in faces for v in face.verts for f in v.link_faces})
     near = list({v for f in around for v in f.verts})
     count = len(bm.verts)
 
-    def smoothed(read, given):
+    def smoothed(shape, given):
         positions = np.zeros((count, 3))
-        positions[[v.index for v in near]] = np.array([read(v) for v in near], dtype=np.float64) @ linear.T + world[:3, 3]
+        positions[[v.index for v in near]] = selection.coordinates(near, shape) @ linear.T + world[:3, 3]
         _check_positions(faces, triangles, positions)
         # A mirrored object's faces are turned in the world.
         at_vertices = outer * _vertex_normals(around, positions, {corner: outer * n for corner, n in given.items()})
@@ -109,7 +109,7 @@ def _plan(ob, resolution, curve):
         custom = normals.corner_normals(bm, mesh, {v for f in changed for v in f.verts})
         given = dict(zip(custom, _unit(np.array(list(custom.values())) @ inverse), strict=True))
     try:
-        smooth = smoothed(lambda v: v.co, given)
+        smooth = smoothed(None, given)
     except tripatch.Refusal as refusal:
         raise UnusableError(refusal.reason) from None
     _check_backs(faces)
@@ -121,10 +121,10 @@ def _plan(ob, resolution, curve):
         if active and name == active.name:
             continue
         try:
-            planned.in_shape_keys[name] = to_object(smoothed(lambda v, layer=layer: v[layer], {}))
+            planned.in_shape_keys[name] = to_object(smoothed(layer, {}))
         except (tripatch.Refusal, UnusableError) as refusal:
             planned.notes.append(f"Shape key '{name}' is not smoothed: {refusal}")
-            moved = np.array([v[layer] - v.co for v in bm.verts])
+            moved = selection.coordinates(bm.verts, layer) - selection.coordinates(bm.verts)
             planned.in_shape_keys[name] = planned.positions + weights.at_new_vertices(moved, smooth.edges, triangles)
     return planned
 

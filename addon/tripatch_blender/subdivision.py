@@ -7,7 +7,7 @@ import bmesh
 import bpy
 
 from .library import np
-from .selection import Rim, UnusableError, edges_of, name_groups
+from .selection import Rim, UnusableError, coordinates, edges_of, name_groups
 
 # Modifiers that leave every vertex and edge where it is.
 _HARMLESS = {
@@ -133,7 +133,7 @@ def cage_before(ob, bm, modifier, rims=None, mirrored=False):
     changing = [m for m in changing if not (mirrored and m.type == "MIRROR")]
     if rims is not None:
         changing = [m for m in changing if _is_shown(ob, m)]
-        places = np.array([v.co for rim in rims for v in rim.loop], dtype=np.float64)
+        places = coordinates(v for rim in rims for v in rim.loop)
         others = [m for m in changing if m.type not in _HARMLESS_BEFORE]
         names = [m.name for m in changing]
         if others and not _stays(_evaluated(ob, bm, names, _points), places):

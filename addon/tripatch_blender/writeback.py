@@ -10,7 +10,7 @@ import bmesh
 
 from . import attributes, features, normals, subdivision, waiting
 from .library import np, tripatch
-from .selection import Rim, edges_of, pairs
+from .selection import Rim, coordinates, edges_of, pairs
 
 # Cosine of 0.5 degrees; Blender parts a fan of face corners by a sharp edge from 0.8 degrees on.
 SAME_NORMAL = 0.99996
@@ -41,10 +41,9 @@ def obstacle(bm, planned):
     rim = {v.index: v for v in planned.loop}
     edges, count = {frozenset((a.index, b.index)) for a, b in pairs(planned.loop)}, planned.count
     for face in planned.fill.faces:
-        at_rim = [v for v in face if v < count]
-        if len(at_rim) < 2:  # most
+        if sorted(face)[1] >= count:  # most: at the rim is one of its vertices, or none
             continue
-        if len(at_rim) == len(face) and (old := bm.faces.get([rim[v] for v in face])) and old not in planned.rim.replaced:
+        if max(face) < count and (old := bm.faces.get([rim[v] for v in face])) and old not in planned.rim.replaced:
             return f"There is a face between vertices {', '.join(map(str, face))} of the rim already"
         for a, b in pairs(face):
             if a < count and b < count and frozenset((a, b)) not in edges:
@@ -70,7 +69,7 @@ def guides_of(planned):
     """The vertices without faces that the fill goes through and takes up: {its row among the new vertices: BMVert}."""
     if planned.cage or not planned.rim.inside or not len(planned.positions):
         return {}
-    found, places = {}, np.array([v.co for v in planned.loop], dtype=np.float64)
+    found, places = {}, coordinates(planned.loop)
     within = _SAME_PLACE * np.ptp(places, axis=0).max()
     for vertex in planned.rim.inside:
         apart = np.linalg.norm(planned.positions - np.array(vertex.co), axis=1)
@@ -160,10 +159,10 @@ def _write_one(bm, planned, shading, custom):
     on_side = {k: i for i, places in enumerate(sides(rows.numbers, fill.report.corners)) for k in places}
     blend = tripatch.attribute_weights(rows.parameters, at_inside)
     looks = attributes.Shares([(face.material_index, face.smooth) for face in around], blend)
-    place = {v: k for k, v in enumerate(rows.numbers)}
-    first_inside = len(loop) - planned.count - rows.split
-    faces = [[place[v] if v in place else v + first_inside for v in face] for face in fill.faces]
-    everywhere = np.vstack([np.array([v.co for v in loop], dtype=np.float64), positions])
+    first_inside = planned.count + rows.split
+    place = {v: k for k, v in enumerate([*rows.numbers, *range(first_inside, first_inside + len(positions))])}
+    faces = [[place[v] for v in face] for face in fill.faces]
+    everywhere = np.vstack([coordinates(loop), positions])
     charts = attributes.uv_charts(bm, ends, blend, everywhere, faces) if ends else {}
 
     nearest = blend.nearest.tolist()
@@ -184,10 +183,11 @@ def _write_one(bm, planned, shading, custom):
         for vertex, co in zip(inside, shape.tolist(), strict=True):
             vertex[layer] = co
 
+    everyone = [*loop, *inside]
     place_of_edge = {frozenset(pair): k for k, pair in enumerate(pairs(list(range(len(loop)))))}
     new_faces, corners = [], []
     for at, model in zip(faces, models, strict=True):
-        made = bm.faces.new([loop[k] if k < len(loop) else inside[k - len(loop)] for k in at], model)
+        made = bm.faces.new([everyone[k] for k in at], model)
         if made.hide:
             made.hide = False
         if shading != "neighbors":  # else as its model
@@ -210,11 +210,10 @@ def _write_one(bm, planned, shading, custom):
         tangent = [planned.tangent[on_side[k]] if planned.tangent else True for k in range(len(loop))]
         _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)
     _take_up_edges(bm, guides.values(), loop)
-    _change_rim(bm, planned, {v: loop[k] for v, k in place.items()})
+    _change_rim(bm, planned, {v: loop[place[v]] for v in rows.numbers})
     if len(fill.feature_edges):
-        everyone = [*loop, *inside]
-        at = [[place[v] if v in place else v + first_inside for v in e] for e in fill.feature_edges.tolist()]
-        features.mark(bm, [[everyone[k] for k in pair] for pair in at], loop, new_faces)
+        marked = [[everyone[place[v]] for v in edge] for edge in fill.feature_edges.tolist()]
+        features.mark(bm, marked, loop, new_faces)
     return new_faces
 
 

@@ -1,6 +1,8 @@
 """Times of Smooth Fill beside Grid Fill, and of its sliders, in a Blender; run inside of one by speed.py, prints JSON.
 
-blender --background --factory-startup --python scripts/comparison/in_blender.py -- PACKAGES REPETITIONS
+blender --background --factory-startup --python scripts/comparison/in_blender.py -- PACKAGES OCTANT REPETITIONS
+
+OCTANT: .npz of a mesh whose hole has sides of 32 edges: vertices, faces, rim.
 """
 
 import json
@@ -40,8 +42,6 @@ def enable(packages: str) -> None:
 
 def hole(along: int, size: tuple[int, int] | float) -> int:
     """A wavy mesh in edit mode, its rim selected. Returns the edges of the rim."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    enable(sys.argv[-2])
     x, y = np.meshgrid(np.linspace(-1, 1, along + 1), np.linspace(-1, 1, along + 1), indexing="ij")
     z = 0.2 * np.sin(3 * x) * np.cos(2 * y)
     index = np.arange((along + 1) ** 2).reshape(along + 1, -1)
@@ -51,8 +51,16 @@ def hole(along: int, size: tuple[int, int] | float) -> int:
         gone = (-size[0] <= 2 * row) & (2 * row < size[0]) & (-size[1] <= 2 * column) & (2 * column < size[1])
     else:
         gone = np.hypot(row + 0.5, column + 0.5) < size
+    places = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    return edit(places, quads[~gone], set(np.flatnonzero(np.abs(places[:, :2]).max(axis=1) < 0.999).tolist()))
+
+
+def edit(vertices: np.ndarray, faces: np.ndarray, at_rim: set[int]) -> int:
+    """A mesh in edit mode, the border edges between some of its vertices selected. Returns how many."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    enable(sys.argv[-3])
     mesh = bpy.data.meshes.new("mesh")
-    mesh.from_pydata(np.stack([x, y, z], axis=-1).reshape(-1, 3).tolist(), [], quads[~gone].tolist())
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
     thing = bpy.data.objects.new("mesh", mesh)
     bpy.context.collection.objects.link(thing)
     bpy.context.view_layer.objects.active = thing
@@ -61,28 +69,35 @@ def hole(along: int, size: tuple[int, int] | float) -> int:
     bpy.ops.mesh.select_mode(type="EDGE")
     bpy.ops.mesh.select_all(action="DESELECT")
     bm = bmesh.from_edit_mesh(mesh)
+    rim = [e for e in bm.edges if e.is_boundary and all(v.index in at_rim for v in e.verts)]
     bmesh.ops.delete(bm, geom=[v for v in bm.verts if not v.link_faces], context="VERTS")
-    rim = [e for e in bm.edges if e.is_boundary and all(max(abs(c) for c in v.co[:2]) < 0.999 for v in e.verts)]
     for edge in rim:
         edge.select = True
     bmesh.update_edit_mesh(mesh)
     return len(rim)
 
 
-def own_time() -> list[float]:
-    """Will hold the seconds that each Smooth Fill spends in the add-on, the library and what they ask of Blender."""
-    from tripatch_blender import operators
+def time_spent(thing, name: str) -> list[float]:
+    """Will hold the seconds that each call of a function of something takes."""
+    seconds, function = [], getattr(thing, name)
 
-    seconds, execute = [], operators.MESH_OT_fill_smooth.execute
-
-    def measured(self, context):
+    def measured(*arguments, **given):
         start = time.perf_counter()
         try:
-            return execute(self, context)
+            return function(*arguments, **given)
         finally:
             seconds.append(time.perf_counter() - start)
 
-    operators.MESH_OT_fill_smooth.execute = measured
+    setattr(thing, name, measured)
+    return seconds
+
+
+def own_time() -> list[float]:
+    """Will hold the seconds that each Smooth Fill spends in the add-on, the library and what they ask of Blender."""
+    from tripatch_blender.operators import MESH_OT_fill_smooth as operator
+
+    seconds, measured = time_spent(operator, "execute"), operator.execute
+    operator.execute = lambda self, context: measured(self, context)  # Blender gives a function as many as it names
     return seconds
 
 
@@ -128,7 +143,16 @@ def main() -> None:
             timed(lambda value=value: bpy.ops.mesh.fill_smooth(**value))
             blender.append(timed(shown_and_updated))
         sliders[name] = {"all": own[1:], "blender": blender[1:]}
-    print("MEASURED " + json.dumps({"version": bpy.app.version_string, "beside": beside, "sliders": sliders}))
+    import tripatch
+
+    octant = np.load(sys.argv[-2])
+    edit(octant["vertices"], octant["faces"], set(octant["rim"].tolist()))
+    timed(bpy.ops.mesh.fill_smooth)
+    own, library = own_time(), time_spent(tripatch, "fill_all")
+    for _ in range(2 * repetitions):
+        timed(lambda: bpy.ops.mesh.fill_smooth(output="triangles"))
+    part = {"operator": own, "library": library}
+    print("MEASURED " + json.dumps({"version": bpy.app.version_string, "beside": beside, "sliders": sliders, "part": part}))
 
 
 main()
