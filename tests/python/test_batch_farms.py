@@ -47,6 +47,15 @@ def test_commands_do_the_whole_in_any_order(source, capsys):
     assert heads(alone)["m000.obj"]["options"] == {"bulge": 1.5}
 
 
+def test_what_writes_nothing_and_what_writes_a_list_do_not_go_together(source, capsys):
+    out = source.parent / "never"
+    code, said, told = run(capsys, source, "--out", out, "--emit", "commands", "--dry-run")
+    assert code == 2
+    assert not said
+    assert "give one of both" in told
+    assert not out.exists()
+
+
 def test_a_portion_leaves_the_lines_to_who_gathers(source, capsys):
     out, _ = emitted(capsys, source, "commands")
     assert cli.main(words_of(out.splitlines()[1])) == 0

@@ -22,7 +22,6 @@ namespace tripatch {
 namespace {
 
 constexpr int samples_a_side = 6;  ///< about as many stencils a side tell the variance components
-constexpr int long_rim = 30;       ///< vertices, from which on threads are worth their start
 
 /// How edges farther along a side count where its ends are compared, and the neighbors' edges beside them.
 constexpr double next_edge_counts = 0.37;
@@ -43,7 +42,7 @@ bool begins_at_end(const LocalMesh& w, int from, int edges) {
 std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const Hole& hole) {
   const int n = static_cast<int>(w.rim.size());
   std::array<SideDraft, 3> drafts;
-  for (int i = 0; i < 3; ++i) {
+  const auto draft = [&](Index i) {
     SideDraft& side = drafts[i];
     const int from = static_cast<int>(hole.corners[(i + 1) % 3]), to = static_cast<int>(hole.corners[(i + 2) % 3]);
     const int edges = (to - from + n) % n;
@@ -78,22 +77,24 @@ std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const H
       side.guess.push_back(sum.normalized());
       side.faces.push_back(side.guess.back());
     }
-  }
+  };
+  each_at_once(3, draft, is_long(w.rim.size()));
   return drafts;
 }
 
 VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft, 3>& drafts, const Neighborhood& near, int only,
                                  Searches& searches) {
   std::array<std::vector<Stencil>, 3> samples;
-  for (int i = 0; i < 3; ++i) {
-    if (only >= 0 && i != only) continue;
+  const auto measure_some = [&](Index i) {
+    if (only >= 0 && i != only) return;
     const int n = static_cast<int>(drafts[i].vertex.size()), step = std::max(1, n / ((only < 0 ? 1 : 3) * samples_a_side));
     for (int j = 0; j < n; j += step) {
       Seen seen;
       measure(w, drafts[i], drafts[i].looked_at(j), near, searches[i], seen);
       samples[i].push_back(std::move(seen.stencil));
     }
-  }
+  };
+  each_at_once(3, measure_some, is_long(w.rim.size()));
   double radius = 0, points = 0;
   for (const std::vector<Stencil>& side : samples)
     for (const Stencil& s : side) {
@@ -134,7 +135,7 @@ void fit_sides(std::vector<SideFitting>& sides, const Complete& complete) {
     complete(i);
   };
   const int last = sides[2].left(), all = sides[0].left() + sides[1].left() + last;
-  if (all < long_rim) {
+  if (!is_long(all)) {
     for (int i = 0; i < 3; ++i) finish(i);
     return;
   }

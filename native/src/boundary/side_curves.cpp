@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/math/parallel.h"
 #include "tripatch/math/smoothstep.h"
 
 namespace tripatch {
@@ -133,6 +134,31 @@ void bend_as_surface(const SideDraft& side, const std::vector<Vec3>& dc, double 
   }
 }
 
+/// The curve through a side's vertices, in scene units. dc: first derivatives.
+PiecewisePolynomial position_curve(const SideDraft& side, std::vector<Vec3> dc, double scale, double noise) {
+  std::vector<Vec3> ddc = second_derivatives(side.t, side.position, dc);
+  bend_as_surface(side, dc, noise, ddc);
+  for (std::vector<Vec3>* derivatives : {&dc, &ddc})
+    for (Vec3& v : *derivatives) v *= scale;
+  return quintic_spline(side.t, side.point, dc, ddc);
+}
+
+/// First and second derivatives across a side, in scene units. r: the directions across at its vertices.
+void set_across(const SideDraft& side, const std::vector<Vec3>& dc, std::vector<Vec3> r, double scale, Side& curves) {
+  std::vector<Vec3> dr, q;
+  for (int k = 0; k <= side.edges(); ++k) {
+    r[k] *= side.length;
+    q.push_back(r[k].dot(side.second[k] * r[k]) * side.normal[k]);
+  }
+  const PiecewisePolynomial draft_r = spline(side.t, r);
+  for (int k = 0; k <= side.edges(); ++k) {
+    const Vec3 &n = side.normal[k], v = draft_r.derivative_at(side.t[k]);
+    dr.push_back(v + n * (r[k].dot(side.second[k] * dc[k]) - n.dot(v)));
+  }
+  curves.r = scale * quintic_spline(side.t, r, dr, second_derivatives(side.t, r, dr));
+  curves.q = scale * spline(side.t, q);
+}
+
 }  // namespace
 
 PiecewisePolynomial curve_through(const SideDraft& side) { return spline(side.t, side.position); }
@@ -145,34 +171,24 @@ Sides side_curves(const std::array<SideDraft, 3>& drafts, double scale, double n
   double graph = 1;
   for (const SideDraft& side : drafts)
     for (const Vec3& n : side.normal) graph = std::min(graph, smoothstep(n.dot(up) / graph_from));
+  const bool long_rim = is_long(drafts[0].vertex.size() + drafts[1].vertex.size() + drafts[2].vertex.size());
   std::array<std::vector<Vec3>, 3> tangents;
-  for (int i = 0; i < 3; ++i) tangents[i] = tangents_in_planes(drafts[i]);
+  each_at_once(3, [&](Index i) { tangents[i] = tangents_in_planes(drafts[i]); }, long_rim);
 
   Sides sides;
-  for (int i = 0; i < 3; ++i) {
+  const auto complete = [&](Index half) {
+    const Index i = half / 2;
     const SideDraft& side = drafts[i];
     const std::vector<Vec3>& dc = tangents[i];
-    const Vec3 start = tangents[(i + 2) % 3].back() + 0.5 * dc.front(), end = -tangents[(i + 1) % 3].front() - 0.5 * dc.back();
-    std::vector<Vec3> dr, q, r = cross_derivatives(side.t, side.normal, dc, start, end, up, graph);
-    for (int k = 0; k <= side.edges(); ++k) {
-      r[k] *= side.length;
-      q.push_back(r[k].dot(side.second[k] * r[k]) * side.normal[k]);
+    if (half % 2 == 0) {
+      sides[i].c = position_curve(side, dc, scale, noise);
+      sides[i].rim = side.t;
+    } else {
+      const Vec3 start = tangents[(i + 2) % 3].back() + 0.5 * dc.front(), end = -tangents[(i + 1) % 3].front() - 0.5 * dc.back();
+      set_across(side, dc, cross_derivatives(side.t, side.normal, dc, start, end, up, graph), scale, sides[i]);
     }
-    const PiecewisePolynomial draft_r = spline(side.t, r);
-    std::vector<Vec3> ddc = second_derivatives(side.t, side.position, dc);
-    bend_as_surface(side, dc, noise, ddc);
-    for (int k = 0; k <= side.edges(); ++k) {
-      const Vec3 &n = side.normal[k], v = draft_r.derivative_at(side.t[k]);
-      dr.push_back(v + n * (r[k].dot(side.second[k] * dc[k]) - n.dot(v)));
-    }
-    std::vector<Vec3> scene_dc = dc;
-    for (std::vector<Vec3>* derivatives : {&scene_dc, &ddc})
-      for (Vec3& v : *derivatives) v *= scale;
-    sides[i].c = quintic_spline(side.t, side.point, scene_dc, ddc);
-    sides[i].r = scale * quintic_spline(side.t, r, dr, second_derivatives(side.t, r, dr));
-    sides[i].q = scale * spline(side.t, q);
-    sides[i].rim = side.t;
-  }
+  };
+  each_at_once(6, complete, long_rim);
   return sides;
 }
 

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/parallel.h"
 
 namespace tripatch {
 namespace {
@@ -18,6 +20,7 @@ constexpr double no_area = 1e-12;
 /// Sine of the angle at a vertex put on an edge: what single precision, in which Blender keeps positions, leaves of a straight line
 /// where edges are a thousandth of the coordinates.
 constexpr double straight = 1e-4;
+constexpr std::size_t many_faces = 500;  ///< it takes 30 us to look at them, several times what it costs to share that
 /// Radians: edges that bend less are never sharp; a quarter of a circle in eleven steps bends by this.
 constexpr double sharp_bend = 8 * M_PI / 180;
 /// A sharp edge bends this many times as much as any edge near it that runs its way: a chamfer's edge does, the edges of a coarse
@@ -127,7 +130,7 @@ struct Reached {
 };
 
 Reached reach(const LocalMesh& w) {
-  Reached reached{{}, std::vector<char>(w.area.size(), 0), std::vector<char>(w.position.size(), 0)};
+  Reached reached{{}, std::vector<char>(w.part.face.size(), 0), std::vector<char>(w.position.size(), 0)};
   std::vector<int> front = w.rim, next;
   for (int v : front) reached.vertex[v] = 1;
   for (int ring = 0; ring < most_rings; ++ring, front = std::move(next)) {
@@ -207,13 +210,31 @@ double bend_near(const LocalMesh& w, const std::vector<int>& across, int f, int 
   return others;
 }
 
-/// Neighbors of the faces within the rings, without those beyond sharp edges.
-void find_neighbors(LocalMesh& w) {
+/// Neighbors of the faces within the rings, and which vertices were put on an edge.
+Reached find_neighbors(LocalMesh& w) {
   const Reached reached = reach(w);
   find_across(w, reached);
   w.on_chord.assign(w.position.size(), 0);
   for (std::size_t v = 0; v < w.position.size(); ++v) w.on_chord[v] = reached.vertex[v] && put_on_edge(w, static_cast<int>(v));
   for (int v : w.rim) w.on_chord[v] = 0;
+  return reached;
+}
+
+/// Areas of the faces, and from them normals at the vertices.
+void measure_areas(LocalMesh& w) {
+  w.area.reserve(w.part.face.size());
+  w.twice_area.reserve(w.part.face.size());
+  for (int f = 0; f < static_cast<int>(w.part.face.size()); ++f) w.area.push_back(area_of(w, w.part[f]));
+  for (const Vec3& area : w.area) w.twice_area.push_back(area.norm());
+  w.normal_at.assign(w.position.size(), Vec3::Zero());
+  for (int f = 0; f < static_cast<int>(w.area.size()); ++f)
+    for (int v : w.part[f]) w.normal_at[v] += w.area[f];
+  for (Vec3& n : w.normal_at)
+    if (const double length = n.norm(); length > 0) n /= length;
+}
+
+/// Takes away the neighbors beyond sharp edges.
+void part_at_sharp_edges(LocalMesh& w, const Reached& reached) {
   const std::vector<int> across = w.across;
   for (int f : reached.order)
     for (int c = w.part.offsets[f]; c < w.part.offsets[f + 1]; ++c) {
@@ -231,19 +252,16 @@ LocalMesh local_mesh(const Mesh& mesh, const Connectivity& around, const Hole& h
   LocalMesh w;
   measure_rim(mesh, hole.rim, w);
   take_out(mesh, around, hole.rim, w);
-  w.area.reserve(w.part.face.size());
-  w.twice_area.reserve(w.part.face.size());
-  for (int f = 0; f < static_cast<int>(w.part.face.size()); ++f) w.area.push_back(area_of(w, w.part[f]));
-  for (const Vec3& area : w.area) w.twice_area.push_back(area.norm());
-  w.normal_at.assign(w.position.size(), Vec3::Zero());
-  for (int f = 0; f < static_cast<int>(w.area.size()); ++f)
-    for (int v : w.part[f]) w.normal_at[v] += w.area[f];
-  for (Vec3& n : w.normal_at)
-    if (const double length = n.norm(); length > 0) n /= length;
   const int n = static_cast<int>(hole.rim.size());
-  for (int k = 0; k < n; ++k) w.rim.push_back(k);
-  for (int k = 0; k < n; ++k) w.beside.push_back(face_beside(w, k, (k + 1) % n));
-  find_neighbors(w);
+  w.rim.resize(n);
+  std::iota(w.rim.begin(), w.rim.end(), 0);
+  Reached reached;
+  const auto measure_all = [&] {
+    measure_areas(w);
+    for (int k = 0; k < n; ++k) w.beside.push_back(face_beside(w, k, (k + 1) % n));
+  };
+  both_at_once([&] { reached = find_neighbors(w); }, measure_all, w.part.face.size() >= many_faces);
+  part_at_sharp_edges(w, reached);
   return w;
 }
 

@@ -67,19 +67,40 @@ double slope_ahead(const VertexFit& last, const Vec3& step, const Vec3& faces, c
 bool is_known(const VertexFit& fit) { return fit.slope_variances < well_known * well_known; }
 
 void SideFitting::go_on(int vertices) {
-  for (const int end = next_ + std::min(vertices, left()); next_ < end; ++next_) {
-    const int k = side_.looked_at(next_);
-    if (next_ > 0) {
-      const Vec3 outward = side_.tangent[k].cross(side_.guess[k]);
-      const int last = side_.looked_at(next_ - 1);
-      side_.guess[k] -= slope_ahead(fits_[last], side_.position[k] - side_.position[last], side_.guess[k], outward) * outward;
-    }
-    fits_[k] = fit(k);
-    if (!nearest_.empty() || is_known(fits_[k])) continue;
-    fits_.clear();
-    next_ = 0;
-    return;
+  for (const int end = next_ + std::min(vertices, left()); next_ < end; ++next_)
+    if (!is_left_out(next_) && !fit_at(next_)) return;
+}
+
+bool SideFitting::fit_at(int place) {
+  const int k = side_.looked_at(place);
+  if (place > 0) {
+    const Vec3 outward = side_.tangent[k].cross(side_.guess[k]);
+    int before = place - 1;
+    while (is_left_out(before)) --before;
+    const int last = side_.looked_at(before);
+    side_.guess[k] -= slope_ahead(fits_[last], side_.position[k] - side_.position[last], side_.guess[k], outward) * outward;
   }
+  fits_[k] = fit(k);
+  if (!nearest_.empty() || is_known(fits_[k])) return true;
+  fits_.clear();
+  next_ = 0;
+  return false;
+}
+
+void SideFitting::fit_between() {
+  FitsBetween between(side_, fits_);
+  for (int place = 0; place <= side_.edges(); ++place) {
+    if (!is_left_out(place)) continue;
+    if (std::optional<VertexFit> told = between.at(side_.looked_at(place)))
+      fits_[side_.looked_at(place)] = std::move(*told);
+    else if (!fit_at(place))
+      return;
+  }
+}
+
+std::vector<VertexFit> SideFitting::fits() {
+  if (!fits_.empty()) fit_between();
+  return std::move(fits_);
 }
 
 VertexFit SideFitting::fit(int k) {

@@ -149,12 +149,8 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
     fill.rim_normals = fill.patch->normals(fill.rim_barycentric);
     measure_seam(*fill.patch, surroundings.sides, report);
   };
-  if (hole.rim.size() < long_enough && options.output == Output::triangles && !options.resolution) {
-    cover_it();
-    look_at_rim();
-  } else {
-    both_at_once(cover_it, look_at_rim);
-  }
+  both_at_once(cover_it, look_at_rim,
+               hole.rim.size() >= long_enough || options.output != Output::triangles || options.resolution.has_value());
   deliver(std::move(cover), surroundings.border, mesh.vertices.rows(), fill);
   const bool along_rim = options.output == Output::triangles && !own_rim;
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}), report,

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <functional>
+#include <cstdint>
 #include <map>
 #include <unordered_map>
 #include <utility>
@@ -16,8 +17,10 @@ constexpr Index nowhere = -1;
 
 struct PlaceHash {
   std::size_t operator()(const Place& p) const {
-    const std::hash<double> hash;
-    return hash(p[0]) * 0x9E3779B97F4A7C15ull + hash(p[1]) * 0xC2B2AE3D27D4EB4Full + hash(p[2]);
+    const auto bits = [&](int k) { return std::bit_cast<std::uint64_t>(p[k]); };
+    const std::uint64_t mixed =
+        bits(0) * 0x9E3779B97F4A7C15ull ^ bits(1) * 0xC2B2AE3D27D4EB4Full ^ bits(2) * 0x165667B19E3779F9ull;
+    return mixed ^ mixed >> 32;  // the last bits of coordinates are mostly zero
   }
 };
 
@@ -28,6 +31,9 @@ std::vector<Index> rim_vertices_at(const Mesh& mesh, std::span<const std::vector
     return Place{mesh.vertices(v, 0) + 0.0, mesh.vertices(v, 1) + 0.0, mesh.vertices(v, 2) + 0.0};
   };
   std::unordered_map<Place, Index, PlaceHash> first;
+  std::size_t count = 0;
+  for (const std::vector<Index>& rim : rims) count += rim.size();
+  first.reserve(4 * count);  // so that most other places are told from them by an empty bucket
   Place low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
   for (const std::vector<Index>& rim : rims)
     for (Index v : rim) {

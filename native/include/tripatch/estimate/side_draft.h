@@ -29,4 +29,7 @@ struct SideDraft {
   int looked_at(int j) const { return from_end ? edges() - j : j; }
 };
 
+/// Whether the sides of a rim of so many vertices are worth threads of their own.
+inline bool is_long(std::size_t vertices) { return vertices >= 30; }
+
 }  // namespace tripatch

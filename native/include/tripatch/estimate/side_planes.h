@@ -5,27 +5,15 @@
 #include <cmath>
 #include <vector>
 
+#include "tripatch/estimate/fits_between.h"
 #include "tripatch/estimate/stencils.h"
+#include "tripatch/estimate/vertex_fit.h"
 
 namespace tripatch {
-
-constexpr double well_known =
-    0.05 * M_PI / 180;  ///< deviation of a plane, less than which nobody sees: nothing else is looked at
 
 /// Radians an edge, from which on polynomials of heights say little. Half and twice of it: planes err by 1% less, by 4% more in the mean of
 /// 78 rims in meshes of balls, tori, saddles and fillets.
 constexpr double coarse_turn = 0.3;
-
-/// The plane at a rim vertex.
-struct VertexFit {
-  Vec3 normal;
-  Eigen::Matrix3d second;             ///< fundamental form
-  Eigen::Matrix<double, 3, 2> frame;  ///< along and across,
-  Eigen::Matrix2d covariance;         ///< in which the normal is known so well
-  double slope_variances;             ///< their sum
-  double bend_variance;               ///< of the second derivative across
-  std::vector<double> density;        ///< logarithms, of what is predicted for each of the vertices nearest to it without itself
-};
 
 /// What one side's fits tell besides its planes.
 struct SideFit {
@@ -38,7 +26,7 @@ struct SideFit {
 
 /// The planes and second fundamental forms of a side, as one neighborhood has them, vertex after vertex, for each is looked for from the one
 /// before. nearest: what each fit is asked to predict; empty: nobody asks as long as all planes are well known, and there is nothing where
-/// one is not. What it is made of must outlive it.
+/// one is not; then some are told by those around them. What it is made of must outlive it.
 class SideFitting {
 public:
   SideFitting(const LocalMesh& w, const VarianceComponents& components, SideDraft side, const Neighborhood& near,
@@ -55,9 +43,14 @@ public:
   /// So many more vertices.
   void go_on(int vertices);
   /// Once none is left.
-  std::vector<VertexFit> fits() { return std::move(fits_); }
+  std::vector<VertexFit> fits();
 
 private:
+  /// Whether a vertex is left to those around it, for now.
+  bool is_left_out(int place) const { return nearest_.empty() && is_between(place, side_.edges()); }
+  /// False where the plane there is not well known, and nobody asks for the others then.
+  bool fit_at(int place);
+  void fit_between();
   VertexFit fit(int k);
 
   const LocalMesh& w_;

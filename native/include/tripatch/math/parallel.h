@@ -63,12 +63,20 @@ void parallel_for(Index from, Index to, Index least, const F& f) {
   for (InOtherThread& other : others) other.wait();
 }
 
-/// f() and g(), at the same time where a core is free.
+/// f() and g(), at the same time where a core is free and they are worth one.
 template <class F, class G>
-void both_at_once(const F& f, const G& g) {
-  parallel_for(0, 2, 1, [&](Index from, Index to) {
+void both_at_once(const F& f, const G& g, bool worth_one = true) {
+  parallel_for(0, 2, worth_one ? 1 : 2, [&](Index from, Index to) {
     if (from == 0) f();
     if (to == 2) g();
+  });
+}
+
+/// f(k) for each k < count, which take long each, at the same time where cores are free and they are worth them.
+template <class F>
+void each_at_once(Index count, const F& f, bool worth_it) {
+  parallel_for(0, count, worth_it ? 1 : count, [&](Index from, Index to) {
+    for (Index k = from; k < to; ++k) f(k);
   });
 }
 

@@ -124,6 +124,8 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
         raise inputs.InputError("--range counts in the list that --files names")
     if args.scheduler and args.workers is not None:
         raise inputs.InputError("--workers are those of this machine; a scheduler has its own")
+    if args.emit and args.dry_run:
+        raise inputs.InputError("--dry-run writes nothing, and --emit writes a list for its commands; give one of both")
     out = args.out.absolute()
     if out.exists() and not out.is_dir():
         raise inputs.InputError(f"{args.out} is a file, and --out names a folder")
