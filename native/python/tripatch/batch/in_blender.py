@@ -81,9 +81,10 @@ def arrays(ob: Any, np: Any) -> tuple[Any, ...]:
 def listed(module: Any, options: dict[str, Any]) -> list[dict[str, Any]]:
     """The holes that would be filled."""
     choosing = {k: v for k, v in options.items() if "choose_holes" in module.tripatch.OPTIONS[k].functions}
+    np = module.library.np
     holes: list[dict[str, Any]] = []
     for ob in objects():
-        points, faces = arrays(ob, module.np)
+        points, faces = arrays(ob, np)
         try:
             loops = module.tripatch.choose_holes(points, faces, **choosing) if faces else []
         except module.tripatch.Refusal as refusal:
@@ -91,9 +92,7 @@ def listed(module: Any, options: dict[str, Any]) -> list[dict[str, Any]]:
             continue
         for loop in loops:
             place = {"object": ob.name, "hole": len(holes), "vertex": int(loop[0]), "edges": len(loop)}
-            holes.append(
-                {**place, "diameter": float(module.np.linalg.norm(module.np.ptp(points[loop], axis=0))), "status": "listed"}
-            )
+            holes.append({**place, "diameter": float(np.linalg.norm(np.ptp(points[loop], axis=0))), "status": "listed"})
     return holes
 
 
@@ -128,7 +127,7 @@ def filled(module: Any, asked: dict[str, Any]) -> list[dict[str, Any]]:
 
 def measures(module: Any, name: str, before: int | None, count: int) -> list[dict[str, Any]]:
     """What lines say of an object's fills beyond their reports; nothing where its new faces are not as many parts as fills."""
-    ob, np = bpy.context.scene.objects.get(name), module.np
+    ob, np = bpy.context.scene.objects.get(name), module.library.np
     if ob is None or before is None:
         return [{}] * count
     from tripatch.batch import creases
@@ -164,7 +163,7 @@ def border(faces: list[Any]) -> list[int]:
 
 def shown(module: Any, asked: dict[str, Any]) -> list[Any]:
     """Pictures' data of fills in the file that was made: an object's new faces come after its old, those of a fill together."""
-    np = module.np
+    np = module.library.np
     from tripatch.batch import crops
 
     before = {ob.name: len(ob.data.polygons) for ob in objects()}
