@@ -22,6 +22,7 @@ EDGES = (32, 100, 316, 1000)  # of a side: 1,000 to 1,000,000 triangles
 REPETITIONS = 7
 #: of what is compared, one after the other, as machines are faster at one time than at another; and repetitions in each
 ROUNDS, OURS, THEIRS = 4, 7, 2
+TURNS = 2  # of what takes half a minute
 #: fairing -> (continuity of CGAL that does as much, times faster than it that are wanted at the first three densities)
 BESIDE = {"None": (1, (12, 100, 400)), "auto": (2, (6, 60, 600))}
 EXPONENT = 1.05
@@ -143,12 +144,13 @@ def many_holes(setting: Setting) -> list[str]:
         lines.append(f"| {fairing} | {min(seconds):.2f} | {float(np.median(seconds)):.2f} | {cpu:.2f} | {reached} |")
         print(lines[-1], flush=True)
     cells, along = (195, 6) if setting.quick else MORE
-    one, two = (alone(["comparison.all_holes", cells, along, SIDE], cores)["seconds"] for cores in (1, 2))
+    turns = [[alone(["comparison.all_holes", cells, along, SIDE], cores)["seconds"] for cores in (1, 2)] for _ in range(TURNS)]
+    one, two = map(min, zip(*turns, strict=True))
     lines += [
         "",
-        f"{along**2} holes in one mesh without fairing: {one:.1f} s on one core, {two:.1f} s on two, {one / two:.2f} times",
+        f"{along**2} holes in one mesh without fairing, the least of {TURNS} in turns: {one:.1f} s on one core, {two:.1f} s on two,",
+        f"{one / two:.2f} times as fast (wanted {TWO_OVER_ONE}: {yes(one / two >= TWO_OVER_ONE)}).",
     ]
-    lines[-1] += f" as fast (wanted {TWO_OVER_ONE}: {yes(one / two >= TWO_OVER_ONE)})."
     print(lines[-1], flush=True)
     return lines
 
