@@ -148,8 +148,8 @@ def many_holes(setting: Setting) -> list[str]:
     one, two = map(min, zip(*turns, strict=True))
     lines += [
         "",
-        f"{along**2} holes in one mesh without fairing, the least of {TURNS} in turns: {one:.1f} s on one core, {two:.1f} s on two,",
-        f"{one / two:.2f} times as fast (wanted {TWO_OVER_ONE}: {yes(one / two >= TWO_OVER_ONE)}).",
+        f"{along**2} holes in one mesh without fairing, the least of {TURNS} in turns: {one:.1f} s on one core, {two:.1f} s on",
+        f"two, {one / two:.2f} times as fast (wanted {TWO_OVER_ONE}: {yes(one / two >= TWO_OVER_ONE)}).",
     ]
     print(lines[-1], flush=True)
     return lines
