@@ -8,7 +8,7 @@ from collections import Counter
 import bpy
 
 from .library import np
-from .selection import pairs
+from .selection import coordinates, pairs
 
 # Layers of floats that are blended, by kind of element, and how a value is written.
 _VERTEX_LAYERS = ("float", "float_vector", "float_color", "color", "paint_mask")
@@ -238,7 +238,7 @@ def _affine(flat, ends, mine, layer):
     """(3, 2) of least squares: UV from places in the plane, over the faces at some ends."""
     faces = {ends[k].face for k in np.flatnonzero(mine)}
     loops = [loop for face in faces for loop in face.loops]
-    places = flat(np.array([loop.vert.co for loop in loops], dtype=np.float64))
+    places = flat(coordinates(loop.vert for loop in loops))
     uv = np.array([loop[layer].uv for loop in loops], dtype=np.float64)
     return np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv, rcond=None)[0]
 
