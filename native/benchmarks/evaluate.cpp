@@ -2,6 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fairing/folds.h"
@@ -21,7 +22,7 @@ Sides octant() {
     std::vector<double> t, points, rays;
     for (int k = 0; k <= edges; ++k) {
       t.push_back(static_cast<double>(k) / edges);
-      const Vec3 p = std::cos(t.back() * M_PI / 2) * a + std::sin(t.back() * M_PI / 2) * b;
+      const Vec3 p = std::cos(t.back() * std::numbers::pi / 2) * a + std::sin(t.back() * std::numbers::pi / 2) * b;
       for (int x = 0; x < 3; ++x) points.push_back(p[x]), rays.push_back(across[x]);
     }
     sides[i].c = PiecewisePolynomial::spline(t, points, 3);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "bytes.h"
@@ -51,7 +52,7 @@ OwnMesh grid(int n, int m, bool cut, bool closed) {
   mesh.vertices.resize(Index(rows) * columns, 3);
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {
-      const double u = double(i) / n, v = double(j) / m, turn = 2 * M_PI;
+      const double u = double(i) / n, v = double(j) / m, turn = 2 * std::numbers::pi;
       const double away = 1 + 0.4 * std::cos(turn * v);
       mesh.vertices.row(Index(i) * columns + j) =
           closed ? Vec3(away * std::cos(turn * u), away * std::sin(turn * u), 0.4 * std::sin(turn * v))

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "tripatch/output/attribute_weights.h"
 
@@ -10,7 +11,7 @@ namespace {
 /// r points of an ellipse.
 Values ellipse(Index r) {
   Values rim(r, 2);
-  for (Index k = 0; k < r; ++k) rim.row(k) << 2 * std::cos(2 * M_PI * k / r), std::sin(2 * M_PI * k / r);
+  for (Index k = 0; k < r; ++k) rim.row(k) << 2 * std::cos(2 * std::numbers::pi * k / r), std::sin(2 * std::numbers::pi * k / r);
   return rim;
 }
 

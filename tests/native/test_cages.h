@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "tripatch/hole/hole.h"
 
@@ -30,7 +31,8 @@ struct CubeCorner {
       const auto [place, fresh] = index.try_emplace(key, static_cast<Index>(points.size()));
       if (fresh) {
         Vec3 p = Vec3::Zero();
-        for (int k = 0; k < 3; ++k) p += key[k] * Vec3(std::cos(2 * M_PI * k / 3), std::sin(2 * M_PI * k / 3), 0);
+        for (int k = 0; k < 3; ++k)
+          p += key[k] * Vec3(std::cos(2 * std::numbers::pi * k / 3), std::sin(2 * std::numbers::pi * k / 3), 0);
         p[2] = height(p[0], p[1]);
         points.push_back(p);
       }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -88,7 +89,7 @@ CanonicalPart part_of(const OwnMesh& mesh, const IndexList& rim) {
 Points polygon(const std::vector<double>& radius) {
   Points p(static_cast<Index>(radius.size()), 3);
   for (Index k = 0; k < p.rows(); ++k) {
-    const double turn = 2 * M_PI * static_cast<double>(k) / static_cast<double>(p.rows());
+    const double turn = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(p.rows());
     p.row(k) << radius[k] * std::cos(turn), radius[k] * std::sin(turn), 0;
   }
   return p;

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "tripatch/mesh/border_loops.h"
@@ -20,8 +21,9 @@ struct Annulus {
   explicit Annulus(Index n, Index rings, double bend = 0) : vertices(n * (rings + 1), 3) {
     for (Index j = 0; j <= rings; ++j)
       for (Index k = 0; k < n; ++k) {
-        const double turn = 2 * M_PI * (static_cast<double>(k) + 0.5 * static_cast<double>(j)) / static_cast<double>(n);
-        const double r = std::pow(1 + 2 * M_PI / static_cast<double>(n), static_cast<double>(j));
+        const double turn =
+            2 * std::numbers::pi * (static_cast<double>(k) + 0.5 * static_cast<double>(j)) / static_cast<double>(n);
+        const double r = std::pow(1 + 2 * std::numbers::pi / static_cast<double>(n), static_cast<double>(j));
         vertices.row(j * n + k) << r * std::cos(turn), r * std::sin(turn), bend * r * r;
       }
     for (Index j = 0; j < rings; ++j)
@@ -93,7 +95,7 @@ TEST_CASE("a border loop keeps eight vertices", "[thresholds]") {
 TEST_CASE("no triangle turns by more than 60 degrees", "[thresholds]") {
   for (const double degrees : {59.5, 60.5}) {
     // a pyramid over a flat triangle: where its top goes to the nearest corner the face beyond becomes flat
-    const double a = degrees * M_PI / 180, way = std::cos(a);
+    const double a = degrees * std::numbers::pi / 180, way = std::cos(a);
     Points p(4, 3);
     p << 0, 0, 0, 1, 1, 0, -1, 1, 0, 0, 1 - way * std::cos(a), way * std::sin(a);
     const CoarserMesh coarse = coarsened(p, {{3, 1, 2}, {3, 0, 1}, {3, 2, 0}}, 0.95);

@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tripatch/constructions/coons_bezier.h"
@@ -434,10 +435,11 @@ TEST_CASE("a side that is a polynomial is taken as the Bezier curve that it is")
 }
 
 TEST_CASE("other sides become the curve through their rim vertices") {
-  const auto wave = [](double t) { return 0.1 * std::sin(3 * M_PI * t); };  // no polynomial of degree 12
-  const std::array<Curve, 3> arcs = {[&](double t) { return Vec3(wave(t), std::cos(M_PI / 2 * t), std::sin(M_PI / 2 * t)); },
-                                     [&](double t) { return Vec3(std::sin(M_PI / 2 * t), wave(t), std::cos(M_PI / 2 * t)); },
-                                     [&](double t) { return Vec3(std::cos(M_PI / 2 * t), std::sin(M_PI / 2 * t), wave(t)); }};
+  const auto wave = [](double t) { return 0.1 * std::sin(3 * std::numbers::pi * t); };  // no polynomial of degree 12
+  const std::array<Curve, 3> arcs = {
+      [&](double t) { return Vec3(wave(t), std::cos(std::numbers::pi / 2 * t), std::sin(std::numbers::pi / 2 * t)); },
+      [&](double t) { return Vec3(std::sin(std::numbers::pi / 2 * t), wave(t), std::cos(std::numbers::pi / 2 * t)); },
+      [&](double t) { return Vec3(std::cos(std::numbers::pi / 2 * t), std::sin(std::numbers::pi / 2 * t), wave(t)); }};
   Sides sides = sides_between(arcs);
   const std::array<int, 3> vertices = {13, 6, 2};
   for (int i = 0; i < 3; ++i)

@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
+#include <numbers>
 #include <random>
 
 #include "tripatch/mesh/triangles.h"
@@ -163,7 +164,8 @@ TEST_CASE("what lies one to one over a plane is known to, and what is said to do
   int sure = 0, crossed = 0, neither = 0;
   for (int round = 0; round < 400; ++round) {
     // over more than a turn the band comes back over or through itself, however flat it lies
-    Band band(8 + round % 9, 3 + round % 4, (0.5 + 1.2 * any(random)) * 2 * M_PI, round % 3 == 0 ? 0 : 0.1 * noise(random));
+    Band band(8 + round % 9, 3 + round % 4, (0.5 + 1.2 * any(random)) * 2 * std::numbers::pi,
+              round % 3 == 0 ? 0 : 0.1 * noise(random));
     const double moved = round % 2 ? 0.02 : 0.3 * any(random);
     const bool turned = any(random) < 0.5;
     for (Index v = 0; v < band.points.rows(); ++v)
@@ -189,14 +191,14 @@ TEST_CASE("what lies one to one over a plane is known to, and what is said to do
 
 TEST_CASE("a surface over a plane is known to lie over it, wherever and however large it is; less than a turn of a band, too") {
   for (double scale : {1e-9, 1.0, 1e9}) {
-    const Band most(60, 4, 1.9 * M_PI, 0.5), more(60, 4, 2.1 * M_PI, 0.5);
+    const Band most(60, 4, 1.9 * std::numbers::pi, 0.5), more(60, 4, 2.1 * std::numbers::pi, 0.5);
     CHECK(is_surely_one_to_one(scale * most.points, most.triangles));
     CHECK_FALSE(is_surely_one_to_one(scale * more.points, more.triangles));
   }
 }
 
 TEST_CASE("nothing is known of what is no one sheet with one border") {
-  const Band band(9, 3, M_PI, 0);
+  const Band band(9, 3, std::numbers::pi, 0);
   REQUIRE(is_surely_one_to_one(band.points, band.triangles));
   Triangles two_sheets = band.triangles;
   two_sheets.erase(two_sheets.begin() + 16, two_sheets.begin() + 20);  // a row across

@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tripatch/constructions/methods.h"
@@ -66,7 +67,7 @@ double seam_deg(const Surface& patch, const Sides& sides) {
     const Points b = along(i, 50), n = patch.normals(b);
     for (Index k = 0; k < b.rows(); ++k) {
       const Vec3 mine = n.row(k), theirs = sides[i].normal(b(k, (i + 2) % 3));
-      worst = std::max(worst, std::atan2(mine.cross(theirs).norm(), mine.dot(theirs)) * 180 / M_PI);
+      worst = std::max(worst, std::atan2(mine.cross(theirs).norm(), mine.dot(theirs)) * 180 / std::numbers::pi);
     }
   }
   return worst;
@@ -114,7 +115,7 @@ TEST_CASE("the curvatures of sides that continue one surface agree at the corner
     fillets[i].c = PiecewisePolynomial::fit(
         [&](std::span<const double> t, std::span<double> values) {
           for (std::size_t k = 0; k < t.size(); ++k)
-            Vec3::Map(&values[3 * k]) = std::cos(t[k] * M_PI / 2) * a + std::sin(t[k] * M_PI / 2) * b;
+            Vec3::Map(&values[3 * k]) = std::cos(t[k] * std::numbers::pi / 2) * a + std::sin(t[k] * std::numbers::pi / 2) * b;
         },
         3, 1e-12);
     fillets[i].r = PiecewisePolynomial::constant({out.data(), 3});

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/center.h"
@@ -153,7 +154,7 @@ double seam_angle(const Surface& patch, const Sides& sides) {
     const Points n = patch.normals(b);
     for (int k = 0; k < 199; ++k) {
       const Vec3 mine = n.row(k), theirs = sides[i].normal((k + 1) / 200.0);
-      worst = std::max(worst, std::atan2(mine.cross(theirs).norm(), mine.dot(theirs)) * 180 / M_PI);
+      worst = std::max(worst, std::atan2(mine.cross(theirs).norm(), mine.dot(theirs)) * 180 / std::numbers::pi);
     }
   }
   return worst;
@@ -236,10 +237,11 @@ TEST_CASE("every fairing lowers its energy and keeps the seam") {
 
 TEST_CASE("the default comes near the truth") {
   CHECK(rms_to_unit_sphere(*faired(sphere_sides(octant)).patch) / std::sqrt(2.0) < 5e-5);
-  const double a = 10 * M_PI / 180 / std::sqrt(3.0);
+  const double a = 10 * std::numbers::pi / 180 / std::sqrt(3.0);
   std::array<Vec3, 3> small;
   for (int k = 0; k < 3; ++k)
-    small[k] = Vec3(std::sin(a) * std::cos(2 * M_PI * k / 3), std::sin(a) * std::sin(2 * M_PI * k / 3), std::cos(a));
+    small[k] = Vec3(std::sin(a) * std::cos(2 * std::numbers::pi * k / 3), std::sin(a) * std::sin(2 * std::numbers::pi * k / 3),
+                    std::cos(a));
   CHECK(rms_to_unit_sphere(*faired(sphere_sides(small)).patch) / (small[0] - small[1]).norm() < 1e-7);
 
   const Points p = faired(chart_sides<Saddle>(chart)).patch->positions(grid(40));
@@ -303,7 +305,7 @@ TEST_CASE("a fairing that folds is not used") {
 
 TEST_CASE("folds that are not the patch's own are left alone") {
   // as where they are counted on the patch with what its sides' kinks add: here at one point of side 0, whose normal no patch changes
-  const double angle = 13.0 / 64 * M_PI / 2;
+  const double angle = 13.0 / 64 * std::numbers::pi / 2;
   const Vec3 n(0, std::cos(angle), std::sin(angle)), dip = Vec3::UnitX().cross(n) - 1e-4 * n;
   Sides seen = {with_normal(Vec3(0, 1, 1)), with_normal(Vec3::Ones()), with_normal(Vec3::Ones())};
   const Vec3 r = Vec3::UnitX().cross(Vec3(0, 1, 1)), at_dip = Vec3::UnitX().cross(dip);

@@ -1,6 +1,7 @@
 // Planes along a long side between those that are fitted.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_drafts.h"
 #include "tripatch/estimate/fits_between.h"
@@ -17,7 +18,7 @@ struct Arc {
 
   explicit Arc(int edges, double over = 1) {
     for (int k = 0; k <= edges; ++k) {
-      const double x = static_cast<double>(k) / edges, t = x + 0.05 * std::sin(2 * M_PI * x), angle = over * t;
+      const double x = static_cast<double>(k) / edges, t = x + 0.05 * std::sin(2 * std::numbers::pi * x), angle = over * t;
       side.vertex.push_back(k);
       side.t.push_back(t);
       side.tangent.push_back({std::cos(angle), 0, -std::sin(angle)});
@@ -81,7 +82,7 @@ TEST_CASE("fits between others lie in their planes and are known as those beside
 }
 
 TEST_CASE("where fits are not told by those around them, vertices between have fits of their own", "[thresholds]") {
-  constexpr double told = 0.05 * M_PI / 180 / 50;
+  constexpr double told = 0.05 * std::numbers::pi / 180 / 50;
   Arc arc(100);
   const std::vector<VertexFit> smooth = arc.fits;
   const auto are_told = [&](const std::array<int, 3>& vertices) {
@@ -105,7 +106,7 @@ TEST_CASE("where fits are not told by those around them, vertices between have f
   }
   arc.fits = smooth;
   for (std::size_t k = 30; k < arc.fits.size(); ++k) {  // the side turns by a degree between two fits
-    const double angle = std::atan2(smooth[k].normal[0], smooth[k].normal[2]) + M_PI / 180;
+    const double angle = std::atan2(smooth[k].normal[0], smooth[k].normal[2]) + std::numbers::pi / 180;
     arc.fits[k].normal = {std::sin(angle), 0, std::cos(angle)};
     const Vec3 along(std::cos(angle), 0, -std::sin(angle));
     arc.fits[k].second = 0.1 * along * along.transpose();

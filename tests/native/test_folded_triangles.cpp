@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "tripatch/report/folded_triangles.h"
 
@@ -12,7 +13,7 @@ struct Hinge {
   Points vertices = Points::Zero(4, 3);
   Faces faces;
   explicit Hinge(double angle) {
-    const double a = angle * M_PI / 180;
+    const double a = angle * std::numbers::pi / 180;
     vertices << 0, 0, 0, 1, 0, 0, 0.4, 1, 0, 0.3, -std::cos(a), -std::sin(a);
     faces.add(std::array<Index, 3>{0, 1, 2});
     faces.add(std::array<Index, 3>{1, 0, 3});
@@ -113,7 +114,7 @@ struct BesideRim {
   Points vertices = Points::Zero(8, 3);
   Faces faces;
   BesideRim(double degrees, double hinge) {
-    const double a = degrees * M_PI / 180, b = hinge * M_PI / 180;
+    const double a = degrees * std::numbers::pi / 180, b = hinge * std::numbers::pi / 180;
     vertices.topRows(7) << 0, 0, 0, 1, 0, 0, 0.5, std::cos(a), std::sin(a), -1, 0, 0, -1, 1, 0, 2, 0, 0, 2, 1, 0;
     const Vec3 start = vertices.row(0), end = vertices.row(2), other = vertices.row(1);
     const Vec3 along = (end - start).normalized(), up = along.cross(other - start).normalized(), in = up.cross(along);

@@ -5,6 +5,7 @@
 #include <complex>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <set>
@@ -75,7 +76,7 @@ std::vector<Vec2> polygon(
 std::vector<Vec2> regular(int corners, int edges_per_side, double radius = 1) {
   std::vector<Vec2> c;
   for (int k = 0; k < corners; ++k)
-    c.push_back(radius * Vec2(std::cos(2 * M_PI * k / corners), std::sin(2 * M_PI * k / corners)));
+    c.push_back(radius * Vec2(std::cos(2 * std::numbers::pi * k / corners), std::sin(2 * std::numbers::pi * k / corners)));
   return polygon(c, std::vector<int>(corners, edges_per_side));
 }
 
@@ -83,7 +84,7 @@ std::vector<Vec2> regular(int corners, int edges_per_side, double radius = 1) {
 std::vector<Vec2> polar(int n, const std::function<double(double)>& r) {
   std::vector<Vec2> points;
   for (int k = 0; k < n; ++k) {
-    const double a = 2 * M_PI * k / n;
+    const double a = 2 * std::numbers::pi * k / n;
     points.push_back(r(a) * Vec2(std::cos(a), std::sin(a)));
   }
   return points;
@@ -168,7 +169,7 @@ Model fillets(int n, Vec3 r, Loop& corners) {
   };
   const auto arc = [&](int i, int k) -> Vec3 {
     const auto [ax, p0, p1] = axes[i];
-    const double s = double(k) / n, angle = s * M_PI / 2;
+    const double s = double(k) / n, angle = s * std::numbers::pi / 2;
     Vec3 p;
     p[p1] = r[ax] * (1 - std::sin(angle));
     p[p0] = r[ax] * (1 - std::cos(angle));
@@ -344,9 +345,10 @@ TEST_CASE("the corners of the measured holes are found") {
   }
   SECTION("ten degrees of a sphere") {
     Eigen::Matrix3d c;
-    const double a = 10 * M_PI / 180 / std::sqrt(3);
+    const double a = 10 * std::numbers::pi / 180 / std::sqrt(3);
     for (int k = 0; k < 3; ++k)
-      c.col(k) << std::sin(a) * std::cos(2 * M_PI * k / 3), std::sin(a) * std::sin(2 * M_PI * k / 3), std::cos(a);
+      c.col(k) << std::sin(a) * std::cos(2 * std::numbers::pi * k / 3), std::sin(a) * std::sin(2 * std::numbers::pi * k / 3),
+          std::cos(a);
     const Map map = sphere(c, uv);
     CHECK(detected(surround(polygon(uv, even), map)) == expected);
   }
@@ -355,7 +357,8 @@ TEST_CASE("the corners of the measured holes are found") {
   }
   SECTION("saddle") {
     std::vector<Vec2> c;
-    for (int k = 0; k < 3; ++k) c.push_back(0.8 * Vec2(std::cos(2 * M_PI * k / 3 + 0.4), std::sin(2 * M_PI * k / 3 + 0.4)));
+    for (int k = 0; k < 3; ++k)
+      c.push_back(0.8 * Vec2(std::cos(2 * std::numbers::pi * k / 3 + 0.4), std::sin(2 * std::numbers::pi * k / 3 + 0.4)));
     CHECK(detected(surround(polygon(c, even), saddle, 2.0 / n)) == expected);
   }
   if (n >= 8) SECTION("Franke's function") {
@@ -452,7 +455,7 @@ TEST_CASE("a corner rounded over a few edges is one corner") {
   for (int i = 0; i < 3; ++i) {
     const Vec2 next = center[(i + 1) % 3] - center[i];
     for (int k = 0; k <= 4; ++k) {  // 120 degrees at radius 0.02
-      const double a = M_PI * (5.0 / 6 + 2.0 / 3 * i + k / 6.0);
+      const double a = std::numbers::pi * (5.0 / 6 + 2.0 / 3 * i + k / 6.0);
       rim.push_back(center[i] + 0.02 * Vec2(std::cos(a), std::sin(a)));
     }
     const Vec2 start = rim.back();
@@ -479,17 +482,19 @@ TEST_CASE("rims without three clear corners are refused, with the corners that t
   CHECK(refused(surround(polar(90, [](double a) { return 1 + 0.1 * std::cos(3 * a); }))).reason ==
         "Rim has no clear corners; select three");
   std::vector<Vec2> half = {{0, -1}, {0, 1}};  // half a disc
-  for (int k = 1; k < 20; ++k) half.emplace_back(-std::sin(M_PI * k / 20), std::cos(M_PI * k / 20));
+  for (int k = 1; k < 20; ++k) half.emplace_back(-std::sin(std::numbers::pi * k / 20), std::cos(std::numbers::pi * k / 20));
   CHECK(refused(surround(half)).reason == "Rim has 2 corners; select three");
   std::vector<Vec2> drop = {{2, 0}};
   for (int k = 0; k <= 24; ++k)
-    drop.emplace_back(std::cos(M_PI * (1.0 / 3 + 4.0 / 3 * k / 24)), std::sin(M_PI * (1.0 / 3 + 4.0 / 3 * k / 24)));
+    drop.emplace_back(std::cos(std::numbers::pi * (1.0 / 3 + 4.0 / 3 * k / 24)),
+                      std::sin(std::numbers::pi * (1.0 / 3 + 4.0 / 3 * k / 24)));
   const Answer one = refused(surround(drop));
   CHECK(one.reason == "Rim has 1 corner; select three");
   CHECK(one.where == Loop{0});
   CHECK(refused(surround(regular(5, 4))).where.size() == 5);
   std::vector<Vec2> star;
-  for (int k = 0; k < 40; ++k) star.push_back((k % 2 ? 0.7 : 1.3) * Vec2(std::cos(M_PI * k / 20), std::sin(M_PI * k / 20)));
+  for (int k = 0; k < 40; ++k)
+    star.push_back((k % 2 ? 0.7 : 1.3) * Vec2(std::cos(std::numbers::pi * k / 20), std::sin(std::numbers::pi * k / 20)));
   CHECK(refused(surround(star)).reason == "Rim has more than 12 corners; select three");
 }
 

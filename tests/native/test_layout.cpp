@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "tripatch/mesh/triangles.h"
@@ -37,7 +38,8 @@ Surface polar(int rings, int n, const std::function<Vec3(double, double)>& f) {
   s.points.resize(1 + rings * n, 3);
   s.points.row(0) = f(0, 0);
   for (int r = 1; r <= rings; ++r)
-    for (int k = 0; k < n; ++k) s.points.row(1 + (r - 1) * n + k) = f(static_cast<double>(r) / rings, 2 * M_PI * k / n);
+    for (int k = 0; k < n; ++k)
+      s.points.row(1 + (r - 1) * n + k) = f(static_cast<double>(r) / rings, 2 * std::numbers::pi * k / n);
   for (int k = 0; k < n; ++k) {
     const int next = (k + 1) % n;
     s.triangles.push_back({0, 1 + k, 1 + next});
@@ -53,8 +55,9 @@ Surface polar(int rings, int n, const std::function<Vec3(double, double)>& f) {
 /// A tube of radius 1 closed by half a ball: `length` radii of it.
 Surface finger(double length, int rings, int n) {
   return polar(rings, n, [=](double t, double a) {
-    const double s = t * (M_PI / 2 + length);
-    const double radius = s < M_PI / 2 ? std::sin(s) : 1, z = s < M_PI / 2 ? std::cos(s) : M_PI / 2 - s;
+    const double s = t * (std::numbers::pi / 2 + length);
+    const double radius = s < std::numbers::pi / 2 ? std::sin(s) : 1,
+                 z = s < std::numbers::pi / 2 ? std::cos(s) : std::numbers::pi / 2 - s;
     return Vec3(radius * std::cos(a), radius * std::sin(a), z);
   });
 }
@@ -120,10 +123,12 @@ TEST_CASE("a developable strip comes out flat") {
 
 TEST_CASE("no triangle is turned over and the energy falls on hard surfaces") {
   const auto half = [](double t, double a) {
-    return Vec3(std::sin(M_PI / 2 * t) * std::cos(a), std::sin(M_PI / 2 * t) * std::sin(a), std::cos(M_PI / 2 * t));
+    return Vec3(std::sin(std::numbers::pi / 2 * t) * std::cos(a), std::sin(std::numbers::pi / 2 * t) * std::sin(a),
+                std::cos(std::numbers::pi / 2 * t));
   };
   const auto most = [](double t, double a) {  // nine tenths of a ball's meridian
-    return Vec3(std::sin(0.9 * M_PI * t) * std::cos(a), std::sin(0.9 * M_PI * t) * std::sin(a), std::cos(0.9 * M_PI * t));
+    return Vec3(std::sin(0.9 * std::numbers::pi * t) * std::cos(a), std::sin(0.9 * std::numbers::pi * t) * std::sin(a),
+                std::cos(0.9 * std::numbers::pi * t));
   };
   const Surface ball = polar(12, 40, half);
   const auto layout = lay_out(ball.points, ball.triangles, to_the_end);
@@ -230,7 +235,8 @@ TEST_CASE("inner holes are closed for the layout, also where they touch the bord
 }
 
 TEST_CASE("what is no disc is not laid out") {
-  const Surface tube = grid(12, 3, [](double u, double v) { return Vec3(std::cos(2 * M_PI * u), std::sin(2 * M_PI * u), v); });
+  const Surface tube = grid(
+      12, 3, [](double u, double v) { return Vec3(std::cos(2 * std::numbers::pi * u), std::sin(2 * std::numbers::pi * u), v); });
   Triangles closed = tube.triangles;  // its ends glued: two borders, one of which is filled
   for (auto& t : closed)
     for (Index& v : t) v %= 48;
@@ -245,7 +251,7 @@ TEST_CASE("what is no disc is not laid out") {
   CHECK_FALSE(lay_out(tube.points, {{0, 1, 5}, {1, 2, 5}, {2, 3, 5}, {3, 4, 5}, {4, 0, 6}, {0, 5, 6}, {6, 5, 4}, {4, 5, 7}}));
   CHECK_FALSE(lay_out(tube.points, {}));
   Surface torus = grid(6, 6, [](double u, double v) {
-    const double a = 2 * M_PI * u, b = 2 * M_PI * v;
+    const double a = 2 * std::numbers::pi * u, b = 2 * std::numbers::pi * v;
     return Vec3((2 + std::cos(b)) * std::cos(a), (2 + std::cos(b)) * std::sin(a), std::sin(b));
   });
   for (auto& t : torus.triangles)

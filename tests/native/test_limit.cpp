@@ -1,6 +1,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <future>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -155,7 +156,7 @@ TEST_CASE("an edge between faces of three, four and five corners is one curve fr
   Cage cage;
   cage.vertices.resize(11, 3);
   for (int k = 0; k < 5; ++k) {
-    const double angle = 2 * M_PI * k / 5;
+    const double angle = 2 * std::numbers::pi * k / 5;
     cage.vertices.row(k) << 1.3 * std::cos(angle), std::sin(angle), -1;
     cage.vertices.row(k + 5) << 1.1 * std::cos(angle), std::sin(angle) + 0.2, 1;
   }

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "tripatch/estimate/local_mesh.h"
 
@@ -26,7 +27,7 @@ Sheet sheet(Index rows, const std::vector<std::pair<Index, double>>& bends) {
   for (Index k = 0; k <= columns; ++k) {
     for (Index i = 0; i <= rows; ++i) s.vertices.row(at(i, k)) << x, static_cast<double>(i), z;
     for (const auto& [column, degrees] : bends)
-      if (column == k) angle += degrees * M_PI / 180;
+      if (column == k) angle += degrees * std::numbers::pi / 180;
     x += std::cos(angle);
     z += std::sin(angle);
   }
@@ -104,8 +105,8 @@ TEST_CASE("a vertex put on an edge says nothing of the surface, as long as it is
 TEST_CASE("edges run the same way within 45 degrees", "[thresholds]") {
   // faces bent by 20 degrees along a column and by 7 along rows that cross it at such an angle: 8 and twice 7 are more than 20
   for (const double cosine : {0.69, 0.71}) {
-    const double sine = std::sqrt(1 - cosine * cosine), bend = 7 * M_PI / 180;
-    Sheet s = sheet(3, {{5, std::atan(sine * std::tan(20 * M_PI / 180)) * 180 / M_PI}});
+    const double sine = std::sqrt(1 - cosine * cosine), bend = 7 * std::numbers::pi / 180;
+    Sheet s = sheet(3, {{5, std::atan(sine * std::tan(20 * std::numbers::pi / 180)) * 180 / std::numbers::pi}});
     Vec3 way = Vec3::Zero();
     for (Index i = 0; i <= 3; ++i) {
       for (Index k = 0; k <= columns; ++k)

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "tripatch/boundary/mesh_sides.h"
@@ -46,7 +47,8 @@ TestSurface saddle() {
   TestSurface s{[](Vec2 u) { return Vec3(u[0], u[1], u[0] * u[0] - u[1] * u[1]); },
                 [](Vec3 p) { return Vec3(-2 * p[0], 2 * p[1], 1).normalized(); },
                 {}};
-  for (int k = 0; k < 3; ++k) s.corner[k] = 0.8 * Vec2(std::cos(0.4 + 2 * M_PI * k / 3), std::sin(0.4 + 2 * M_PI * k / 3));
+  for (int k = 0; k < 3; ++k)
+    s.corner[k] = 0.8 * Vec2(std::cos(0.4 + 2 * std::numbers::pi * k / 3), std::sin(0.4 + 2 * std::numbers::pi * k / 3));
   return s;
 }
 
@@ -146,7 +148,7 @@ std::pair<TestMesh, std::function<Vec3(int, Vec3)>> fillets(int n) {
   const int rings = 5;
   // The cylinder along axis a starts on the plane across axis a + 1 and ends on that across axis a + 2.
   const auto arc = [&](int a, int k, int ring) {
-    const double angle = 0.5 * M_PI * k / n;
+    const double angle = 0.5 * std::numbers::pi * k / n;
     return Vec3(Vec3::Ones() + ring * step * Vec3::Unit(a) - std::cos(angle) * Vec3::Unit((a + 1) % 3) -
                 std::sin(angle) * Vec3::Unit((a + 2) % 3));
   };
@@ -184,7 +186,7 @@ std::pair<TestMesh, std::function<Vec3(int, Vec3)>> fillets(int n) {
   return {m, normal};
 }
 
-double degrees(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+double degrees(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi; }
 
 /// Rms angle, degrees, between the estimated planes and the true ones, over points of the sides, ends included.
 double normal_error(const MeshSides& s, const std::function<Vec3(Vec3)>& normal, int samples = 97) {
@@ -210,7 +212,7 @@ void add_noise(TestMesh& m, double share) {
   std::mt19937 random(7);
   for (Index k = 0; k < m.vertices.size(); ++k) {  // Box and Muller: the same numbers with every standard library
     const double u = (random() + 0.5) / 4294967296.0, v = (random() + 0.5) / 4294967296.0;
-    m.vertices.data()[k] += share * edge * std::sqrt(-2 * std::log(u)) * std::cos(2 * M_PI * v);
+    m.vertices.data()[k] += share * edge * std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
   }
 }
 
@@ -277,7 +279,7 @@ TEST_CASE("flat surroundings are exact, whatever the faces") {
   for (Kind kind : {Kind::triangles, Kind::quads, Kind::hexagons})
     for (int rings : {1, 2, 4}) {
       const MeshSides s = make(plane(), {.edges = {6, 4, 2}, .rings = rings, .kind = kind}).sides();
-      CHECK(normal_error(s, plane().normal) < 1e-12 * 180 / M_PI);
+      CHECK(normal_error(s, plane().normal) < 1e-12 * 180 / std::numbers::pi);
       CHECK(s.surroundings_error < 1e-3);
     }
 }
@@ -335,7 +337,7 @@ TEST_CASE("a sharp edge beside the hole does not turn the planes") {
       box.point = [=](Vec2 u) {
         const double x = u[0] - 0.1, y = u[1] - 0.05, s = std::sqrt(0.75);
         const double outside = std::max({-y, s * (x - n * h) + 0.5 * y, -s * x + 0.5 * y});
-        return Vec3(x, y, -std::tan(angle * M_PI / 180) * std::max(outside - rows * row - 1e-12, 0.0));
+        return Vec3(x, y, -std::tan(angle * std::numbers::pi / 180) * std::max(outside - rows * row - 1e-12, 0.0));
       };
       const MeshSides s = lattice(box, h, n).sides();
       CAPTURE(angle, rows);
@@ -589,7 +591,7 @@ TestMesh rounded_box(int segments, double length) {
   for (int k = 0; k < 3; ++k) {
     const Vec3 a = Vec3::Unit(k), b = Vec3::Unit((k + 1) % 3), back = -length * Vec3::Unit((k + 2) % 3);
     for (int j = 0; j <= segments; ++j) {
-      const double angle = M_PI / 2 * j / segments;
+      const double angle = std::numbers::pi / 2 * j / segments;
       const Vec3 p = std::cos(angle) * a + std::sin(angle) * b;
       near[k].push_back(j == 0 ? corner[k] : j == segments ? corner[(k + 1) % 3] : add(p));
       far[k].push_back(add(p + back));
@@ -618,7 +620,8 @@ TEST_CASE("strips of long faces tell their planes, as beside a bevelled corner")
       for (const Side& side : sides.sides)
         for (int k = 0; k <= 20; ++k) {
           const Vec3 p = side.c(k / 20.0);
-          worst = std::max(worst, std::atan2(side.normal(k / 20.0).cross(p).norm(), side.normal(k / 20.0).dot(p)) * 180 / M_PI);
+          worst = std::max(
+              worst, std::atan2(side.normal(k / 20.0).cross(p).norm(), side.normal(k / 20.0).dot(p)) * 180 / std::numbers::pi);
         }
       CHECK(worst < 2);
       CHECK(sides.surroundings_error < 3);
@@ -715,7 +718,7 @@ TEST_CASE("beside a bevel of few segments with another section the reported erro
 TEST_CASE("a bevel of two segments leaves the plane beside it smoothly, may do so, or has an edge there", "[thresholds]") {
   const auto said = [](double exponent) { return bevelled_box(2, 1, exponent, Vec3::Ones()).sides().surroundings_error; };
   const auto leans = [](double of_turn) {  // exponent at which the outer faces lean by this much of the turn in the middle
-    const double lean = M_PI / 2 * of_turn / (1 + 2 * of_turn);
+    const double lean = std::numbers::pi / 2 * of_turn / (1 + 2 * of_turn);
     return std::log(0.5) / std::log(1 / (1 + std::tan(lean)));
   };
   CHECK(said(leans(0.76)) > 2 * said(leans(0.74)));

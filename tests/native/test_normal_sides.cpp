@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tripatch/boundary/normal_sides.h"
@@ -11,7 +12,7 @@ using namespace tripatch;
 
 namespace {
 
-double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi; }
 
 const std::array<Vec3, 3> points = {Vec3(0, 0, 0.1), Vec3(1.1, 0.1, 0), Vec3(0.2, 0.9, 0.3)};
 const std::array<Vec3, 3> normals = {Vec3(-0.3, -0.2, 1).normalized(), Vec3(0.5, -0.1, 1).normalized(),
@@ -151,7 +152,7 @@ TEST_CASE("normals that determine no curve are refused, with the corner") {
 TEST_CASE("between normals of an edge that are 120 degrees apart the derivative across grows no more in the middle",
           "[thresholds]") {
   for (const double apart : {118.0, 122.0}) {
-    const double half = apart / 2 * M_PI / 180;
+    const double half = apart / 2 * std::numbers::pi / 180;
     const Side side = side_from_normals({0, 0, 0}, {-std::sin(half), 0, std::cos(half)}, {1, 0, 0},
                                         {std::sin(half), 0, std::cos(half)}, NormalCurve::hermite);
     const double grows = side.r(0.5).norm() / side.c.derivative_at(0.5).norm() / std::cos(half);

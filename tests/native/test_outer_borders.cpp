@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tripatch/fill.h"
@@ -24,8 +25,8 @@ Model belt(double from, double to) {
   m.vertices.resize(around * (rows + 1), 3);
   for (Index j = 0; j <= rows; ++j)
     for (Index k = 0; k < around; ++k) {
-      const double a = (from + (to - from) * static_cast<double>(j) / rows) * M_PI / 180,
-                   b = 2 * M_PI * static_cast<double>(k) / around;
+      const double a = (from + (to - from) * static_cast<double>(j) / rows) * std::numbers::pi / 180,
+                   b = 2 * std::numbers::pi * static_cast<double>(k) / around;
       m.vertices.row(j * around + k) << std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a);
     }
   for (Index j = 0; j < rows; ++j)
@@ -46,7 +47,7 @@ std::vector<char> outer(const Model& m) {
 
 TEST_CASE("a border is outer that as a whole turns by a quarter of a circle the other way", "[thresholds]") {
   // The circle at angle a from the pole turns by 2 pi cos(a) as seen from the pole, here the other way: outer where cos(a) > 1/4.
-  const double limit = std::acos(0.25) * 180 / M_PI;
+  const double limit = std::acos(0.25) * 180 / std::numbers::pi;
   CHECK(outer(belt(10, limit - 1)) == std::vector<char>{0, 1});
   CHECK(outer(belt(10, limit + 1)) == std::vector<char>{0, 0});
   CHECK(outer(belt(60, 120)) == std::vector<char>{0, 0});
@@ -57,11 +58,11 @@ TEST_CASE("a hole that was cut into a few large faces is no outer border, althou
   Model plate;
   plate.vertices.resize(4 * edges + 4, 3);
   for (Index k = 0; k < 4 * edges; ++k) {
-    const double a = 2 * M_PI * static_cast<double>(k) / (4 * edges);
+    const double a = 2 * std::numbers::pi * static_cast<double>(k) / (4 * edges);
     plate.vertices.row(k) << std::cos(a), std::sin(a), 0;
   }
   for (Index i = 0; i < 4; ++i) {
-    const double a = M_PI / 2 * static_cast<double>(i);
+    const double a = std::numbers::pi / 2 * static_cast<double>(i);
     plate.vertices.row(4 * edges + i) << 3 * std::cos(a), 3 * std::sin(a), 0;
   }
   for (Index i = 0; i < 4; ++i) {
@@ -88,7 +89,7 @@ TEST_CASE("an outer border counts where the mesh has no other") {
   REQUIRE(borders.size() == 1);
   CHECK(!borders[0].outer);
   CHECK(is_outer_border(m.mesh(), borders[0].loop));
-  CHECK(borders[0].diameter == Approx(2 * std::sin(M_PI / 3)).epsilon(1e-12));
+  CHECK(borders[0].diameter == Approx(2 * std::sin(std::numbers::pi / 3)).epsilon(1e-12));
 }
 
 TEST_CASE("what fills the border of a bowl that reaches 41 degrees from its middle would lie on it", "[thresholds]") {

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "tripatch/mesh/triangles.h"
@@ -65,7 +66,7 @@ TEST_CASE("a halved grid of squares becomes that grid") {
 TEST_CASE("quads stay within the thresholds, on both sides of them") {
   const auto quad = [](double corner, double fold) {  // a rhombus with that corner, folded over its diagonal 1-3 by that angle
     Points x(4, 3);
-    const double a = corner * M_PI / 360, f = fold * M_PI / 180;
+    const double a = corner * std::numbers::pi / 360, f = fold * std::numbers::pi / 180;
     x << std::cos(a), 0, 0, 0, std::sin(a), 0, -std::cos(a) * std::cos(f), 0, -std::cos(a) * std::sin(f), 0, -std::sin(a), 0;
     return x;
   };

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "tripatch/hole/clear_corners.h"
@@ -27,7 +28,7 @@ struct PlaneRim {
     for (Index k = 0; k < n; ++k) {
       rim.push_back(k);
       vertices.row(k) = at;
-      angle += turns[k % m] * M_PI / 180;
+      angle += turns[k % m] * std::numbers::pi / 180;
       at += (lengths.empty() ? 1 : lengths[k % m]) * Vec3(std::cos(angle), std::sin(angle), 0);
     }
     REQUIRE(at.norm() < 1e-9 * static_cast<double>(n));

@@ -1,6 +1,7 @@
 // Triangles of simple polygons, and folds beside a rim.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tripatch/spline/ear_clipping.h"
@@ -14,7 +15,7 @@ namespace {
 PlanePoints star(Index n, double inner) {
   PlanePoints p(n, 2);
   for (Index k = 0; k < n; ++k) {
-    const double turn = 2 * M_PI * static_cast<double>(k) / static_cast<double>(n), r = k % 2 == 0 ? 1 : inner;
+    const double turn = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n), r = k % 2 == 0 ? 1 : inner;
     p.row(k) << r * std::cos(turn), r * std::sin(turn);
   }
   return p;
@@ -60,7 +61,7 @@ TEST_CASE("no ears of a polygon that crosses itself, or runs the other way") {
 TEST_CASE("a vertex that folds its triangles goes back between its neighbors, and no other moves") {
   // a fan around a middle that lies beyond the rim, and one more vertex within its triangles
   Points p(8, 3);
-  for (int k = 0; k < 6; ++k) p.row(k) << std::cos(M_PI * k / 3), std::sin(M_PI * k / 3), 0;
+  for (int k = 0; k < 6; ++k) p.row(k) << std::cos(std::numbers::pi * k / 3), std::sin(std::numbers::pi * k / 3), 0;
   p.row(6) << 1.4, 0.1, 0;
   p.row(7) << -0.3, 0.2, 0;
   std::vector<std::array<Index, 3>> triangles = {{0, 1, 6}, {1, 2, 6}, {2, 7, 6}, {2, 3, 7},

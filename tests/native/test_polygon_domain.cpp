@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "tripatch/polygon/domain.h"
@@ -26,7 +27,8 @@ TEST_CASE("polygon domain: a point moved off a corner lies so far from it, on it
 TEST_CASE(
     "polygon domain: the bubble is 1 at the center of a regular polygon, nothing at all sides, and what a place says of it") {
   std::vector<Vec2> corners;
-  for (int k = 0; k < 5; ++k) corners.emplace_back(std::cos(2 * M_PI * k / 5), std::sin(2 * M_PI * k / 5));
+  for (int k = 0; k < 5; ++k)
+    corners.emplace_back(std::cos(2 * std::numbers::pi * k / 5), std::sin(2 * std::numbers::pi * k / 5));
   for (const PolygonDomain& d : {PolygonDomain(corners), PolygonDomain({Vec2(0, 0), Vec2(2, 0.1), Vec2(2.2, 1.5), Vec2(-0.3, 1)}),
                                  PolygonDomain::lens(3, 0.5)}) {
     const auto at = [&](const Vec2& p) { return d.bubble(Jet<2>::linear(p[0], 1, 0), Jet<2>::linear(p[1], 0, 1)); };

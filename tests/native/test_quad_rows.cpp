@@ -1,5 +1,6 @@
 // Rows of quads that go on across a hole: which holes are blocks of such rows, what is put into them, and the surface through it.
 #include <catch2/catch.hpp>
+#include <numbers>
 
 #include "test_surfaces.h"
 #include "tripatch/fill.h"
@@ -137,7 +138,7 @@ TEST_CASE("the last rows around a tube are a block: its rows meet themselves") {
   Points vertices(around * (along + 1), 3);
   Faces faces;
   for (Index k = 0; k < vertices.rows(); ++k) {
-    const double turn = 2 * M_PI * static_cast<double>(k % around) / around;
+    const double turn = 2 * std::numbers::pi * static_cast<double>(k % around) / around;
     const Index row = k / around;
     vertices.row(k) << std::cos(turn), std::sin(turn), static_cast<double>(row);
   }
@@ -384,7 +385,7 @@ TEST_CASE("what rows say of their surroundings is the angle that what is missed 
   for (std::size_t k = 0; k < grid.rim.size(); ++k)
     edges += (grid.vertices.row(grid.rim[k]) - grid.vertices.row(grid.rim[(k + 1) % grid.rim.size()])).norm();
   REQUIRE(made.deviation[0] > 1e-3);
-  const double angle = std::atan2(made.deviation[0], edges / static_cast<double>(grid.rim.size())) * 180 / M_PI;
+  const double angle = std::atan2(made.deviation[0], edges / static_cast<double>(grid.rim.size())) * 180 / std::numbers::pi;
   CHECK(made.report.surroundings_error == Approx(angle));
   CHECK(made.report.deviation_max.value() == made.deviation[0]);
 }

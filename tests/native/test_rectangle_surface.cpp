@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tripatch/boundary/bezier_rectangle.h"
@@ -213,7 +214,7 @@ TEST_CASE("a hole between three Bezier rectangles is filled with their tangent p
       b(0, (i + 1) % 3) = 1 - k / 20.0;
       b(0, (i + 2) % 3) = k / 20.0;
       const Vec3 n = patch->normals(b).row(0), m = sides[i].normal(k / 20.0);
-      CHECK(std::atan2(n.cross(m).norm(), n.dot(m)) * 180 / M_PI < 1e-6);
+      CHECK(std::atan2(n.cross(m).norm(), n.dot(m)) * 180 / std::numbers::pi < 1e-6);
     }
   Points middle(1, 3);
   middle << 0.3, 0.3, 0.4;

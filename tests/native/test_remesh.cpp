@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <random>
 #include <set>
 
@@ -38,7 +39,7 @@ using Rim = std::vector<Eigen::Vector2d>;
 Rim circle(int n, double radius = 1, bool backwards = false, Eigen::Vector2d middle = {0, 0}) {
   Rim rim;
   for (int k = 0; k < n; ++k) {
-    const double a = (backwards ? -1 : 1) * 2 * M_PI * k / n;
+    const double a = (backwards ? -1 : 1) * 2 * std::numbers::pi * k / n;
     rim.push_back(middle + radius * Eigen::Vector2d(std::cos(a), std::sin(a)));
   }
   return rim;
@@ -112,7 +113,7 @@ double smallest_angle(const PlaneTriangulation& m) {
   for (const auto& t : m.triangles)
     for (int k = 0; k < 3; ++k) {
       const Vec3 p = m.points.row(t[k]), u = m.points.row(t[(k + 1) % 3]), v = m.points.row(t[(k + 2) % 3]);
-      least = std::min(least, std::atan2((u - p).cross(v - p).norm(), (u - p).dot(v - p)) * 180 / M_PI);
+      least = std::min(least, std::atan2((u - p).cross(v - p).norm(), (u - p).dot(v - p)) * 180 / std::numbers::pi);
     }
   return least;
 }
@@ -154,7 +155,7 @@ TEST_CASE("jagged and uneven rims stay valid, their triangles as good as they al
     for (int k = 0; k < n; ++k) {
       const double radius = 1 + 2.0 / n * static_cast<double>(random() % 1000) / 1000;
       rim.push_back(radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-      angle += 2 * M_PI * steps[k] / all;
+      angle += 2 * std::numbers::pi * steps[k] / all;
     }
     const PlanePolygon p = polygon({rim}, surface);
     const PlaneTriangulation m = remesh(p, {}, surface);

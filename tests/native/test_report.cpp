@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include "test_surfaces.h"
 #include "tripatch/constructions/side_vertex.h"
@@ -54,13 +55,14 @@ Sides arcs(const std::array<Vec3, 3>& across) {
           },
           3);
     };
-    sides[i].c = fit([=](double t) -> Vec3 { return std::cos(t * M_PI / 2) * a + std::sin(t * M_PI / 2) * b; });
+    sides[i].c =
+        fit([=](double t) -> Vec3 { return std::cos(t * std::numbers::pi / 2) * a + std::sin(t * std::numbers::pi / 2) * b; });
     sides[i].r = fit([=](double) -> Vec3 { return across[i]; });
   }
   return sides;
 }
 
-constexpr double degree = M_PI / 180;
+constexpr double degree = std::numbers::pi / 180;
 
 }  // namespace
 

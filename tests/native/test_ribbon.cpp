@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "test_surfaces.h"
 #include "tripatch/constructions/gregory.h"
 #include "tripatch/constructions/methods.h"
@@ -34,7 +36,7 @@ Boundary boundary_of(const Sides& sides, CrossBoundary kind) {
 /// A sphere cap of polar angle 30 degrees about the z axis: round rim, corners at the given longitudes. Outer normal outwards.
 Sides round_rim(const std::array<double, 3>& longitude_deg, double polar_deg = 30) {
   Sides sides;
-  const double polar = polar_deg * M_PI / 180;
+  const double polar = polar_deg * std::numbers::pi / 180;
   for (int i = 0; i < 3; ++i) {
     double from = longitude_deg[(i + 1) % 3], to = longitude_deg[(i + 2) % 3];
     if (to < from) to += 360;
@@ -42,7 +44,7 @@ Sides round_rim(const std::array<double, 3>& longitude_deg, double polar_deg = 3
       return PiecewisePolynomial::fit(
           [&, position](std::span<const double> t, std::span<double> out) {
             for (std::size_t k = 0; k < t.size(); ++k) {
-              const double a = (from + (to - from) * t[k]) * M_PI / 180;
+              const double a = (from + (to - from) * t[k]) * std::numbers::pi / 180;
               const Vec3 p(std::sin(polar) * std::cos(a), std::sin(polar) * std::sin(a), std::cos(polar));
               const Vec3 down(std::cos(polar) * std::cos(a), std::cos(polar) * std::sin(a), -std::sin(polar));
               Vec3::Map(&out[3 * k]) = position ? p : down;
@@ -234,7 +236,7 @@ TEST_CASE("three sides are as large whichever way they are walked") {
 TEST_CASE("a ribbon of numbers that overflow is refused") {
   Sides sides;
   for (int i = 0; i < 3; ++i) {
-    const double a = 2 * M_PI * i / 3, b = 2 * M_PI * (i + 1) / 3;
+    const double a = 2 * std::numbers::pi * i / 3, b = 2 * std::numbers::pi * (i + 1) / 3;
     const std::array<double, 6> along = {std::cos(a), std::sin(a), 0, std::cos(b), std::sin(b), 0};
     const std::array<double, 6> across = {std::cos(a), std::sin(a), 0, std::cos(b), std::sin(b), 0};
     sides[i].c = PiecewisePolynomial::bezier(along, 3);

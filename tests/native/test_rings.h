@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "tripatch/creases/features.h"
@@ -24,7 +25,7 @@ struct Rings {
     vertices.resize(rows * n, 3);
     for (Index j = 0; j < rows; ++j)
       for (Index k = 0; k < n; ++k) {
-        const double a = 2 * M_PI * static_cast<double>(k) / static_cast<double>(n),
+        const double a = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n),
                      y = k % (n / 2) == 0 ? 0 : radii[j] * std::sin(a);
         vertices.row(j * n + k) = lift(radii[j] * std::cos(a), y);
       }
@@ -48,7 +49,7 @@ struct Rings {
 
 /// Two planes that meet in the x axis, each so many degrees below the horizontal.
 inline Vec3 roof(double x, double y, double degrees) {
-  const double a = degrees * M_PI / 180;
+  const double a = degrees * std::numbers::pi / 180;
   return {x, std::cos(a) * y, -std::sin(a) * std::abs(y)};
 }
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 #include <set>
 
@@ -20,7 +21,7 @@ namespace {
 Points ring(int n, double radius, double height = 0, double wobble = 0, bool backwards = false) {
   Points x(n, 3);
   for (int k = 0; k < n; ++k) {
-    const double a = (backwards ? -1 : 1) * 2 * M_PI * k / n;
+    const double a = (backwards ? -1 : 1) * 2 * std::numbers::pi * k / n;
     x.row(k) << radius * std::cos(a), radius * std::sin(a), height + wobble * std::sin(3 * a);
   }
   return x;
@@ -71,11 +72,11 @@ TEST_CASE("a rough fill of a plane polygon covers it once, convex or not") {
     const RoughFill fill = rough_fill(x);
     CHECK(flaw(fill, n) == "");
     CHECK_FALSE(fill.doubles_edges);
-    CHECK(area(x, fill) == Approx(n * 2 * std::sin(2 * M_PI / n)).epsilon(1e-6));
+    CHECK(area(x, fill) == Approx(n * 2 * std::sin(2 * std::numbers::pi / n)).epsilon(1e-6));
   }
   Points star = ring(40, 1);
   for (int k = 0; k < 40; k += 2) star.row(k) *= 0.4;
-  CHECK(area(star, rough_fill(star)) == Approx(40 * 0.5 * 0.4 * std::sin(2 * M_PI / 40)).epsilon(1e-6));
+  CHECK(area(star, rough_fill(star)) == Approx(40 * 0.5 * 0.4 * std::sin(2 * std::numbers::pi / 40)).epsilon(1e-6));
 }
 
 TEST_CASE("a straight run of rim vertices makes no triangle without area where another is possible") {
@@ -141,7 +142,7 @@ TEST_CASE("islands and strips") {
     const RoughFill fill = rough_fill(x, rim);
     CHECK(flaw(fill, 27, {20}) == "");
     CHECK_FALSE(fill.doubles_edges);
-    const double expected = 20 * 2 * std::sin(2 * M_PI / 20) - 7 * 0.125 * std::sin(2 * M_PI / 7);
+    const double expected = 20 * 2 * std::sin(2 * std::numbers::pi / 20) - 7 * 0.125 * std::sin(2 * std::numbers::pi / 7);
     CHECK(area(x, fill) == Approx(expected).epsilon(1e-6));
   }
   SECTION("three islands") {
@@ -157,7 +158,8 @@ TEST_CASE("islands and strips") {
     const RoughFill fill = rough_fill(x, rim);
     CHECK(flaw(fill, 55, {40, 45, 50}) == "");
     CHECK_FALSE(fill.doubles_edges);
-    CHECK(area(x, fill) == Approx(40 * 2 * std::sin(2 * M_PI / 40) - 3 * 5 * 0.02 * std::sin(2 * M_PI / 5)).epsilon(1e-6));
+    CHECK(area(x, fill) ==
+          Approx(40 * 2 * std::sin(2 * std::numbers::pi / 40) - 3 * 5 * 0.02 * std::sin(2 * std::numbers::pi / 5)).epsilon(1e-6));
   }
   for (int n : {12, 400}) {  // a cylinder between two rims
     const Points x = stacked(ring(n, 1), ring(n, 1, 0.5, 0, true));
@@ -166,7 +168,7 @@ TEST_CASE("islands and strips") {
     const RoughFill fill = rough_fill(x, rim);
     CHECK(flaw(fill, 2 * n, {n}) == "");
     CHECK_FALSE(fill.doubles_edges);
-    CHECK(area(x, fill) == Approx(0.5 * n * 2 * std::sin(M_PI / n)).epsilon(n > 200 ? 0.2 : 0.02));
+    CHECK(area(x, fill) == Approx(0.5 * n * 2 * std::sin(std::numbers::pi / n)).epsilon(n > 200 ? 0.2 : 0.02));
   }
 }
 
@@ -195,7 +197,7 @@ TEST_CASE("the rough fill of a mirrored rim is as large, whichever apexes are co
     RimSurroundings rim, mirrored;
     rim.normals.resize(n, 3);
     for (Index k = 0; k < n; ++k) {
-      const double a = 2 * M_PI * static_cast<double>(k) / static_cast<double>(n), r = 1 + 0.1 * normal(random);
+      const double a = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n), r = 1 + 0.1 * normal(random);
       x.row(k) << r * std::cos(a), r * std::sin(a), 0.1 * normal(random);
       rim.normals.row(k) = Vec3(0.5 * normal(random), 0.5 * normal(random), 1).normalized();
     }
@@ -237,7 +239,7 @@ TEST_CASE("a rim of 10,000 vertices is filled roughly") {
   for (int k = 0; k < x.rows(); ++k) x.row(k) *= 1 + 1e-4 * static_cast<double>(random() % 1000) / 1000;
   const RoughFill fill = rough_fill(x);
   CHECK(flaw(fill, 10'000) == "");
-  CHECK(area(x, fill) < 1.2 * M_PI * 1e4);
+  CHECK(area(x, fill) < 1.2 * std::numbers::pi * 1e4);
 }
 
 namespace {
@@ -307,7 +309,7 @@ TEST_CASE("what sticks out of a long rim goes on from faces that lean by less th
 TEST_CASE("triangles of a jagged rim do not go through each other") {
   // of these rims the triangles with the least worst angle do in 5%
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> turn(0, 2 * M_PI), radius(0.3, 1);
+  std::uniform_real_distribution<double> turn(0, 2 * std::numbers::pi), radius(0.3, 1);
   std::normal_distribution<double> height(0, 0.6);
   for (int round = 0; round < 200; ++round) {
     const int n = 6 + round % 10;
@@ -332,7 +334,7 @@ TEST_CASE("triangles with the least worst angle that do not cross are sought six
     Points rim(36, 3);
     for (int k = 0; k < 36; ++k) {
       const int at = 1000 * seed + 3 * k;
-      const double angle = 2 * M_PI * (k + 0.8 * strewn(at)) / 36, r = 0.3 + 0.7 * strewn(at + 1);
+      const double angle = 2 * std::numbers::pi * (k + 0.8 * strewn(at)) / 36, r = 0.3 + 0.7 * strewn(at + 1);
       rim.row(k) << r * std::cos(angle), r * std::sin(angle), 2 * strewn(at + 2) - 1;
     }
     const RoughFill fill = rough_fill(rim);
@@ -377,7 +379,7 @@ TEST_CASE("an edge of a closed line goes through a triangle within it, beyond wh
 TEST_CASE("triangles of rims that come close to themselves do not go through each other, nor the rim through them") {
   // of these rims the triangles with the least worst angle nearly all do, and most others do too
   std::mt19937 random(5);
-  std::uniform_real_distribution<double> turn(0, 2 * M_PI), radius(0.3, 1);
+  std::uniform_real_distribution<double> turn(0, 2 * std::numbers::pi), radius(0.3, 1);
   std::normal_distribution<double> height(0, 0.6);
   for (int round = 0; round < 40; ++round) {
     const int n = 40 + 4 * (round % 20);

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "tripatch/constructions/side_vertex.h"
@@ -12,7 +13,7 @@ using namespace tripatch;
 
 namespace {
 
-double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi; }
 
 struct TriangleSoup {
   Points vertices;

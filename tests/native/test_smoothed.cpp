@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tripatch/boundary/side.h"
@@ -16,7 +17,7 @@ Side arc(int edges, double noise) {
   Side side;
   std::vector<double> points, across;
   for (int k = 0; k <= edges; ++k) {
-    const double t = static_cast<double>(k) / edges, a = 0.5 * M_PI * t;
+    const double t = static_cast<double>(k) / edges, a = 0.5 * std::numbers::pi * t;
     side.rim.push_back(t);
     const double moved = k == 0 || k == edges ? 0 : noise;
     for (double x : {std::cos(a) + moved * normal(random), std::sin(a) + moved * normal(random), moved * normal(random)})
@@ -46,7 +47,7 @@ double third(const PiecewisePolynomial& c) {
 TEST_CASE("the third derivative of a smoothed side is that of the curve and not of the noise of its vertices") {
   const Side noisy = arc(30, 1e-3);
   const Side smooth = smoothed(Sides{noisy, noisy, noisy})[1];
-  const double of_circle = std::pow(M_PI / 2, 3);
+  const double of_circle = std::pow(std::numbers::pi / 2, 3);
   CHECK(third(noisy.c) > 20 * of_circle);
   CHECK(third(smooth.c) < 0.2 * third(noisy.c));
   CHECK(farthest_from_circle(smooth.c) < 5e-3);

@@ -1,5 +1,7 @@
 #include "test_surfaces.h"
 
+#include <numbers>
+
 namespace tripatch::testing {
 
 SurfacePtr bezier(const Points& net) {
@@ -119,7 +121,7 @@ SurfacePtr wave() {
 
 double size_of(const Sides& sides) { return check_sides(sides); }
 
-double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+double degrees_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi; }
 
 double side_error(const Surface& patch, const Sides& sides) {
   double worst = 0;

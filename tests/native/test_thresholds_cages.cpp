@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "test_cages.h"
 #include "tripatch/cage/cage_fit.h"
@@ -22,7 +23,7 @@ struct BevelledCorner {
     std::array<std::vector<Vec3>, 3> arcs;
     for (int k = 0; k < 3; ++k)
       for (int s = 0; s <= segments; ++s) {
-        const double angle = M_PI / 2 * s / segments;
+        const double angle = std::numbers::pi / 2 * s / segments;
         arcs[k].push_back((1 - width) * Vec3::Ones() + width * (std::cos(angle) * axis[k] + std::sin(angle) * axis[(k + 1) % 3]));
       }
     for (int k = 0; k < 3; ++k) {
@@ -78,7 +79,7 @@ bool is_placed(const Mesh& mesh, const std::vector<Index>& rim, const std::optio
 bool is_placed_in_waves(double waves, double height) {
   constexpr Index n = 12, hole = 4, first = (n - hole) / 2, last = first + hole;
   const auto at = [](Index i, Index j) { return i * (n + 1) + j; };
-  const auto wave = [&](Index i) { return std::cos(M_PI * waves * static_cast<double>(2 * i - n) / (2 * hole)); };
+  const auto wave = [&](Index i) { return std::cos(std::numbers::pi * waves * static_cast<double>(2 * i - n) / (2 * hole)); };
   Points vertices((n + 1) * (n + 1), 3);
   Faces faces;
   for (Index i = 0; i <= n; ++i)
@@ -154,14 +155,14 @@ TEST_CASE("a cage's report warns of poles of more than seven triangles", "[thres
 
 TEST_CASE("faces that reach four edges of the rim are strips, beside which a split edge may fold", "[thresholds]") {
   constexpr Index n = 5;
-  const double edge = 2 * std::sin(M_PI / n), cosine = std::cos(2 * M_PI / n);
+  const double edge = 2 * std::sin(std::numbers::pi / n), cosine = std::cos(2 * std::numbers::pi / n);
   for (const double reach : {3.97, 4.03}) {
     const double outer = cosine + std::sqrt(cosine * cosine - 1 + std::pow(reach * edge, 2));  // to the next vertex but outside
     Points vertices(2 * n, 3);
     Faces faces;
     std::vector<Index> rim;
     for (Index k = 0; k < n; ++k) {
-      const double turn = 2 * M_PI * static_cast<double>(k) / n;
+      const double turn = 2 * std::numbers::pi * static_cast<double>(k) / n;
       vertices.row(k) << std::cos(turn), std::sin(turn), 0;
       vertices.row(n + k) = outer * vertices.row(k);
       faces.add(std::array<Index, 4>{(k + 1) % n, k, n + k, n + (k + 1) % n});
@@ -241,7 +242,7 @@ TEST_CASE("between guessed corners a fair cage has run off that is 0.13 of the h
     std::vector<Index> rim;
     for (Index j = 0; j <= rings; ++j)
       for (Index k = 0; k < n; ++k) {
-        const double from_pole = angle + 0.3 * static_cast<double>(j), around = 2 * M_PI * static_cast<double>(k) / n;
+        const double from_pole = angle + 0.3 * static_cast<double>(j), around = 2 * std::numbers::pi * static_cast<double>(k) / n;
         vertices.row(j * n + k) << std::sin(from_pole) * std::cos(around), std::sin(from_pole) * std::sin(around),
             std::cos(from_pole);
         const Index next = (k + 1) % n;

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <numeric>
 
 #include "test_surfaces.h"
@@ -27,14 +28,16 @@ struct Skirts {
     const int sides = static_cast<int>(edges.size());
     const Index around = std::accumulate(edges.begin(), edges.end(), Index{0});
     vertices.resize(around + rows * (around + sides), 3);
-    const auto corner = [&](int i) { return Vec3(std::cos(2 * M_PI * i / sides), std::sin(2 * M_PI * i / sides), 0); };
+    const auto corner = [&](int i) {
+      return Vec3(std::cos(2 * std::numbers::pi * i / sides), std::sin(2 * std::numbers::pi * i / sides), 0);
+    };
     for (int i = 0, first = 0, next = static_cast<int>(around); i < sides; ++i) {
       corners.push_back(first);
       const Vec3 way = corner(i + 1) - corner(i), out = way.cross(Vec3::UnitZ()).normalized();
       const Index n = edges[i];
       const auto vertex = [&](Index k, Index j) { return j == 0 ? (first + k) % around : next + k * rows + j - 1; };
       for (Index k = 0; k <= n; ++k) {
-        const double t = static_cast<double>(k) / static_cast<double>(n), a = degrees(t) * M_PI / 180;
+        const double t = static_cast<double>(k) / static_cast<double>(n), a = degrees(t) * std::numbers::pi / 180;
         const Vec3 p = corner(i) + t * way, down = std::cos(a) * out - std::sin(a) * Vec3::UnitZ();
         if (k < n) rim.push_back(vertex(k, 0));
         if (k < n) vertices.row(vertex(k, 0)) = p;
@@ -133,8 +136,8 @@ TEST_CASE("two sides that are known without noise keep planes of their own from 
   const auto made = [](double degrees) { return Skirts({8, 8, 8}, [=](double) { return degrees; }); };
   const auto [below, above] = flip(1, 5, [&](double degrees) { return planes_apart(made(degrees)) > 1; });
   const auto between = [](double degrees) {  // planes that lean out by the same angle, in directions 120 degrees apart
-    const double sine = std::sin(degrees * M_PI / 180);
-    return std::acos(1 - 1.5 * sine * sine) * 180 / M_PI;
+    const double sine = std::sin(degrees * std::numbers::pi / 180);
+    return std::acos(1 - 1.5 * sine * sine) * 180 / std::numbers::pi;
   };
   CHECK(between(below) == Approx(5).epsilon(0.02));
   CHECK(between(above) == Approx(5).epsilon(0.02));
@@ -160,7 +163,7 @@ TEST_CASE("the open end of an uneven prism of up to six walls has a corner at ev
     options.rim.emplace();
     for (Index k = 0; k < walls; ++k) {
       const double place = static_cast<double>(k),
-                   angle = 2 * M_PI * (place + 0.35 * std::sin(3 * place + 3)) / static_cast<double>(walls);
+                   angle = 2 * std::numbers::pi * (place + 0.35 * std::sin(3 * place + 3)) / static_cast<double>(walls);
       const Vec3 corner =
           (1 + 0.4 * std::cos(5 * place + 6)) * Vec3(std::cos(angle), std::sin(angle), 0.001 * std::cos(place));  // not flat
       vertices.row(k) = corner;

@@ -1,4 +1,6 @@
 // What makes a clear corner of a rim, and a rim round, on both sides of each threshold.
+#include <numbers>
+
 #include "test_plane_rims.h"
 #include "tripatch/hole/rim_shape.h"
 
@@ -35,7 +37,7 @@ TEST_CASE("clear corners are two edges apart and three in the mean, and there ar
 TEST_CASE("sides are smooth whose edges turn to and fro by a fifth", "[thresholds]") {
   // the distance of an edge's direction from the mean of those beside it is twice the sine of half the angle between them
   for (const double off : {0.198, 0.202}) {
-    const double turn = 2 * std::asin(off / 2) * 180 / M_PI;
+    const double turn = 2 * std::asin(off / 2) * 180 / std::numbers::pi;
     std::vector<double> turns = {90 - turn / 2};
     for (int k = 0; k < 9; ++k) turns.push_back(k % 2 ? -turn : turn);
     turns.back() -= turn / 2;

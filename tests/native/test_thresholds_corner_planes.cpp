@@ -1,6 +1,7 @@
 // When two sides have one plane at their corner, and when one begins behind it: on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_drafts.h"
 #include "tripatch/estimate/corner_planes.h"
@@ -10,7 +11,7 @@ using namespace tripatch::testing;
 
 namespace {
 
-constexpr double one_degree = M_PI / 180;
+constexpr double one_degree = std::numbers::pi / 180;
 
 Vec3 turned(double degrees) { return {std::sin(degrees * one_degree), 0, std::cos(degrees * one_degree)}; }
 

@@ -1,4 +1,6 @@
 // What makes a corner of a rim, on both sides of each threshold; clear corners are in test_thresholds_clear_corners.
+#include <numbers>
+
 #include "test_plane_rims.h"
 
 using namespace tripatch;
@@ -58,7 +60,7 @@ TEST_CASE("a rim has twelve corners at most that are told", "[thresholds]") {
 TEST_CASE("of two turns that differ by less than a millionth of a radian the one at the lower vertex is the corner",
           "[thresholds]") {
   for (const double lead : {0.9e-6, 1.1e-6}) {  // over a window half of what the turns differ by
-    const double off = lead * 180 / M_PI;
+    const double off = lead * 180 / std::numbers::pi;
     const PlaneRim rim({60 - off, 60 + off, 0, 0}, 3, {0.5, 0.5, 3.5, 3.5});
     CHECK(rim.detected() == (lead < 1e-6 ? std::vector<Index>{0, 4, 8} : std::vector<Index>{1, 5, 9}));
   }
@@ -70,7 +72,7 @@ TEST_CASE("corners of a grid are where three of its quads meet at the rim: trian
     constexpr Index n = 12;
     std::vector<Vec3> points;
     const auto on_circle = [](double k, double radius) {
-      return Vec3(radius * std::cos(2 * M_PI * k / n), radius * std::sin(2 * M_PI * k / n), 0);
+      return Vec3(radius * std::cos(2 * std::numbers::pi * k / n), radius * std::sin(2 * std::numbers::pi * k / n), 0);
     };
     for (Index k = 0; k < n; ++k) points.push_back(on_circle(static_cast<double>(k), 1));
     std::vector<std::array<Index, 2>> outer(n);  // the last vertex of the face before, the first of that behind

@@ -1,6 +1,7 @@
 // How many new edges a crease gets.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "test_rings.h"
@@ -31,10 +32,10 @@ namespace {
 /// `first` of the rim's other edges, the second of `second`.
 std::vector<double> along_crease(double first, double second) {
   const Rings rings(radii(0.1, 8), [=](double x, double y) {
-    const double a = std::atan2(y, x), step = M_PI / 12, r = std::hypot(x, y), beside = std::abs(a);
+    const double a = std::atan2(y, x), step = std::numbers::pi / 12, r = std::hypot(x, y), beside = std::abs(a);
     double turned = a;
     if (beside > 0.5 * step && beside < 1.5 * step) turned = std::copysign(first * step, a);
-    if (beside > 10.5 * step && beside < 11.5 * step) turned = std::copysign(M_PI - second * step, a);
+    if (beside > 10.5 * step && beside < 11.5 * step) turned = std::copysign(std::numbers::pi - second * step, a);
     return roof(r * std::cos(turned), y == 0 ? 0 : r * std::sin(turned), 30);
   });
   const auto fill = fill_across_creases(rings.mesh(), Connectivity(rings.mesh()), rings.rim, rings.features(), {});

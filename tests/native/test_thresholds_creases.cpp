@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_rings.h"
 #include "tripatch/hole/rim_shape.h"
@@ -11,7 +12,7 @@ using namespace tripatch::testing;
 
 namespace {
 
-constexpr double one_degree = M_PI / 180;
+constexpr double one_degree = std::numbers::pi / 180;
 
 /// A roof over a surface that bends by `curved` in all directions.
 Rings over_bowl(double degrees, double curved, double length = 10) {
@@ -56,7 +57,7 @@ double first_found(double low, double high, const F& made) {
 Rings pyramid(const std::array<double, 3>& directions, const std::array<double, 3>& slopes, double shift = 0) {
   return Rings(radii(0.1, 8), [=](double x, double y) {
     const double r = std::hypot(x, y);
-    double place = std::atan2(y, x) / (2 * M_PI) * 24;  // spokes 0, 12 and 18 are the ridges
+    double place = std::atan2(y, x) / (2 * std::numbers::pi) * 24;  // spokes 0, 12 and 18 are the ridges
     if (place < -1e-9) place += 24;
     const std::array<double, 4> spokes = {0, 12, 18, 24};
     int k = 0;
@@ -124,10 +125,12 @@ TEST_CASE("three creases meet at a point where their lines spread by two and a h
   // of a wedge upon a plane, so many degrees wide, which comes to its point in the middle of the hole
   const auto wedge = [](double degrees) {
     return Rings(radii(0.1, 8), [=](double x, double y) {
-      const double r = std::hypot(x, y), spoke = std::atan2(y, x) / (M_PI / 12), half = degrees / 2 * one_degree;
-      const double angle =
-          std::abs(spoke) < 1 ? spoke * half : std::copysign(half + (std::abs(spoke) - 1) / 11 * (M_PI - half), spoke);
-      return Vec3(r * std::cos(angle), r * std::sin(angle), std::abs(spoke) < 0.5 ? r * std::tan(half) * std::tan(M_PI / 6) : 0);
+      const double r = std::hypot(x, y), spoke = std::atan2(y, x) / (std::numbers::pi / 12), half = degrees / 2 * one_degree;
+      const double angle = std::abs(spoke) < 1
+                               ? spoke * half
+                               : std::copysign(half + (std::abs(spoke) - 1) / 11 * (std::numbers::pi - half), spoke);
+      return Vec3(r * std::cos(angle), r * std::sin(angle),
+                  std::abs(spoke) < 0.5 ? r * std::tan(half) * std::tan(std::numbers::pi / 6) : 0);
     });
   };
   for (const double degrees : {2.5, 2.55, 2.6, 2.65}) {

@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/boundary/side_curves.h"
@@ -10,7 +11,7 @@ using namespace tripatch;
 
 namespace {
 
-constexpr double one_degree = M_PI / 180;
+constexpr double one_degree = std::numbers::pi / 180;
 
 PiecewisePolynomial curve(const std::vector<Vec3>& net) {
   std::vector<double> flat;
@@ -126,7 +127,7 @@ TEST_CASE("a rim is a graph over a plane where no normal is farther than 84 degr
         if (i != 2 || k != 4) up += drafts[i].normal[k];
       }
     const auto normal = [](double a) { return Vec3(0, std::sin(a), std::cos(a)); };
-    double low = 0, high = M_PI;
+    double low = 0, high = std::numbers::pi;
     for (int k = 0; k < 60; ++k) {
       const double a = (low + high) / 2;
       (normal(a).dot((up + normal(a)).normalized()) > cosine ? low : high) = a;
@@ -162,8 +163,8 @@ TEST_CASE("a side that is not continued turns over sixteen places, and the lengt
   const PiecewisePolynomial quarter = PiecewisePolynomial::fit(
       [](std::span<const double> t, std::span<double> out) {
         for (std::size_t k = 0; k < t.size(); ++k)
-          Vec3::Map(&out[3 * k]) = Vec3(std::cos(t[k] * M_PI / 2), std::sin(t[k] * M_PI / 2), 0);
+          Vec3::Map(&out[3 * k]) = Vec3(std::cos(t[k] * std::numbers::pi / 2), std::sin(t[k] * std::numbers::pi / 2), 0);
       },
       3);
-  CHECK(arc_length(quarter) == Approx(64 * std::sin(M_PI / 128)).epsilon(1e-9));
+  CHECK(arc_length(quarter) == Approx(64 * std::sin(std::numbers::pi / 128)).epsilon(1e-9));
 }

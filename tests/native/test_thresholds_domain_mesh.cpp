@@ -1,5 +1,6 @@
 // What a mesh of a domain takes for an area, on both sides of each threshold.
 #include <catch2/catch.hpp>
+#include <numbers>
 
 #include "tripatch/output/domain_mesh.h"
 
@@ -76,7 +77,7 @@ class Hexagon final : public DomainMesh {
 public:
   explicit Hexagon(double far) : DomainMesh(6) {
     for (int k = 0; k < 7; ++k) {
-      const double angle = k * M_PI / 3, r = k == 6 ? 0 : k == 1 ? far : 1;
+      const double angle = k * std::numbers::pi / 3, r = k == 6 ? 0 : k == 1 ? far : 1;
       const Vec2 u(r * std::cos(angle), r * std::sin(angle));
       add_vertex(Vec3(0, u[0], u[1]), Vec3(u[0], u[1], 0));
     }
@@ -102,7 +103,7 @@ public:
   static constexpr int count = 1000;
   explicit Restless() : DomainMesh(count + 2) {
     for (int k = 0; k < count + 2; ++k) {
-      const double angle = 2 * M_PI * k / (count + 2);
+      const double angle = 2 * std::numbers::pi * k / (count + 2);
       add_vertex(Vec3(0, std::cos(angle), std::sin(angle)), Vec3(std::cos(angle), std::sin(angle), 0));
     }
     for (int t = 0; t < count; ++t) triangles_.push_back({{0, t + 1, t + 2}, {-1, t + 1 < count ? t + 1 : -1, t - 1}});

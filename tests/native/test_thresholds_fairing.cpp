@@ -1,6 +1,7 @@
 // What counts as a fold, on both sides of its thresholds; those of kinks are in test_kinks.
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <numbers>
 
 #include "test_surfaces.h"
 #include "tripatch/fairing/folds.h"
@@ -14,7 +15,7 @@ namespace {
 /// The equilateral triangle in its plane, but bent by an angle (degrees) along the line b0 = at.
 class Bent final : public Surface {
 public:
-  Bent(double at, double degrees) : at_(at), turn_(Eigen::AngleAxisd(degrees * M_PI / 180, Vec3::UnitX())) {}
+  Bent(double at, double degrees) : at_(at), turn_(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Vec3::UnitX())) {}
   void evaluate(const double* b, Index n, int order, double* out) const override {
     const Eigen::Vector2d first(0, std::sqrt(0.75)), second(-0.5, 0), third(0.5, 0);  // corners; b0 runs along y
     for (Index k = 0; k < n; ++k, b += 3, out += 3 * jet_size(order)) {
@@ -65,7 +66,7 @@ Sides flat_sides(double tilt_at_corner = 0) {
   Sides sides = sides_of(flat);
   // side 2 runs from corner 0 on: its planes turn about it, so that they differ from side 1's there
   const Vec3 axis = sides[2].c.derivative_at(0).normalized(), r = sides[2].r(0);
-  const Vec3 turned = Eigen::AngleAxisd(tilt_at_corner * M_PI / 180, axis) * r;
+  const Vec3 turned = Eigen::AngleAxisd(tilt_at_corner * std::numbers::pi / 180, axis) * r;
   const std::array<double, 6> net = {turned[0], turned[1], turned[2], r[0], r[1], r[2]};
   sides[2].r = PiecewisePolynomial::bezier(net, 3);
   return sides;

@@ -1,6 +1,7 @@
 // Which creases go on across a hole, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_rings.h"
 #include "tripatch/fill/spline_fill.h"
@@ -65,7 +66,7 @@ TEST_CASE("the ends of a crease bend alike to a factor of three, and their faces
                  [=](double x, double y) {
                    const double s = std::clamp((x + 0.4) / 0.8, 0.0, 1.0);
                    const Vec3 p = roof(x, y, (bend + (other - bend) * s) / 2);
-                   const double a = turned * s * M_PI / 180;
+                   const double a = turned * s * std::numbers::pi / 180;
                    return Vec3(p[0], std::cos(a) * p[1] - std::sin(a) * p[2], std::sin(a) * p[1] + std::cos(a) * p[2]);
                  })
         .features()
@@ -79,7 +80,7 @@ TEST_CASE("the ends of a crease bend alike to a factor of three, and their faces
 
 TEST_CASE("the ends of a crease see each other within 65 degrees", "[thresholds]") {
   for (const double degrees : {64.7, 65.3}) {
-    const double slope = std::tan(degrees * M_PI / 180);
+    const double slope = std::tan(degrees * std::numbers::pi / 180);
     const Rings rings(radii(0.1, 8), [&](double x, double y) {
       const Vec3 p = roof(x, y, 30);
       return Vec3(p[0], p[1] + slope * std::max(std::abs(x) - 0.5, 0.0), p[2]);
@@ -90,7 +91,7 @@ TEST_CASE("the ends of a crease see each other within 65 degrees", "[thresholds]
 
 TEST_CASE("a crease ends where it turns by 45 degrees", "[thresholds]") {
   for (const double degrees : {44.5, 45.5}) {
-    const double slope = std::tan(degrees * M_PI / 180);
+    const double slope = std::tan(degrees * std::numbers::pi / 180);
     const Rings rings(radii(0.1, 8), [&](double x, double y) {  // turned two edges away from the rim
       const Vec3 p = roof(x, y, 30);
       return Vec3(p[0], p[1] + slope * std::max(std::abs(x) - 0.7, 0.0), p[2]);

@@ -1,5 +1,6 @@
 // What is taken and what is refused, on both sides of each bound.
 #include <cmath>
+#include <numbers>
 
 #include "test_surfaces.h"
 #include "tripatch/boundary/bezier_rectangle.h"
@@ -17,12 +18,13 @@ namespace {
 
 /// A circle of radius 1 in the plane whose end lies so far above its beginning and meets it at an angle (degrees).
 Side circle(double gap, double degrees) {
-  const double outward = 2 * M_PI * std::tan(degrees * M_PI / 360);
+  const double outward = 2 * std::numbers::pi * std::tan(degrees * std::numbers::pi / 360);
   const auto field = [](const auto& f) {
     return PiecewisePolynomial::fit(
         [&](std::span<const double> t, std::span<double> out) {
           for (std::size_t k = 0; k < t.size(); ++k)
-            Vec3::Map(&out[3 * k]) = f(t[k], Vec3(std::cos(2 * M_PI * t[k]), std::sin(2 * M_PI * t[k]), 0));
+            Vec3::Map(&out[3 * k]) =
+                f(t[k], Vec3(std::cos(2 * std::numbers::pi * t[k]), std::sin(2 * std::numbers::pi * t[k]), 0));
         },
         3);
   };
@@ -63,7 +65,7 @@ TEST_CASE("curvatures agree that differ by half of the larger one at the corners
       sides[i].c = PiecewisePolynomial::fit(
           [&](std::span<const double> t, std::span<double> values) {
             for (std::size_t k = 0; k < t.size(); ++k)
-              Vec3::Map(&values[3 * k]) = std::cos(t[k] * M_PI / 2) * a + std::sin(t[k] * M_PI / 2) * b;
+              Vec3::Map(&values[3 * k]) = std::cos(t[k] * std::numbers::pi / 2) * a + std::sin(t[k] * std::numbers::pi / 2) * b;
           },
           3, 1e-12);
       sides[i].r = PiecewisePolynomial::constant({out.data(), 3});
@@ -87,7 +89,7 @@ TEST_CASE("normals cancel whose sum is a billionth", "[thresholds]") {
   faces.add(std::array<Index, 3>{0, 3, 1});
   for (const double left : {0.97e-9, 1.03e-9}) {
     Points normals = Points::Zero(6, 3);
-    normals.row(0) << left / (M_PI / 2), 0, 1;  // both corners at vertex 0 are right angles
+    normals.row(0) << left / (std::numbers::pi / 2), 0, 1;  // both corners at vertex 0 are right angles
     normals.row(3) << 0, 0, -1;
     CHECK((vertex_normals({vertices, faces}, normals).row(0).norm() > 0) == (left > 1e-9));
   }

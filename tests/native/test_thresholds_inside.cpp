@@ -22,7 +22,7 @@ PiecewisePolynomial field(const std::function<Vec3(double)>& f) {
 SideList square() {
   SideList sides;
   for (int i = 0; i < 4; ++i) {
-    const auto corner = [](int k) { return Vec3(std::cos(k * M_PI / 2), std::sin(k * M_PI / 2), 0); };
+    const auto corner = [](int k) { return Vec3(std::cos(k * std::numbers::pi / 2), std::sin(k * std::numbers::pi / 2), 0); };
     const Vec3 a = corner(i), b = corner(i + 1), out = (b - a).cross(Vec3::UnitZ());
     sides.push_back({field([=](double t) { return Vec3(a + t * (b - a)); }), field([=](double) { return out; }), {}});
   }
@@ -30,7 +30,7 @@ SideList square() {
 }
 
 Side circle() {
-  const auto at = [](double t) { return Vec3(std::cos(2 * M_PI * t), std::sin(2 * M_PI * t), 0); };
+  const auto at = [](double t) { return Vec3(std::cos(2 * std::numbers::pi * t), std::sin(2 * std::numbers::pi * t), 0); };
   return {field(at), field(at), {}};
 }
 

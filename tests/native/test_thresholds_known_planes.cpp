@@ -1,6 +1,7 @@
 // How well the planes along a side are known, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_drafts.h"
 
@@ -9,7 +10,7 @@ using namespace tripatch::testing;
 
 namespace {
 
-constexpr double one_degree = M_PI / 180;
+constexpr double one_degree = std::numbers::pi / 180;
 
 }  // namespace
 

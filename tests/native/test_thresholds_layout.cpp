@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_triangles.h"
 #include "tripatch/report/crossings.h"
@@ -18,7 +19,7 @@ namespace {
 Points circle(Index n) {
   Points p(n, 3);
   for (Index k = 0; k < n; ++k) {
-    const double a = 2 * M_PI * static_cast<double>(k) / static_cast<double>(n);
+    const double a = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
     p.row(k) << std::cos(a), std::sin(a), 0;
   }
   return p;

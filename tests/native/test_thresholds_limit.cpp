@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "tripatch/boundary/limit_sides.h"
 
@@ -66,7 +67,7 @@ TEST_CASE("a limit rim has a kink where its pieces turn by a tenth of a degree",
     }
     settings.crease_vertices = {SquareCage::at(5, 4)};
     settings.vertex_creases = {1};
-    cage.vertices(SquareCage::at(5, 4), 2) = std::tan(degrees * M_PI / 360);
+    cage.vertices(SquareCage::at(5, 4), 2) = std::tan(degrees * std::numbers::pi / 360);
     const Connectivity whole(cage.mesh()), around(cage.mesh(), cage.gone);
     const std::vector<Index> rim = {SquareCage::at(4, 4), SquareCage::at(5, 4), SquareCage::at(6, 4), SquareCage::at(6, 5),
                                     SquareCage::at(6, 6), SquareCage::at(5, 6), SquareCage::at(4, 6), SquareCage::at(4, 5)};

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tripatch/boundary/normal_sides.h"
 
@@ -10,7 +11,7 @@ using namespace tripatch;
 TEST_CASE("between normals that are 120 degrees apart the derivative across is four times that of their mean, and no more",
           "[thresholds]") {
   for (const double degrees : {110.0, 118.0, 122.0, 130.0}) {
-    const double half = degrees * M_PI / 180 / 2;
+    const double half = degrees * std::numbers::pi / 180 / 2;
     const Vec3 p = Vec3::Zero(), q = Vec3::UnitX();
     const Vec3 np(0, std::sin(half), std::cos(half)), nq(0, -std::sin(half), std::cos(half));
     const Side side = side_from_normals(p, np, q, nq, NormalCurve::smits);

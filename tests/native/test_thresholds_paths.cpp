@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 
 #include "tripatch/fill.h"
 #include "tripatch/fill/cage_fills.h"
@@ -23,7 +24,7 @@ struct Rings {
   Rings(Index n, Index rings, const std::function<Vec3(double angle, Index ring)>& at) : vertices(n * (rings + 1), 3) {
     for (Index j = 0; j <= rings; ++j)
       for (Index k = 0; k < n; ++k) {
-        vertices.row(j * n + k) = at(2 * M_PI * static_cast<double>(k) / static_cast<double>(n), j);
+        vertices.row(j * n + k) = at(2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n), j);
         const Index next = (k + 1) % n;
         if (j < rings) faces.add(std::array<Index, 4>{j * n + next, j * n + k, (j + 1) * n + k, (j + 1) * n + next});
         if (j == 0) rim.push_back(k);
@@ -91,7 +92,7 @@ TEST_CASE("of four corners that a cage guesses those are taken that begin first,
     Rings hole(n, 4, flat);
     // the corners from vertex 1 on are 1, 4, 7 and 10, those from 0 on 0, 3, 6 and 9: at vertex 4 the rim turns two thirds of that more,
     // at vertex 3 one less
-    const double edge = 2 * std::sin(M_PI / n), angle = M_PI / n;
+    const double edge = 2 * std::sin(std::numbers::pi / n), angle = std::numbers::pi / n;
     const double outward = more / (3 * std::cos(angle) / edge);
     hole.vertices.row(4) *= 1 + outward;
     const std::optional<std::vector<Index>> rim = hole.rim;
@@ -126,7 +127,7 @@ TEST_CASE("a rim's waves are taken for what they are that have four vertices eac
     const Mesh mesh = hole.mesh();
     const Side side = fill_round(mesh, Connectivity(mesh), hole.rim, {}).fill.sides[0];
     double most = 0;
-    for (int k = 0; k < 200; ++k) most = std::max(most, std::abs(side.c(k / 200.0)[2] - wave(2 * M_PI * k / 200)));
+    for (int k = 0; k < 200; ++k) most = std::max(most, std::abs(side.c(k / 200.0)[2] - wave(2 * std::numbers::pi * k / 200)));
     return most / height;
   };
   CHECK(off(16, 4) < 1e-3);
@@ -152,10 +153,11 @@ TEST_CASE(
     "where faces beside a cage's hole are four times as long as its edges, or it has three, splitting one may fold the fill",
     "[thresholds]") {
   const auto may_fold = [](Index n, double times) {
-    const double edge = 2 * std::sin(M_PI / static_cast<double>(n));
+    const double edge = 2 * std::sin(std::numbers::pi / static_cast<double>(n));
     // the farther corner of the face beside an edge is so many times as far as the other end of that
     const auto apart = [&](double radius) {
-      return (Vec3(radius * std::cos(2 * M_PI / n), radius * std::sin(2 * M_PI / n), 0) - Vec3::UnitX()).norm();
+      return (Vec3(radius * std::cos(2 * std::numbers::pi / n), radius * std::sin(2 * std::numbers::pi / n), 0) - Vec3::UnitX())
+          .norm();
     };
     double low = 1, high = 20;
     for (int k = 0; k < 60; ++k) (apart((low + high) / 2) < times * edge ? low : high) = (low + high) / 2;
@@ -182,7 +184,9 @@ TEST_CASE("a cage's report warns of poles of more than five quads", "[thresholds
     const auto at = [&](int block, int i, int j) {
       if (i == 0 && j > 0) block = (block + 1) % valence, std::swap(i, j);  // of two blocks
       const auto [found, is_new] = number.try_emplace({block, i, j}, static_cast<Index>(points.size()));
-      const auto way = [&](int b) { return Vec3(std::cos(2 * M_PI * b / valence), std::sin(2 * M_PI * b / valence), 0); };
+      const auto way = [&](int b) {
+        return Vec3(std::cos(2 * std::numbers::pi * b / valence), std::sin(2 * std::numbers::pi * b / valence), 0);
+      };
       if (is_new) points.push_back(i * way(block) + j * way(block + 1));
       return found->second;
     };

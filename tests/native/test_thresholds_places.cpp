@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_cages.h"
 #include "tripatch/boundary/limit_surface.h"
@@ -134,8 +135,8 @@ TEST_CASE("a round rim of 120 edges gets a ring of quads to twenty edges, and in
   for (const Index n : {104, 120, 138}) {  // beyond a hundred edges that is the only layout that is tried
     PlanePoints rim(n, 2);
     for (Index k = 0; k < n; ++k)
-      rim.row(k) << std::cos(2 * M_PI * static_cast<double>(k) / static_cast<double>(n)),
-          std::sin(2 * M_PI * static_cast<double>(k) / static_cast<double>(n));
+      rim.row(k) << std::cos(2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n)),
+          std::sin(2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
     const Index inside = polygon_layout(rim, {}).faces.size() - n / 20 * n;
     CHECK(inside > 0);
     CHECK(inside <= n * n / 16);
@@ -155,7 +156,8 @@ TEST_CASE("a crumpled surface gets eight times as many triangles as its sizes an
   PlanePolygon disc;
   disc.uv = Eigen::Matrix<double, n + 1, 2>::Zero();
   for (Index k = 0; k < n; ++k) {
-    disc.uv.row(k) << std::cos(2 * M_PI * static_cast<double>(k) / n), std::sin(2 * M_PI * static_cast<double>(k) / n);
+    disc.uv.row(k) << std::cos(2 * std::numbers::pi * static_cast<double>(k) / n),
+        std::sin(2 * std::numbers::pi * static_cast<double>(k) / n);
     disc.triangles.push_back({k, (k + 1) % n, n});
   }
   disc.points = Points::Zero(n + 1, 3);

@@ -1,6 +1,7 @@
 // What decides about a fill over a plane, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 #include "test_rings.h"
@@ -86,7 +87,7 @@ TEST_CASE("nothing is laid out where half of the rim's edges are 2e-10 of its si
     rings.vertices(0, 0) += out;
     return filled(rings).plainer;
   };
-  const double edge = Rings(radii(0.1, 3), flat).vertices.row(2).head<2>().norm() * 2 * std::sin(M_PI / 24);
+  const double edge = Rings(radii(0.1, 3), flat).vertices.row(2).head<2>().norm() * 2 * std::sin(std::numbers::pi / 24);
   CHECK(told(edge / 2.1e-10).find("nothing beside its size") == std::string::npos);
   CHECK(told(edge / 1.9e-10).find("nothing beside its size") != std::string::npos);
 }
@@ -148,7 +149,7 @@ bool seen_from_above(const Rings& rings) {
 
 TEST_CASE("rims of more than 400 edges are seen from above where nothing leans by more than 60 degrees", "[thresholds]") {
   const auto cone = [](double degrees) {
-    const double slope = std::tan(degrees * M_PI / 180);
+    const double slope = std::tan(degrees * std::numbers::pi / 180);
     return [=](double x, double y) { return Vec3(x, y, -slope * std::hypot(x, y)); };
   };
   CHECK_FALSE(seen_from_above(Rings(radii(0.2, 2), cone(30), 400)));
@@ -212,7 +213,7 @@ TEST_CASE("a crease does not run past a vertex of the rim by less than a ten-tho
   const double edge = 1 / static_cast<double>(across(rings)->creases.size());
   for (const double share : {0.98e-4, 1.02e-4}) {
     for (Index k = 2; k <= 10; ++k) {  // on one side the rim comes down to the crease, beside one of its points
-      const double x = 0.5 * std::cos(static_cast<double>(k) * M_PI / 12);
+      const double x = 0.5 * std::cos(static_cast<double>(k) * std::numbers::pi / 12);
       rings.vertices.row(k) = roof(x + 0.01, share * edge + std::abs(x) / 2, 30);
     }
     REQUIRE(rings.features().creases.size() == 1);
@@ -265,7 +266,7 @@ TEST_CASE("a long rim is filled on one of up to 200 edges", "[thresholds]") {
 
 TEST_CASE("a long rim is filled on a coarser one where its surroundings are 0.75 edges of that wide", "[thresholds]") {
   const auto is_coarse = [](double wide) {  // a cap of a ball, its rim jagged
-    const double angle = M_PI / 4, edge = 2 * M_PI * std::sin(angle) / 200;
+    const double angle = std::numbers::pi / 4, edge = 2 * std::numbers::pi * std::sin(angle) / 200;
     const auto ball = [&](double x, double y) {
       const double r = std::hypot(x, y), from_pole = angle + wide * edge * (r - 0.5) + 0.004 * random_at(x / r, y / r);
       return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole));
@@ -279,7 +280,7 @@ TEST_CASE("a long rim is filled on a coarser one where its surroundings are 0.75
 TEST_CASE("a long rim without noise is filled through six hundred samples, one with noise fitted around three hundred",
           "[thresholds]") {
   const auto noisy = [](double noise) {
-    return [noise](double x, double y) -> Vec3 { return {x, y, noise * M_PI / 200 * random_at(x, y)}; };
+    return [noise](double x, double y) -> Vec3 { return {x, y, noise * std::numbers::pi / 200 * random_at(x, y)}; };
   };
   CHECK(samples(filled(Rings(radii(0.02, 12), noisy(0), 500), coarse_inside())) == 600);
   CHECK(samples(filled(Rings(radii(0.02, 12), noisy(5e-4), 500), coarse_inside())) == 600);
@@ -292,7 +293,7 @@ TEST_CASE("a long jagged rim with noise in many rings is as near as its noise al
   const Rings rings(
       radii(0.004, 16),
       [&](double x, double y) {
-        const double edge = M_PI / 700, grown = 1 + 0.3 * edge * random_at(x, y), u = x * grown, v = y * grown;
+        const double edge = std::numbers::pi / 700, grown = 1 + 0.3 * edge * random_at(x, y), u = x * grown, v = y * grown;
         return Vec3(u, v, wave(u, v) + 0.02 * edge * random_at(y, x));
       },
       700);
@@ -304,7 +305,7 @@ TEST_CASE("a long jagged rim with noise in many rings is as near as its noise al
 }
 
 TEST_CASE("a long rim whose surroundings are named is laid out with a third of it in 20 edges", "[thresholds]") {
-  const double angle = 58 * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 402;
+  const double angle = 58 * std::numbers::pi / 180, edge = 2 * std::numbers::pi * std::sin(angle) / 402;
   const auto ball = [&](double x, double y) {
     const double r = std::hypot(x, y), from_pole = angle + 2 * (r - 0.5) + 0.01 * random_at(x / r, y / r);
     return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole));
@@ -321,7 +322,7 @@ TEST_CASE("a long rim whose surroundings are named is laid out with a third of i
 
 TEST_CASE("of an error three quarters are handed on at most", "[thresholds]") {
   const auto fed_back = [](double height, double degrees) {  // of an ellipsoid
-    const double angle = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 40;
+    const double angle = degrees * std::numbers::pi / 180, edge = 2 * std::numbers::pi * std::sin(angle) / 40;
     const auto lift = [&](double x, double y) {
       const double r = std::hypot(x, y), from_pole = angle + 2 * (r - 0.5);
       return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, height * std::cos(from_pole));
@@ -335,7 +336,7 @@ TEST_CASE("of an error three quarters are handed on at most", "[thresholds]") {
 TEST_CASE("a fill stays within a diameter of its rim", "[thresholds]") {
   double farthest = 0;  // over the diameter, of balls that are open at less and less, where a fill runs on into their other side
   for (double degrees = 103; degrees < 107; degrees += 0.5) {
-    const double angle = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 40;
+    const double angle = degrees * std::numbers::pi / 180, edge = 2 * std::numbers::pi * std::sin(angle) / 40;
     const auto ball = [&](double x, double y) {
       const double r = std::hypot(x, y), from_pole = angle + 2 * (r - 0.5);
       return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole));
@@ -354,7 +355,8 @@ TEST_CASE("a fill stays within a diameter of its rim", "[thresholds]") {
 TEST_CASE("caps of a ball are filled over long jagged rims as well as over short ones") {
   for (const double degrees : {45.0, 62.0})
     for (const Index edges : {300, 500, 1000, 2000}) {
-      const double widest = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(widest) / static_cast<double>(edges);
+      const double widest = degrees * std::numbers::pi / 180,
+                   edge = 2 * std::numbers::pi * std::sin(widest) / static_cast<double>(edges);
       const Rings rings(
           radii(edge / 2, 20),
           [&](double x, double y) {
@@ -373,7 +375,8 @@ TEST_CASE("caps of a ball are filled over long jagged rims as well as over short
 
 TEST_CASE("the slope beside a long even rim is seen where few rings are around it: a cap of a ball is not filled flat") {
   for (const Index edges : {800, 1500}) {
-    const double widest = 40 * M_PI / 180, edge = 2 * M_PI * std::sin(widest) / static_cast<double>(edges);
+    const double widest = 40 * std::numbers::pi / 180,
+                 edge = 2 * std::numbers::pi * std::sin(widest) / static_cast<double>(edges);
     const Rings rings(
         radii(edge, 4),
         [&](double x, double y) {
@@ -390,7 +393,8 @@ TEST_CASE("the slope beside a long even rim is seen where few rings are around i
 
 TEST_CASE("faces that are folded beside the rim do not keep a fill from going on as those around them do") {
   for (const Index edges : {40, 120, 500}) {
-    const double widest = 40 * M_PI / 180, edge = 2 * M_PI * std::sin(widest) / static_cast<double>(edges);
+    const double widest = 40 * std::numbers::pi / 180,
+                 edge = 2 * std::numbers::pi * std::sin(widest) / static_cast<double>(edges);
     Rings rings(
         radii(edge, 12),
         [&](double x, double y) {
@@ -415,7 +419,7 @@ TEST_CASE("faces that are folded beside the rim do not keep a fill from going on
 
 TEST_CASE("a fill of more than 30,000 triangles is laid out with a third of its rim in 20 edges", "[thresholds]") {
   for (const auto& [degrees, is_few] : {std::pair(70.0, true), {30.0, false}}) {
-    const double angle = degrees * M_PI / 180, edge = 2 * M_PI * std::sin(angle) / 360;
+    const double angle = degrees * std::numbers::pi / 180, edge = 2 * std::numbers::pi * std::sin(angle) / 360;
     const auto cap = [&](double x, double y) {
       const double r = std::hypot(x, y), from_pole = angle + 2 * (r - 0.5);
       return Vec3(std::sin(from_pole) * x / r, std::sin(from_pole) * y / r, std::cos(from_pole));
@@ -435,7 +439,7 @@ TEST_CASE(
     "theirs",
     "[thresholds]") {
   for (const auto& [n, middle, lobe] : {std::tuple(Index{240}, 2.1, 0.6), {Index{200}, 2.2, 0.5}}) {
-    const double edge = 2 * M_PI * std::sin(1.2) / static_cast<double>(n);
+    const double edge = 2 * std::numbers::pi * std::sin(1.2) / static_cast<double>(n);
     const auto lobes = [&, middle = middle, lobe = lobe](double x, double y) {  // of a rough ball: the field folds
       const double r = std::hypot(x, y), from_pole = middle + lobe * std::sin(3 * std::atan2(y, x)) + 2 * (r - 0.5);
       const double size = 1 + 0.2 * edge * random_at(x, y);

@@ -1,6 +1,7 @@
 // Which layout and which model a fill over a plane takes, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_rings.h"
 #include "tripatch/hole/rim_shape.h"
@@ -188,10 +189,10 @@ struct Fillet {
   double least_bent, own;  // how far from the field, over the diameter, the triangles that bend least are, and the fill's own
 
   Fillet(Index n, double degrees, int rows, double rough) {
-    const double edge = M_PI / static_cast<double>(n);
+    const double edge = std::numbers::pi / static_cast<double>(n);
     std::vector<double> radius{0.5}, height{0};
     for (int j = 0; j < rows + 4; ++j) {
-      const double angle = std::max(0.0, 1 - (j + 0.5) / rows) * degrees * M_PI / 180;
+      const double angle = std::max(0.0, 1 - (j + 0.5) / rows) * degrees * std::numbers::pi / 180;
       radius.push_back(radius.back() + edge * std::cos(angle));
       height.push_back(height.back() - edge * std::sin(angle));
     }

@@ -1,6 +1,7 @@
 // Which of the planes estimated at a rim vertex is taken, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_drafts.h"
 #include "tripatch/estimate/side_planes.h"
@@ -10,7 +11,7 @@ using namespace tripatch::testing;
 
 namespace {
 
-constexpr double one_degree = M_PI / 180;
+constexpr double one_degree = std::numbers::pi / 180;
 
 /// Whether the second of two neighborhoods of six rings is taken where it is so much likelier. Both planes may be there.
 bool second_taken(FlatDrafts& flat, double likelier, double rough = 0) {

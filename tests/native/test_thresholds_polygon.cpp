@@ -119,7 +119,7 @@ TEST_CASE("sides of a polygon meet whose ends are a millionth of the size apart"
 
 TEST_CASE("pieces are one side that meet within a millionth of its length and ten degrees", "[thresholds]") {
   const auto second = [](double degrees, double gap) {
-    const double a = degrees * M_PI / 180;
+    const double a = degrees * std::numbers::pi / 180;
     return straight(Vec3(1, 0, gap), Vec3(1 + std::cos(a), std::sin(a), gap));
   };
   const Side first = straight(Vec3(0, 0, 0), Vec3(1, 0, 0));
@@ -130,7 +130,7 @@ TEST_CASE("pieces are one side that meet within a millionth of its length and te
   // nor may their planes turn
   Side turned = second(0, 0);
   const auto across = [](double degrees) -> Vec3 {
-    return Eigen::AngleAxisd(degrees * M_PI / 180, Vec3::UnitX()) * Vec3(-Vec3::UnitY());
+    return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Vec3::UnitX()) * Vec3(-Vec3::UnitY());
   };
   turned.r = line(across(9.9), across(9.9));
   CHECK_NOTHROW(joined({first, turned}, {}));

@@ -104,7 +104,7 @@ TEST_CASE("what is not known of the curvature at a round rim is tolerated up to 
 }
 
 TEST_CASE("surfaces of revolution follow curvature to three tenths of the jump that others are followed to", "[thresholds]") {
-  const double squares = std::pow(std::sin(M_PI * 40 / 180), 2) + 9e-4 / 4;
+  const double squares = std::pow(std::sin(std::numbers::pi * 40 / 180), 2) + 9e-4 / 4;
   const auto top = [](double jump, double unknown) {
     RoundBase base = base_of_circle(40);
     base.side.curvature_error = unknown / tolerated_deviations;

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/angle.h"
@@ -33,7 +34,7 @@ struct Walls {
         const double t = static_cast<double>(k) / edges[i];
         const Vec2 p = a + t * way + 4 * bow * t * (1 - t) * out;
         points.emplace_back(p[0], p[1], 0);
-        angle.push_back(degrees(i, k) * M_PI / 180);
+        angle.push_back(degrees(i, k) * std::numbers::pi / 180);
       }
     }
     const Index m = static_cast<Index>(points.size());
@@ -120,7 +121,7 @@ TEST_CASE("sides of one edge are walls from 70 degrees on, and 55 between them",
   CHECK_FALSE(any_sharp(Walls(square, {1, 1, 1, 1}, all(69.8)).angles()));
   for (const double angle : Walls(square, {1, 1, 1, 1}, all(70.2)).angles()) CHECK(angle == Approx(70.2));
   for (const double turn : {54.8, 55.2}) {
-    const Vec2 leg(std::cos(turn * M_PI / 180), std::sin(turn * M_PI / 180));
+    const Vec2 leg(std::cos(turn * std::numbers::pi / 180), std::sin(turn * std::numbers::pi / 180));
     const std::vector<Vec2> trapezoid = {{0, 0}, {1, 0}, Vec2(1, 0) + leg, Vec2(-leg[0], leg[1])};
     CHECK((Walls(trapezoid, {1, 1, 1, 1}, all(90)).angles()[0] > 0) == (turn > 55));
   }
@@ -139,7 +140,7 @@ TEST_CASE("a surface goes on across edges of up to 25 degrees", "[thresholds]") 
     // around vertex 1 lie a face beside the sharp side from 0 to 1, one in between and one beside the next side
     Points vertices = (Points(6, 3) << 0, 0, 0, 1, 0, 0, 0.4, 0.9, 0, 0.6, -0.7, 0, 1.6, 0.5, 0, -0.5, 0.8, 0).finished();
     const Vec3 corner = vertices.row(1), axis = (Vec3(vertices.row(4)) - corner).normalized();
-    vertices.row(2) = corner + Eigen::AngleAxisd(degrees * M_PI / 180, axis) * (Vec3(vertices.row(2)) - corner);
+    vertices.row(2) = corner + Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis) * (Vec3(vertices.row(2)) - corner);
     Faces faces;
     for (const auto& face : {std::array<Index, 3>{1, 0, 3}, {1, 3, 4}, {2, 1, 4}, {0, 2, 5}}) faces.add(face);
     const Mesh mesh = {vertices, faces};

@@ -1,6 +1,7 @@
 // Which vertices tell the plane at a rim vertex, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "test_drafts.h"
 #include "tripatch/estimate/stencils.h"
@@ -11,7 +12,7 @@ using namespace tripatch::testing;
 
 namespace {
 
-constexpr double one_degree = M_PI / 180;
+constexpr double one_degree = std::numbers::pi / 180;
 
 /// Vertices that tell the plane at vertex k of side 2, and how much they count.
 std::vector<Share> told(const FlatDrafts& flat, int k, int rings, bool widened = false) {

@@ -1,5 +1,6 @@
 // What numbers weigh that decide nothing by themselves, by the identities that they stand for.
 #include <cmath>
+#include <numbers>
 
 #include "test_surfaces.h"
 #include "tripatch/constructions/side_vertex.h"
@@ -114,7 +115,7 @@ TEST_CASE("descent ends where an energy is a ten-thousandth", "[thresholds]") {
 TEST_CASE("curvature counts a twentieth more than like a sine along a side, in all as much as a mean square", "[thresholds]") {
   const SideBasis basis = without_unknowns();
   const Eigen::VectorXd jumps = alike(basis, 0, 1).jumps(Eigen::VectorXd(0), nullptr);
-  const auto share = [&](int k) { return 0.05 + std::sin(M_PI * basis.t[k]); };
+  const auto share = [&](int k) { return 0.05 + std::sin(std::numbers::pi * basis.t[k]); };
   for (int k = 1; k < SideBasis::points; ++k)
     CHECK(jumps[k] * jumps[k] / (jumps[0] * jumps[0]) == Approx(share(k) / share(0)).epsilon(1e-12));
   CHECK(jumps.squaredNorm() == Approx(1 / (2 + flat_curvature(1))).epsilon(1e-12));

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "tripatch/output/triangulate.h"
@@ -103,7 +104,7 @@ struct Angles {
 
 Angles angles(const TriangleMesh& mesh, const Position& position) {
   const Points x = position.positions(mesh.barycentric);
-  auto degrees = [](const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / M_PI; };
+  auto degrees = [](const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / std::numbers::pi; };
   Angles a;
   std::map<std::pair<Index, Index>, Vec3> normal;
   for (const auto& t : mesh.triangles) {

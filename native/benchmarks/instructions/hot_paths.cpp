@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <string>
 
 #include "tripatch/boundary/mesh_sides.h"
@@ -27,7 +28,8 @@ struct Waves {
     for (Index y = 0; y < n; ++y)
       for (Index x = 0; x < n; ++x)
         vertices.row(y * n + x) << static_cast<double>(x), static_cast<double>(y),
-            3 * std::sin(2 * M_PI / 50 * static_cast<double>(x)) * std::cos(2 * M_PI / 50 * static_cast<double>(y));
+            3 * std::sin(2 * std::numbers::pi / 50 * static_cast<double>(x)) *
+                std::cos(2 * std::numbers::pi / 50 * static_cast<double>(y));
     for (Index y = 0; y < cells; ++y)
       for (Index x = 0; x < cells; ++x) {
         const Index a = y * n + x, r = y - start, c = x - start;
@@ -89,7 +91,8 @@ void roughly() {
   constexpr Index edges = 10'000;
   Points rim(edges, 3);
   for (Index k = 0; k < edges; ++k) {
-    const double turn = 2 * M_PI * static_cast<double>(k) / edges, out = 1 + 1e-4 * static_cast<double>(k * k % 7919) / 7919;
+    const double turn = 2 * std::numbers::pi * static_cast<double>(k) / edges,
+                 out = 1 + 1e-4 * static_cast<double>(k * k % 7919) / 7919;
     rim.row(k) << 100 * out * std::cos(turn), 100 * out * std::sin(turn), 20 * std::sin(3 * turn);
   }
   rough_fill(rim);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <cstddef>
 #include <limits>
 #include <span>
 #include <stdexcept>
@@ -14,7 +14,7 @@ namespace tripatch {
 
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
-using Index = std::int64_t;
+using Index = std::ptrdiff_t;
 /// n points, one a row, in the units of the input.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using PointsRef = Eigen::Ref<const Points>;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <future>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -178,7 +179,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
   take_flat_corners(w, fits, hole.alone, drafts);
   MeshSides result;
   const auto error = [](double variances, double vertices) {
-    return vertices > 0 ? std::atan(std::sqrt(variances / vertices)) * 180 / M_PI : 0;
+    return vertices > 0 ? std::atan(std::sqrt(variances / vertices)) * 180 / std::numbers::pi : 0;
   };
   double variances = 0, vertices = 0;
   for (int i = 0; i < 3; ++i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -184,7 +185,8 @@ Points bezier_side(const Ribbon& ribbon, int i, double size) {
   for (std::size_t p = 0; p + 1 < breaks.size(); ++p)
     for (double s : {0.02, 0.15, 0.31, 0.5, 0.69, 0.85, 0.98}) t.push_back(breaks[p] + s * (breaks[p + 1] - breaks[p]));
   if (breaks.size() <= 4)  // enough samples for any degree
-    for (int k = 0; k < 2 * max_side_degree; ++k) t.push_back(0.5 - 0.5 * std::cos(M_PI * (k + 0.5) / (2 * max_side_degree)));
+    for (int k = 0; k < 2 * max_side_degree; ++k)
+      t.push_back(0.5 - 0.5 * std::cos(std::numbers::pi * (k + 0.5) / (2 * max_side_degree)));
   const double rounding = 1e-13 * size + 1e-15 * ribbon.c(0.5).norm();
   for (int degree = 1; degree <= max_side_degree; ++degree)
     if (fit_curve(ribbon.c, t, degree, curve) <= rounding) return curve;

@@ -1,6 +1,7 @@
 #include "tripatch/constructions/quintic.h"
 
 #include <Eigen/Dense>
+#include <numbers>
 
 #include "tripatch/math/linear.h"
 #include "tripatch/patch/vertex_ray.h"
@@ -40,7 +41,7 @@ struct Fit {
     t.resize(samples);
     root_weight.resize(samples);
     for (int g = 0; g < samples; ++g) {  // Chebyshev points: denser towards the corners
-      const double angle = M_PI * (g + 0.5) / samples;
+      const double angle = std::numbers::pi * (g + 0.5) / samples;
       t[g] = 0.5 * (1 - std::cos(angle));
       root_weight[g] = std::sqrt(std::sin(angle));
     }

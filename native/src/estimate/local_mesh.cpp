@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -22,7 +23,7 @@ constexpr double no_area = 1e-12;
 constexpr double straight = 1e-4;
 constexpr std::size_t many_faces = 500;  ///< it takes 30 us to look at them, several times what it costs to share that
 /// Radians: edges that bend less are never sharp; a quarter of a circle in eleven steps bends by this.
-constexpr double sharp_bend = 8 * M_PI / 180;
+constexpr double sharp_bend = 8 * std::numbers::pi / 180;
 /// A sharp edge bends this many times as much as any edge near it that runs its way: a chamfer's edge does, the edges of a coarse
 /// sphere or cylinder bend alike.
 constexpr double over_others = 2;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <utility>
 
 #include "tripatch/math/meanwhile.h"
@@ -259,7 +260,7 @@ double predicted_density(const PlaneFit& fit, const FitRoom& room, const Varianc
   // of the sum of the weights at the point, what is left without it
   const double left = std::max(1 - share * known / own, 1e-9);
   const double off = off_mean / left, variance = own + known / left;
-  return -0.5 * (std::log(2 * M_PI * variance) + off * off / variance);
+  return -0.5 * (std::log(2 * std::numbers::pi * variance) + off * off / variance);
 }
 
 /// MacKay 1992, eqs. 4.9 to 4.11: each component is the mean square of what it explains over the number of its well-determined

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <set>
 
@@ -164,7 +165,7 @@ void take_cylinder(const LocalMesh& w, SideFit& fit, SideDraft& side) {
   const std::optional<Cylinder> cylinder = cylinder_through(points, normals);
   if (!cylinder || !(deep || ends_behind(w, side, *cylinder))) return;
   const double variance =
-      std::max(std::pow(coplanar * M_PI / 180, 2), std::pow(2 * cylinder->off, 2));  // over an edge of the rim
+      std::max(std::pow(coplanar * std::numbers::pi / 180, 2), std::pow(2 * cylinder->off, 2));  // over an edge of the rim
   double before = fit.turned;
   for (double v : fit.slope_variances) before = std::max(before, v + fit.turned);
   if (!(variance < before)) return;

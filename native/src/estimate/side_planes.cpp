@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -34,7 +35,7 @@ constexpr double known_by_lean = 0.25;
 constexpr double agrees = 5;  ///< standard deviations from a plane to facets that have nothing against them; 0%, 0%
 /// By how much a plane is off along the rim where a side turns by x radians an edge: this times x^3, as the ends of a spline through an
 /// arc are; 2.7 to 3.2 degrees on arcs of 70 to 120 degrees in two edges.
-constexpr double off_by_turn = 7.5 * M_PI / 180;
+constexpr double off_by_turn = 7.5 * std::numbers::pi / 180;
 constexpr int few_edges = 4;  ///< of a side; of more, fits see the turn themselves: less by the square of their number
 constexpr double bent = 5;    ///< degrees that a side turns by at least, for its faces to tell their plane; 0%, 0%
 constexpr double always_plausible =
@@ -175,7 +176,7 @@ VertexFit plane_of(const LocalMesh& w, const SideDraft& side) {
   VertexFit fit;
   fit.normal = w.area[side.face[0]].normalized();
   fit.second.setZero();
-  fit.slope_variances = std::pow(coplanar * M_PI / 180, 2);
+  fit.slope_variances = std::pow(coplanar * std::numbers::pi / 180, 2);
   fit.bend_variance = 0;
   fit.frame.col(0) = fit.normal.unitOrthogonal();
   fit.frame.col(1) = fit.normal.cross(fit.frame.col(0));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <numeric>
 
 #include "tripatch/cage/sided_rim.h"
@@ -156,7 +157,7 @@ void report_rows(const Mesh& mesh, const Connectivity& around, double missed, Fi
   report.method = rows_method;
   report.seam_angle_max_by_side = report.seam_angle_rms_by_side = {0};
   report.continuity = {"G1"};  // its surroundings are rows of the surface
-  report.surroundings_error = std::atan(missed / mean_edge(mesh, fill.rim)) * 180 / M_PI;
+  report.surroundings_error = std::atan(missed / mean_edge(mesh, fill.rim)) * 180 / std::numbers::pi;
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, {fill.rim}), report);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -14,7 +15,7 @@ namespace tripatch {
 namespace {
 
 /// A corner turns by at least this (radians, 12 degrees): as much as the domain of a patch of n sides does at each of its corners.
-constexpr double least_turn = 12 * M_PI / 180;
+constexpr double least_turn = 12 * std::numbers::pi / 180;
 /// And by this many times what the vertices beside it turn, two to either side. Smooth sides bend alike from vertex to vertex; where an
 /// arc begins at a straight line it is twice as much.
 constexpr double over_beside = 2.5;
@@ -97,7 +98,7 @@ bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<In
   if (shape.without_area) return false;
   double most = 0;
   for (double turn : shape.turn) most = std::max(most, std::abs(turn));
-  if (clearly_more(most, std::max(over_beside * 2 * M_PI / static_cast<double>(n), least_turn))) return false;
+  if (clearly_more(most, std::max(over_beside * 2 * std::numbers::pi / static_cast<double>(n), least_turn))) return false;
   return zigzag(mesh, rim, {}) <= smooth_sides;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -16,11 +17,13 @@ using Loop = std::vector<Index>;
 
 // Seen over the window, a round rim turns by 15 degrees, the ten test holes by 65 to 155 at their corners and by no more than 27
 // elsewhere.
-constexpr double clear_turn = 40 * M_PI / 180;  ///< a corner turns by at least this
-constexpr double sure_turn = 55 * M_PI / 180;   ///< and is one whatever the number of edges (a hexagon has six corners)
-constexpr double over_round = 1.5;              ///< less sure ones: by this many times what a round rim of such edges turns,
-constexpr double over_neighbors = 2;            ///< or by this many times what it turns at the vertices next to it
-constexpr double crisp_turn = 75 * M_PI / 180;  ///< a single vertex that turns by this is never part of another corner,
+constexpr double clear_turn = 40 * std::numbers::pi / 180;  ///< a corner turns by at least this
+constexpr double sure_turn =
+    55 * std::numbers::pi / 180;      ///< and is one whatever the number of edges (a hexagon has six corners)
+constexpr double over_round = 1.5;    ///< less sure ones: by this many times what a round rim of such edges turns,
+constexpr double over_neighbors = 2;  ///< or by this many times what it turns at the vertices next to it
+constexpr double crisp_turn =
+    75 * std::numbers::pi / 180;          ///< a single vertex that turns by this is never part of another corner,
 constexpr double crisp_share = 1.0 / 12;  ///< given that its edges are this long, in windows: those of no length turn by noise
 constexpr double as_strong = 1e-6;        ///< radians between two turns that are equal but for rounding
 constexpr std::size_t most_corners = 12;  ///< counted; a rim with more has none that is clear
@@ -66,7 +69,7 @@ std::vector<Index> turning_corners(RimShape shape, const Loop& rim) {
     Index best = -1;
     for (Index k = 0; k < n; ++k) {
       const Index before = (k + n - 1) % n, after = (k + 1) % n;
-      const double round = 2 * M_PI * std::max(window, 0.5 * (length[before] + length[k])) / total;
+      const double round = 2 * std::numbers::pi * std::max(window, 0.5 * (length[before] + length[k])) / total;
       const bool clear =
           at_least(over[k], clear_turn) && (at_least(over[k], std::min(over_round * round, sure_turn)) ||
                                             at_least(over[k], over_neighbors * std::max(at_vertex[before], at_vertex[after])));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -13,9 +14,9 @@ namespace {
 
 /// Radians. The whole turn of a loop is 2 pi for a hole in a plane, -2 pi for a plane's outer border, and changes by the curvature
 /// that is enclosed (Gauss and Bonnet): 0 on a cylinder, whose ends are holes. What has bent a quarter of the way further is outer.
-constexpr double outer_turn = -M_PI / 2;
+constexpr double outer_turn = -std::numbers::pi / 2;
 /// The border of a sheet, or of a bowl that reaches less than 41 degrees of a sphere from its middle: what fills it lies on it.
-constexpr double sheet_turn = -1.5 * M_PI;
+constexpr double sheet_turn = -1.5 * std::numbers::pi;
 
 bool turns_less(double most, const Mesh& mesh, const Connectivity& around, const std::vector<Index>& loop) {
   const std::vector<double> turn = measure(mesh, around, loop).turn;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <numbers>
 
 #include "tripatch/math/linear.h"
 
@@ -55,7 +56,7 @@ struct Interpolation {
   explicit Interpolation(int n) : nodes(n) {
     Eigen::MatrixXd vandermonde(n, n);
     for (int i = 0; i < n; ++i) {
-      nodes[i] = std::cos(M_PI * (2 * i + 1) / (2.0 * n));
+      nodes[i] = std::cos(std::numbers::pi * (2 * i + 1) / (2.0 * n));
       for (int k = 0; k < n; ++k) vandermonde(i, k) = std::pow(nodes[i], k);
     }
     to_monomials = least_squares(vandermonde, Eigen::MatrixXd::Identity(n, n));

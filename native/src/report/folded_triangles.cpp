@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <ranges>
 #include <vector>
@@ -184,7 +185,7 @@ bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Fa
       break;
     }
   constexpr double clearly = 1 + 1e-9;  // a million times what rounding does to unit vectors
-  const double cosine = std::cos(folded_degrees / 2 * M_PI / 180), least = clearly * cosine * cosine;
+  const double cosine = std::cos(folded_degrees / 2 * std::numbers::pi / 180), least = clearly * cosine * cosine;
   const auto leans_little = [&](const Vec3& normal) {
     const double along = normal.dot(way);
     return along > 0 && along * along > least * normal.squaredNorm();
@@ -215,7 +216,7 @@ void for_folded_edges(const PointsRef& vertices, const PointsRef& added, const F
   });
   const std::size_t own = normals.size();  // those beyond count only where one of these is
   for (const FaceBeyond& face : beyond) normals.push_back(face.normal.stableNormalized());
-  const double cosine = std::cos(folded_degrees * M_PI / 180);
+  const double cosine = std::cos(folded_degrees * std::numbers::pi / 180);
   edges.for_edges([&](Index high, std::span<const EdgeUse> along) {
     const std::size_t first = along[0].what / 2;
     if (first >= own) return;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 namespace tripatch {
@@ -34,7 +35,7 @@ std::vector<Joint> sorted_joints(const std::vector<std::array<Index, 3>>& triang
 /// The triangles of each folded edge, or the one and -1 where it is folded back over a face beyond.
 std::vector<std::array<Index, 2>> folded_pairs(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
                                                const std::vector<Joint>& edges, std::span<const FaceBeyond> beyond) {
-  const double cosine = std::cos(folded_degrees * M_PI / 180);
+  const double cosine = std::cos(folded_degrees * std::numbers::pi / 180);
   const auto normal = [&](Index t) -> Vec3 {
     const Vec3 a = points.row(triangles[t][0]), b = points.row(triangles[t][1]), c = points.row(triangles[t][2]);
     return (b - a).cross(c - a).stableNormalized();
@@ -147,7 +148,7 @@ public:
 
 private:
   static int folded(const Vec3& a, const Vec3& b) {
-    static const double cosine = std::cos(folded_degrees * M_PI / 180);
+    static const double cosine = std::cos(folded_degrees * std::numbers::pi / 180);
     return a.dot(b) < cosine * a.norm() * b.norm();
   }
   Vec3 normal(const std::array<Index, 3>& t) const {

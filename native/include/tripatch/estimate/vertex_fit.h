@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "tripatch/types.h"
@@ -10,7 +11,7 @@
 namespace tripatch {
 
 constexpr double well_known =
-    0.05 * M_PI / 180;  ///< deviation of a plane, less than which nobody sees: nothing else is looked at
+    0.05 * std::numbers::pi / 180;  ///< deviation of a plane, less than which nobody sees: nothing else is looked at
 
 /// The plane at a rim vertex.
 struct VertexFit {

@@ -50,12 +50,12 @@ void parallel_for(Index from, Index to, Index least, const F& f) {
   const Index n = to - from, cores = 1 + static_cast<Index>(others_at_most);
   const Index shares = std::clamp<Index>(n / least, 1, cores);
   check_interruption();
-  std::vector<InOtherThread> others;  // which are waited for, whatever is thrown here
   const auto share = [&f, flag = interruption](Index first, Index last) {
     const InterruptedBy inherited(flag);
     const Alone alone;
     f(first, last);
   };
+  std::vector<InOtherThread> others;  // declared after `share`: its destructor waits for threads that still call it
   for (Index k = 1; k < shares; ++k)
     others.emplace_back(most_threads() - 1,
                         [&share, first = from + n * k / shares, last = from + n * (k + 1) / shares] { share(first, last); });
