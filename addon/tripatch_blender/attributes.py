@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-import bpy
-
+from . import versions
 from .library import np
 from .selection import coordinates, pairs
 
@@ -53,7 +52,7 @@ def edge_layers(bm):
             yield kind, layer, kind != "freestyle"
     for kinds, blended in ((_VERTEX_LAYERS, True), (_PICKED, False)):
         for kind, _, layer in _layers(layers, kinds):
-            if kind != "string" or bpy.app.version >= (4, 0):
+            if kind != "string" or versions.READS_STRINGS:
                 yield kind, layer, blended
 
 
@@ -127,7 +126,7 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
     blended. Where two surrounding faces disagree at their vertex the later one counts; UV maps that a seam parts are given by
     charts: {name: values of the corners}.
     """
-    if bpy.app.version < (4, 0) and any(True for _ in _layers(bm.loops.layers, ("string",))):
+    if not versions.READS_STRINGS and any(True for _ in _layers(bm.loops.layers, ("string",))):
         for corner, vertex, continued in corners:  # Python reads none of the strings that an attribute has there
             corner.copy_from(ends[continued[-1] if continued else nearest[vertex]])
     for kind, name, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
@@ -141,7 +140,7 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
         for corner, vertex, continued in corners:
             write(corner, layer, kind, at_rim[continued[-1]] if continued else inside[vertex])
     for kind, _name, layer in _layers(bm.loops.layers, _PICKED):
-        for corner, vertex, continued in corners if kind != "string" or bpy.app.version >= (4, 0) else ():
+        for corner, vertex, continued in corners if kind != "string" or versions.READS_STRINGS else ():
             corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
 
 

@@ -8,7 +8,7 @@ import traceback
 import bpy
 from bpy.app.handlers import persistent
 
-from . import joining, library, live, sentences
+from . import joining, library, live, sentences, versions
 
 #: Seconds between a change and the fill, and between two fills.
 INTERVAL = 0.1
@@ -93,13 +93,9 @@ def _stop_timer():
         bpy.app.timers.unregister(_tick)
 
 
-def _busy():
-    return any(bpy.app.is_job_running(job) for job in ("RENDER",)) if hasattr(bpy.app, "is_job_running") else False
-
-
 def _tick():
     """Fills anew what has changed; comes again only if something is left."""
-    return 1.0 if _busy() else _fill_pending()
+    return 1.0 if versions.is_rendering() else _fill_pending()
 
 
 def _at_once():
@@ -210,7 +206,7 @@ def _before_render(scene, *_):
 
 _HANDLERS = [("load_post", _on_load), ("undo_post", _on_undo), ("redo_post", _on_undo)]
 _HANDLERS += [("save_pre", _before_save), ("render_pre", _before_render)]
-if hasattr(bpy.app.handlers, "blend_import_post"):  # from 4.4
+if versions.TELLS_OF_IMPORTS:
     _HANDLERS.append(("blend_import_post", _on_import))
 
 

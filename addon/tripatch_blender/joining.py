@@ -8,6 +8,7 @@ from functools import cache
 
 import bpy
 
+from . import versions
 from .selection import UnusableError
 
 NAME = "Join Live Fill"
@@ -15,33 +16,14 @@ NAME = "Join Live Fill"
 WITHIN = 1e-3
 
 
-def _sockets(group):
-    """The inputs: geometry, the fill, the distance."""
-    if hasattr(group, "interface"):  # from 4.0
-        for kind, name in (("Geometry", "Geometry"), ("Object", "Fill"), ("Float", "Distance")):
-            group.interface.new_socket(name=name, in_out="INPUT", socket_type=f"NodeSocket{kind}")
-        group.interface.new_socket(name="Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    else:
-        for kind, name in (("Geometry", "Geometry"), ("Object", "Fill"), ("Float", "Distance")):
-            group.inputs.new(f"NodeSocket{kind}", name)
-        group.outputs.new("NodeSocketGeometry", "Geometry")
-
-
-def _identifiers(group):
-    """{name: what a modifier calls this input}"""
-    if hasattr(group, "interface"):
-        return {s.name: s.identifier for s in group.interface.items_tree if s.in_out == "INPUT"}
-    return {s.name: s.identifier for s in group.inputs}
-
-
 def group():
     """The node group of this file, made where it is missing. Only what lies at a border is merged: doubles inside of the mesh
     stay."""
     made = bpy.data.node_groups.get(NAME)
-    if made is not None and made.bl_idname == "GeometryNodeTree" and {"Fill", "Distance"} <= set(_identifiers(made)):
+    if made is not None and made.bl_idname == "GeometryNodeTree" and {"Fill", "Distance"} <= set(versions.input_names(made)):
         return made
     made = bpy.data.node_groups.new(NAME, "GeometryNodeTree")
-    _sockets(made)
+    versions.new_sockets(made, {"Geometry": "Geometry", "Fill": "Object", "Distance": "Float"})
 
     def node(kind, x, y, **settings):
         new = made.nodes.new(kind)
@@ -76,11 +58,7 @@ def _first(ob, modifier):
     it cannot pass, or None."""
     while at := ob.modifiers.find(modifier.name):
         with suppress(RuntimeError):
-            if hasattr(ob.modifiers, "move"):
-                ob.modifiers.move(at, at - 1)
-            else:
-                with bpy.context.temp_override(object=ob, active_object=ob):
-                    bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=at - 1)
+            versions.move_up(ob, modifier, at - 1)
         if ob.modifiers.find(modifier.name) == at:
             return ob.modifiers[at - 1]
     return None
@@ -89,11 +67,11 @@ def _first(ob, modifier):
 def _joining(ob):
     """The modifiers of an object that join fills to it."""
     found = [m for m in ob.modifiers if m.type == "NODES" and m.node_group and m.node_group.name.startswith(NAME)]
-    return [m for m in found if "Fill" in _identifiers(m.node_group)]
+    return [m for m in found if "Fill" in versions.input_names(m.node_group)]
 
 
 def _fill_of(modifier):
-    return modifier.get(_identifiers(modifier.node_group)["Fill"])
+    return versions.modifier_input(modifier, "Fill")
 
 
 def modifier_of(ob, fill):
@@ -107,8 +85,7 @@ def join(ob, fill, distance):
     modifier = ob.modifiers.new(fill.name, "NODES")
     modifier.node_group = group()
     modifier.show_in_editmode = True
-    named = _identifiers(modifier.node_group)
-    modifier[named["Fill"]], modifier[named["Distance"]] = fill, float(distance)
+    versions.set_modifier_inputs(modifier, Fill=fill, Distance=float(distance))
     before = _first(ob, modifier)
     if before is not None:
         name = before.name

@@ -12,9 +12,9 @@ from __future__ import annotations
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-import bmesh
 import bpy
 
+from . import versions
 from .library import np
 
 STAND_IN = "TriPatch"
@@ -47,9 +47,9 @@ _TYPES = {
     "FLOAT2": _Type(2, "FLOAT_VECTOR", 1, 3, "vector", _POINT),
 }
 _FIELDS = {"FLOAT_VECTOR": "vector", "INT": "value"}
-if bpy.app.version < (3, 5):  # UV maps became attributes then
+if not versions.UV_MAPS_ARE_ATTRIBUTES:
     _TYPES["FLOAT2"] = _Type(2, "FLOAT_VECTOR", 1, 3, "vector", _POINT + _CORNER)
-if not hasattr(bmesh.types.BMLayerAccessLoop, "bool"):  # BMesh has layers of booleans after 4.3
+if not versions.HAS_BOOLEAN_LAYERS:
     _TYPES["BOOLEAN"] = _Type(1, "INT", 1, 1, "value", _CORNER)
 
 

@@ -359,6 +359,7 @@ def _cut(bm, faces, plane, side, old):
     new_edges = {e for e in edges if any(v in inside for v in e.verts) or not e.is_boundary}
     count = {len(f.verts) for f in faces}
     geometry = [*faces, *new_edges, *{v for f in faces for v in f.verts}]
+    bm.normal_update()  # Blender cuts faces by theirs
     made = bmesh.ops.bisect_plane(bm, geom=geometry, dist=_ON, plane_co=plane.point, plane_no=plane.normal)
     for element in made["geom_cut"]:
         if isinstance(element, bmesh.types.BMVert):

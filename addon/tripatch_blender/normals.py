@@ -11,6 +11,7 @@ from __future__ import annotations
 import bmesh
 import bpy
 
+from . import versions
 from .library import np
 from .selection import by_index
 
@@ -73,8 +74,7 @@ class _Scratch:
 
     def __enter__(self):
         self.bm.to_mesh(self.mesh)
-        if hasattr(self.mesh, "use_auto_smooth"):  # to 4.0; the angle does not count where there are custom normals
-            self.mesh.use_auto_smooth = True  # pyright: ignore[reportAttributeAccessIssue]
+        versions.use_custom_normals(self.mesh)
         return self
 
     def __exit__(self, *_):
@@ -83,13 +83,7 @@ class _Scratch:
         bpy.data.meshes.remove(self._template)
 
     def decoded(self):
-        values = np.empty(3 * len(self.mesh.loops), np.float32)
-        if hasattr(self.mesh, "corner_normals"):
-            self.mesh.corner_normals.foreach_get("vector", values)
-        else:
-            self.mesh.calc_normals_split()  # pyright: ignore[reportAttributeAccessIssue] to 4.0
-            self.mesh.loops.foreach_get("normal", values)
-        return values.reshape(-1, 3).astype(np.float64)
+        return versions.corner_normals(self.mesh).astype(np.float64)
 
 
 def corner_normals(bm, mesh, vertices):

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
-from . import library, panel, shown
+from . import library, panel, shown, versions
 from .library import np
 
 # Towards the eye, of the depth between the clipping planes: enough not to flicker with the surface that Blender draws.
@@ -122,11 +122,6 @@ class _State:
 _state = _State()
 
 
-def _line_shader():
-    name = "POLYLINE_SMOOTH_COLOR"
-    return gpu.shader.from_builtin(name if bpy.app.version >= (4, 0, 0) else f"3D_{name}")
-
-
 def _objects(context):
     """Those whose surfaces are shown: the selected ones, those in edit mode and the active one."""
     chosen = {ob.name: ob for ob in context.selected_objects if ob.type in ("MESH", "SURFACE")}
@@ -198,7 +193,7 @@ def _draw_one(drawn, place, view, settings):
         shader.uniform_float("lift", _LIFT)
         drawn.surface.draw(shader)
     if drawn.lines:
-        shader, region = _line_shader(), bpy.context.region
+        shader, region = gpu.shader.from_builtin(versions.line_shader()), bpy.context.region
         gpu.matrix.push()
         gpu.matrix.translate(place)
         shader.bind()
@@ -218,10 +213,7 @@ def told():
 
 def _write(text, x, y, size=12.0, centered=False):
     """White with a dark outline: stripes are white too."""
-    if bpy.app.version >= (4, 0, 0):
-        blf.size(0, size)
-    else:
-        blf.size(0, int(size), 72)  # pyright: ignore[reportCallIssue]
+    versions.set_font_size(size)
     if centered:
         x -= blf.dimensions(0, text)[0] / 2
     for dx, dy, light in ((-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0), (0, 0, 1)):

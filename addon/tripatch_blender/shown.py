@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from . import seam, subdivision
+from . import seam, subdivision, versions
 from .library import np, quality
 
 
@@ -28,14 +28,6 @@ def _got(elements, name, width, kind="float32"):
     return values.reshape(-1, width) if width > 1 else values
 
 
-def _normals(mesh, loops):
-    """(corners, 3)"""
-    if hasattr(mesh, "corner_normals"):
-        return _got(mesh.corner_normals, "vector", 3)[loops]
-    mesh.calc_normals_split()  # to 4.0
-    return _got(mesh.loops, "normal", 3)[loops]
-
-
 def _of_mesh(mesh, turn, with_normals):
     """Vertices (n, 3), triangles (t, 3) and normals (3 t, 3) of what Blender evaluated, turned and scaled as the object is."""
     mesh.calc_loop_triangles()
@@ -43,7 +35,8 @@ def _of_mesh(mesh, turn, with_normals):
     vertices = _got(mesh.vertices, "co", 3) @ turn.T.astype(np.float32)
     normals = None
     if with_normals:
-        normals = _normals(mesh, _got(mesh.loop_triangles, "loops", 3, np.int32).ravel()) @ np.linalg.inv(turn).astype(np.float32)
+        loops = _got(mesh.loop_triangles, "loops", 3, np.int32).ravel()
+        normals = versions.corner_normals(mesh)[loops] @ np.linalg.inv(turn).astype(np.float32)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     if np.linalg.det(turn) < 0:
         triangles = triangles[:, ::-1]

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bmesh
 import bpy
 
+from . import versions
 from .library import np
 from .selection import Rim, UnusableError, coordinates, edges_of, name_groups
 
@@ -173,18 +174,9 @@ def level_of(modifier):
     return min(modifier.levels, render.simplify_subdivision) if render.use_simplify else modifier.levels
 
 
-def _crease_layer(elements, kind, create=False):
-    """The layer of creases of bm.edges or bm.verts; kind: "edge", "vert"."""
-    layers = elements.layers
-    if hasattr(layers, "crease"):  # Blender 3
-        return layers.crease.verify() if create else layers.crease.active
-    name = f"crease_{kind}"
-    return layers.float.get(name) or (layers.float.new(name) if create else None)
-
-
 def edge_crease_layer(bm):
     """The layer of edge creases, which is made where it is missing; handles of other layers may end."""
-    return _crease_layer(bm.edges, "edge", create=True)
+    return versions.crease_layer(bm.edges, "edge", create=True)
 
 
 class Cage:
@@ -201,7 +193,7 @@ class Cage:
             }
             creased = modifier.use_creases
         self.creased = creased
-        edges, vertices = _crease_layer(bm.edges, "edge"), _crease_layer(bm.verts, "vert")
+        edges, vertices = versions.crease_layer(bm.edges, "edge"), versions.crease_layer(bm.verts, "vert")
         if edges and creased:
             self._edges = {frozenset(v.index for v in e.verts): min(max(e[edges], 0.0), 1.0) for e in bm.edges if e[edges] > 0}
         if vertices and creased:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import bmesh
 
-from . import attributes, features, normals, subdivision, waiting
+from . import attributes, features, normals, subdivision, versions, waiting
 from .library import np, tripatch
 from .selection import Rim, coordinates, edges_of, pairs
 
@@ -192,7 +192,6 @@ def _write_one(bm, planned, shading, custom):
             made.hide = False
         if shading != "neighbors":  # else as its model
             made.smooth = shading == "smooth"
-        made.normal_update()
         new_faces.append(made)
         if not with_corners:
             continue
@@ -251,20 +250,16 @@ DEVIATION, RECONSTRUCTED = "deviation", "reconstructed"
 NOT_KNOWN = -1.0  # in place of a deviation
 
 
-def _bools(layers):
-    return layers.bool if hasattr(layers, "bool") else layers.int  # Blender 3
-
-
 @contextmanager
 def deviation_layers(bm, wanted):
     """Where they are wanted, the layers of how well new vertices are known, made before any element is held: that forgets them.
     Without a new face they go again."""
-    layers = [(bm.verts.layers.float, DEVIATION), (_bools(bm.faces.layers), RECONSTRUCTED)] if wanted else []
+    layers = [(bm.verts.layers.float, DEVIATION), (versions.boolean_layers(bm.faces.layers), RECONSTRUCTED)] if wanted else []
     made = [(access, access.new(name)) for access, name in layers if access.get(name) is None]
     try:
         yield
     finally:
-        if made and not any(face[_bools(bm.faces.layers)[RECONSTRUCTED]] for face in bm.faces):
+        if made and not any(face[versions.boolean_layers(bm.faces.layers)[RECONSTRUCTED]] for face in bm.faces):
             for access, layer in made:
                 access.remove(layer)
 
@@ -272,7 +267,7 @@ def deviation_layers(bm, wanted):
 def _write_deviation(bm, planned, new_faces):
     """How well each new vertex is known, one standard deviation in units of the scene, or NOT_KNOWN; new faces are told from
     measured ones."""
-    known, marked = bm.verts.layers.float[DEVIATION], _bools(bm.faces.layers)[RECONSTRUCTED]
+    known, marked = bm.verts.layers.float[DEVIATION], versions.boolean_layers(bm.faces.layers)[RECONSTRUCTED]
     rim = set(planned.loop)
     deviation = planned.fill.deviation
     for face in new_faces:
