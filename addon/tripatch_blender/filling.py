@@ -519,7 +519,7 @@ def diameter(loop, matrix):
 NO_DEVIATION = "How well it is known cannot be told of a patch between smooth sides; with Method: Polyharmonic Spline it can"
 OTHERS_HIDDEN = "The mesh has no hole that is visible; others are hidden"
 NO_HOLE = "The mesh has no hole"
-OUTER_ONLY = "The mesh has no hole but its outer border, whose fill would lie on the mesh; select its edges to close it"
+OUTER_ONLY = "There is no hole here, only an outer border, whose fill would lie on the mesh; select all of its edges to close it"
 
 
 def holes(bm, matrix, outer=False):
@@ -560,15 +560,17 @@ def has_hole(ob, bm):
 
 
 def without_outer(bm, matrix, rims):
-    """Those of some rims that are meant where faces are selected around them, as those of a whole island: outer borders only
-    where there is no other. Rims that are selected by themselves are all meant."""
+    """Those of some rims that are meant if only a vertex of each is selected, or the faces around: outer borders are left out if
+    there are others. Rims whose edges are selected by themselves are all meant."""
 
-    def among_faces(rim):
-        return not rim.replaced and all(f.select for e in selection.edges_of(bm, rim.loop) if e for f in e.link_faces)
+    def is_pointed_at(rim):
+        edges = [e for e in selection.edges_of(bm, rim.loop) if e]
+        among_faces = all(f.select for e in edges for f in e.link_faces)
+        return not (rim.replaced or rim.corners) and (among_faces or not all(e.select for e in edges))
 
-    left = _but_outer(bm, matrix, rims, [rim for rim in rims if among_faces(rim)])
+    left = _but_outer(bm, matrix, rims, [rim for rim in rims if is_pointed_at(rim)])
     if rims and not left:
-        raise UnusableError(OUTER_ONLY, [v for rim in rims for v in rim.loop])
+        raise UnusableError(OUTER_ONLY, [v for rim in rims for v in rim.loop], "outer_border")
     return left
 
 

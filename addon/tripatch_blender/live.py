@@ -469,8 +469,9 @@ def apply(fill):
         return fill
     (ob,) = objects
     with _edited(ob), layers.standing_aside(bpy.context, [ob]):
-        _apply_hole(ob, bmesh.from_edit_mesh(ob.data), settings)
-        bmesh.update_edit_mesh(ob.data)
+        bm = bmesh.from_edit_mesh(ob.data)
+        _apply_hole(ob, bm, settings)
+        selection.finish_edit(bm, ob.data)
     joining.part(ob, fill)
     bpy.data.meshes.remove(fill.data)  # and the object with it
     return ob

@@ -354,20 +354,21 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _rims(self, ob, bm, matrix, selected, everything):
         """The rims that the selection means, and an UnusableError for each part that means none."""
-        rims, refused = self._rims_meant(bm, matrix, selected, everything)
-        if self.surroundings == "limit":
-            return rims, refused
-        apart = [rim for rim in rims if not mirrored.is_joined(ob, rim)]
-        if rims and not apart and not refused:
-            raise selection.UnusableError(mirrored.JOINED, [v for rim in rims for v in rim.loop])
-        return apart, refused
-
-    def _rims_meant(self, bm, matrix, selected, everything):
-        if not everything:
+        self.all_holes = everything or self.all_holes
+        if everything:
+            rims, refused = filling.open_holes(bm, matrix, self._filters()), []
+        else:
             rims, refused = selection.selected_rims(bm, selected)
-            return rims if self.outer else filling.without_outer(bm, matrix, rims), refused
-        self.all_holes = True
-        return filling.open_holes(bm, matrix, self._filters()), []
+        if self.surroundings != "limit":
+            found = [*rims, *(reason.rim for reason in refused if reason.rim)]
+            joined = [rim for rim in found if mirrored.is_joined(ob, rim)]
+            rims = [rim for rim in rims if rim not in joined]
+            refused = [reason for reason in refused if reason.rim not in joined]
+            if joined and not rims and not refused:
+                raise selection.UnusableError(mirrored.JOINED, [v for rim in joined for v in rim.loop])
+        if not (everything or self.outer):
+            rims = filling.without_outer(bm, matrix, rims)
+        return rims, refused
 
     def _fill_with_quads(self, bm, mesh, matrix, outcome, options):
         """Nobody asked for a cage by name: a hole that gets none, such as one of five corners, gets quads, which the modifier
@@ -443,7 +444,7 @@ class FillSmooth(Construction, waiting.Waiting):
         outcome.refused += refused
         if new_faces:
             selected.replace(bm, new_faces)
-            bmesh.update_edit_mesh(mesh)
+            selection.finish_edit(bm, mesh)
             if cage and modifier is None and self.add_modifier:
                 subdivision.add_modifier(ob)
         return outcome

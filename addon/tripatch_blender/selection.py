@@ -17,11 +17,12 @@ RINGS = tripatch.SURROUNDING_RINGS if tripatch else 0
 
 
 class UnusableError(ValueError):
-    """Nothing that is selected can be filled; the message says why. vertices: BMVert that are concerned."""
+    """Nothing that is selected can be filled; the message says why. vertices: BMVert that are concerned; code: a short name of
+    the reason; rim: the Rim that it is about, if it is about one."""
 
-    def __init__(self, message, vertices=()):
+    def __init__(self, message, vertices=(), code="", rim=None):
         super().__init__(message)
-        self.vertices = list(vertices)
+        self.vertices, self.code, self.rim = list(vertices), code, rim
 
 
 class OptionsError(ValueError):
@@ -176,6 +177,16 @@ def _edges_alone(vertices):
     return edges if held == {v for e in edges for v in e.verts} else set()
 
 
+def finish_edit(bm, mesh):
+    """Ends every change of a mesh in edit mode as Blender's own operators do: with normals, selection and numbers up to date.
+    `update_edit_mesh` sees to none of these."""
+    bm.normal_update()
+    bm.select_flush_mode()
+    for elements in (bm.verts, bm.edges, bm.faces):
+        elements.index_update()
+    bmesh.update_edit_mesh(mesh)
+
+
 def show(context, concerned):
     """Selects these vertices and nothing else, {object: indices}, in vertex mode where edge mode could not show them."""
     objects, bms = context.objects_in_mode_unique_data, {}
@@ -198,8 +209,7 @@ def show(context, concerned):
         vertices = found.get(ob, [])
         for element in (*vertices, *(_edges_alone(vertices) if by_edges else ())):
             element.select = True
-        bm.select_flush_mode()
-        bmesh.update_edit_mesh(ob.data, loop_triangles=False, destructive=False)
+        finish_edit(bm, ob.data)
 
 
 #: Vertices that were selected the last time, by mesh: a slider of the last operator undoes it and runs it again with the same. Of
@@ -243,14 +253,13 @@ class Selected:
         return seen and all(f.select or f.hide for f in bm.faces)  # a ring of faces may have all vertices
 
     def replace(self, bm, faces):
-        """Selects these faces instead."""
+        """Selects these faces instead; `finish_edit` selects what goes with them."""
         for element in (*self.faces, *self.edges, *self.vertices):
             if element.is_valid:
                 element.select = False
         bm.select_history.clear()
         for face in faces:
             face.select = True
-        _flush(bm, faces)
 
 
 def name_groups(ob, like):
@@ -260,28 +269,20 @@ def name_groups(ob, like):
         ob.vertex_groups.new(name=group.name)
 
 
-def _flush(bm, faces):
-    """Selects what goes with the vertices or edges of these faces, where nothing else is selected: select_flush_mode without
-    going through all of the mesh."""
-    if "VERT" in bm.select_mode:
-        edges = {e for v in {v for f in faces for v in f.verts} for e in v.link_edges}
-        for edge in edges:
-            if not (edge.select or edge.hide) and all(v.select for v in edge.verts):
-                edge.select = True
-        for face in {f for e in edges for f in e.link_faces}:
-            if not (face.select or face.hide) and all(v.select for v in face.verts):
-                face.select = True
-    elif "EDGE" in bm.select_mode:
-        for face in {f for own in faces for e in own.edges for f in e.link_faces}:
-            if not (face.select or face.hide) and all(e.select for e in face.edges):
-                face.select = True
+def _part_of_border(count, loop, vertices):
+    """UnusableError: no fill closes more than what is selected."""
+    sentence = f"The selection has only {count} of the border's {len(loop)} edges; select all of them to fill it"
+    return UnusableError(sentence, vertices, "part_of_border", Rim(loop))
 
 
-def _are_corners(given):
-    """Whether these selected vertices of a rim are its corners: two or more that no selected edge joins to others, or three."""
+def _are_corners(given, loop, joined):
+    """Whether these selected vertices of a rim are its corners: two or more that no selected edge joins to others, or three that
+    are no stretch of it, as three of four always are. joined: how many of its edges are selected."""
     if any(f.select for v in given for f in v.link_faces):
         return False
-    return len(given) == 3 or (len(given) > 1 and not any(e.select for v in given for e in v.link_edges))
+    if len(given) == 3:
+        return joined < 2 or len(loop) == 4
+    return len(given) > 1 and not any(e.select for v in given for e in v.link_edges)
 
 
 def _apart(vertex, loop):
@@ -316,16 +317,18 @@ def selected_rims(bm, selection):
     loops = border_loops(v for v in vertices if v.is_boundary)
     visible = [loop for loop in loops if not is_hidden(bm, loop)]
 
-    rims, touched = [], []
+    rims, touched, refused = [], [], []
     for loop in visible:
         given = [v for v in loop if v in selected]
-        if all(e is not None and e.select for e in edges_of(bm, loop)):
+        chosen = [e for e in edges_of(bm, loop) if e is not None and e.select]
+        if len(chosen) == len(loop):
             rims.append(Rim(loop))
-        elif "VERT" in bm.select_mode and _are_corners(given):
+        elif "VERT" in bm.select_mode and _are_corners(given, loop, len(chosen)):
             rims.append(Rim(loop, corners=given))
-        else:
+        elif not chosen:
             touched.append(Rim(loop))
-    refused = []
+        elif not any(f.select for e in chosen for f in e.link_faces):  # else the region of these says it
+            refused.append(_part_of_border(len(chosen), loop, given))
     for region in _regions(faces):
         try:
             rim = _region_to_replace(region, rims, "FACE" in bm.select_mode)

@@ -542,8 +542,10 @@ def from_selection(ob, bm, arguments=None):
     bm.verts.index_update()
     bm.faces.index_update()
     rims, refused = selection.selected_rims(bm, selection.Selected(bm))
-    if refused:
+    halves = [reason.rim for reason in refused if reason.rim and mirrored.is_joined(ob, reason.rim)]
+    if refused and not halves:
         raise UnusableError(refused[0])
+    rims = halves or rims
     if len(rims) != 1:
         raise UnusableError(f"{len(rims)} holes are selected; the tool shapes one")
     return Shaping(ob, bm, rims[0], arguments)

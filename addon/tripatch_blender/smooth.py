@@ -199,8 +199,8 @@ def _write(planned):
     attributes.blend_corners(bm, ends, [(corner, k, ()) for k, corner in enumerate(corners)], weights, weights.nearest)
     for face in faces:
         bm.faces.remove(face)
-    bm.normal_update()
     if custom is not None:
+        bm.normal_update()
         at = planned.smooth.faces.ravel().tolist()
         for corner, v in zip(corners, at, strict=True):
             custom[corner] = planned.normals[v] if corner.face.smooth else np.array(corner.face.normal)
@@ -262,7 +262,7 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
             selected = selection.Selected(planned.bm)
             new_faces = _write(planned)
             selected.replace(planned.bm, new_faces)
-            bmesh.update_edit_mesh(ob.data)
+            selection.finish_edit(planned.bm, ob.data)
             before, after = before + len(planned.faces), after + len(new_faces)
         notes = [note for planned in plans.values() for note in planned.notes]
         message = f"Smoothed {before} triangle{'s' if before != 1 else ''} into {after}"

@@ -305,7 +305,7 @@ class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator
             self.report({"WARNING"}, sentences.for_people(outcome.refused[0].sentence))
             return {"CANCELLED"}
         selected.replace(bm, faces)
-        bmesh.update_edit_mesh(ob.data)
+        shaping.selection.finish_edit(bm, ob.data)
         stop()
         self.report({"INFO"}, outcome.sentence())
         return {"FINISHED"}

@@ -420,6 +420,7 @@ def test_the_new_selection_is_as_blender_would_flush_it(addon, mode):
             bm.select_flush_mode()
         else:
             selection.Selected(bm).replace(bm, new)
+            selection.finish_edit(bm, ob.data)
         selected = [[e.index for e in all_of if e.select] for all_of in (bm.verts, bm.edges, bm.faces)]
         found.append((selected, ob.data.total_vert_sel))
         bpy.ops.object.mode_set(mode="OBJECT")

@@ -1,6 +1,7 @@
 """mesh.fill_smooth: where it is found, what its panel shows, and what becomes of a refusal by hand and from a script."""
 
 import importlib
+import sys
 import types
 
 import bmesh
@@ -607,6 +608,54 @@ def test_an_outer_border_that_is_selected_by_itself_is_filled():
     assert len(borders(ob)) == 1
 
 
+def border_edges(bm, loop, count):
+    """The first edges of a border loop."""
+    return [bm.edges.get(pair) for pair in zip(loop[:count], loop[1 : count + 1], strict=True)]
+
+
+@pytest.mark.parametrize("mode", ["VERT", "EDGE"])
+@pytest.mark.parametrize("count", [1, 2, 14, 78])
+def test_a_part_of_a_border_is_refused_and_not_widened_to_all_of_it(count, mode, addon):
+    ob = sheet_with_holes((0, 0))
+    (bm,) = scenes.edit(ob, mode=mode)
+    scenes.select(bm, edges=border_edges(bm, scenes.border_loops(bm)[-1], count))
+    faces = len(bm.faces)
+    with pytest.raises(RuntimeError, match=f"has only {count} of the border's 80 edges; select all of them"):
+        smooth()
+    selection = sys.modules[f"{addon.__name__}.selection"]
+    _, (reason,) = selection.selected_rims(bm, selection.Selected(bm))
+    assert reason.code == "part_of_border" and {v for v in bm.verts if v.select} == set(reason.vertices)
+    assert len(bmesh.from_edit_mesh(ob.data).faces) == faces and borders(ob)[-1] == 80
+
+
+def test_a_part_of_the_border_of_a_hole_is_refused_too():
+    ob = sheet_with_holes((0, 0))
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    hole = scenes.border_loops(bm)[0]
+    scenes.select(bm, edges=border_edges(bm, hole, 3))
+    with pytest.raises(RuntimeError, match=f"has only 3 of the border's {len(hole)} edges"):
+        smooth()
+
+
+def test_beside_a_whole_border_a_part_of_another_is_reported(capfd):
+    ob = sheet_with_holes((0, 0))
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    hole, *_, outer = scenes.border_loops(bm)
+    scenes.select(bm, edges=border_edges(bm, outer, 5))
+    scenes.select_rim(bm, hole)
+    assert smooth() == {"FINISHED"} and borders(ob) == [80]
+    assert "1 not filled: The selection has only 5 of the border's 80 edges" in capfd.readouterr().out
+
+
+def test_a_vertex_of_an_outer_border_does_not_close_it():
+    ob = sheet_with_holes((0, 0))
+    (bm,) = scenes.edit(ob)
+    scenes.select(bm, scenes.border_loops(bm)[-1][:1])
+    with pytest.raises(RuntimeError, match="only an outer border"):
+        smooth()
+    assert borders(ob)[-1] == 80
+
+
 @pytest.mark.parametrize("selected", [False, True])
 def test_of_several_objects_one_without_a_hole_keeps_its_outer_border(selected):
     holed, whole = sheet_with_holes((0, 0)), sheet_with_holes()
@@ -626,7 +675,7 @@ def test_a_sheet_without_a_hole_is_not_closed_onto_itself(selected, bent):
     scenes.edit(ob)
     bpy.ops.mesh.select_all(action="SELECT" if selected else "DESELECT")
     before = len(ob.data.polygons)
-    with pytest.raises(RuntimeError, match="no hole but its outer border"):
+    with pytest.raises(RuntimeError, match="no hole here, only an outer border"):
         smooth()
     assert len(bmesh.from_edit_mesh(ob.data).faces) == before
     bpy.ops.mesh.select_all(action="DESELECT")

@@ -263,3 +263,12 @@ def sheet(w, name, finer=False, whole=False):
     if finer:
         bmesh.ops.subdivide_edges(bm, edges=bm.edges, cuts=1, use_grid_fill=True)
     return _edit(w, _add(name, bm), lambda e: max(map(abs, e.verts[0].co.xy)) < 1)
+
+
+def ball(w):
+    """A smooth ball of quads with a hole, in edit mode with its rim selected."""
+    bm = bmesh.new()
+    bmesh.ops.create_uvsphere(bm, u_segments=32, v_segments=16, radius=1)
+    there = Vector((0.55, -0.65, 0.45))
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if (f.calc_center_median() - there).length < 0.45], context="FACES")
+    return _edit(w, _add("Ball", bm), lambda e: True)

@@ -7,7 +7,7 @@ import threading
 import bmesh
 import bpy
 import numpy as np
-from hands import clear, counts, last_operator, mesh, positions, rounded_corner, sheet
+from hands import ball, clear, counts, last_operator, mesh, positions, rounded_corner, sheet
 from mathutils import Vector
 
 ADDON = "tripatch_blender"
@@ -182,6 +182,26 @@ def undo_and_redo(w):
     yield
     assert counts() == filled and positions() == surface, "redone"
     yield from w.picture("redone")
+
+
+def shaded_at_once(w):
+    """In edit mode, right after the fill, a ball is shaded as when the mode has changed."""
+    ball(w)
+    with w.override():
+        w.area().spaces.active.overlay.show_edges = False
+        w.area().spaces.active.overlay.show_faces = False
+    yield
+    yield from _fill_by_key(w)
+    assert counts()[1] == 0
+    stored = [v.normal.copy() for v in mesh().verts]
+    at_once = yield from w.picture("ball-right-after-the-fill")
+    for mode in ("OBJECT", "EDIT"):
+        with w.override():
+            bpy.ops.object.mode_set(mode=mode)
+        yield
+    after = yield from w.picture("ball-after-the-mode-changed")
+    assert max(a.angle(v.normal) for a, v in zip(stored, mesh().verts, strict=True)) < 1e-3
+    assert np.abs(w.view_of(at_once) - w.view_of(after)).max() < 0.02, "the same shading"
 
 
 def search(w):
@@ -744,6 +764,7 @@ ALL = [
     panel_of_triangles,
     output_for_every_mesh,
     undo_and_redo,
+    shaded_at_once,
     search,
     context_menu,
     refusal_and_correction,

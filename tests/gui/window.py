@@ -2,6 +2,7 @@
 leaves pictures in the folder; one that fails does not hinder the others."""
 
 import os
+import site
 import sys
 import traceback
 from pathlib import Path
@@ -24,7 +25,10 @@ def enable_addon():
     if archive:
         bpy.ops.preferences.addon_install(filepath=archive, overwrite=True)
     else:
-        sys.path[:0] = [str(HERE.parents[1] / "native" / "python"), str(HERE.parents[1] / "addon")]
+        root = HERE.parents[1]
+        sys.path[:0] = [os.environ.get("TRIPATCH_PACKAGES") or str(root / "native" / "python"), str(root / "addon")]
+        for folder in (root / "build" / "env" / "dev").glob("lib/python3.*/site-packages"):
+            site.addsitedir(str(folder))  # what pip install -e . made there finds the compiled module
     assert addon_utils.enable(scenarios.ADDON), "the add-on could not be enabled"
 
 
