@@ -108,6 +108,19 @@ def test_a_region_of_a_sphere_is_replaced_by_a_sphere(n, rings):
     assert fill.report.surroundings_moved_rms < 4e-4 * diameter
 
 
+@pytest.mark.parametrize("scale", [(1, 1, 1), (1.5, 1.2, 0.9)])
+@pytest.mark.parametrize("n", [6, 8, 12])
+def test_an_octant_that_is_replaced_lies_as_near_as_one_that_was_deleted(n, scale):
+    vertices, faces, left, gone, where, diameter = limit_on_sphere(n, n // 2)
+    replaced, deleted = (
+        tripatch.fill(vertices * scale, mesh, rim=where["rim"], output="cage", **options)
+        for mesh, options in ((faces, {"replaced": gone}), (left, {}))
+    )
+    off = [np.abs(np.linalg.norm(fill.limit(3)[0] / scale, axis=1) - 1) for fill in (replaced, deleted)]
+    assert off[0].max() <= off[1].max() + 1e-6 * diameter
+    assert np.sqrt(np.mean(off[0] ** 2)) <= np.sqrt(np.mean(off[1] ** 2)) + 1e-6 * diameter
+
+
 @pytest.mark.parametrize("option", [{"fairing": "third_derivative"}, {"fairing": None}, {"tension": 0.2}, {"bulge": 1.4}])
 def test_a_cage_takes_the_shape_that_is_asked_of_the_patch(option):
     vertices, _, left, _, rim = open_corner()

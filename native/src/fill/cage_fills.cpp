@@ -74,7 +74,7 @@ enum class OnMeshWhere { nowhere, likelier, run_off, everywhere, untangled };
 bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
   if (hole.given || options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
     return false;
-  const std::optional<Points> points = cage_in_rows(ground, cage.laid_out(0));
+  const std::optional<Points> points = cage_in_rows(ground, cage.laid_out(0), options.replaced);
   if (points) cage.place(*points);
   return points.has_value();
 }

@@ -48,10 +48,12 @@ std::optional<Points> as_laid_out(const Fill& block, const CageHole& laid_out) {
   return points;
 }
 
-bool surface_tells_more(const Ground& ground, const Fill& rows) {
+bool surface_tells_more(const Ground& ground, const Fill& rows, const std::vector<Index>& replaced) {
   if (are_sure(ground.mesh, rows)) return false;
   try {
-    return !rows_are_nearer(ground.mesh, rows, fill_any_rim(ground, rows.rim, {}, FillOptions(), ""));
+    FillOptions triangles;
+    triangles.replaced = replaced;
+    return !rows_are_nearer(ground.mesh, rows, fill_any_rim(ground, rows.rim, {}, triangles, ""));
   } catch (const Refusal&) {
     return false;
   }
@@ -59,7 +61,7 @@ bool surface_tells_more(const Ground& ground, const Fill& rows) {
 
 }  // namespace
 
-std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out) {
+std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out, const std::vector<Index>& replaced) {
   const std::vector<Index>& rim = laid_out.hole.rim;
   const Index known = ground.mesh.vertices.rows();
   // no row goes on at the middle of an edge that the cage splits, and the mesh has no such vertex
@@ -70,7 +72,7 @@ std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_ou
                                               : fill_with_rows_over(ground, rim, laid_out.layout, Output::quads, false);
     if (!fill || !is_harmless(fill->report)) return {};
     std::optional<Points> points = is_block ? as_laid_out(*fill, laid_out) : fill->vertices;
-    return points && surface_tells_more(ground, *fill) ? std::nullopt : std::move(points);
+    return points && surface_tells_more(ground, *fill, replaced) ? std::nullopt : std::move(points);
   } catch (const Refusal&) {  // another way may be open
     return {};
   }

@@ -9,7 +9,7 @@
 namespace tripatch {
 
 /// Places of the vertices inside a layout that is such rows, in its order: what continues the cage's own points continues the limit surface
-/// that they carry. None where rows do not go on in it, or where the surface around it tells more.
-std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out);
+/// that they carry. replaced: faces that count as not there. None where rows do not go on in it, or where the surface around it tells more.
+std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out, const std::vector<Index>& replaced);
 
 }  // namespace tripatch
