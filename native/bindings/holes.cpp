@@ -46,6 +46,17 @@ void bind_holes(py::module_& m) {
           }
           return listed(loops);
         });
+  m.def("_outer_borders", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::vector<std::vector<Index>> loops;
+    {
+      py::gil_scoped_release release;
+      for (Border& border : borders_of({points, faces}))
+        if (border.outer) loops.push_back(std::move(border.loop));
+    }
+    return listed(loops);
+  });
   m.attr("not_joined") = not_joined;
   m.def("_told_of_unjoined", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                                 const std::vector<std::vector<Index>>& rims) {

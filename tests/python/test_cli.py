@@ -74,7 +74,7 @@ def test_fills_the_only_hole(one, tmp_path, capsys):
     code, text, err = run(capsys, "fill", one, out, "--report", tmp_path / "r.json")
     assert (code, err) == (0, "")
     assert text.startswith("Filled 1 hole; seam within ")
-    assert text.endswith(" deg)\n")
+    assert text.endswith(" deg)\n1 outer border left open (18 edges); use --all --outer to fill it\n")
     assert out.read_bytes().startswith(one.read_bytes())
     assert [len(loop) for loop in borders(out)] == [18]  # the outer one
     (hole,) = json.loads((tmp_path / "r.json").read_text())["holes"]
@@ -187,16 +187,6 @@ def test_all_refused(tmp_path, capsys):
         code, text, err = run(capsys, "fill", path, out, "--method", "side_vertex", *more)
         assert (code, text) == (1, "")
         assert "Rim has 4 corners; select three" in err
-        assert not out.exists()
-
-
-def test_nothing_to_fill(tmp_path, capsys):
-    closed = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float), [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
-    path, out = write_obj(tmp_path / "in.obj", closed), tmp_path / "out.obj"
-    for more in ([], ["--all"]):
-        code, _, err = run(capsys, "fill", path, out, *more)
-        assert code == 1
-        assert "the mesh has no border" in err
         assert not out.exists()
 
 

@@ -9,8 +9,8 @@ from . import between
 from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch
 from .attributes import AttributeWeights, CutWeights, angles, attribute_weights, vertex_normals
 from .errors import Refusal
-from .filling import Fill, fill, fill_all
-from .holes import SURROUNDING_RINGS, choose_holes, find_corners, find_holes, is_outer_border
+from .filling import Fill, Fills, fill, fill_all
+from .holes import SURROUNDING_RINGS, choose_holes, find_corners, find_holes, is_outer_border, outer_borders
 from .options import METHODS, OPTIONS
 from .patches import blend, patch
 from .surfaces import (
@@ -35,6 +35,7 @@ __all__ = [
     "BezierTriangle",
     "CutWeights",
     "Fill",
+    "Fills",
     "NurbsSurface",
     "Option",
     "Patch",
@@ -55,6 +56,7 @@ __all__ = [
     "find_corners",
     "find_holes",
     "is_outer_border",
+    "outer_borders",
     "patch",
     "sides_from_normals",
     "smits_patch",

@@ -236,6 +236,7 @@ def choose_holes(
 def find_corners(
     vertices: ArrayLike, faces: Faces, rim: Sequence[int] | Indices, *, replaced: Sequence[int] = (), any_number: bool = False
 ) -> Indices: ...
+def outer_borders(vertices: ArrayLike, faces: Faces) -> list[Indices]: ...
 def is_outer_border(vertices: ArrayLike, faces: Faces, rim: Sequence[int] | Indices, *, of_sheet: bool = False) -> bool: ...
 def fill(
     vertices: ArrayLike,
@@ -272,6 +273,10 @@ def fill(
     replaced: Sequence[int] | Indices = (),
     # end
 ) -> Fill: ...
+
+class Fills(list[Fill | Refusal]):
+    outer_borders: list[Indices]
+
 def fill_all(
     vertices: ArrayLike,
     faces: Faces,
@@ -308,7 +313,7 @@ def fill_all(
     corner_count: tuple[int, int] | None = None,
     outer: bool = False,
     # end
-) -> list[Fill | Refusal]: ...
+) -> Fills: ...
 def patch(
     sides: Sequence[Side],
     method: str = "auto",

@@ -25,8 +25,8 @@ Fills a hole of the mesh in IN and writes the mesh with the fill to OUT; with --
 OBJ, OFF, PLY and STL files keep everything that is in them; VTK and other files go through meshio. Vertices are counted
 from 0, in the order of the file (STL: of their first use)."""
 _EXIT = """\
-exit status: 0 all filled; 3 some were refused or fold more than their rims do (OUT is written); 1 nothing to fill or all
-refused (the reason on stderr, OUT is not written); 2 bad usage, unreadable input or output that cannot be
+exit status: 0 all filled, or nothing to fill (OUT is a copy); 3 some were refused or fold more than their rims do (OUT is
+written); 1 nothing was filled (the reason on stderr, OUT is not written); 2 bad usage, unreadable input or output that cannot be
 written; 130 interrupted"""
 
 #: The options of `tripatch.fill`; but the faces of a file stay.
@@ -94,7 +94,7 @@ def _said(rim: Sequence[int] | None, result: Any) -> tuple[int, list[str]]:
     return int(min(result.rim)), result.report.warnings
 
 
-def _write_report(path: Path, holes: list[Any]) -> None:
+def _write_report(path: Path, holes: list[Any], left: Sequence[Any]) -> None:
     entries = []
     for rim, result in holes:
         if isinstance(result, tripatch.Refusal):
@@ -104,7 +104,8 @@ def _write_report(path: Path, holes: list[Any]) -> None:
             if len(result.creases[0]):
                 added["creases"] = result.creases[0]
             entries.append({**added, **result.report.as_dict()})
-    text = json.dumps({"holes": plain(entries)}, indent=2) + "\n"
+    borders = [{"code": "outer_border_left_open", "edges": len(loop), "rim": loop} for loop in left]
+    text = json.dumps({"holes": plain(entries), "outer_borders": plain(borders)}, indent=2) + "\n"
 
     def save(part: Path) -> None:
         part.write_text(text)
@@ -126,6 +127,25 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
     return options
 
 
+def _left_open(args: argparse.Namespace, left: Sequence[Any]) -> str:
+    return words.left_open([len(loop) for loop in left], "use --outer" if args.all else "use --all --outer")
+
+
+def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
+    out.write(args.out)
+    if args.out.suffix.lower() != args.input.suffix.lower():
+        _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
+
+
+def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any]) -> int:
+    """OUT is written as it is read: the mesh has no hole."""
+    if args.report:
+        _write_report(args.report, [], left)
+    _write(args, out)
+    print(f"Nothing to fill: {_left_open(args, left) or 'the mesh has no border'}")
+    return FILLED
+
+
 def _fill(args: argparse.Namespace) -> int:
     options = _options(args)
     choosing = {name: options.pop(name) for name in list(options) if "choose_holes" in OPTIONS[name].functions}
@@ -138,13 +158,17 @@ def _fill(args: argparse.Namespace) -> int:
         out = out.with_deviation()
 
     holes: list[tuple[Any, ...]] = []
+    named = bool(options.keys() & {"rim", "corners"}) and not args.all
+    borders = [] if named else tripatch.find_holes(mesh.faces)
+    left = tripatch.outer_borders(mesh.vertices, mesh.faces) if borders and not choosing.get("outer") else []
+    if not named and len(left) == len(borders):
+        return _copied(args, out, left)
     if args.all:
         rims = tripatch.choose_holes(mesh.vertices, mesh.faces, **choosing)
         results = tripatch.fill_all(mesh.vertices, mesh.faces, rims, progress=_progress, **options)
         holes = list(zip(rims, results, strict=True))
         if not holes:
-            borders = tripatch.find_holes(mesh.faces)
-            _say(f"Nothing to fill: {'no hole is as it was asked for' if borders else 'the mesh has no border'}")
+            _say("Nothing to fill: no hole is as it was asked for")
     else:
         try:
             holes = [(options.get("rim"), tripatch.fill(mesh.vertices, mesh.faces, **options))]
@@ -157,7 +181,7 @@ def _fill(args: argparse.Namespace) -> int:
         more = len(refused) - MOST_TOLD
         _say(f"{more} more {'hole was' if more == 1 else 'holes were'} refused; --report FILE.json names each")
     if args.report:
-        _write_report(args.report, holes)
+        _write_report(args.report, holes, left)
 
     fills: list[tripatch.Fill] = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
     if not fills:
@@ -174,14 +198,14 @@ def _fill(args: argparse.Namespace) -> int:
     unknown = sum(fill.deviation is None for fill in fills) if args.deviation else 0
     if unknown:
         _say(f"How well it is known cannot be told of {unknown} of {len(fills)} fills, the deviation there is -1")
-    out.write(args.out)
-    if not same_format:
-        _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
+    _write(args, out)
     cage_rim = options.get("cage_rim", "smooth") if options.get("output") == "cage" else ""
     limit, faces = options.get("surroundings") == "limit", [face for fill in fills for face in fill.faces]
     triangles = sum(len(face) == 3 for face in faces) if options.get("output") == "quads" else 0
     reports = [fill.report for fill in fills]
     print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit))
+    if left:
+        print(_left_open(args, left))
     folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
     if folded:
         _say(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -84,6 +84,18 @@ class Fill:
         )
 
 
+class Fills(list["Fill | Refusal"]):
+    """What `fill_all` makes: a list of a `Fill` or a `Refusal` for each hole.
+
+    Attributes:
+        outer_borders: the border loops that were left open as outer ones; none where rims are named.
+    """
+
+    def __init__(self, results: Iterable[Fill | Refusal] = (), outer_borders: Sequence[Array] = ()) -> None:
+        super().__init__(results)
+        self.outer_borders = list(outer_borders)
+
+
 def _limit_of_cage(
     fill: Fill, vertices: Array, offsets: Array, corners: Array, replaced: Any, settings: Any, others: Any, level: int
 ) -> tuple[Array, Array]:
@@ -147,7 +159,7 @@ def fill_all(
     corners: Any = None,
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
-) -> list[Fill | Refusal]:
+) -> Fills:
     """Fills several holes of one mesh. The options are those of `fill`. Cages whose surroundings overlap are fitted together.
 
     Args:
@@ -162,7 +174,7 @@ def fill_all(
 
     Returns:
         A `Fill` or a `Refusal` for each rim, in their order. A refusal of one does not stop the others. Every fill counts its
-        new vertices from n on its own.
+        new vertices from n on its own. Its `outer_borders` are the border loops left open as outer ones.
     """
     given = checked("fill_all", options)
     v, offsets, face_corners = _arrays.mesh(vertices, faces)
@@ -182,4 +194,5 @@ def fill_all(
         cage = (v, offsets, face_corners, given["replaced"], given["subdivision"], together)
     fills = [r if isinstance(r, Refusal) else Fill(r, cage) for r in results]
     together += [f for f in fills if isinstance(f, Fill)]
-    return fills
+    left = rims is None and not given["outer"]
+    return Fills(fills, _native._outer_borders(v, offsets, face_corners) if left else ())

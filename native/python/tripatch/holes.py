@@ -46,6 +46,22 @@ def choose_holes(vertices: ArrayLike, faces: Faces, **options: Any) -> list[Arra
     return _native._choose_holes(*_arrays.mesh(vertices, faces), given)
 
 
+def outer_borders(vertices: ArrayLike, faces: Faces) -> list[Array]:
+    """The border loops that `fill` and `fill_all` leave open unless they are named or `outer` is given.
+
+    A border is an outer one if it turns the other way than a hole as a whole, and no border of its connected component is longer.
+    If all borders of a mesh are such, only those of sheets are, which their fills would cover.
+
+    Args:
+        vertices: (n, 3) positions.
+        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+
+    Returns:
+        An int array for each loop, as `find_holes` has it.
+    """
+    return _native._outer_borders(*_arrays.mesh(vertices, faces))
+
+
 def find_corners(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, replaced: Any = (), any_number: bool = False) -> Array:
     """The corners of a rim, detected as `fill` does: where the rim turns, read in the tangent plane of the faces around.
 
@@ -70,9 +86,7 @@ def find_corners(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, replaced:
 
 
 def is_outer_border(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, of_sheet: bool = False) -> bool:
-    """Whether a border loop is the outer border of an open mesh and no hole: as a whole it turns the other way.
-
-    Without a rim `fill` leaves such borders out, unless the mesh has no other.
+    """Whether a border loop turns the other way than a hole as a whole. `outer_borders` finds those that are left open.
 
     Args:
         vertices: (n, 3) positions.

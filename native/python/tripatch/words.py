@@ -71,6 +71,28 @@ def filled(
     return "; ".join(said)
 
 
+def counted(number: int, word: str) -> str:
+    """'1 hole' or '2 holes'."""
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def left_open(edges: Sequence[int], advice: str = "") -> str:
+    """'2 outer borders left open (200 and 310 edges); use --outer to fill them'; of none nothing.
+
+    Args:
+        edges: how many each of them has.
+        advice: what fills them, in the words of an interface.
+    """
+    if not edges:
+        return ""
+    *others, last = map(str, sorted(edges))
+    sizes = f"{', '.join(others)} and {last}" if others else last
+    if len(edges) > 4:
+        sizes = f"{min(edges)} to {max(edges)}"
+    said = f"{counted(len(edges), 'outer border')} left open ({sizes} edges)"
+    return f"{said}; {advice} to fill {'it' if len(edges) == 1 else 'them'}" if advice else said
+
+
 def _vertices(where: Sequence[int]) -> str:
     """'vertex 4', or 'vertices 4, 19'; the first few of many."""
     names = ", ".join(map(str, where[:8])) + ", ..." * (len(where) > 8)

@@ -46,17 +46,19 @@ std::vector<Index> loop_through(const Ground& ground, const std::vector<Index>& 
 std::vector<Index> only_hole(const Ground& ground) {
   std::vector<std::vector<Index>> loops;
   std::optional<Refusal> none;  // of the shortest
-  for (Border& border : borders_of(ground.mesh, ground.whole())) {
+  const std::vector<Border> borders = borders_of(ground.mesh, ground.whole());
+  for (const Border& border : borders) {
     if (border.outer) continue;
     try {
       check_topology(ground.left, border.loop);
-      loops.push_back(std::move(border.loop));
+      loops.push_back(border.loop);
     } catch (const Refusal& refusal) {
       if (!none) none = refusal;
     }
   }
   if (loops.size() == 1) return loops[0];
-  if (loops.empty()) throw none.value_or(Refusal("No hole: the mesh has no border"));
+  if (none && loops.empty()) throw *none;
+  if (loops.empty()) refuse_no_hole(borders);
   refuse_several(loops, "The mesh has " + std::to_string(loops.size()) + " holes", "choose one, or fill all");
 }
 

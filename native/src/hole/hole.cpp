@@ -67,9 +67,10 @@ Hole make_hole(const Mesh& mesh, const std::vector<Index>& rim, const std::optio
 
 Hole find_hole(const Mesh& mesh, const Connectivity& around) {
   std::vector<Loop> loops;
-  for (Border& border : borders_of(mesh, around))
-    if (!border.outer) loops.push_back(std::move(border.loop));
-  if (loops.empty()) throw Refusal("No hole: the mesh has no border");
+  const std::vector<Border> borders = borders_of(mesh, around);
+  for (const Border& border : borders)
+    if (!border.outer) loops.push_back(border.loop);
+  if (loops.empty()) refuse_no_hole(borders);
   std::vector<Hole> found;
   std::optional<Refusal> refusal;  // of the shortest
   for (const Loop& loop : loops) {

@@ -5,8 +5,10 @@
 #include <numbers>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/mesh/border_loops.h"
 
 namespace tripatch {
@@ -23,21 +25,64 @@ bool turns_less(double most, const Mesh& mesh, const Connectivity& around, const
   return std::accumulate(turn.begin(), turn.end(), 0.0) < most;
 }
 
-}  // namespace
-
-std::vector<char> outer_borders(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
-  std::vector<char> outer;
-  for (const std::vector<Index>& loop : loops) outer.push_back(turns_less(outer_turn, mesh, around, loop));
-  return outer;
+double length_of(const Mesh& mesh, const std::vector<Index>& loop) {
+  double length = 0;
+  for (std::size_t k = 0; k < loop.size(); ++k)
+    length += (mesh.vertices.row(loop[(k + 1) % loop.size()]) - mesh.vertices.row(loop[k])).stableNorm();
+  return length;
 }
 
+/// The faces at the edges of a loop.
+std::vector<Index> faces_along(const Connectivity& around, const std::vector<Index>& loop) {
+  std::vector<Index> faces;
+  for (std::size_t k = 0; k < loop.size(); ++k)
+    for (Index f : around.faces_at_edge(loop[k], loop[(k + 1) % loop.size()])) faces.push_back(f);
+  return faces;
+}
+
+/// Whether each border is the longest of every connected component at it. Of equally long ones all are.
+std::vector<char> longest_of_components(const Mesh& mesh, const Connectivity& around, const std::vector<Border>& borders) {
+  const std::vector<Index> component = components_of(around);
+  std::vector<double> longest(component.size(), 0), length;
+  for (const Border& border : borders) {
+    length.push_back(length_of(mesh, border.loop));
+    for (Index f : faces_along(around, border.loop)) longest[component[f]] = std::max(longest[component[f]], length.back());
+  }
+  std::vector<char> is_longest;
+  for (std::size_t k = 0; k < borders.size(); ++k) {
+    const std::vector<Index> faces = faces_along(around, borders[k].loop);
+    is_longest.push_back(std::ranges::none_of(faces, [&](Index f) { return clearly_more(longest[component[f]], length[k]); }));
+  }
+  return is_longest;
+}
+
+/// Whether a border would be covered by what fills it: that of a sheet of several faces.
+bool is_of_sheet(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& loop) {
+  const std::vector<Index> faces = faces_along(around, loop);
+  return turns_less(sheet_turn, mesh, around, loop) && std::ranges::any_of(faces, [&](Index f) { return f != faces[0]; });
+}
+
+}  // namespace
+
 std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around) {
-  const std::vector<std::vector<Index>> loops = border_loops(around);
-  std::vector<char> outer = outer_borders(mesh, around, loops);
-  if (std::find(outer.begin(), outer.end(), 0) == outer.end()) outer.assign(loops.size(), 0);  // the mesh has no other
   std::vector<Border> borders;
-  for (std::size_t k = 0; k < loops.size(); ++k) borders.push_back({loops[k], outer[k] != 0, diameter(mesh, loops[k])});
+  for (std::vector<Index>& loop : border_loops(around)) {
+    const bool outer = turns_less(outer_turn, mesh, around, loop);
+    const double size = diameter(mesh, loop);
+    borders.push_back({std::move(loop), outer, size});
+  }
+  if (std::ranges::any_of(borders, &Border::outer)) {
+    const std::vector<char> longest = longest_of_components(mesh, around, borders);
+    for (std::size_t k = 0; k < borders.size(); ++k) borders[k].outer &= longest[k] != 0;
+  }
+  if (std::ranges::all_of(borders, &Border::outer))  // the mesh has no other
+    for (Border& border : borders) border.outer = is_of_sheet(mesh, around, border.loop);
   return borders;
+}
+
+void refuse_no_hole(const std::vector<Border>& borders) {
+  if (borders.empty()) throw Refusal("No hole: the mesh has no border");
+  throw Refusal("No hole: the mesh has only outer borders. Name one as the rim to fill it", borders.back().loop);
 }
 
 std::vector<Border> borders_of(const Mesh& mesh) { return borders_of(mesh, Connectivity(mesh)); }

@@ -14,12 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__, _native, arguments
+from .. import __version__, _native, arguments, words
 from ..filling import fill_all
 from ..holes import choose_holes
+from ..words import counted
 from . import emit, inputs, journal, pictures, record, scheduling, serial
 from .in_words import given
-from .progress import Progress, counted
+from .progress import Progress
 from .settings import BATCH_OPTIONS, FILL, LIST, Settings
 
 DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
@@ -32,7 +33,7 @@ stopped: what is done is known by its content, the options and the version.
 
 FOLDER/{journal.LINES} has a JSON line for each file and each hole, FOLDER/{journal.SHEET} shows the worst seams."""
 _EPILOG = """\
-exit status: 0 every file is filled or has no hole; 3 some holes were refused, or some files failed; 1 nothing was filled;
+exit status: 0 every file is filled or has no hole; 3 some holes were refused, or some files failed; 1 no hole was filled;
 2 bad usage; 130 stopped by Ctrl-C. With --range 0 whenever the portion was gone through"""
 
 
@@ -205,7 +206,24 @@ def _listing(entries: Sequence[dict[str, Any]]) -> int:
             print(f"{head['input']}: {ob}{place if hole['vertex'] is not None else ''}: {what}")
     said = [f"{counted(meant, 'hole')} in {counted(len(entries), 'file')} would be filled"]
     print("; ".join(said + _of_unjoined([entry["lines"][0] for entry in entries])))
-    return DONE if meant else NOTHING
+    _tell_left_open(entries)
+    return NOTHING if _filters_leave_all(entries) else DONE
+
+
+def _lines_of_holes(entries: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [line for entry in entries for line in entry["lines"][1:]]
+
+
+def _tell_left_open(entries: Sequence[dict[str, Any]]) -> None:
+    edges = [line["edges"] for line in _lines_of_holes(entries) if line["outer"]]
+    if edges:
+        print(words.left_open(edges, "use --outer"))
+
+
+def _filters_leave_all(entries: Sequence[dict[str, Any]]) -> bool:
+    """Whether nothing was filled that was asked for."""
+    holes = [line["status"] for line in _lines_of_holes(entries) if not line["outer"]]
+    return record.LEFT in holes and not {record.FILLED, record.LISTED} & set(holes)
 
 
 def _summary(entries: Sequence[dict[str, Any]]) -> str:
@@ -231,6 +249,7 @@ def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: 
     out = Path(settings.out)
     lines = journal.write_lines(out, entries)
     print(_summary(entries))
+    _tell_left_open(entries)
     print(f"Every file and hole: {lines}")
     total = sum(line["status"] == record.FILLED for entry in entries for line in entry["lines"][1:])
     if args.worst and total:
@@ -241,7 +260,7 @@ def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: 
             _say(pictures.NEEDED)
     heads = [entry["lines"][0]["status"] for entry in entries]
     if all(status in (record.FILLED, record.NOTHING) for status in heads):
-        return DONE if record.FILLED in heads else NOTHING
+        return NOTHING if _filters_leave_all(entries) else DONE
     return SOME if total else NOTHING
 
 

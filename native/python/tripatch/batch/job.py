@@ -20,6 +20,9 @@ from . import creases, crops, record
 from .settings import CROP, FILL, LIST, Settings
 
 
+OUTER = "An outer border of an open mesh, and no hole; --outer takes these too"
+
+
 def sha256_of(path: Path) -> str | None:
     """Of a file's content; None where there is none."""
     try:
@@ -113,7 +116,7 @@ def _left(vertices: Array, faces: Any, loops: list[Any], settings: Settings) -> 
             if int(loop[0]) not in chosen:
                 reasons.setdefault(int(loop[0]), said)
     for loop in loops:
-        reasons.setdefault(int(loop[0]), "An outer border of an open mesh, and no hole; --outer takes these too")
+        reasons.setdefault(int(loop[0]), OUTER)
     unjoined = _unjoined(vertices, faces, loops)
     return {first: f"{said}. {unjoined[first]}" if unjoined[first] else said for first, said in reasons.items()}
 
@@ -153,7 +156,8 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
         if refused is not None:
             line = record.of_hole(settings, name, refused, **place)
         elif first not in meant:
-            line = record.of_hole(settings, name, **place, status=record.LEFT, reason=reasons[first])
+            outer = reasons[first].startswith(OUTER)
+            line = record.of_hole(settings, name, **place, outer=outer, status=record.LEFT, reason=reasons[first])
         elif settings.mode == LIST:
             line = record.of_hole(settings, name, **place, status=record.LISTED, reason=unjoined[first] or None)
         else:

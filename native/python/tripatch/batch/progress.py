@@ -7,6 +7,7 @@ import sys
 import time
 from typing import Any
 
+from ..words import counted
 from . import record
 
 #: Seconds between two looks at a bar, and between two plain lines.
@@ -21,11 +22,6 @@ def duration(seconds: float) -> str:
     if whole >= 3600:
         return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
     return f"{whole // 60} min {whole % 60:02d} s" if whole >= 60 else f"{whole} s"
-
-
-def counted(number: int, word: str) -> str:
-    """'1 hole' or '2 holes'."""
-    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 class Progress:

@@ -65,6 +65,7 @@ _OF_CAGES = ("cage_deviation_max", "surroundings_moved_max")
 _HOLE = {
     "object": None,
     "hole": None,
+    "outer": False,
     "vertex": None,
     "edges": None,
     "diameter": None,
