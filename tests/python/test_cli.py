@@ -461,7 +461,7 @@ def test_a_seam_that_is_filled_as_a_hole_is_told(tmp_path, capsys):
     vertices, faces = sphere_hole()
     half = [v + len(vertices) * (k % 36 < 18) for k, face in enumerate(faces) for v in face]  # three of six sectors
     path = write_obj(tmp_path / "in.obj", (np.concatenate([vertices, vertices]), np.reshape(half, (-1, 3))))
-    assert cli.main(["fill", str(path), str(tmp_path / "out.obj"), "--all"]) == 0
+    assert cli.main(["fill", str(path), str(tmp_path / "out.obj"), "--all", "--outer"]) == 0
     assert "lie upon other borders: faces meet there without being joined" in capsys.readouterr().err
 
 

@@ -103,11 +103,12 @@ def test_obj_line_ends_and_a_missing_last_one(tmp_path):
     assert reread(out, "b.obj", tmp_path).faces[-1] == [7, 4, 8]
 
 
-def test_obj_vertex_colors_come_from_the_rim(tmp_path):
+def test_obj_vertex_colors_are_blended(tmp_path):
     data = re.sub(rb"(?m)^(v 2 1 0)$", rb"\1 0.25 0.5 1", OBJ)
     data = re.sub(rb"(?m)^(v \d \d \d)$", rb"\1 1 1 1", data)
     out = filled(data, "a.obj", tmp_path, [fan([4, 5, 6, 7], 8, (1.9, 1.2, 0))])
-    assert b"\nv 1.9 1.2 0.0 0.25 0.5 1\n" in out
+    (red, green, blue) = re.search(rb"(?m)^v 1.9 1.2 0.0 (\S+) (\S+) (\S+)$", out).groups()
+    assert 0.25 < float(red) < 0.6 and 0.5 < float(green) < 0.8 and blue == b"1"  # vertex 5 is the nearest
 
 
 MOVED = fan([4, 5, 6, 7], 8, moved=[(5, (2.5, 1, 0.125)), (6, (2, -0.5, 1e-3))])
@@ -386,7 +387,7 @@ def test_off_colors_and_normals(tmp_path):
     data = b"CNOFF 8 4 0\r\n" + rows + b"".join(b"4 %d %d %d %d\n" % tuple(q) for q in QUADS)[:-1]
     out = filled(data, "a.off", tmp_path)
     assert b"CNOFF 9 8 0\r\n" in out  # edges were not counted
-    assert b"\n1.5 1.25 0.1 0.0 0.0 1.0 4 0 0 255\r\n" in out
+    assert b"\n1.5 1.25 0.1 0.0 0.0 1.0 5 0 0 255\r\n" in out  # 4 and 5 are the nearest, 6 and 7 the others
     assert len(reread(out, "b.off", tmp_path).faces) == 8
 
 
@@ -450,12 +451,12 @@ def test_ply_keeps_everything(form, index, triangles, tmp_path):
     o = "<" if "little" in form else ">"
     if form == "ascii":
         lines = body.splitlines()
-        expected = lines[:8] + [b"1.5 1.25 0.1 0.0 0.0 1.0 204 0.1"] + lines[8 : 8 + count]
+        expected = lines[:8] + [b"1.5 1.25 0.1 0.0 0.0 1.0 205 0.1"] + lines[8 : 8 + count]
         expected += [b"7 3 %d %d %d 0" % tuple(f) for f in fill.faces] + lines[8 + count :]
         assert new_body.splitlines() == expected
     else:
         cut = 8 * 33
-        vertex = struct.pack(o + "6fBd", 1.5, 1.25, 0.1, 0, 0, 1, 204, 0.1)
+        vertex = struct.pack(o + "6fBd", 1.5, 1.25, 0.1, 0, 0, 1, 205, 0.1)
         faces = b"".join(struct.pack(o + "BB3iB", 7, 3, *f, 0) for f in fill.faces)
         assert new_body == body[:cut] + vertex + body[cut:-8] + faces + body[-8:]
     again = reread(out, "b.ply", tmp_path)
@@ -507,7 +508,7 @@ def test_only_ply_files_say_how_well_vertices_are_known(tmp_path):
 def test_ply_index_type_too_small(tmp_path):
     data = ply("ascii").replace(b"list uchar int vertex", b"list uchar uchar vertex")
     fill = fan([4, 5, 6, 7], 8)
-    fill.faces = [[4, 5, 300]]
+    fill.faces, fill.vertices, fill.normals = [[4, 5, 300]], np.repeat(fill.vertices, 300, 0), np.repeat(fill.normals, 300, 0)
     with pytest.raises(FileError, match="new face rows need larger numbers"):
         filled(data, "a.ply", tmp_path, [fill])
 
@@ -569,7 +570,8 @@ def test_stl_errors(tmp_path):
     assert "no STL file" in refused(b"hello", "a.stl", tmp_path)
     assert "no STL file" in refused(stl_binary()[:-3], "a.stl", tmp_path)
     solid = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
-    assert "several solids" in refused(solid + solid, "a.stl", tmp_path)
+    assert "no 'endsolid'" in refused(solid.replace(b"endsolid", b""), "a.stl", tmp_path)
+    assert "no whole triangles" in refused(solid.replace(b"vertex 1 0 0", b""), "a.stl", tmp_path)
     assert "three numbers" in refused(solid.replace(b"vertex 1 0 0", b"vertex 1 a 0"), "a.stl", tmp_path)
 
 
@@ -598,7 +600,8 @@ def test_vtk_keeps_points_cells_and_data(version, binary, tmp_path):
     after = meshio.read(out)
     assert (after.points[:8] == FRAME).all()
     assert after.points.shape == (10, 3)
-    assert after.point_data["heat"].tolist() == [*range(8), 4, 4]
+    assert after.point_data["heat"][:8].tolist() == [*range(8)]
+    assert (np.abs(after.point_data["heat"][8:] - 5) < 0.2).all()  # 4 and 5 are the nearest
     assert after.point_data["Normals"][8:].tolist() == [[0, 0, 1], [0, 0, 1]]
     assert after.cells_dict["line"].tolist() == [[0, 1]]
     assert len(after.cells_dict["triangle"]) == 2 + 8

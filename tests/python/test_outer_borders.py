@@ -13,12 +13,12 @@ from tripatch import words
 
 
 def flanged_pipe(low, high):
-    """A pipe of radius 1 with a flange at each end; the first vertices are the border of the lower one, the last of the higher."""
+    """A pipe of radius 1 with a flange at each end: vertices from 0 on are the border of the lower one, from 144 of the other."""
     profile = [(low, 0), ((1 + low) / 2, 0), (1, 0), (1, 1), (1, 2), ((1 + high) / 2, 2), (high, 2)]
     angle = 2 * np.pi * np.arange(24) / 24
     vertices = np.concatenate([np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + z]) for r, z in profile])
-    rows = len(profile) - 1
-    faces = [[24 * j + k, 24 * j + (k + 1) % 24, 24 * j + 24 + (k + 1) % 24, 24 * j + 24 + k] for j in range(rows) for k in range(24)]
+    quads = [(24 * j + k, 24 * j + (k + 1) % 24) for j in range(len(profile) - 1) for k in range(24)]
+    faces = [[a, b, b + 24, a + 24] for a, b in quads]
     return vertices, faces
 
 
@@ -86,7 +86,9 @@ def test_the_command_line_copies_a_sheet_and_says_what_is_left_open(tmp_path, ca
     assert out.read_bytes() == path.read_bytes()
     told = json.loads(report.read_text())
     assert told["holes"] == []
-    assert [(each["code"], each["edges"], len(each["rim"])) for each in told["outer_borders"]] == [("outer_border_left_open", 16, 16)]
+    assert [(each["code"], each["edges"], len(each["rim"])) for each in told["outer_borders"]] == [
+        ("outer_border_left_open", 16, 16)
+    ]
 
 
 def test_a_closed_mesh_is_copied(tmp_path, capsys):

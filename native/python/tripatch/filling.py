@@ -91,6 +91,8 @@ class Fills(list["Fill | Refusal"]):
         outer_borders: the border loops that were left open as outer ones; none where rims are named.
     """
 
+    outer_borders: list[Array]
+
     def __init__(self, results: Iterable[Fill | Refusal] = (), outer_borders: Sequence[Array] = ()) -> None:
         super().__init__(results)
         self.outer_borders = list(outer_borders)

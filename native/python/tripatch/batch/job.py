@@ -19,7 +19,6 @@ from ..holes import choose_holes, find_holes
 from . import creases, crops, record
 from .settings import CROP, FILL, LIST, Settings
 
-
 OUTER = "An outer border of an open mesh, and no hole; --outer takes these too"
 
 

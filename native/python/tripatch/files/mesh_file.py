@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .._types import Array, ArrayLike
+from .._types import Array
+from .continued import Continued
 from .writing import FileError, write_over
 
 #: How well a vertex is known, one standard deviation in units of the mesh; called as Blender's attribute.
@@ -40,6 +42,7 @@ class MeshFile:
             face = int(np.searchsorted(np.cumsum(sizes), place, "right"))
             raise FileError(f"Face {face} names a vertex that does not exist; there are {len(vertices)}")
         self._sizes, self._corners = sizes, corners
+        self._by_vertex: tuple[Array, Array] | None = None
 
     def append(self, fill: Any) -> None:
         """Adds a `tripatch.Fill` of this mesh (one of several, in any order)."""
@@ -47,9 +50,9 @@ class MeshFile:
         faces = [[v if v < n else v + self._added for v in face] for face in fill.faces]
         for v, place in zip(*fill.moved):
             self._move(int(v), place)
-        self._append(fill, faces, self._near(fill), self._around(fill.rim))
+        self._append(fill, faces, Continued(self.vertices, self.faces, fill, self._look, self._faces_at))
         for k, ((a, b), t) in enumerate(zip(*fill.split_edges)):
-            for f in self._around([a, b]):
+            for f in set(self._faces_at(a)) & set(self._faces_at(b)):
                 face = self.faces[f]
                 for place, ends in enumerate(zip(face, face[1:] + face[:1])):
                     if set(ends) == {a, b}:
@@ -78,35 +81,22 @@ class MeshFile:
         """The file's own face f gets the new vertex v after its corner `place`, the part t of the way to the next."""
         raise NotImplementedError
 
-    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
-        """near: for each new vertex the rim vertex that it takes after; around: the faces at the rim."""
+    def _look(self, f: int) -> Hashable:
+        """What the file says of its own face f as a whole (material, group, ...): new faces have what a face beside them has."""
+        return None
+
+    def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
         raise NotImplementedError
 
     def _save(self, path: Path) -> None:
         raise NotImplementedError
 
-    def _near(self, fill: Any) -> Array:
-        rim = np.asarray(fill.rim, np.int64)
-        places = self.vertices[rim]
-        near = np.empty(len(fill.vertices), np.int64)
-        for start in range(0, len(near), 1024):
-            block = fill.vertices[start : start + 1024]
-            with np.errstate(over="ignore"):
-                near[start : start + 1024] = rim[((block[:, None] - places) ** 2).sum(axis=2).argmin(axis=1)]
-        return near
-
-    def _around(self, rim: ArrayLike) -> Array:
-        rim = np.asarray(rim, np.int64)
-        n = len(self.vertices)
-
-        def keys(a: ArrayLike, b: ArrayLike) -> Any:
-            return np.minimum(a, b) * n + np.maximum(a, b)
-
-        following = np.roll(self._corners, -1)
-        ends = np.cumsum(self._sizes)
-        following[ends - 1] = self._corners[ends - self._sizes]
-        near = np.zeros(n, bool)  # of a large mesh few edges need be looked for
-        near[rim] = True
-        places = np.nonzero(near[self._corners] & near[following])[0]
-        at_rim = np.isin(keys(self._corners[places], following[places]), keys(rim, np.roll(rim, -1)))
-        return np.unique(np.searchsorted(ends, places[at_rim], "right"))
+    def _faces_at(self, v: int) -> list[int]:
+        """The file's own faces at its own vertex v."""
+        if self._by_vertex is None:
+            order = np.argsort(self._corners, kind="stable")
+            starts = np.searchsorted(self._corners[order], np.arange(len(self.vertices) + 1))
+            self._by_vertex = starts, np.repeat(np.arange(len(self.faces)), self._sizes)[order]
+        starts, faces = self._by_vertex
+        found: list[int] = faces[starts[v] : starts[v + 1]].tolist()
+        return found

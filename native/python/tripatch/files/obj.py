@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +12,15 @@ import numpy as np
 
 from .._types import Array
 from . import writing
+from .continued import Continued
 from .mesh_file import MeshFile
 from .writing import FileError
 
 _OBJ_STATE = (b"o", b"g", b"usemtl", b"s")
+
+
+def _corner(v: int, texture: int, normal: int) -> bytes:
+    return b"/".join(b"%d" % x if x else b"" for x in (v, texture, normal)).rstrip(b"/")
 
 
 class ObjFile(MeshFile):
@@ -62,7 +67,7 @@ class ObjFile(MeshFile):
                     self._normals += 1
                 elif keyword == b"vt":
                     self._textures.append(words[1:])
-                elif keyword == b"f":
+                elif keyword in (b"f", b"fo"):  # the older name
                     if b"#" in line:
                         words = line.split(b"#")[0].split()
                     face = [int(word.partition(b"/")[0]) for word in words[1:]]
@@ -99,22 +104,53 @@ class ObjFile(MeshFile):
         """Of lines, as it is by now."""
         return self._replaced[start][1] if start in self._replaced else self._data[self._starts[start] : self._starts[end]]
 
-    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
+    def _look(self, f: int) -> Hashable:
+        return self._state_of[f]
+
+    def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
         new = self._new
-        like = self._states[writing.most(self._state_of[f] for f in around)] if len(around) else {}
-        for point, v in zip(fill.vertices, near):
-            new.append(b" ".join([b"v", writing.numbers(point), *self._extras[v]]))
+        for point, words in zip(fill.vertices, continued.words(self._extras.__getitem__)):
+            new.append(b" ".join([b"v", writing.numbers(point), *words]))
         normal_of = {}
         if self._with_normals:
             first = len(self.vertices) + self._added
             corners = [*map(int, fill.rim), *range(first, first + len(fill.vertices))]
             for v, normal in zip(corners, np.concatenate([fill.rim_normals, fill.normals])):
                 self._normals += 1
-                normal_of[v] = b"//%d" % self._normals
+                normal_of[v] = self._normals
                 new.append(b"vn " + writing.numbers(normal))
-        self._go_under(like)
-        for face in faces:
-            new.append(b"f " + b" ".join(b"%d" % (v + 1) + normal_of.get(v, b"") for v in face))
+        textures = self._new_textures(continued)
+        model = continued.model or [-1] * len(faces)
+        for k in sorted(range(len(faces)), key=lambda k: self._state_of[model[k]] if model[k] >= 0 else -1):
+            self._go_under(self._states[self._state_of[model[k]]] if model[k] >= 0 else {})
+            numbers = zip(faces[k], textures[k] if textures else [0] * len(faces[k]))
+            new.append(b"f " + b" ".join(_corner(v + 1, vt, normal_of.get(v, 0)) for v, vt in numbers))
+
+    def _new_textures(self, continued: Continued) -> list[list[int]]:
+        """Writes the texture coordinates of new faces. Returns for each face the numbers of its corners; none without any."""
+        values = continued.at_corners(self._texture_of) if self._textures else None
+        if values is None:
+            return []
+        numbers: dict[bytes, int] = {}
+        made = []
+        for face in values:
+            words = [writing.numbers(row) for row in face.tolist()]
+            for word in words:
+                if word not in numbers:
+                    self._textures.append(word.split())
+                    self._new.append(b"vt " + word)
+                    numbers[word] = len(self._textures)
+            made.append([numbers[word] for word in words])
+        return made
+
+    def _texture_of(self, f: int) -> Array | None:
+        """Those of the corners of a face; None where one has none, or they differ in kind."""
+        try:
+            rows = [self._textures[corner[1] - 1] for corner in self._corners_of(f) if corner[1] > 0]
+            values = np.array([[float(word) for word in row] for row in rows])
+        except (IndexError, ValueError):
+            return None
+        return values if values.ndim == 2 else None
 
     def _go_under(self, like: dict[bytes, bytes]) -> None:
         for keyword in _OBJ_STATE:
@@ -128,12 +164,7 @@ class ObjFile(MeshFile):
         # a face must not come before its vertices: it goes to the end, as it was
         if f not in self._changed:
             start, end = self._face_lines[2 * f : 2 * f + 2]
-            text = self._text(start, end)
-            words = re.sub(rb"\\\r?\n", b" ", text).split(b"#")[0].split()[1:]
-            corners = []
-            for word in words:
-                parts = [int(part) if part else 0 for part in word.split(b"/")]
-                corners.append([x if x >= 0 else x + n + 1 for x, n in zip(parts, self._counts[3 * f : 3 * f + 3])])
+            text, corners = self._text(start, end), self._corners_of(f)
             self._replaced[start] = end, text[text.index(b"#") :] if b"#" in text else b""
             self._go_under(self._states[self._state_of[f]])
             self._new.append(b"")
@@ -150,6 +181,17 @@ class ObjFile(MeshFile):
             at += 1
         corners.insert(place + 1, between)
         self._new[at] = b"f " + b" ".join(b"/".join(b"%d" % x if x else b"" for x in corner) for corner in corners)
+
+    def _corners_of(self, f: int) -> list[list[int]]:
+        """Of a face the numbers of each corner's vertex, texture coordinates and normal, from 1 on; 0 where there is none."""
+        if f in self._changed:
+            return self._changed[f][1]
+        start, end = self._face_lines[2 * f : 2 * f + 2]
+        corners = []
+        for word in re.sub(rb"\\\r?\n", b" ", self._text(start, end)).split(b"#")[0].split()[1:]:
+            parts = [int(part) if part else 0 for part in word.split(b"/")]
+            corners.append([x if x >= 0 else x + n + 1 for x, n in zip(parts, self._counts[3 * f : 3 * f + 3])])
+        return corners
 
     def _texture_between(self, first: int, second: int, t: float) -> list[bytes] | None:
         """None where one is not there or no numbers, or they differ in kind."""

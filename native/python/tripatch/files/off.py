@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from .._types import Array
 from . import writing
+from .continued import Continued
 from .mesh_file import MeshFile
 from .writing import FileError
 
@@ -81,14 +83,16 @@ class OffFile(MeshFile):
         text = text[: corner.end()] + b" %d" % v + text[corner.end() :]
         self._lines[self._face_lines[f]] = text[: size.start()] + b"%d" % (int(size[0]) + 1) + text[size.end() :]
 
-    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
-        for point, normal, v in zip(fill.vertices, fill.normals, near):
-            rest = self._vertex_rest[v]
+    def _look(self, f: int) -> Hashable:
+        return self._face_rest[f]
+
+    def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
+        for point, normal, rest in zip(fill.vertices, fill.normals, continued.words(self._vertex_rest.__getitem__)):
             if self._has_normals and len(rest) >= 3:
                 rest = [writing.numbers(normal), *rest[3:]]
             self._new_vertices.append(b" ".join([writing.numbers(point), *rest]))
-        like = writing.most(self._face_rest[f] for f in around) if len(around) else ()
-        for face in faces:
+        for k, face in enumerate(faces):
+            like = self._face_rest[continued.model[k]] if continued.model else ()
             self._new_faces.append(b" ".join([b"%d" % len(face), *(b"%d" % v for v in face), *like]))
         edges = {(min(a, b), max(a, b)) for face in faces for a, b in zip(face, face[1:] + face[:1])}
         self._new_edges += len(edges) - len(fill.rim)

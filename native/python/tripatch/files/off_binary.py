@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .._types import Array
-from . import writing
+from .continued import Continued
 from .mesh_file import MeshFile
 from .writing import FileError
 
@@ -81,16 +81,20 @@ class BinaryOffFile(MeshFile):
     def _split(self, f: int, place: int, v: int, t: float) -> None:
         self._face_rows[self._row_of[f]][0].insert(place + 1, v)
 
-    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
-        for point, normal, v in zip(fill.vertices, fill.normals, near):
-            row = self._vertex_rows[v].copy()
+    def _look(self, f: int) -> Hashable:
+        colors: bytes = self._face_rows[self._row_of[f]][1]
+        return colors
+
+    def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
+        rows = continued.at_vertices(lambda rim: self._vertex_rows[rim]).astype(self._vertex_rows.dtype)
+        for point, normal, row in zip(fill.vertices, fill.normals, rows):
             row[:3] = point
             if self._normals:
                 row[3:6] = normal
             self._new_vertices.append(row.tobytes())
         none = struct.pack(self._order + "i", 0) if self._colors else b""
-        colors = writing.most(self._face_rows[self._row_of[f]][1] for f in around) if len(around) else none
-        self._new_faces += [self._row(face, colors) for face in faces]
+        colors = [self._face_rows[self._row_of[f]][1] for f in continued.model] or [none] * len(faces)
+        self._new_faces += [self._row(*pair) for pair in zip(faces, colors)]
 
     def _save(self, path: Path) -> None:
         counts = (len(self._vertex_rows) + len(self._new_vertices), len(self._face_rows) + len(self._new_faces), self._edges)

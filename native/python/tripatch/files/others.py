@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .._types import Array
-from . import writing
+from .continued import Continued
 from .mesh_file import MeshFile
 from .writing import FileError
 
@@ -96,26 +97,31 @@ class MeshioFile(MeshFile):
             self._cell_of = [(b - (b > block), k) for b, k in self._cell_of]
         self._mesh = meshio.Mesh(mesh.points, cells, point_data=mesh.point_data, cell_data=data, field_data=mesh.field_data)
 
-    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
+    def _look(self, f: int) -> Hashable:
+        b, k = self._cell_of[f]
+        return tuple(np.asarray(values[b])[k].tobytes() for values in self._mesh.cell_data.values())
+
+    def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
         meshio, mesh = _meshio(self._suffix), self._mesh
         dtype = mesh.points.dtype if mesh.points.dtype.kind == "f" else float
         points = np.concatenate([mesh.points, np.asarray(fill.vertices, dtype)[:, : mesh.points.shape[1]]])
         point_data = {}
         for name, values in mesh.point_data.items():
-            new = values[near]
+            new = values[continued.near]
+            if values.dtype.kind == "f":
+                blended = continued.at_vertices(lambda rim, values=values: values[rim].reshape(len(rim), -1))  # type: ignore[misc]
+                new = blended.reshape(new.shape).astype(values.dtype)
             if name.lower() in ("normal", "normals") and new.shape == fill.normals.shape:
                 new = fill.normals.astype(values.dtype)
             point_data[name] = np.concatenate([values, new])
         blocks = self._blocks(faces)
         cell_data = {}
+        sizes = sorted({len(face) for face in faces})
         for name, values in mesh.cell_data.items():
-            like = None
-            if len(around):
-                rows = [np.asarray(values[b])[k] for b, k in (self._cell_of[f] for f in around)]
-                like = rows[[row.tobytes() for row in rows].index(writing.most(row.tobytes() for row in rows))]
-            else:
-                like = np.zeros_like(np.asarray(values[0])[0])
-            cell_data[name] = [*values, *(np.repeat(like[None], len(rows), axis=0) for _, rows in blocks)]
+            like = [np.asarray(values[b])[k] for b, k in (self._cell_of[f] for f in continued.model)]
+            like = like or [np.zeros_like(np.asarray(values[0])[0])] * len(faces)
+            new_data = [np.array([row for row, face in zip(like, faces) if len(face) == size]) for size in sizes]
+            cell_data[name] = [*values, *new_data]
         self._mesh = meshio.Mesh(
             points, [*mesh.cells, *blocks], point_data=point_data, cell_data=cell_data, field_data=mesh.field_data
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 import struct
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from .._types import Array
 from . import writing
+from .continued import Continued
 from .mesh_file import DEVIATION, NOT_KNOWN, MeshFile
 from .writing import FileError
 
@@ -33,6 +34,11 @@ _PLY_TYPES = {
     for name in names.split()
 }
 _PLY_NORMAL = ("nx", "ny", "nz")
+
+
+def _is_blended(name: str, kind: str) -> bool:
+    """Colors and what is measured; other whole numbers are names of something."""
+    return kind in "fd" or name in ("r", "g", "b", "a") or name.endswith(("red", "green", "blue", "alpha"))
 
 
 class _PlyElement:
@@ -153,6 +159,29 @@ class PlyFile(MeshFile):
 
     def _read_text(self) -> Any:
         self._lines = writing.lines(bytes(self._data[self._body :]))
+        try:
+            return self._text_columns()
+        except (FileError, ValueError, IndexError) as error:
+            try:
+                self._lines = self._a_line_for_each_row()
+            except (ValueError, IndexError):
+                raise error from None
+            return self._text_columns()
+
+    def _a_line_for_each_row(self) -> list[bytes]:
+        """The lines of a file that has several rows on one line, or one row on several."""
+        words, at, lines = bytes(self._data[self._body :]).split(), 0, []
+        for element in self._elements:
+            for _ in range(element.count):
+                start = at
+                for _, _, list_kind in element.properties:
+                    at += 1 + int(words[at]) if list_kind else 1
+                if not start <= at <= len(words):
+                    raise ValueError
+                lines.append(b" ".join(words[start:at]) + self._eol)
+        return lines
+
+    def _text_columns(self) -> Any:
         filled = [k for k, line in enumerate(self._lines) if line.strip()]
         columns: dict[str, Any] = {}
         first = 0
@@ -299,12 +328,41 @@ class PlyFile(MeshFile):
                 row[p] = values
         self._changed[k] = row
 
-    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
-        vertex, face = self._vertex, self._face
+    def _look(self, f: int) -> Hashable:
+        row = self._row(self._face, self._row_of[f])
+        return tuple(value for p, value in zip(self._face.properties, row) if not p[2])
+
+    def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
+        self._append_vertices(fill, continued)
+        face = self._face
+        like = [self._row(face, self._row_of[f]) for f in continued.model]
+        by_corner = {}  # such as texture coordinates
+        for p, (_, kind, list_kind) in enumerate(face.properties):
+            if list_kind and p != self._index and kind in "fd":
+                by_corner[p] = continued.at_corners(lambda f, p=p: self._by_corner(f, p))  # type: ignore[misc]
+        for k, corners in enumerate(faces):
+            row: list[Any] = [[] if p[2] else like[k][at] if like else 0 for at, p in enumerate(face.properties)]
+            for p, values in by_corner.items():
+                row[p] = values[k].ravel().tolist() if values else []
+            row[self._index] = corners
+            face.new.append(self._encode(face, row))
+
+    def _by_corner(self, f: int, p: int) -> Array | None:
+        """The values of a list of a face by its corners, if it has as many for each."""
+        size, values = len(self.faces[f]), self._row(self._face, self._row_of[f])[p]
+        return np.reshape(values, (size, -1)) if len(values) and len(values) % size == 0 else None
+
+    def _append_vertices(self, fill: Any, continued: Continued) -> None:
+        vertex = self._vertex
         normal = [vertex.index(c) for c in _PLY_NORMAL]
+        blended = [p for p, (name, kind, list_kind) in enumerate(vertex.properties) if not list_kind and _is_blended(name, kind)]
+        values = continued.at_vertices(lambda rim: np.array([[self._row(vertex, v)[p] for p in blended] for v in rim.tolist()]))
         told = itertools.repeat(NOT_KNOWN) if getattr(fill, DEVIATION, None) is None else fill.deviation
-        for point, direction, v, deviation in zip(fill.vertices, fill.normals, near, told):
+        rows = zip(fill.vertices, fill.normals, continued.near.tolist(), told, values.tolist())
+        for point, direction, v, deviation, own in rows:
             row = self._row(vertex, v)
+            for p, value in zip(blended, own):
+                row[p] = value if vertex.properties[p][1] in "fd" else round(value)
             for k, value in zip(self._xyz, point):
                 row[k] = float(value)
             for k, value in zip(normal, direction):
@@ -313,15 +371,6 @@ class PlyFile(MeshFile):
             if self._deviation_at >= 0:
                 row[self._deviation_at] = float(deviation)
             vertex.new.append(self._encode(vertex, row))
-        like: list[Any] = [[] if p[2] else 0 for p in face.properties]
-        if len(around):  # lists, such as texture coordinates by corner, are not what a neighbor can give
-            rows = (self._row(face, self._row_of[f]) for f in around)
-            plain: list[tuple[Any, ...]] = [tuple(() if p[2] else x for p, x in zip(face.properties, row)) for row in rows]
-            like = list(writing.most(plain))
-        for corners in faces:
-            row = list(like)
-            row[self._index] = corners
-            face.new.append(self._encode(face, row))
 
     def _save(self, path: Path) -> None:
         head, pieces = bytes(self._data[: self._body]), list[bytes]()

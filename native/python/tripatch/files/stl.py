@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from .._types import Array
 from . import writing
+from .continued import Continued
 from .mesh_file import MeshFile
 from .writing import FileError
 
@@ -27,22 +29,21 @@ class StlFile(MeshFile):
 
     def __init__(self, data: bytes) -> None:
         self._data = data
-        self._new: list[tuple[Array, Array]] = []  # normal, corners
+        self._new: list[tuple[Array, Array, int]] = []  # normal, corners, attribute or solid
+        self._ends: list[int] = []  # of a text: where its solids end
         count = int.from_bytes(data[80:84], "little")
-        self._binary = len(data) >= 84 and len(data) == 84 + 50 * count  # many binary files start with "solid", too
+        found = re.findall(rb"(?im)^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", data)
+        # many binary files start with "solid", too; some writers leave bytes behind the last triangle
+        self._binary = len(data) >= 84 and (len(data) == 84 + 50 * count or (not found and count > 0))
         if self._binary:
-            corners = np.frombuffer(data, _STL_RECORD, count, 84)["corners"].reshape(-1, 3).astype(float)
+            if len(data) < 84 + 50 * count:
+                held = (len(data) - 84) // 50
+                raise FileError(f"The file is no STL file, or it ends early: it announces {count} triangles and holds {held}")
+            records = np.frombuffer(data, _STL_RECORD, count, 84)
+            corners = records["corners"].reshape(-1, 3).astype(float)
+            self._part_of = records["attribute"]
         else:
-            self._end = re.search(rb"(?im)^[ \t]*endsolid", data)
-            words = re.findall(rb"(?im)^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", data)
-            if not re.match(rb"(?i)\s*solid", data) or not self._end or len(words) % 3:
-                raise FileError("The file is no STL file, or it is damaged")
-            if len(re.findall(rb"(?im)^[ \t]*solid", data)) > 1:
-                raise FileError("STL files with several solids cannot be read")
-            try:
-                corners = np.array(words, dtype="S").astype(float).reshape(-1, 3)
-            except ValueError:
-                raise FileError("The STL file has a vertex that is no three numbers") from None
+            corners = self._read_text(found)
         # in the order of their first use
         _, first, inverse = np.unique(corners, axis=0, return_index=True, return_inverse=True)
         order = np.argsort(first)
@@ -50,10 +51,30 @@ class StlFile(MeshFile):
         rank[order] = np.arange(len(order))
         super().__init__(corners[first[order]].reshape(-1, 3), rank[inverse.reshape(-1)].reshape(-1, 3).tolist())
 
+    def _read_text(self, found: list[tuple[bytes, ...]]) -> Array:
+        data = self._data
+        self._ends = [match.start() for match in re.finditer(rb"(?im)^[ \t]*endsolid", data)]
+        if not re.match(rb"(?i)\s*solid", data):
+            raise FileError("The file is no STL file: it neither starts with 'solid' nor holds as many triangles as it announces")
+        if not self._ends:
+            raise FileError(f"The STL file ends early: it has {len(found) // 3} triangles and no 'endsolid'")
+        if len(found) % 3:
+            raise FileError(f"The STL file is damaged: it has {len(found)} vertices, which are no whole triangles")
+        starts = np.zeros(len(found) // 3, int)
+        if len(self._ends) > 1:
+            starts = np.array([m.start() for m in re.finditer(rb"(?im)^[ \t]*vertex[ \t]", data)][::3], int)
+        self._part_of = np.searchsorted(self._ends[:-1], starts)
+        try:
+            return np.array(found, dtype="S").astype(float).reshape(-1, 3)
+        except ValueError:
+            raise FileError("The STL file has a vertex that is no three numbers") from None
+
     @classmethod
     def of_mesh(cls, vertices: Array, faces: list[list[int]]) -> StlFile:
         stl = cls(b"STL".ljust(80) + struct.pack("<I", 0))
-        stl._add(np.asarray(vertices, float)[np.array(_corner_triangles(faces), int).reshape(-1, 3)])
+        triangles = np.array(_corner_triangles(faces), int).reshape(-1, 3)
+        stl._add(np.asarray(vertices, float)[triangles], [0] * len(triangles))
+        stl._part_of = np.zeros(len(faces), int)
         MeshFile.__init__(stl, vertices, faces)  # numbered as given, not by first use
         return stl
 
@@ -63,32 +84,43 @@ class StlFile(MeshFile):
     def _split(self, f: int, place: int, v: int, t: float) -> None:
         raise FileError("An STL file holds triangles, and one with a split edge is none; write another format")
 
-    def _append(self, fill: Any, faces: list[list[int]], near: Array, around: Array) -> None:
-        triangles = np.array(_corner_triangles(fill.faces), int).reshape(-1, 3)
-        places = np.concatenate([self.vertices, fill.vertices])
-        self._add(places[triangles])
+    def _look(self, f: int) -> Hashable:
+        return int(self._part_of[f])
 
-    def _add(self, triangles: Array) -> Any:
+    def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
+        places = np.concatenate([self.vertices, fill.vertices])
+        for k, face in enumerate(fill.faces):
+            part = int(self._part_of[continued.model[k]]) if continued.model else 0
+            triangles = _corner_triangles([face])
+            self._add(places[np.array(triangles, int)], [part] * len(triangles))
+
+    def _add(self, triangles: Array, parts: Sequence[int]) -> None:
         normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         length = np.linalg.norm(normal, axis=1, keepdims=True)
-        self._new += list(zip(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0), triangles))
+        self._new += list(zip(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0), triangles, parts))
 
     def _bytes(self) -> bytes:
         if self._binary:
             records = np.zeros(len(self._new), _STL_RECORD)
-            for record, (normal, corners) in zip(records, self._new):
-                record["normal"], record["corners"] = normal, corners
-            count = int.from_bytes(self._data[80:84], "little") + len(self._new)
-            return self._data[:80] + struct.pack("<I", count) + self._data[84:] + records.tobytes()
+            for record, (normal, corners, attribute) in zip(records, self._new):
+                record["normal"], record["corners"], record["attribute"] = normal, corners, attribute
+            old = int.from_bytes(self._data[80:84], "little")
+            end = 84 + 50 * old
+            head = self._data[:80] + struct.pack("<I", old + len(self._new))
+            return head + self._data[84:end] + records.tobytes() + self._data[end:]
         eol = writing.line_end(writing.lines(self._data[:1000]))
-        text = []
-        for normal, corners in self._new:
-            text += [b"  facet normal " + writing.numbers(normal), b"    outer loop"]
-            text += [b"      vertex " + writing.numbers(p) for p in corners]
-            text += [b"    endloop", b"  endfacet"]
-        assert self._end is not None
-        at = self._end.start()
-        return self._data[:at] + b"".join(line + eol for line in text) + self._data[at:]
+        upper = self._data.lstrip()[:5].isupper()
+        pieces, last = [], 0
+        for solid, end in enumerate(self._ends):
+            text = []
+            for normal, corners, part in self._new:
+                if part == solid:
+                    text += [b"  facet normal " + writing.numbers(normal), b"    outer loop"]
+                    text += [b"      vertex " + writing.numbers(p) for p in corners]
+                    text += [b"    endloop", b"  endfacet"]
+            pieces += [self._data[last:end], *((line.upper() if upper else line) + eol for line in text)]
+            last = end
+        return b"".join([*pieces, self._data[last:]])
 
     def _save(self, path: Path) -> None:
         path.write_bytes(self._bytes())

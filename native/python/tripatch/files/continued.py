@@ -1,0 +1,224 @@
+"""What the new vertices and faces of a fill take over from the faces around its rim."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Hashable, Sequence
+from typing import Any
+
+import numpy as np
+
+from .._types import Array
+from ..attributes import attribute_weights
+from . import writing
+
+#: Of the range of texture coordinates at the rim: what differs by more at one vertex is parted by a seam.
+_SAME_TEXTURE = 1e-5
+
+Blend = Callable[[Array], Array]
+
+
+class Continued:
+    """How a fill continues what the faces around it hold.
+
+    Attributes:
+        model: for each new face the old one whose material it has; none where no face is at the rim.
+        near: for each new vertex one of the rim.
+    """
+
+    def __init__(
+        self, vertices: Array, faces: Sequence[Sequence[int]], fill: Any, look: Callable[[int], Hashable], at: Any
+    ) -> None:
+        """look: of an old face what shall not change within a part of the fill; at: the old faces at a vertex."""
+        self._vertices, self._faces, self._count = vertices, faces, len(vertices)
+        self._new = [list(map(int, face)) for face in fill.faces]
+        rim, loops = self._loops(list(map(int, fill.rim)), at)
+        self._rim, self._loop_starts = rim, loops
+        self._next = np.arange(1, len(rim) + 1)
+        for first, end in zip(loops, [*loops[1:], len(rim)], strict=True):
+            self._next[end - 1] = first
+        self._around = [self._face_at(rim[e], rim[self._next[e]], at) for e in range(len(rim))]
+        self._split = {self._count + k: (a, b, t) for k, ((a, b), t) in enumerate(zip(*fill.split_edges, strict=True))}
+        self._places = np.concatenate([vertices[rim], fill.vertices]) if rim else fill.vertices
+        self._blend, nearest = self._blend_of(fill, vertices)
+        self.near = np.array(rim, int)[nearest] if rim else np.zeros(len(fill.vertices), int)
+        place = {v: k for k, v in enumerate(rim)}
+        self._at = [[place.get(v, v - self._count + len(rim)) for v in face] for face in self._new]
+        self.model: list[int] = []
+        if rim and all(f >= 0 for f in self._around):
+            shares = _Shares([look(f) for f in self._around], self._blend, self._next)
+            self.model = [self._around[self._edge_like(shares, at, nearest)] for at in self._at]
+
+    @staticmethod
+    def _loops(rim: list[int], at: Any) -> tuple[list[int], list[int]]:
+        """The rim, and where its loops start: islands follow the outer one."""
+        starts = [0] if rim else []
+        for k in range(len(rim) - 1):
+            if not set(at(rim[k])) & set(at(rim[k + 1])):
+                starts.append(k + 1)
+        return rim, starts
+
+    def _face_at(self, a: int, b: int, at: Any) -> int:
+        for f in at(a):
+            face = self._faces[f]
+            k = face.index(b) if b in face else -1
+            if k >= 0 and a in (face[(k + 1) % len(face)], face[k - 1]):
+                return int(f)
+        return -1
+
+    def _blend_of(self, fill: Any, vertices: Array) -> tuple[Blend, Array]:
+        """From values at both ends of each rim edge to those of all new vertices; and for each the nearest rim edge."""
+        count, split = len(self._rim), len(self._split)
+        names = ("rim_barycentric", "barycentric") if getattr(fill, "uv", None) is None else ("rim_uv", "uv")
+        at_rim, inside = (getattr(fill, name, ()) for name in names)
+        whole = len(self._loop_starts) == 1 and len(at_rim) == count and len(inside) == len(fill.vertices)
+        place = {v: k for k, v in enumerate(self._rim)}
+        on_edges = [(place[int(a)], float(t)) for a, _, t in self._split.values()]
+        if whole and len(fill.vertices) > split:
+            blend: Blend = attribute_weights(at_rim, inside[split:])
+            nearest = np.asarray(blend.nearest) // 2  # type: ignore[attr-defined]
+        else:
+            blend, nearest = self._by_distance(vertices, fill.vertices[split:])
+
+        def of_all(ends: Array) -> Array:
+            own = [(1 - t) * ends[2 * e] + t * ends[2 * e + 1] for e, t in on_edges]
+            rest = blend(ends) if count else np.zeros((len(fill.vertices) - split, ends.shape[1]))
+            return np.concatenate([np.reshape(own, (split, ends.shape[1])), rest])
+
+        return of_all, np.concatenate([[e for e, _ in on_edges], nearest]).astype(int)
+
+    def _by_distance(self, vertices: Array, points: Array) -> tuple[Blend, Array]:
+        square = np.empty((len(points), len(self._rim)))
+        for start in range(0, len(points), 1024):
+            block = points[start : start + 1024]
+            with np.errstate(over="ignore"):
+                square[start : start + 1024] = ((block[:, None] - vertices[self._rim]) ** 2).sum(axis=2)
+        weight = 1 / np.maximum(square, 1e-300) if len(self._rim) else square
+        weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-300)
+        before = np.empty(len(self._rim), int)
+        before[self._next] = np.arange(len(self._rim))
+
+        def blend(ends: Array) -> Array:
+            return np.asarray(weight @ (0.5 * (ends[::2] + ends[1::2][before])))
+
+        return blend, square.argmin(axis=1) if len(self._rim) else np.zeros(len(points), int)
+
+    def _edge_like(self, shares: _Shares, at: list[int], nearest: Array) -> int:
+        count = len(self._rim)
+        edge = int(nearest[max(at) - count]) if max(at) >= count else min(at)
+        return shares.edge_near(edge, shares.of_face(at))
+
+    def at_vertices(self, values: Callable[[Array], Array]) -> Array:
+        """(k, d) of the new vertices, within the range of the rim's. values: (r, d) of old vertices (r,)."""
+        own = np.asarray(values(np.array(self._rim, int)), float).reshape(len(self._rim), -1)
+        ends = np.stack([own, own[self._next]], axis=1).reshape(2 * len(own), -1)
+        return np.clip(self._blend(ends), own.min(axis=0), own.max(axis=0)) if len(own) else self._blend(ends)
+
+    def words(self, of: Callable[[int], Sequence[bytes]]) -> list[Sequence[bytes]]:
+        """What a text says of each new vertex. Numbers are blended, whole ones stay whole; else the words of a vertex nearby.
+
+        Args:
+            of: the words of an old vertex.
+        """
+        rows = {v: tuple(of(v)) for v in self._rim}
+        near = [rows.get(int(v), ()) for v in self.near]
+        if len(set(rows.values())) < 2:
+            return list(near)
+        try:
+            made = self.at_vertices(lambda rim: np.array([[float(word) for word in rows[int(v)]] for v in rim]))
+        except ValueError:
+            return list(near)
+        whole = [all(re.fullmatch(rb"[+-]?\d+", word) for word in column) for column in zip(*rows.values(), strict=True)]
+        return [[b"%d" % round(x) if w else writing.number(x) for x, w in zip(row, whole, strict=True)] for row in made.tolist()]
+
+    def at_corners(self, values: Callable[[int], Array | None]) -> list[Array] | None:
+        """For each new face the values (c, d) of its corners; None where not every face at the rim has values of one kind.
+
+        Args:
+            values: of an old face those of its corners (c, d), or None.
+        """
+        if not self.model:
+            return None
+        found = {f: values(f) for f in set(self._around)}
+        of_face = {f: own for f, own in found.items() if own is not None and len(own) == len(self._faces[f])}
+        if len(of_face) < len(found) or len({own.shape[1] for own in of_face.values()}) != 1:
+            return None
+        ends = []
+        for e, f in enumerate(self._around):
+            face = list(self._faces[f])
+            ends += [of_face[f][face.index(v)] for v in (self._rim[e], self._rim[self._next[e]])]
+        return self._charts(np.array(ends, float), of_face)
+
+    def _charts(self, at_ends: Array, of_face: dict[int, Array]) -> list[Array]:
+        """Each part of the rim between two seams is continued by the affine map that its faces have, whose errors along the rim
+        are blended away inside."""
+        count = len(self._rim)
+        start, end = at_ends[::2], at_ends[1::2]
+        parted = np.abs(end - start[self._next]).max(axis=1) > _SAME_TEXTURE * max(np.ptp(at_ends, axis=0).max(), 1e-12)
+        if parted.sum() < 2 or len(self._loop_starts) > 1:
+            everywhere = [np.concatenate([start, self._blend(at_ends)])]
+            shares = None
+        else:
+            part = np.cumsum(np.roll(parted, 1))
+            part[part == part[-1]] = 0  # the last goes on through the start of the loop
+            part = np.unique(part, return_inverse=True)[1]
+            shares = _Shares(part.tolist(), self._blend, self._next)
+            everywhere = [self._chart(at_ends, np.repeat(part == p, 2), of_face) for p in range(part.max() + 1)]
+        made = []
+        for at in self._at:
+            own = everywhere[shares.kinds[shares.of_face(at)] if shares else 0][at]
+            if shares is None:
+                for c, k in enumerate(at):
+                    if k < count and at[(c + 1) % len(at)] == self._next[k]:
+                        own[c] = start[k]
+                    elif k < count and at[c - 1] < count and self._next[at[c - 1]] == k:
+                        own[c] = end[at[c - 1]]
+            made.append(own)
+        return made
+
+    def _chart(self, at_ends: Array, mine: Array, of_face: dict[int, Array]) -> Array:
+        count = len(self._rim)
+        middle = self._places[:count].mean(axis=0)
+        axes = np.linalg.svd(self._places[:count] - middle, full_matrices=False)[2][:2].T
+        flat = (self._places - middle) @ axes
+        where = np.column_stack([flat, np.ones(len(flat))])
+        place = np.stack([np.arange(count), self._next], axis=1).ravel()
+        faces = {f for e, f in enumerate(self._around) if mine[2 * e]}
+        pairs = [pair for f in faces for pair in zip(self._faces[f], of_face[f], strict=True)]
+        corners = [(v, value) for v, value in pairs if v < len(self._vertices)]
+        beside = (self._vertices[[v for v, _ in corners]] - middle) @ axes
+        values = np.array([value for _, value in corners])
+        own = np.linalg.lstsq(np.column_stack([beside, np.ones(len(beside))]), values, rcond=None)[0]
+        left = np.where(mine[:, None], at_ends - where[place] @ own, 0)
+        at_rim = np.zeros((count, at_ends.shape[1]))
+        at_rim[place[mine]] = left[mine]
+        return np.asarray(where @ own + np.concatenate([at_rim, self._blend(left)]))
+
+
+class _Shares:
+    """How much every vertex of a fill has of what differs from rim edge to rim edge: a border that meets the rim is continued to
+    where it leaves it."""
+
+    def __init__(self, values: Sequence[Any], blend: Blend, following: Array) -> None:
+        self.kinds = list(dict.fromkeys(values))
+        number = {kind: k for k, kind in enumerate(self.kinds)}
+        self._of_edge = np.array([number[value] for value in values])
+        self._shares = None
+        if len(self.kinds) > 1:
+            of_edges = np.eye(len(self.kinds))[self._of_edge]
+            before = np.empty_like(of_edges)
+            before[following] = of_edges
+            self._shares = np.vstack([0.5 * (of_edges + before), blend(np.repeat(of_edges, 2, axis=0))])
+
+    def of_face(self, at: list[int]) -> int:
+        """The number of the kind that a face with these vertices has most of; those of the rim come first."""
+        return 0 if self._shares is None else int(self._shares[at].sum(axis=0).argmax())
+
+    def edge_near(self, edge: int, kind: int) -> int:
+        """The rim edge of that kind that is the fewest edges away."""
+        if self._of_edge[edge] == kind:
+            return edge
+        count = len(self._of_edge)
+        own = np.flatnonzero(self._of_edge == kind)
+        away = np.abs(own - edge)
+        return int(own[np.minimum(away, count - away).argmin()])
