@@ -10,7 +10,7 @@ from mathutils import Vector
 from mathutils.kdtree import KDTree
 
 from . import attributes, filling, selection, subdivision, waiting, writeback
-from .library import np, tripatch, words
+from .library import index_lists, np, tripatch, words
 
 # Of the extent; what Blender draws and what the library computes agree to float32.
 _SAME_POINT = 2e-6
@@ -48,9 +48,9 @@ def _models(rim, fill, first):
     on_side = {k: i for i, places in enumerate(sides) for k in places}
     models = attributes.model_faces(attributes.rim_faces(bm_edges, rim.replaced), on_side)
     if fill.uv is None:
-        return [models[int(np.argmin(fill.barycentric[np.array(face) - first].sum(axis=0)))] for face in fill.faces]
+        return [models[int(np.argmin(fill.barycentric[np.array(face) - first].sum(axis=0)))] for face in index_lists(fill.faces)]
     ends = tripatch.attribute_weights(fill.rim_uv, fill.uv).nearest.tolist()
-    return [models[on_side[ends[max(face) - first] // 2]] for face in fill.faces]
+    return [models[on_side[ends[max(face) - first] // 2]] for face in index_lists(fill.faces)]
 
 
 def _new_object(ob, vertices, faces, materials, smooth):
@@ -120,7 +120,7 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         points[fill.border], lost = _read_off(points[fill.border], drawn, tree)
         missing += lost
         first = len(arrays[0])  # of the fill's own vertices
-        for face, model in zip(fill.faces, _models(rim, fill, first), strict=True):
+        for face, model in zip(index_lists(fill.faces), _models(rim, fill, first), strict=True):
             faces.append([v - first + count for v in face])
             materials.append(model.material_index)
             smooth.append(model.smooth if options.shading == "neighbors" else options.shading == "smooth")

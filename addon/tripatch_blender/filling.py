@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from . import seam, selection, subdivision, waiting, writeback
-from .library import ANY_RIM, np, tripatch, words
+from .library import ANY_RIM, index_lists, np, tripatch, words
 from .selection import OptionsError, Surroundings, UnusableError
 
 
@@ -219,9 +219,13 @@ def _in_shape_key(bm, planned, name, in_key, world):
     own, fill = _ToObject(world), planned.fill
     cage = planned.cage
     if not isinstance(in_key, tripatch.Refusal) and cage:
-        if in_key.faces != fill.faces or (in_key.split_edges[0] != fill.split_edges[0]).any():
+        if index_lists(in_key.faces) != index_lists(fill.faces) or (in_key.split_edges[0] != fill.split_edges[0]).any():
             in_key = tripatch.Refusal("its cage would have other faces", [])
-    elif not isinstance(in_key, tripatch.Refusal) and in_key.report.method == "quad_rows" and in_key.faces == fill.faces:
+    elif (
+        not isinstance(in_key, tripatch.Refusal)
+        and in_key.report.method == "quad_rows"
+        and index_lists(in_key.faces) == index_lists(fill.faces)
+    ):
         planned.in_shape_keys[name] = own.points(in_key.vertices)
         return []
     elif not isinstance(in_key, tripatch.Refusal) and in_key.patch is None:

@@ -8,7 +8,7 @@ with contextlib.suppress(ImportError):
 
 #: One sentence for the user, empty when all is there.
 missing = ""
-np = tripatch = arguments = quality = words = None
+np = tripatch = arguments = quality = words = index_lists = None
 try:
     import numpy as np  # noqa: F401
 except ImportError:
@@ -17,6 +17,7 @@ else:
     try:
         import tripatch.options  # noqa: F401
         from tripatch import arguments, quality, words  # noqa: F401
+        from tripatch._arrays import index_lists  # noqa: F401
     except ImportError as error:
         missing = f"TriPatch cannot load its library: {error}"
 

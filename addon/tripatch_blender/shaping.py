@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from . import filling, mirrored, selection, writeback
-from .library import np, tripatch
+from .library import index_lists, np, tripatch
 from .selection import Rim, UnusableError
 
 #: Pixels within which a click still means a rim.
@@ -54,7 +54,7 @@ class _Net:
 
     @classmethod
     def of_mesh(cls, fill):
-        triangles = [(f[0], f[k], f[k + 1]) for f in fill.faces for k in range(1, len(f) - 1)]
+        triangles = [(f[0], f[k], f[k + 1]) for f in index_lists(fill.faces) for k in range(1, len(f) - 1)]
         return cls(writeback.parameters(fill)[1], fill.vertices, fill.normals, np.array(triangles, np.int64).reshape(-1, 3))
 
     @classmethod

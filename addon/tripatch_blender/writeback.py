@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import bmesh
 
 from . import attributes, features, normals, subdivision, versions, waiting
-from .library import np, tripatch
+from .library import index_lists, np, tripatch
 from .selection import Rim, coordinates, edges_of, pairs
 
 # Cosine of 0.5 degrees; Blender parts a fan of face corners by a sharp edge from 0.8 degrees on.
@@ -40,7 +40,7 @@ def obstacle(bm, planned):
     """A sentence if the new faces cannot be joined to the mesh without damage to it."""
     rim = {v.index: v for v in planned.loop}
     edges, count = {frozenset((a.index, b.index)) for a, b in pairs(planned.loop)}, planned.count
-    for face in planned.fill.faces:
+    for face in index_lists(planned.fill.faces):
         if sorted(face)[1] >= count:  # most: at the rim is one of its vertices, or none
             continue
         if max(face) < count and (old := bm.faces.get([rim[v] for v in face])) and old not in planned.rim.replaced:
@@ -161,7 +161,7 @@ def _write_one(bm, planned, shading, custom):
     looks = attributes.Shares([(face.material_index, face.smooth) for face in around], blend)
     first_inside = planned.count + rows.split
     place = {v: k for k, v in enumerate([*rows.numbers, *range(first_inside, first_inside + len(positions))])}
-    faces = [[place[v] for v in face] for face in fill.faces]
+    faces = [[place[v] for v in face] for face in index_lists(fill.faces)]
     everywhere = np.vstack([coordinates(loop), positions])
     charts = attributes.uv_charts(bm, ends, blend, everywhere, faces) if ends else {}
 
@@ -273,7 +273,7 @@ def _write_deviation(bm, planned, new_faces):
     for face in new_faces:
         face[marked] = True
     at = {}
-    for face, numbers in zip(new_faces, planned.fill.faces, strict=True):
+    for face, numbers in zip(new_faces, index_lists(planned.fill.faces), strict=True):
         at |= {v: n - planned.count for v, n in zip(face.verts, numbers, strict=True) if v not in rim}
     for vertex, row in at.items():
         vertex[known] = NOT_KNOWN if deviation is None else float(deviation[row])

@@ -35,7 +35,8 @@ void bind_bezier(py::module_& m) {
            [](const BezierTriangle& b, const std::array<double, 3>& d) { return b.derivative(Vec3(d[0], d[1], d[2])); })
       .def("_side", [](const BezierTriangle& b, int i) { return array_from(b.side(i)); });
 
-  py::class_<RectangleSurface, std::shared_ptr<RectangleSurface>>(m, "RectangleSurface", "A surface over a rectangle (u, v).")
+  py::class_<RectangleSurface, std::shared_ptr<RectangleSurface>>(m, "RectangleSurface", py::dynamic_attr(),
+                                                                  "A surface over a rectangle (u, v).")
       .def("_evaluate", &evaluate<RectangleSurface>)
       .def_property_readonly("domain", &RectangleSurface::domain, "u from, u to, v from, v to.");
   py::class_<BezierRectangle, RectangleSurface, std::shared_ptr<BezierRectangle>>(m, "BezierRectangle",

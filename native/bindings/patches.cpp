@@ -74,6 +74,18 @@ py::tuple evaluate_side(const Side& side, const Array& t) {
   return py::make_tuple(c, dc, r, normal);
 }
 
+py::tuple state_of(const PiecewisePolynomial& field) {
+  const std::span<const double> coefficients = field.coefficients();
+  return py::make_tuple(field.breaks(), field.degree(), field.dimension(),
+                        std::vector<double>(coefficients.begin(), coefficients.end()));
+}
+
+PiecewisePolynomial field_from(const py::handle& state) {
+  auto [breaks, degree, dimension, coefficients] = state.cast<std::tuple<std::vector<double>, int, int, std::vector<double>>>();
+  if (breaks.size() < 2) return {};
+  return {std::move(breaks), degree, dimension, std::move(coefficients)};
+}
+
 /// (k, 3) the second derivative across, or None where it is not known.
 py::object second_derivative(const Side& side, const Array& t) {
   if (side.q.empty()) return py::none();
@@ -85,7 +97,7 @@ py::object second_derivative(const Side& side, const Array& t) {
 }  // namespace
 
 void bind_patches(py::module_& m) {
-  py::class_<Surface, std::shared_ptr<Surface>>(m, "Patch", "A surface over the triangle.")
+  py::class_<Surface, std::shared_ptr<Surface>>(m, "Patch", py::dynamic_attr(), "A surface over the triangle.")
       .def("_evaluate", &evaluate<Surface>)
       .def(
           "_energy",
@@ -119,6 +131,14 @@ void bind_patches(py::module_& m) {
       .def("_evaluate", &evaluate_side)
       .def("_second_derivative", &second_derivative)
       .def("_part", &piece_of)
+      .def(py::pickle(
+          [](const Side& side) {
+            return py::make_tuple(state_of(side.c), state_of(side.r), state_of(side.q), side.rim, side.curvature_error);
+          },
+          [](const py::tuple& state) {
+            return Side{field_from(state[0]), field_from(state[1]), field_from(state[2]), state[3].cast<std::vector<double>>(),
+                        state[4].cast<double>()};
+          }))
       .def("_moved", [](const Side& side, const std::array<double, 3>& start, const std::array<double, 3>& end) {
         return moved_ends(side, {start[0], start[1], start[2]}, {end[0], end[1], end[2]});
       });

@@ -50,6 +50,7 @@ void bind_report(py::module_& m) {
     return py::make_tuple(array_from(made[0]), array_from(made[1]));
   });
   py::class_<Report>(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.")
+      .def(py::init<>())
       .def_readonly("seam_angle_max", &Report::seam_angle_max,
                     "Largest angle between the fill and the surroundings used, in degrees.")
       .def_readonly("seam_angle_rms", &Report::seam_angle_rms, "Root mean square of that angle, in degrees.")

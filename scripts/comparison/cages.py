@@ -156,7 +156,7 @@ class Truth:
 def closed(cage, faces, fill):
     points = np.concatenate([cage.vertices, fill.vertices])
     points[fill.moved[0]] = fill.moved[1]
-    return points, [list(face) for face in faces] + fill.faces
+    return points, [list(face) for face in [*faces, *fill.faces]]
 
 
 def first_rings(faces, rim, corners):

@@ -592,7 +592,7 @@ def test_a_region_of_suzanne_by_blenders_own_modifier():
     result = tripatch.fill(vertices, cage, rim=rim, corners=corners, replaced=sorted(gone), output="cage")
     assert len(result.faces) == 27
     mesh = bpy.data.meshes.new("Filled")
-    mesh.from_pydata(np.concatenate([vertices, result.vertices]).tolist(), [], left + result.faces)
+    mesh.from_pydata(np.concatenate([vertices, result.vertices]).tolist(), [], [*left, *result.faces.tolist()])
     ob.data = mesh
     modifier.levels = 3
     after = evaluated(ob)[0][::3]

@@ -93,7 +93,7 @@ def test_the_filled_mesh_is_closed_at_the_rim_and_no_edge_has_three_faces():
     vertices, faces = irregular(hill)
     rim = inner_rim(faces)
     fill = tripatch.fill(vertices, faces, rim=rim)
-    count = edge_counts(faces + fill.faces)
+    count = edge_counts([*faces, *fill.faces])
     assert max(count.values()) == 2
     for a, b in itertools.pairwise([*rim, rim[0]]):
         assert count[min(a, b), max(a, b)] == 2
@@ -105,7 +105,7 @@ def test_an_edge_that_the_mesh_has_is_not_made_again():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.9, 0], [0.5, 0.3, 0.8]])
     faces = [[0, 1, 2], [0, 2, 3]]
     fill = tripatch.fill(vertices, faces, rim=[0, 1, 2, 3])
-    assert max(edge_counts(faces + fill.faces).values()) == 2
+    assert max(edge_counts([*faces, *fill.faces]).values()) == 2
 
 
 def test_auto_takes_the_exact_patch_between_smooth_sides_and_says_why():
@@ -201,7 +201,7 @@ def test_an_island_stays(island_is_rim):
     loops = sorted(tripatch.find_holes(kept), key=len)
     rim, island = loops[:2] if island_is_rim else loops[1::-1]
     fill = tripatch.fill(vertices, kept, rim=rim, islands=[island])
-    count = edge_counts(kept + fill.faces)
+    count = edge_counts([*kept, *fill.faces])
     assert max(count.values()) == 2
     for loop in loops[:2]:
         assert all(count[min(a, b), max(a, b)] == 2 for a, b in itertools.pairwise([*loop, loop[0]]))
@@ -222,7 +222,7 @@ def test_quads_where_they_are_good_and_triangles_else(resolution):
     vertices, faces = irregular(wave)
     fill = tripatch.fill(vertices, faces, rim=inner_rim(faces), output="quads", resolution=resolution)
     assert {len(f) for f in fill.faces} <= {3, 4}
-    assert max(edge_counts(faces + fill.faces).values()) == 2
+    assert max(edge_counts([*faces, *fill.faces]).values()) == 2
 
 
 @pytest.mark.parametrize("noise", [0, 0.1])
@@ -296,7 +296,7 @@ def test_a_rim_without_usable_surroundings_gets_plain_triangles_and_says_so():
     faces = [[(k + 1) % 8, k, 8] for k in range(8)]
     fill = tripatch.fill(vertices, faces, rim=list(range(8)))
     assert len(fill.faces) >= 6
-    assert max(edge_counts(faces + fill.faces).values()) == 2
+    assert max(edge_counts([*faces, *fill.faces]).values()) == 2
     assert len(fill.rim_uv) == 8
     assert fill.report.triangles_folded == 0
 
@@ -309,7 +309,7 @@ def test_a_rim_whose_own_triangles_fold_is_joined_to_its_middle():
     assert fill.report.triangles_folded == fill.report.rim_folded == 4  # over the sheet; none among each other
     assert len(fill.faces) == 5 and np.allclose(fill.vertices, vertices.mean(axis=0))
     assert fill.uv.shape == (1, 2) and np.linalg.norm(fill.uv) < np.linalg.norm(fill.rim_uv, axis=1).min()
-    assert max(edge_counts(faces + fill.faces).values()) == 2
+    assert max(edge_counts([*faces, *fill.faces]).values()) == 2
 
 
 def test_a_rim_is_not_joined_to_its_middle_where_that_folds_more():

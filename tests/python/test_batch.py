@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import re
 import signal
-import socket
 import stat
 import subprocess
 import sys
@@ -23,7 +21,7 @@ from test_cli import sphere_hole, square, unjoined, write_obj
 from test_crossings import trefoil
 from tripatch import __main__ as cli
 from tripatch import files
-from tripatch.batch import command, creases, inputs, job, journal, keeper, pictures, record, scheduling
+from tripatch.batch import command, creases, inputs, job, journal, keeper, local, pictures, record, scheduling
 from tripatch.batch.settings import Settings
 
 distributed = pytest.importorskip("distributed")
@@ -95,7 +93,7 @@ def test_the_processes_of_a_machine_share_its_cores(tmp_path, capsys, monkeypatc
     else:
         monkeypatch.delenv("TRIPATCH_THREADS", raising=False)
     seen = []
-    monkeypatch.setattr(scheduling, "Keeper", lambda settings: seen.append(settings) or keeper.Keeper(settings))
+    monkeypatch.setattr(local, "Keeper", lambda settings: seen.append(settings) or keeper.Keeper(settings))
     run(capsys, spheres(tmp_path / "in", 2), "--out", tmp_path / "out", "--workers", 9, "--worst", 0)
     assert 1 <= len(seen) <= 2  # no more than there are files
     with keeper.Keeper(seen[0]) as one:
@@ -424,7 +422,6 @@ def test_a_process_with_nothing_to_do_ends_though_its_worker_stays(tmp_path, mon
     settings = Settings(str(source), str(tmp_path / "out"), {}, tripatch.__version__)
     made = []
     monkeypatch.setattr(scheduling, "Keeper", lambda given: made.append(keeper.Keeper(given)) or made[-1])
-    scheduling._over.clear()
 
     def do(k):
         ((_, entry),) = scheduling.do_portion([(k, str(source / f"m{k:03}.obj"), None)], settings)
@@ -436,10 +433,9 @@ def test_a_process_with_nothing_to_do_ends_though_its_worker_stays(tmp_path, mon
     do(1)
     assert len(made) == 1  # one that is free is asked again
     assert is_gone(pid)
-    assert not scheduling._all
+    assert not any(scheduling._keepers.values())
     do(2)
     assert len(made) == 2
-    scheduling._end_keepers()
 
 
 _SCHEDULER = """
@@ -453,26 +449,6 @@ if __name__ == "__main__":
 """
 
 
-def test_two_batches_at_once_do_not_argue_over_a_port(tmp_path, capsys, recwarn):
-    with socket.socket() as other:
-        with contextlib.suppress(OSError):  # somebody else has it, which is as good
-            other.bind(("", 8787))  # Dask's page about its work
-            other.listen()
-        assert run(capsys, spheres(tmp_path / "in", 2), "--out", tmp_path / "out", "--workers", 2, "--worst", 0)[0] == 0
-    assert not [str(warning.message) for warning in recwarn if "Port" in str(warning.message)]
-
-
-def test_ctrl_c_while_dask_starts_is_not_lost(tmp_path, capsys, monkeypatch):
-    own = distributed.LocalCluster
-
-    def interrupted(**given):
-        signal.raise_signal(signal.SIGINT)
-        return own(**given)
-
-    monkeypatch.setattr(distributed, "LocalCluster", interrupted)
-    assert run(capsys, spheres(tmp_path / "in", 2), "--out", tmp_path / "out", "--worst", 0)[0] == 130
-
-
 def test_a_run_that_is_stopped_leaves_no_process_and_waits_for_none(tmp_path, monkeypatch):
     """A process may be at a file for hours."""
     in_child(monkeypatch, tmp_path, _BAD)
@@ -480,13 +456,13 @@ def test_a_run_that_is_stopped_leaves_no_process_and_waits_for_none(tmp_path, mo
     (source / "m000.obj").rename(source / "sleep.obj")
     settings = Settings(str(source), str(tmp_path / "out"), {}, tripatch.__version__)
     made = []
-    monkeypatch.setattr(scheduling, "Keeper", lambda given: made.append(keeper.Keeper(given)) or made[-1])
+    monkeypatch.setattr(local, "Keeper", lambda given: made.append(keeper.Keeper(given)) or made[-1])
 
     def stop(_):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        scheduling.run(sorted(source.iterdir()), settings, [None, None], stop, workers=2)
+        local.run(sorted(source.iterdir()), settings, [None, None], stop, workers=2)
     assert not (tmp_path / "out" / "sleep.obj").exists()
     for _ in range(200):
         if all(one._process is None or one._process.poll() is not None for one in made):
@@ -557,12 +533,14 @@ def test_ctrl_c_ends_it_orderly(tmp_path, capsys):
     assert done - 2 <= int(re.findall(r"(\d+) done before", err)[-1]) <= done
 
 
-def test_without_dask_a_clear_sentence(tmp_path, capsys, monkeypatch):
-    monkeypatch.setitem(sys.modules, "dask", None)
-    source = spheres(tmp_path / "in", 1)
-    code, _, err = run(capsys, source, "--out", tmp_path / "out")
-    assert code == 2
-    assert "pip install 'tripatch[batch]'" in err
+def test_only_a_scheduler_needs_dask(tmp_path, capsys, monkeypatch):
+    for name in ("dask", "distributed"):
+        monkeypatch.setitem(sys.modules, name, None)
+    source = spheres(tmp_path / "in", 2)
+    code, said, _ = run(capsys, source, "-o", tmp_path / "out", "--workers", 2, "--worst", 0)
+    assert code == 0 and said.startswith("Filled 2 holes in 2 of 2 files")
+    code, _, err = run(capsys, source, "-o", tmp_path / "other", "--scheduler", "tcp://127.0.0.1:1")
+    assert code == 2 and "pip install 'tripatch[dask]'" in err
 
 
 @pytest.mark.parametrize(
@@ -639,7 +617,7 @@ def test_where_nothing_can_be_written_is_said_before_the_first_file(tmp_path, ca
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(journal.tempfile, "TemporaryFile", full)
-    monkeypatch.setattr(command.serial, "run", lambda *_: pytest.fail("a file was done"))
+    monkeypatch.setattr(command.local, "run", lambda *_: pytest.fail("a file was done"))
     code, _, err = run(capsys, spheres(tmp_path / "in", 1), "--out", tmp_path / "out", "--workers", 0)
     assert code == 2
     assert f"Nothing can be written to {tmp_path / 'out'}: No space left on device" in err

@@ -108,7 +108,7 @@ def test_the_same_as_the_library(one, tmp_path, capsys):
     fill = tripatch.fill(
         mesh.vertices, mesh.faces, rim=range(18), corners=[6, 0, 12], resolution=4, bulge=(1, 1.2, 0.8), fairing=None
     )
-    assert filled.faces == mesh.faces + fill.faces
+    assert filled.faces == [*mesh.faces, *fill.faces.tolist()]
     assert (filled.vertices[len(mesh.vertices) :] == fill.vertices).all()
 
 
@@ -367,7 +367,7 @@ def test_an_odd_rim_is_split_in_the_file(suffix, tmp_path, capsys):
     start = without.index(min(without))
     kept = [f[f.index(min(f)) :] + f[: f.index(min(f))] for f in found.faces if len(f) != 5]
     assert sorted([*kept, without[start:] + without[:start]]) == sorted(
-        f[f.index(min(f)) :] + f[: f.index(min(f))] for f in given.faces + expected.faces
+        f[f.index(min(f)) :] + f[: f.index(min(f))] for f in [*given.faces, *map(list, expected.faces)]
     )
     assert len(borders(out)) == 1
 
@@ -408,7 +408,7 @@ def test_a_moved_rim_is_moved_in_the_file(one, suffix, tmp_path, capsys):
     wanted = np.concatenate([given.vertices, expected.vertices])
     wanted[moved] = places
     assert np.abs(found.vertices - wanted).max() < 1e-12
-    assert sorted(map(sorted, found.faces)) == sorted(map(sorted, given.faces + expected.faces))
+    assert sorted(map(sorted, found.faces)) == sorted(map(sorted, [*given.faces, *map(list, expected.faces)]))
 
 
 def test_stl_files_move_nothing(one, tmp_path, capsys):

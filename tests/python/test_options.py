@@ -69,6 +69,21 @@ def test_a_choice_takes_its_names_and_no_others(row):
         options.value(row, 1)
 
 
+def test_options_that_only_papers_need_are_a_section_of_their_own():
+    for function in (tripatch.fill, tripatch.fill_all, tripatch.fill_holes, tripatch.patch):
+        usual, papers = inspect.getdoc(function).partition("\nReturns:")[0].split("Other Parameters:")
+        assert all(f"    {name}: " in papers for name in ("shape", "reading", "symmetric", "alpha"))
+        assert all(f"    {name}: " in usual for name in ("continuity", "bulge", "tension"))
+
+
+def test_a_choice_takes_the_words_of_the_panel_too():
+    vertices, faces, rim = octant(4)
+    assert options.value(tripatch.OPTIONS["continuity"], ("Position", "tangent", "G1")) == ["G0", "G1", "G1"]
+    for name, word in (("G0", "position"), ("G1", "Tangent")):
+        one, other = (tripatch.fill(vertices, faces, rim=rim, continuity=each) for each in (name, word))
+        assert one.report.continuity == other.report.continuity == [name] * 3 and (one.vertices == other.vertices).all()
+
+
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_help_says_what_the_table_says(row):
     said = " ".join(inspect.getdoc(getattr(tripatch, row.functions[0])).split())

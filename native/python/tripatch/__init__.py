@@ -8,9 +8,11 @@ of the input, angles in degrees.
 from . import between
 from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch
 from .attributes import AttributeWeights, CutWeights, angles, attribute_weights, vertex_normals
-from .errors import Refusal
+from .errors import FillWarning, Refusal
+from .files import FileError, MeshFile, read, write
 from .filling import Fill, Fills, fill, fill_all
 from .holes import SURROUNDING_RINGS, choose_holes, find_corners, find_holes, is_outer_border, outer_borders
+from .merging import HolesReport, fill_holes, merge
 from .options import METHODS, OPTIONS
 from .patches import blend, patch
 from .surfaces import (
@@ -34,8 +36,12 @@ __all__ = [
     "BezierRectangle",
     "BezierTriangle",
     "CutWeights",
+    "FileError",
     "Fill",
+    "FillWarning",
     "Fills",
+    "HolesReport",
+    "MeshFile",
     "NurbsSurface",
     "Option",
     "Patch",
@@ -53,13 +59,17 @@ __all__ = [
     "coons_rectangle",
     "fill",
     "fill_all",
+    "fill_holes",
     "find_corners",
     "find_holes",
     "is_outer_border",
+    "merge",
     "outer_borders",
     "patch",
+    "read",
     "sides_from_normals",
     "smits_patch",
     "smooth_triangles",
     "vertex_normals",
+    "write",
 ]

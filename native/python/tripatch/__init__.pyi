@@ -5,7 +5,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import between as between
+from .errors import FillWarning as FillWarning
 from .errors import Refusal as Refusal
+from .files import FileError as FileError
+from .files import MeshFile as MeshFile
+from .files import read as read
+from .files import write as write
 
 __version__: str
 __all__: list[str]
@@ -174,11 +179,13 @@ class Report:
     poles: list[list[int]]
     warnings: list[str]
     seconds: float
+    def __init__(self) -> None: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 class Fill:
     vertices: Floats
-    faces: list[list[int]]
+    faces: Indices | list[list[int]]
+    replaced: Indices
     normals: Floats
     barycentric: Floats
     uv: Floats | None
@@ -314,6 +321,58 @@ def fill_all(
     outer: bool = False,
     # end
 ) -> Fills: ...
+def fill_holes(
+    mesh_or_vertices: Any,
+    faces: Faces | None = None,
+    *,
+    return_report: bool = False,
+    rims: Sequence[Sequence[int] | Indices] | None = None,
+    corners: Sequence[Sequence[int] | Indices | None] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    # begin fill_all: scripts/stubs
+    method: str = "auto",
+    surroundings: Surroundings = "mesh",
+    subdivision: dict[str, Any] | None = None,
+    level: int = 2,
+    continuity: Continuity | Sequence[Continuity] = "auto",
+    cross_boundary: CrossBoundary = "consistent",
+    fairing: Fairing | None = "auto",
+    output: Output = "triangles",
+    resolution: int | None = None,
+    features: bool = True,
+    tolerance: float | None = None,
+    cage_rim: CageRim = "smooth",
+    odd: Odd = "split",
+    pole_offset: tuple[float, float] = (0.0, 0.0),
+    bulge: float | Sequence[float] = 1.0,
+    tension: float = 0.0,
+    center: ArrayLike | None = None,
+    center_offset: float = 0.0,
+    shape: float | Sequence[float] | Literal["optimal"] = 0.5,
+    reading: Reading = "corrected",
+    symmetric: bool = False,
+    alpha: float | None = None,
+    replaced: Sequence[int] | Indices = (),
+    max_edges: int | None = None,
+    max_diameter: float | None = None,
+    corner_count: tuple[int, int] | None = None,
+    outer: bool = False,
+    # end
+) -> Any: ...
+def merge(vertices: ArrayLike, faces: Faces, fills: Sequence[Fill | Refusal]) -> tuple[Floats, Any]: ...
+
+class HolesReport:
+    results: list[Fill | Refusal]
+    outer_borders: list[Indices]
+    def __init__(self, results: Fills) -> None: ...
+    @property
+    def fills(self) -> list[Fill]: ...
+    @property
+    def refusals(self) -> list[Refusal]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def as_dict(self) -> dict[str, Any]: ...
+
 def patch(
     sides: Sequence[Side],
     method: str = "auto",

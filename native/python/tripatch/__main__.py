@@ -15,19 +15,35 @@ import tripatch
 from tripatch import arguments, files, view, words
 from tripatch.batch import command as batch
 from tripatch.batch.record import plain
+from tripatch.files import evidence
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 INTERRUPTED = 130  # what shells say of SIGINT
 MOST_TOLD = 20  # refusals: more run off the screen; of a mesh whose faces are not joined there is one for each face
 
+_MAIN = """\
+Fills holes in meshes so that the new surface blends smoothly into the old one.
+
+examples:
+  tripatch fill scan.ply -o filled.ply --all     fill every hole
+  tripatch view filled.ply zebra.png             draw the result in zebra stripes
+  tripatch batch scans/ -o filled/               fill the holes of every file in a folder
+  tripatch COMMAND --help                        list the options of a command"""
 _DESCRIPTION = """\
-Fills a hole of the mesh in IN and writes the mesh with the fill to OUT; with --all every hole.
-OBJ, OFF, PLY and STL files keep everything that is in them; VTK and other files go through meshio. Vertices are counted
-from 0, in the order of the file (STL: of their first use)."""
+Fills a hole of the mesh in IN, or with --all every hole, and writes the mesh to OUT. OBJ, OFF, PLY and STL files keep all
+that is in them; other formats need meshio.
+
+examples:
+  tripatch fill scan.ply -o filled.ply           fill the only hole
+  tripatch fill scan.ply -o filled.ply --all     fill every hole
+  tripatch fill car.obj -o out.obj --all --faces quads --max-edges 60
+  tripatch fill part.stl -o out.stl --rim 3,17,42,18 --json
+
+Vertices are counted from 0, in the order of the file (STL: of their first use)."""
 _EXIT = """\
-exit status: 0 all filled, or nothing to fill (OUT is a copy); 3 some were refused or fold more than their rims do (OUT is
-written); 1 nothing was filled (the reason on stderr, OUT is not written); 2 bad usage, unreadable input or output that cannot be
-written; 130 interrupted"""
+exit status: 0 all filled, or nothing to fill (OUT is a copy); 3 some holes were refused, or fills fold or cross (OUT is
+written); 1 nothing was filled (OUT is not written); 2 bad usage, unreadable input, or output that cannot be written; 130
+interrupted"""
 
 #: The options of `tripatch.fill`; but the faces of a file stay.
 OPTIONS = {name: option for name, option in tripatch.OPTIONS.items() if name != "replaced"}
@@ -35,38 +51,44 @@ OPTIONS = {name: option for name, option in tripatch.OPTIONS.items() if name != 
 
 def parser() -> argparse.ArgumentParser:
     """The parser of the command line."""
-    main = argparse.ArgumentParser(
-        prog="tripatch", description="Fills holes in meshes with surfaces that continue their surroundings."
-    )
+    main = arguments.Parser(prog="tripatch", description=_MAIN)
     main.add_argument("--version", action="version", version=f"tripatch {tripatch.__version__}")
-    commands = main.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    fill = commands.add_parser(
-        "fill",
-        help="fill holes of a mesh file",
-        description=_DESCRIPTION,
-        epilog=_EXIT,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    commands = main.add_subparsers(dest="command", required=True, metavar="COMMAND", title="Commands")
+    fill = commands.add_parser("fill", help="fill holes of a mesh file", description=_DESCRIPTION, epilog=_EXIT)
     fill.add_argument("input", metavar="IN", type=Path, help="mesh file")
-    fill.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
+    arguments.add_out(fill, "OUT", "mesh file to write; may be IN")
     fill.add_argument("--all", action="store_true", help="fill every hole")
-    fill.add_argument("--report", type=Path, metavar="FILE.json", help="for rims, corners, seam angles and refusals")
-    fill.add_argument(
-        "--deviation", action="store_true", help="write how well new vertices are known as their property, into OUT.ply only"
-    )
-    for option in OPTIONS.values():
-        arguments.add(fill, option)
+    fill.add_argument("--report", type=Path, metavar="FILE.json", help="write a JSON report to FILE.json")
+    fill.add_argument("--deviation", action="store_true", help="write the error estimate of new vertices into OUT.ply")
+    arguments.add_groups(fill, OPTIONS.values())
+    arguments.add_talk(fill, json=True)
     batch.add(commands)
     smooth = commands.add_parser(
         "smooth",
         help="smooth a mesh of triangles",
-        description="Every triangle becomes a curved patch that meets its neighbors smoothly; the normals at the vertices are "
-        "those of the faces around. OUT holds vertices and faces only.",
+        description="Makes a curved patch of every triangle, which meets its neighbors smoothly. OUT holds vertices and faces "
+        "only.\n\n"
+        "example:\n  tripatch smooth rough.obj -o smooth.obj",
     )
     smooth.add_argument("input", metavar="IN", type=Path, help="mesh file")
-    smooth.add_argument("out", metavar="OUT", type=Path, help="mesh file to write; may be IN")
-    smooth.add_argument("--resolution", type=int, metavar="N", default=8, help="edges that every edge is cut into (8)")
-    smooth.add_argument("--curve", choices=("hermite", "smits"), default="hermite", help="over the edges (hermite)")
+    arguments.add_out(smooth, "OUT", "mesh file to write; may be IN")
+    smooth.add_argument("--resolution", type=int, metavar="N", default=8, help="edges that each edge is cut into (default: 8)")
+    smooth.add_argument(
+        "--curve", choices=("hermite", "smits"), default="hermite", help="curve over each edge (default: hermite)"
+    )
+    arguments.add_talk(smooth)
+    strip = commands.add_parser(
+        "strip",
+        help="remove the fills from a file",
+        description="Removes every fill that TriPatch made and gives back the file as it was before, byte for byte.\n"
+        "OBJ and PLY files say themselves what was filled; STL and OFF files need the report.\n\nexamples:\n"
+        "  tripatch strip filled.ply -o original.ply\n"
+        "  tripatch strip filled.stl -o original.stl --report report.json",
+    )
+    strip.add_argument("input", metavar="IN", type=Path, help="mesh file with fills")
+    arguments.add_out(strip, "OUT", "file to write; may be IN")
+    strip.add_argument("--report", type=Path, metavar="FILE.json", help="read the report that `tripatch fill --report` wrote")
+    arguments.add_talk(strip)
     view.add(commands)
     commands.add_parser("methods", help="list the constructions", description="Lists the constructions.")
     return main
@@ -74,6 +96,10 @@ def parser() -> argparse.ArgumentParser:
 
 def _say(text: str) -> None:
     print(f"tripatch: {text}", file=sys.stderr)
+
+
+def _unheard(_: str) -> None:
+    """What --quiet leaves out."""
 
 
 def _progress(done: int, total: int) -> None:
@@ -94,7 +120,8 @@ def _said(rim: Sequence[int] | None, result: Any) -> tuple[int, list[str]]:
     return int(min(result.rim)), result.report.warnings
 
 
-def _write_report(path: Path, holes: list[Any], left: Sequence[Any]) -> None:
+def _report(holes: list[Any], left: Sequence[Any], out: files.MeshFile) -> str:
+    """The JSON report of all holes, of borders left open, and of what was added to the file."""
     entries = []
     for rim, result in holes:
         if isinstance(result, tripatch.Refusal):
@@ -105,19 +132,39 @@ def _write_report(path: Path, holes: list[Any], left: Sequence[Any]) -> None:
                 added["creases"] = result.creases[0]
             entries.append({**added, **result.report.as_dict()})
     borders = [{"code": "outer_border_left_open", "edges": len(loop), "rim": loop} for loop in left]
-    text = json.dumps({"holes": plain(entries), "outer_borders": plain(borders)}, indent=2) + "\n"
+    said = {"tripatch": tripatch.__version__, "holes": entries, "outer_borders": borders, **out.evidence()}
+    return json.dumps(plain(said), indent=2) + "\n"
 
-    def save(part: Path) -> None:
-        part.write_text(text)
 
-    files.write_over(path, save)
+def _tell(args: argparse.Namespace, holes: list[Any], left: Sequence[Any], out: files.MeshFile) -> None:
+    """Writes and prints what is asked for of all holes."""
+    if args.report:
+        files.write_over(args.report, lambda part: part.write_text(_report(holes, left, out)))
+    if args.json:
+        print(_report(holes, left, out), end="")
+        if left:
+            _say(_left_open(args, left))
+    elif args.verbose:
+        print("".join(f"{line}\n" for line in _lines(holes)), end="")
+
+
+def _lines(holes: list[Any]) -> list[str]:
+    """Of each hole what became of it."""
+    said = []
+    for rim, result in holes:
+        if isinstance(result, tripatch.Refusal):
+            said.append(f"Hole{'' if rim is None else f' through vertex {min(rim)}'}: refused")
+        else:
+            new, report = words.counted(len(result.faces), "new face"), result.report
+            said.append(f"Hole through vertex {min(result.rim)}: {new} by {report.method} ({report.method_reason})")
+    return said
 
 
 def _options(args: argparse.Namespace) -> dict[str, Any]:
     """Those that were given, if they go with each other."""
     options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
     for name in options:
-        flag = f"--{name.replace('_', '-')}"
+        flag = arguments.flag(name)
         if args.all and name == "corners" and len(options[name]) == 0:
             continue  # all of them are round
         if args.all and "fill_all" not in OPTIONS[name].functions:
@@ -133,20 +180,21 @@ def _left_open(args: argparse.Namespace, left: Sequence[Any]) -> str:
 
 def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
     out.write(args.out)
-    if args.out.suffix.lower() != args.input.suffix.lower():
+    if args.out.suffix.lower() != args.input.suffix.lower() and not args.quiet:
         _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
 
 
 def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any]) -> int:
     """OUT is written as it is read: the mesh has no hole."""
-    if args.report:
-        _write_report(args.report, [], left)
+    _tell(args, [], left, out)
     _write(args, out)
-    print(f"Nothing to fill: {_left_open(args, left) or 'the mesh has no border'}")
+    if not args.json and not args.quiet:
+        print(f"Nothing to fill: {_left_open(args, left) or 'the mesh has no border'}")
     return FILLED
 
 
 def _fill(args: argparse.Namespace) -> int:
+    args.out = arguments.out_of(args)
     options = _options(args)
     choosing = {name: options.pop(name) for name in list(options) if "choose_holes" in OPTIONS[name].functions}
     if args.report and os.path.realpath(args.report) in map(os.path.realpath, (args.input, args.out)):
@@ -154,6 +202,7 @@ def _fill(args: argparse.Namespace) -> int:
     mesh = files.read(args.input)
     same_format = args.out.suffix.lower() == args.input.suffix.lower()
     out = mesh if same_format else files.converted(mesh, args.out.suffix)
+    out = out.marked()
     if args.deviation:
         out = out.with_deviation()
 
@@ -180,44 +229,65 @@ def _fill(args: argparse.Namespace) -> int:
     if len(refused) > MOST_TOLD:
         more = len(refused) - MOST_TOLD
         _say(f"{more} more {'hole was' if more == 1 else 'holes were'} refused; --report FILE.json names each")
-    if args.report:
-        _write_report(args.report, holes, left)
+    note = _unheard if args.quiet else _say
 
     fills: list[tripatch.Fill] = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
+    for fill in fills:
+        out.append(fill)
+    _tell(args, holes, left, out)
     if not fills:
         return NOTHING
     if any(len(fill.creases[0]) for fill in fills):
-        _say("Exact cages want their rims creased, which no file holds: crease them where the cage is subdivided (see --report)")
-    for fill in fills:
-        out.append(fill)
+        note("Exact cages want their rims creased, which no file holds: crease them where the cage is subdivided (see --report)")
     told = words.gathered([_said(*hole) for hole in holes])
     for warning in told[:MOST_TOLD]:
-        _say(warning)
+        note(warning)
     if len(told) > MOST_TOLD:
-        _say(f"{len(told) - MOST_TOLD} more warnings; --report FILE.json has each")
+        note(f"{len(told) - MOST_TOLD} more warnings; --report FILE.json has each")
     unknown = sum(fill.deviation is None for fill in fills) if args.deviation else 0
     if unknown:
-        _say(f"How well it is known cannot be told of {unknown} of {len(fills)} fills, the deviation there is -1")
+        note(f"How well it is known cannot be told of {unknown} of {len(fills)} fills, the deviation there is -1")
     _write(args, out)
     cage_rim = options.get("cage_rim", "smooth") if options.get("output") == "cage" else ""
     limit, faces = options.get("surroundings") == "limit", [face for fill in fills for face in fill.faces]
     triangles = sum(len(face) == 3 for face in faces) if options.get("output") == "quads" else 0
     reports = [fill.report for fill in fills]
-    print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit))
-    if left:
-        print(_left_open(args, left))
+    if not args.json and not args.quiet:
+        print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit))
+        if left:
+            print(_left_open(args, left))
     folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
     if folded:
-        _say(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")
+        note(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")
     crossed = sum(fill.report.crosses_itself for fill in fills)  # its warning says where
     return FILLED if len(fills) == len(holes) and not folded and not crossed else SOME
 
 
 def _smooth(args: argparse.Namespace) -> int:
+    args.out = arguments.out_of(args)
     mesh = files.read(args.input)
     smooth = tripatch.smooth_triangles(mesh.vertices, mesh.faces, resolution=args.resolution, curve=args.curve)
-    files.converted(files.MeshFile(smooth.vertices, smooth.faces.tolist()), args.out.suffix).write(args.out)
-    print(f"Smoothed {len(mesh.faces)} triangles into {len(smooth.faces)}")
+    files.write(args.out, smooth)
+    if not args.quiet:
+        print(f"Smoothed {len(mesh.faces)} triangles into {len(smooth.faces)}")
+    return FILLED
+
+
+def _strip(args: argparse.Namespace) -> int:
+    args.out = arguments.out_of(args)
+    mesh = files.read(args.input)
+    try:
+        if args.report:
+            data = evidence.undone(args.input.read_bytes(), json.loads(args.report.read_text()))
+        else:
+            data = mesh.stripped()
+    except (files.FileError, OSError, ValueError) as error:
+        _say(f"{args.input} cannot be stripped: {error}")
+        return NOTHING
+    files.write_over(args.out, lambda part: part.write_bytes(data))
+    if not args.quiet:
+        left = len(mesh.faces) - len(files.read(args.out).faces)
+        print(f"Removed {words.counted(left, 'face')} of fills; {args.out} is as it was before")
     return FILLED
 
 
@@ -242,6 +312,8 @@ def _run(argv: list[str] | None) -> int:
         return batch.run(args)
     if args.command == "view":
         return view.run(args)
+    if args.command == "strip":
+        return _strip(args)
     return _smooth(args) if args.command == "smooth" else _fill(args)
 
 

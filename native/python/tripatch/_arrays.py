@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import chain
+from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
@@ -59,6 +59,21 @@ def faces(value: Any) -> tuple[Array, Array]:
     if corners.dtype.kind not in "iu":
         raise TypeError("faces must hold vertex indices (integers)")
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), corners.astype(np.int64)
+
+
+def rows(offsets: Array, corners: Array) -> Any:
+    """Faces from offsets and corners: an (m, 3) or (m, 4) array if all have as many corners, else index lists."""
+    sizes = np.diff(offsets)
+    if len(sizes) and sizes[0] in (3, 4) and (sizes == sizes[0]).all():
+        return corners.reshape(-1, sizes[0])
+    places, whole = offsets.tolist(), corners.tolist()
+    return [whole[a:b] for a, b in pairwise(places)]
+
+
+def index_lists(value: Any) -> list[list[int]]:
+    """Faces as lists of Python's own numbers, which are quicker to go through one by one."""
+    found: list[list[int]] = value.tolist() if isinstance(value, np.ndarray) else value
+    return found
 
 
 def mesh(vertices: ArrayLike, face_list: Faces) -> tuple[Array, Array, Array]:

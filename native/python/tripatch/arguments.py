@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import json
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 from ._arrays import MOST_SIDES
 from ._native import Option
-from .options import described
+from .options import described, groups
 
 _COUNTS = {2: "two", 3: "three"}
 
@@ -134,13 +137,109 @@ def _metavar(option: Option) -> str:
     return ",".join(several[: option.count]) if option.count > 1 else one
 
 
-def add(parser: argparse.ArgumentParser, option: Option) -> None:
+#: What an option is called on a command line where that is not its name; the name is understood there too.
+FLAGS = {"output": "--faces"}
+
+
+def flag(name: str) -> str:
+    """What an option is called on a command line."""
+    return FLAGS.get(name, f"--{name.replace('_', '-')}")
+
+
+def _default(option: Option) -> str:
+    if option.kind in ("indices", "loops", "points", "subdivision") or (option.kind == "flag" and not option.default):
+        return ""
+    value = {None: "none", True: "on"}.get(option.default, option.default)
+    return f" (default: {','.join(f'{x:g}' for x in value) if isinstance(value, tuple) else value})"
+
+
+def add(parser: argparse._ActionsContainer, option: Option) -> None:
     """`--name` for an option; what is not given is not in the namespace."""
-    text = described(option)
-    if option.kind not in ("flag", "indices", "loops", "points", "subdivision"):
-        text += f" ({'none' if option.default is None else option.default})".replace("(0.0, 0.0)", "0,0")
+    text = (described(option) + _default(option)).replace("%", "%%")
+    names = [flag(option.name)]
     if option.kind == "flag":
         value: dict[str, Any] = {"action": argparse.BooleanOptionalAction if option.default else "store_true"}
     else:
         value = {"type": reader(option), "metavar": _metavar(option)}
-    parser.add_argument(f"--{option.name.replace('_', '-')}", default=argparse.SUPPRESS, help=text.replace("%", "%%"), **value)
+        if option.name == "output":
+            value["metavar"] = "|".join(each.name for each in option.choices)
+    parser.add_argument(*names, dest=option.name, default=argparse.SUPPRESS, help=text, **value)
+    if option.name in FLAGS:
+        name = f"--{option.name.replace('_', '-')}"
+        parser.add_argument(name, dest=option.name, default=argparse.SUPPRESS, help=argparse.SUPPRESS, **value)
+
+
+def add_groups(parser: argparse.ArgumentParser, options: Iterable[Option]) -> None:
+    """Options in the groups of the table."""
+    for title, rows in groups(options).items():
+        group = parser.add_argument_group(title)
+        for option in rows:
+            add(group, option)
+
+
+def add_out(parser: argparse.ArgumentParser, metavar: str, text: str) -> None:
+    """The file to write, as a second argument or by -o; `out_of` reads it."""
+    parser.add_argument("out", metavar=metavar, type=Path, nargs="?", help=text)
+    parser.add_argument("-o", "--out", dest="out_by_name", metavar=metavar, type=Path, help="the same")
+
+
+def out_of(args: argparse.Namespace) -> Path:
+    """The file to write.
+
+    Raises:
+        ValueError: none is named, or two are.
+    """
+    if args.out is not None and args.out_by_name is not None:
+        raise ValueError(f"Name one file to write: {args.out} or {args.out_by_name}")
+    found: Path | None = args.out if args.out_by_name is None else args.out_by_name
+    if found is None:
+        raise ValueError("Name the file to write: -o FILE")
+    return found
+
+
+def add_talk(parser: argparse.ArgumentParser, *, json: bool = False) -> None:
+    """How much is said, and in which form."""
+    group = parser.add_argument_group("Messages").add_mutually_exclusive_group()
+    if json:
+        group.add_argument("--json", action="store_true", help="print the report as JSON")
+    group.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    if json:
+        group.add_argument("-v", "--verbose", action="store_true", help="print a line for each hole")
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that takes whole names only, shows its help if nothing is given, and suggests what may have been meant."""
+
+    def __init__(self, *args: Any, **settings: Any) -> None:
+        super().__init__(*args, **{"formatter_class": argparse.RawDescriptionHelpFormatter, **settings, "allow_abbrev": False})
+        self._optionals.title = "General"
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As of argparse, but what is not known is an error here, where it can be said what may have been meant."""
+        given = sys.argv[1:] if args is None else list(args)
+        if not given and not all(action.option_strings for action in self._actions):
+            self.print_help()
+            self.exit(2)
+        found, unknown = super().parse_known_args(given, namespace)
+        # argparse gives up on an argument that may be left out where options come before it
+        late = [a for a in self._actions if a.nargs == "?" and not a.option_strings and getattr(found, a.dest) is None]
+        if len(unknown) == len(late) == 1 and not unknown[0].startswith("-"):
+            setattr(found, late[0].dest, self._get_value(late[0], unknown.pop()))
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{self._meant(unknown[0])}")
+        return found, unknown
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            said = f"{value!r} is not one of {', '.join(map(str, action.choices))}{suggested(str(value), action.choices)}"
+            raise argparse.ArgumentError(action, said)
+
+    def _meant(self, word: str) -> str:
+        shown = [name for action in self._actions if action.help != argparse.SUPPRESS for name in action.option_strings]
+        return suggested(word.partition("=")[0], shown) if word.startswith("--") else ""
+
+
+def suggested(word: str, words: Iterable[Any]) -> str:
+    """'. Did you mean --rim?', or nothing."""
+    near = difflib.get_close_matches(word, [str(each) for each in words], n=1)
+    return f". Did you mean {near[0]}?" if near else ""

@@ -20,3 +20,7 @@ class Refusal(ValueError):
 
     def __reduce__(self) -> tuple[type[Refusal], tuple[str, list[int]]]:
         return (Refusal, (self.reason, self.where))
+
+
+class FillWarning(UserWarning):
+    """What a person should know of a result that comes without a report."""

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 import functools
-import itertools
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from . import _arrays, _native
+from . import _arrays, _native, words
+from ._native import Patch
 from ._types import Array, ArrayLike, Faces
 from .errors import Refusal
+from .holes import SURROUNDING_RINGS
 from .options import OPTIONS, checked, not_at_default, takes_options, value, whole
 
 
@@ -20,7 +23,8 @@ class Fill:
 
     Attributes:
         vertices: (k, 3) the new vertices only.
-        faces: index lists; 0 .. n-1 are the mesh's own vertices (the rim's are reused), n .. are `vertices`.
+        faces: (m, 3) or (m, 4) int array if all have as many corners, else index lists; 0 .. n-1 are the mesh's own vertices
+            (the rim's are reused), n .. are `vertices`.
         normals: (k, 3) exact unit normals of the patch at `vertices`.
         barycentric: (k, 3) of `vertices`, on a patch of three sides.
         uv, rim_uv: (k, 2), (r, 2) of `vertices` and of the rim, on a patch over a plane domain, else None.
@@ -31,14 +35,18 @@ class Fill:
         rim_barycentric: (r, 3).
         moved, split_edges, creases: what a cage option changed outside the fill, as (indices, positions), (edges, t),
             (edges, values); empty where unused.
+        replaced: indices of the mesh's faces that the fill takes the place of.
         border: indices into `vertices` of a fill that is a mesh of its own; empty where the rim is reused.
         sides: the three `Side` objects of the surroundings used; none of a patch without sides.
         patch: the `Patch`.
         report: the `Report`.
     """
 
-    def __init__(self, native: _native.Filled, mesh: Any = None) -> None:
-        self._mesh, self._native = mesh, native
+    def __init__(self, native: _native.Filled, source: Source) -> None:
+        self._source, self._patch = source, native.patch
+        self._has_patch = native.patch is not None
+        self._offsets, self._corners = native.face_offsets, native.face_corners
+        self.replaced = np.array(source.options.get("replaced", ()), np.int64)
         self.vertices = native.vertices
         self.normals = native.normals
         self.barycentric = native.barycentric
@@ -53,14 +61,41 @@ class Fill:
         self.feature_edges = np.array(native.feature_edges, np.int64).reshape(-1, 2)
         self.border = native.border
         self.sides = tuple(native.sides)
-        self.patch = native.patch
         self.report = native.report
+        if self._has_patch:
+            vars(self._patch)["_recipe"] = functools.partial(source.recipe, self.rim, self.vertices)
+
+    @property
+    def patch(self) -> Patch:
+        """The `Patch`; of a fill that was pickled it is made again when first asked for."""
+        if self._patch is None and self._has_patch:
+            self._patch = self._source.patch(self.vertices)
+        return self._patch
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options that were given."""
+        return self._source.options
+
+    def __getstate__(self) -> dict[str, Any]:
+        near = self._source.near(self._corners)
+        return {**vars(self), "_patch": None, "_source": near}
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Fill:
+        made = memo[id(self)] = object.__new__(Fill)
+        shared = ("_source", "_patch")
+        vars(made).update({name: v if name in shared else copy.deepcopy(v, memo) for name, v in vars(self).items()})
+        return made
 
     @functools.cached_property
-    def faces(self) -> list[list[int]]:
-        """Index lists; 0 .. n-1 are the mesh's own vertices, n .. are `vertices`. Made when first read."""
-        offsets, corners = self._native.face_offsets.tolist(), self._native.face_corners.tolist()
-        return [corners[a:b] for a, b in itertools.pairwise(offsets)]
+    def faces(self) -> Any:
+        """(m, 3) or (m, 4) int array if all have as many corners, else index lists; 0 .. n-1 are the mesh's own vertices,
+        n .. are `vertices`. Made when first read."""
+        return _arrays.rows(*self._flat_faces())
+
+    def _flat_faces(self) -> tuple[Array, Array]:
+        """Offsets (m + 1,) and corners, one face after another."""
+        return self._offsets, self._corners
 
     def limit(self, level: int = 3) -> tuple[Array, Array]:
         """The limit surface of a fill that is a cage.
@@ -71,17 +106,25 @@ class Fill:
         Returns:
             vertices (k, 3) and faces (m, 4), of a cage of triangles (m, 3).
         """
-        if self._mesh is None:
+        if self._source.options.get("output") != "cage":
             raise ValueError("only a fill with output='cage' has a limit surface")
-        whole(level, "level", 1, 8)
-        vertices, offsets, corners, replaced, settings, others = self._mesh
-        return _limit_of_cage(self, vertices, offsets, corners, replaced, settings, others, level)
+        return self._source.limit(self, whole(level, "level", 1, 8))
 
     def __repr__(self) -> str:
-        return (
-            f"<tripatch.Fill: {len(self.vertices)} new vertices, {len(self._native.face_offsets) - 1} faces, "
-            f"seam within {self.report.seam_angle_max:.2g} deg>"
-        )
+        said = f"{words.counted(len(self.vertices), 'new vertex')}, {words.counted(len(self._offsets) - 1, 'face')}"
+        seam = f", seam within {words.degrees(self.report.seam_angle_max)}" if self.sides else ""
+        return f"<tripatch.Fill: {said} by {self.report.method}{seam}>"
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows: the fill and what is around it, in zebra stripes."""
+        from .batch import crops
+        from .view import picture, png
+
+        points, offsets, corners = self._source.in_place()
+        crop: Any = crops.of_fill(points, _arrays.rows(offsets, corners), self)
+        toward = np.asarray(self.rim_normals).sum(axis=0) + self.normals.sum(axis=0)
+        toward = toward if np.linalg.norm(toward) > 0 else np.array([0.0, 0, 1])
+        return png(picture(crop["vertices"], [*crop["around"], *crop["fill"]], size=(480, 360), toward=toward)[0])
 
 
 class Fills(list["Fill | Refusal"]):
@@ -98,35 +141,124 @@ class Fills(list["Fill | Refusal"]):
         self.outer_borders = list(outer_borders)
 
 
-def _limit_of_cage(
-    fill: Fill, vertices: Array, offsets: Array, corners: Array, replaced: Any, settings: Any, others: Any, level: int
-) -> tuple[Array, Array]:
-    """The cage with the fill, and others that were fitted together with it, in place; and its limit surface in the fill."""
-    gone = set(replaced)
-    points = vertices.copy()
-    faces = [corners[a:b].tolist() for f, (a, b) in enumerate(zip(offsets, offsets[1:], strict=False)) if f not in gone]
-    subdivision, first = _native.Subdivision(settings), 0
-    for each in [*(other for other in others if other is not fill), fill]:
-        n, by = len(vertices), len(points) - len(vertices)
+@dataclasses.dataclass
+class Source:
+    """What a fill was made from, so that it can be made again.
 
-        def own(v: int, n: int = n, by: int = by) -> int:
-            return v + by if v >= n else v
+    Attributes:
+        function: "fill" or "fill_all".
+        vertices, offsets, corners: of the mesh.
+        options: those that were given.
+        rim: of this fill; its corners where `fill_all` was told them.
+        others: cages that were fitted together with it.
+        kept: of a part of a mesh the numbers that its vertices have there; whole: how many there are.
+    """
 
-        points = np.concatenate([points, each.vertices])
-        points[each.moved[0]] = each.moved[1]
-        for k, edge in enumerate(each.split_edges[0].tolist()):
-            for face in faces:
-                for place, v in enumerate(face):
-                    if {v, face[(place + 1) % len(face)]} == set(edge):
-                        face.insert(place + 1, n + by + k)
-                        break
-        creased = [[own(v) for v in edge] for edge in each.creases[0].tolist()]
-        subdivision.crease_edges = subdivision.crease_edges + creased
-        subdivision.edge_creases = subdivision.edge_creases + each.creases[1].tolist()
-        first = len(faces)
-        faces += [[own(v) for v in face] for face in each.faces]
-    limit, quads = _native._sample_limit(points, *_arrays.faces(faces), subdivision, first, level)
-    return limit, quads.reshape(-1, 3 if settings.loop else 4)
+    function: str
+    vertices: Array
+    offsets: Array
+    corners: Array
+    options: dict[str, Any]
+    rim: list[int]
+    rim_corners: list[int] | None = None
+    others: list[Fill] = dataclasses.field(default_factory=list)
+    kept: Array | None = None
+    whole: int = 0
+
+    def in_place(self) -> tuple[Array, Array, Array]:
+        """Vertices, offsets and corners of the faces that are there, in the mesh's own numbers."""
+        if self.kept is None:
+            return self.vertices, self.offsets, self.corners
+        points = np.zeros((self.whole, 3))
+        points[self.kept] = self.vertices
+        return points, self.offsets, self.kept[self.corners]
+
+    def fill(self) -> Any:
+        """The fill, as the core returns it."""
+        mesh = self.vertices, self.offsets, self.corners
+        if self.function == "fill":
+            given = checked("fill", {**self.options, "rim": self.rim})
+            return _native._fill(*mesh, not_at_default("fill", given), None)
+        given = checked("fill_all", self.options)
+        return _native._fill_all(*mesh, [self.rim], given, [self.rim_corners], None)[0]
+
+    def patch(self, vertices: Array) -> Patch:
+        """The patch of the fill that has these vertices."""
+        made = self.fill()
+        if isinstance(made, Refusal) or not np.array_equal(made.vertices, vertices):
+            raise ValueError("The mesh has changed since it was filled, so the patch cannot be made again")
+        vars(made.patch)["_recipe"] = functools.partial(self.recipe, made.rim, vertices)
+        patch: Patch = made.patch
+        return patch
+
+    def recipe(self, rim: Array, vertices: Array) -> tuple[Any, ...]:
+        """For pickle: what makes the patch of the fill with this rim and these vertices."""
+        return Source.patch, (self.near(rim), vertices)
+
+    def near(self, used: Array) -> Source:
+        """The same with the faces alone that the fill depends on: those around vertices that it uses."""
+        given = checked(self.function, self.options)
+        if self.kept is not None or given["output"] == "cage" or given["surroundings"] == "limit":
+            return self
+        seen = np.zeros(len(self.vertices), bool)
+        seen[used[used < len(seen)]] = True
+        seen[self.rim] = True
+        sizes = np.diff(self.offsets)
+        of_face = np.repeat(np.arange(len(sizes)), sizes)
+        for _ in range(SURROUNDING_RINGS + 2):
+            faces = np.zeros(len(sizes), bool)
+            faces[of_face[seen[self.corners]]] = True
+            seen[self.corners[faces[of_face]]] = True
+        number, place = np.cumsum(seen) - 1, np.cumsum(faces) - 1
+
+        def renumbered(name: str, value: Any) -> Any:
+            if name == "replaced":
+                return [int(place[f]) for f in value]
+            if name == "islands" and not isinstance(value, str):
+                return [[int(number[v]) for v in loop] for loop in value]
+            return [int(number[v]) for v in value] if name in ("rim", "corners") and value is not None else value
+
+        return Source(
+            self.function,
+            self.vertices[seen],
+            np.concatenate([[0], np.cumsum(sizes[faces])]).astype(np.int64),
+            number[self.corners[faces[of_face]]],
+            {name: renumbered(name, value) for name, value in self.options.items()},
+            renumbered("rim", self.rim),
+            renumbered("corners", self.rim_corners),
+            kept=np.flatnonzero(seen),
+            whole=len(seen),
+        )
+
+    def limit(self, fill: Fill, level: int) -> tuple[Array, Array]:
+        """The cage with the fill, and others that were fitted together with it, in place; and its limit surface in the fill."""
+        settings = checked(self.function, self.options)["subdivision"]
+        gone = set(fill.replaced.tolist())
+        points = self.vertices.copy()
+        rows = enumerate(zip(self.offsets, self.offsets[1:], strict=False))
+        faces = [self.corners[a:b].tolist() for f, (a, b) in rows if f not in gone]
+        subdivision, first = _native.Subdivision(settings), 0
+        for each in [*(other for other in self.others if other is not fill), fill]:
+            n, by = len(self.vertices), len(points) - len(self.vertices)
+
+            def own(v: int, n: int = n, by: int = by) -> int:
+                return v + by if v >= n else v
+
+            points = np.concatenate([points, each.vertices])
+            points[each.moved[0]] = each.moved[1]
+            for k, edge in enumerate(each.split_edges[0].tolist()):
+                for face in faces:
+                    for place, v in enumerate(face):
+                        if {v, face[(place + 1) % len(face)]} == set(edge):
+                            face.insert(place + 1, n + by + k)
+                            break
+            creased = [[own(v) for v in edge] for edge in each.creases[0].tolist()]
+            subdivision.crease_edges = subdivision.crease_edges + creased
+            subdivision.edge_creases = subdivision.edge_creases + each.creases[1].tolist()
+            first = len(faces)
+            faces += [[own(v) for v in face] for face in _arrays.index_lists(each.faces)]
+        limit, quads = _native._sample_limit(points, *_arrays.faces(faces), subdivision, first, level)
+        return limit, quads.reshape(-1, 3 if settings.loop else 4)
 
 
 @takes_options
@@ -148,8 +280,15 @@ def fill(vertices: ArrayLike, faces: Faces, *, progress: Callable[[int, int], ob
     """
     given = checked("fill", options)
     v, offsets, corners = _arrays.mesh(vertices, faces)
-    cage = (v, offsets, corners, given["replaced"], given["subdivision"], ()) if given["output"] == "cage" else None
-    return Fill(_native._fill(v, offsets, corners, not_at_default("fill", given), progress), cage)
+    made = _native._fill(v, offsets, corners, not_at_default("fill", given), progress)
+    rim = given["rim"] if given["rim"] is not None else _from_lowest(made.rim)
+    return Fill(made, Source("fill", v, offsets, corners, options, rim))
+
+
+def _from_lowest(rim: Array) -> list[int]:
+    """A rim as `find_holes` has it."""
+    found: list[int] = np.roll(rim, -int(np.argmin(rim))).tolist()
+    return found
 
 
 @takes_options
@@ -190,11 +329,16 @@ def fill_all(
     if corners is not None and len(by_rim) != len(loops):
         raise ValueError(f"corners must be given for each of the {len(loops)} rims, not for {len(by_rim)}")
     results = _native._fill_all(v, offsets, face_corners, loops, given, by_rim, progress)
-    together: list[Fill] = []
-    cage = None
-    if given["output"] == "cage":
-        cage = (v, offsets, face_corners, given["replaced"], given["subdivision"], together)
-    fills = [r if isinstance(r, Refusal) else Fill(r, cage) for r in results]
-    together += [f for f in fills if isinstance(f, Fill)]
+    together: list[Any] = []
+    fills: list[Fill | Refusal] = []
+    for k, result in enumerate(results):
+        if isinstance(result, Refusal):
+            fills.append(result)
+            continue
+        source = Source("fill_all", v, offsets, face_corners, options, loops[k], by_rim[k] if by_rim else None)
+        fills.append(Fill(result, source))
+        if given["output"] == "cage":
+            source.others = together
+            together.append(fills[-1])
     left = rims is None and not given["outer"]
     return Fills(fills, _native._outer_borders(v, offsets, face_corners) if left else ())

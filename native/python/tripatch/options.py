@@ -8,7 +8,7 @@ import numbers
 import textwrap
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any, TypeVar, overload
 
 import numpy as np
 
@@ -99,11 +99,22 @@ def _names(option: str) -> tuple[str, ...]:
     return ("auto", *METHODS) if option == "method" else tuple(each.name for each in OPTIONS[option].choices)
 
 
+@functools.cache
+def _seen_names(option: str) -> dict[str, str]:
+    """From what a panel calls the values of a choice, in small letters, to their names."""
+    return {each.label.lower(): each.name for each in OPTIONS[option].choices if each.label}
+
+
 def _choice(value: Any, option: Option) -> Any:
     allowed = (None,) * option.optional + names(option)
+
+    def named(each: Any) -> Any:
+        known = each in allowed or not isinstance(each, str)
+        return choice(each if known else _seen_names(option.name).get(each.lower(), each), option.name, allowed)
+
     if option.by_side:
-        return [choice(each, option.name, allowed) for each in _arrays.by_side(value, option.name, str)]
-    return choice(value, option.name, allowed)
+        return [named(each) for each in _arrays.by_side(value, option.name, str)]
+    return named(value)
 
 
 def _indices(value: Any, option: Option) -> list[int]:
@@ -293,18 +304,71 @@ def described(option: Option) -> str:
     return text + "".join(f"; {each.name}: {each.description}" for each in listed)
 
 
-def takes_options(function: Function) -> Function:
-    """`help` and editors see by name the options that the code passes on, and what the table says of them."""
-    name, own = function.__name__, inspect.signature(function)
+#: Titles of groups, in their order.
+HOLES, FACES, SURFACE, CAGES, PAPERS = (
+    "Which holes",
+    "New faces",
+    "Shape of the fill",
+    "Quads, cages and subdivision surfaces",
+    "Single constructions, to reproduce papers",
+)
+_OF_FACES = ("output", "resolution", "features")
+
+
+def group(option: Option) -> str:
+    """The title of the group that an option is listed in."""
+    if "choose_holes" in option.functions or (not {"patch", "fill_all"} & set(option.functions)):
+        return HOLES
+    if option.name in _OF_FACES:
+        return FACES
+    if (
+        not option.name == "method"
+        and "patch" in option.functions
+        and not any(METHODS[name].takes(option.name) for name in ("multi_sided", "polyharmonic_spline"))
+    ):
+        return PAPERS
+    return SURFACE if "patch" in option.functions else CAGES
+
+
+def groups(rows: Iterable[Option]) -> dict[str, list[Option]]:
+    """Options by the titles of their groups."""
+    found: dict[str, list[Option]] = {title: [] for title in (HOLES, FACES, SURFACE, CAGES, PAPERS)}
+    for option in rows:
+        found[group(option)].append(option)
+    return {title: listed for title, listed in found.items() if listed}
+
+
+@overload
+def takes_options(named: Function) -> Function: ...
+@overload
+def takes_options(named: str) -> Callable[[Function], Function]: ...
+def takes_options(named: Any) -> Any:
+    """`help` and editors see by name the options that the code passes on, and what the table says of them.
+
+    Args:
+        named: the function; or the name of that whose options it takes.
+    """
+    if isinstance(named, str):
+        return functools.partial(_described, named)
+    return _described(named.__name__, named)
+
+
+def _described(name: str, function: Function) -> Function:
+    own = inspect.signature(function)
     keyword = inspect.Parameter.KEYWORD_ONLY
     kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
     rows = [option for option in of(name) if option.name not in own.parameters]
     parameters = [inspect.Parameter(option.name, keyword, default=option.default) for option in rows]
     vars(function)["__signature__"] = own.replace(parameters=[*kept, *parameters])
-    lines = [
-        textwrap.fill(f"{option.name}: {described(option)}.", 126, initial_indent=" " * 4, subsequent_indent=" " * 8)
-        for option in rows
-    ]
+    described_rows: dict[bool, list[str]] = {True: [], False: []}  # by whether only papers need them
+    for option in rows:
+        text = f"{option.name}: {described(option)}."
+        lines = textwrap.fill(text, 126, initial_indent=" " * 4, subsequent_indent=" " * 8)
+        described_rows[group(option) == PAPERS].append(lines)
     text = inspect.cleandoc(function.__doc__ or "")  # Python 3.13 does so itself
-    function.__doc__ = text.replace("    **options: see OPTIONS.", "\n".join(lines))
+    text = text.replace("    **options: see OPTIONS.", "\n".join(described_rows[False]))
+    if described_rows[True]:
+        papers = "\n".join(["Other Parameters:", *described_rows[True]])
+        text = text.replace("\nReturns:", f"\n{papers}\n\nReturns:", 1)
+    function.__doc__ = text
     return function

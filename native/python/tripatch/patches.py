@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from . import _arrays, _native
-from ._native import Patch, Report, Side, SzilvasiNagyPatch
+from . import _arrays, _native, words
+from ._native import BezierTriangle, Patch, Report, Side, SzilvasiNagyPatch
 from ._types import Array, ArrayLike
+from .errors import FillWarning
 from .options import OPTIONS, checked, choice, names, takes_options, whole
+from .pickling import remade
 
 #: Of the extent of a patch: ends that are no farther apart differ by rounding, which a curve leaves at 1e-15 of its coordinates.
 _ROUNDING = 1e-12
@@ -42,7 +44,7 @@ def _closed(sides: Sequence[Side], tolerance: float) -> tuple[Side, ...]:
     largest = 0.5 * np.linalg.norm(gaps, axis=1).max()
     if largest <= _ROUNDING * np.ptp(starts, axis=0).max():
         return tuple(sides)
-    warnings.warn(f"The ends of the sides were moved together, by {largest:.2g} at most", stacklevel=3)
+    warnings.warn(FillWarning(f"The ends of the sides were moved together, by {largest:.2g} at most"), stacklevel=3)
     moves = zip(sides, np.roll(-0.5 * gaps, 1, axis=0), 0.5 * gaps)
     return tuple(side._moved(before.tolist(), after.tolist()) for side, before, after in moves)
 
@@ -101,12 +103,11 @@ def patch(
     given = {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, "through": through, **options}
     if len(sides) != 3 or len(through) > 0:
         made, notes = _between_many(sides, given, progress)
-        for note in notes:
-            warnings.warn(note, stacklevel=2)
-        return made
-    made, notes = _native._patch(sides, checked("patch", given), progress)
+    else:
+        made, notes = _native._patch(sides, checked("patch", given), progress)
+        vars(made)["_recipe"] = remade, ("_patch", sides, checked("patch", given), None)
     for note in notes:
-        warnings.warn(note, stacklevel=2)
+        warnings.warn(FillWarning(note), stacklevel=2)
     return made
 
 
@@ -118,9 +119,10 @@ def _between_many(
     if options["method"] not in many:
         raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
     given = checked("patch", options)
-    if len(sides) == 1:
-        return _native._round_patch(sides[0], given, progress)[:2]
-    return _native._polygon_patch(sides, given, progress)[:2]
+    function, own = ("_round_patch", sides[0]) if len(sides) == 1 else ("_polygon_patch", sides)
+    made, notes, _ = getattr(_native, function)(own, given, progress)
+    vars(made)["_recipe"] = remade, (function, own, given, None)
+    return made, notes
 
 
 def blend(
@@ -140,7 +142,8 @@ def blend(
     if not all(isinstance(r, Patch) for r in (r0, r1, r2)):
         raise TypeError("a blend needs three patches")
     given = checked("blend", {"method": method, "shape": shape, "reading": reading})
-    return _native._blend((r0, r1, r2), method, given)
+    made: Patch = remade("_blend", (r0, r1, r2), method, given)
+    return made
 
 
 def _places(b: ArrayLike) -> Array:
@@ -328,6 +331,26 @@ def _as_dict(self: Report) -> dict[str, Any]:
     return {name: getattr(self, name) for name, member in vars(Report).items() if isinstance(member, property)}
 
 
+def _patch_repr(self: Patch) -> str:
+    name = type(self).__name__
+    if isinstance(self, BezierTriangle):
+        return f"<tripatch.{name}: degree {self.degree}>"
+    if isinstance(self, _native.PlanePatch):
+        return f"<tripatch.{name}: over the plane of {words.counted(len(self.domain), 'rim vertex')}>"
+    return f"<tripatch.{name}: {words.counted(_sides_of(self), 'side')}>"
+
+
+def _side_repr(self: Side) -> str:
+    ends = self.evaluate([0.0, 1.0])[0]
+    start, end = ("(" + ", ".join(f"{x:.4g}" for x in point + 0.0) + ")" for point in ends)
+    return f"<tripatch.Side: from {start} to {end}>"
+
+
+def _report_repr(self: Report) -> str:
+    said = f"seam within {words.degrees(self.seam_angle_max)}, " if any(self.continuity) else ""
+    return f"<tripatch.Report: {self.method or 'no method'}, {said}{words.counted(len(self.warnings), 'warning')}>"
+
+
 _METHODS: dict[type, dict[str, Any]] = {
     Patch: {
         "evaluate": _evaluate,
@@ -336,6 +359,7 @@ _METHODS: dict[type, dict[str, Any]] = {
         "energy": _patch_energy,
         "triangles": _triangles,
         "on_side": _on_side,
+        "__repr__": _patch_repr,
     },
     SzilvasiNagyPatch: {
         "mu": _mu,
@@ -348,8 +372,9 @@ _METHODS: dict[type, dict[str, Any]] = {
         "part": _part,
         "second_derivative": _second_derivative,
         "from_functions": staticmethod(_from_functions),
+        "__repr__": _side_repr,
     },
-    Report: {"as_dict": _as_dict},
+    Report: {"as_dict": _as_dict, "__repr__": _report_repr},
 }
 for _class, _methods in _METHODS.items():
     for _name, _function in _methods.items():

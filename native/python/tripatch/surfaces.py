@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import numbers
 import warnings
 from collections.abc import Callable, Sequence
@@ -12,6 +13,8 @@ import numpy as np
 from . import _arrays, _native
 from ._native import BezierRectangle, BezierTriangle, NurbsSurface, Side
 from ._types import Array, ArrayLike, Faces
+from .errors import FillWarning
+from .pickling import remade
 
 _KINDS = {name: getattr(_native.CoonsKind, name) for name in ("discrete", "extremal", "extremal_symmetric", "mask", "permanence")}
 _CURVES = {name: getattr(_native.NormalCurve, name) for name in ("hermite", "smits")}
@@ -59,7 +62,10 @@ def _init_with(native_class: Any, convert: Callable[..., Any]) -> None:
     native_init = native_class.__init__
 
     def init(self: Any, *args: Any, **kwargs: Any) -> None:
-        native_init(self, *convert(*args, **kwargs))
+        given = convert(*args, **kwargs)
+        native_init(self, *given)
+        if native_class is NurbsSurface:  # which does not tell of its parts
+            vars(self)["_recipe"] = NurbsSurface, inspect.signature(convert).bind(*args, **kwargs).args
 
     init.__doc__ = convert.__doc__
     native_class.__init__ = init
@@ -186,7 +192,8 @@ def smits_patch(points: ArrayLike, normals: ArrayLike) -> _native.Patch:
         points: (3, 3) corners.
         normals: (3, 3) outer normals there, of any length.
     """
-    return _native._smits_patch(*_corners_and_normals(points, normals))
+    made: _native.Patch = remade("_smits_patch", *_corners_and_normals(points, normals))
+    return made
 
 
 def coons_bezier(boundary: Sequence[Any], kind: str = "discrete", alpha: float | None = None) -> BezierTriangle:
@@ -211,7 +218,7 @@ def coons_bezier(boundary: Sequence[Any], kind: str = "discrete", alpha: float |
     value = None if alpha is None else _number(alpha, "alpha")
     triangle, notes = _native._coons_bezier(curves, _named(kind, "kind", _KINDS), value)
     for note in notes:
-        warnings.warn(note, stacklevel=2)
+        warnings.warn(FillWarning(note), stacklevel=2)
     return triangle
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from . import files, quality
+from . import arguments, files, quality
 from ._types import Array, ArrayLike
 
 _BACKGROUND = (0.22, 0.22, 0.23)
@@ -220,25 +220,31 @@ def add(commands: Any) -> None:
     view = commands.add_parser(
         "view",
         help="a picture of a mesh file that shows its quality",
-        description="Draws the mesh in FILE to a PNG picture: " + "; ".join(f"--{k} {words}" for k, words in KINDS.items()) + ".",
+        description="Draws the mesh in FILE to a PNG picture.\n\nexamples:\n"
+        "  tripatch view filled.ply zebra.png\n"
+        "  tripatch view filled.obj -o seam.png --seam --rim 12,13,14,57,56,31",
     )
     view.add_argument("input", metavar="FILE", type=Path, help="mesh file")
-    view.add_argument("out", metavar="OUT.png", type=Path, help="picture to write")
+    arguments.add_out(view, "OUT.png", "picture to write")
     kinds = view.add_mutually_exclusive_group()
     for kind, words in KINDS.items():
         kinds.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind, help=words)
     rim = {"type": _numbers(kind=int), "action": "append", "default": []}
     view.add_argument("--rim", metavar="V,V,...", help="of a fill; may be given several times", **rim)
-    view.add_argument("--from", dest="toward", type=_numbers(3), default=EYE, metavar="X,Y,Z", help="the eye (1,-1.4,0.9)")
-    view.add_argument("--direction", type=_numbers(3), default=[0, 0, 1], metavar="X,Y,Z", help="of the stripes (0,0,1)")
-    view.add_argument("--lines", type=float, default=LINES, metavar="N", help="pairs of stripes over half a turn (12)")
+    view.add_argument(
+        "--from", dest="toward", type=_numbers(3), default=EYE, metavar="X,Y,Z", help="the eye (default: 1,-1.4,0.9)"
+    )
+    view.add_argument("--direction", type=_numbers(3), default=[0, 0, 1], metavar="X,Y,Z", help="of the stripes (default: 0,0,1)")
+    view.add_argument("--lines", type=float, default=LINES, metavar="N", help="pairs of stripes over half a turn (default: 12)")
     view.add_argument("--most", type=float, metavar="X", help="where the scale of colors ends")
-    view.add_argument("--size", type=_numbers(2, int), default=SIZE, metavar="W,H", help="pixels (960,720)")
+    view.add_argument("--size", type=_numbers(2, int), default=SIZE, metavar="W,H", help="pixels (default: 960,720)")
+    arguments.add_talk(view)
     view.set_defaults(kind="zebra")
 
 
 def run(args: argparse.Namespace) -> int:
     """Draws what the command line asks for; returns the exit status."""
+    args.out = arguments.out_of(args)
     mesh = files.read(args.input)
     if min(args.size) < 1 or not any(args.toward) or not any(args.direction):
         raise ValueError("--size must be positive, --from and --direction must not be zero")
@@ -266,5 +272,6 @@ def run(args: argparse.Namespace) -> int:
         args.out.write_bytes(png(image))
     except OSError as error:
         raise files.FileError(f"{args.out} cannot be written: {error.strerror or error}") from error
-    print(f"{args.out}: {told}")
+    if not args.quiet:
+        print(f"{args.out}: {told}")
     return 0

@@ -9,6 +9,12 @@ from ._native import Report
 from .errors import Refusal
 
 
+def counted(number: int, word: str) -> str:
+    """'1 hole', '2 holes' or '2 vertices'."""
+    plural = f"{word[:-2]}ices" if word.endswith("vertex") else f"{word}s"
+    return f"{number} {word if number == 1 else plural}"
+
+
 def degrees(angle: float) -> str:
     """An angle in degrees, to two digits; the smallest that is told is 0.001."""
     return f"{angle:.0f} deg" if angle >= 99.5 else f"{max(angle, 0.001):.2g} deg"
@@ -69,11 +75,6 @@ def filled(
     if triangles:
         said.append(f"{triangles} of {quads} new faces are triangles")
     return "; ".join(said)
-
-
-def counted(number: int, word: str) -> str:
-    """'1 hole' or '2 holes'."""
-    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def left_open(edges: Sequence[int], advice: str = "") -> str:

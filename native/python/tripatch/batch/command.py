@@ -18,7 +18,7 @@ from .. import __version__, _native, arguments, words
 from ..filling import fill_all
 from ..holes import choose_holes
 from ..words import counted
-from . import emit, inputs, journal, pictures, record, scheduling, serial
+from . import emit, inputs, journal, local, pictures, record, scheduling
 from .in_words import given
 from .progress import Progress
 from .settings import BATCH_OPTIONS, FILL, LIST, Settings
@@ -26,10 +26,15 @@ from .settings import BATCH_OPTIONS, FILL, LIST, Settings
 DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
 
 _DESCRIPTION = f"""\
-Fills every hole of many mesh files, on all cores or on a Dask cluster. INPUT are files or folders, which are searched for
-OBJ, PLY, STL, OFF and .blend files; the results lie in FOLDER as the inputs lie below the deepest folder that holds them all.
-A file that crashes TriPatch, or takes too much time or memory, costs itself only. The same command again goes on where it was
-stopped: what is done is known by its content, the options and the version.
+Fills every hole of many mesh files, on all cores or on a Dask cluster.
+
+examples:
+  tripatch batch scans/ -o filled/               fill the holes of all OBJ, PLY, STL, OFF and .blend files in a folder
+  tripatch batch a.ply b.ply -o filled/ --faces quads --time-limit 60
+  tripatch batch scans/ -o filled/ --dry-run     list the holes and write nothing
+
+Results lie in FOLDER as the inputs lie below the deepest folder that holds them all. A file that crashes TriPatch, or takes too
+much time or memory, costs only itself. If a run was stopped, the same command continues it.
 
 FOLDER/{journal.LINES} has a JSON line for each file and each hole, FOLDER/{journal.SHEET} shows the worst seams."""
 _EPILOG = """\
@@ -78,29 +83,33 @@ def add(commands: Any) -> None:
         help="fill the holes of many files",
         description=_DESCRIPTION,
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     batch.add_argument("inputs", metavar="INPUT", nargs="*", help="mesh files and folders of them")
     batch.add_argument("--files", type=Path, metavar="LIST", help="a text file that names the inputs instead, one a line")
-    batch.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="for the results; made if it is not there")
+    batch.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="for the results; made if it is not there")
     batch.add_argument("--root", metavar="FOLDER", help="folder that the places of results are counted from")
     batch.add_argument("--dry-run", action="store_true", help="list the holes, and why some are left; nothing is written")
     where = batch.add_argument_group("where the work is done")
-    where.add_argument("--workers", type=_whole(0), metavar="N", help="processes (as many as cores); 0: one, without Dask")
+    where.add_argument("--workers", type=_whole(0), metavar="N", help="processes (default: as many as cores)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, whose workers see the same folders")
-    where.add_argument("--range", type=_range, metavar="A-B", help="only these files of the list, counted from 1, without Dask")
-    where.add_argument("--emit", choices=emit.KINDS, help="print commands or a job for a render farm instead")
-    where.add_argument("--chunk", type=_whole(1), default=50, metavar="N", help="files in each of these commands (50)")
+    where.add_argument("--range", type=_range, metavar="A-B", help="only these files of the list, counted from 1")
+    where.add_argument(
+        "--emit",
+        choices=emit.KINDS,
+        help="print commands or a job for a render farm instead; none of them has run under a manager yet",
+    )
+    where.add_argument("--chunk", type=_whole(1), default=50, metavar="N", help="files in each of these commands (default: 50)")
     limits = batch.add_argument_group("limits")
     limits.add_argument("--time-limit", type=_seconds, metavar="SECONDS", help="for each file")
     limits.add_argument("--memory-limit", type=_whole(200, sys.maxsize >> 20), metavar="MB", help="for the process of a file")
-    limits.add_argument("--retries", type=_whole(0), default=1, metavar="N", help="for a file whose process crashed (1)")
-    batch.add_argument("--worst", type=_whole(0), default=12, metavar="N", help="seams on the picture (12)")
-    batch.add_argument("--blender", default="blender", metavar="PROGRAM", help="for .blend files (blender)")
+    limits.add_argument(
+        "--retries", type=_whole(0), default=1, metavar="N", help="try a file again whose process crashed (default: 1)"
+    )
+    batch.add_argument("--worst", type=_whole(0), default=12, metavar="N", help="seams on the picture (default: 12)")
+    batch.add_argument("--blender", default="blender", metavar="PROGRAM", help="for .blend files (default: blender)")
     batch.add_argument("--addon", metavar="FOLDER", help="that holds tripatch_blender, if that Blender has it not installed")
-    options = batch.add_argument_group("options of fills")
-    for option in BATCH_OPTIONS.values():
-        arguments.add(options, option)
+    arguments.add_groups(batch, BATCH_OPTIONS.values())
+    arguments.add_talk(batch)
 
 
 def _say(text: str) -> None:
@@ -169,10 +178,10 @@ def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) ->
     before = [{key: entry["output_sha256"] for key, entry in each.items()} for each in known]
     stopped = False
     try:
-        if args.range or args.workers == 0:
-            serial.run(found, settings, before, take)
+        if args.scheduler:
+            scheduling.run(found, settings, before, take, args.scheduler)
         else:
-            scheduling.run(found, settings, before, take, args.workers, args.scheduler)
+            local.run(found, settings, before, take, 1 if args.range else args.workers)
     except KeyboardInterrupt:
         stopped = True
     finally:

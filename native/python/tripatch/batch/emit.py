@@ -12,6 +12,9 @@ from typing import Any
 from . import journal
 from .inputs import InputError
 
+#: Of all but plain commands: what their managers do with them has not been tried.
+NOT_TRIED = "It has not run under a manager yet"
+
 KINDS = ("commands", "slurm", "openjd", "flamenco")
 
 #: OpenJD allows 1024 values of a task parameter, SLURM 1001 tasks of an array unless it is told otherwise.
@@ -46,6 +49,7 @@ def _slurm(count: int, chunk: int, listed: Path, out: Path, words: list[str], me
     portion = _words(_command(listed, out, words, "RANGE")).replace("--range RANGE", f'--range "$first-$((first + {chunk - 1}))"')
     return f"""\
 #!/bin/bash
+# {NOT_TRIED}.
 # {count} files in portions of {chunk}; then what gathers their lines and the picture of the worst seams. Saved as fill.sbatch:
 #   job=$(sbatch --parsable fill.sbatch) && sbatch --dependency=afterany:$job --array=0 fill.sbatch gather
 #SBATCH --job-name=tripatch
@@ -98,8 +102,11 @@ def emitted(kind: str, files: Sequence[Path], out: Path, words: list[str], chunk
         text = "".join(_words(_command(listed, out, words, range_)) + "\n" for range_ in _ranges(count, chunk))
         return text, f"When all are done, this gathers their lines: {_words(_command(listed, out, words, None))}"
     if kind == "slurm":
-        return _slurm(count, chunk, listed, out, words, memory), "The script says how it is submitted"
+        return _slurm(count, chunk, listed, out, words, memory), f"The script says how it is submitted. {NOT_TRIED}"
     if kind == "openjd":
-        return _openjd(count, chunk, words, listed, out), "Submit it with the program of your farm, or try it: openjd run FILE"
+        return _openjd(
+            count, chunk, words, listed, out
+        ), f"Submit it with the program of your farm, or try it: openjd run FILE. {NOT_TRIED}"
     told = "contrib/flamenco/tripatch-batch.js belongs in the manager's scripts folder; then POST this to /api/v3/jobs"
+    told = f"{told}. {NOT_TRIED}"
     return _flamenco(count, chunk, words, listed, out), told

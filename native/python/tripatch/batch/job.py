@@ -184,6 +184,7 @@ def _obstacle(mesh: files.MeshFile, fills: list[Any], name: str, settings: Setti
     out = Path(settings.out, name)
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
+        mesh = mesh.marked()
         for fill in fills:
             mesh.append(fill)
         mesh.write(out)

@@ -1,4 +1,4 @@
-"""The files shared out by Dask: workers on this machine, or those of any scheduler.
+"""The files shared out by the workers of a Dask scheduler.
 
 Files travel in portions, so that what a scheduler does for a task counts little. A worker that is lost costs Dask a repetition
 of its portion; a portion that Dask gives up, because worker after worker was lost with it, is done file by file, and so the file
@@ -8,7 +8,6 @@ is found that costs the workers.
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import sys
 import threading
 from collections.abc import Callable, Sequence
@@ -17,20 +16,15 @@ from typing import Any
 
 from .. import __version__
 from . import inputs, job, record
-from .keeper import Keeper, Stopped
+from .keeper import Keeper
 from .settings import Settings
 
-NEEDED = (
-    "Sharing the work out needs Dask: pip install 'tripatch[batch]'. Without it --workers 0 does the files one after the other, "
-    "and --emit makes commands for a render farm"
-)
+NEEDED = "--scheduler needs Dask: pip install 'tripatch[dask]'. Without it the files are done by this machine"
 
 #: Seconds after which a process that has nothing to do ends: a worker of somebody else's may live for weeks.
 _IDLE = 10.0
 
 _keepers: dict[str, dict[Keeper, threading.Timer]] = {}  # those that are free, and what ends them
-_all: set[Keeper] = set()
-_over = threading.Event()  # in the process that shares the work out: nothing more is to be begun
 _lock = threading.Lock()
 
 
@@ -43,15 +37,12 @@ def _a_keeper(settings: Settings) -> Any:
     """One that is free in this worker: processes outlive a portion."""
     label = repr(settings)
     with _lock:
-        if _over.is_set():
-            raise Stopped
         free = _keepers.setdefault(label, {})
         if free:
             keeper, idle = free.popitem()
             idle.cancel()
         else:
             keeper = Keeper(settings)
-            _all.add(keeper)
     try:
         yield keeper
     finally:
@@ -67,7 +58,6 @@ def _end_idle(free: dict[Keeper, threading.Timer], keeper: Keeper) -> None:
         if free.get(keeper) is not threading.current_thread():
             return  # it has been asked since
         del free[keeper]
-        _all.discard(keeper)
     keeper.__exit__()
 
 
@@ -79,52 +69,15 @@ def do_portion(portion: list[tuple[int, str, dict[str, Any] | None]], settings: 
         return [(k, keeper.work(path, before)) for k, path, before in portion]
 
 
-def _end_keepers() -> None:
-    """Where the workers are threads of this process: theirs end at once, and nobody waits for what they are at."""
-    with _lock:
-        _over.set()
-        for keeper in _all:
-            keeper.stop()
-        for free in _keepers.values():
-            while free:
-                keeper, idle = free.popitem()
-                idle.cancel()
-                keeper.__exit__()
-        _keepers.clear()
-        _all.clear()
-
-
-def _client(workers: int | None, address: str | None, files: int) -> Any:
+def _client(address: str) -> Any:
     try:
-        import dask
         import distributed
     except ImportError:
         raise SchedulerError(NEEDED) from None
-    if address:
-        try:
-            return distributed.Client(address, timeout=30), None
-        except (OSError, ValueError) as error:
-            raise SchedulerError(f"There is no Dask scheduler at {address}: {error}") from error
-    settings = {
-        "distributed.worker.memory.target": False,  # entries are small; the processes that fill have a limit of their own
-        "distributed.worker.memory.spill": False,
-        "distributed.worker.memory.pause": False,
-        "distributed.worker.memory.terminate": False,
-        "distributed.worker.profile.enabled": False,  # nobody looks at it, and each process wakes up a hundred times a second
-        "distributed.admin.tick.interval": "500ms",
-        "distributed.admin.system-monitor.interval": "2s",
-        "distributed.admin.system-monitor.gil.enabled": False,
-    }
-    with dask.config.set(settings):
-        cluster = distributed.LocalCluster(
-            n_workers=min(workers or max(1, dask.system.CPU_COUNT), files),
-            threads_per_worker=1,
-            processes=False,  # each file is done by a process of its keeper's: workers only wait for it
-            memory_limit=0,
-            dashboard_address=":0",  # any free port: two batches at once must not argue over one
-            silence_logs=50,
-        )
-    return distributed.Client(cluster), cluster
+    try:
+        return distributed.Client(address, timeout=30)
+    except (OSError, ValueError) as error:
+        raise SchedulerError(f"There is no Dask scheduler at {address}: {error}") from error
 
 
 def _given_up(k: int, file: Path, settings: Settings) -> tuple[int, dict[str, Any]]:
@@ -139,37 +92,28 @@ def run(
     settings: Settings,
     before: Sequence[dict[str, Any] | None],
     take: Callable[[list[tuple[int, dict[str, Any]]]], None],
-    workers: int | None = None,
-    address: str | None = None,
+    address: str,
 ) -> None:
     """Does every file, and hands over (place in the list, entry) of those of each portion as it is done.
 
     Args:
         before: of each file what `job.work` wants of journals.
-        workers: processes on this machine; None: as many as it has cores.
-        address: of a scheduler instead; its workers see the files under the same paths.
+        address: of the scheduler; its workers see the files under the same paths.
 
     Raises:
         SchedulerError: Dask is not installed, or its scheduler cannot be had.
     """
-    client, cluster = _client(workers, address, len(files))
-    _over.clear()
-    import dask
+    client = _client(address)
     from distributed import KilledWorker, as_completed
 
+    submitted: dict[str, Any] = {}
     try:
-        if cluster is None:
-            number = len(client.scheduler_info(n_workers=-1)["workers"])
-        else:
-            number = len(cluster.workers)
-            # a fill takes the cores that no other process has: more threads than that only take turns
-            settings = dataclasses.replace(settings, threads=max(1, dask.system.CPU_COUNT // number))
+        number = len(client.scheduler_info(n_workers=-1)["workers"])
         if not number:
             print(f"tripatch: The scheduler at {address} has no worker yet; the files wait for one", file=sys.stderr, flush=True)
             number = 1
         parts = inputs.portions(files, number)
         parts.sort(key=lambda part: -sum(inputs.size(files[k]) for k in part))  # the longest first: no worker is last alone
-        submitted = {}
 
         def submit(places: Any) -> object:
             task = [(k, str(files[k]), before[k]) for k in places]
@@ -196,10 +140,5 @@ def run(
     finally:
         with contextlib.suppress(Exception):
             client.cancel([future for future, _ in submitted.values()])
-        if cluster is not None:
-            _end_keepers()
         with contextlib.suppress(Exception):
             client.close(timeout=5)
-        if cluster is not None:
-            with contextlib.suppress(Exception):
-                cluster.close(timeout=5)

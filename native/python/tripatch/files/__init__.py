@@ -12,10 +12,12 @@ the file says of a face (material, group, color) from the faces around the rim.
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 from typing import Any
 
+from .. import _arrays
 from .mesh_file import MeshFile
 from .obj import ObjFile
 from .off import OffFile
@@ -25,32 +27,65 @@ from .ply import PlyFile
 from .stl import StlFile
 from .writing import FileError, write_over
 
-__all__ = ["FileError", "MeshFile", "converted", "read", "write_over"]
+__all__ = ["FileError", "MeshFile", "converted", "read", "write", "write_over"]
 
 _BINARY = rb"(?:\xef\xbb\xbf)?[A-Zn4]*OFF[ \t]+BINARY\b"
 _OWN: dict[str, Any] = {".obj": ObjFile, ".off": OffFile, ".ply": PlyFile, ".stl": StlFile}
 
 
-def read(path: Path) -> MeshFile:
-    """Reads a mesh file, the format by its suffix.
+def read(path: str | os.PathLike[str]) -> MeshFile:
+    """Reads a mesh file, the format by its suffix: OBJ, OFF, PLY and STL by itself, all others through meshio.
+
+    Args:
+        path: of the file.
+
+    Returns:
+        A `MeshFile`, which keeps all that the file has for `write`.
 
     Raises:
         FileError: says what is wrong.
     """
     path = Path(path)
     try:
-        own = _OWN.get(path.suffix.lower())
-        if not own:
-            return MeshioFile.of_path(path)
-        data = path.read_bytes()
-        return BinaryOffFile(data) if own is OffFile and re.match(_BINARY, data) else own(data)
+        return _class_for(path).of_path(path)
     except FileError as error:
         raise FileError(f"{path} cannot be read. {error}") from error
     except OSError as error:
         raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
 
 
+def _class_for(path: Path) -> type[MeshFile]:
+    own: type[MeshFile] = _OWN.get(path.suffix.lower(), MeshioFile)
+    if own is OffFile:
+        with path.open("rb") as file:
+            return BinaryOffFile if re.match(_BINARY, file.read(100)) else own
+    return own
+
+
+def write(path: str | os.PathLike[str], mesh: Any) -> None:
+    """Writes a mesh file, the format by its suffix.
+
+    Args:
+        path: of the file; what was there is replaced once all is written.
+        mesh: what `read` or `fill_holes` returned: in the format of the file that was read, all that the file had is written too,
+            unchanged. Or any object with .vertices and .faces, or a pair of both.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    path = Path(path)
+    if not isinstance(mesh, MeshFile):
+        pair = (mesh.vertices, mesh.faces) if hasattr(mesh, "vertices") and hasattr(mesh, "faces") else mesh
+        if not isinstance(pair, tuple) or len(pair) != 2:
+            raise TypeError(f"write needs a mesh with .vertices and .faces, or a pair of both, not {type(mesh).__name__}")
+        vertices, offsets, corners = _arrays.mesh(*pair)
+        mesh = MeshFile(vertices.copy(), _arrays.index_lists(_arrays.rows(offsets, corners)))
+    (mesh if mesh.suffix.lower() == path.suffix.lower() else converted(mesh, path.suffix)).write(path)
+
+
 def converted(mesh: MeshFile, suffix: str) -> MeshFile:
     """The same vertices and faces in the format of another suffix; all else stays behind."""
     own = _OWN.get(suffix.lower())
-    return own.of_mesh(mesh.vertices, mesh.faces) if own else MeshioFile.of_mesh(mesh.vertices, mesh.faces, suffix)
+    made: MeshFile = own.of_mesh(mesh.vertices, mesh.faces) if own else MeshioFile.of_mesh(mesh.vertices, mesh.faces, suffix)
+    made.suffix = suffix
+    return made

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+import copy
+import tempfile
+from collections.abc import Hashable, Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from .. import _arrays
 from .._types import Array
+from . import evidence
 from .continued import Continued
 from .writing import FileError, write_over
 
@@ -18,20 +22,25 @@ NOT_KNOWN = -1.0  # in place of a deviation
 
 
 class MeshFile:
-    """A mesh file in memory.
+    """A mesh with the file that it was read from. `tripatch.read` makes it, `fill_holes` fills it, and `tripatch.write` writes
+    all that the file had, unchanged, and the fills.
 
     Attributes:
-        vertices: (n, 3) float64, the file's own.
-        faces: index lists, the file's own, three corners or more each. What has fewer stays in the file, unread.
-        deviation: (n,) how well the vertices are known, below 0 where nobody knows; None: the file does not say.
+        vertices: (n, 3) float64, read-only: to change a mesh, write other vertices and faces.
+        faces: index lists of three corners or more. What has fewer stays in the file, unread.
+        deviation: (n,) standard deviation of the vertices, below 0 where it is not known; None: the file does not say.
+        suffix: of the format, such as ".ply".
     """
 
-    deviation: Array | None = None
+    suffix = ""
 
     def __init__(self, vertices: Array, faces: list[Any]) -> None:
-        self.vertices = vertices
+        self.vertices = vertices.view()
+        self.vertices.flags.writeable = False
         self.faces = faces
         self._added = 0  # vertices
+        self._marks, self._number = False, 0  # whether fills are told apart, and how many there are
+        self._about: list[dict[str, Any]] = []  # of each that was added
         sizes = np.fromiter(map(len, faces), np.int64, len(faces))
         try:
             corners = np.fromiter((v for face in faces for v in face), np.int64, int(sizes.sum()))
@@ -44,10 +53,18 @@ class MeshFile:
         self._sizes, self._corners = sizes, corners
         self._by_vertex: tuple[Array, Array] | None = None
 
+    @property
+    def deviation(self) -> Array | None:
+        """(n,) standard deviation of the vertices, below 0 where it is not known; None: the file does not say."""
+        return None
+
     def append(self, fill: Any) -> None:
         """Adds a `tripatch.Fill` of this mesh (one of several, in any order)."""
         n = len(self.vertices)
-        faces = [[v if v < n else v + self._added for v in face] for face in fill.faces]
+        if self._marks:
+            self._number += 1
+            self._about.append({"fill": self._number, **evidence.about(fill)})
+        faces = [[v if v < n else v + self._added for v in face] for face in _arrays.index_lists(fill.faces)]
         for v, place in zip(*fill.moved):
             self._move(int(v), place)
         self._append(fill, faces, Continued(self.vertices, self.faces, fill, self._look, self._faces_at))
@@ -60,6 +77,55 @@ class MeshFile:
                         face.insert(place + 1, n + self._added + k)
                         break
         self._added += len(fill.vertices)
+
+    def filled(self, fills: Iterable[Any]) -> MeshFile:
+        """The file as it is once these `tripatch.Fill` objects of its mesh are in it."""
+        made = copy.deepcopy(self).marked()
+        for fill in fills:
+            made.append(fill)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, f"mesh{self.suffix}")
+            made._save(path)
+            return self.of_path(path)
+
+    @classmethod
+    def of_path(cls, path: Path) -> MeshFile:
+        """Reads a file of this format.
+
+        Raises:
+            FileError: says what is wrong.
+        """
+        made: MeshFile = cls(path.read_bytes())  # type: ignore[arg-type, call-arg]
+        made.suffix = path.suffix
+        return made
+
+    def marked(self) -> MeshFile:
+        """The same file, which will say of each fill that is added, where the format has a place for it: its number at each of
+        its faces, the method, the error estimate, a hash of the options and the version."""
+        self._marks = True
+        return self
+
+    def evidence(self) -> dict[str, Any]:
+        """What a report says of the fills that were added, and how to undo them where the file itself does not."""
+        pieces = self._pieces()
+        if pieces is None:
+            return {"fills": self._about}
+        old = b"".join(old for _, old in pieces)
+        return {"fills": self._about, "restore": {"sha256": evidence.sha256(old), "edits": evidence.edits(pieces)}}
+
+    def stripped(self) -> bytes:
+        """The file as it was before its fills.
+
+        Raises:
+            FileError: it does not say how it was, or was changed since.
+        """
+        raise FileError(
+            f"{self.suffix or 'These'} files do not say which faces are fills; name the report with --report FILE.json"
+        )
+
+    def _pieces(self) -> list[tuple[bytes, bytes]] | None:
+        """The file as it is written, in parts, each with what stood there before; None: the file itself tells."""
+        return None
 
     def with_deviation(self) -> MeshFile:
         """The same file with a number `deviation` at every vertex, 0 where it had none; fills that are added write theirs there.
@@ -89,7 +155,8 @@ class MeshFile:
         raise NotImplementedError
 
     def _save(self, path: Path) -> None:
-        raise NotImplementedError
+        with path.open("wb") as out:
+            out.writelines(new for new, _ in self._pieces() or ())
 
     def _faces_at(self, v: int) -> list[int]:
         """The file's own faces at its own vertex v."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from array import array
 from collections.abc import Hashable, Sequence
@@ -11,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from .._types import Array
-from . import writing
+from . import evidence, writing
 from .continued import Continued
 from .mesh_file import MeshFile
 from .writing import FileError
 
+_ORIGINAL, _FILL = b"# tripatch original ", b"# tripatch fill "
 _OBJ_STATE = (b"o", b"g", b"usemtl", b"s")
 
 
@@ -109,6 +111,10 @@ class ObjFile(MeshFile):
 
     def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
         new = self._new
+        if self._marks:
+            if self._number == 1:
+                new.append(_ORIGINAL + evidence.line({"bytes": len(self._data), "sha256": evidence.sha256(self._data)}))
+            new.append(_FILL + evidence.line(self._about[-1]))
         for point, words in zip(fill.vertices, continued.words(self._extras.__getitem__)):
             new.append(b" ".join([b"v", writing.numbers(point), *words]))
         normal_of = {}
@@ -122,7 +128,11 @@ class ObjFile(MeshFile):
         textures = self._new_textures(continued)
         model = continued.model or [-1] * len(faces)
         for k in sorted(range(len(faces)), key=lambda k: self._state_of[model[k]] if model[k] >= 0 else -1):
-            self._go_under(self._states[self._state_of[model[k]]] if model[k] >= 0 else {})
+            like = self._states[self._state_of[model[k]]] if model[k] >= 0 else {}
+            if self._marks:
+                like = {**like, b"g": like.get(b"g", b"g") + b" tripatch_fill_%d" % self._number}
+                self._state.setdefault(b"g", b"")
+            self._go_under(like)
             numbers = zip(faces[k], textures[k] if textures else [0] * len(faces[k]))
             new.append(b"f " + b" ".join(_corner(v + 1, vt, normal_of.get(v, 0)) for v, vt in numbers))
 
@@ -203,6 +213,20 @@ class ObjFile(MeshFile):
         except ValueError:
             return None
         return [writing.number(x) for x in (1 - t) * ends[0] + t * ends[1]] if len(ends[0]) == len(ends[1]) else None
+
+    def marked(self) -> MeshFile:
+        """The same file, which will name a group `tripatch_fill_K` for the faces of each fill, and say the rest in comments."""
+        super().marked()
+        self._number = len(re.findall(rb"^" + _FILL, self._data, re.MULTILINE))
+        return self
+
+    def stripped(self) -> bytes:
+        """The file as it was before its fills."""
+        found = re.search(rb"^" + _ORIGINAL + rb"(.*)$", self._data, re.MULTILINE)
+        if not found:
+            raise FileError("The file has no fills by TriPatch")
+        before = json.loads(found[1])
+        return evidence.original([self._data[: before["bytes"]]], before["sha256"])
 
     def _save(self, path: Path) -> None:
         pieces, last = [], 0

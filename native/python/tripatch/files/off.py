@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Hashable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ class OffFile(MeshFile):
 
     def __init__(self, data: bytes) -> None:
         self._lines = writing.lines(data)
+        self._old_lines = list(self._lines)
         self._eol = writing.line_end(self._lines)
         rows = [(k, words) for k, line in enumerate(self._lines) if (words := line.split(b"#")[0].split())]
         if not rows:
@@ -97,21 +97,19 @@ class OffFile(MeshFile):
         edges = {(min(a, b), max(a, b)) for face in faces for a, b in zip(face, face[1:] + face[:1])}
         self._new_edges += len(edges) - len(fill.rim)
 
-    def _save(self, path: Path) -> None:
+    def _pieces(self) -> list[tuple[bytes, bytes]]:
         lines = list(self._lines)
-        text, comment_sign, comment = lines[self._counts_line].partition(b"#")
+        counts = lines[self._counts_line]
+        text, comment_sign, comment = counts.partition(b"#")
         added = iter((len(self._new_vertices), len(self._new_faces), self._new_edges if self._edges else 0))
         text = re.sub(rb"(?<!\S)[+-]?\d[\d_]*(?!\S)", lambda old: b"%d" % (int(old[0]) + next(added)), text, count=3)
         lines[self._counts_line] = text + comment_sign + comment
         first, second = self._cut
-        lines[first - 1] = self._ended(lines[first - 1])
-        lines[second - 1] = self._ended(lines[second - 1])
-        with path.open("wb") as out:
-            out.writelines(lines[:first])
-            out.writelines(line + self._eol for line in self._new_vertices)
-            out.writelines(lines[first:second])
-            out.writelines(line + self._eol for line in self._new_faces)
-            out.writelines(lines[second:])
+        pieces = [(new, old) for new, old in zip(lines, self._old_lines, strict=True)]
+        for k in {first - 1, second - 1}:
+            pieces[k] = self._ended(pieces[k][0]), pieces[k][1]
+        new_vertices, new_faces = (b"".join(line + self._eol for line in new) for new in (self._new_vertices, self._new_faces))
+        return [*pieces[:first], (new_vertices, b""), *pieces[first:second], (new_faces, b""), *pieces[second:]]
 
     def _ended(self, line: bytes) -> bytes:
         return line if line.endswith((b"\n", b"\r")) or not self._new_faces else line + self._eol

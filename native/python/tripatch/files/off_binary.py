@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Hashable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,7 @@ class BinaryOffFile(MeshFile):
     """Binary OFF, of either byte order, with floats or doubles: rows stay as they are, new ones follow those of their kind."""
 
     def __init__(self, data: bytes) -> None:
+        self._data = data
         self._head = data[: data.index(b"\n") + 1] if b"\n" in data else data
         kind = re.match(rb"(?:\xef\xbb\xbf)?(ST)?(C)?(N)?(4)?(n)?OFF\s", self._head)
         if not kind or kind[4] or kind[5]:
@@ -96,12 +96,16 @@ class BinaryOffFile(MeshFile):
         colors = [self._face_rows[self._row_of[f]][1] for f in continued.model] or [none] * len(faces)
         self._new_faces += [self._row(*pair) for pair in zip(faces, colors)]
 
-    def _save(self, path: Path) -> None:
+    def _pieces(self) -> list[tuple[bytes, bytes]]:
         counts = (len(self._vertex_rows) + len(self._new_vertices), len(self._face_rows) + len(self._new_faces), self._edges)
-        with path.open("wb") as out:
-            out.write(self._head)
-            out.write(struct.pack(self._order + "3i", *counts))
-            out.write(self._vertex_rows.tobytes())
-            out.writelines(self._new_vertices)
-            out.writelines(self._row(*row) for row in self._face_rows)
-            out.writelines(self._new_faces)
+        rows = b"".join(self._row(*row) for row in self._face_rows)
+        at = len(self._head) + 12
+        middle, end = at + self._vertex_rows.nbytes, len(self._data)
+        return [
+            (self._head, self._head),
+            (struct.pack(self._order + "3i", *counts), self._data[at - 12 : at]),
+            (self._vertex_rows.tobytes(), self._data[at:middle]),
+            (b"".join(self._new_vertices), b""),
+            (rows, self._data[middle:end]),
+            (b"".join(self._new_faces), b""),
+        ]

@@ -12,6 +12,7 @@ import numpy as np
 
 from .._types import Array
 from .continued import Continued
+from .evidence import FILL
 from .mesh_file import MeshFile
 from .writing import FileError
 
@@ -24,6 +25,8 @@ def _meshio(suffix: str) -> Any:
     return meshio
 
 
+#: Formats that have a place for any number of a cell.
+_WITH_MARKS = (".vtk", ".vtu", ".xdmf")
 _SURFACE_CELLS = ("triangle", "quad", "polygon")
 
 
@@ -58,12 +61,14 @@ class MeshioFile(MeshFile):
             mesh = meshio.read(path)
         except (Exception, SystemExit) as error:  # meshio ends the process on a suffix that it does not know
             raise FileError(f"meshio cannot read it: {error or type(error).__name__}") from error
-        return cls(mesh, path.suffix, options)
+        made = cls(mesh, path.suffix, options)
+        made.suffix = path.suffix
+        return made
 
     @classmethod
     def of_mesh(cls, vertices: Array, faces: list[list[int]], suffix: str) -> MeshioFile:
         meshio = _meshio(suffix)
-        return cls(meshio.Mesh(np.asarray(vertices, float), cls._blocks(faces)), suffix, {})
+        return cls(meshio.Mesh(np.array(vertices, float), cls._blocks(faces)), suffix, {})
 
     @staticmethod
     def _blocks(faces: list[list[int]]) -> list[tuple[str, Array]]:
@@ -122,6 +127,9 @@ class MeshioFile(MeshFile):
             like = like or [np.zeros_like(np.asarray(values[0])[0])] * len(faces)
             new_data = [np.array([row for row, face in zip(like, faces) if len(face) == size]) for size in sizes]
             cell_data[name] = [*values, *new_data]
+        if self._marks and self._suffix.lower() in _WITH_MARKS:
+            old = mesh.cell_data.get(FILL) or [np.zeros(len(block.data), np.int32) for block in mesh.cells]
+            cell_data[FILL] = [*old, *(np.full(len(rows), self._number, np.int32) for _, rows in blocks)]
         self._mesh = meshio.Mesh(
             points, [*mesh.cells, *blocks], point_data=point_data, cell_data=cell_data, field_data=mesh.field_data
         )

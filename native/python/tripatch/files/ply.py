@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import re
 import struct
 from collections.abc import Hashable, Sequence
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .._types import Array
-from . import writing
+from . import evidence, writing
 from .continued import Continued
 from .mesh_file import DEVIATION, NOT_KNOWN, MeshFile
 from .writing import FileError
@@ -33,6 +34,7 @@ _PLY_TYPES = {
     )
     for name in names.split()
 }
+_ORIGINAL, _FILL = b"comment tripatch original ", b"comment tripatch fill "
 _PLY_NORMAL = ("nx", "ny", "nz")
 
 
@@ -122,7 +124,7 @@ class PlyFile(MeshFile):
         return cls(head.encode() + b"".join(body))
 
     @property
-    def deviation(self) -> Array | None:  # type: ignore[override]
+    def deviation(self) -> Array | None:
         """(n,) how well the vertices are known, below 0 where nobody knows; None: the file does not say."""
         vertex, k = self._vertex, self._vertex.index(DEVIATION)
         if k < 0 or vertex.properties[k][2]:
@@ -136,24 +138,121 @@ class PlyFile(MeshFile):
         vertex, k = self._vertex, self._vertex.index(DEVIATION)
         if k >= 0 and (vertex.properties[k][2] or vertex.properties[k][1] not in "fd"):
             raise FileError(f"The vertices of the PLY file have a property {DEVIATION} that is not one float; rename it")
-        made = self if k >= 0 else PlyFile(self._with_zeros(DEVIATION))
+        made = self if k >= 0 else self._again(self._with_zeros(vertex, "float", DEVIATION))
         made._deviation_at = made._vertex.index(DEVIATION)
         return made
 
-    def _with_zeros(self, name: str) -> bytes:
-        """The file with one more float, 0 everywhere, at the end of the vertex rows."""
-        vertex, data, end = self._vertex, bytes(self._data), self._vertex.head_end
-        head = data[:end] + self._eol + f"property float {name}".encode() + data[end : self._body]
+    def _again(self, data: bytes) -> PlyFile:
+        """The file with other content, of which the same is asked for."""
+        made = PlyFile(data)
+        made.suffix, made._marks, made._number, made._deviation_at = self.suffix, self._marks, self._number, self._deviation_at
+        return made
+
+    def _with_zeros(self, element: _PlyElement, kind: str, name: str) -> bytes:
+        """The file with one more number of four bytes, 0 everywhere, at the end of the rows of an element."""
+        data, end = bytes(self._data), element.head_end
+        head = data[:end] + self._eol + f"property {kind} {name}".encode() + data[end : self._body]
         if self._order:
-            rows = b"".join(data[a:b] + bytes(4) for a, b in itertools.pairwise(vertex.starts))
-            return head + data[self._body : vertex.starts[0]] + rows + data[vertex.starts[-1] :]
+            rows = b"".join(data[a:b] + bytes(4) for a, b in itertools.pairwise(element.starts))
+            return head + data[self._body : element.starts[0]] + rows + data[element.starts[-1] :]
         lines = list(self._lines)
-        for k in range(vertex.count):
-            row, at = self._text_row(vertex, k), vertex.starts[k]
-            words = sum(1 + len(value) if p[2] else 1 for p, value in zip(vertex.properties, row))
-            end = [*re.finditer(rb"\S+", lines[at])][words - 1].end()
+        for k in range(element.count):
+            at = element.starts[k]
+            end = self._last_word(element, k).end()
             lines[at] = lines[at][:end] + b" 0" + lines[at][end:]
         return head + b"".join(lines)
+
+    def _last_word(self, element: _PlyElement, k: int) -> re.Match[bytes]:
+        """Where the last property of a row of a text stands."""
+        row = self._text_row(element, k)
+        words = sum(1 + len(value) if p[2] else 1 for p, value in zip(element.properties, row))
+        return [*re.finditer(rb"\S+", self._lines[element.starts[k]])][words - 1]
+
+    def marked(self) -> PlyFile:
+        """The same file with a number `tripatch_fill` at every face, which tells of which fill it is; comments in the header
+        will say the rest."""
+        face, k = self._face, self._face.index(evidence.FILL)
+        if k >= 0 and (face.properties[k][2] or face.properties[k][1] in "fd"):
+            raise FileError(f"The faces of the PLY file have a property {evidence.FILL} that is not one whole number; rename it")
+        made = self
+        if k < 0:
+            said = {
+                "sha256": evidence.sha256(bytes(self._data)),
+                "counts": [self._count(e).decode("latin-1") for e in self._both()],
+            }
+            made = self._again(self._with_comment(self._with_zeros(face, "int", evidence.FILL), _ORIGINAL + evidence.line(said)))
+        made._marks = True
+        made._number = len(re.findall(rb"[\r\n]" + _FILL, bytes(made._data[: made._body])))
+        return made
+
+    def _both(self) -> tuple[_PlyElement, _PlyElement]:
+        return self._vertex, self._face
+
+    def _count(self, element: _PlyElement) -> bytes:
+        """As the header has it."""
+        first, end = element.count_at
+        return bytes(self._data[first:end])
+
+    def _with_comment(self, data: bytes, comment: bytes) -> bytes:
+        """With one more comment at the end of the header."""
+        at = re.search(rb"(?<=[\r\n])end_header", data)
+        assert at is not None
+        return data[: at.start()] + comment + self._eol + data[at.start() :]
+
+    def stripped(self) -> bytes:
+        """The file as it was before its fills."""
+        head = bytes(self._data[: self._body])
+        found = re.search(rb"(?<=[\r\n])" + _ORIGINAL + rb"([^\r\n]*)", head)
+        if not found or self._face.index(evidence.FILL) < 0:
+            raise FileError("The file has no fills by TriPatch")
+        before = json.loads(found[1])
+        fills = [json.loads(each) for each in re.findall(rb"(?<=[\r\n])" + _FILL + rb"([^\r\n]*)", head)]
+        gone = {"vertex": sum(fill["vertices"] for fill in fills), "face": sum(fill["faces"] for fill in fills)}
+        tries = []
+        for added in ((), (DEVIATION,)):
+            data = self._without(dict(zip(("vertex", "face"), before["counts"], strict=True)), gone, added)
+            tries += [data, data.removesuffix(self._eol)]
+        return evidence.original(tries, before["sha256"])
+
+    def _without(self, counts: dict[str, str], gone: dict[str, int], added: Sequence[str]) -> bytes:
+        """The file without the last rows of vertices and faces, and without properties that were added at the end of theirs."""
+        head = bytes(self._data[: self._body])
+        for element in reversed(self._elements):
+            if element in self._both():
+                first, end = element.count_at
+                head = head[:first] + counts[element.name].encode("latin-1") + head[end:]
+        comment = rb"(?<=[\r\n])(?:" + _ORIGINAL + rb"|" + _FILL + rb")[^\r\n]*" + re.escape(self._eol)
+        head = re.sub(comment, b"", head)
+        body: list[bytes] = []
+        at = self._body if self._order else 0
+        for element in self._elements:
+            name = next((n for n in (evidence.FILL, *added) if element in self._both() and element.index(n) >= 0), "")
+            if name and element.index(name) == len(element.properties) - 1:
+                head = re.sub(rb"[\r\n]+property \w+ " + name.encode() + rb"(?=[\r\n])", b"", head, count=1)
+            else:
+                name = ""
+            end = element.starts[-1] if element.count else at
+            kept = element.count - gone.get(element.name, 0)
+            for k in range(max(kept, 0)):
+                first, after = element.starts[k], element.starts[k + 1]
+                body.append(self._bytes(at, first))
+                body.append(self._shortened(element, k) if name else self._bytes(first, after))
+                at = after
+            at = end
+        body.append(self._bytes(at, len(self._data) if self._order else len(self._lines)))
+        return head + b"".join(body)
+
+    def _bytes(self, first: int, end: int) -> bytes:
+        """From one place of rows to another."""
+        return bytes(self._data[first:end]) if self._order else b"".join(self._lines[first:end])
+
+    def _shortened(self, element: _PlyElement, k: int) -> bytes:
+        """A row without its last number, of four bytes."""
+        first, after = element.starts[k], element.starts[k + 1]
+        if self._order:
+            return bytes(self._data[first : after - 4])
+        word, text = self._last_word(element, k), self._lines[first]
+        return text[: word.start() - 1] + text[word.end() :] + b"".join(self._lines[first + 1 : after])
 
     # Both readers set where the rows of all elements start, and return the columns of vertices and faces by place.
 
@@ -336,6 +435,7 @@ class PlyFile(MeshFile):
         self._append_vertices(fill, continued)
         face = self._face
         like = [self._row(face, self._row_of[f]) for f in continued.model]
+        mark = face.index(evidence.FILL) if self._marks else -1
         by_corner = {}  # such as texture coordinates
         for p, (_, kind, list_kind) in enumerate(face.properties):
             if list_kind and p != self._index and kind in "fd":
@@ -345,6 +445,8 @@ class PlyFile(MeshFile):
             for p, values in by_corner.items():
                 row[p] = values[k].ravel().tolist() if values else []
             row[self._index] = corners
+            if mark >= 0:
+                row[mark] = self._number
             face.new.append(self._encode(face, row))
 
     def _by_corner(self, f: int, p: int) -> Array | None:
@@ -374,6 +476,8 @@ class PlyFile(MeshFile):
 
     def _save(self, path: Path) -> None:
         head, pieces = bytes(self._data[: self._body]), list[bytes]()
+        for said in self._about:
+            head = self._with_comment(head, _FILL + evidence.line(said))
         body = bytes(self._data[self._body :]) if self._order else b""
         for element in reversed(self._elements):
             first, end = element.count_at

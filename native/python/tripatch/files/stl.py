@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Hashable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -99,17 +98,18 @@ class StlFile(MeshFile):
         length = np.linalg.norm(normal, axis=1, keepdims=True)
         self._new += list(zip(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0), triangles, parts))
 
-    def _bytes(self) -> bytes:
+    def _pieces(self) -> list[tuple[bytes, bytes]]:
+        data = self._data
         if self._binary:
             records = np.zeros(len(self._new), _STL_RECORD)
             for record, (normal, corners, attribute) in zip(records, self._new):
                 record["normal"], record["corners"], record["attribute"] = normal, corners, attribute
-            old = int.from_bytes(self._data[80:84], "little")
-            end = 84 + 50 * old
-            head = self._data[:80] + struct.pack("<I", old + len(self._new))
-            return head + self._data[84:end] + records.tobytes() + self._data[end:]
-        eol = writing.line_end(writing.lines(self._data[:1000]))
-        upper = self._data.lstrip()[:5].isupper()
+            old = int.from_bytes(data[80:84], "little")
+            end, count = 84 + 50 * old, struct.pack("<I", old + len(self._new))
+            kept, rest = data[84:end], data[end:]
+            return [(data[:80], data[:80]), (count, data[80:84]), (kept, kept), (records.tobytes(), b""), (rest, rest)]
+        eol = writing.line_end(writing.lines(data[:1000]))
+        upper = data.lstrip()[:5].isupper()
         pieces, last = [], 0
         for solid, end in enumerate(self._ends):
             text = []
@@ -118,9 +118,7 @@ class StlFile(MeshFile):
                     text += [b"  facet normal " + writing.numbers(normal), b"    outer loop"]
                     text += [b"      vertex " + writing.numbers(p) for p in corners]
                     text += [b"    endloop", b"  endfacet"]
-            pieces += [self._data[last:end], *((line.upper() if upper else line) + eol for line in text)]
+            added = b"".join((line.upper() if upper else line) + eol for line in text)
+            pieces += [(data[last:end], data[last:end]), (added, b"")]
             last = end
-        return b"".join([*pieces, self._data[last:]])
-
-    def _save(self, path: Path) -> None:
-        path.write_bytes(self._bytes())
+        return [*pieces, (data[last:], data[last:])]

@@ -23,7 +23,7 @@ class FileError(ValueError):
     """A file that cannot be read or written; the message is a sentence."""
 
 
-def write_over(path: Path, save: Callable[[Path], None]) -> None:
+def write_over(path: Path, save: Callable[[Path], object]) -> None:
     """Has `save` write a file of a new name beside `path`, then puts it in its place: a full disk, or an end in between, costs
     nobody the file that was there. What is written over keeps its mode, owner and links."""
     try:

@@ -1,0 +1,276 @@
+"""Whole tasks: a mesh with its fills in place, and a mesh without holes, of the kind that it was given in."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from . import _arrays, quality
+from ._types import Array, ArrayLike, Faces
+from .errors import FillWarning, Refusal
+from .files.continued import Continued
+from .files.mesh_file import MeshFile
+from .filling import Fill, Fills, fill_all
+from .options import takes_options
+
+
+class HolesReport:
+    """What became of the holes of a mesh.
+
+    Attributes:
+        fills: the `Fill` of each hole that was filled.
+        refusals: the `Refusal` of each hole that was not.
+        results: both, in the order of the holes.
+        outer_borders: the border loops that were left open as outer ones.
+        warnings: of all fills.
+    """
+
+    results: list[Fill | Refusal]
+    outer_borders: list[Array]
+
+    def __init__(self, results: Fills) -> None:
+        self.results, self.outer_borders = list(results), results.outer_borders
+
+    @property
+    def fills(self) -> list[Fill]:
+        """The `Fill` of each hole that was filled."""
+        return [each for each in self.results if isinstance(each, Fill)]
+
+    @property
+    def refusals(self) -> list[Refusal]:
+        """The `Refusal` of each hole that was not filled."""
+        return [each for each in self.results if isinstance(each, Refusal)]
+
+    @property
+    def warnings(self) -> list[str]:
+        """The warnings of all fills."""
+        return [each for fill in self.fills for each in fill.report.warnings]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The report as plain values, ready for JSON."""
+
+        def plain(each: Fill | Refusal) -> dict[str, Any]:
+            if isinstance(each, Refusal):
+                return {"refused": each.reason, "where": each.where}
+            added = {"rim": each.rim.tolist(), "new_vertices": len(each.vertices), "new_faces": len(each.faces)}
+            return {**added, **each.report.as_dict()}
+
+        borders = [loop.tolist() for loop in self.outer_borders]
+        return {"holes": [plain(each) for each in self.results], "outer_borders": borders}
+
+    def __repr__(self) -> str:
+        return f"<tripatch.HolesReport: {len(self.fills)} filled, {len(self.refusals)} refused>"
+
+
+class _Merged:
+    """The faces of a mesh and of its fills as one mesh, and where each face comes from."""
+
+    def __init__(self, vertices: ArrayLike, faces: Faces, results: Sequence[Fill | Refusal]) -> None:
+        v, offsets, corners = _arrays.mesh(vertices, faces)
+        self.count, self._old = len(v), (offsets, corners)
+        self.fills = [each for each in results if isinstance(each, Fill)]
+        self.vertices = np.concatenate([v, *(fill.vertices for fill in self.fills)])
+        for fill in self.fills:
+            self.vertices[fill.moved[0]] = fill.moved[1]
+        first, sizes = self.count, np.diff(offsets)
+        parts, counts = [], []
+        for fill in self.fills:
+            for k, (a, b) in enumerate(fill.split_edges[0].tolist()):
+                corners, sizes = _split(corners, sizes, a, b, first + k)
+            new, own = fill._flat_faces()
+            parts.append(np.where(own >= self.count, own + (first - self.count), own))
+            counts.append(np.diff(new))
+            first += len(fill.vertices)
+        gone = np.unique(np.concatenate([fill.replaced for fill in self.fills])) if self.fills else np.zeros(0, np.int64)
+        if len(gone):
+            kept = np.ones(len(sizes), bool)
+            kept[gone] = False
+            corners, sizes = corners[np.repeat(kept, sizes)], sizes[kept]
+        self.kept = np.setdiff1d(np.arange(len(offsets) - 1), gone)
+        self.corners = np.concatenate([corners, *parts])
+        self.offsets = np.concatenate([[0], np.cumsum(np.concatenate([sizes, *counts]))]).astype(np.int64)
+
+    def continued(self, look: Callable[[int], Any]) -> list[Continued]:
+        """How each fill continues what is around it; look: of a face what parts it from others."""
+        old = MeshFile(self.vertices[: self.count], _arrays.index_lists(_arrays.rows(*self._old)))
+        return [Continued(old.vertices, old.faces, fill, look, old._faces_at) for fill in self.fills]
+
+
+def _at_new_vertices(continued: Continued, values: Array) -> Array:
+    """What new vertices have, (k, ...), from what the mesh's vertices (n, ...) have: numbers blended, and rounded where they are
+    whole; what is no number, of a vertex nearby."""
+    if values.dtype.kind not in "fiu":
+        nearest: Array = values[continued.near]
+        return nearest
+    made: Array = continued.at_vertices(lambda rim: values[rim]).reshape(-1, *values.shape[1:])
+    return (made if values.dtype.kind == "f" else np.rint(made)).astype(values.dtype)
+
+
+def _split(corners: Array, sizes: Array, a: int, b: int, new: int) -> tuple[Array, Array]:
+    """Faces whose edge from a to b, or from b to a, has a new vertex."""
+    ends = np.cumsum(sizes)
+    following = np.roll(corners, -1)
+    following[ends - 1] = corners[ends - sizes]
+    at = np.flatnonzero(((corners == a) & (following == b)) | ((corners == b) & (following == a)))
+    sizes = sizes.copy()
+    sizes[np.searchsorted(ends, at, "right")] += 1
+    return np.insert(corners, at + 1, new), sizes
+
+
+def merge(vertices: ArrayLike, faces: Faces, fills: Sequence[Fill | Refusal]) -> tuple[Array, Any]:
+    """A mesh with fills in place.
+
+    Args:
+        vertices: (n, 3) positions.
+        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        fills: `Fill` objects of this mesh, as `fill_all` returns them; a `Refusal` adds nothing.
+
+    Returns:
+        Vertices: the mesh's own, where a cage option did not move them, then those of each fill. Faces: the mesh's own without
+        those that a fill replaces, then those of each fill; an array (m, 3) or (m, 4) if all have as many corners, else index
+        lists, and lists where lists were given.
+    """
+    for each in fills:
+        if not isinstance(each, Fill | Refusal):
+            raise TypeError(f"fills must hold Fill objects, not {type(each).__name__}")
+    whole = _Merged(vertices, faces, fills)
+    return whole.vertices, _like(faces, whole.offsets, whole.corners)
+
+
+def _like(faces: Faces, offsets: Array, corners: Array) -> Any:
+    """Faces as arrays where arrays were given and as lists where lists were."""
+    if not isinstance(faces, np.ndarray):
+        return _arrays.index_lists(_arrays.rows(offsets, corners))
+    rows = _arrays.rows(offsets, corners)
+    return rows.astype(faces.dtype) if isinstance(rows, np.ndarray) and faces.dtype != object else rows
+
+
+@takes_options("fill_all")
+def fill_holes(
+    mesh_or_vertices: Any,
+    faces: Faces | None = None,
+    *,
+    return_report: bool = False,
+    rims: Any = None,
+    corners: Any = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Any:
+    """A mesh without its holes: every hole that `fill_all` finds is filled, and the whole mesh comes back.
+
+    Args:
+        mesh_or_vertices: (n, 3) positions; or a whole mesh: a `trimesh.Trimesh`, what `read` returns, or any object that has
+            .vertices and .faces and can be made from them.
+        faces: of positions: (m, 3) or (m, 4) int array, or a list of index lists.
+        return_report: whether a `HolesReport` is returned too.
+        rims, corners, progress: as of `fill_all`.
+        **options: see OPTIONS.
+
+    Returns:
+        What was given, filled: (vertices, faces) of positions and faces, else a mesh of the same kind. The mesh's own vertices
+        and faces come first, in their order. Colors, texture coordinates, normals and other data of vertices and faces
+        stay; new vertices blend what is around their hole, new faces have what the nearest face around it has. With
+        return_report a pair of that and the report. What was given stays as it is.
+
+    Raises:
+        Refusal: no hole could be filled, and no report was asked for.
+
+    Warns:
+        FillWarning: holes that were refused, and warnings of fills, where no report was asked for.
+    """
+    mesh = mesh_or_vertices
+    if faces is None and not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
+        raise TypeError(f"fill_holes needs vertices and faces, or one mesh that has both, not {type(mesh).__name__}")
+    vertices, own = (mesh, faces) if faces is not None else (mesh.vertices, mesh.faces)
+    report = HolesReport(fill_all(np.asarray(vertices), own, rims, corners=corners, progress=progress, **options))
+    if not return_report:
+        if report.refusals and not report.fills:
+            raise report.refusals[0]
+        for refusal in report.refusals:
+            warnings.warn(FillWarning(f"A hole was not filled: {refusal.reason}"), stacklevel=2)
+        for said in report.warnings:
+            warnings.warn(FillWarning(said), stacklevel=2)
+    made = _filled(mesh, vertices, own, report, faces is not None)
+    return (made, report) if return_report else made
+
+
+def _filled(mesh: Any, vertices: ArrayLike, faces: Faces, report: HolesReport, as_pair: bool) -> Any:
+    if not as_pair and isinstance(mesh, MeshFile):
+        return mesh.filled(report.fills)
+    whole = _Merged(vertices, faces, report.fills)
+    if not as_pair and _is_trimesh(mesh):
+        return _of_trimesh(mesh, whole)
+    kind, rows = np.asarray(vertices).dtype, _like(faces, whole.offsets, whole.corners)
+    points = whole.vertices.astype(kind) if kind.kind == "f" else whole.vertices
+    return (points, rows) if as_pair else _rebuilt(mesh, points, rows)
+
+
+def _rebuilt(mesh: Any, vertices: Array, rows: Any) -> Any:
+    """An object of the same class with other vertices and faces."""
+    try:
+        if dataclasses.is_dataclass(mesh) and not isinstance(mesh, type):
+            return dataclasses.replace(mesh, vertices=vertices, faces=rows)
+        if hasattr(mesh, "_replace"):  # a named tuple
+            return mesh._replace(vertices=vertices, faces=rows)
+        return type(mesh)(vertices=vertices, faces=rows)
+    except TypeError as error:
+        name = type(mesh).__name__
+        raise TypeError(f"{name} cannot be made from vertices and faces ({error}); give mesh.vertices, mesh.faces") from error
+
+
+def _is_trimesh(mesh: Any) -> bool:
+    trimesh = sys.modules.get("trimesh")
+    return trimesh is not None and isinstance(mesh, trimesh.Trimesh)
+
+
+def _of_trimesh(mesh: Any, whole: _Merged) -> Any:
+    """A trimesh.Trimesh with its colors or texture, normals and attributes."""
+    lists = _arrays.index_lists(_arrays.rows(whole.offsets, whole.corners))
+    triangles, of_face = quality.triangulated(lists, whole.vertices)
+    count = len(mesh.faces)
+    by_face = {name: np.asarray(values) for name, values in mesh.face_attributes.items() if len(values) == count}
+    kind = getattr(mesh.visual, "kind", None)
+    looks = [*by_face.values()]
+    if kind == "face":
+        looks.append(mesh.visual.face_colors)
+    elif kind == "texture" and mesh.visual.face_materials is not None:
+        looks.append(np.asarray(mesh.visual.face_materials))
+    fills = whole.continued(lambda f: tuple(each[f].tobytes() for each in looks))
+    near = [each.model or [0] * len(fill.faces) for each, fill in zip(fills, whole.fills, strict=True)]
+    models = np.concatenate([whole.kept, *near]).astype(np.int64)[of_face]
+
+    def of_vertices(items: Any) -> Iterator[tuple[str, Any]]:
+        for name, values in items:
+            given = np.asarray(values)
+            if len(given) == whole.count and given.dtype != object:
+                yield name, np.concatenate([given, *(_at_new_vertices(each, given) for each in fills)])
+            else:
+                yield name, copy.copy(values)
+
+    visual = mesh.visual
+    normals = np.asarray(mesh.vertex_normals) if "vertex_normals" in mesh._cache.cache else None
+    made = mesh.copy()
+    made.vertices, made.faces = whole.vertices, triangles
+    made.vertex_attributes = dict(of_vertices(mesh.vertex_attributes.items()))
+    made.face_attributes = {**mesh.face_attributes, **{name: each[models] for name, each in by_face.items()}}
+    if kind == "texture":
+        made.visual = visual.copy()
+        for name, values in of_vertices(visual.vertex_attributes.data.items()):
+            made.visual.vertex_attributes[name] = values
+        if visual.face_materials is not None:
+            made.visual.face_materials = np.asarray(visual.face_materials)[models]
+    elif kind in ("vertex", "face"):
+        ((_, by_vertex),) = of_vertices([("", visual.vertex_colors)])
+        colors = by_vertex if kind == "vertex" else visual.face_colors[models]
+        made.visual = type(visual)(mesh=made, **{f"{kind}_colors": colors})
+    else:
+        made.visual = type(visual)(mesh=made)
+    if normals is not None:
+        made.vertex_normals = np.concatenate([normals, *(fill.normals for fill in whole.fills)])
+    return made

@@ -1,0 +1,133 @@
+"""What every command keeps to: help, defaults, names of options, suggestions, exit status (https://clig.dev)."""
+
+import argparse
+import json
+import re
+
+import pytest
+import tripatch
+from test_cli import borders, sphere_hole, square, write_obj
+from tripatch import __main__ as cli
+from tripatch import files
+
+MAIN = cli.parser()
+COMMANDS = next(a for a in MAIN._actions if a.dest == "command").choices
+SHOWN = [
+    (name, action)
+    for name, command in COMMANDS.items()
+    for action in command._actions
+    if action.help != argparse.SUPPRESS and action.option_strings
+]
+IDS = [f"{name} {action.option_strings[-1]}" for name, action in SHOWN]
+
+
+@pytest.fixture
+def one(tmp_path):
+    return write_obj(tmp_path / "in.obj", sphere_hole())
+
+
+def run(capsys, *args):
+    code = cli.main([str(a) for a in args])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+@pytest.mark.parametrize("command", [[], *([name] for name in COMMANDS if name != "methods")])
+def test_a_bare_command_shows_its_help_with_examples_before_the_options(command, capsys):
+    code, out, err = run(capsys, *command)
+    assert (code, err) == (2, "")
+    assert out.startswith("usage: tripatch")
+    assert out.index("  tripatch ") < re.search(r"^(General|Commands|positional arguments|options):", out, re.M).start()
+    assert run(capsys, *command, "--help") == (0, out, "")
+
+
+def test_the_version_is_printed(capsys):
+    assert run(capsys, "--version") == (0, f"tripatch {tripatch.__version__}\n", "")
+
+
+@pytest.mark.parametrize(("name", "action"), SHOWN, ids=IDS)
+def test_every_option_has_help_and_says_its_default_in_one_form(name, action):
+    said = action.help % {"default": action.default, "prog": "tripatch"} if "%(" in action.help else action.help
+    assert said and not said.endswith(".")
+    if action.default not in (None, False, argparse.SUPPRESS, []) and action.nargs != 0:
+        assert "(default: " in said
+    option = tripatch.OPTIONS.get(action.dest)
+    if option is not None and action.default is argparse.SUPPRESS and option.kind in ("choice", "number", "whole", "position"):
+        assert "(default: " in said
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_options_are_whole_names_in_groups(name):
+    command = COMMANDS[name]
+    assert not command.allow_abbrev
+    titles = [group.title for group in command._action_groups if any(a.option_strings for a in group._group_actions)]
+    assert len(titles) == len(set(titles))
+    if name in ("fill", "batch"):
+        for title in ("Which holes", "New faces", "Shape of the fill", "Single constructions, to reproduce papers"):
+            assert title in titles
+
+
+def test_options_that_only_papers_need_are_in_their_group():
+    group = next(g for g in COMMANDS["fill"]._action_groups if "papers" in (g.title or ""))
+    assert {a.dest for a in group._group_actions} >= {"shape", "reading", "symmetric", "alpha"}
+    assert not {a.dest for a in group._group_actions} & {"method", "continuity", "fairing", "bulge", "resolution"}
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        (["fil", "IN", "OUT"], "fill"),
+        (["fill", "IN", "OUT", "--metod", "auto"], "--method"),
+        (["fill", "IN", "OUT", "--face=quads"], "--faces"),
+        (["batch", "IN", "-o", "OUT", "--worker", "2"], "--workers"),
+        (["view", "IN", "OUT.png", "--zebr"], "--zebra"),
+    ],
+)
+def test_an_unknown_command_or_option_is_suggested_a_known_one(given, meant, capsys):
+    code, out, err = run(capsys, *given)
+    assert (code, out) == (2, "")
+    assert f"Did you mean {meant}?" in err
+    assert "mean --output?" not in run(capsys, "fill", "IN", "OUT", "--outputt", "quads")[2]  # a hidden name is not suggested
+
+
+@pytest.mark.parametrize("where", [lambda out: [out], lambda out: ["-o", out], lambda out: ["--out", out]])
+@pytest.mark.parametrize("how", [["--faces", "quads"], ["--output", "quads"], ["--output=quads"]])
+def test_the_file_to_write_and_the_faces_may_be_named_either_way(where, how, one, tmp_path, capsys):
+    out = tmp_path / "out.obj"
+    assert run(capsys, "fill", one, *where(out), *how, "--resolution", "0")[0] == 0
+    assert {len(face) for face in files.read(out).faces[108:]} == {4}
+
+
+def test_one_file_to_write_is_named(one, tmp_path, capsys):
+    code, _, err = run(capsys, "fill", one)
+    assert code == 2 and "Name the file to write: -o FILE" in err
+    code, _, err = run(capsys, "fill", one, tmp_path / "a.obj", "-o", tmp_path / "b.obj")
+    assert code == 2 and "Name one file to write" in err
+    assert not (tmp_path / "a.obj").exists() and not (tmp_path / "b.obj").exists()
+
+
+def test_json_is_all_that_is_printed(one, tmp_path, capsys):
+    code, out, err = run(capsys, "fill", one, "-o", tmp_path / "out.obj", "--json", "--report", tmp_path / "r.json")
+    said = json.loads(out)
+    assert code == 0 and err == "tripatch: 1 outer border left open (18 edges); use --all --outer to fill it\n"
+    assert said == json.loads((tmp_path / "r.json").read_text()) and said["tripatch"] == tripatch.__version__
+    assert len(said["holes"]) == 1 and said["holes"][0]["new_faces"] > 0
+    path = write_obj(tmp_path / "square.obj", square())
+    code, out, err = run(capsys, "fill", path, "-o", tmp_path / "b.obj", "--json", "--method", "side_vertex")
+    assert code == 1 and "refused" in json.loads(out)["holes"][0] and err
+
+
+def test_quiet_prints_errors_only_and_verbose_a_line_for_each_hole(one, tmp_path, capsys):
+    out = tmp_path / "out.obj"
+    more = ["--shape", "0.3"]  # of which a warning says that it is not applied
+    assert run(capsys, "fill", one, out, *more)[2]
+    assert run(capsys, "fill", one, out, "-q", *more) == (0, "", "")
+    code, said, _ = run(capsys, "fill", one, out, "-v")
+    assert code == 0 and re.search(r"^Hole through vertex 0: \d+ new faces by side_vertex", said, re.M)
+    assert "Filled 1 hole" in said
+    path = write_obj(tmp_path / "square.obj", square())
+    assert "select three" in run(capsys, "fill", path, out, "-q", "--method", "side_vertex")[2]
+    for command in (["view", one, "-o", tmp_path / "a.png"], ["smooth", one, "-o", tmp_path / "b.obj"]):
+        assert run(capsys, *command)[1]
+        assert run(capsys, *command, "--quiet") == (0, "", "")
+    assert len(borders(tmp_path / "b.obj")) == 2
