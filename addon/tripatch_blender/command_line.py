@@ -11,7 +11,7 @@ import sys
 import bmesh
 import bpy
 
-from . import beside, filling, layers, library, mirrored, selection, subdivision, writeback
+from . import beside, filling, layers, library, mirrored, records, selection, subdivision, writeback
 from .library import arguments as by_table
 from .library import tripatch
 from .properties import OPTIONS
@@ -121,7 +121,13 @@ def _options(ob, arguments):
     caged = settings["surroundings"] == "mesh" and subdivision.modifier_of(ob)
     settings.setdefault("output", "cage" if caged else "triangles")
     tripatch.options.checked("fill_all", settings)
-    return filling.Options(settings, arguments.corner_offset, arguments.shading, arguments.deviation)
+    return filling.Options(
+        settings,
+        arguments.corner_offset,
+        arguments.shading,
+        arguments.deviation,
+        record=records.of_arguments(settings | {"corner_offset": arguments.corner_offset, "shading": arguments.shading}),
+    )
 
 
 def _fill(ob, arguments, options):
@@ -138,7 +144,7 @@ def _fill_mesh(ob, matrix, arguments, options):
     mesh, bm = ob.data, bmesh.new()
     try:
         bm.from_mesh(mesh)
-        with writeback.deviation_layers(bm, options.deviation):
+        with writeback.layers_of_fills(bm, options.deviation):
             return _fill_rims(ob, bm, matrix, arguments, options)
     finally:
         bm.free()

@@ -22,6 +22,7 @@ class Options:
     shading: str = "neighbors"  # "neighbors", "smooth", "flat"
     deviation: bool = False  # how well the new vertices are known, as attributes
     mirrored: bool = False  # what a Mirror modifier makes is in the BMesh
+    record: dict = field(default_factory=dict)  # what Edit Fill needs to make the fill again
 
 
 def going_on(corners):
@@ -502,10 +503,10 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
             unknown = options.deviation and plan.fill.deviation is None
             said.append((plan.loop, [*plan.fill.report.warnings, *notes, *[NO_DEVIATION] * unknown]))
         if planned and cages:
-            new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
+            new_faces += writeback.write(bm, mesh, planned, options)
             planned = []
     if planned:
-        new_faces += writeback.write(bm, mesh, planned, options.shading, options.deviation)
+        new_faces += writeback.write(bm, mesh, planned, options)
     new_faces = [face for face in new_faces if face.is_valid]
     outcome.notes += _gathered(bm, said)
     outcome.count([face.verts for face in new_faces], options.arguments.get("output"))

@@ -280,7 +280,7 @@ def _fill_hole(fill, settings):
     (ob,) = around(fill)
     (bm, stand_ins), options = _copy(ob), _options(settings)
     try:
-        with writeback.deviation_layers(bm, options.deviation):
+        with writeback.layers_of_fills(bm, options.deviation):
             outcome, new = _filled(ob, bm, fill.data, settings, options)
             mesh = _only(bm, set(new), ob.data)
         layers.restore(mesh, stand_ins)
@@ -483,5 +483,5 @@ def _apply_hole(ob, bm, settings):
         elements.ensure_lookup_table()
         elements.index_update()
     options, active = _options(settings), ob.active_shape_key.name if ob.active_shape_key else None
-    with writeback.deviation_layers(bm, options.deviation):
+    with writeback.layers_of_fills(bm, options.deviation):
         _filled(ob, bm, ob.data, settings, options, active)

@@ -2,7 +2,7 @@
 """mesh.fill_smooth, and mesh.fill_three_sided, which is its name of before."""
 
 from collections import Counter
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from functools import partial
 
@@ -20,6 +20,7 @@ from . import (
     mirrored,
     panel,
     properties,
+    records,
     seam,
     selection,
     sentences,
@@ -104,6 +105,9 @@ def _selected(bm, mesh):
 #: What filters begin with.
 _FILTERS = {"max_edges": 64, "max_diameter": 1.0, "corner_count": (2, 6)}
 
+
+#: Properties that say how the last run went.
+_OF_A_RUN = ("by_hand", "reasons", "all_holes", "sides", "keep_live")
 
 #: What the properties computed_... are where nothing was.
 _NEVER = {"output": "", "odd": "", "resolution": 0, "rows": -1, "tolerance": 0}
@@ -235,7 +239,17 @@ class FillSmooth(Construction, waiting.Waiting):
         arguments["resolution"] = None if self._computes else getattr(self, self.density())
         if self.output != "triangles":
             arguments["tolerance"] = None if self._is_computed("tolerance", 0) else self.tolerance
-        return filling.Options(arguments, self.corner_offset, self.shading, self.deviation)
+        return filling.Options(arguments, self.corner_offset, self.shading, self.deviation, record=self._record())
+
+    def _record(self):
+        """The properties that somebody or something has chosen, for Edit Fill."""
+        chosen = {}
+        for p in self.properties.bl_rna.properties:
+            if p.identifier != "rna_type" and p.identifier not in _OF_A_RUN and not p.identifier.startswith("show_"):
+                value = plain(getattr(self, p.identifier))
+                if value != (tuple(p.default_array) if getattr(p, "is_array", False) else p.default):
+                    chosen[p.identifier] = value
+        return {"properties": chosen}
 
     def _filters(self):
         """The arguments of `tripatch.choose_holes`."""
@@ -295,11 +309,11 @@ class FillSmooth(Construction, waiting.Waiting):
         bm.verts.index_update()
         bm.faces.index_update()
         selected, everything = _selected(bm, ob.data)
-        halves = mirrored.half_rims(ob, bm, [] if everything else selected.vertices) if self.surroundings != "limit" else []
+        halves = self._half_rims(ob, bm, selected, everything) if self.surroundings != "limit" else []
         rims = [selection.Rim(chain) for _, chain in halves]
         with suppress(selection.UnusableError, selection.OptionsError):
             found = self._rims(ob, bm, filling.world_matrix(ob.name, ob.matrix_world), selected, everything)
-            if not (halves or self.deviation):
+            if not halves:
                 self._looked_at[ob.name] = bm, selected, everything, found
             rims += found[0]
         return selection.beside(bm, rims)
@@ -309,6 +323,12 @@ class FillSmooth(Construction, waiting.Waiting):
         selected = [ob for ob in objects if ob.data.total_vert_sel]
         self.reasons, self.all_holes = "", False
         meant = self._meant(selected or objects)
+        with ExitStack() as kept:
+            for ob in [] if self.keep_live or self.surroundings == "limit" else meant:
+                kept.enter_context(writeback.layers_of_fills(bmesh.from_edit_mesh(ob.data), self.deviation))
+            return self._fill_objects(context, objects, selected, meant)
+
+    def _fill_objects(self, context, objects, selected, meant):
         self._choose_output(selected or objects, meant)
         outcome, unusable = filling.Outcome(), []
         refusals = selection.UnusableError, selection.OptionsError
@@ -352,13 +372,13 @@ class FillSmooth(Construction, waiting.Waiting):
         self.report({"WARNING"}, message)
         return {"FINISHED"}
 
+    def _half_rims(self, ob, bm, selected, everything):
+        """What the selection means of the holes that a Mirror modifier cuts in half."""
+        return mirrored.half_rims(ob, bm, [] if everything else selected.vertices)
+
     def _rims(self, ob, bm, matrix, selected, everything):
         """The rims that the selection means, and an UnusableError for each part that means none."""
-        self.all_holes = everything or self.all_holes
-        if everything:
-            rims, refused = filling.open_holes(bm, matrix, self._filters()), []
-        else:
-            rims, refused = selection.selected_rims(bm, selected)
+        rims, refused = self._rims_meant(ob, bm, matrix, selected, everything)
         if self.surroundings != "limit":
             found = [*rims, *(reason.rim for reason in refused if reason.rim)]
             joined = [rim for rim in found if mirrored.is_joined(ob, rim)]
@@ -369,6 +389,11 @@ class FillSmooth(Construction, waiting.Waiting):
         if not (everything or self.outer):
             rims = filling.without_outer(bm, matrix, rims)
         return rims, refused
+
+    def _rims_meant(self, ob, bm, matrix, selected, everything):
+        """Those that the selection means, those that a Mirror modifier joins among them."""
+        self.all_holes = everything or self.all_holes
+        return (filling.open_holes(bm, matrix, self._filters()), []) if everything else selection.selected_rims(bm, selected)
 
     def _fill_with_quads(self, bm, mesh, matrix, outcome, options):
         """Nobody asked for a cage by name: a hole that gets none, such as one of five corners, gets quads, which the modifier
@@ -395,11 +420,7 @@ class FillSmooth(Construction, waiting.Waiting):
         return new_faces
 
     def _fill(self, ob):
-        bm = bmesh.from_edit_mesh(ob.data)
-        with writeback.deviation_layers(bm, self.deviation):
-            return self._fill_mesh(ob, ob.data, bm)
-
-    def _fill_mesh(self, ob, mesh, bm):
+        mesh, bm = ob.data, bmesh.from_edit_mesh(ob.data)
         bm.verts.index_update()
         bm.faces.index_update()
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
@@ -407,7 +428,7 @@ class FillSmooth(Construction, waiting.Waiting):
         options = self._options()
         halved, new_faces = filling.Outcome(), []
         if self.surroundings != "limit":
-            halves = mirrored.half_rims(ob, bm, [] if everything else selected.vertices)
+            halves = self._half_rims(ob, bm, selected, everything)
             outer = self.outer or not (everything or len(halves) > 1)
             if self.keep_live:
                 halved = live.keep(ob, [], options, halves, outer)
@@ -470,7 +491,47 @@ class MESH_OT_fill_three_sided(FillSmooth, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}  # for scripts: not in the search
 
 
-_classes = (MESH_OT_fill_smooth, MESH_OT_fill_three_sided)
+class MESH_OT_edit_fill(FillSmooth, bpy.types.Operator):
+    """Make the selected fills again, with the options that they were made with, and change them"""
+
+    bl_idname = "mesh.edit_fill"
+    bl_label = "Edit Fill"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def perform(self, context):
+        for ob in context.objects_in_mode_unique_data:
+            bm = bmesh.from_edit_mesh(ob.data)
+            for number, _ in records.selected(bm):
+                self._take(records.of_fill(ob.data, number))
+                return super().perform(context)
+        message = "Select a face of a fill; the selected faces were made by none"
+        self.report({"WARNING" if self.by_hand else "ERROR"}, message)
+        return {"CANCELLED"}
+
+    def _take(self, record):
+        """The options of a fill, but those that are chosen now."""
+        for name, value in (record or {}).get("properties", {}).items():
+            if hasattr(self.properties, name) and not self.properties.is_property_set(name):
+                setattr(self, name, value)
+
+    def _meant(self, objects):
+        return [ob for ob in objects if records.selected(bmesh.from_edit_mesh(ob.data))]
+
+    def _half_rims(self, ob, bm, selected, everything):
+        return []
+
+    def _rims_meant(self, ob, bm, matrix, selected, everything):
+        rims, refused = [], []
+        for number, faces in records.selected(bm):
+            record = records.of_fill(ob.data, number) or {}
+            try:
+                rims.append(selection.rim_of_fill(faces, number, record.get("corners", [])))
+            except selection.UnusableError as reason:
+                refused.append(reason)
+        return rims, refused
+
+
+_classes = (MESH_OT_fill_smooth, MESH_OT_fill_three_sided, MESH_OT_edit_fill)
 
 
 def register():

@@ -9,8 +9,12 @@ from itertools import chain, compress
 from operator import attrgetter, itemgetter
 
 import bmesh
+from mathutils import Vector
 
 from .library import np, tripatch
+
+#: Of the extent of a rim: Blender's positions have seven digits.
+SAME_PLACE = 1e-5
 
 # Rings of faces around a rim that are handed to the library.
 RINGS = tripatch.SURROUNDING_RINGS if tripatch else 0
@@ -41,6 +45,7 @@ class Rim:
     replaced: set = field(default_factory=set)  # BMFace of a region that the fill replaces
     round: bool = False  # it is to have no corners
     inside: list = field(default_factory=list)  # BMVert without faces that the fill goes through
+    fill: int = 0  # the number of the earlier fill that is replaced, which says nothing of the surface
 
 
 def pairs(loop):
@@ -151,6 +156,22 @@ def _region_to_replace(region, holes, by_faces):
         vertices = [v for loop in loops for v in loop] or [v for f in region for v in f.verts]
         raise UnusableError(f"The selected faces {place} have {count}; a region to be replaced has one", vertices)
     return Rim(loops[0][::-1], replaced=set(region))
+
+
+def rim_of_fill(faces, number, corners):
+    """The rim of an earlier fill, which is to be replaced. corners: the places of those that a person gave it."""
+    loops, region = _loops(faces), set(faces)
+    if len(loops) != 1:
+        raise UnusableError(
+            f"This fill has {len(loops)} boundaries; delete its faces and fill again", [v for f in faces for v in f.verts]
+        )
+    loop = loops[0][::-1]
+    if any(len(e.link_faces) != 2 for f in faces for e in f.edges):
+        raise UnusableError("Faces around this fill are gone or were added; delete its faces and fill again", loop)
+    within = SAME_PLACE * np.ptp(coordinates(loop), axis=0).max()
+    nearest = [min(loop, key=lambda v, at=at: (v.co - Vector(at)).length) for at in corners]
+    kept = [v for v, at in zip(nearest, corners, strict=True) if (v.co - Vector(at)).length <= within]
+    return Rim(loop, corners=kept if len(kept) == len(corners) else [], replaced=region, fill=number)
 
 
 def _no_hole(edges, vertices):
@@ -360,8 +381,9 @@ class Surroundings:
         """(positions (n, 3), faces as index lists, indices of the replaced ones) for the faces around rims."""
         front = [v for rim in rims for v in rim.loop]
         seen, faces = set(front), set()
+        filled = set().union(*(rim.replaced for rim in rims if rim.fill))
         for _ in range(RINGS):
-            ring = {f for v in front for f in v.link_faces} - faces
+            ring = {f for v in front for f in v.link_faces} - faces - filled
             faces |= ring
             front = {v for f in ring for v in f.verts} - seen
             seen |= front

@@ -10,7 +10,7 @@ import copy
 from dataclasses import dataclass, field
 from typing import Any
 
-from . import filling, mirrored, selection, writeback
+from . import filling, mirrored, records, selection, writeback
 from .library import index_lists, np, tripatch
 from .selection import Rim, UnusableError
 
@@ -505,6 +505,10 @@ class Shaping:
 
     def write(self, ob, bm):
         """Fills the hole in the mesh. Returns (filling.Outcome, new faces); UnusableError if the mesh has changed."""
+        with writeback.layers_of_fills(bm):
+            return self._write(ob, bm)
+
+    def _write(self, ob, bm):
         bm.verts.index_update()
         bm.faces.index_update()
         if not self.is_current(bm):
@@ -513,7 +517,9 @@ class Shaping:
         rim = Rim(loop, corners=[loop[k] for k in self.corners()], round=self.shape.round)
         active = ob.active_shape_key.name if ob.active_shape_key else None
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
-        return filling.fill_rims(bm, ob.data, matrix, [rim], filling.Options(self.options()), active)
+        arguments = self.options()
+        options = filling.Options(arguments, record=records.of_arguments(arguments))
+        return filling.fill_rims(bm, ob.data, matrix, [rim], options, active)
 
 
 #: How large arrows are beside Blender's own, and how small they get in a hole that is small in the view.

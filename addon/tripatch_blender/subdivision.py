@@ -165,7 +165,7 @@ def in_cage(ob, cage, bm, rim):
             raise UnusableError(
                 f"A modifier of {ob.name} closes the hole at vertex {a.index}, or changes its rim there; apply it"
             )
-    return Rim(loop, [vertex[v] for v in rim.corners], vertex.get(rim.first), replaced)
+    return Rim(loop, [vertex[v] for v in rim.corners], vertex.get(rim.first), replaced, fill=rim.fill)
 
 
 def level_of(modifier):

@@ -8,14 +8,12 @@ from dataclasses import dataclass, field, replace
 
 import bmesh
 
-from . import attributes, features, normals, subdivision, versions, waiting
+from . import attributes, features, normals, records, subdivision, versions, waiting
 from .library import index_lists, np, tripatch
-from .selection import Rim, coordinates, edges_of, pairs
+from .selection import SAME_PLACE, Rim, coordinates, edges_of, pairs
 
 # Cosine of 0.5 degrees; Blender parts a fan of face corners by a sharp edge from 0.8 degrees on.
 SAME_NORMAL = 0.99996
-# Of the extent of a rim: Blender's positions have seven digits.
-_SAME_PLACE = 1e-5
 
 
 @dataclass
@@ -70,7 +68,7 @@ def guides_of(planned):
     if planned.cage or not planned.rim.inside or not len(planned.positions):
         return {}
     found, places = {}, coordinates(planned.loop)
-    within = _SAME_PLACE * np.ptp(places, axis=0).max()
+    within = SAME_PLACE * np.ptp(places, axis=0).max()
     for vertex in planned.rim.inside:
         apart = np.linalg.norm(planned.positions - np.array(vertex.co), axis=1)
         row = int(apart.argmin())
@@ -251,17 +249,20 @@ NOT_KNOWN = -1.0  # in place of a deviation
 
 
 @contextmanager
-def deviation_layers(bm, wanted):
-    """Where they are wanted, the layers of how well new vertices are known, made before any element is held: that forgets them.
-    Without a new face they go again."""
-    layers = [(bm.verts.layers.float, DEVIATION), (versions.boolean_layers(bm.faces.layers), RECONSTRUCTED)] if wanted else []
-    made = [(access, access.new(name)) for access, name in layers if access.get(name) is None]
+def layers_of_fills(bm, deviation=False):
+    """The layers that tell new faces from old ones and, if wanted, how well new vertices are known. They are made before any
+    element is held: that forgets them. Without a new face they go again."""
+    wanted = [(bm.faces.layers.int, records.FILL)]
+    if deviation:
+        wanted += [(bm.verts.layers.float, DEVIATION), (versions.boolean_layers(bm.faces.layers), RECONSTRUCTED)]
+    made = [(access, access.new(name), name) for access, name in wanted if access.get(name) is None]
+    faces = len(bm.faces)
     try:
         yield
     finally:
-        if made and not any(face[versions.boolean_layers(bm.faces.layers)[RECONSTRUCTED]] for face in bm.faces):
-            for access, layer in made:
-                access.remove(layer)
+        if made and len(bm.faces) == faces and not any(face[bm.faces.layers.int[records.FILL]] for face in bm.faces):
+            for access, _, name in made:
+                access.remove(access[name])
 
 
 def _write_deviation(bm, planned, new_faces):
@@ -279,9 +280,9 @@ def _write_deviation(bm, planned, new_faces):
         vertex[known] = NOT_KNOWN if deviation is None else float(deviation[row])
 
 
-def write(bm, mesh, all_planned, shading, deviation=False):
-    """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on. deviation: into the
-    layers that deviation_layers has made."""
+def write(bm, mesh, all_planned, options):
+    """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on. options: see
+    filling.Options; layers are those that layers_of_fills has made."""
     waiting.goes_on()
     if any(len(planned.fill.creases[0]) for planned in all_planned):
         subdivision.edge_crease_layer(bm)  # before any other layer is held
@@ -294,9 +295,10 @@ def write(bm, mesh, all_planned, shading, deviation=False):
         custom = {corner: normal for corner, normal in custom.items() if corner.face not in gone}
     new_faces = []
     for planned in all_planned:
-        made = _write_one(bm, planned, shading, custom)
-        if deviation:
+        made = _write_one(bm, planned, options.shading, custom)
+        if options.deviation:
             _write_deviation(bm, planned, made)
+        records.keep(bm, mesh, planned, made, options.record)
         new_faces += made
     if custom is not None:  # edges that were split had corners in faces that are gone too
         normals.set_corner_normals(bm, mesh, {corner: normal for corner, normal in custom.items() if corner.is_valid})

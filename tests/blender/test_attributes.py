@@ -477,7 +477,7 @@ def test_a_fill_over_a_plane_domain_takes_over_what_the_rim_has(addon):
     made = InPlane(fill)
     made.rim_uv = arrays[0][fill.rim][:, :2]
     planned = filling._planned(bm, rim, np.eye(4), made, len(bm.verts))
-    new = filling.writeback.write(bm, mesh, [planned], "neighbors")
+    new = filling.writeback.write(bm, mesh, [planned], filling.Options())
     bm.to_mesh(mesh)
     bm.free()
     assert len(new) == len(mesh.polygons) - len(faces) > 0
