@@ -213,7 +213,7 @@ def test_face_colors_and_attributes_of_a_trimesh_are_those_of_the_side_that_is_n
 
 def test_a_trimesh_gets_triangles_whatever_the_fill_is_made_of(trimesh):
     vertices, faces = sheet()
-    made = tripatch.fill_holes(trimesh.Trimesh(vertices, faces, process=False), output="quads")
+    made = tripatch.fill_holes(trimesh.Trimesh(vertices, faces, process=False), output="quads", odd="triangle")
     assert made.faces.shape[1] == 3 and not inner_loops(np.asarray(made.faces))
 
 
@@ -252,3 +252,47 @@ def test_write_takes_pairs_and_meshes_and_says_what_it_needs(tmp_path, trimesh):
         tripatch.write(tmp_path / "a.ply", vertices)
     with pytest.raises(tripatch.FileError, match="cannot be read"):
         tripatch.read(tmp_path / "none.obj")
+
+
+def cut_by_a_seam():
+    """The flat sheet of triangles whose texture coordinates part along x = N / 2, through the hole: vertices there are double."""
+    vertices, faces = sheet()
+    vertices[:, 2] = 0
+    right = vertices[faces].mean(axis=1)[:, 0] > N / 2
+    on_seam = np.flatnonzero(vertices[:, 0] == N / 2)
+    copies = {int(v): len(vertices) + k for k, v in enumerate(on_seam)}
+    faces = np.array([[copies.get(int(v), v) if r else v for v in face] for face, r in zip(faces, right)])
+    points = np.concatenate([vertices, vertices[on_seam]])
+    of_right = np.zeros(len(points), bool)
+    of_right[faces[right].ravel()] = True
+    return points, faces, np.where(of_right[:, None], linear(points) + 10, linear(points)), right
+
+
+def test_texture_coordinates_that_part_at_a_seam_part_in_the_fill_too(trimesh):
+    points, faces, uv, right = cut_by_a_seam()
+    visual = trimesh.visual.TextureVisuals(uv=uv)
+    given = trimesh.Trimesh(points, faces, process=False, visual=visual)
+    made, report = tripatch.fill_holes(given, resolution=6, return_report=True)
+    assert len(report.fills) == 1 and report.refusals == []
+    assert np.array_equal(made.vertices[: len(points)], points) and np.array_equal(made.faces[: len(faces)], faces)
+    assert np.array_equal(made.visual.uv[: len(uv)], uv) and len(made.visual.uv) == len(made.vertices)
+    of_new = made.visual.uv[made.faces[len(faces) :]]
+    expected = linear(np.asarray(made.vertices))[made.faces[len(faces) :]]
+    offset = np.rint((of_new - expected).mean(axis=(1, 2)) / 10) * 10
+    assert set(offset.tolist()) == {0.0, 10.0}, "each new face lies on one side of the seam"
+    assert np.abs(of_new - expected - offset[:, None, None]).max() < 1e-4
+    middle = made.vertices[made.faces[len(faces) :]].mean(axis=1)[:, 0]
+    clear = np.abs(middle - N / 2) > 1
+    assert ((offset[clear] == 10) == (middle[clear] > N / 2)).all()
+    merged = made.copy()
+    merged.merge_vertices(merge_tex=True, merge_norm=True)
+    assert not inner_loops(np.asarray(merged.faces))
+
+
+def test_a_trimesh_whose_faces_share_no_vertices_is_filled_as_one_that_was_merged(trimesh):
+    vertices, faces = sheet()
+    loose = trimesh.Trimesh(vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3), process=False)
+    made, report = tripatch.fill_holes(loose, return_report=True)
+    assert len(report.fills) == 1 and len(made.faces) == len(faces) + len(report.fills[0].faces)
+    made.merge_vertices()
+    assert not inner_loops(np.asarray(made.faces))

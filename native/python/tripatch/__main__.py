@@ -54,7 +54,13 @@ def parser() -> argparse.ArgumentParser:
     main = arguments.Parser(prog="tripatch", description=_MAIN)
     main.add_argument("--version", action="version", version=f"tripatch {tripatch.__version__}")
     commands = main.add_subparsers(dest="command", required=True, metavar="COMMAND", title="Commands")
-    fill = commands.add_parser("fill", help="fill holes of a mesh file", description=_DESCRIPTION, epilog=_EXIT)
+    fill = commands.add_parser(
+        "fill",
+        usage="tripatch fill IN [-o] OUT [options]",
+        help="fill holes of a mesh file",
+        description=_DESCRIPTION,
+        epilog=_EXIT,
+    )
     fill.add_argument("input", metavar="IN", type=Path, help="mesh file")
     arguments.add_out(fill, "OUT", "mesh file to write; may be IN")
     fill.add_argument("--all", action="store_true", help="fill every hole")
@@ -65,6 +71,7 @@ def parser() -> argparse.ArgumentParser:
     batch.add(commands)
     smooth = commands.add_parser(
         "smooth",
+        usage="tripatch smooth IN [-o] OUT [options]",
         help="smooth a mesh of triangles",
         description="Makes a curved patch of every triangle, which meets its neighbors smoothly. OUT holds vertices and faces "
         "only.\n\n"
@@ -79,6 +86,7 @@ def parser() -> argparse.ArgumentParser:
     arguments.add_talk(smooth)
     strip = commands.add_parser(
         "strip",
+        usage="tripatch strip IN [-o] OUT [options]",
         help="remove the fills from a file",
         description="Removes every fill that TriPatch made and gives back the file as it was before, byte for byte.\n"
         "OBJ and PLY files say themselves what was filled; STL and OFF files need the report.\n\nexamples:\n"

@@ -179,8 +179,8 @@ def add_groups(parser: argparse.ArgumentParser, options: Iterable[Option]) -> No
 
 def add_out(parser: argparse.ArgumentParser, metavar: str, text: str) -> None:
     """The file to write, as a second argument or by -o; `out_of` reads it."""
-    parser.add_argument("out", metavar=metavar, type=Path, nargs="?", help=text)
-    parser.add_argument("-o", "--out", dest="out_by_name", metavar=metavar, type=Path, help="the same")
+    parser.add_argument("out", metavar=metavar, type=Path, nargs="?", help=argparse.SUPPRESS)
+    parser.add_argument("-o", "--out", dest="out_by_name", metavar=metavar, type=Path, help=text)
 
 
 def out_of(args: argparse.Namespace) -> Path:

@@ -187,8 +187,8 @@ class Source:
         made = self.fill()
         if isinstance(made, Refusal) or not np.array_equal(made.vertices, vertices):
             raise ValueError("The mesh has changed since it was filled, so the patch cannot be made again")
-        vars(made.patch)["_recipe"] = functools.partial(self.recipe, made.rim, vertices)
         patch: Patch = made.patch
+        vars(patch)["_recipe"] = functools.partial(self.recipe, made.rim, vertices)
         return patch
 
     def recipe(self, rim: Array, vertices: Array) -> tuple[Any, ...]:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import copy
 import dataclasses
-import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from . import _arrays, quality
+from . import _arrays, trimeshes
 from ._types import Array, ArrayLike, Faces
 from .errors import FillWarning, Refusal
-from .files.continued import Continued
 from .files.mesh_file import MeshFile
 from .filling import Fill, Fills, fill_all
 from .options import takes_options
@@ -69,11 +66,11 @@ class HolesReport:
 
 
 class _Merged:
-    """The faces of a mesh and of its fills as one mesh, and where each face comes from."""
+    """The faces of a mesh and of its fills as one mesh."""
 
     def __init__(self, vertices: ArrayLike, faces: Faces, results: Sequence[Fill | Refusal]) -> None:
         v, offsets, corners = _arrays.mesh(vertices, faces)
-        self.count, self._old = len(v), (offsets, corners)
+        self.count = len(v)
         self.fills = [each for each in results if isinstance(each, Fill)]
         self.vertices = np.concatenate([v, *(fill.vertices for fill in self.fills)])
         for fill in self.fills:
@@ -92,24 +89,8 @@ class _Merged:
             kept = np.ones(len(sizes), bool)
             kept[gone] = False
             corners, sizes = corners[np.repeat(kept, sizes)], sizes[kept]
-        self.kept = np.setdiff1d(np.arange(len(offsets) - 1), gone)
         self.corners = np.concatenate([corners, *parts])
         self.offsets = np.concatenate([[0], np.cumsum(np.concatenate([sizes, *counts]))]).astype(np.int64)
-
-    def continued(self, look: Callable[[int], Any]) -> list[Continued]:
-        """How each fill continues what is around it; look: of a face what parts it from others."""
-        old = MeshFile(self.vertices[: self.count], _arrays.index_lists(_arrays.rows(*self._old)))
-        return [Continued(old.vertices, old.faces, fill, look, old._faces_at) for fill in self.fills]
-
-
-def _at_new_vertices(continued: Continued, values: Array) -> Array:
-    """What new vertices have, (k, ...), from what the mesh's vertices (n, ...) have: numbers blended, and rounded where they are
-    whole; what is no number, of a vertex nearby."""
-    if values.dtype.kind not in "fiu":
-        nearest: Array = values[continued.near]
-        return nearest
-    made: Array = continued.at_vertices(lambda rim: values[rim]).reshape(-1, *values.shape[1:])
-    return (made if values.dtype.kind == "f" else np.rint(made)).astype(values.dtype)
 
 
 def _split(corners: Array, sizes: Array, a: int, b: int, new: int) -> tuple[Array, Array]:
@@ -168,7 +149,8 @@ def fill_holes(
         mesh_or_vertices: (n, 3) positions; or a whole mesh: a `trimesh.Trimesh`, what `read` returns, or any object that has
             .vertices and .faces and can be made from them.
         faces: of positions: (m, 3) or (m, 4) int array, or a list of index lists.
-        return_report: whether a `HolesReport` is returned too.
+        return_report: whether a `HolesReport` is returned too. Its fills of a Trimesh count vertices at one place, as where
+            texture coordinates part, as one.
         rims, corners, progress: as of `fill_all`.
         **options: see OPTIONS.
 
@@ -188,6 +170,12 @@ def fill_holes(
     if faces is None and not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
         raise TypeError(f"fill_holes needs vertices and faces, or one mesh that has both, not {type(mesh).__name__}")
     vertices, own = (mesh, faces) if faces is not None else (mesh.vertices, mesh.faces)
+    welded = None
+    if faces is None and trimeshes.is_one(mesh):
+        welded = trimeshes.Welded(mesh)
+        vertices, own = welded.vertices, welded.faces
+        rims = rims if rims is None else [welded.rim(loop) for loop in rims]
+        corners = corners if corners is None else [each if each is None else welded.rim(each) for each in corners]
     report = HolesReport(fill_all(np.asarray(vertices), own, rims, corners=corners, progress=progress, **options))
     if not return_report:
         if report.refusals and not report.fills:
@@ -196,7 +184,7 @@ def fill_holes(
             warnings.warn(FillWarning(f"A hole was not filled: {refusal.reason}"), stacklevel=2)
         for said in report.warnings:
             warnings.warn(FillWarning(said), stacklevel=2)
-    made = _filled(mesh, vertices, own, report, faces is not None)
+    made = trimeshes.filled(mesh, welded, report.fills) if welded else _filled(mesh, vertices, own, report, faces is not None)
     return (made, report) if return_report else made
 
 
@@ -204,8 +192,6 @@ def _filled(mesh: Any, vertices: ArrayLike, faces: Faces, report: HolesReport, a
     if not as_pair and isinstance(mesh, MeshFile):
         return mesh.filled(report.fills)
     whole = _Merged(vertices, faces, report.fills)
-    if not as_pair and _is_trimesh(mesh):
-        return _of_trimesh(mesh, whole)
     kind, rows = np.asarray(vertices).dtype, _like(faces, whole.offsets, whole.corners)
     points = whole.vertices.astype(kind) if kind.kind == "f" else whole.vertices
     return (points, rows) if as_pair else _rebuilt(mesh, points, rows)
@@ -222,55 +208,3 @@ def _rebuilt(mesh: Any, vertices: Array, rows: Any) -> Any:
     except TypeError as error:
         name = type(mesh).__name__
         raise TypeError(f"{name} cannot be made from vertices and faces ({error}); give mesh.vertices, mesh.faces") from error
-
-
-def _is_trimesh(mesh: Any) -> bool:
-    trimesh = sys.modules.get("trimesh")
-    return trimesh is not None and isinstance(mesh, trimesh.Trimesh)
-
-
-def _of_trimesh(mesh: Any, whole: _Merged) -> Any:
-    """A trimesh.Trimesh with its colors or texture, normals and attributes."""
-    lists = _arrays.index_lists(_arrays.rows(whole.offsets, whole.corners))
-    triangles, of_face = quality.triangulated(lists, whole.vertices)
-    count = len(mesh.faces)
-    by_face = {name: np.asarray(values) for name, values in mesh.face_attributes.items() if len(values) == count}
-    kind = getattr(mesh.visual, "kind", None)
-    looks = [*by_face.values()]
-    if kind == "face":
-        looks.append(mesh.visual.face_colors)
-    elif kind == "texture" and mesh.visual.face_materials is not None:
-        looks.append(np.asarray(mesh.visual.face_materials))
-    fills = whole.continued(lambda f: tuple(each[f].tobytes() for each in looks))
-    near = [each.model or [0] * len(fill.faces) for each, fill in zip(fills, whole.fills, strict=True)]
-    models = np.concatenate([whole.kept, *near]).astype(np.int64)[of_face]
-
-    def of_vertices(items: Any) -> Iterator[tuple[str, Any]]:
-        for name, values in items:
-            given = np.asarray(values)
-            if len(given) == whole.count and given.dtype != object:
-                yield name, np.concatenate([given, *(_at_new_vertices(each, given) for each in fills)])
-            else:
-                yield name, copy.copy(values)
-
-    visual = mesh.visual
-    normals = np.asarray(mesh.vertex_normals) if "vertex_normals" in mesh._cache.cache else None
-    made = mesh.copy()
-    made.vertices, made.faces = whole.vertices, triangles
-    made.vertex_attributes = dict(of_vertices(mesh.vertex_attributes.items()))
-    made.face_attributes = {**mesh.face_attributes, **{name: each[models] for name, each in by_face.items()}}
-    if kind == "texture":
-        made.visual = visual.copy()
-        for name, values in of_vertices(visual.vertex_attributes.data.items()):
-            made.visual.vertex_attributes[name] = values
-        if visual.face_materials is not None:
-            made.visual.face_materials = np.asarray(visual.face_materials)[models]
-    elif kind in ("vertex", "face"):
-        ((_, by_vertex),) = of_vertices([("", visual.vertex_colors)])
-        colors = by_vertex if kind == "vertex" else visual.face_colors[models]
-        made.visual = type(visual)(mesh=made, **{f"{kind}_colors": colors})
-    else:
-        made.visual = type(visual)(mesh=made)
-    if normals is not None:
-        made.vertex_normals = np.concatenate([normals, *(fill.normals for fill in whole.fills)])
-    return made

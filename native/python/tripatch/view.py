@@ -219,6 +219,7 @@ def add(commands: Any) -> None:
     """The command `view` of a command line."""
     view = commands.add_parser(
         "view",
+        usage="tripatch view FILE [-o] OUT.png [options]",
         help="a picture of a mesh file that shows its quality",
         description="Draws the mesh in FILE to a PNG picture.\n\nexamples:\n"
         "  tripatch view filled.ply zebra.png\n"

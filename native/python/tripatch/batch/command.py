@@ -80,6 +80,7 @@ def add(commands: Any) -> None:
     """The parser of `tripatch batch`."""
     batch = commands.add_parser(
         "batch",
+        usage="tripatch batch INPUT... -o FOLDER [options]",
         help="fill the holes of many files",
         description=_DESCRIPTION,
         epilog=_EPILOG,

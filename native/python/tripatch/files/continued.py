@@ -13,7 +13,7 @@ from ..attributes import attribute_weights
 from . import writing
 
 #: Of the range of texture coordinates at the rim: what differs by more at one vertex is parted by a seam.
-_SAME_TEXTURE = 1e-5
+SAME_TEXTURE = 1e-5
 
 Blend = Callable[[Array], Array]
 
@@ -154,7 +154,7 @@ class Continued:
         are blended away inside."""
         count = len(self._rim)
         start, end = at_ends[::2], at_ends[1::2]
-        parted = np.abs(end - start[self._next]).max(axis=1) > _SAME_TEXTURE * max(np.ptp(at_ends, axis=0).max(), 1e-12)
+        parted = np.abs(end - start[self._next]).max(axis=1) > SAME_TEXTURE * max(np.ptp(at_ends, axis=0).max(), 1e-12)
         if parted.sum() < 2 or len(self._loop_starts) > 1:
             everywhere = [np.concatenate([start, self._blend(at_ends)])]
             shares = None
