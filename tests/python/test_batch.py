@@ -533,6 +533,13 @@ def test_ctrl_c_ends_it_orderly(tmp_path, capsys):
     assert done - 2 <= int(re.findall(r"(\d+) done before", err)[-1]) <= done
 
 
+def test_quiet_prints_errors_only(tmp_path, capsys):
+    source = spheres(tmp_path / "in", 1)
+    assert run(capsys, source, "-o", tmp_path / "out", "--workers", 1, "--worst", 0, "-q") == (0, "", "")
+    assert heads(tmp_path / "out")["m000.obj"]["status"] == "filled"
+    assert run(capsys, source, "-o", tmp_path / "other", "-q", "--max-edges", 2)[2]
+
+
 def test_only_a_scheduler_needs_dask(tmp_path, capsys, monkeypatch):
     for name in ("dask", "distributed"):
         monkeypatch.setitem(sys.modules, name, None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import os
 import signal
@@ -166,7 +167,7 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
 def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) -> tuple[list[dict[str, Any] | None], bool]:
     """An entry for each file, None for those that Ctrl-C left undone, and whether it came."""
     entries: list[dict[str, Any] | None] = [None] * len(found)
-    progress = Progress(len(found))
+    progress = Progress(len(found), io.StringIO() if args.quiet else None)
     kept = journal.Journal(Path(settings.out)).before() if settings.mode == FILL else {}
     known = [kept.get(file.relative_to(settings.root).as_posix(), {}) for file in found]
 
@@ -308,7 +309,8 @@ def run(args: argparse.Namespace) -> int:
     if stopped:
         _say(f"Stopped with {len(done)} of {len(entries)} files done; the same command goes on from there")
         return STOPPED
-    if args.range:  # others are at work: who calls without a range gathers
-        print(_summary(done))
-        return DONE
-    return _end(args, done, settings)
+    with contextlib.redirect_stdout(io.StringIO() if args.quiet else sys.stdout):
+        if args.range:  # others are at work: who calls without a range gathers
+            print(_summary(done))
+            return DONE
+        return _end(args, done, settings)
