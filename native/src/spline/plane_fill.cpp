@@ -807,32 +807,34 @@ std::optional<Attempt> attempts(const Disc& disc, const Rim& rim, const std::vec
 /// of them is 2 to 20 times nearer than least bending.
 const std::vector<double> of_rim_alone = {2, 2.5, 3.5};
 
-/// A noisy surface without details, from more of it: the layout is that of the try before, with its fill.
-void look_farther(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, const Rim& rim,
+/// A noisy surface without details, from more of it: the layout is that of the try before, with its fill. Whether that changed the result.
+bool look_farther(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, const Rim& rim,
                   const FieldOptions& fields, const PlaneFillOptions& options, Disc& disc, Attempt& result) {
   const auto between = [&](double low, double x, double high) { return low * rim.edge < x && x < high * rim.edge; };
-  if (!between(least_noise, result.field->noise(), too_rough) || !between(-1, result.left_by_reference, detail)) return;
+  if (!between(least_noise, result.field->noise(), too_rough) || !between(-1, result.left_by_reference, detail)) return false;
   Disc wide = disc_to_sample(mesh, around, loops, noisy_reach_share * rim.diameter, most_rings);
-  if (wide.rings <= disc.rings) return;
+  if (wide.rings <= disc.rings) return false;
   std::optional<Attempt> next = attempt(wide, rim, spread_samples(wide, rim.edge), fields, options, &result);
-  if (!next || !between(-1, next->left_by_reference, detail) || !stay(next->made.points, rim)) return;
+  if (!next || !between(-1, next->left_by_reference, detail) || !stay(next->made.points, rim)) return false;
   next->fed_back = result.fed_back;
   next->few |= result.few;
   result = std::move(*next);
   disc = std::move(wide);
+  return true;
 }
 
 /// A strongly curved surface without noise, from more samples: the layout is that of the try before, with its fill. Not where it meets points
-/// inside, which curve it and of which the samples know nothing, nor where it would fold more.
-void look_closer(const Disc& disc, const Rim& rim, const FieldOptions& fields, const PlaneFillOptions& options, Attempt& result) {
-  if (result.fed_back == 0 || disc.rim > long_rim || result.met) return;
-  if (!(result.field->noise() < least_noise * rim.edge)) return;
+/// inside, which curve it and of which the samples know nothing, nor where it would fold more. Whether that changed the result.
+bool look_closer(const Disc& disc, const Rim& rim, const FieldOptions& fields, const PlaneFillOptions& options, Attempt& result) {
+  if (result.fed_back == 0 || disc.rim > long_rim || result.met) return false;
+  if (!(result.field->noise() < least_noise * rim.edge)) return false;
   const auto folds = [&](const Attempt& each) { return folded_edges(each.made.points, each.made.triangles, rim.beyond); };
   std::optional<Attempt> next = attempt(disc, rim, spread_samples(disc, rim.edge, more_where_clear), fields, options, &result);
-  if (!next || !stay(next->made.points, rim) || folds(*next) > folds(result)) return;
+  if (!next || !stay(next->made.points, rim) || folds(*next) > folds(result)) return false;
   next->fed_back = result.fed_back;
   next->few |= result.few;
   result = std::move(*next);
+  return true;
 }
 
 /// A way to fill, the likeliest first.
@@ -862,21 +864,25 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
   const bool finer = is_finer(rim, options);  // the surface is that of triangles like the rim's, which bend in far less time
   PlaneFillOptions coarse = options;
   if (finer) coarse.resolution.reset();
+  bool is_known = false;  // whether the next way would do what was done already: several may see the rim alone
   for (const Way& way : ways) {
-    if (way.rings == 0 && best.surface) break;
+    if (is_known || (way.rings == 0 && best.surface)) break;
     Disc disc = disc_to_sample(mesh, continued, loops, way.reach * rim.diameter, way.rings);
     if (disc.triangles.empty() && way.rings > 0 && !options.continued) continue;
+    const bool sees_rim_alone = disc.triangles.empty();
+    is_known = sees_rim_alone;
     const std::vector<Index> samples = spread_samples(disc, rim.edge);
     FieldOptions fields;
-    fields.orders = disc.triangles.empty() ? of_rim_alone : way.orders;
+    fields.orders = sees_rim_alone ? of_rim_alone : way.orders;
     fields.unit = std::max(rim.edge, 1e-300);
     std::optional<Attempt> result = attempts(disc, rim, samples, fields, coarse);
     if (!result || (result->made.doubles_edges && !rim.doubles_edges)) continue;
     if (way.reach > 0) {
       PlaneFillOptions own = coarse;
       if (result->few) own.resolution = edges_in_layouts;
-      look_farther(mesh, continued, loops, rim, fields, own, disc, *result);
-      look_closer(disc, rim, fields, own, *result);
+      const bool farther = look_farther(mesh, continued, loops, rim, fields, own, disc, *result);
+      const bool closer = look_closer(disc, rim, fields, own, *result);
+      is_known = sees_rim_alone && !farther && !closer;
     }
     average_models(disc, rim, *result);
     hold_back(disc, rim, *result);
@@ -910,6 +916,7 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     fill.plainer = bends_least ? least_bent_sentence : way.sentence;
     if (fill.plainer.empty() && left < folds) fill.plainer = mended;
     if (bends_least ? prefers_second : folds <= most) return fill;
+    is_known = sees_rim_alone && way.reach == 0;  // of the first way details do not ask for least bending
     // A plainer way that need not be mended is nearer, and where there is noise alone one that need not bend least; else the plainest.
     best = std::move(fill);
   }
