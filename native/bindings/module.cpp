@@ -1,6 +1,9 @@
 // The Python module: arrays in, arrays out, the GIL released around every computation. Shapes and types are checked in
 // python/tripatch; here only what C++ needs.
+#include <optional>
+
 #include "bindings.h"
+#include "tripatch/threads.h"
 
 using namespace tripatch;
 
@@ -31,4 +34,16 @@ PYBIND11_MODULE(_native, m) {
   bind_holes(m);
   bind_polygon(m);
   bind_making(m);
+  m.def(
+      "set_threads",
+      [](std::optional<int> n) {
+        if (n && *n < 1) throw InvalidArgument("n must be 1 or more, or None for all cores");
+        set_threads(n.value_or(0));
+      },
+      py::arg("n"),
+      R"(Set how many threads fills work on, the calling thread included.
+
+n: from 1 on; None: as many as there are cores, or fewer if the environment variable TRIPATCH_THREADS says so (the default). The number
+holds for the whole process from the next piece of work on. No result depends on it.
+)");
 }

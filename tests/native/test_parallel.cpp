@@ -2,17 +2,32 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <mutex>
+#include <set>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
-#include "tripatch/math/meanwhile.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/threads.h"
 
 using namespace tripatch;
+
+namespace {
+
+/// While it lives, so many threads work.
+class Threads {
+public:
+  explicit Threads(int n) { set_threads(n); }
+  ~Threads() { set_threads(0); }
+  Threads(const Threads&) = delete;
+  Threads& operator=(const Threads&) = delete;
+};
+
+}  // namespace
 
 TEST_CASE("every piece of work is done once, and progress ends with their number", "[parallel]") {
   for (std::size_t count : {0, 1, 2, 100}) {
@@ -100,7 +115,6 @@ TEST_CASE("work asks by its own thread, and what it is told ends all of it", "[p
   CHECK(asked_by_caller == 3);
   CHECK_THROWS_AS(work_and_ask([] { throw std::invalid_argument("the work's own"); }, [] {}), std::invalid_argument);
   CHECK_NOTHROW(check_interruption());
-  CHECK(asking == nullptr);
   work_and_ask([] { check_interruption(); }, [] { FAIL("asked before it was due"); });
   const auto asked_in = [](int passes, std::chrono::milliseconds each) {
     int times = 0;
@@ -118,8 +132,9 @@ TEST_CASE("work asks by its own thread, and what it is told ends all of it", "[p
 }
 
 TEST_CASE("who is asked to end hands that on", "[parallel]") {
-  const std::atomic<bool> stop = true;
-  const InterruptedBy asked(&stop);
+  Cancel stop;
+  stop.request();
+  const CancelScope asked(&stop);
   CHECK_THROWS_AS(check_interruption(), Interrupted);
   CHECK_THROWS_AS(parallel_for(0, 10, 1, [](Index, Index) {}), Interrupted);
   CHECK_THROWS_AS(parallel_for_each(
@@ -132,33 +147,10 @@ TEST_CASE("who is asked to end hands that on", "[parallel]") {
 }
 
 TEST_CASE("work beside other work gives its result, or what it throws, where that is asked for", "[parallel]") {
-  const std::thread::id caller = std::this_thread::get_id();
-  Meanwhile<bool> other([&] { return std::this_thread::get_id() != caller; });
-  CHECK(other.get());
-  Meanwhile<int> fails([]() -> int { throw std::invalid_argument("no"); });
+  AsyncTask<int> answers([] { return 42; });
+  CHECK(answers.get() == 42);
+  AsyncTask<int> fails([]() -> int { throw std::invalid_argument("no"); });
   CHECK_THROWS_AS(fails.get(), std::invalid_argument);
-}
-
-TEST_CASE("what two threads do together is all done, once, before they begin with the next", "[parallel]") {
-  std::vector<int> done;
-  std::size_t last = 0;
-  std::array<int, 2> by = {0, 0}, stale = {0, 0};
-  Together work([&](int k, int thread) {
-    ++done[static_cast<std::size_t>(k)];
-    ++by[static_cast<std::size_t>(thread)];
-    stale[static_cast<std::size_t>(thread)] += done.size() != last;
-  });
-  int all = 0;
-  for (int round = 0; round < 2000; ++round) {
-    const int count = round % 7;
-    done.assign(static_cast<std::size_t>(count), 0);
-    last = done.size();
-    work(count);
-    CHECK(std::all_of(done.begin(), done.end(), [](int times) { return times == 1; }));
-    all += count;
-  }
-  CHECK(stale[0] + stale[1] == 0);
-  CHECK(by[0] + by[1] == all);
 }
 
 TEST_CASE("of two pieces of work both are done, one after the other where no core is free", "[parallel]") {
@@ -167,30 +159,77 @@ TEST_CASE("of two pieces of work both are done, one after the other where no cor
   CHECK(done == 11);
   std::vector<int> order;
   {
-    const Alone alone;
-    CHECK_FALSE(has_free_core());
+    const SerialScope serial;
+    CHECK_FALSE(may_share());
     both_at_once([&] { order.push_back(1); }, [&] { order.push_back(2); });
   }
   CHECK(order == std::vector<int>{1, 2});
-  CHECK(has_free_core() == (std::thread::hardware_concurrency() > 1));
+  CHECK(may_share());
 }
 
-TEST_CASE("what a thread that keeps others shares out goes to the same ones time and again", "[parallel]") {
-  const std::thread::id caller = std::this_thread::get_id();
-  std::vector<std::thread::id> others;
+TEST_CASE("the same threads take up one piece of work after another", "[parallel]") {
+  const Threads four(4);
+  std::set<std::thread::id> others;
   for (int round = 0; round < 100; ++round) {
-    const KeptThreads kept;  // also by one after another
-    both_at_once([] {}, [&] { others.push_back(std::this_thread::get_id()); });
+    std::mutex mutex;
+    std::atomic<int> begun = 0;
+    parallel_for(0, 4, 1, [&](Index, Index) {
+      ++begun;
+      while (begun < 4) std::this_thread::yield();
+      const std::lock_guard lock(mutex);
+      others.insert(std::this_thread::get_id());
+    });
   }
-  REQUIRE(others.size() == 100);
-  CHECK(std::all_of(others.begin(), others.end(), [&](std::thread::id other) { return other == others[0]; }));
-  CHECK((others[0] != caller) == has_free_core());
+  CHECK(others.erase(std::this_thread::get_id()) == 1);
+  CHECK(others.size() == 3);
+}
+
+TEST_CASE("with one thread nothing is shared out, and with 0 as many work as at first", "[parallel]") {
+  const int first = max_threads();
+  {
+    const Threads one(1);
+    CHECK(max_threads() == 1);
+    CHECK_FALSE(may_share());
+    Index pieces = 0;
+    parallel_for(0, 100, 1, [&](Index, Index) { ++pieces; });
+    CHECK(pieces == 1);
+  }
+  CHECK(max_threads() == first);
+}
+
+TEST_CASE("work that fails in the caller's own share is left when nobody works on it any more", "[parallel]") {
+  const Threads four(4);
+  const std::thread::id caller = std::this_thread::get_id();
+  for (int round = 0; round < 200; ++round) {
+    std::atomic<int> at_work = 0;
+    const auto fails = [&](Index, Index) {
+      ++at_work;
+      if (std::this_thread::get_id() != caller) std::this_thread::sleep_for(std::chrono::microseconds(200));
+      --at_work;
+      if (std::this_thread::get_id() == caller) throw std::invalid_argument("the caller's own");
+    };
+    CHECK_THROWS_AS(parallel_for(0, 4, 1, fails), std::invalid_argument);
+    CHECK(at_work == 0);
+  }
+}
+
+TEST_CASE("of several failures the first piece's is thrown on", "[parallel]") {
+  const Threads four(4);
+  for (int round = 0; round < 100; ++round) {
+    std::atomic<int> begun = 0;
+    const auto fails = [&](Index from, Index) {
+      ++begun;
+      while (begun < 4) std::this_thread::yield();
+      throw std::invalid_argument(std::to_string(from));
+    };
+    CHECK_THROWS_WITH(parallel_for(0, 4, 1, fails), "0");
+  }
 }
 
 #ifndef __SANITIZE_THREAD__  // which knows no threads after a fork
 TEST_CASE("a process that is forked begins threads of its own, and ends without those of the one that it comes from",
           "[parallel]") {
-  const KeptThreads kept;
+  const Threads two(2);
   const auto works = [] {
     std::atomic<int> done = 0;
     both_at_once([&] { done += 1; }, [&] { done += 10; });
@@ -200,7 +239,6 @@ TEST_CASE("a process that is forked begins threads of its own, and ends without 
   const pid_t child = fork();
   if (child == 0) {
     alarm(20);  // where it waits for a thread that is not there
-    std::thread([] { const KeptThreads of_this; }).join();
     _exit(works() ? 0 : 1);
   }
   int status = -1;
@@ -210,20 +248,19 @@ TEST_CASE("a process that is forked begins threads of its own, and ends without 
 }
 #endif
 
-TEST_CASE("threads that are kept do all of what is shared out within what is shared out", "[parallel]") {
-  const KeptThreads kept;
+TEST_CASE("all is done of what is shared out within what is shared out", "[parallel]") {
+  const Threads two(2);
   std::atomic<int> done = 0;
   const auto many = [&] { parallel_for(0, 100, 10, [&](Index from, Index to) { done += static_cast<int>(to - from); }); };
   for (int round = 0; round < 20; ++round) {
     both_at_once(many, many);
-    const KeptThreads inner;
     many();
   }
   CHECK(done == 20 * 300);
 }
 
-TEST_CASE("what is thrown in a thread that is kept is thrown on, and it goes on with the next", "[parallel]") {
-  const KeptThreads kept;
+TEST_CASE("what is thrown in another thread is thrown on, and it continues with the next", "[parallel]") {
+  const Threads two(2);
   const auto fails = [](int) { throw std::invalid_argument("no"); };
   for (int round = 0; round < 20; ++round) {
     CHECK_THROWS_AS(both_at_once([] {}, [&] { fails(round); }), std::invalid_argument);
@@ -236,8 +273,9 @@ TEST_CASE("what is thrown in a thread that is kept is thrown on, and it goes on 
 }
 
 TEST_CASE("work beside other work ends where nobody asks for its result, or who waits for it is interrupted", "[parallel]") {
-  std::atomic<int> ended = 0;
+  std::atomic<int> begun = 0, ended = 0;
   const auto endless = [&]() -> int {
+    ++begun;
     try {
       for (;;) check_interruption();
     } catch (const Interrupted&) {
@@ -246,14 +284,17 @@ TEST_CASE("work beside other work ends where nobody asks for its result, or who 
     }
   };
   {
-    const Meanwhile<int> forgotten(endless);
+    const AsyncTask<int> forgotten(endless);
+    while (begun == 0) std::this_thread::yield();
   }
   CHECK(ended == 1);
-  const std::atomic<bool> stop = true;
-  const InterruptedBy stopped(&stop);
+  Cancel stop;
+  stop.request();
+  const CancelScope stopped(&stop);
   CHECK_THROWS_AS(
       [&] {
-        Meanwhile<int> waited_for(endless);
+        AsyncTask<int> waited_for(endless);
+        while (begun == 1) std::this_thread::yield();
         return waited_for.get();
       }(),
       Interrupted);

@@ -67,7 +67,8 @@ TEST_CASE("A factorization ends where it is interrupted", "[math]") {
   const Eigen::SparseMatrix<double> matrix = grid_matrix(9, 3);
   SparseLdlt own;
   own.analyzePattern(matrix);
-  const std::atomic<bool> end = true;
-  const InterruptedBy by(&end);
+  Cancel cancel;
+  cancel.request();
+  const CancelScope scope(&cancel);
   CHECK_THROWS_AS(own.factorize(matrix), Interrupted);
 }

@@ -112,7 +112,15 @@ def test_names_in_a_room_are_unique(room):
 
 
 def test_rooms_call_back_for_progress_and_samples_only():
-    """The functions of a user, and how far the work is."""
-    allowed = {"piecewise_polynomial.h", "piecewise_polynomial.cpp", "fill.h"}
+    """The functions of a user, how far the work is, and what threads share."""
+    allowed = {
+        "piecewise_polynomial.h",
+        "piecewise_polynomial.cpp",
+        "fill.h",
+        "interruption.h",
+        "interruption.cpp",
+        "parallel.h",
+        "parallel.cpp",
+    }
     holders = {path.name for path in [*SOURCES, *HEADERS] if "std::function" in plain(path.read_text())}
     assert holders <= allowed

@@ -113,7 +113,7 @@ const std::map<std::string, std::function<void()>> paths = {
 extern "C" [[gnu::noinline]] void measured(const std::function<void()>& path) { path(); }
 
 int main(int argc, char** argv) {
-  one_of_many = true;  // no threads
+  const SerialScope no_threads;
   if (argc < 2) {
     for (const auto& [name, path] : paths) std::puts(name.c_str());
     return 0;

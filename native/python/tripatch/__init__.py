@@ -6,7 +6,7 @@ of the input, angles in degrees.
 """
 
 from . import between
-from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch
+from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch, set_threads
 from .attributes import AttributeWeights, CutWeights, angles, attribute_weights, vertex_normals
 from .errors import FillWarning, Refusal
 from .files import FileError, MeshFile, read, write
@@ -67,6 +67,7 @@ __all__ = [
     "outer_borders",
     "patch",
     "read",
+    "set_threads",
     "sides_from_normals",
     "smits_patch",
     "smooth_triangles",

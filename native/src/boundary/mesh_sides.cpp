@@ -144,14 +144,14 @@ void fit_sides(std::vector<SideFitting>& sides, const Complete& complete) {
   std::future<void> is_begun = begun.get_future();
   both_at_once(
       [&] {
-        const Alone alone;
+        const SerialScope serial;
         std::promise<void> kept_or_broken = std::move(begun);  // whatever is thrown
         sides[1].go_on(std::max(all / 2 - last, 0));
         kept_or_broken.set_value();
         finish(2);
       },
       [&] {
-        const Alone alone;
+        const SerialScope serial;
         finish(0);
         is_begun.get();
         finish(1);

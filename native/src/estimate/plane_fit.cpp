@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "tripatch/math/meanwhile.h"
+#include "tripatch/math/parallel.h"
 
 namespace tripatch {
 namespace {
@@ -284,10 +284,12 @@ VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>
     }
   std::vector<Explained> explained(looked_at[1].size());
   std::array<FitRoom, 2> rooms;
-  Together explain_all([&](int k, int thread) { explained[k] = explain(*looked_at[all][k], components, rooms[thread]); });
+  const auto explain_some = [&](std::size_t from, std::size_t to, FitRoom& room) {
+    for (std::size_t k = from; k < to; ++k) explained[k] = explain(*looked_at[all][k], components, room);
+  };
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const std::size_t count = looked_at[all].size();
-    explain_all(static_cast<int>(count));
+    both_at_once([&] { explain_some(0, count / 2, rooms[0]); }, [&] { explain_some(count / 2, count, rooms[1]); });
     Explained sum;
     for (std::size_t k = 0; k < count; ++k) sum += explained[k];
     const VarianceComponents before = std::exchange(components, components_of(sum, floors));

@@ -19,7 +19,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/angle.h"
-#include "tripatch/math/meanwhile.h"
+#include "tripatch/math/parallel.h"
 
 namespace tripatch {
 
@@ -53,11 +53,11 @@ class SplineBeside {
 public:
   SplineBeside(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, const FillOptions& options)
       : ground_(ground), rim_(rim), corners_(corners), options_(options) {
-    if (has_free_core() && !is_shaped_by_hand(options))
-      begun_ = std::make_unique<Meanwhile<Fill>>([this] { return made(std::string()); });
+    if (may_share() && !is_shaped_by_hand(options))
+      begun_ = std::make_unique<AsyncTask<Fill>>([this] { return made(std::string()); });
   }
   Fill operator()(const std::string& reason) {
-    const std::unique_ptr<Meanwhile<Fill>> begun = std::move(begun_);
+    const std::unique_ptr<AsyncTask<Fill>> begun = std::move(begun_);
     if (!begun) return made(reason);
     Fill fill = begun->get();
     fill.report.method_reason = reason;
@@ -71,7 +71,7 @@ private:
   const std::vector<Index>& rim_;
   const std::vector<Index>& corners_;
   const FillOptions& options_;
-  std::unique_ptr<Meanwhile<Fill>> begun_;  // the last: it ends before what it reads
+  std::unique_ptr<AsyncTask<Fill>> begun_;  // the last: it ends before what it reads
 };
 
 /// The exact patch between two sides or four and more where they are smooth, else the surface over a plane. given: the corners are a person's.

@@ -363,7 +363,6 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     return results;
   }
   const auto fill_one = [&](std::size_t k) {
-    const KeptThreads kept;  // none of which is asked for where several holes are filled at once
     const Stopwatch watch;
     try {
       Fill fill = fill_by_method(ground, rims[k], corners_at(k), options);
@@ -384,7 +383,6 @@ void tell_not_taken(const FillOptions& options, Report& report) {
 }  // namespace
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
-  const KeptThreads kept;
   check_creases(mesh, options.subdivision.crease_edges);
   const auto unjoined = [&](const std::vector<Index>& rim) { return told_of_unjoined(mesh, {&rim, 1})[0]; };
   try {

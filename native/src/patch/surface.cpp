@@ -26,7 +26,7 @@ void in_blocks(Index n, int order, const F& f) {
   check_interruption();
   if (n < 2 * share) return f(0, n);
   parallel_for(0, n, share, [&](Index from, Index to) {
-    const Alone alone;
+    const SerialScope serial;
     for (Index first = from; first < to; first += block) {
       check_interruption();
       f(first, std::min(block, to - first));

@@ -1,66 +1,84 @@
-// Work on all cores.
+// Work on several threads: those of one pool for the whole process.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <cstdlib>
+#include <cstddef>
 #include <exception>
-#include <future>
-#include <thread>
-#include <vector>
+#include <functional>
+#include <optional>
+#include <utility>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/kept_threads.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
 
-/// True in threads that are themselves one of several at work: they share nothing out.
-inline thread_local bool one_of_many = false;
+/// Whether this thread shares out what it does: not if it is itself one of several at work, nor where there is one thread only.
+bool may_share();
 
-/// Threads that work at a time: as many as cores, or as the environment's TRIPATCH_THREADS says where several processes share these.
-inline unsigned most_threads() {
-  static const unsigned most = [] {
-    const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-    const char* said = std::getenv("TRIPATCH_THREADS");
-    const int threads = said ? std::atoi(said) : 0;
-    return threads > 0 ? std::min(cores, static_cast<unsigned>(threads)) : cores;
-  }();
-  return most;
-}
-
-/// While it lives, this thread is one of several at work.
-class Alone {
+/// While it lives, this thread shares nothing out.
+class SerialScope {
 public:
-  Alone() : before_(one_of_many) { one_of_many = true; }
-  ~Alone() { one_of_many = before_; }
-  Alone(const Alone&) = delete;
-  Alone& operator=(const Alone&) = delete;
+  explicit SerialScope(bool serial = true);
+  ~SerialScope();
+  SerialScope(const SerialScope&) = delete;
+  SerialScope& operator=(const SerialScope&) = delete;
 
 private:
   bool before_;
 };
 
-/// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time: see KeptThread for what that costs. Other threads
-/// than the caller's share nothing out of what they do.
+/// Pieces of work for threads of the pool and for whoever waits for them. They are begun in order.
+class Job {
+public:
+  using Piece = std::function<void(Index)>;
+  struct Options {
+    Index most_helpers;                             ///< threads of the pool that work at the same time
+    bool serial;                                    ///< whether these share nothing out
+    const Cancel* cancel = CancelScope::current();  ///< ends what they do
+  };
+
+  /// piece(k) for each k < count from now on.
+  Job(Index count, Piece piece, const Options& options);
+  /// What is not begun is not done; what is, is waited for.
+  ~Job();
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+
+  /// Does what is left, by this thread too if it `works`, and waits for the others; while it does, it calls waiting(), which ends the work if it
+  /// throws. Throws on what a piece has thrown, of several the first that was not interrupted.
+  void finish(bool works = true, const std::function<void()>& waiting = check_interruption);
+
+private:
+  friend class ThreadPool;
+  void work();
+  void fail(Index piece, bool interrupted);
+
+  const Piece piece_;
+  const Index count_;
+  const Options options_;
+  std::atomic<Index> next_ = 0, helpers_ = 0;
+  // what follows is guarded by the pool
+  std::exception_ptr failure_;
+  std::pair<bool, Index> failed_at_;  // whether it was interrupted, and which piece
+};
+
+/// How many threads may work on what this thread shares out now, itself among them.
+Index free_threads();
+
+/// f(from, to) on pieces of [from, to) with at least `least` in each, at the same time. Other threads than the caller's share nothing out of
+/// what they do.
 template <class F>
 void parallel_for(Index from, Index to, Index least, const F& f) {
-  const std::size_t others_at_most = one_of_many ? 0 : KeptThreads::free(most_threads() - 1);
-  const Index n = to - from, cores = 1 + static_cast<Index>(others_at_most);
-  const Index shares = std::clamp<Index>(n / least, 1, cores);
+  const Index n = to - from, shares = n < 2 * least ? 1 : std::min(n / least, free_threads());
   check_interruption();
-  const auto share = [&f, flag = interruption](Index first, Index last) {
-    const InterruptedBy inherited(flag);
-    const Alone alone;
-    f(first, last);
-  };
-  std::vector<InOtherThread> others;  // declared after `share`: its destructor waits for threads that still call it
-  for (Index k = 1; k < shares; ++k)
-    others.emplace_back(most_threads() - 1,
-                        [&share, first = from + n * k / shares, last = from + n * (k + 1) / shares] { share(first, last); });
-  if (n > 0) f(from, from + n / shares);
-  for (InOtherThread& other : others) other.wait();
+  if (shares > 1) {
+    const auto share = [&](Index k) { f(from + n * k / shares, from + n * (k + 1) / shares); };
+    Job(shares, std::cref(share), {.most_helpers = shares - 1, .serial = true}).finish();
+  } else if (n > 0) {
+    f(from, to);
+  }
 }
 
 /// f() and g(), at the same time where a core is free and they are worth one.
@@ -99,49 +117,37 @@ bool holds_for_all(Index count, const F& f) {
 /// f(k) for each k < count, on all cores, each core the next one as soon as it is free. progress(done) is called by the caller's own
 /// thread, twenty times a second and after the last. What either throws ends the work, also in the middle of an f that looks at
 /// check_interruption, and is thrown on, the first of them.
-template <class F, class Progress>
-void parallel_for_each(std::size_t count, const F& f, const Progress& progress) {
-  constexpr std::chrono::milliseconds between_calls(50);  // often enough for a bar, and for Ctrl-C to be obeyed within 100 ms
-  std::atomic<std::size_t> next = 0, done = 0;
-  std::atomic<bool> stop = false;
-  const auto work = [&] {
-    const InterruptedBy stopped(&stop);
-    one_of_many = count > 1;
-    for (std::size_t k = next++; k < count && !stop; k = next++) {
+void parallel_for_each(std::size_t count, const std::function<void(std::size_t)>& f,
+                       const std::function<void(std::size_t)>& progress);
+
+/// f() by another thread from now on, whose result is probably wanted later. It is ended where nobody has asked for that.
+template <class T>
+class AsyncTask {
+public:
+  template <class F>
+  explicit AsyncTask(F f)
+      : job_(1, [this, f = std::move(f)](Index) { result_ = f(); }, {.most_helpers = 1, .serial = false, .cancel = &cancel_}) {}
+  ~AsyncTask() { cancel_.request(); }  // the job waits for the thread
+  AsyncTask(const AsyncTask&) = delete;
+  AsyncTask& operator=(const AsyncTask&) = delete;
+
+  /// Once. Throws what f does; an interruption of this thread ends f too.
+  T get() {
+    job_.finish(true, [this] {
       try {
-        f(k);
-      } catch (...) {
-        stop = true;
+        check_interruption();
+      } catch (const Interrupted&) {
+        cancel_.request();
         throw;
       }
-      ++done;
-    }
-  };
-  const std::size_t cores = most_threads();
-  std::vector<std::future<void>> workers;
-  for (std::size_t k = 0; k < std::min(cores, count); ++k) workers.push_back(std::async(std::launch::async, work));
-  std::exception_ptr failure;
-  bool interrupted = false;  // which is what a failure makes of the other workers
-  for (std::future<void>& worker : workers) {
-    try {
-      while (worker.wait_for(between_calls) == std::future_status::timeout)
-        if (!stop) {
-          check_interruption();
-          progress(std::size_t{done});
-        }
-      worker.get();
-    } catch (const Interrupted&) {
-      stop = interrupted = true;
-      if (worker.valid()) worker.wait();
-    } catch (...) {
-      stop = true;
-      if (!failure) failure = std::current_exception();
-      if (worker.valid()) worker.wait();  // `progress` threw, not the work
-    }
+    });
+    return std::move(*result_);
   }
-  if (failure) std::rethrow_exception(failure);
-  if (interrupted) throw Interrupted();
-  progress(std::size_t{done});
-}
+
+private:
+  Cancel cancel_;
+  std::optional<T> result_;
+  Job job_;  // the last: it ends first
+};
 
 }  // namespace tripatch

@@ -1,6 +1,9 @@
 // The surface over a plane with the rim that bounds what is filled of it.
 #pragma once
 
+#include <utility>
+
+#include "tripatch/math/plane.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/types.h"
 
