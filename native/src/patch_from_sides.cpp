@@ -12,6 +12,7 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/folds.h"
+#include "tripatch/fairing/follow.h"
 #include "tripatch/fairing/kinks.h"
 #include "tripatch/options.h"
 

@@ -6,6 +6,7 @@
 #include "test_surfaces.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/insisted.h"
+#include "tripatch/report/folded_triangles.h"
 
 using namespace tripatch;
 

@@ -9,12 +9,13 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "native" / "src").rglob("*.cpp"))
-HEADERS = sorted((ROOT / "native" / "include").rglob("*.h"))
+PUBLIC, PRIVATE = (ROOT / "native" / folder / "tripatch" for folder in ("include", "src/include"))
+HEADERS = sorted([*PUBLIC.rglob("*.h"), *PRIVATE.rglob("*.h")])
 BINDINGS = sorted((ROOT / "native" / "bindings").glob("*.cpp"))
 MODULES = sorted(
     [*(ROOT / "native" / "python").rglob("*.py"), *(ROOT / "addon").rglob("*.py"), *(ROOT / "scripts").rglob("*.py")]
 )
-LONGEST, LARGEST = 80, 14  # lines of a function, sources of a room
+LONGEST, LARGEST, INSTALLED = 80, 14, 25  # lines of a function, sources of a room, public headers
 
 pytestmark = pytest.mark.skipif(not SOURCES, reason="the sources of the library are not here")
 
@@ -83,6 +84,12 @@ def test_no_room_is_crowded():
     assert {room.name: len(paths) for room, paths in rooms() if len(paths) > LARGEST} == {}
 
 
+def test_few_headers_are_installed_and_they_include_no_others():
+    assert len(list(PUBLIC.rglob("*.h"))) <= INSTALLED
+    included = {name for header in PUBLIC.rglob("*.h") for name in re.findall(r'#include "(.*)"', header.read_text())}
+    assert sorted(name for name in included if not (PUBLIC.parent / name).exists()) == []
+
+
 def names(path):
     """What a source calls its own: in its anonymous namespaces, with the parameters of functions, which may be overloaded."""
     text, found = plain(path.read_text()), []
@@ -102,7 +109,7 @@ def test_names_in_a_room_are_unique(room):
     for path in dict(rooms())[room]:
         for name in names(path):
             owners[name].add(path.name)
-    for header in (ROOT / "native" / "include" / "tripatch" / room.name).glob("*.h"):
+    for header in [*(PUBLIC / room.name).glob("*.h"), *(PRIVATE / room.name).glob("*.h")]:
         for name in re.findall(r"^(?:struct|class|enum class) (\w+)(?!.*;)", plain(header.read_text()), flags=re.MULTILINE):
             owners[name].add(header.name)
     for function in [name for name in owners if "(" in name]:  # nor may it have the name of another file's constant

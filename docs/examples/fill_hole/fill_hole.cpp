@@ -1,34 +1,69 @@
-// A paraboloid of triangles with a three-sided hole, filled and printed as OBJ.
+// Reads a mesh, fills its only hole and writes the whole mesh: fill_hole IN.obj OUT.obj
 #include <tripatch/fill.h>
 
 #include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <string>
 #include <vector>
 
-int main() {
-  const int n = 20;  // a triangular lattice of n edges a side; place(i, j) is a vertex of it
-  const auto place = [n](int i, int j) { return tripatch::Index{j} * (n + 1) - j * (j - 1) / 2 + i; };
-  const auto in_hole = [](int i, int j) { return i >= 5 && j >= 5 && i + j <= 15; };
-  tripatch::Points vertices((n + 1) * (n + 2) / 2, 3);
-  tripatch::Faces faces;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i + j <= n; ++i) {
-      const double x = (i + 0.5 * j) / n - 0.5, y = 0.866 * j / n - 0.289;
-      vertices.row(place(i, j)) << x, y, -x * x - y * y;
-      if (i + j < n && !(in_hole(i, j) && in_hole(i + 1, j) && in_hole(i, j + 1)))
-        faces.add(std::vector{place(i, j), place(i + 1, j), place(i, j + 1)});
-      if (i + j < n - 1 && !(in_hole(i + 1, j) && in_hole(i + 1, j + 1) && in_hole(i, j + 1)))
-        faces.add(std::vector{place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)});
+/// Positions and faces of an OBJ file.
+void read(const char* path, tripatch::Points& vertices, tripatch::Faces& faces) {
+  std::ifstream file(path);
+  std::vector<double> coordinates;
+  for (std::string line, word; std::getline(file, line);) {
+    std::istringstream words(line);
+    words >> word;
+    if (word == "v") {
+      double x = 0, y = 0, z = 0;
+      words >> x >> y >> z;
+      coordinates.insert(coordinates.end(), {x, y, z});
+    } else if (word == "f") {
+      std::vector<tripatch::Index> face;
+      while (words >> word) face.push_back(std::stol(word) - 1);  // what follows a slash is not read
+      faces.add(face);
     }
+  }
+  vertices = Eigen::Map<tripatch::Points>(coordinates.data(), static_cast<tripatch::Index>(coordinates.size() / 3), 3);
+}
+
+/// The fill's faces are numbered for this: the mesh's vertices first, then its own.
+void append(const tripatch::Fill& fill, tripatch::Points& vertices, tripatch::Faces& faces) {
+  const tripatch::Index n = vertices.rows();
+  vertices.conservativeResize(n + fill.vertices.rows(), 3);
+  vertices.bottomRows(fill.vertices.rows()) = fill.vertices;
+  for (tripatch::Index f = 0; f < fill.faces.size(); ++f) faces.add(fill.faces[f]);
+}
+
+void write(const char* path, const tripatch::Points& vertices, const tripatch::Faces& faces) {
+  std::ofstream file(path);
+  file.precision(9);
+  for (const auto& p : vertices.rowwise()) file << "v " << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+  for (tripatch::Index f = 0; f < faces.size(); ++f) {
+    file << 'f';
+    for (const tripatch::Index v : faces[f]) file << ' ' << v + 1;
+    file << '\n';
+  }
+}
+
+int main(int count, char** arguments) {
+  if (count != 3) {
+    std::fprintf(stderr, "usage: fill_hole IN.obj OUT.obj\n");
+    return 2;
+  }
+  tripatch::Points vertices;
+  tripatch::Faces faces;
+  read(arguments[1], vertices, faces);
   try {
-    const tripatch::Fill fill = tripatch::fill({vertices, faces});  // the only hole; the mesh itself is left as it is
-    std::fprintf(stderr, "%d new faces; seam within %.2g deg\n", int(fill.faces.size()), fill.report.seam_angle_max);
-    for (const tripatch::Points& points : {vertices, fill.vertices})
-      for (const auto& p : points.rowwise()) std::printf("v %.9g %.9g %.9g\n", p[0], p[1], p[2]);
-    for (const tripatch::Faces& some : {faces, fill.faces})
-      for (tripatch::Index f = 0; f < some.size(); ++f)
-        std::printf("f %d %d %d\n", int(some[f][0]) + 1, int(some[f][1]) + 1, int(some[f][2]) + 1);
+    tripatch::FillOptions options;
+    options.fairing = tripatch::Fairing::thin_plate;  // every option is documented in tripatch/options.def
+    const tripatch::Fill fill = tripatch::fill({vertices, faces}, options);
+    std::printf("%d new faces; seam within %.2g deg\n", static_cast<int>(fill.faces.size()), fill.report.seam_angle_max);
+    append(fill, vertices, faces);
+    write(arguments[2], vertices, faces);
   } catch (const tripatch::Refusal& refusal) {
     std::fprintf(stderr, "%s\n", refusal.what());
+    for (const tripatch::Index v : refusal.where()) std::fprintf(stderr, "vertex %d\n", static_cast<int>(v));
     return 1;
   }
 }

@@ -4,13 +4,13 @@
 #include <array>
 
 #include "tripatch/boundary/side.h"
-#include "tripatch/fairing/follow.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/report/report.h"
 
 namespace tripatch {
 
 struct FillOptions;
+struct SurfacePoints;
 
 struct MadePatch {
   SurfacePtr patch;

@@ -5,6 +5,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
 namespace {

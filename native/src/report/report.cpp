@@ -8,6 +8,7 @@
 #include "tripatch/math/ties.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/report/crossings.h"
+#include "tripatch/report/folded_triangles.h"
 #include "tripatch/report/one_to_one.h"
 
 namespace tripatch {

@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/mesh/connectivity.h"
 #include "tripatch/patch/surface.h"
-#include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
+
+struct FaceBeyond;
 
 struct Report {
   double seam_angle_max = 0;  ///< degrees, fill against the surroundings used
