@@ -97,6 +97,9 @@ void bind_report(py::module_& m) {
       .def_readonly("rows", &Report::rows, "Quads and cages: extra rows of quads round the poles that were taken.")
       .def_readonly("poles", &Report::poles, "Quads and cages: [vertex, valence] of each inner vertex with an irregular valence.")
       .def_readonly("warnings", &Report::warnings, "Sentences on what a person should know of the fill.")
+      .def_readonly("not_applied", &Report::not_applied,
+                    "Options that change nothing in this fill, each with a code: output, method, sides, three_sides, position, "
+                    "fairing, vertices.")
       .def_readonly("seconds", &Report::seconds, "Time that the fill took.");
 }
 
@@ -121,8 +124,7 @@ void bind_methods(py::module_& m) {
               if (name == option.name) return takes(method, option);
             throw InvalidArgument("There is no option " + name);
           },
-          "Whether it reads an option of `fill`, by its name; of continuity whether it does what is below tangent planes, or "
-          "above.")
+          "Whether it reads an option of `fill`, by its name; of continuity whether it does more than tangent planes.")
       .def("__repr__", [](const Method& method) { return std::string("<tripatch method ") + method.name + ">"; });
   m.def("_methods", [] {
     py::dict all;

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
 #include <type_traits>
+
+#include "tripatch/output/fill_result.h"
+#include "tripatch/output/shaped.h"
 
 namespace tripatch {
 namespace {
@@ -140,8 +144,10 @@ bool is_plain(const BySide<double>& value, const BySide<double>& plain) { return
 bool is_plain(const std::optional<BySide<double>>& value, const std::optional<BySide<double>>& plain) {
   return value && plain && is_plain(*value, *plain);
 }
+bool is_position(SideContinuity c) { return c == SideContinuity::free || c == SideContinuity::g0; }
 bool is_plain(const BySide<SideContinuity>& value, const BySide<SideContinuity>&) {
-  return std::ranges::all_of(value, [](SideContinuity c) { return c == SideContinuity::automatic || c == SideContinuity::g1; });
+  return std::ranges::all_of(value, [](SideContinuity c) { return c == SideContinuity::automatic || c == SideContinuity::g1; }) ||
+         std::ranges::all_of(value, is_position);
 }
 bool is_plain(const std::vector<Through>& value, const std::vector<Through>&) { return value.empty(); }
 bool is_plain(const Subdivision&, const Subdivision&) { return true; }  // for another surroundings or output, not another method
@@ -169,6 +175,10 @@ std::vector<std::string> not_taken(const Method& method, const FillOptions& give
     const Option& option = option_named(name);
     if ((option.patch || !patch) && is_of_output(option, given.output) && !takes(method, option)) names.emplace_back(name);
   };
+  // the surface of the surroundings as a whole meets all of them in one way, rows only go on
+  const std::string name = method.name;
+  if (name == spline_method && !is_plain(given.continuity, plain.continuity)) names.emplace_back("continuity");
+  if (name == rows_method && meets_position_only(given)) names.emplace_back("continuity");
 #define OPTION(type, name, value, ...) look(#name, !is_plain(given.name, plain.name));
 #define METHOD_OPTION(type, name, value, ...) look(#name, !is_plain(given.own.name, plain.own.name));
 #include "tripatch/options.def"
@@ -224,6 +234,50 @@ std::vector<std::string> told_of_not_taken(const FillOptions& given, const std::
   if (automatic && used == polygon_method && given.cross_boundary != CrossBoundary::consistent)
     told.emplace_back("For cross_boundary three smooth sides are needed: not applied");
   return told;
+}
+
+namespace {
+
+/// Of the options that no patch alone has: those that a fill takes or leaves.
+bool is_choice_of_fill(const Option& option) {
+  static const std::set<std::string> names = {"corners", "pole_offset", "tolerance", "resolution", "odd", "cage_rim", "features"};
+  return names.contains(option.name);
+}
+
+}  // namespace
+
+bool meets_position_only(const FillOptions& options) { return std::ranges::all_of(options.continuity, is_position); }
+
+std::map<std::string, std::string> not_applied(const FillOptions& given, const Fill& fill) {
+  const Method& method = find_method(fill.report.method);
+  const bool sided = !fill.sides.empty() || given.output == Output::cage, laid_out_in_three = fill.barycentric.rows() > 0;
+  const auto met_in_position = [](const std::string& c) { return c == "Free" || c == "G0"; };
+  const bool tangent = !std::ranges::all_of(fill.report.continuity, met_in_position);
+  const auto code = [&](const Option& option) -> const char* {
+    const std::string name = option.name;
+    if (!is_of_output(option, given.output)) return "output";
+    const bool moves = name == "bulge" || name == "tension" || name == "center" || name == "center_offset";
+    if (fill.vertices.rows() == 0 && (moves || name == "fairing")) return "vertices";
+    if (name == "continuity" && given.method == automatic_method && !sided) return "";  // met in position only, by another
+    if (name == "corners") return sided && fill.report.corners.size() > 1 ? "" : "sides";
+    if (!takes(method, option)) {
+      if (name == "bulge" || name == "cross_boundary") return sided ? "position" : "sides";
+      return named_by(option).empty() ? "sides" : "method";
+    }
+    if (name == "pole_offset" && !laid_out_in_three) return "three_sides";
+    if (name == "cross_boundary" && method.name == std::string(polygon_method)) return "three_sides";
+    if (sided && !tangent && (name == "bulge" || name == "cross_boundary")) return "position";
+    if (sided && name == "tension" && !given.fairing) return "fairing";
+    const std::size_t values = given.bulge.values().size();
+    if (name == "bulge" && !sided && values > 1 && values != fill.report.corners.size()) return "sides";
+    return moves && !sided && !(can_be_shaped(fill) && given.through.empty()) ? "vertices" : "";
+  };
+  std::map<std::string, std::string> found;
+  for (const Option& option : options()) {
+    if (!option.patch && !is_choice_of_fill(option)) continue;
+    if (const std::string why = code(option); !why.empty()) found.emplace(option.name, why);
+  }
+  return found;
 }
 
 std::span<const Option> options() {

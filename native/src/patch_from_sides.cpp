@@ -15,6 +15,7 @@
 #include "tripatch/fairing/follow.h"
 #include "tripatch/fairing/kinks.h"
 #include "tripatch/options.h"
+#include "tripatch/output/shaped.h"
 
 namespace tripatch {
 namespace {
@@ -100,19 +101,6 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
   return plain.report.folds < made.report.folds && !made.gave_up ? plain : made;
 }
 
-/// Of the hole's size, and times the slopes' own length: beyond, too few digits are left for the rim. A choice; what looks like a fill
-/// at all is within ten.
-constexpr double farthest = 1e6;
-
-void check_reach(const Sides& sides, const FillOptions& options) {
-  for (double bulge : options.bulge)
-    if (!(bulge < farthest)) throw InvalidArgument("bulge must be less than a million");
-  const double most = farthest * check_sides(sides);
-  if (std::abs(options.center_offset) > most || (options.center && !((*options.center - sides[0].c(0)).stableNorm() <= most)))
-    throw Refusal(std::string(options.center ? "center" : "center_offset") + " is more than a million times the size of the hole",
-                  {});
-}
-
 }  // namespace
 
 MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const SurfacePoints* points) {
@@ -130,7 +118,7 @@ MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const
   const bool alone = !keeps_tangent && !free[0] && !free[1] && !free[2] && options.tension == 0;
   const bool faired = options.fairing == Fairing::automatic ? !alone : options.fairing.has_value();
   check_shape_options(faired, options.tension, options.center.has_value(), options.center_offset);
-  check_reach(sides, options);
+  check_reach(check_sides(sides), sides[0].c(0), options);
 
   MadePatch made = patch_with_fewest_folds(sides, method, continuity, options, options.center, faired, points);
   if (options.center_offset == 0) return made;

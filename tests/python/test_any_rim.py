@@ -186,10 +186,10 @@ def test_quads_in_an_odd_rim_of_which_no_edge_is_split_say_so(method):
 def test_options_of_patches_are_refused_where_the_spline_is_insisted_on_and_a_warning_under_auto():
     vertices, faces = irregular(wave)
     rim = inner_rim(faces)
-    with pytest.raises(ValueError, match="does not take bulge, tension"):
-        tripatch.fill(vertices, faces, rim=rim, method="polyharmonic_spline", bulge=2.0, tension=0.5)
-    fill = tripatch.fill(vertices, faces, rim=rim, bulge=2.0)
-    assert any("bulge" in warning for warning in fill.report.warnings)
+    with pytest.raises(ValueError, match="does not take cross_boundary, fairing"):
+        tripatch.fill(vertices, faces, rim=rim, method="polyharmonic_spline", fairing=None, cross_boundary="given")
+    fill = tripatch.fill(vertices, faces, rim=rim, fairing=None)
+    assert any("fairing" in warning for warning in fill.report.warnings)
 
 
 @pytest.mark.parametrize("island_is_rim", [False, True], ids=["outer rim", "inner rim, far from the outer one"])

@@ -194,7 +194,7 @@ def test_filled(name, tmp_path, capsys):
 def test_the_seam_is_never_said_to_be_better_than_the_surroundings_are_known():
     fill = tripatch.fill(OCTAHEDRON, EIGHT[1:])
     assert fill.report.seam_angle_max < 1e-4
-    known = f"{fill.report.surroundings_error:.2g} deg"
+    known = f"{fill.report.surroundings_error:.2g}°"
     assert words.filled([fill.report] * 2) == f"Filled 2 holes; seam within {known} (surroundings known to {known})"
 
 

@@ -74,7 +74,7 @@ def test_fills_the_only_hole(one, tmp_path, capsys):
     code, text, err = run(capsys, "fill", one, out, "--report", tmp_path / "r.json")
     assert (code, err) == (0, "")
     assert text.startswith("Filled 1 hole; seam within ")
-    assert text.endswith(" deg)\n1 outer border left open (18 edges); use --all --outer to fill it\n")
+    assert text.endswith("°)\n1 outer border left open (18 edges); use --all --outer to fill it\n")
     assert out.read_bytes().startswith(one.read_bytes())
     assert [len(loop) for loop in borders(out)] == [18]  # the outer one
     (hole,) = json.loads((tmp_path / "r.json").read_text())["holes"]

@@ -55,12 +55,8 @@ def test_the_command_line_writes_no_fill_that_was_refused(tmp_path, capsys):
 
 #: Of every option of a fill that says something of the surface, a value that is not its default.
 SHAPES = {
-    "continuity": "G0",
+    "continuity": "G2",
     "fairing": "thin_plate",
-    "bulge": 2.0,
-    "tension": 0.5,
-    "center": (0.5, 0.5, 0.5),
-    "center_offset": 0.1,
     "cross_boundary": "given",
     "shape": 0.3,
     "reading": "as_printed",

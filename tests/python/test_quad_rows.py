@@ -173,7 +173,6 @@ def test_what_rows_cannot_give_is_made_in_another_way():
     vertices, faces, rim, _ = hole(10, 12, (2, 3, 5, 6), tube)
     corners = [rim[k] for k in (0, 5, 11, 16)]
     for options in (
-        {"bulge": 1.2},
         {"resolution": 2},
         {"corners": corners},
         {"through": [vertices[rim].mean(axis=0) * 1.1]},
@@ -185,8 +184,8 @@ def test_what_rows_cannot_give_is_made_in_another_way():
 def test_insisted_on_it_says_what_it_needs():
     vertices, faces, rim, _ = hole(10, 12, (2, 3, 5, 6), tube)
     ask = {"rim": rim, "method": "quad_rows"}
-    with pytest.raises(ValueError, match="quad_rows does not take bulge"):
-        tripatch.fill(vertices, faces, output="quads", bulge=1.2, **ask)
+    with pytest.raises(ValueError, match="quad_rows does not take fairing"):
+        tripatch.fill(vertices, faces, output="quads", fairing=None, **ask)
     with pytest.raises(ValueError, match="no cages"):
         tripatch.fill(vertices, faces, output="cage", **ask)
     with pytest.raises(tripatch.Refusal, match="rows close inside"):

@@ -171,6 +171,6 @@ def test_where_no_rows_go_on_something_else_is_made():
         tripatch.fill(vertices, left, rim=rim, output="quads", method="quad_rows")
     vertices, faces, rim, _ = outline("an L", torus)
     cut = [part for face in faces for part in ([face] if rim[3] not in face else [face[:3], [face[0], *face[2:]]])]
-    for made_of, options in ((cut, {}), (faces, {"bulge": 1.2}), (faces, {"through": [vertices[rim].mean(axis=0) * 1.1]})):
+    for made_of, options in ((cut, {}), (faces, {"through": [vertices[rim].mean(axis=0) * 1.1]})):
         fill = tripatch.fill(vertices, made_of, rim=rim, output="quads", **options)
         assert fill.report.method != "quad_rows", options

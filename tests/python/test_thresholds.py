@@ -140,9 +140,9 @@ def test_what_lies_behind_an_edge_of_40_degrees_does_not_speak_for_the_seam():
 
 
 def test_angles_and_lengths_that_are_as_good_as_none_are_told_so():
-    assert (words.degrees(0.00101), words.degrees(0.0001)) == ("0.001 deg", "0.001 deg")
-    assert words.degrees(0.0014) == "0.0014 deg"
-    assert (words.degrees(99.4), words.degrees(99.6)) == ("99 deg", "100 deg")
+    assert (words.degrees(0.00101), words.degrees(0.0001)) == ("0.001°", "0.001°")
+    assert words.degrees(0.0014) == "0.0014°"
+    assert (words.degrees(99.4), words.degrees(99.6)) == ("99°", "100°")
     assert (words.length(0.97e-9), words.length(1.03e-9)) == ("0", "1e-09")
 
 

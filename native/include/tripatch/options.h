@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +16,8 @@
 #include "tripatch/patch/through.h"
 
 namespace tripatch {
+
+struct Fill;
 
 using Pair = std::array<double, 2>;
 
@@ -78,8 +81,21 @@ std::vector<std::string> not_taken(const Method& method, const FillOptions& give
 /// Throws InvalidArgument where a method that is named does not read what is given; but what several other patches between sides read,
 /// and a named one does not, is told.
 void check_taken(const FillOptions& given);
+/// Options that mean nothing for a fill, each with a code that says why: what it is given changes nothing. Of options that choose a hole
+/// or its surroundings nothing is said, but of corners.
+///   "output"      of other kinds of faces
+///   "method"      of other methods
+///   "sides"       the fill has no sides: it goes on from the whole surrounding surface, or as rows
+///   "three_sides" the fill has other than three sides
+///   "position"    the sides are met in position only
+///   "fairing"     there is no fairing
+///   "vertices"    the fill has no vertices that could move
+std::map<std::string, std::string> not_applied(const FillOptions& given, const Fill& fill);
 /// What is said of options that were given and that the method which was used does not read.
 std::vector<std::string> told_of_not_taken(const FillOptions& given, const std::string& used);
+
+/// Whether all sides are to be met in position only.
+bool meets_position_only(const FillOptions& options);
 
 /// Throws InvalidArgument where a number is not finite or out of its range.
 void check(const FillOptions& options);

@@ -178,6 +178,7 @@ class Report:
     rows: int
     poles: list[list[int]]
     warnings: list[str]
+    not_applied: dict[str, str]
     seconds: float
     def __init__(self) -> None: ...
     def as_dict(self) -> dict[str, Any]: ...

@@ -17,7 +17,7 @@ def counted(number: int, word: str) -> str:
 
 def degrees(angle: float) -> str:
     """An angle in degrees, to two digits; the smallest that is told is 0.001."""
-    return f"{angle:.0f} deg" if angle >= 99.5 else f"{max(angle, 0.001):.2g} deg"
+    return f"{angle:.0f}°" if angle >= 99.5 else f"{max(angle, 0.001):.2g}°"
 
 
 def length(value: float) -> str:
@@ -34,7 +34,7 @@ def filled(
     limit: bool = False,
     into: Sequence[str] = (),
 ) -> str:
-    """What became of holes: 'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'.
+    """What became of holes: 'Filled 2 holes; seam within 0.3° (surroundings known to 0.3°)'.
 
     A plain mesh does not determine its own tangent planes, so the seam is never said to be better than the surroundings are
     known.

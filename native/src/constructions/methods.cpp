@@ -45,8 +45,7 @@ SurfacePtr from_curves(const Boundary& boundary, const MethodOptions&) {
 
 const std::vector<std::string> slopes = {"cross_boundary", "bulge"}, lambda = {"shape", "reading"};
 /// What only a patch between sides has.
-const std::vector<std::string> of_sides = {"continuity",    "fairing",   "tension",    "center",
-                                           "center_offset", "tolerance", "pole_offset"};
+const std::vector<std::string> of_sides = {"fairing", "tolerance", "pole_offset"};
 std::vector<std::string> with(std::vector<std::string> names, const std::vector<std::string>& others) {
   names.insert(names.end(), others.begin(), others.end());
   return names;
@@ -163,7 +162,7 @@ const std::vector<Method> all = {
      "Duchon 1977; Wahba 1990",
      true,
      "G1",
-     {},
+     {"bulge"},
      {},
      {},
      {0, 0},
@@ -173,11 +172,11 @@ const std::vector<Method> all = {
      "Birkhoff and Gordon 1968",
      true,
      "G1",
-     {},
+     {"bulge"},
      {},
      {},
      {4, 4},
-     with(of_sides, {"islands", "through", "resolution"})},
+     with(of_sides, {"continuity", "islands", "through", "resolution"})},
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/output/shaped.h"
 #include "tripatch/polygon/domain.h"
 
 namespace tripatch {
@@ -68,6 +69,13 @@ Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, c
   return fill;
 }
 
+/// In its surroundings no face is left.
+Connectivity without_faces(const Mesh& mesh) {
+  std::vector<Index> all(static_cast<std::size_t>(mesh.faces.size()));
+  std::iota(all.begin(), all.end(), Index(0));
+  return Connectivity(mesh, all);
+}
+
 /// No vertex is on two of the loops.
 void check_apart(std::vector<Index> all, const std::vector<std::vector<Index>>& islands) {
   for (const std::vector<Index>& island : islands) all.insert(all.end(), island.begin(), island.end());
@@ -87,7 +95,9 @@ bool asks_for_sides(const FillOptions& options) {
                              [&](const std::string& name) { return std::ranges::find(others, name) == others.end(); });
 }
 
-bool is_shaped_by_hand(const FillOptions& options) { return !options.through.empty() || asks_for_sides(options); }
+bool is_shaped_by_hand(const FillOptions& options) {
+  return !options.through.empty() || is_shaped(options) || asks_for_sides(options);
+}
 
 bool is_continuity_open(const FillOptions& options) {
   return std::ranges::all_of(options.continuity, [](SideContinuity c) { return c == SideContinuity::automatic; });
@@ -111,7 +121,12 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   };
   std::vector<std::vector<Index>> islands;
   for (const std::vector<Index>& island : options.islands) islands.push_back(ordered(island));
-  const SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features, nullptr, options.through};
+  SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features, nullptr, options.through};
+  std::optional<Connectivity> nothing;
+  if (meets_position_only(options)) {
+    own.continued = &nothing.emplace(without_faces(ground.mesh));
+    own.features = false;
+  }
   // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
   const std::optional<Connectivity> all =
       ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
@@ -134,21 +149,11 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   if (options.method == spline_method && !fill.patch && loop.size() > 3)
     throw Refusal("No surface of the surroundings could be laid out; the method auto closes the hole with plain triangles", loop);
   fill.report.method_reason = reason;
+  if (nothing) std::ranges::fill(fill.report.continuity, "G0");
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);
   return fill;
 }
-
-namespace {
-
-/// In its surroundings no face is left.
-Connectivity without_faces(const Mesh& mesh) {
-  std::vector<Index> all(static_cast<std::size_t>(mesh.faces.size()));
-  std::iota(all.begin(), all.end(), Index(0));
-  return Connectivity(mesh, all);
-}
-
-}  // namespace
 
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
   const Connectivity nothing = without_faces(ground.mesh);

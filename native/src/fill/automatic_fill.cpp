@@ -293,7 +293,7 @@ Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Co
 std::optional<Fill> rows_across(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                                 const FillOptions& options) {
   const bool as_they_come = !corners && options.resolution.value_or(0) == 0;
-  if (!as_they_come || !options.islands.empty() || is_shaped_by_hand(options)) return {};
+  if (!as_they_come || !options.islands.empty() || !options.through.empty() || meets_position_only(options)) return {};
   try {
     const std::vector<Index> checked = check_topology(ground.left, rim);
     if (options.output == Output::triangles && !is_among_quads(ground.left, checked)) return {};

@@ -63,8 +63,9 @@ constexpr const char* many_reason = "so many vertices lie where the faces around
 /// Whether the patch's own shape is asked for.
 bool is_shaped(const FillOptions& options) {
   return options.tension > 0 || options.center || options.center_offset != 0 || !options.through.empty() ||
-         !options.bulge.are_all(1) ||
-         std::find(options.continuity.begin(), options.continuity.end(), SideContinuity::free) != options.continuity.end();
+         !options.bulge.are_all(1) || std::ranges::any_of(options.continuity, [](SideContinuity c) {
+           return c == SideContinuity::free || c == SideContinuity::g0;
+         });
 }
 
 /// Which cages have their vertices where the mesh around would go on.
@@ -243,15 +244,18 @@ private:
   void make_patches() {
     FillOptions wanted = options_;
     if (options_.fairing == Fairing::automatic && exact_ && options_.tension == 0) wanted.fairing.reset();
+    FillOptions over_polygon = options_;
+    if (options_.method == automatic_method) over_polygon.cross_boundary = CrossBoundary::consistent;  // of three sides
     if (placed_) cages_.take_sides();
     for (std::size_t h = 0; h < holes_.size(); ++h) {
       check_interruption();
       // between other than three sides the patch is that of a smooth rim in any case
       if (holes_[h].is_triangle() && !options_.through.empty())
         throw Refusal("A cage of three sides meets no points inside", holes_[h].rim);
-      MadePatch made = holes_[h].is_triangle()
-                           ? patch_from_sides(three_sides(cages_.sides(h)), wanted, follows_ ? &cages_.points(h) : nullptr)
-                           : patch_over_polygon(cages_.sides(h), cages_.domain(h), options_, fair_ ? &cages_.points(h) : nullptr);
+      MadePatch made =
+          holes_[h].is_triangle()
+              ? patch_from_sides(three_sides(cages_.sides(h)), wanted, follows_ ? &cages_.points(h) : nullptr)
+              : patch_over_polygon(cages_.sides(h), cages_.domain(h), over_polygon, fair_ ? &cages_.points(h) : nullptr);
       fills_[h].patch = std::move(made.patch);
       fills_[h].report = std::move(made.report);
     }

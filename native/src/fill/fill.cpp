@@ -21,6 +21,7 @@
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/output/polygon_cover.h"
+#include "tripatch/output/shaped.h"
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/surface.h"
@@ -143,6 +144,67 @@ void check_three(const FillOptions& options, const Corners& corners) {
 
 Fill fill_one_hole(const Mesh& mesh, const FillOptions& options);
 
+/// Sizes of the loops after the rim.
+std::vector<std::size_t> sizes_of(const std::vector<std::vector<Index>>& islands) {
+  std::vector<std::size_t> sizes;
+  for (const std::vector<Index>& island : islands) sizes.push_back(island.size());
+  return sizes;
+}
+
+/// What a fill is chosen by: without what only changes the shape of the one that is chosen.
+FillOptions choosing(const FillOptions& options) {
+  static const FillOptions plain;
+  FillOptions left = unshaped(options);
+  left.fairing = plain.fairing;
+  left.cross_boundary = plain.cross_boundary;
+  const auto is_all = [&](SideContinuity c) { return options.continuity.are_all(c); };
+  if (!is_all(SideContinuity::g1) && !meets_position_only(options)) left.continuity = plain.continuity;
+  return left;
+}
+
+/// The patch between the sides of a fill that was chosen without what shapes it, made as it is asked for.
+Fill patch_as_asked(const Ground& ground, const Fill& chosen, FillOptions options) {
+  const std::vector<Index>& corners = chosen.report.corners;
+  const auto is_free = [](const std::string& c) { return c == "Free"; };
+  const bool flat = is_continuity_open(options) && std::ranges::all_of(chosen.report.continuity, is_free);
+  if (flat) options.continuity = SideContinuity::free;
+  Fill made;
+  if (corners.empty()) {
+    if (is_continuity_open(options) && chosen.report.continuity[0] == "G1") options.continuity = SideContinuity::g1;
+    made = std::move(fill_round(ground.mesh, ground.left, chosen.rim, unshaped(options)).fill);
+    shape(ground.mesh, ground.left, {}, options, made);
+  } else if (chosen.report.method != polygon_method) {
+    made = fill_with_patch(ground, hole_of(ground, chosen.rim, corners), options);
+  } else {
+    options.cross_boundary = CrossBoundary::consistent;  // of three sides
+    const CorneredRim found = cornered(ground, chosen.rim, corners);
+    made = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
+  }
+  made.report.method_reason = chosen.report.method_reason;
+  if (flat && std::ranges::count(chosen.report.warnings, flat_all_around) > 0) made.report.warnings.emplace_back(flat_all_around);
+  return made;
+}
+
+/// What the rim asks for, shaped as asked: shape changes nothing in what is chosen.
+Fill fill_and_shape(const Ground& ground, const std::vector<Index>& loop, const Corners& corners, const FillOptions& options) {
+  if (corners) check_counts(options, std::max<std::size_t>(corners->size(), 1));
+  const FillOptions by = choosing(options);
+  Fill fill = fill_as_the_rim_asks(ground, loop, corners, by);
+  const bool of_three = fill.report.method == patch_method;
+  const bool as_chosen = options.fairing == by.fairing && options.continuity == by.continuity &&
+                         (options.cross_boundary == by.cross_boundary || !of_three);
+  // a round rim's patch is a surface of revolution where it can be, and stays one
+  if (!fill.sides.empty() && ((is_shaped(options) && !fill.report.corners.empty()) || !as_chosen)) {
+    try {
+      return patch_as_asked(ground, fill, options);
+    } catch (const Refusal& refusal) {  // of what is asked for
+      fill.report.warnings.emplace_back(refusal.what());
+    }
+  }
+  shape(ground.mesh, ground.left, sizes_of(options.islands), options, fill);
+  return fill;
+}
+
 Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                    const FillOptions& options) {
   const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
@@ -160,9 +222,11 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
     with_rim.rim = loop;
     return fill_one_hole(ground.mesh, with_rim);
   }
-  if (options.method == rows_method) return fill_with_rows_only(ground, loop, corners, options);
-  if (!automatic) return fill_any_rim(ground, loop, corners, options, "it was asked for");
-  return fill_as_the_rim_asks(ground, loop, corners, options);
+  if (automatic) return fill_and_shape(ground, loop, corners, options);
+  Fill fill = options.method == rows_method ? fill_with_rows_only(ground, loop, corners, options)
+                                            : fill_any_rim(ground, loop, corners, options, "it was asked for");
+  shape(ground.mesh, ground.left, sizes_of(options.islands), options, fill);
+  return fill;
 }
 
 /// Tells where no edge of an odd rim was split although that was asked for.
@@ -376,8 +440,10 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
   return results;
 }
 
-void tell_not_taken(const FillOptions& options, Report& report) {
+void tell_not_taken(const FillOptions& options, Fill& fill) {
+  Report& report = fill.report;
   for (std::string& said : told_of_not_taken(options, report.method)) report.warnings.push_back(std::move(said));
+  report.not_applied = not_applied(options, fill);
 }
 
 }  // namespace
@@ -387,7 +453,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   const auto unjoined = [&](const std::vector<Index>& rim) { return told_of_unjoined(mesh, {&rim, 1})[0]; };
   try {
     Fill result = fill_one_hole(mesh, options);
-    tell_not_taken(options, result.report);
+    tell_not_taken(options, result);
     if (std::string told = unjoined(result.rim); !told.empty()) result.report.warnings.push_back(std::move(told));
     return result;
   } catch (const Refusal& refusal) {
@@ -407,7 +473,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   const std::vector<std::string> unjoined = told_of_unjoined(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {
     Fill* const fill = std::get_if<Fill>(&results[k]);
-    if (fill) tell_not_taken(options, fill->report);
+    if (fill) tell_not_taken(options, *fill);
     if (unjoined[k].empty()) continue;
     if (fill)
       fill->report.warnings.push_back(unjoined[k]);

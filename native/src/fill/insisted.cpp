@@ -5,6 +5,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/output/shaped.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -40,7 +41,7 @@ std::string near_vertex(const std::vector<Index>& where) {
 bool is_shaped_or_plain(FillOptions options) {
   options.continuity = FillOptions().continuity;
   if (options.fairing) options.fairing = Fairing::automatic;
-  return asks_for_sides(options);
+  return is_shaped(options) || asks_for_sides(options);
 }
 
 }  // namespace

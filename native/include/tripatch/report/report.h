@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -50,6 +51,8 @@ struct Report {
   bool crosses_itself = false;  ///< new faces go through each other (report/crossings.h); of a cage those of its limit surface
   std::vector<std::array<Index, 2>> poles;  ///< vertex, valence
   std::vector<std::string> warnings;
+  std::map<std::string, std::string>
+      not_applied;  ///< options that mean nothing for the fill, and why: see not_applied in options.h
   double seconds = 0;
 };
 
