@@ -251,6 +251,8 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
             self.sides_rows(row)
         with panel.folded(self, "advanced", "Advanced") as row:
             self.construction_rows(row)
+        with panel.folded(self, "papers", "Paper Methods") as row:
+            self.papers_rows(row)
 
     def invoke(self, context, _event):
         self.by_hand = True

@@ -3,7 +3,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from bpy.props import BoolProperty
+from bpy.props import BoolProperty, StringProperty
 
 from . import filling, library, panel, properties
 from .properties import OPTIONS
@@ -32,7 +32,15 @@ def _of_methods(option):
 
 
 #: The folded parts of panels, where Blender cannot fold them itself.
-_FOLDED = ("holes", "sides", "subdivision", "advanced")
+_FOLDED = ("holes", "sides", "subdivision", "advanced", "papers", "candidates")
+#: Why the fill follows no such option, by the library's codes.
+_WHY = {
+    "sides": "only between smooth sides, and this hole has none",
+    "three_sides": "only with three sides",
+    "position": "only where a side is met tangentially",
+    "fairing": "only with Fairing: On",
+    "vertices": "this fill has no vertices to move",
+}
 
 
 def _declared():
@@ -47,8 +55,12 @@ def _declared():
             if option.by_side:
                 for i in range(filling.MOST_SIDES):
                     made[f"{option.name}_{i}"] = properties.of(option, name=f"Side {i + 1}")
+    made["not_applied"] = StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # of the last fills: "option:code option:code ..."
     made["individual"] = BoolProperty(
-        name="By Side", description="Each side is met in its own way and bulges by its own amount", default=False
+        name="By Side",
+        description="Each side is met in its own way and bulges by its own amount",
+        default=False,
+        options={"SKIP_SAVE"},
     )
     for name, _, label, description in _SWITCHES.values():
         made[name] = BoolProperty(name=label, description=description, default=False)
@@ -83,27 +95,57 @@ class Construction:
     def _has(self, name):
         return _about(self.method).takes(name)
 
+    def why_not(self, name):
+        """The code for why the last fills follow no such option; empty: they do, or nothing has been filled."""
+        return dict(each.split(":") for each in self.not_applied.split()).get(name, "")
+
+    def take_not_applied(self, reports):
+        """Of several fills: what none of them follows."""
+        each = [report.not_applied for report in reports]
+        common = set(each[0]).intersection(*each) if each else set()
+        self.not_applied = " ".join(f"{name}:{each[0][name]}" for name in sorted(common))
+
+    def why_rows(self, row, labels):
+        """Why rows above are greyed. labels: {option: what its row is called}"""
+        said = {}
+        for name, label in labels.items():
+            if (code := self.why_not(name)) in _WHY:
+                said.setdefault(code, []).append(label)
+        row.reasons(f"{', '.join(names)}: {_WHY[code]}" for code, names in said.items())
+
     def shape_rows(self, row):
         """How the fill meets its surroundings and what shape it takes."""
-        row("continuity", active=self.keeps_tangents() and not self.individual)
-        bulges = self._has("bulge") and self.continuity not in ("Free", "G0")
+        row("continuity", active=self.keeps_tangents() and not self.individual and not self.why_not("continuity"))
+        bulges = self._has("bulge") and not self.why_not("bulge") and self.continuity not in ("Free", "G0")
         row("bulge", active=bulges and not self.individual)
-        for option in options():
-            if option.kind == "number" and not _of_methods(option):
-                row(option.name, active=not option.applies or self.fairing != "none")
+        numbers = [option for option in options() if option.kind == "number" and not _of_methods(option)]
+        for option in numbers:
+            faired = not option.applies or self.fairing != "none"
+            row(option.name, active=faired and not self.why_not(option.name))
+        shown = [OPTIONS["continuity"], OPTIONS["bulge"], *numbers]
+        self.why_rows(row, {option.name: option.label or properties.words(option.name) for option in shown})
 
     def sides_rows(self, row):
         """The same for each side."""
-        row("individual", active=self.keeps_tangents())
+        has_sides = self.keeps_tangents() and not self.why_not("corners")
+        row("individual", active=has_sides)
         if self.individual and self.keeps_tangents():
             for i in range(min(self.sides, filling.MOST_SIDES)):
-                row(f"continuity_{i}")
+                row(f"continuity_{i}", active=has_sides)
                 if self._has("bulge"):
-                    row(f"bulge_{i}", text="Bulge", active=getattr(self, f"continuity_{i}") not in ("Free", "G0"))
+                    tangent = getattr(self, f"continuity_{i}") not in ("Free", "G0")
+                    row(f"bulge_{i}", text="Bulge", active=has_sides and tangent)
 
     def construction_rows(self, row):
-        """The method, the options that only it has, and the fairing."""
-        row("method")
+        """The method and whether it is made fair."""
+        row.choices("method", properties.METHODS, heading="Method")
+        row.choices("fairing", properties.FAIRING, heading="Fairing", active=not self.why_not("fairing"))
+        self.why_rows(row, {"fairing": "Fairing"})
+
+    def papers_rows(self, row):
+        """Constructions and energies of papers, and the options that only the method has that is chosen."""
+        methods = [m for m in library.tripatch.METHODS.values() if m.fills_holes and m.name not in properties.METHODS]
+        row.choices("method", {m.name: properties.method_label(m.name) for m in methods})
         for name in _about(self.method).options:
             if not OPTIONS[name].panel or name == "bulge":
                 continue
@@ -112,10 +154,14 @@ class Construction:
                 row(switch)
                 row(name, active=getattr(self, switch) == on)
             elif name == "cross_boundary":
-                row(name, active=self.individual or self.continuity not in ("Free", "G0"))
+                tangent = self.individual or self.continuity not in ("Free", "G0")
+                row(name, active=tangent and not self.why_not(name))
             else:
                 row(name)
-        row("fairing")
+        energies = [each for each in OPTIONS["fairing"].choices if each.name not in properties.FAIRING]
+        labels = {each.name: each.label or properties.words(each.name) for each in energies}
+        row.choices("fairing", labels, active=not self.why_not("fairing"))
+        self.why_rows(row, {"cross_boundary": "Slopes"})
 
     def _each(self, name):
         """A value a side, for a hole of however many sides."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from . import seam, selection, subdivision, waiting, writeback
+from . import seam, selection, sentences, subdivision, waiting, writeback
 from .library import ANY_RIM, index_lists, np, tripatch, words
 from .selection import OptionsError, Surroundings, UnusableError
 
@@ -83,6 +83,7 @@ class Outcome:
     cage_rim: str = ""  # of fills that are cages
     beside: list = field(default_factory=list)  # names of objects made
     live: list = field(default_factory=list)  # names of live fills made
+    instead: bool = False  # others than were asked for
 
     def add(self, other, name=""):
         prefix = f"{name}: " if name else ""
@@ -96,6 +97,12 @@ class Outcome:
         self.cage_rim = other.cage_rim or self.cage_rim
         self.beside += other.beside
         self.live += other.live
+        self.instead = self.instead or other.instead
+
+    def alarms(self):
+        """Whether there is something that a person should look at, or can mend."""
+        folds = any(r.crosses_itself or r.triangles_folded > r.rim_folded for r in self.reports)
+        return folds or self.instead or any(map(sentences.can_be_mended, self.notes))
 
     def count(self, faces, output):
         """The new faces, as lists of vertices or corners."""
@@ -111,7 +118,7 @@ class Outcome:
         return max((max(1, round(n / k)) for n, k in zip(self.rim_edges, sides, strict=True)), default=None)
 
     def sentence(self):
-        """'Filled 2 holes; seam within 0.3 deg (surroundings known to 0.3 deg)'"""
+        """'Filled 2 holes; seam within 0.3° (surroundings known to 0.3°)'"""
         return words.filled(
             self.reports,
             cage_rim=self.cage_rim,
@@ -136,21 +143,28 @@ def world_matrix(name, matrix):
     return world
 
 
-def corners_of(rim, loop, mesh, replaced, offset, any_rim):
+def slid_corners(fill, loop, offset):
+    """Its corners so many steps along the rim; None where the fill follows none."""
+    if "corners" in fill.report.not_applied:
+        return None
+    return [loop[(loop.index(v) + offset) % len(loop)] for v in fill.report.corners]
+
+
+def corners_of(rim, loop, mesh, replaced, any_rim):
     """The corners to fill with, as vertex indices, or None for the library to find them."""
     if rim.round:
         return []
     first = rim.first.index if rim.first else None
     if rim.corners:
         corners = [v.index for v in rim.corners]
-    elif first is None and not offset:
+    elif first is None:
         return None
     else:
         try:
             many = tripatch.find_corners(mesh[0], mesh[1], loop, replaced=replaced, any_number=True).tolist() if any_rim else []
             corners = many or tripatch.find_corners(mesh[0], mesh[1], loop, replaced=replaced).tolist()
         except tripatch.Refusal:
-            if offset or not any_rim:
+            if not any_rim:
                 raise
             return None  # the active vertex is no corner of a rim that has none
     places = [loop.index(v) for v in corners]
@@ -160,7 +174,7 @@ def corners_of(rim, loop, mesh, replaced, offset, any_rim):
         steps = [min((p - active) % count, (active - p) % count) for p in places]
         nearest = steps.index(min(steps))
         places = [active] + [p for k, p in enumerate(places) if k != nearest]
-    return [loop[(p + offset) % len(loop)] for p in places]
+    return [loop[p] for p in places]
 
 
 class _ToObject:
@@ -267,9 +281,9 @@ def fills(rims, arrays, options, progress=None, **arguments):
             results[k] = tripatch.Refusal(A_POINT, loop)
             continue
         try:
-            corners[k] = corners_of(rim, loop, (positions, faces), replaced, options.corner_offset, whatever)
+            corners[k] = corners_of(rim, loop, (positions, faces), replaced, whatever)
         except tripatch.Refusal as refusal:
-            if caged and any_rim and not options.corner_offset:
+            if caged and any_rim:
                 corners[k] = None  # the active vertex is no corner of three; those of a cage are seen by its quads
             else:
                 results[k] = refusal
@@ -281,6 +295,15 @@ def fills(rims, arrays, options, progress=None, **arguments):
     shared = [k for k in found if not rims[k].inside]
     own = [counts[k] for k in shared if k in counts]
     made = _shared_or_each((positions, faces), [loops[k] for k in shared], [corners[k] for k in shared], given, own)
+    if options.corner_offset:
+        slid = {
+            k: slid_corners(fill, loops[k], options.corner_offset)
+            for k, fill in zip(shared, made, strict=True)
+            if not isinstance(fill, tripatch.Refusal)
+        }
+        made = _shared_or_each(
+            (positions, faces), [loops[k] for k in shared], [slid.get(k) or corners[k] for k in shared], given, own
+        )
     for k, fill in zip(shared, made, strict=True):
         results[k] = fill
     for k in found:

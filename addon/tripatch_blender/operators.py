@@ -66,19 +66,20 @@ def _declared():
     made["resolution"] = properties.of(
         density,
         name="Density",
-        description="Edges of the new faces along a side of the hole. As the rim has them, until it is changed",
+        description="Edges of the new faces along a side of the hole (default: as the boundary)",
         default=0,
         soft_min=1,
     )
+    kinds = [(each.name, each.label or properties.words(each.name), each.description) for each in OPTIONS["output"].choices]
     made["output"] = properties.of(
         OPTIONS["output"],
-        description=f"{properties.seen(OPTIONS['output'])}. Until it is changed: quads, but triangles where the rims run along "
-        "more triangles than quads, and a cage under a Subdivision modifier",
+        items=[("auto", "Automatic", "Match the surrounding faces; a cage under a Subdivision modifier"), *kinds],
+        default="auto",
     )
     made["rows"] = properties.of(
         density,
-        name="Density",
-        description="More rows of quads between the rim and the middle. As few as the tolerance allows, until it is changed",
+        name="Extra Rows",
+        description="More rows of quads between the boundary and the middle (default: as few as the tolerance allows)",
         min=-1,
         soft_min=0,
         soft_max=8,
@@ -110,7 +111,7 @@ _FILTERS = {"max_edges": 64, "max_diameter": 1.0, "corner_count": (2, 6)}
 _OF_A_RUN = ("by_hand", "reasons", "all_holes", "sides", "keep_live")
 
 #: What the properties computed_... are where nothing was.
-_NEVER = {"output": "", "odd": "", "resolution": 0, "rows": -1, "tolerance": 0}
+_NEVER = {"odd": "", "resolution": 0, "rows": -1, "tolerance": 0}
 
 
 class FillSmooth(Construction, waiting.Waiting):
@@ -148,8 +149,8 @@ class FillSmooth(Construction, waiting.Waiting):
         '"deviation", and mark the new faces by the face attribute "reconstructed"',
         default=False,
     )
+    computed_output: StringProperty(options=_HIDDEN)  # what "auto" means for this selection
     # What was computed the last time: a value that is still the same was not chosen by anyone, and is computed anew.
-    computed_output: StringProperty(options=_HIDDEN)  # of this selection, as `output` is
     computed_odd: StringProperty(options={"HIDDEN"})
     computed_resolution: IntProperty(default=0, options={"HIDDEN"})
     computed_rows: IntProperty(default=-1, options={"HIDDEN"})
@@ -170,15 +171,19 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _applying(self):
         """The options of the output that mean something for the one that is chosen."""
-        return [option for option in _of_output() if library.tripatch.options.applies(option, {"output": self.output})]
+        return [option for option in _of_output() if library.tripatch.options.applies(option, {"output": self.faces()})]
+
+    def faces(self):
+        """What the new faces are: triangles, quads or a cage."""
+        return self.output if self.output != "auto" else self.computed_output or "triangles"
 
     def density(self):
         """The property that says how fine the fill is."""
-        return "resolution" if self.output == "triangles" else "rows"
+        return "resolution" if self.faces() == "triangles" else "rows"
 
     def _no_density(self):
         """Its value until something has been filled: it says nothing, and is not shown beside a refusal."""
-        return 0 if self.output == "triangles" else -1
+        return 0 if self.faces() == "triangles" else -1
 
     def draw(self, context):
         row = self.panel()
@@ -192,15 +197,18 @@ class FillSmooth(Construction, waiting.Waiting):
                 self._holes_rows(row)
         with panel.folded(self, "sides", "Sides") as row:
             self.sides_rows(row)
-            row("corner_offset")
+            row("corner_offset", active=not self.why_not("corners"))
+            self.why_rows(row, {"corners": "Slide Corners"})
         with panel.folded(self, "subdivision", "Subdivision") as row:
             self._subdivision_rows(row, context)
         with panel.folded(self, "advanced", "Advanced") as row:
             self.construction_rows(row)
-            row("features", active=self.output != "cage")
+            row("features", active=self.faces() != "cage")
             row("shading")
             row("keep_live", active=self.surroundings != "limit")
-            row("deviation", active=self.output != "cage")
+            row("deviation", active=self.faces() != "cage")
+        with panel.folded(self, "papers", "Paper Methods") as row:
+            self.papers_rows(row)
 
     def _holes_rows(self, row):
         for option in _of_holes():
@@ -215,8 +223,9 @@ class FillSmooth(Construction, waiting.Waiting):
         row("surroundings", active=any(modified) and "surroundings" in applying)
         for name in _OF_CAGES[1:]:
             if name != "tolerance" or self.tolerance:  # computed by a fill that it applies to; until then it says nothing
-                row(name, active=name in applying)
-        row("add_modifier", active=self.output == "cage" and not all(modified))
+                row(name, active=name in applying and not self.why_not(name))
+        row("add_modifier", active=self.faces() == "cage" and not all(modified))
+        self.why_rows(row, {"pole_offset": "Pole"})
 
     def _is_computed(self, name, none):
         """Whether nobody has chosen a property: then it is computed."""
@@ -226,7 +235,7 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _fill_halves(self, ob, bm, matrix, options, halves, outer):
         """Fills the holes that a Mirror modifier cuts in half; returns (Outcome, new faces). outer: outer borders too."""
-        modifier = subdivision.usable(ob) if self.output == "cage" else None
+        modifier = subdivision.usable(ob) if self.faces() == "cage" else None
         active = ob.active_shape_key.name if ob.active_shape_key else None
         outcome, new_faces, filled = mirrored.fill_halves(ob, bm, matrix, halves, options, outer, active, modifier)
         if filled:
@@ -235,9 +244,10 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _options(self):
         arguments = self.construction() | {option.name: plain(getattr(self, option.name)) for option in self._applying()}
+        arguments["output"] = self.faces()
         self._computes = self._is_computed(self.density(), self._no_density())
         arguments["resolution"] = None if self._computes else getattr(self, self.density())
-        if self.output != "triangles":
+        if self.faces() != "triangles":
             arguments["tolerance"] = None if self._is_computed("tolerance", 0) else self.tolerance
         return filling.Options(arguments, self.corner_offset, self.shading, self.deviation, record=self._record())
 
@@ -267,13 +277,14 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _show_computed(self, context, outcome):
         """The panel shows the numbers that were taken."""
+        self.take_not_applied(outcome.reports)
         if outcome.reports:
             self.sides = max(len(report.corners) for report in outcome.reports)
             density = self.density()
-            if self._computes and (computed := outcome.density(self.output)) is not None:
+            if self._computes and (computed := outcome.density(self.faces())) is not None:
                 setattr(self, density, computed)
                 setattr(self, "computed_" + density, computed)
-            if self.output != "triangles" and outcome.diameters and self._is_computed("tolerance", 0):
+            if self.faces() != "triangles" and outcome.diameters and self._is_computed("tolerance", 0):
                 self.tolerance = self.computed_tolerance = filling.TOLERANCE * max(outcome.diameters)
         for region in context.area.regions if context.area else ():
             if region.type == "HUD":
@@ -290,16 +301,15 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _choose_output(self, objects, meant):
         """What nobody has chosen. objects: that are selected; meant: those of them that have what is to be filled."""
-        if self._is_computed("output", None):
+        if self.output == "auto":
             # Who models under a Subdivision modifier wants a cage; an object of its own is asked for by name.
             caged = self.surroundings == "mesh" and all(map(subdivision.modifier_of, objects))
             # A script that says how many edges its triangles have has chosen them.
-            counted = not self.computed_output and self.properties.is_property_set("resolution") and self.resolution > 0
+            counted = self.properties.is_property_set("resolution") and not self._is_computed("resolution", 0)
             beside = Counter() if caged or counted else sum(map(self._beside_rims, meant), Counter())
-            self.output = "cage" if caged else filling.going_on(beside)["output"]
-            self.computed_output = "" if counted and not caged else self.output
+            self.computed_output = "cage" if caged else filling.going_on(beside)["output"]
         if self._is_computed("odd", None):
-            goes_on = self.output == self.computed_output == "quads"
+            goes_on = self.output == "auto" and self.computed_output == "quads"
             self.odd = self.computed_odd = "triangle" if goes_on else OPTIONS["odd"].default
 
     def _beside_rims(self, ob):
@@ -341,7 +351,10 @@ class FillSmooth(Construction, waiting.Waiting):
                 unusable.append(filling.Refused.because(reason, ob).of(name))
         self._show_computed(context, outcome)
         refused = outcome.refused + (unusable if selected or not outcome.reports else [])
-        told = [sentences.for_people(each.sentence) for each in refused]
+        in_words, of_filled = (
+            (sentences.of_selected, sentences.of_filled) if self.by_hand else (sentences.for_people, sentences.for_people)
+        )
+        told = [in_words(each.sentence) for each in refused]
         self.reasons = "\n".join(told)
         if not outcome.reports:
             return self._refuse(context, refused, told)
@@ -349,8 +362,8 @@ class FillSmooth(Construction, waiting.Waiting):
         if refused:
             message += f"; {len(refused)} not filled: {'; '.join(told[:3])}{'; ...' if len(told) > 3 else ''}"
         if outcome.notes:
-            message += f". {'. '.join(map(sentences.for_people, outcome.notes[:2]))}"
-        self.report({"WARNING" if refused or outcome.notes else "INFO"}, message)
+            message += f". {'. '.join(map(of_filled, outcome.notes[:2]))}"
+        self.report({"WARNING" if refused or outcome.alarms() else "INFO"}, message)
         return {"FINISHED"}
 
     def _meant(self, objects):
@@ -416,6 +429,7 @@ class FillSmooth(Construction, waiting.Waiting):
             count = len(made.reports)
             which = f"{count} of them" if outcome.reports else "Filled"
             made.notes.insert(0, f"{which} with quads instead of a cage: {reason}")
+            made.instead = True
         outcome.add(made)
         return new_faces
 
@@ -452,12 +466,12 @@ class FillSmooth(Construction, waiting.Waiting):
                 following.begin(bpy.data.objects.get((name, None)))
             outcome.refused += refused
             return outcome
-        cage = self.output == "cage"
+        cage = self.faces() == "cage"
         modifier = subdivision.usable(ob) if cage else None
         active = ob.active_shape_key
         outcome, made = filling.fill_rims(bm, mesh, matrix, rims, options, active.name if active else None, modifier)
         new_faces += made
-        if cage and outcome.refused and self._is_computed("output", None):
+        if cage and outcome.refused and self.output == "auto":
             new_faces += self._fill_with_quads(bm, mesh, matrix, outcome, options)
         outcome.add(halved)
         for each in outcome.refused:

@@ -28,6 +28,21 @@ class Rows:
         for name in names:
             made.prop(self._operator, name, **given)
 
+    def choices(self, name, labels, heading=None, active=True):
+        """Buttons for some values of a choice. labels: {value: what the button says}; heading: none, each below the other."""
+        if self._layout is None:
+            return
+        made = self._layout.row(align=True, heading=heading) if heading else self._layout.column(align=True)
+        made.active = active
+        for value, label in labels.items():
+            made.prop_enum(self._operator, name, value, text=label)
+
+    def reasons(self, lines):
+        """Why rows are greyed."""
+        if self._layout is not None:
+            for line in lines:
+                sentence(self._layout, bpy.context, line)
+
     def label(self, text):
         if self._layout is not None:
             self._layout.label(text=text)

@@ -18,6 +18,19 @@ def words(name):
     return name.replace("_", " ").title()
 
 
+#: Methods that are no paper's construction, by their names in a panel.
+METHODS = {"auto": "Automatic", "multi_sided": "Patch", "polyharmonic_spline": "Spline", "quad_rows": "Quad Rows"}
+
+
+def method_label(name):
+    """A method as a panel names it; those of papers with the continuity that they keep."""
+    return METHODS.get(name) or f"{words(name)} ({library.tripatch.METHODS[name].continuity})"
+
+
+#: Fairing as a panel has it: an energy of a paper, or simply on or off.
+FAIRING = {"auto": "On", "none": "Off"}
+
+
 def seen(option):
     """What one will see when an option is changed: its tooltip."""
     return option.seen or option.description
@@ -26,11 +39,13 @@ def seen(option):
 def _items(option):
     if option.name == "method":
         methods = library.tripatch.METHODS.values()
-        items = [(m.name, words(m.name), m.description) for m in methods if m.fills_holes]
-        return [("auto", "Auto", "Between three smooth sides the exact patch (Side Vertex), else Polyharmonic Spline"), *items]
+        items = [(m.name, method_label(m.name), m.description) for m in methods if m.fills_holes]
+        return [("auto", METHODS["auto"], "The method that fits the hole best"), *items]
     items = [(c.name, c.label or words(c.name), c.description) for c in option.choices if not c.misprint]
     if option.none is not None:
         items.append((option.none.name, words(option.none.name), option.none.description))
+    if option.name == "fairing":
+        items = [(name, FAIRING.get(name, label), about) for name, label, about in items]
     return items
 
 

@@ -14,6 +14,10 @@ _OPTIONS = re.compile(r"(?<=^For )[\w, ]+(?= smooth sides are needed)|(?<=does n
 #: Names of options and methods that are no words.
 _NAMES = re.compile(r"\b[a-z]+(_[a-z0-9]+)+\b")
 
+_VERTICES = re.compile(r"(\()?\b([Vv])ert(ex|ices) \d+(?:, \d+)*(?: and \d+)?(?:, \.\.\.)?")
+_OF_HOLES = re.compile(r"^(Hole|\d+ holes,) through vert(?:ex|ices) [^:]*:")
+_PLACE = re.compile(r",? (?:near|at|through) vert(?:ex|ices) \d+(?:, \d+)*(?: and \d+)?(?: of the rim)?")
+
 #: What Blender has against it.
 _REMEDIES = (
     (re.compile(r"has no length|at the same place"), "Mesh > Merge > By Distance joins such vertices"),
@@ -36,7 +40,7 @@ def _labels(match):
     def label(word):
         option = properties.OPTIONS.get(word)
         if option is None:
-            return properties.words(word) if word in library.tripatch.METHODS else word
+            return properties.METHODS.get(word) or (properties.words(word) if word in library.tripatch.METHODS else word)
         return option.label or properties.words(word)
 
     return re.sub(r"\w+", lambda word: label(word[0]), match[0])
@@ -50,3 +54,25 @@ def for_people(sentence):
         if cause.search(told):
             return told if "Merge by Distance" in told and "By Distance" in remedy else f"{told}; {remedy}"
     return told
+
+
+def of_selected(sentence):
+    """For the window, where a refusal selects the vertices that it is about."""
+
+    def named(match):
+        bracket, capital, ending = match[1] or "", match[2] == "V", match[3]
+        article = "" if bracket else "The " if capital else "the "
+        return f"{bracket}{article}selected vert{ending}"
+
+    return _VERTICES.sub(named, for_people(sentence))
+
+
+def of_filled(sentence):
+    """For the window, of holes that are filled: no vertex is selected, and nobody sees its number."""
+    counted = _OF_HOLES.sub(lambda match: "1 hole:" if match[1] == "Hole" else f"{match[1].rstrip(',')}:", sentence)
+    return _PLACE.sub("", for_people(counted))
+
+
+def can_be_mended(sentence):
+    """Whether a person can do something about what is said."""
+    return any(cause.search(sentence) for cause, _ in _REMEDIES) or "not applied" in sentence

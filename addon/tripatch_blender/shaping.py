@@ -7,6 +7,7 @@ Nothing here needs a window: the gizmos and the operators of the tool call what 
 from __future__ import annotations
 
 import copy
+import time
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,16 +22,6 @@ ARROW = 0.14
 LEAST_BULGE = 0.05
 #: Of the way from a side to the middle: where the arrow of the side ends at the most, so that none meets another.
 _CLEAR = 0.8
-#: Vertices of a rim from which on a step of a drag looks at fewer rings of the surroundings, and a mesh for it is coarser inside.
-_MANY = 72
-_FEW_RINGS = 2
-_COARSE = 12  # edges a side
-_ROWS = 8  # from the rim to the middle, as it is shown without a mesh
-_PATCHES = ("side_vertex", "multi_sided")
-# While an arrow is dragged, what is shown between fills that lie so near to each other, in bulge and in the middle's height over
-# the hole's size, is blended of them: each would take as long as any fill.
-_STEP_OF_BULGE, _STEP_OF_MIDDLE = 0.1, 0.05
-_MOST_KEPT = 32  # such fills
 
 
 @dataclass
@@ -41,142 +32,6 @@ class Shape:
     bulges: list = field(default_factory=list)  # for the part of the rim from each corner on; one where there are no corners
     middle: float = 0.0  # of the fill, along its normal, in scene units
     round: bool = False  # no corners are wanted
-
-
-@dataclass
-class _Net:
-    """What of a fill is shown, beside its rim."""
-
-    places: Any  # of its points in the domain
-    vertices: Any  # (k, 3)
-    normals: Any  # (k, 3)
-    triangles: Any  # (t, 3) of the mesh's vertices and, after these, its own
-
-    @classmethod
-    def of_mesh(cls, fill):
-        triangles = [(f[0], f[k], f[k + 1]) for f in index_lists(fill.faces) for k in range(1, len(f) - 1)]
-        return cls(writeback.parameters(fill)[1], fill.vertices, fill.normals, np.array(triangles, np.int64).reshape(-1, 3))
-
-    @classmethod
-    def of_rows(cls, fill, count):
-        """In rows from its rim to its middle, which take no mesh to be made; None where not all of the rim is seen from there, or
-        edges are continued across. count: vertices of the mesh."""
-        if fill.patch is None:  # plain triangles
-            return None
-        rim = writeback.parameters(fill)[0]
-        if fill.sides:
-            middle = _middle_place(fill.patch)
-        else:
-            middle = rim.mean(axis=0, keepdims=True)
-            after = np.roll(rim, -1, axis=0) - middle
-            turns = (rim - middle)[:, 0] * after[:, 1] - (rim - middle)[:, 1] * after[:, 0]
-            if len(fill.feature_edges) or turns.min() * turns.max() <= 0:
-                return None
-        shares = np.arange(_ROWS - 1, 0, -1)[:, None, None] / _ROWS
-        places = np.vstack([(middle + shares * (rim - middle)).reshape(-1, rim.shape[1]), middle])
-        last = count + len(places) - 1
-        a = np.vstack([fill.rim, np.arange(count, last).reshape(-1, len(rim)), np.full(len(rim), last)])
-        b = np.roll(a, -1, axis=1)
-        beside = [np.stack(three, axis=-1).reshape(-1, 3) for three in ((a[:-1], b[:-1], a[1:]), (b[:-1], b[1:], a[1:]))]
-        triangles = np.vstack([beside[0], beside[1][: -len(rim)]])  # at the middle there is but one
-        points, normals = fill.patch.positions_and_normals(places)
-        return cls(places, points, normals, triangles)
-
-
-class _Between:
-    """The exact patches between the sides of a fill, by bulges and the middle, as points at the places of a net."""
-
-    def __init__(self, fill, net, shape, size, fairing="auto"):
-        """net: what of the fill is shown. shape: (*bulges, middle), of the fill. fairing: of the patches; None where the sides
-        were found to allow none."""
-        self.fill, self.net = fill, net
-        self._sides, self._method, self._places = fill.sides, fill.report.method, net.places
-        self._fairing = fairing
-        self._steps = [_STEP_OF_BULGE] * (len(shape) - 1) + [_STEP_OF_MIDDLE * size]
-        self._known, self._centers = {}, {}
-        if fill.report.fairing or not fairing:
-            self._known[shape] = net.vertices, net.normals
-        if not shape[-1] and fill.report.fairing:
-            self._centers[_bulge(shape[:-1])] = _middle_of(fill.patch)
-
-    def begun(self, shape):
-        """`at` of a shape whose middle is not moved, if none is known so far: the first patch is a step of its own."""
-        if self._known:
-            return None
-        patch = self._patch(bulge=_bulge(shape[:-1]))
-        self._centers[_bulge(shape[:-1])] = _middle_of(patch)
-        return self._keep((*shape[:-1], 0.0), patch)
-
-    def _keep(self, shape, patch):
-        if len(self._known) >= _MOST_KEPT:
-            self._known.clear()
-        self._known[shape] = patch.positions_and_normals(self._places)
-        return self._known[shape]
-
-    def at(self, shape):
-        """(vertices, normals): exact, or blended of two exact ones where what was asked for before is near. A ValueError where no
-        patch can be."""
-        if shape in self._known:
-            return self._known[shape]
-        near = [self._neighbors(shape, axis) for axis in range(len(shape))]
-        axis, pair = next(((axis, pair) for axis, pair in enumerate(near) if pair), (0, None))
-        if pair is None:
-            return self._exact(shape)
-        (low, first), (high, second) = ((value, self._exact(self._with(shape, axis, value))) for value in pair)
-        share = (shape[axis] - low) / (high - low)
-        vertices, normals = ((1 - share) * a + share * b for a, b in zip(first, second, strict=True))
-        return vertices, normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-
-    @staticmethod
-    def _with(shape, axis, value):
-        return (*shape[:axis], value, *shape[axis + 1 :])
-
-    def _neighbors(self, shape, axis):
-        """Two values along an axis, no farther apart than a step, between which the shape is, of which one is known at least."""
-        value, step = shape[axis], self._steps[axis]
-        known = [each[axis] for each in self._known if self._with(each, axis, value) == shape]
-        below = max((v for v in known if v < value), default=-np.inf)
-        above = min((v for v in known if v > value), default=np.inf)
-        if above - below <= 1.001 * step:
-            return below, above
-        if value - below <= step:
-            return below, below + step
-        if above - value <= step and (axis == len(shape) - 1 or above - step >= LEAST_BULGE):
-            return above - step, above
-        return None
-
-    def _exact(self, shape):
-        if shape not in self._known:
-            *bulges, middle = shape
-            given = {"bulge": _bulge(bulges)}
-            if middle:  # as center_offset, but the patch whose middle is moved is made once
-                point, normal = self._center(given["bulge"])
-                given["center"] = point + middle * normal
-            patch = self._patch(**given)
-            if not len(self._places):
-                return self._places, self._places
-            return self._keep(shape, patch)
-        return self._known[shape]
-
-    def _patch(self, **given):
-        return tripatch.patch(self._sides, method=self._method, fairing=self._fairing, **given)
-
-    def _center(self, bulge):
-        """The middle of the patch of a bulge and its normal."""
-        if bulge not in self._centers:
-            self._centers = {bulge: _middle_of(self._patch(bulge=bulge))}
-        return self._centers[bulge]
-
-
-def _middle_of(patch: Any):
-    """The middle of a patch and its normal."""
-    position, normal = patch.positions_and_normals(_middle_place(patch))
-    return position[0], normal[0]
-
-
-def _middle_place(patch: Any):
-    """(1, 2 or 3): of the middle in the domain."""
-    return patch.domain.mean(axis=0)[None] if hasattr(patch, "domain") else np.full((1, 3), 1 / 3)
 
 
 def _bulge(bulges):
@@ -204,38 +59,22 @@ class Shaping:
         number = {v: k for k, v in enumerate(used)}
         self._positions, self._faces = positions[used], [[number[v] for v in face] for face in faces]
         self.rim = [v.index for v in rim.loop]
-        self._nearest = self._faces
         self._loop = [number[v] for v in self.rim]
         self._local = [tuple(v.co) for v in rim.loop]
         self.points = self._positions[self._loop]  # (r, 3) of the rim, in the world
         self.size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
         self.shape = Shape()
-        if len(self.rim) > _MANY:
-            self._nearest = self._rings(_FEW_RINGS)
         self._start_corners(rim)
         self.fill: tripatch.Fill | None = None
         self.refusal: tripatch.Refusal | str | None = None
-        self.vertices: Any = None  # (k, 3) of the fill as it is shown
-        self.normals: Any = None
-        self._net: Any = None  # on which it is
-        self._no_patch = False  # is between the corners that are being dragged
-        self._in_rows = True  # is what steps of a drag show, where they are no patches too
-        self._filled = None  # what of the shape the surroundings were read for
-        self._between: _Between | None = None  # fills between its sides; none where arrows change nothing
-        self._asked: tuple | None = None  # bulges and the middle of the last fill,
-        self._read_last: Any = None  # and the rest of its shape
+        self.is_shown = False  # what is asked for
+        self.seconds = 0.0  # that the last fill took
+        self._middle: Any = None  # where its handle is without an offset: (point, normal)
         self._before = None
 
     def set_arguments(self, given):
         """Of tripatch.fill, in place of those that go on with what lies around."""
         self.arguments = self._going_on | given
-
-    def _rings(self, count):
-        near, faces = set(self._loop), []
-        for _ in range(count):
-            faces = [face for face in self._faces if not near.isdisjoint(face)]
-            near.update(v for face in faces for v in face)
-        return faces
 
     def _start_corners(self, rim):
         if rim.corners:
@@ -273,6 +112,7 @@ class Shaping:
             if not 0 < step < span:
                 return corners[k]
         corners[k] = place
+        self.is_shown = False
         return place
 
     def set_round(self, on):
@@ -302,9 +142,11 @@ class Shaping:
 
     def set_bulge(self, k, value):
         self.shape.bulges[k] = max(float(value), LEAST_BULGE)
+        self.is_shown = False
 
     def set_middle(self, value):
         self.shape.middle = float(value)
+        self.is_shown = False
 
     # Drags.
 
@@ -318,9 +160,7 @@ class Shaping:
 
     def end_drag(self):
         self._before = None
-        if self._between is None and self._filled == self._read_for():
-            self._asked = self._asked_shape()  # by arrows that change nothing
-        else:
+        if not self.is_shown:
             self.preview()
 
     # The fill.
@@ -340,128 +180,44 @@ class Shaping:
         """Places of the corners, none on a round rim."""
         return [] if self.shape.round else self.shape.corners
 
-    def preview(self, quick=False):
-        """Fills, and keeps the fill or its refusal. quick: where only bulges and the middle have changed, from the sides that
-        were read before; else without a mesh inside where none is needed to show it, and without a patch's fairing."""
-        if quick:
-            return self.fill if self._shape_anew() or self._read_sides() else self._preview_corners()
-        given, self._no_patch = self.options(), False
+    def preview(self):
+        """Makes the fill that `write` puts into the mesh, and keeps it or its refusal."""
+        begun = time.perf_counter()
+        self.is_shown = True
         try:
-            self._show(self._filled_with(self._faces, given))
-            if self.fill.sides:
-                self._shape_between(self.fill, given, "auto" if self.fill.report.fairing else None)
+            corners = [self._loop[k] for k in self.corners()]
+            self.fill = tripatch.fill(self._positions, self._faces, rim=self._loop, corners=corners, **self.options())
+            self.refusal = None
+            self._keep_middle()
         except (tripatch.Refusal, ValueError) as reason:
             self.refusal = str(reason)
+        self.seconds = time.perf_counter() - begun
         return self.fill
 
-    def _filled_with(self, faces, given):
-        return tripatch.fill(self._positions, faces, rim=self._loop, corners=[self._loop[k] for k in self.corners()], **given)
+    def _keep_middle(self):
+        """Where the handle of the middle stands: while only the middle moves it stays."""
+        read_for = [*self.corners()], [*self.shape.bulges], self.shape.round, dict(self.arguments)
+        if not len(self.fill.vertices) or (self._middle is not None and self._middle[0] == read_for):
+            return
+        rim, places = writeback.parameters(self.fill)
+        k = int(np.linalg.norm(places - rim.mean(axis=0), axis=1).argmin())
+        normal = self.fill.normals[k]
+        self._middle = read_for, self.fill.vertices[k] - self.shape.middle * normal, normal
 
-    def _show(self, fill, net=None):
-        self.fill, self.refusal, self._net = fill, None, net or _Net.of_mesh(fill)
-        self.vertices, self.normals = self._net.vertices, self._net.normals
-        self._filled = self._between = None
-        self._asked, self._read_last = self._asked_shape(), self._read_for()
-
-    def _preview_corners(self):
-        """A step of a drag of a corner. Where no patch lies between the corners, or one that folds, this step and the next ones
-        have none."""
-        given = self._quick(self.options())
-        may_change = self.arguments.get("method", "auto") == "auto" and given["method"] in _PATCHES
-        try:
-            fill = self._filled_with(self._nearest, given)
-            if not (fill.report.folds and may_change):
-                return self._show_step(fill, given)
-        except (tripatch.Refusal, ValueError) as reason:
-            self.refusal = str(reason)
-        if not may_change:
-            return self.fill
-        self._no_patch = True
-        return self._preview_corners()
-
-    def _show_step(self, fill, given):
-        net = _Net.of_rows(fill, len(self._positions)) if self._in_rows or fill.sides else None
-        if net is None and self._in_rows:  # a mesh for this one and the next ones
-            self._in_rows = False
-            fill = self._filled_with(self._nearest, self._quick(self.options()))
-        self._show(fill, net)
-        if fill.sides:
-            self._shape_between(fill, given, "auto")
-        return fill
-
-    def _shape_between(self, fill, given, fairing, net=None):
-        """net: what of it will be shown, where that is not what is."""
-        self._filled = self._read_for()
-        shape = (*self._by_side(), given["center_offset"])
-        self._between = _Between(fill, net or self._net, shape, self.size, fairing)
-
-    def _read_sides(self):
-        """The first step of a drag of an arrow where the fill is no patch: reads the sides of the one that the next steps shape,
-        and goes on showing the fill. Where the patch would fold there is none, and arrows change nothing, as at the end. Whether
-        this is such a step."""
-        if self.fill is None or self.fill.sides or self.arguments.get("method", "auto") != "auto":
-            return False
-        if self._asked == self._asked_shape() or self._read_last != self._read_for():
-            return False
-        self._filled = self._read_for()
-        given = self.options() | {"output": "triangles", "resolution": 1, "fairing": None, "center_offset": 0.0}
-        given["method"] = "side_vertex" if len(self.corners()) == 3 else "multi_sided"
-        try:
-            plain = self._filled_with(self._nearest, given)
-        except (tripatch.Refusal, ValueError):
-            return True
-        if plain.sides and not plain.report.folds:
-            self._shape_between(plain, given, "auto", _Net.of_rows(plain, len(self._positions)))
-        return True
-
-    def _read_for(self):
-        return [*self.corners()], self.shape.round, dict(self.arguments)
-
-    def _asked_shape(self):
-        return (*self._by_side(), self.shape.middle)
-
-    def _shape_anew(self):
-        """The patch between the sides of the last fill, with other bulges or another middle, at the same places; whether that is
-        what has changed. Reading the surroundings again is what takes long."""
-        if self._filled is None or self._filled != self._read_for():
-            return False
-        if self._between is None:
-            return True
-        try:
-            shape = self._asked_shape()
-            self.vertices, self.normals = self._between.begun(shape) or self._between.at(shape)
-        except ValueError:  # Refusal, InvalidArgument
-            return False
-        self.fill, self._net = self._between.fill, self._between.net
-        self.refusal = None
-        return True
-
-    def _quick(self, given):
-        """The options of a step: just the surface where that serves, without a mesh and, of sides, as they alone tell."""
-        method = self._quick_method(given.get("method", "auto"))
-        given = (given if method == "auto" else filling.by_method(method, given)) | {"method": method, "output": "triangles"}
-        if method in _PATCHES and self.corners():
-            given["fairing"] = None
-        if method in _PATCHES or self._in_rows:
-            given["resolution"] = 1
-        elif len(self.rim) > _MANY:
-            given["resolution"] = _COARSE
-        return given
-
-    def _quick_method(self, asked):
-        """Where nothing but corners has moved since the last fill, the method that it took is not looked for again."""
-        if asked != "auto":
-            return asked
-        if self._no_patch:
-            return "polyharmonic_spline"
-        if len(self.corners()) == 3:
-            return "side_vertex"
-        kept = self.fill.report.method if self.fill is not None and self._asked == self._asked_shape() else "auto"
-        return kept if kept in ("multi_sided", "polyharmonic_spline") else "auto"
+    def honors(self, option):
+        """Whether the fill that is shown follows an option, by its name: there is no handle for others."""
+        return self.fill is not None and option not in self.fill.report.not_applied
 
     def surface(self):
-        """(vertices (n, 3), triangles (t, 3)) of the fill, with the mesh's own vertices as far as it uses them."""
-        return np.vstack([self._positions, self.vertices]), self._net.triangles
+        """(vertices (n, 3), triangles (t, 3), edges (e, 2)) of the fill, with the mesh's own vertices as far as it uses them."""
+        faces = index_lists(self.fill.faces)
+        triangles = [(f[0], f[k], f[k + 1]) for f in faces for k in range(1, len(f) - 1)]
+        edges = {(min(a, b), max(a, b)) for f in faces for a, b in zip(f, (*f[1:], f[0]))}
+        return (
+            np.vstack([self._positions, self.fill.vertices]),
+            np.array(triangles, np.int64).reshape(-1, 3),
+            np.array(sorted(edges), np.int64).reshape(-1, 2),
+        )
 
     # Where the handles are.
 
@@ -484,12 +240,7 @@ class Shaping:
 
     def middle_handle(self):
         """(point, normal) of the fill's middle without its offset."""
-        if self.fill is None or not len(self.vertices):
-            return self.points.mean(axis=0), np.array([0.0, 0.0, 1.0])
-        rim = writeback.parameters(self.fill)[0]  # places in the domain: they stay where the surface moves
-        k = int(np.linalg.norm(self._net.places - rim.mean(axis=0), axis=1).argmin())
-        normal = self.normals[k]
-        return self.vertices[k] - self.shape.middle * normal, normal
+        return self._middle[1:] if self._middle is not None else (self.points.mean(axis=0), np.array([0.0, 0.0, 1.0]))
 
     # The mesh.
 

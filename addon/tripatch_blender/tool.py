@@ -16,12 +16,12 @@ from mathutils import Matrix, Vector
 from . import layers, library, overlay, panel, sentences, shaping, shown, waiting
 from .library import np, quality
 
-# Seconds without a change after which an arrow rests, and the fill itself is shown.
-_RESTS = 0.25
+# Seconds without a change after which a handle rests; a fill that takes longer than so many waits until then.
+_RESTS, _PROMPT = 0.25, 0.15
 # Characters of a problem that a header shows, and how wide its whole sentence is, in Blender's units.
 _BEGINNING, _WIDE = 48, 20
 _COLOR = (0.16, 0.36, 0.62)
-_RIM = (1.0, 0.75, 0.2, 1.0)
+_RIM, _EDGE = (1.0, 0.75, 0.2, 1.0), (0.05, 0.08, 0.12, 1.0)
 _HINT = "Drag corners, arrows for bulge and the middle   Click: another hole   Ctrl Click: corner   Enter: fill   Esc: leave it"
 
 
@@ -75,16 +75,17 @@ def changed():
 
 
 def _settle():
-    """Of a timer: an arrow rests, or was let go, of which Blender does not tell."""
+    """Of a timer: a handle rests, or was let go, of which Blender does not tell."""
     if current() and _object():
         current().end_drag()
         changed()
 
 
 def _pulled():
-    """After an arrow has changed the shape."""
-    current().preview(quick=True)
-    changed()
+    """After a handle has changed the shape."""
+    if current().seconds < _PROMPT:
+        current().preview()
+        changed()
     if bpy.app.timers.is_registered(_settle):
         bpy.app.timers.unregister(_settle)
     bpy.app.timers.register(_settle, first_interval=_RESTS)
@@ -98,15 +99,16 @@ def arguments(settings):
 def _drawn():
     """The preview on the graphics card."""
     if _state.drawn is None and _state.shaping.fill is not None:
-        vertices, triangles = _state.shaping.surface()
+        vertices, triangles, edges = _state.shaping.surface()
         used = triangles.ravel()
         normals = quality.corner_normals(vertices, triangles).reshape(-1, 3)
         colors = np.ones((len(used), 4), np.float32)
         colors[:, :3] = _COLOR
         made = shown.Shown(vertices[used].astype(np.float32), normals.astype(np.float32), colors)
         loop = _state.shaping.points
-        made.lines = np.stack([loop, np.roll(loop, -1, axis=0)], axis=1).reshape(-1, 3).astype(np.float32)
-        made.line_colors = np.tile(np.array(_RIM, np.float32), (len(made.lines), 1))
+        rim = np.stack([loop, np.roll(loop, -1, axis=0)], axis=1).reshape(-1, 3)
+        made.lines = np.vstack([vertices[edges.ravel()], rim]).astype(np.float32)
+        made.line_colors = np.array([_EDGE] * 2 * len(edges) + [_RIM] * len(rim), np.float32)
         _state.drawn = overlay.Drawn(made, None)
     return _state.drawn
 
@@ -388,8 +390,7 @@ def drag_to(context, number, mouse):
     place, _ = made.nearest_place(screen, mouse, [c for k, c in enumerate(corners) if k != number])
     before = corners[number]
     if made.drag_corner(number, place) != before:
-        made.preview(quick=True)
-        changed()
+        _pulled()
 
 
 class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
@@ -425,14 +426,16 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         return gizmo
 
     def _make(self, made):
-        """As many handles as the hole has corners and sides."""
+        """As many handles as the hole has corners and sides; those that the fill does not follow are not there."""
         count, sides = len(made.corners()), len(made.shape.bulges)
-        if len(self.corners) == count and len(self.arrows) == sides and self.middle is not None:
-            return
-        self.gizmos.clear()
-        self.corners = [self._corner(k) for k in range(count)]
-        self.arrows = [self._arrow(*bulge_handlers(k), (0.3, 0.8, 0.4)) for k in range(sides)]
-        self.middle = self._arrow(*middle_handlers(), (0.35, 0.6, 1.0))
+        if len(self.corners) != count or len(self.arrows) != sides or self.middle is None:
+            self.gizmos.clear()
+            self.corners = [self._corner(k) for k in range(count)]
+            self.arrows = [self._arrow(*bulge_handlers(k), (0.3, 0.8, 0.4)) for k in range(sides)]
+            self.middle = self._arrow(*middle_handlers(), (0.35, 0.6, 1.0))
+        for arrow in self.arrows:
+            arrow.hide = not made.honors("bulge")
+        self.middle.hide = not made.honors("center_offset")
 
     def refresh(self, context):
         self.draw_prepare(context)

@@ -29,7 +29,7 @@ CONTROLS = {
     ),
 }
 VALUES |= CONTROLS
-CASES = [(method, name) for method, about in tripatch.METHODS.items() for name in about.options] + [
+CASES = [(method, name) for method, about in tripatch.METHODS.items() if method != "quad_rows" for name in about.options] + [
     ("szilvasi_nagy_c0", "optimal"),
     ("szilvasi_nagy_c1", "optimal"),
     *(("side_vertex", name) for name in CONTROLS),
@@ -97,10 +97,17 @@ class Layout:
     def label(self, text, icon=""):
         pass
 
+    def column(self, **_given):
+        return Layout(self.shown)
+
     def prop(self, operator, name, **_given):
         assert hasattr(operator, name)
         assert name not in self.shown, "twice"
         self.shown[name] = self.active
+
+    def prop_enum(self, _operator, name, value, text):
+        assert (name, value) not in self.shown, "twice"
+        self.shown[name] = self.shown[name, value] = self.active
 
 
 def drawn(addon, between=False, **values):
@@ -118,7 +125,7 @@ def drawn(addon, between=False, **values):
     for name, value in values.items():
         setattr(stub, name, value)
     stub.draw(bpy.context)
-    shown = stub.layout.shown
+    shown = {name: active for name, active in stub.layout.shown.items() if isinstance(name, str)}
     assert set(shown) <= {p.identifier for p in rna.properties}
     return shown
 
@@ -177,8 +184,8 @@ def test_properties_follow_the_table():
     properties = bpy.ops.mesh.fill_three_sided.get_rna_type().properties
     for name in ("bulge", "tension", "center_offset", "tolerance", "symmetric", "output", "odd", "cage_rim"):
         option = tripatch.OPTIONS[name]
-        assert properties[name].description.split(". Until it is changed: ")[0] == option.seen
-        assert properties[name].default == (0 if option.default is None else option.default)
+        assert properties[name].description == option.seen
+        assert properties[name].default == ("auto" if name == "output" else 0 if option.default is None else option.default)
     assert [item.identifier for item in properties["fairing"].enum_items] == [
         *(each.name for each in tripatch.OPTIONS["fairing"].choices),
         "none",

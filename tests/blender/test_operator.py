@@ -235,7 +235,7 @@ def test_active_vertex_is_a_corner():
 def test_corner_offset_is_not_remembered():
     properties = fill.get_rna_type().properties
     assert properties["corner_offset"].is_skip_save
-    assert not properties["bulge"].is_skip_save
+    assert not properties["shading"].is_skip_save
 
 
 def test_resolution_and_bulge_do_what_they_say():

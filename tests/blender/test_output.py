@@ -102,7 +102,7 @@ def test_a_subdivision_modifier_asks_for_a_cage_among_quads_too(addon):
     scenes.edit(ob)
     state = operator(addon)
     assert state.execute(bpy.context) == {"FINISHED"}
-    assert state.output == "cage" and "cage of" in state.said[0][1]
+    assert state.faces() == "cage" and "cage of" in state.said[0][1]
 
 
 def run(state, ob):
@@ -115,16 +115,17 @@ def run(state, ob):
 
 def test_the_panel_shows_what_was_chosen_and_another_option_does_not_change_it(addon):
     state = operator(addon)
-    assert run(state, grid()) == [4] and state.output == "quads" and state.rows == 0
+    assert run(state, grid()) == [4] and state.output == "auto" and state.faces() == "quads" and state.rows == 0
     state.bulge = 1.2
-    assert run(state, grid()) == [4] and state.output == "quads"
+    assert run(state, grid()) == [4] and state.faces() == "quads"
     state.output = "triangles"
     assert run(state, grid()) == [3] and state.output == "triangles"
     state.resolution = 5
     assert run(state, grid()) == [3] and state.output == "triangles"
     state.output = "quads"
     assert run(state, grid()) == [4] and state.output == "quads"
-    assert run(state, scenes.add_hole()) == [3] and state.output == "triangles"  # Shift R: nobody has chosen the quads
+    state.output = "auto"
+    assert run(state, scenes.add_hole()) == [3] and state.faces() == "triangles"
 
 
 def test_who_asks_for_quads_among_triangles_gets_them_with_every_other_option(addon):
@@ -159,7 +160,7 @@ def test_a_script_that_counts_the_edges_of_triangles_gets_them_and_so_does_the_p
     state = operator(addon, resolution=2)
     assert run(state, grid()) == [3]
     state.bulge = 1.2
-    assert run(state, grid()) == [3] and state.output == "triangles"
+    assert run(state, grid()) == [3] and state.faces() == "triangles"
 
 
 @pytest.mark.parametrize(
@@ -207,7 +208,7 @@ def test_the_status_bar_counts_the_triangles_among_quads(addon):
         rim(bm)
         if inside:
             bm.verts.new((0.0, 0.02, 0.05)).select = True
-        assert state.execute(bpy.context) == {"FINISHED"} and state.output == "quads"
+        assert state.execute(bpy.context) == {"FINISHED"} and state.faces() == "quads"
         new = [len(f.verts) for f in bmesh.from_edit_mesh(ob.data).faces if f.select]
         ((_, said),) = state.said
         assert (f"; {new.count(3)} of {len(new)} new faces are triangles" in said) == (3 in new) == ("triangles" in said)

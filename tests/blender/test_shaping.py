@@ -108,7 +108,7 @@ def test_escape_brings_back_what_was_before_the_drag(shaping):
     made.drag_corner(0, (before[0] + 1) % 12)
     made.set_bulge(1, 2.5)
     made.set_middle(0.1)
-    made.preview(quick=True)
+    made.preview()
     assert made.fill.vertices.shape != vertices.shape or np.abs(made.fill.vertices - vertices).max() > 1e-3
     made.cancel_drag()
     assert made.shape.corners == before and made.shape.bulges == [1, 1, 1] and made.shape.middle == 0
@@ -135,12 +135,10 @@ def test_the_arrow_of_the_middle_moves_the_middle_along_its_normal(shaping):
     _, _, made = lattice_hole(shaping, size=24, holes=((7, 7, 9),))
     made.preview()
     at, normal = made.middle_handle()
-    for quick in (True, False):
-        made.set_middle(0.1)
-        made.preview(quick)
-        assert not made.refusal
-        moved = made.middle_handle()[0] + 0.1 * made.middle_handle()[1]
-        assert (moved - at) @ normal == pytest.approx(0.1, abs=0.02)
+    made.set_middle(0.1)
+    made.preview()
+    assert not made.refusal and made.middle_handle()[0] is at, "the handle stands still while its arrow is dragged"
+    assert ((made.fill.vertices - at) @ normal).max() == pytest.approx(0.1, abs=0.02)
 
 
 def test_what_is_shown_is_what_is_written_in_one_step_of_undo(shaping, tool):
@@ -268,222 +266,6 @@ def triangular_rim(shaping):
     return lattice_hole(shaping)[2]
 
 
-@pytest.mark.parametrize("output", ["triangles", "quads"])
-@pytest.mark.parametrize("make", [triangular_rim, square_rim, round_rim])
-def test_while_dragging_the_fill_is_the_one_that_is_made_at_the_end_without_reading_the_mesh_again(
-    shaping, make, output, monkeypatch
-):
-    made = make(shaping)
-    made.arguments = {"output": output}
-    made.preview()
-    fill = shaping.tripatch.fill
-    for change in (lambda: made.set_bulge(0, 1.4), lambda: made.set_middle(0.05 * made.size)):
-        change()
-        monkeypatch.setattr(shaping.tripatch, "fill", None)
-        made.preview(quick=True)
-        shown, surface = made.vertices, made.surface()[0]
-        monkeypatch.setattr(shaping.tripatch, "fill", fill)
-        normals = made.normals
-        assert not made.refusal and (surface[-len(shown) :] == shown).all()
-        other = make(shaping) if bpy.ops.object.mode_set(mode="OBJECT") else None
-        other.arguments, other.shape = {"output": output}, made.shape
-        other.preview()
-        assert other.fill.report.method == made.fill.report.method
-        exact = other.fill.patch.evaluate(shaping.writeback.parameters(made.fill)[1])
-        assert np.abs(shown - exact).max() < 1e-5 * made.size
-        assert np.abs(np.linalg.norm(normals, axis=1) - 1).max() < 1e-9
-
-
-def test_while_corners_are_dragged_the_method_is_not_looked_for_again(shaping, monkeypatch):
-    made, methods = four_cornered_rim(shaping), []
-    fill = shaping.tripatch.fill
-
-    def watched(*arguments, **given):
-        methods.append(given.get("method", "auto"))
-        return fill(*arguments, **given)
-
-    monkeypatch.setattr(shaping.tripatch, "fill", watched)
-    made.preview()
-    taken = made.fill.report.method
-    assert taken == "multi_sided"
-    made.begin_drag()
-    for _ in range(2):
-        made.drag_corner(0, made.shape.corners[0] + 1)
-        made.preview(quick=True)
-        assert not made.refusal and made.fill.report.method == taken
-    made.end_drag()
-    assert methods == ["auto", taken, taken, "auto"]
-    made.set_bulge(0, 1.3)
-    made.preview(quick=True)
-    assert methods[-1] in ("auto", taken) and not made.refusal
-
-
-@pytest.mark.parametrize("make", [triangular_rim, square_rim, round_rim])
-@pytest.mark.parametrize("by_bulge", [True, False])
-def test_most_steps_of_a_drag_make_no_fill_and_show_what_lies_between_two(shaping, make, by_bulge, monkeypatch):
-    made = make(shaping)
-    made.preview()
-    put = (lambda v: made.set_bulge(0, 1 + v)) if by_bulge else (lambda v: made.set_middle(v * made.size))
-    patch, fill, count = shaping.tripatch.patch, shaping.tripatch.fill, []
-    put(0.5)
-    made.preview(quick=True)  # a spline is not shaped: then the patch is
-    put(0.0)
-    made.preview(quick=True)
-    monkeypatch.setattr(shaping.tripatch, "patch", lambda *a, **k: count.append(0) or patch(*a, **k))
-    monkeypatch.setattr(shaping.tripatch, "fill", lambda *a, **k: count.append(0) or fill(*a, **k))
-    shown = []
-    for step in range(1, 21):
-        put(0.01 * step)
-        made.preview(quick=True)
-        shown.append(made.vertices.copy())
-        assert not made.refusal
-    assert len(count) <= (3 if by_bulge else 6), "a fill for each of a few steps"
-    monkeypatch.undo()
-    knots = 10 if by_bulge else 5  # steps from one fill to the next
-    put(0.01 * 2 * knots)
-    other = make(shaping) if bpy.ops.object.mode_set(mode="OBJECT") else None
-    other.shape = made.shape
-    other.preview()
-    truth = other.fill.patch.evaluate(shaping.writeback.parameters(made.fill)[1])
-    assert np.abs(shown[2 * knots - 1] - truth).max() < 1e-5 * made.size
-    first, last = shown[knots - 1], shown[2 * knots - 1]
-    assert np.abs(shown[knots + 1] - ((1 - 2 / knots) * first + 2 / knots * last)).max() < 1e-6 * made.size
-    assert np.abs(shown[-1] - shown[0]).max() > 1e-2 * made.size
-
-
-@pytest.mark.parametrize("make", [square_rim, wavy_rim])
-def test_a_step_that_moves_the_middle_makes_one_patch_at_most(shaping, make, monkeypatch):
-    made = make(shaping)
-    made.preview()
-    assert (made.fill.report.method == "multi_sided") == (make is square_rim)
-    patch, fill, patches = shaping.tripatch.patch, shaping.tripatch.fill, []
-    monkeypatch.setattr(shaping.tripatch, "patch", lambda *a, **k: patches.append(1) or patch(*a, **k))
-    # a fill makes one patch, and another where its middle is to be moved
-    monkeypatch.setattr(
-        shaping.tripatch, "fill", lambda *a, **k: patches.append(2 if k.get("center_offset") else 1) or fill(*a, **k)
-    )
-    most, shown = 0, []
-    for step in (1, 2, 3, 4, 11):
-        patches.clear()
-        made.set_middle(0.01 * step * made.size)
-        made.preview(quick=True)
-        most = max(most, sum(patches))
-        shown.append(made.vertices)
-        assert not made.refusal
-    assert most == 1
-    moved = [np.linalg.norm(shown[k] - shown[2], axis=1).max() / made.size for k in (3, 4)]
-    assert moved == pytest.approx([0.01, 0.08], rel=0.1)
-
-
-def test_arrows_change_nothing_where_the_patch_between_the_corners_would_fold(shaping, monkeypatch):
-    made, fill, fills = square_rim(shaping), shaping.tripatch.fill, []
-    made.drag_corner(0, made.shape.corners[0] + 2)  # along a side, which has a corner in it now
-    made.preview()
-    assert made.fill.report.method == "polyharmonic_spline"
-    shown = made.vertices
-    monkeypatch.setattr(shaping.tripatch, "fill", lambda *a, **k: fills.append(k["method"]) or fill(*a, **k))
-    monkeypatch.setattr(shaping.tripatch, "patch", None)
-    made.begin_drag()
-    for step in range(1, 6):
-        made.set_bulge(0, 1 + 0.2 * step)
-        made.preview(quick=True)
-        assert made.vertices is shown
-    made.end_drag()
-    assert fills == ["multi_sided"], "what the sides are is asked once"
-    monkeypatch.undo()
-    made.preview()  # what is written at the end
-    assert np.abs(made.vertices - shown).max() < 1e-9 * made.size
-
-
-def test_corners_are_dragged_with_the_method_of_before_after_arrows_that_changed_nothing(shaping, monkeypatch):
-    made, fill, methods = square_rim(shaping), shaping.tripatch.fill, []
-    made.drag_corner(0, made.shape.corners[0] + 2)
-    made.preview()
-    made.begin_drag()
-    made.set_bulge(0, 1.5)
-    made.preview(quick=True)
-    made.end_drag()
-    monkeypatch.setattr(shaping.tripatch, "fill", lambda *a, **k: methods.append(k.get("method")) or fill(*a, **k))
-    made.begin_drag()
-    for _ in range(2):
-        made.drag_corner(0, made.shape.corners[0] + 1)
-        made.preview(quick=True)
-    assert methods == ["polyharmonic_spline"] * 2
-
-
-def test_where_no_energy_serves_arrows_shape_the_plain_patch(shaping, monkeypatch):
-    made = triangular_rim(shaping)
-    made.drag_corner(0, made.shape.corners[0] + 3)
-    made.preview()
-    report = made.fill.report
-    assert made.fill.sides and not report.fairing and report.energy_after == report.energy_before > 0
-    patch, asked = shaping.tripatch.patch, []
-    monkeypatch.setattr(shaping.tripatch, "patch", lambda *a, **k: asked.append(k["fairing"]) or patch(*a, **k))
-    made.set_bulge(0, 1.3)
-    made.preview(quick=True)
-    assert asked == [None] * len(asked) and asked
-
-
-def surface_triangles(made):
-    vertices, triangles = made.surface()
-    return np.asarray(vertices)[triangles]
-
-
-@pytest.mark.parametrize("output", ["triangles", "quads"])
-@pytest.mark.parametrize("make", [three_cornered_rim, four_cornered_rim])
-def test_a_step_of_a_corner_shows_the_patch_all_over_without_its_mesh(shaping, make, output):
-    made = make(shaping)
-    made.arguments = {"output": output}
-    made.preview()
-    made.begin_drag()
-    made.drag_corner(0, made.shape.corners[0] + 1)
-    made.preview(quick=True)
-    assert made.fill.sides and not made.fill.report.folds
-    edges = made.surface()[1][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    border = edges[~(edges[:, None] == edges[None, :, ::-1]).all(axis=2).any(axis=1)]
-    assert sorted(border[:, 0]) == sorted(made.fill.rim), "closed up to the rim"
-    triangles = surface_triangles(made)
-    areas = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
-    assert areas.min() > 0
-    exact = shaping.tripatch.fill(
-        made._positions, made._faces, rim=made._loop, corners=[made._loop[k] for k in made.corners()], fairing=None,
-        method=made.fill.report.method,
-    )  # fmt: skip
-    assert np.abs(exact.patch.evaluate(made._net.places) - made.vertices).max() < 1e-9 * made.size
-    point, normal = made.middle_handle()
-    assert np.linalg.norm(point - made.vertices[-1]) < 1e-12 and np.linalg.norm(normal) == pytest.approx(1)
-
-
-@pytest.mark.parametrize("in_rows", [True, False])
-def test_where_the_patch_between_dragged_corners_folds_the_spline_is_shown_at_once(shaping, in_rows, monkeypatch):
-    made, fill, asked = square_rim(shaping), shaping.tripatch.fill, []
-    if not in_rows:  # as round a rim that no point sees all of
-        monkeypatch.setattr(shaping._Net, "of_rows", classmethod(lambda *_: None))
-    monkeypatch.setattr(shaping.tripatch, "fill", lambda *a, **k: asked.append(k.get("method", "auto")) or fill(*a, **k))
-    made.preview()
-    made.begin_drag()
-    for _ in range(2):
-        made.drag_corner(0, made.shape.corners[0] + 1)
-        made.preview(quick=True)
-        assert made.fill.report.method == "polyharmonic_spline" and not made.refusal
-        assert np.isfinite(surface_triangles(made)).all() and len(made.vertices) > 20
-    assert asked == ["auto", "multi_sided", *["polyharmonic_spline"] * (2 if in_rows else 3)]
-    shown = made.vertices
-    made.end_drag()
-    assert made.fill.report.method == "polyharmonic_spline"
-    apart = np.linalg.norm(shown[:, None] - made.fill.vertices[None], axis=2).min(axis=1).max()
-    assert apart < 0.15 * made.size, "what is made at the end"
-
-
-def test_other_corners_are_read_anew(shaping):
-    made = square_rim(shaping)
-    made.preview()
-    before = made.fill
-    made.drag_corner(0, made.shape.corners[0] + 1)
-    made.preview(quick=True)
-    assert made.fill is not before
-
-
 def test_the_header_says_what_helps(tool):
     ob = scenes.add_mesh(*scenes.square_hole())
     (bm,) = scenes.edit(ob)
@@ -493,16 +275,6 @@ def test_the_header_says_what_helps(tool):
     bmesh.update_edit_mesh(ob.data)
     assert bpy.ops.mesh.shape_fill() == {"FINISHED"}
     assert tool._state.problem.endswith("Mesh > Normals > Recalculate Outside turns them")
-
-
-def test_a_fill_of_plain_triangles_is_shown_as_they_are(shaping):
-    """It has no surface of which rows could be shown while a corner is dragged."""
-    fill = square_rim(shaping).preview()
-    assert shaping._Net.of_rows(fill, 1000) is not None
-    plain = types.SimpleNamespace(patch=None, sides=[], uv=fill.uv, feature_edges=[], rim=fill.rim)
-    for name in ("rim_uv", "rim_barycentric", "barycentric"):
-        setattr(plain, name, getattr(fill, name))
-    assert shaping._Net.of_rows(plain, 1000) is None
 
 
 def test_a_rim_that_is_a_point_is_not_shaped(shaping):
@@ -564,16 +336,78 @@ def test_arrows_of_the_sides_end_before_they_meet(shaping, make, pixels):
     assert shaping.arrow_scale(float("nan"), size) == shaping.SMALL
 
 
-def test_when_an_arrow_rests_the_fill_itself_is_shown(shaping, tool):
+def jagged_rim(shaping):
+    """Of a hole that only the surface around it fills."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
+    (bm,) = scenes.edit(bpy.context.object)
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if f.calc_center_median().x > 0.8], context="FACES")
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    return shaping.from_selection(bpy.context.object, bm)
+
+
+def ridge_rim(shaping):
+    """Of a single edge's two triangles: the fill has no vertices."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
+    (bm,) = scenes.edit(bpy.context.object)
+    bm.edges.ensure_lookup_table()
+    bmesh.ops.delete(bm, geom=list(bm.edges[7].link_faces), context="FACES_ONLY")
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    return shaping.from_selection(bpy.context.object, bm)
+
+
+RIMS = [square_rim, wavy_rim, four_cornered_rim, three_cornered_rim, round_rim, triangular_rim, jagged_rim]
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+@pytest.mark.parametrize("make", RIMS)
+def test_while_dragging_what_is_shown_is_what_is_inserted_with_its_edges(shaping, tool, make, output):
+    made = make(shaping)
+    made.set_arguments({"output": output})
+    tool.start(made)
+    plain = made.fill.vertices.copy()
+    tool.bulge_handlers(0)[1](1.6 * shaping.ARROW * made.size)
+    tool.middle_handlers()[1](0.08 * made.size)
+    tool._settle()
+    assert not made.refusal and made.is_shown
+    vertices, _, edges = made.surface()
+    assert plain.shape != made.fill.vertices.shape or np.abs(made.fill.vertices - plain).max() > 0.02 * made.size
+    name = made.name
+    before = len(bmesh.from_edit_mesh(bpy.data.objects[name].data).faces)
+    assert bpy.ops.mesh.shape_fill_confirm("EXEC_DEFAULT") == {"FINISHED"}
+    bm = bmesh.from_edit_mesh(bpy.data.objects[name].data)
+    inserted = np.array([[tuple(v.co) for v in e.verts] for e in {e for f in bm.faces if f.select for e in f.edges}])
+    assert len(bm.faces) == before + len(made.fill.faces)
+    middles, lengths = vertices[edges].mean(axis=1), np.linalg.norm(np.diff(vertices[edges], axis=1)[:, 0], axis=1)
+    found = inserted.mean(axis=1)
+    nearest = np.linalg.norm(middles[:, None] - found[None], axis=2).argmin(axis=1)
+    assert np.abs(found[nearest] - middles).max() < 1e-5 * made.size
+    assert np.abs(np.linalg.norm(np.diff(inserted, axis=1)[nearest][:, 0], axis=1) - lengths).max() < 1e-5 * made.size
+
+
+@pytest.mark.parametrize("make", [*RIMS, ridge_rim])
+def test_a_handle_that_the_fill_does_not_follow_is_not_offered(shaping, make):
+    made = make(shaping)
+    made.preview()
+    for option, change in (
+        ("bulge", lambda: made.set_bulge(0, 1.6)),
+        ("center_offset", lambda: made.set_middle(0.1 * made.size)),
+    ):
+        before, offered = made.fill.vertices.copy(), made.honors(option)
+        change()
+        made.preview()
+        moved = len(before) > 0 and np.abs(made.fill.vertices - before).max() > 1e-3 * made.size
+        assert offered == moved, option
+    assert made.honors("bulge") == (make is not ridge_rim)
+
+
+def test_a_fill_that_takes_long_is_made_when_the_handle_rests(shaping, tool, monkeypatch):
+    monkeypatch.setattr(tool, "_PROMPT", 0.0)
     _, _, made = lattice_hole(shaping)
     tool.start(made)
-    for handlers, values in ((tool.bulge_handlers(0), (0.1, 0.12)), (tool.middle_handlers(), (0.01, 0.02))):
-        for value in values:
-            handlers[1](value * made.size)
-            assert bpy.app.timers.is_registered(tool._settle)
-        tool._settle()
-        drawn = made.surface()[0].copy()
-        made.preview()
-        assert drawn.shape == made.surface()[0].shape and np.array_equal(drawn, made.surface()[0])
+    shown = made.fill
+    tool.bulge_handlers(0)[1](0.3 * made.size)
+    assert made.fill is shown and not made.is_shown and bpy.app.timers.is_registered(tool._settle)
+    tool._settle()
+    assert made.fill is not shown and made.is_shown
     tool.stop()
     assert not bpy.app.timers.is_registered(tool._settle)

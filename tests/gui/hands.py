@@ -272,3 +272,12 @@ def ball(w):
     there = Vector((0.55, -0.65, 0.45))
     bmesh.ops.delete(bm, geom=[f for f in bm.faces if (f.calc_center_median() - there).length < 0.45], context="FACES")
     return _edit(w, _add("Ball", bm), lambda e: True)
+
+
+def jagged_ball(w):
+    """A ball of triangles with a hole of no sides, its rim selected."""
+    bm = bmesh.new()
+    bmesh.ops.create_icosphere(bm, subdivisions=4, radius=1)
+    gone = Vector((0.55, -0.6, 0.45)).normalized()
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if (f.calc_center_median() - gone).length < 0.55], context="FACES")
+    return _edit(w, _add("Ball", bm), lambda e: True)

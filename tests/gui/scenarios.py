@@ -7,7 +7,7 @@ import threading
 import bmesh
 import bpy
 import numpy as np
-from hands import ball, clear, counts, last_operator, mesh, positions, rounded_corner, sheet
+from hands import ball, clear, counts, jagged_ball, last_operator, mesh, positions, rounded_corner, sheet
 from mathutils import Vector
 
 ADDON = "tripatch_blender"
@@ -75,13 +75,13 @@ def panel_rows(w):
     assert filled[1] == 0
     yield from _open_panel(w)
     yield from w.picture("blender-redo-panel")
-    assert last_operator().output == "quads" and last_operator().rows == 0
+    assert last_operator().computed_output == "quads" and last_operator().rows == 0
     assert all(len(f.verts) == 4 for f in mesh().faces if f.select)
     yield from _more_density(w)
     assert last_operator().rows == 1, f"rows are {last_operator().rows} after a click on their arrow"
-    assert last_operator().output == "quads" and counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
+    assert last_operator().computed_output == "quads" and counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
     hud = w.region("HUD")
-    folded, place = hud.height, (hud.x + 20, hud.y + 18 + 2 * 23)  # the third row from below
+    folded, place = hud.height, (hud.x + 20, hud.y + 18 + 3 * 23)  # the fourth row from below
     yield from w.click_at(*place)
     assert w.region("HUD").height > folded + 20 and (PANELS or last_operator().show_sides)
     yield from w.picture("sides-unfolded")
@@ -125,7 +125,7 @@ def output_for_every_mesh(w):
         yield
         yield from _fill_by_key(w)
         assert _is_filled(before)
-        assert last_operator().output == expected, f"{name}: {last_operator().output}, not {expected}"
+        assert last_operator().computed_output == expected, f"{name}: {last_operator().computed_output}, not {expected}"
         corners = {len(f.verts) for f in mesh().faces if f.select}
         assert corners == ({3} if expected == "triangles" else {4}), f"{name}: {corners}"
     last_operator().output = "triangles"  # as the panel would
@@ -136,7 +136,7 @@ def output_for_every_mesh(w):
     sheet(w, "The next")
     yield
     yield from _fill_by_key(w)
-    assert last_operator().output == "quads"
+    assert last_operator().output == "auto" and last_operator().computed_output == "quads"
 
 
 def filters(w):
@@ -325,7 +325,7 @@ def cage(w):
     yield
     yield from _fill_by_key(w)
     yield from w.picture("cage")
-    assert last_operator().output == "cage" and last_operator().rows >= 0
+    assert last_operator().computed_output == "cage" and last_operator().rows >= 0
     assert counts()[1] == 0 and _is_filled(before)
     assert all(len(f.verts) == 4 for f in mesh().faces if f.select)
 
@@ -420,6 +420,56 @@ def gizmos(w):
     yield
     yield
     assert counts() == before, "one undo step"
+
+
+def _inserted(made):
+    """Ends of the edges of the faces that Enter has inserted, and of those that were shown, in one order."""
+    vertices, _, edges = made
+    found = np.array([[tuple(v.co) for v in e.verts] for e in {e for f in mesh().faces if f.select for e in f.edges}])
+    shown = vertices[edges]
+    nearest = np.linalg.norm(shown.mean(axis=1)[:, None] - found.mean(axis=1)[None], axis=2).argmin(axis=1)
+    return found[nearest], shown
+
+
+def preview_is_the_result(w):
+    """While an arrow is held what is shown is the fill that Enter inserts, on holes for a patch, rows, and the surface around."""
+    for name, make in (("corner", rounded_corner), ("sheet", lambda w: sheet(w, "Sheet")), ("ball", jagged_ball)):
+        make(w)
+        tool, shaping = _tool(w), importlib.import_module(f"{ADDON}.shaping")
+        with w.override():
+            bpy.ops.mesh.shape_fill()
+        yield
+        yield
+        made = tool.current()
+        plain = made.fill
+        _, point, direction = made.side_handles()[0]
+        reach = shaping.ARROW * made.size
+        tip = point + direction * made.shape.bulges[0] * reach
+        w.move(*w.on_screen(tip))
+        yield
+        yield
+        w.event("LEFTMOUSE", "PRESS")
+        yield
+        for k in range(1, 7):
+            w.move(*w.on_screen(tip + direction * reach * k / 6))
+            yield
+        while not made.is_shown:  # a fill that takes long waits until the mouse rests
+            yield
+        yield from w.picture(f"held-{name}")
+        held = made.surface()
+        assert made.shape.bulges[0] > 1.5 and made.fill is not plain, name
+        w.event("LEFTMOUSE", "RELEASE")
+        yield
+        w.home()
+        w.press("RET")
+        yield
+        yield
+        assert tool.current() is None, name
+        found, shown = _inserted(held)
+        assert np.abs(found.mean(axis=1) - shown.mean(axis=1)).max() < 1e-5 * made.size, name
+        yield from w.picture(f"inserted-{name}")
+        clear(w)
+        yield
 
 
 def tool_left(w):
@@ -773,6 +823,7 @@ ALL = [
     points_inside,
     cage,
     gizmos,
+    preview_is_the_result,
     tool_left,
     overlay_on_and_off,
     overlay_in_the_sidebar,
