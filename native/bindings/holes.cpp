@@ -7,9 +7,12 @@
 #include "tripatch/hole/choose_holes.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/hole.h"
+#include "tripatch/hole/islands.h"
+#include "tripatch/hole/near_duplicates.h"
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/unjoined.h"
+#include "tripatch/report/passages.h"
 
 using namespace tripatch;
 
@@ -21,9 +24,81 @@ py::list listed(const std::vector<std::vector<Index>>& loops) {
   return out;
 }
 
+void bind_borders(py::module_& m) {
+  m.def("_outer_borders", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::vector<std::vector<Index>> loops;
+    {
+      py::gil_scoped_release release;
+      for (Border& border : borders_of({points, faces}))
+        if (border.outer) loops.push_back(std::move(border.loop));
+    }
+    return listed(loops);
+  });
+  m.def("_join_borders",
+        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+           std::optional<double> distance) -> py::object {
+          const FacesRef faces = faces_from(offsets, corners);
+          const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+          JoinedBorders joined;
+          {
+            py::gil_scoped_release release;
+            const Mesh mesh{points, faces};
+            joined = join_borders(mesh, distance.value_or(same_place * size_of(mesh)));
+          }
+          if (joined.stands.empty()) return py::none();
+          return py::make_tuple(array_from(joined.faces.corners), array_from(joined.stands));
+        });
+  m.def("_contacts", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                        const std::vector<std::vector<Index>>& loops) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::vector<std::array<Index, 4>> found;
+    py::gil_scoped_release release;
+    for (const Contact& each : contacts({points, faces}, loops))
+      found.push_back({static_cast<Index>(each.on_others), static_cast<Index>(each.on_itself), each.edge[0], each.edge[1]});
+    return found;
+  });
+  m.def("_islands", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                       const std::vector<std::vector<Index>>& loops) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    py::gil_scoped_release release;
+    const Mesh mesh{points, faces};
+    return islands_of(mesh, Connectivity(mesh), loops);
+  });
+}
+
+void bind_passages(py::module_& m) {
+  m.def("_passages", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::list& fills) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    std::vector<std::array<py::array, 4>> held;  // the arrays must outlive the views of them
+    std::vector<FillFaces> read;
+    for (const py::handle& each : fills) {
+      const auto [added, starts, of_faces, rim] = each.cast<std::tuple<Array, IndexArray, IndexArray, IndexArray>>();
+      held.push_back({added, starts, of_faces, rim});
+      read.push_back({Eigen::Map<const Points>(added.data(), added.shape(0), 3), faces_from(starts, of_faces),
+                      std::span<const Index>(rim.data(), static_cast<std::size_t>(rim.size()))});
+    }
+    std::vector<std::optional<Vec3>> found;
+    {
+      py::gil_scoped_release release;
+      found = passages({points, faces}, read);
+    }
+    py::list out;
+    for (const std::optional<Vec3>& each : found)
+      out.append(each ? py::object(py::make_tuple(each->x(), each->y(), each->z())) : py::none());
+    return out;
+  });
+}
+
 }  // namespace
 
 void bind_holes(py::module_& m) {
+  bind_borders(m);
+  bind_passages(m);
   m.attr("surrounding_rings") = most_rings + 1;
   m.def("_find_holes", [](const IndexArray& offsets, const IndexArray& corners) {
     const FacesRef faces = faces_from(offsets, corners);
@@ -46,17 +121,6 @@ void bind_holes(py::module_& m) {
           }
           return listed(loops);
         });
-  m.def("_outer_borders", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::vector<std::vector<Index>> loops;
-    {
-      py::gil_scoped_release release;
-      for (Border& border : borders_of({points, faces}))
-        if (border.outer) loops.push_back(std::move(border.loop));
-    }
-    return listed(loops);
-  });
   m.attr("not_joined") = not_joined;
   m.def("_told_of_unjoined", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                                 const std::vector<std::vector<Index>>& rims) {

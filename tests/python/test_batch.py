@@ -138,7 +138,7 @@ FILE = (
 HOLE = (
     "schema line tripatch options input object hole outer vertex edges diameter status reason where new_vertices new_faces "
     "crease_max method method_reason corners continuity fairing seam_angle_max seam_angle_rms surroundings_error deviation_max "
-    "cage_deviation_max surroundings_moved_max folds triangles_folded crosses_itself warnings"
+    "cage_deviation_max surroundings_moved_max folds triangles_folded crosses_itself passes_through warnings"
 ).split()
 
 
@@ -169,30 +169,25 @@ def test_a_file_whose_fill_crosses_itself_is_filled_partly(tmp_path, capsys):
     assert heads(tmp_path / "out")["knot.obj"]["status"] == "partly"
 
 
-def test_of_faces_that_are_not_joined_is_said_what_joins_them(tmp_path, capsys):
-    """Where every face has vertices of its own, of a ball in two halves, and of two faces beside a hole, which are left."""
+def test_faces_that_are_not_joined_are_filled_as_if_they_were_and_near_duplicates_refused(tmp_path, capsys):
     source = tmp_path / "in"
     source.mkdir()
-    vertices, faces = sphere_hole(3, rings=2)
-    write_obj(source / "soup.obj", unjoined(vertices, faces))
+    write_obj(source / "soup.obj", unjoined(*sphere_hole(3, rings=2)))
     points, quads = cube_sphere(4)
     of_half = [[v + len(points) * bool(points[q].mean(axis=0)[2] > 0) for v in q] for q in quads]
     write_obj(source / "halves.obj", (np.concatenate([points, points]), of_half))
-    face = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
-    pair = np.concatenate([face, face + [1, 0, 0]]), [[0, 1, 2, 3], [4, 5, 6, 7]]
-    write_obj(source / "pair.obj", pair, sphere_hole(3, rings=2, center=5))
-    write_obj(source / "whole.obj", (vertices, faces))
-    expected = {"halves.obj": 2, "pair.obj": 2, "soup.obj": len(faces), "whole.obj": 0}
+    write_obj(source / "near.obj", (np.concatenate([points, points + [0, 0, 1e-4]]), of_half))
     for more in ([], ["--dry-run"]):
         code, out, _ = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, *more)
         assert code == (0 if more else 3)
-        assert f"{4 + len(faces)} rims in 3 files lie upon other borders" in out and "Merge by Distance" in out
+        assert "2 rims in 1 file lie upon other borders" in out
     made = heads(tmp_path / "out")
-    assert {name: head["unjoined"] for name, head in made.items()} == expected
-    holes = [line for line in lines(tmp_path / "out") if line["line"] == "hole" and line["input"] != "whole.obj"]
-    assert {hole["status"] for hole in holes} == {"filled", "left", "refused"}
-    told = [" ".join([hole["reason"] or "", *(hole["warnings"] or [])]) for hole in holes]
-    assert sum("Merge by Distance" in each for each in told) == 4 + len(faces)
+    assert {name: head["unjoined"] for name, head in made.items()} == {"halves.obj": 0, "near.obj": 2, "soup.obj": 0}
+    assert {name: head["status"] for name, head in made.items()} == {
+        "halves.obj": "nothing",
+        "near.obj": "refused",
+        "soup.obj": "filled",
+    }
 
 
 def test_filters_and_reasons_of_a_dry_run(tmp_path, capsys):

@@ -50,7 +50,8 @@ def test_of_borders_that_turn_outwards_only_the_longest_of_a_component_is_outer(
 
 
 def test_every_component_has_an_outer_border_of_its_own():
-    vertices, faces = together(sheet(6, 1.0, [14]), sheet(3, 9.0))
+    large, quads = sheet(3, 9.0)
+    vertices, faces = together(sheet(6, 1.0, [14]), (large + [20, 0, 0], quads))
     assert lengths(tripatch.outer_borders(vertices, faces)) == [12, 24]
     filled = tripatch.fill_all(vertices, faces)
     assert [len(fill.rim) for fill in filled] == [4]

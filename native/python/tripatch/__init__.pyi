@@ -192,6 +192,7 @@ class Fill:
     uv: Floats | None
     rim_uv: Floats | None
     deviation: Floats | None
+    passes_through: tuple[float, float, float] | None
     rim: Indices
     rim_normals: Floats
     rim_barycentric: Floats
@@ -283,6 +284,7 @@ def fill(
 ) -> Fill: ...
 
 class Fills(list[Fill | Refusal]):
+    rims: list[Indices]
     outer_borders: list[Indices]
 
 def fill_all(
@@ -291,6 +293,8 @@ def fill_all(
     rims: Sequence[Sequence[int] | Indices] | None = None,
     *,
     corners: Sequence[Sequence[int] | Indices | None] | None = None,
+    islands: Literal["auto", "none"] = "auto",
+    join: float | None = None,
     progress: Callable[[int, int], object] | None = None,
     # begin fill_all: scripts/stubs
     method: str = "auto",

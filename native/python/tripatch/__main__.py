@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import tripatch
-from tripatch import arguments, files, view, words
+from tripatch import arguments, borders, files, filling, view, words
 from tripatch.batch import command as batch
+from tripatch.batch import creases
 from tripatch.batch.record import plain
 from tripatch.files import evidence
 
@@ -66,6 +67,9 @@ def parser() -> argparse.ArgumentParser:
     fill.add_argument("--all", action="store_true", help="fill every hole")
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="write a JSON report to FILE.json")
     fill.add_argument("--deviation", action="store_true", help="write the error estimate of new vertices into OUT.ply")
+    fill.add_argument(
+        "--join", type=float, metavar="DISTANCE", help="join borders that lie so near each other (default: size / 1e6)"
+    )
     arguments.add_groups(fill, OPTIONS.values())
     arguments.add_talk(fill, json=True)
     batch.add(commands)
@@ -138,7 +142,7 @@ def _report(holes: list[Any], left: Sequence[Any], out: files.MeshFile) -> str:
             added = {"rim": result.rim, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
             if len(result.creases[0]):
                 added["creases"] = result.creases[0]
-            entries.append({**added, **result.report.as_dict()})
+            entries.append({**added, **result.report.as_dict(), "passes_through": result.passes_through})
     borders = [{"code": "outer_border_left_open", "edges": len(loop), "rim": loop} for loop in left]
     said = {"tripatch": tripatch.__version__, "holes": entries, "outer_borders": borders, **out.evidence()}
     return json.dumps(plain(said), indent=2) + "\n"
@@ -171,6 +175,8 @@ def _lines(holes: list[Any]) -> list[str]:
 def _options(args: argparse.Namespace) -> dict[str, Any]:
     """Those that were given, if they go with each other."""
     options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
+    if isinstance(options.get("islands"), str):
+        options.pop("islands")
     for name in options:
         flag = arguments.flag(name)
         if args.all and name == "corners" and len(options[name]) == 0:
@@ -180,6 +186,12 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
         if not args.all and "fill" not in OPTIONS[name].functions:
             raise ValueError(f"{flag} goes with --all")
     return options
+
+
+def _gathering(args: argparse.Namespace) -> dict[str, Any]:
+    """What is asked of borders that lie on others, and of islands."""
+    islands = getattr(args, "islands", "auto")
+    return {"join": args.join, "islands": islands if isinstance(islands, str) else "none"}
 
 
 def _left_open(args: argparse.Namespace, left: Sequence[Any]) -> str:
@@ -207,6 +219,9 @@ def _fill(args: argparse.Namespace) -> int:
     choosing = {name: options.pop(name) for name in list(options) if "choose_holes" in OPTIONS[name].functions}
     if args.report and os.path.realpath(args.report) in map(os.path.realpath, (args.input, args.out)):
         raise ValueError(f"--report would write over {args.report}, which is IN or OUT; give it a file of its own")
+    files.check_output(args.out)
+    if args.report:
+        files.check_folder(args.report)
     mesh = files.read(args.input)
     same_format = args.out.suffix.lower() == args.input.suffix.lower()
     out = mesh if same_format else files.converted(mesh, args.out.suffix)
@@ -215,15 +230,15 @@ def _fill(args: argparse.Namespace) -> int:
         out = out.with_deviation()
 
     holes: list[tuple[Any, ...]] = []
-    named = bool(options.keys() & {"rim", "corners"}) and not args.all
-    borders = [] if named else tripatch.find_holes(mesh.faces)
-    left = tripatch.outer_borders(mesh.vertices, mesh.faces) if borders and not choosing.get("outer") else []
-    if not named and len(left) == len(borders):
-        return _copied(args, out, left)
-    if args.all:
-        rims = tripatch.choose_holes(mesh.vertices, mesh.faces, **choosing)
-        results = tripatch.fill_all(mesh.vertices, mesh.faces, rims, progress=_progress, **options)
-        holes = list(zip(rims, results, strict=True))
+    found, left = None, list[Any]()
+    if args.all or not options.keys() & {"rim", "corners", "islands"}:
+        found = borders.find(mesh.vertices, mesh.faces, **_gathering(args), **choosing)
+        left = found.outer_borders
+        if not found.rims and not (choosing.keys() - {"outer"} and tripatch.choose_holes(mesh.vertices, mesh.faces)):
+            return _copied(args, out, left)
+    if found and (args.all or (len(found.rims) == 1 and not found.is_plain)):
+        results = filling.fill_all(mesh.vertices, mesh.faces, found, progress=_progress, **options)
+        holes = list(zip(results.rims, results, strict=True))
         if not holes:
             _say("Nothing to fill: no hole is as it was asked for")
     else:
@@ -261,18 +276,25 @@ def _fill(args: argparse.Namespace) -> int:
     triangles = sum(len(face) == 3 for face in faces) if options.get("output") == "quads" else 0
     reports = [fill.report for fill in fills]
     if not args.json and not args.quiet:
-        print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit))
+        rims = [(fill.vertices, fill.faces, fill.rim) for fill in fills]
+        bends = [] if cage_rim or limit else creases.largest(mesh.vertices, mesh.faces, rims)
+        bend = max((bend for bend in bends if bend is not None), default=float("inf"))
+        print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit, bend=bend))
         if left:
             print(_left_open(args, left))
     folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
     if folded:
         note(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")
     crossed = sum(fill.report.crosses_itself for fill in fills)  # its warning says where
-    return FILLED if len(fills) == len(holes) and not folded and not crossed else SOME
+    through = [(min(fill.rim), fill.passes_through) for fill in fills if fill.passes_through]
+    for vertex, where in through[:MOST_TOLD]:
+        note(f"The fill through vertex {vertex} passes through the mesh near {words.place(where)}")
+    return FILLED if len(fills) == len(holes) and not folded and not crossed and not through else SOME
 
 
 def _smooth(args: argparse.Namespace) -> int:
     args.out = arguments.out_of(args)
+    files.check_output(args.out)
     mesh = files.read(args.input)
     smooth = tripatch.smooth_triangles(mesh.vertices, mesh.faces, resolution=args.resolution, curve=args.curve)
     files.write(args.out, smooth)

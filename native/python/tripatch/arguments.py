@@ -71,7 +71,9 @@ def _json(text: str) -> dict[str, Any]:
         raise argparse.ArgumentTypeError(f"{given!r} is no JSON: {error}") from None
 
 
-def _loops(text: str) -> list[list[int]]:
+def _loops(text: str) -> list[list[int]] | str:
+    if text in ("auto", "none"):
+        return text
     return [indices(part) for part in text.split(";") if part]
 
 
@@ -125,7 +127,7 @@ def reader(option: Option) -> Callable[..., Any]:
 
 def _metavar(option: Option) -> str:
     if option.kind == "loops":
-        return "V,V,...;V,V,..."
+        return "auto|none|V,V,...;V,V,..."
     if option.kind == "points":
         return "X,Y,Z;X,Y,Z;..."
     if option.kind == "indices":

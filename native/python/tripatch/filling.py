@@ -13,6 +13,7 @@ import numpy as np
 from . import _arrays, _native, words
 from ._native import Patch
 from ._types import Array, ArrayLike, Faces
+from .borders import Holes, passages
 from .errors import Refusal
 from .holes import SURROUNDING_RINGS
 from .options import OPTIONS, checked, not_at_default, takes_options, value, whole
@@ -40,6 +41,7 @@ class Fill:
         sides: the three `Side` objects of the surroundings used; none of a patch without sides.
         patch: the `Patch`.
         report: the `Report`.
+        passes_through: a place (x, y, z) where it goes through a face of the mesh that is not at its rim, else None.
     """
 
     def __init__(self, native: _native.Filled, source: Source) -> None:
@@ -47,6 +49,7 @@ class Fill:
         self._has_patch = native.patch is not None
         self._offsets, self._corners = native.face_offsets, native.face_corners
         self.replaced = np.array(source.options.get("replaced", ()), np.int64)
+        self.passes_through: tuple[float, float, float] | None = None
         self.vertices = native.vertices
         self.normals = native.normals
         self.barycentric = native.barycentric
@@ -131,14 +134,18 @@ class Fills(list["Fill | Refusal"]):
     """What `fill_all` makes: a list of a `Fill` or a `Refusal` for each hole.
 
     Attributes:
+        rims: of each hole its rim.
         outer_borders: the border loops that were left open as outer ones; none where rims are named.
     """
 
+    rims: list[Array]
     outer_borders: list[Array]
 
-    def __init__(self, results: Iterable[Fill | Refusal] = (), outer_borders: Sequence[Array] = ()) -> None:
+    def __init__(
+        self, results: Iterable[Fill | Refusal] = (), rims: Sequence[Array] = (), outer_borders: Sequence[Array] = ()
+    ) -> None:
         super().__init__(results)
-        self.outer_borders = list(outer_borders)
+        self.rims, self.outer_borders = list(rims), list(outer_borders)
 
 
 @dataclasses.dataclass
@@ -282,7 +289,10 @@ def fill(vertices: ArrayLike, faces: Faces, *, progress: Callable[[int, int], ob
     v, offsets, corners = _arrays.mesh(vertices, faces)
     made = _native._fill(v, offsets, corners, not_at_default("fill", given), progress)
     rim = given["rim"] if given["rim"] is not None else _from_lowest(made.rim)
-    return Fill(made, Source("fill", v, offsets, corners, options, rim))
+    filled = Fill(made, Source("fill", v, offsets, corners, options, rim))
+    if _is_in_mesh(given):
+        (filled.passes_through,) = passages(v, offsets, corners, [made], given["replaced"])
+    return filled
 
 
 def _from_lowest(rim: Array) -> list[int]:
@@ -298,6 +308,8 @@ def fill_all(
     rims: Any = None,
     *,
     corners: Any = None,
+    islands: str = "auto",
+    join: float | None = None,
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> Fills:
@@ -309,6 +321,10 @@ def fill_all(
         rims: a list of rims; None: those that `choose_holes` finds by the last of the options.
         corners: for each rim what `fill` takes: two of its vertices or more, an empty list for a round one, or None where they
             are to be detected; None: all are detected; an empty list: all are round.
+        islands: "auto": borders of other parts of the mesh that lie inside a hole belong to it; "none": each is a hole. Of rims
+            that are named none are.
+        join: where rims are None, the distance within which vertices of borders that lie on each other count as one; None: a
+            millionth of the mesh's size. Borders that lie on others all the same are refused.
         progress: called with the number of holes done and the number of all, several times a second; what it raises ends the
             work, as Ctrl-C does.
         **options: see OPTIONS.
@@ -322,23 +338,66 @@ def fill_all(
     choosing = [name for name in options if "choose_holes" in OPTIONS[name].functions]
     if rims is not None and choosing:
         raise ValueError(f"{choosing[0]} chooses among the holes of a mesh; with rims that are named it means nothing")
-    chosen = _native._choose_holes(v, offsets, face_corners, given) if rims is None else rims
-    loops = [_arrays.indices(loop, "rim") for loop in chosen]
+    if islands not in ("auto", "none"):
+        raise ValueError(f"islands must be 'auto' or 'none', not {islands!r}")
+    holes = rims if isinstance(rims, Holes) else None
+    if rims is None:
+        holes = Holes(v, offsets, face_corners, given, islands, join)
+    if holes:
+        face_corners = holes.corners
+    loops = holes.rims if holes else [_arrays.indices(loop, "rim") for loop in rims]
     given_corners = () if corners is None else corners if len(corners) else [()] * len(loops)
     by_rim = [value(OPTIONS["corners"], each) for each in given_corners]
     if corners is not None and len(by_rim) != len(loops):
         raise ValueError(f"corners must be given for each of the {len(loops)} rims, not for {len(by_rim)}")
-    results = _native._fill_all(v, offsets, face_corners, loops, given, by_rim, progress)
+    mesh = v, offsets, face_corners
+    if holes and (holes.refused or any(holes.islands)):
+        results = _with_islands(mesh, holes, options, by_rim, progress)
+    else:
+        results = _native._fill_all(v, offsets, face_corners, loops, given, by_rim, progress)
+    natives = [result for result in results if not isinstance(result, Refusal)]
+    through = iter(passages(*mesh, natives, given["replaced"]) if _is_in_mesh(given) else [None] * len(natives))
     together: list[Any] = []
     fills: list[Fill | Refusal] = []
     for k, result in enumerate(results):
         if isinstance(result, Refusal):
             fills.append(result)
             continue
-        source = Source("fill_all", v, offsets, face_corners, options, loops[k], by_rim[k] if by_rim else None)
-        fills.append(Fill(result, source))
+        if holes and holes.islands[k]:
+            source = Source("fill", v, offsets, face_corners, {**options, "islands": holes.islands[k]}, loops[k])
+        else:
+            source = Source("fill_all", v, offsets, face_corners, options, loops[k], by_rim[k] if by_rim else None)
+        filled = Fill(holes.brought_back(result) if holes else result, source)
+        filled.passes_through = next(through)
+        fills.append(filled)
         if given["output"] == "cage":
             source.others = together
-            together.append(fills[-1])
-    left = rims is None and not given["outer"]
-    return Fills(fills, _native._outer_borders(v, offsets, face_corners) if left else ())
+            together.append(filled)
+    if not holes:
+        return Fills(fills, [np.array(loop, np.int64) for loop in loops])
+    return Fills(fills, [holes.in_mesh(loop) for loop in loops], holes.outer_borders)
+
+
+def _is_in_mesh(given: Any) -> bool:
+    """Whether what is delivered are faces of the surface, in the mesh."""
+    return bool(given["output"] != "cage" and given["surroundings"] == "mesh")
+
+
+def _with_islands(mesh: Any, holes: Holes, options: dict[str, Any], by_rim: list[Any], progress: Any) -> list[Any]:
+    """Fills of holes of which some have islands, or are refused."""
+    v, offsets, face_corners = mesh
+    plain = [k for k in range(len(holes.rims)) if k not in holes.refused and not holes.islands[k]]
+    given = checked("fill_all", options)
+    rims, corners = [holes.rims[k] for k in plain], [by_rim[k] for k in plain] if by_rim else []
+    results: dict[int, Any] = dict(holes.refused)
+    results.update(zip(plain, _native._fill_all(v, offsets, face_corners, rims, given, corners, progress), strict=True))
+    own = {name: value for name, value in options.items() if "fill" in OPTIONS[name].functions}
+    for k, islands in enumerate(holes.islands):
+        if not islands or k in results:
+            continue
+        try:
+            asked = checked("fill", {**own, "rim": holes.rims[k], "islands": islands})
+            results[k] = _native._fill(v, offsets, face_corners, not_at_default("fill", asked), progress)
+        except Refusal as refusal:
+            results[k] = refusal
+    return [results[k] for k in range(len(holes.rims))]

@@ -33,6 +33,7 @@ def filled(
     triangles: int = 0,
     limit: bool = False,
     into: Sequence[str] = (),
+    bend: float = float("inf"),
 ) -> str:
     """What became of holes: 'Filled 2 holes; seam within 0.3° (surroundings known to 0.3°)'.
 
@@ -45,6 +46,7 @@ def filled(
         quads: how many faces cages, or fills with quads, have; triangles: how many of these are none.
         limit: the surroundings are a limit surface, which is known exactly.
         into: names of the objects that the fills became.
+        bend: the largest angle, in degrees, between new faces and their neighbors across the rim: no seam bends by more.
     """
     count = len(reports)
     if not count:
@@ -68,7 +70,7 @@ def filled(
     if kept and limit:
         said.append(f"seam with the limit surface within {degrees(max(kept))}")
     elif kept:
-        known = max(report.surroundings_error for report in reports)
+        known = min(max(report.surroundings_error for report in reports), bend)
         said.append(f"seam within {degrees(max(*kept, known))} (surroundings known to {degrees(known)})")
     if others:
         said.append(f"bends by up to {degrees(max(others))} at sides met in position only")
@@ -92,6 +94,11 @@ def left_open(edges: Sequence[int], advice: str = "") -> str:
         sizes = f"{min(edges)} to {max(edges)}"
     said = f"{counted(len(edges), 'outer border')} left open ({sizes} edges)"
     return f"{said}; {advice} to fill {'it' if len(edges) == 1 else 'them'}" if advice else said
+
+
+def place(where: Sequence[float]) -> str:
+    """'(0.5, 1, 2.25)', to four digits."""
+    return f"({', '.join(f'{x:.4g}' for x in where)})"
 
 
 def _vertices(where: Sequence[int]) -> str:

@@ -295,6 +295,21 @@ void bring_back(const CanonicalPart& part, const Mesh& mesh, const std::vector<s
     fill.patch = std::make_shared<PlanePatch>(part.mirrored ? mirrored(plane->surface()) : plane->surface(), fill.rim_uv);
 }
 
+/// Of the diameter of a rim: vertices that are so near its plane lie in it.
+constexpr double in_rim_plane = 1e-6;
+
+/// Whether a fill of four edges lies in their plane, so that two triangles do for it.
+bool is_flat_quadrilateral(const Points& rim, const Points& inside) {
+  if (rim.rows() != 4 || inside.rows() == 0) return false;
+  const Vec3 first = rim.row(2) - rim.row(0), other = rim.row(3) - rim.row(1);
+  const Vec3 normal = first.cross(other).stableNormalized();
+  const double reach = in_rim_plane * std::max(first.norm(), other.norm());
+  const auto lie = [&](const Points& points) {
+    return (((points.rowwise() - rim.row(0)) * normal).array().abs() <= reach).all();
+  };
+  return lie(rim) && lie(inside);
+}
+
 }  // namespace
 
 Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
@@ -318,6 +333,11 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
   }
   try {
     Fill fill = fill_in_part(own, known, part.loops, there);
+    const bool as_rim = !there.quads && !there.resolution && there.through.empty() && islands.empty();
+    if (as_rim && is_flat_quadrilateral(own.vertices(part.loops[0], Eigen::all), fill.vertices)) {
+      there.resolution = 1;
+      fill = fill_in_part(own, known, part.loops, there);
+    }
     bring_back(part, mesh, loops, fill);
     return fill;
   } catch (const Refusal& refusal) {

@@ -61,7 +61,7 @@ def _at(vertices: Array, faces: Any, keys: Array, n: int) -> dict[int, Array]:
     return dict(zip(key.tolist(), normals[back.reshape(-1)], strict=True))
 
 
-def largest(vertices: Array, faces: Any, fills: Sequence[tuple[Array, list[Any], Array]]) -> list[float | None]:
+def largest(vertices: Array, faces: Any, fills: Sequence[tuple[Array, Any, Array]]) -> list[float | None]:
     """For each fill the largest angle, in degrees, between a new face and the face across the rim; None where none is shared.
 
     Args:

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import _arrays, _native, files
+from .. import _native, borders, files
 from .._types import Array
 from ..errors import Refusal
 from ..filling import fill_all
-from ..holes import choose_holes, find_holes
+from ..options import checked
 from . import creases, crops, record
 from .settings import CROP, FILL, LIST, Settings
 
@@ -97,27 +97,21 @@ def _faces(mesh: files.MeshFile) -> Any:
     return np.array(mesh.faces, np.int64) if len(sizes) == 1 and sizes <= {3, 4} else mesh.faces
 
 
-def _unjoined(vertices: Array, faces: Any, loops: list[Any]) -> dict[int, str]:
-    """Of loops that are not filled: what a fill would say where they lie upon other borders, else "". By lowest vertex."""
-    told = _native._told_of_unjoined(*_arrays.mesh(vertices, faces), loops) if loops else []
-    return {int(loop[0]): each for loop, each in zip(loops, told, strict=True)}
-
-
-def _left(vertices: Array, faces: Any, loops: list[Any], settings: Settings) -> dict[int, str]:
+def _left(holes: borders.Holes, loops: list[Any], settings: Settings) -> dict[int, str]:
     """Why loops are not filled: lowest vertex -> sentence."""
     choosing = settings.choosing()
     reasons: dict[int, str] = {}
     named = [name for name in choosing if name != "outer"]
     for name in named:
-        chosen = {int(loop[0]) for loop in choose_holes(vertices, faces, **{"outer": True, name: choosing[name]})}
+        asked = checked("choose_holes", {"outer": True, name: choosing[name]})
+        chosen = {int(loop[0]) for loop in _native._choose_holes(*holes.mesh, asked)}
         said = f"--{name.replace('_', '-')} {','.join(map(str, np.atleast_1d(choosing[name])))} leaves it out"
         for loop in loops:
             if int(loop[0]) not in chosen:
                 reasons.setdefault(int(loop[0]), said)
     for loop in loops:
         reasons.setdefault(int(loop[0]), OUTER)
-    unjoined = _unjoined(vertices, faces, loops)
-    return {first: f"{said}. {unjoined[first]}" if unjoined[first] else said for first, said in reasons.items()}
+    return reasons
 
 
 def _diameter(points: Array) -> float:
@@ -128,37 +122,32 @@ def _diameter(points: Array) -> float:
 def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, wanted: tuple[Any, ...]) -> dict[str, Any]:
     mesh = files.read(file)
     vertices, faces = mesh.vertices, _faces(mesh)
-    loops = find_holes(faces)
-    refused = None
-    try:
-        chosen = choose_holes(vertices, faces, **settings.choosing()) if loops else []
-    except Refusal as refusal:
-        chosen, refused = [], refusal
-    meant = {int(loop[0]): k for k, loop in enumerate(chosen)}
-    others = [loop for loop in loops if int(loop[0]) not in meant]
-    reasons = _left(vertices, faces, others, settings) if others and not refused else {}
+    holes = borders.find(vertices, faces, **settings.choosing())
+    meant = {loop[0]: k for k, loop in enumerate(holes.rims)}
+    inside = {loop[0] for islands in holes.islands for loop in islands}  # filled with the hole around them
+    loops = [loop for loop in holes.borders if loop[0] not in inside]
+    others = [loop for loop in loops if loop[0] not in meant]
+    reasons = _left(holes, others, settings) if others else {}
     results: list[Any] = []
     try:
-        if chosen and settings.mode != LIST:
-            results = fill_all(vertices, faces, chosen, **settings.filling())
+        if holes.rims and settings.mode != LIST:
+            results = fill_all(vertices, faces, holes, **settings.filling())
     except Refusal as refusal:  # of what is asked for, not of one hole
-        results = [refusal] * len(chosen)
+        results = [refusal] * len(holes.rims)
     if settings.mode == CROP:
         return {"crops": [crops.of_fill(vertices, faces, results[meant[int(loops[k][0])]]) for _, k, _ in wanted]}
 
-    unjoined = _unjoined(vertices, faces, chosen) if settings.mode == LIST else {}
     sharp = _creases(vertices, faces, results)
     lines = []
     for k, loop in enumerate(loops):
         first = int(loop[0])
         place = {"hole": k, "vertex": first, "edges": len(loop), "diameter": _diameter(vertices[loop])}
-        if refused is not None:
-            line = record.of_hole(settings, name, refused, **place)
-        elif first not in meant:
+        if first not in meant:
             outer = reasons[first].startswith(OUTER)
             line = record.of_hole(settings, name, **place, outer=outer, status=record.LEFT, reason=reasons[first])
         elif settings.mode == LIST:
-            line = record.of_hole(settings, name, **place, status=record.LISTED, reason=unjoined[first] or None)
+            no_hole = holes.refused.get(meant[first])
+            line = record.of_hole(settings, name, no_hole, **place, **({} if no_hole else {"status": record.LISTED}))
         else:
             line = record.of_hole(settings, name, results[meant[first]], **place, crease_max=sharp[meant[first]])
         lines.append(line)

@@ -59,6 +59,7 @@ _REPORTED = {
     "folds": None,
     "triangles_folded": None,
     "crosses_itself": None,
+    "passes_through": None,
     "warnings": None,
 }
 _OF_CAGES = ("cage_deviation_max", "surroundings_moved_max")
@@ -119,7 +120,7 @@ def of_hole(settings: Settings, name: str, result: Any = None, **values: Any) ->
         values |= {"status": REFUSED, "reason": result.reason, "where": list(result.where)[:_WHERE]}
     elif result is not None:
         values |= {"status": FILLED, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
-        values |= reported(result.report.as_dict())
+        values |= reported({**result.report.as_dict(), "passes_through": result.passes_through})
     assert values.keys() <= _HOLE.keys()
     line: dict[str, Any] = plain({**_begun(settings, "hole", name), **_HOLE, **values})
     return line
@@ -140,7 +141,7 @@ def outcome(holes: list[dict[str, Any]]) -> dict[str, Any]:
     count = {status: sum(hole["status"] == status for hole in holes) for status in (FILLED, REFUSED, LEFT, LISTED)}
     folded = sum((hole["triangles_folded"] or 0) > 0 for hole in holes)
     if count[FILLED]:
-        crossing = any(hole["crosses_itself"] for hole in holes)
+        crossing = any(hole["crosses_itself"] or hole["passes_through"] for hole in holes)
         status = PARTLY if count[REFUSED] or folded or crossing else FILLED
     else:
         status = LISTED if count[LISTED] else REFUSED if count[REFUSED] else NOTHING

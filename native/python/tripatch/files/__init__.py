@@ -27,7 +27,7 @@ from .ply import PlyFile
 from .stl import StlFile
 from .writing import FileError, write_over
 
-__all__ = ["FileError", "MeshFile", "converted", "read", "write", "write_over"]
+__all__ = ["FileError", "MeshFile", "check_folder", "check_output", "converted", "read", "write", "write_over"]
 
 _BINARY = rb"(?:\xef\xbb\xbf)?[A-Zn4]*OFF[ \t]+BINARY\b"
 _OWN: dict[str, Any] = {".obj": ObjFile, ".off": OffFile, ".ply": PlyFile, ".stl": StlFile}
@@ -81,6 +81,25 @@ def write(path: str | os.PathLike[str], mesh: Any) -> None:
         vertices, offsets, corners = _arrays.mesh(*pair)
         mesh = MeshFile(vertices.copy(), _arrays.index_lists(_arrays.rows(offsets, corners)))
     (mesh if mesh.suffix.lower() == path.suffix.lower() else converted(mesh, path.suffix)).write(path)
+
+
+def check_output(path: Path) -> None:
+    """Whether a mesh can be written there, before the work is done.
+
+    Raises:
+        FileError: the format is not known, or the folder is not there.
+    """
+    if not path.suffix:
+        raise FileError(f"{path} has no suffix that names a format; call it, say, {path if path.name != '-' else 'out'}.obj")
+    if path.suffix.lower() not in _OWN:
+        MeshioFile.check_suffix(path.suffix)
+    check_folder(path)
+
+
+def check_folder(path: Path) -> None:
+    """Whether the folder of a file is there."""
+    if not path.absolute().parent.is_dir():
+        raise FileError(f"{path} cannot be written: the folder {path.parent} does not exist")
 
 
 def converted(mesh: MeshFile, suffix: str) -> MeshFile:

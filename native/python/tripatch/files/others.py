@@ -47,6 +47,12 @@ class MeshioFile(MeshFile):
                 self._cell_of += [(b, k) for k in range(len(block.data))]
         super().__init__(points, faces)
 
+    @staticmethod
+    def check_suffix(suffix: str) -> None:
+        """Raises FileError for a format that meshio does not write."""
+        if suffix.lower() not in _meshio(suffix).extension_to_filetypes:
+            raise FileError(f"{suffix} files cannot be written; .obj, .ply, .stl and .off can, and what meshio knows")
+
     @classmethod
     def of_path(cls, path: Path) -> MeshioFile:
         meshio = _meshio(path.suffix)

@@ -1,0 +1,148 @@
+"""Which holes a mesh has: borders that lie on each other are joined in thought, islands belong to the hole around them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import _arrays, _native
+from ._types import Array
+from .errors import Refusal
+from .options import checked
+
+_ADVICE = "Join them with join=DISTANCE (--join on the command line), or merge them by distance"
+
+
+class Holes:
+    """The holes of a mesh.
+
+    Attributes:
+        corners: of the faces, one after another, by vertices that stand for all at their places; mesh: with vertices and offsets.
+        rims: of each hole, by such vertices; islands: of each the loops inside it.
+        refused: of borders that are no holes, by their place in `rims`.
+        outer: the outer borders that are left open; borders: all of them.
+    """
+
+    def __init__(self, vertices: Array, offsets: Array, corners: Array, given: Any, islands: str, join: float | None) -> None:
+        """given: options of `choose_holes`."""
+        joined = _native._join_borders(vertices, offsets, corners, join)
+        self._original, self._offsets = corners, offsets
+        self.corners: Array = joined[0] if joined else corners
+        self._stands: Array | None = joined[1] if joined else None
+        self.mesh = mesh = vertices, offsets, self.corners
+        self.borders = borders = [loop.tolist() for loop in _native._find_holes(offsets, self.corners)]
+        chosen = [loop.tolist() for loop in _native._choose_holes(*mesh, given)] if borders else []
+        outer = [loop.tolist() for loop in _native._outer_borders(*mesh)] if borders and not given.get("outer") else []
+        found = zip(borders, _native._contacts(*mesh, borders), strict=True)
+        contacts = {loop[0]: contact for loop, contact in found if contact[0] or contact[1] == len(loop)}
+        near = [loop for loop in outer if loop[0] in contacts]
+        self.outer = [loop for loop in outer if loop[0] not in contacts]
+        self.rims = sorted([*chosen, *near], key=lambda loop: (len(loop), loop))
+        self.refused = {k: _refusal(loop, contacts[loop[0]]) for k, loop in enumerate(self.rims) if loop[0] in contacts}
+        self.islands: list[list[list[int]]] = [[] for _ in self.rims]
+        if islands == "auto" and len(self.rims) + len(self.outer) > 1:
+            self._gather_islands(mesh)
+        self._edges = None if self._stands is None else self._doubled_edges()
+
+    def _gather_islands(self, mesh: tuple[Array, Array, Array]) -> None:
+        free = [k for k in range(len(self.rims)) if k not in self.refused]
+        loops = [*(self.rims[k] for k in free), *self.outer]  # a piece that floats in a hole has an outer border
+        inside = _native._islands(*mesh, loops)[: len(free)]
+        gone = {loops[i][0] for each in inside for i in each}
+        for k, each in zip(free, inside, strict=True):
+            self.islands[k] = [loops[i] for i in each]
+        kept = [k for k, rim in enumerate(self.rims) if rim[0] not in gone]
+        self.refused = {new: self.refused[k] for new, k in enumerate(kept) if k in self.refused}
+        self.rims, self.islands = [self.rims[k] for k in kept], [self.islands[k] for k in kept]
+        self.outer = [loop for loop in self.outer if loop[0] not in gone]
+
+    def _doubled_edges(self) -> dict[tuple[int, int], tuple[int, int]]:
+        """Of the faces at vertices that stand for others: from the edges of the joined mesh to their own vertices."""
+        assert self._stands is not None
+        doubled = np.zeros(len(self._stands), bool)
+        doubled[self._stands[self._stands != np.arange(len(self._stands))]] = True
+        of_face = np.repeat(np.arange(len(self._offsets) - 1), np.diff(self._offsets))
+        edges = {}
+        for f in np.unique(of_face[doubled[self.corners]]).tolist():
+            first, end = self._offsets[f], self._offsets[f + 1]
+            own, joined = self._original[first:end].tolist(), self.corners[first:end].tolist()
+            for k in range(len(own)):
+                edges[joined[k], joined[k - 1]] = own[k], own[k - 1]  # as a new face runs
+        return edges
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether every hole is a border of the mesh by itself."""
+        return self._edges is None and not self.refused and not any(self.islands)
+
+    @property
+    def outer_borders(self) -> list[Array]:
+        """The outer borders that are left open, by the mesh's own vertices."""
+        return [self.in_mesh(loop) for loop in self.outer]
+
+    def in_mesh(self, loop: list[int]) -> Array:
+        """A border by the mesh's own vertices: of those at one place that of the edge which starts there."""
+        if self._edges is None:
+            return np.array(loop, np.int64)
+        pairs = zip(loop, [*loop[1:], loop[0]], strict=True)
+        return np.array([self._edges.get(pair, pair)[0] for pair in pairs], np.int64)
+
+    def brought_back(self, native: _native.Filled) -> Any:
+        """A fill of the joined mesh by the mesh's own vertices: at the rim those of the faces beside it."""
+        if self._edges is None:
+            return native
+        corners, starts = native.face_corners.copy(), native.face_offsets.tolist()
+        doubled = {v for edge, own in self._edges.items() for v, w in zip(edge, own, strict=True) if v != w}
+        for first, end in zip(starts, starts[1:], strict=False):
+            face = corners[first:end].tolist()
+            if doubled.isdisjoint(face):
+                continue
+            for k, v in enumerate(face):
+                after, before = (v, face[(k + 1) % len(face)]), (face[k - 1], v)
+                if after in self._edges:
+                    corners[first + k] = self._edges[after][0]
+                elif before in self._edges:
+                    corners[first + k] = self._edges[before][1]
+        return _Renumbered(native, corners, self.in_mesh(native.rim.tolist()))
+
+
+def find(vertices: Any, faces: Any, islands: str = "auto", join: float | None = None, **choosing: Any) -> Holes:
+    """The holes of a mesh. choosing: options of `choose_holes`; islands, join: of `fill_all`."""
+    return Holes(*_arrays.mesh(vertices, faces), checked("choose_holes", choosing), islands, join)
+
+
+class _Renumbered:
+    """A fill of the core with other numbers of the mesh's vertices."""
+
+    def __init__(self, native: _native.Filled, face_corners: Array, rim: Array) -> None:
+        self._native, self.face_corners, self.rim = native, face_corners, rim
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._native, name)
+
+
+def _refusal(loop: list[int], contact: Any) -> Refusal:
+    on_others, _, a, b = contact
+    edge = f"as that between vertices {a} and {b}"
+    if on_others:
+        many = "All" if on_others == len(loop) else f"{on_others} of the {len(loop)}"
+        reason = f"{many} edges, {edge}, lie on other borders: faces meet there without being joined. {_ADVICE}"
+    else:
+        reason = f"The border is a slit without width: its edges, {edge}, lie on each other, but their ends do not (T-junctions)"
+    return Refusal(reason, loop)
+
+
+def passages(vertices: Array, offsets: Array, corners: Array, fills: list[Any], replaced: Any = ()) -> list[Any]:
+    """For each fill a place where it passes through a face of the mesh beyond those at its rim, else None."""
+    if not fills:
+        return []
+    if len(replaced):
+        sizes = np.diff(offsets)
+        stays = np.ones(len(sizes), bool)
+        stays[np.asarray(replaced)] = False
+        corners, sizes = corners[np.repeat(stays, sizes)], sizes[stays]
+        offsets = np.concatenate([[0], np.cumsum(sizes)])
+    return _native._passages(
+        vertices, offsets, corners, [(fill.vertices, fill.face_offsets, fill.face_corners, fill.rim) for fill in fills]
+    )

@@ -1,0 +1,38 @@
+// Borders that lie on other borders: nothing is missing there, but the faces on both sides are not joined.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// Of the size of a mesh: vertices of borders that are so near each other count as one. Single precision leaves 6e-8.
+constexpr double same_place = 1e-6;
+/// Likewise: borders that lie so near each other are near-duplicates, which are reported and not filled.
+constexpr double near_place = 1e-4;
+
+/// The diagonal of the box around all finite vertices.
+double size_of(const Mesh& mesh);
+
+/// A mesh whose faces share their vertices along borders that lie on each other.
+struct JoinedBorders {
+  Faces faces;                ///< of the vertices that stand for all at their places
+  std::vector<Index> stands;  ///< for each vertex the one that stands for it; empty: nothing was joined
+};
+/// Joins pairs of border edges whose ends are within `distance`, and which run opposite ways, as the two faces of an edge do. Of several
+/// edges the nearest two are a pair; if that is no clear choice, none is.
+JoinedBorders join_borders(const Mesh& mesh, double distance);
+
+/// How much of a border lies on borders, within near_place of the mesh's size and a hundredth of the edge's length.
+struct Contact {
+  std::size_t on_others = 0;       ///< edges that lie on other borders
+  std::size_t on_itself = 0;       ///< edges that lie on other edges of the same border, as those of a slit
+  std::array<Index, 2> edge = {};  ///< the first edge of them
+};
+/// Of each of some borders. loops: all borders of the mesh.
+std::vector<Contact> contacts(const Mesh& mesh, std::span<const std::vector<Index>> loops);
+
+}  // namespace tripatch
