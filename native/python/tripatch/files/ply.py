@@ -153,7 +153,11 @@ class PlyFile(MeshFile):
         data, end = bytes(self._data), element.head_end
         head = data[:end] + self._eol + f"property {kind} {name}".encode() + data[end : self._body]
         if self._order:
-            rows = b"".join(data[a:b] + bytes(4) for a, b in itertools.pairwise(element.starts))
+            even = self._even_rows(element)
+            if even is None:
+                rows = b"".join(data[a:b] + bytes(4) for a, b in itertools.pairwise(element.starts))
+            else:
+                rows = np.concatenate([even, np.zeros((len(even), 4), np.uint8)], axis=1).tobytes()
             return head + data[self._body : element.starts[0]] + rows + data[element.starts[-1] :]
         lines = list(self._lines)
         for k in range(element.count):
@@ -161,6 +165,14 @@ class PlyFile(MeshFile):
             end = self._last_word(element, k).end()
             lines[at] = lines[at][:end] + b" 0" + lines[at][end:]
         return head + b"".join(lines)
+
+    def _even_rows(self, element: _PlyElement) -> Array | None:
+        """The rows of an element as bytes (n, size); None where they differ in size, or the file is text."""
+        sizes = np.diff(np.asarray(element.starts))
+        if not self._order or not len(sizes) or (sizes != sizes[0]).any():
+            return None
+        rows = np.frombuffer(bytes(self._data[element.starts[0] : element.starts[-1]]), np.uint8)
+        return rows.reshape(len(sizes), -1)
 
     def _last_word(self, element: _PlyElement, k: int) -> re.Match[bytes]:
         """Where the last property of a row of a text stands."""
@@ -233,6 +245,10 @@ class PlyFile(MeshFile):
                 name = ""
             end = element.starts[-1] if element.count else at
             kept = element.count - gone.get(element.name, 0)
+            even = self._even_rows(element)
+            if even is not None:
+                body += [self._bytes(at, element.starts[0]), even[: max(kept, 0), : -4 if name else None].tobytes()]
+                at, kept = end, 0
             for k in range(max(kept, 0)):
                 first, after = element.starts[k], element.starts[k + 1]
                 body.append(self._bytes(at, first))
