@@ -18,6 +18,22 @@ _VERTICES = re.compile(r"(\()?\b([Vv])ert(ex|ices) \d+(?:, \d+)*(?: and \d+)?(?:
 _OF_HOLES = re.compile(r"^(Hole|\d+ holes,) through vert(?:ex|ices) [^:]*:")
 _PLACE = re.compile(r",? (?:near|at|through) vert(?:ex|ices) \d+(?:, \d+)*(?: and \d+)?(?: of the rim)?")
 
+#: Sentences of the library with what to do about them, and the same with the panel's rows.
+_IN_PANEL = (
+    (
+        re.compile(r"The mesh meets the flat rim of the hole at an angle all around: the fill is flat; continuity G1 [^.;]*"),
+        "Filled flat up to the sharp edges; set Continuity: Tangent to round them",
+    ),
+    (
+        re.compile(r"The mesh meets the hole at an angle along (\d+) of its (\d+) sides: the fill is not continued there"),
+        r"Filled flat up to the sharp edges along \1 of \2 sides; set Continuity: Tangent to round them",
+    ),
+    (
+        re.compile(r"The mesh meets the hole at an angle of about (\d+) degrees along ([^:]*): the fill is not continued [^.]*"),
+        r"Filled flat up to sharp edges of \1° along \2; set Continuity: Tangent to round them",
+    ),
+)
+
 #: What Blender has against it.
 _REMEDIES = (
     (re.compile(r"has no length|at the same place"), "Mesh > Merge > By Distance joins such vertices"),
@@ -48,6 +64,8 @@ def _labels(match):
 
 def for_people(sentence):
     """The sentence with sides and corners from 1, options as the panel names them, and with its remedy."""
+    for pattern, said in _IN_PANEL:
+        sentence = pattern.sub(said, sentence)
     told = _NAMES.sub(_labels, _OPTIONS.sub(_labels, _NUMBERED.sub(_one_more, sentence))).replace("; merge them first", "")
     told = told.replace("set the resolution by hand", "choose the Density")
     for cause, remedy in _REMEDIES:

@@ -194,6 +194,12 @@ def test_a_missing_face_of_a_cube_is_no_alarm(addon):
     assert kind == {"INFO"} and "deg" not in said.split(), said
 
 
+def test_a_fill_up_to_sharp_edges_says_how_they_are_rounded(addon):
+    of_core = "The mesh meets the flat rim of the hole at an angle all around: the fill is flat; continuity G1 continues it"
+    said = panel.module(addon, "sentences").for_people(of_core)
+    assert said == "Filled flat up to the sharp edges; set Continuity: Tangent to round them"
+
+
 def test_angles_have_the_sign_for_degrees(addon):
     state, _ = filled(addon, jagged_ball)
     assert "°" in state.said[0][1] and " deg" not in state.said[0][1]
