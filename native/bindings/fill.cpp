@@ -25,6 +25,7 @@ void bind_fill(py::module_& m) {
       .def_property_readonly("moved", [](const Fill& f) { return array_from(f.moved); })
       .def_property_readonly("moved_to", [](const Fill& f) { return array_from(f.moved_to); })
       .def_readonly("creases", &Fill::creases)
+      .def_readonly("crease_values", &Fill::crease_values)
       .def_readonly("feature_edges", &Fill::feature_edges)
       .def_readonly("split_edges", &Fill::split_edges)
       .def_readonly("split_t", &Fill::split_t)

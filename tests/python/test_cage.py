@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
-from shapes import bevelled_corner, corner_removed, cube_sphere, octant
+from shapes import bevelled_corner, corner_removed, cube, cube_sphere, octant
 from tripatch import _arrays, _native
 
 
@@ -119,6 +119,23 @@ def test_an_octant_that_is_replaced_lies_as_near_as_one_that_was_deleted(n, scal
     off = [np.abs(np.linalg.norm(fill.limit(3)[0] / scale, axis=1) - 1) for fill in (replaced, deleted)]
     assert off[0].max() <= off[1].max() + 1e-6 * diameter
     assert np.sqrt(np.mean(off[0] ** 2)) <= np.sqrt(np.mean(off[1] ** 2)) + 1e-6 * diameter
+
+
+@pytest.mark.parametrize("crease", [1.0, 0.6])
+def test_a_crease_that_enters_a_hole_on_both_sides_runs_through(crease):
+    vertices, faces = cube(8)
+    top = {v for v in range(len(vertices)) if vertices[v, 2] > 0.999 and np.abs(vertices[v, :2]).max() > 0.999}
+    edges = sorted({(min(e), max(e)) for f in faces for e in zip(f, np.roll(f, -1), strict=True) if set(e) <= top})
+    left, _ = corner_removed(vertices, faces, 2)
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 12)
+    kept = {frozenset(e) for f in left for e in zip(f, np.roll(f, -1), strict=True)}
+    edges = [e for e in edges if frozenset(e) in kept]
+    subdivision = {"edge_creases": (np.array(edges), np.full(len(edges), crease))}
+    fill = tripatch.fill(vertices, left, rim=rim, output="cage", resolution=0, subdivision=subdivision)
+    assert len(fill.creases[0]) == 4
+    assert fill.creases[1] == pytest.approx(crease, abs=0.01)
+    ends = np.bincount(fill.creases[0].ravel())
+    assert sorted(ends[ends > 0].tolist()) == [1, 1, 2, 2, 2]  # one line from the rim to the rim
 
 
 @pytest.mark.parametrize("option", [{"fairing": "third_derivative"}, {"fairing": None}, {"tension": 0.2}, {"bulge": 1.4}])

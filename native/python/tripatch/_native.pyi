@@ -68,6 +68,7 @@ class Filled:
     moved: Indices
     moved_to: Floats
     creases: list[list[int]]
+    crease_values: list[float]
     feature_edges: list[list[int]]
     split_edges: list[list[int]]
     split_t: list[float]

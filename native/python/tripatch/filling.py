@@ -30,7 +30,8 @@ class Fill:
         barycentric: (k, 3) of `vertices`, on a patch of three sides.
         uv, rim_uv: (k, 2), (r, 2) of `vertices` and of the rim, on a patch over a plane domain, else None.
         deviation: (k,) standard deviation of `vertices`, in units of the mesh; None where the method does not know it.
-        feature_edges: (k, 2) edges of the fill, numbered as in `faces`, on which creases of the surroundings go on.
+        feature_edges: (k, 2) edges of the fill, numbered as in `faces`, on which creases of the surroundings go on, and those
+            of the rim where a lid meets the mesh at an angle.
         rim: (r,) vertex indices from corner 0 on, no repeat.
         rim_normals: (r, 3) exact one-sided normals of the fill at the rim.
         rim_barycentric: (r, 3).
@@ -60,7 +61,7 @@ class Fill:
         self.rim_barycentric = native.rim_barycentric
         self.moved = (native.moved, native.moved_to)
         self.split_edges = (np.array(native.split_edges, np.int64).reshape(-1, 2), np.array(native.split_t))
-        self.creases = (np.array(native.creases, np.int64).reshape(-1, 2), np.ones(len(native.creases)))
+        self.creases = (np.array(native.creases, np.int64).reshape(-1, 2), np.array(native.crease_values, np.float64))
         self.feature_edges = np.array(native.feature_edges, np.int64).reshape(-1, 2)
         self.border = native.border
         self.sides = tuple(native.sides)

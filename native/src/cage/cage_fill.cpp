@@ -258,6 +258,15 @@ void CageFill::deliver(std::size_t h, Fill& fill) const {
   }
   if (options_.rim == CageRim::exact)
     for (Index k = 0; k < around; ++k) fill.creases.push_back({index[k], index[(k + 1) % around]});
+  fill.crease_values.assign(fill.creases.size(), 1.0);
+  const Index first = fit_->first_inside(h);
+  const auto row_of = [&](Index v) {
+    return v < first ? std::ranges::find(hole.rim, v) - hole.rim.begin() : v - first + layout.rim;
+  };
+  for (const InnerCrease& crease : fit_->creases(h)) {
+    fill.creases.push_back({index[row_of(crease.edge[0])], index[row_of(crease.edge[1])]});
+    fill.crease_values.push_back(crease.value);
+  }
 }
 
 void CageFill::report(std::size_t h, const Surface& patch, Report& report) {

@@ -92,6 +92,11 @@ CageFit::CageFit(const Mesh& mesh, std::vector<CageHole> holes, const Subdivisio
 /// With the rim edges of an exact rim creased.
 Subdivision CageFit::creased() const {
   Subdivision creased = settings_;
+  for (std::size_t h = 0; h < holes_.size(); ++h)
+    for (const InnerCrease& crease : creases(h)) {
+      creased.crease_edges.push_back(crease.edge);
+      creased.edge_creases.push_back(crease.value);
+    }
   for (std::size_t h = 0; exact() && h < holes_.size(); ++h) {
     const std::vector<Index>& rim = holes_[h].hole.rim;
     for (std::size_t k = 0; k < rim.size(); ++k) {

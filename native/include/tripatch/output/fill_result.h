@@ -31,11 +31,13 @@ struct Fill {
   /// Rim edges that were split, and where; the k-th takes vertices[k].
   std::vector<std::array<Index, 2>> split_edges;
   std::vector<double> split_t;
-  std::vector<Index> moved;                   ///< cage, rim `move`: vertices of the mesh
-  Points moved_to = Points(0, 3);             ///< and where they go
-  std::vector<std::array<Index, 2>> creases;  ///< cage, rim `exact`: edges to be creased with 1
-  std::vector<std::array<Index, 2>>
-      feature_edges;  ///< edges of the fill on which creases of the surroundings go on across the hole
+  std::vector<Index> moved;        ///< cage, rim `move`: vertices of the mesh
+  Points moved_to = Points(0, 3);  ///< and where they go
+  /// Cage: edges to be creased, those of an exact rim with 1, and others on which creases go on across the hole; how much.
+  std::vector<std::array<Index, 2>> creases;
+  std::vector<double> crease_values;
+  /// Edges of the fill on which creases of the surroundings go on across the hole, and those of the rim where a lid meets the mesh at an angle.
+  std::vector<std::array<Index, 2>> feature_edges;
   SurfacePtr patch;
   std::vector<Side> sides;  ///< the surroundings used; empty where the patch has no sides
   Report report;

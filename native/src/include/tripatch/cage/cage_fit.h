@@ -8,6 +8,7 @@
 
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/side.h"
+#include "tripatch/cage/cage_creases.h"
 #include "tripatch/cage/cage_options.h"
 #include "tripatch/cage/cage_samples.h"
 #include "tripatch/cage/closed_cage.h"
@@ -55,6 +56,11 @@ public:
   void place(std::size_t hole, const Points& inside);
   /// What the patch in a hole is to meet: the limit surface that the fill continues.
   CageSides sides(std::size_t hole) const;
+  /// Creases that go on across a hole, and the first vertex of the closed cage that is inside it.
+  std::vector<InnerCrease> creases(std::size_t hole) const {
+    return creases_through(closed_, whole_, holes_[hole], hole, settings_);
+  }
+  Index first_inside(std::size_t hole) const { return closed_.first_vertex[hole]; }
   /// Points of the limit surface inside, which a patch may follow.
   SurfacePoints points(std::size_t hole) const { return samples_[hole].points(closed_.vertices); }
 
