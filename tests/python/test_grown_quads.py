@@ -193,3 +193,30 @@ def test_rows_where_no_quads_grow_are_no_coarser_than_none():
     point = vertices[faces[gone[0]]].mean(axis=0)  # quads that run through a point are pairs
     fills = [tripatch.fill(points, left, rim=rim, output="quads", resolution=k, through=[point]) for k in (None, 0, 2)]
     assert all([*map(list, fill.faces)] == [*map(list, fills[0].faces)] for fill in fills[1:])
+
+
+def ball_with_hole(n, lobes, corner=(0.3, 0.5, 0.8)):
+    """A unit ball of triangles with a jagged hole that has so many lobes: vertices and faces."""
+    vertices, quads = cube_sphere(n)
+    faces = [[q[a], q[b], q[c]] for q in quads for a, b, c in ((0, 1, 2), (0, 2, 3))]
+    axis = np.array(corner) / np.linalg.norm(corner)
+    across = np.linalg.svd(axis[None])[2][1:]
+    kept = []
+    for face in faces:
+        middle = vertices[face].mean(axis=0)
+        turn = np.arctan2(*(across @ middle))
+        if np.arccos(middle @ axis / np.linalg.norm(middle)) > 0.5 + 0.15 * np.cos(lobes * turn):
+            kept.append(face)
+    return vertices, kept
+
+
+@pytest.mark.parametrize("lobes", [0, 3, 5])
+@pytest.mark.parametrize("n", [12, 20])
+def test_quads_fill_a_jagged_hole_among_triangles_where_none_grow_in(n, lobes):
+    vertices, faces = ball_with_hole(n, lobes)
+    quads, triangles = (tripatch.fill(vertices, faces, output=output, odd="triangle") for output in ("quads", "triangles"))
+    sizes = [len(face) for face in quads.faces]
+    assert set(sizes) <= {3, 4} and sizes.count(3) <= max(1, 0.05 * len(sizes))
+    assert quads.report.triangles_folded <= triangles.report.triangles_folded
+    off = [np.abs(np.linalg.norm(fill.vertices, axis=1) - 1).max() for fill in (quads, triangles)]
+    assert off[0] < 1.5 * off[1] + 1e-9

@@ -11,6 +11,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/mesh/canonical_part.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/output/doubled_edges.h"
@@ -18,6 +19,7 @@
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/quads/grown_quads.h"
+#include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/disc.h"
@@ -117,14 +119,114 @@ std::vector<std::array<Index, 3>> halves_of(const Faces& faces) {
   return triangles;
 }
 
-/// The same fill with quads that grow in from the rim; empty where they are not good.
-std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                                          WantedQuads which, int rows, PlaneFill& made) {
-  std::optional<PlaneLayout> layout = grown_quads(made.rim_uv, wanted_quads(mesh.vertices, around, rim, which));
+/// Triangles of a fill, spread in the unit circle, that are looked up by place.
+class SpreadTriangles {
+public:
+  /// rim_at: places of the rim in the circle.
+  SpreadTriangles(const PlaneFill& made, const PlanePoints& rim_at)
+      : triangles_(made.triangles), cells_(static_cast<Index>(std::sqrt(static_cast<double>(made.triangles.size()))) + 1) {
+    Faces faces;
+    for (const std::array<Index, 3>& t : triangles_) faces.add(t);
+    Points rows = Points::Zero(rim_at.rows() + made.uv.rows(), 3);
+    rows.topRows(rim_at.rows()).leftCols(2) = rim_at;
+    spread_inside(faces, rim_at.rows(), rows);
+    at_ = rows.leftCols(2);
+    in_cell_.resize(static_cast<std::size_t>(cells_ * cells_));
+    for (std::size_t k = 0; k < triangles_.size(); ++k) {
+      const PlanePoints corners = at_(triangles_[k], Eigen::all);
+      const auto [first, last] = std::pair(cell(corners.colwise().minCoeff()), cell(corners.colwise().maxCoeff()));
+      for (Index x = first[0]; x <= last[0]; ++x)
+        for (Index y = first[1]; y <= last[1]; ++y) in_cell_[static_cast<std::size_t>(x * cells_ + y)].push_back(k);
+    }
+  }
+
+  /// Where a place of the circle lies among points that the triangles join: in the one that it is in, or least out of.
+  Vec2 carried(const Vec2& place, const PlanePoints& to) const {
+    const std::array<Index, 2> own = cell(place.transpose());
+    double best = -INFINITY;
+    Vec2 found = Vec2::Zero();
+    for (const std::size_t k : in_cell_[static_cast<std::size_t>(own[0] * cells_ + own[1])]) {
+      const std::array<Index, 3>& t = triangles_[k];
+      const Vec2 a = at_.row(t[0]), b = at_.row(t[1]), c = at_.row(t[2]);
+      const double area = twice(b - a, c - a);
+      const double u = twice(c - b, place - b) / area, v = twice(a - c, place - c) / area, least = std::min({u, v, 1 - u - v});
+      if (!(area > 0) || !(least > best)) continue;
+      best = least;
+      found = u * to.row(t[0]) + v * to.row(t[1]) + (1 - u - v) * to.row(t[2]);
+    }
+    return found;
+  }
+
+private:
+  static double twice(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
+  std::array<Index, 2> cell(const Eigen::RowVector2d& place) const {
+    const auto of = [&](double x) {
+      return std::clamp<Index>(static_cast<Index>(0.5 * (x + 1) * static_cast<double>(cells_)), 0, cells_ - 1);
+    };
+    return {of(place[0]), of(place[1])};
+  }
+
+  const std::vector<std::array<Index, 3>>& triangles_;
+  Index cells_;
+  PlanePoints at_;
+  std::vector<std::vector<std::size_t>> in_cell_;
+};
+
+/// The four places of a rim, a quarter of it apart, at which it turns most in the plane: the first of them.
+Index most_turned(const PlanePoints& rim) {
+  const Index n = rim.rows();
+  std::vector<double> turn;
+  for (Index k = 0; k < n; ++k) {
+    const Vec2 in = rim.row(k) - rim.row((k + n - 1) % n), out = rim.row((k + 1) % n) - rim.row(k);
+    turn.push_back(std::atan2(in[0] * out[1] - in[1] * out[0], in.dot(out)));
+  }
+  Index best = 0;
+  double most = 0;
+  for (Index k = 0; k < n; ++k) {
+    const double sum = turn[k] + turn[(k + n / 4) % n] + turn[(k + n / 2) % n] + turn[(k + n / 2 + n / 4) % n];
+    if (k == 0 || clearly_more(sum, most)) most = sum, best = k;
+  }
+  return best;
+}
+
+/// A disc of quads with four poles of valence 3, in the plane of a fill.
+std::optional<PlaneLayout> disc_of_quads(const PlaneFill& made, int rows) {
+  const Index r = made.rim_uv.rows(), first = most_turned(made.rim_uv);
+  std::optional<PlaneLayout> layout = disc_layout(r, {}, rows);
+  if (!layout) return {};
+  PlanePoints rim_at(r, 2);
+  for (Index k = 0; k < r; ++k) rim_at.row((k + first) % r) = layout->uv.row(k);
+  const Index inside = layout->uv.rows() - r;
+  const SpreadTriangles spread(made, rim_at);
+  const PlanePoints plane = stacked(made.rim_uv, made.uv);
+  for (Index k = r; k < r + inside; ++k) layout->uv.row(k) = spread.carried(layout->uv.row(k), plane);
+  layout->uv.topRows(r) = made.rim_uv;
+  for (Index& v : layout->faces.corners)
+    if (v < r) v = (v + first) % r;
+  return layout;
+}
+
+/// Kinds of quads that are tried, one after the other: what grows in from the rim as the faces around have it, or as the angles there do;
+/// else a disc with four poles, of any quality while nothing is turned over.
+enum class QuadsIn { as_faces, as_angles, disc };
+
+std::optional<PlaneLayout> layout_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, QuadsIn which,
+                                     int rows, const PlaneFill& made) {
+  if (which == QuadsIn::disc) return disc_of_quads(made, rows);
+  const WantedQuads wanted = which == QuadsIn::as_faces ? WantedQuads::by_number : WantedQuads::by_angle;
+  std::optional<PlaneLayout> layout = grown_quads(made.rim_uv, wanted_quads(mesh.vertices, around, rim, wanted));
   if (layout && rows > 0) layout = with_rows(*layout, rows);
+  return layout;
+}
+
+/// The same fill with quads; empty where they are not good.
+std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, QuadsIn which,
+                                    int rows, PlaneFill& made) {
+  std::optional<PlaneLayout> layout = layout_of(mesh, around, rim, which, rows, made);
   if (!layout || doubles_edges(around, rim, layout->faces)) return {};
   const Points border = mesh.vertices(rim, Eigen::all), points = smoothed_on(*layout, *made.surface, border);
-  if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= least_sine)) return {};
+  const double wanted = which == QuadsIn::disc ? 0 : least_sine;
+  if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= wanted)) return {};
   const Index added = points.rows() - layout->rim;
   Faces cut = layout->faces;
   begin_at_shorter_diagonals(points, Points(0, 3), cut);
@@ -145,12 +247,12 @@ std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& 
 }
 
 /// The same with `rows` extra rows, or half as many and so on where these do not fit; says how many there are.
-std::optional<PlaneLayout> grown_quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, int& rows,
-                                          PlaneFill& made) {
+std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, int& rows,
+                                    PlaneFill& made) {
   if (!made.field || !made.plainer.empty()) return {};
   for (;; rows /= 2) {
-    for (const WantedQuads which : {WantedQuads::by_number, WantedQuads::by_angle})
-      if (std::optional<PlaneLayout> layout = grown_quads_of(mesh, around, rim, which, rows, made)) return layout;
+    for (const QuadsIn which : {QuadsIn::as_faces, QuadsIn::as_angles, QuadsIn::disc})
+      if (std::optional<PlaneLayout> layout = quads_of(mesh, around, rim, which, rows, made)) return layout;
     if (rows == 0) return {};
   }
 }
@@ -170,8 +272,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
 
   std::optional<PlaneLayout> quads;
   int rows = options.resolution.value_or(0);
-  if (options.quads && !creased && loops.size() == 1 && options.through.empty())
-    quads = grown_quads_of(mesh, around, rim, rows, made);
+  if (options.quads && !creased && loops.size() == 1 && options.through.empty()) quads = quads_of(mesh, around, rim, rows, made);
   if (!creased && !quads) halve_doubled(mesh, around, fill.rim, made);
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };

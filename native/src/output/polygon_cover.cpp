@@ -1,8 +1,10 @@
 #include "tripatch/output/polygon_cover.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace tripatch {
 namespace {
@@ -159,6 +161,17 @@ Points smoothed_on(PlaneLayout& layout, const Surface& patch, const Points& bord
     layout = std::move(trial);
   }
   return best;
+}
+
+std::optional<PlaneLayout> disc_layout(Index edges, const std::vector<RimCorner>& corners, int rows) {
+  PlanePoints rim(edges, 2);
+  for (Index k = 0; k < edges; ++k) {
+    const double turn = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
+    rim.row(k) << std::cos(turn), std::sin(turn);
+  }
+  if (edges % 2 == 0) return polygon_layout(rim, corners, rows);
+  if (!corners.empty()) return {};
+  return without_middle(polygon_layout(with_middle(rim, edges - 1), corners, rows), edges);
 }
 
 PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& points, std::vector<RimCorner> corners,

@@ -32,6 +32,10 @@ inline const std::string one_triangle = "The rim has an odd number of edges: the
 PlaneCover cover_polygon_with_quads(const PlanePoints& rim, const Points& points, std::vector<RimCorner> corners,
                                     const Surface& patch, const LayoutOptions& options, const std::vector<Vec2>& met = {});
 
+/// A layout in the unit circle, the rim's vertices evenly around it from (1, 0) on: without corners rows along the rim, and within them a grid whose
+/// four corners are poles of valence 3. An odd rim leaves one triangle; none where it has corners, or no such layout.
+std::optional<PlaneLayout> disc_layout(Index edges, const std::vector<RimCorner>& corners, int rows);
+
 /// Smooths a layout on a surface over its plane, as far as that helps the least angle. Returns the vertices, of which the border's are given;
 /// held: those inside that stay.
 Points smoothed_on(PlaneLayout& layout, const Surface& surface, const Points& border, const std::vector<Index>& held = {});
