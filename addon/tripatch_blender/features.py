@@ -28,6 +28,15 @@ def mark(bm, joined, rim, faces):
             _take_over(bm, edge, reached)
 
 
+def sharpen_rim(bm, joined, rim):
+    """Marks edges of the rim at which a lid meets the mesh as sharp, where faces are shaded smooth. joined, rim: as above."""
+    around = {frozenset(pair) for pair in zip(rim, rim[1:] + rim[:1], strict=True)}
+    for a, b in joined:
+        edge = bm.edges.get((a, b))
+        if edge and frozenset((a, b)) in around and any(face.smooth for face in edge.link_faces):
+            edge.smooth = False
+
+
 def _ends(edges, rim, new):
     """{vertex of the rim at which a feature ends: the edge outside that it goes on as}"""
     around, found = {frozenset(pair) for pair in zip(rim, rim[1:] + rim[:1], strict=True)}, {}

@@ -191,6 +191,7 @@ class FillSmooth(Construction, waiting.Waiting):
         row("output")
         if not self.reasons or getattr(self, self.density()) != self._no_density():
             row(self.density())
+        row("cap", active=self.faces() != "cage")
         self.shape_rows(row)
         if self.all_holes:
             with panel.folded(self, "holes", "Holes") as row:

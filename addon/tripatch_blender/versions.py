@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import blf
 import bmesh
 import bpy
@@ -48,6 +50,13 @@ def use_custom_normals(mesh):
     """Has Blender to 4.0 show the custom normals of a mesh; the angle does not count where there are some."""
     if hasattr(mesh, "use_auto_smooth"):
         mesh.use_auto_smooth = True
+
+
+def show_sharp_edges(mesh):
+    """Has Blender to 4.0 show the sharp edges of a mesh, and no others that it did not show."""
+    if hasattr(mesh, "use_auto_smooth") and not mesh.use_auto_smooth:
+        mesh.use_auto_smooth = True
+        mesh.auto_smooth_angle = math.pi
 
 
 def new_sockets(group, kinds):

@@ -33,6 +33,11 @@ class Planned:
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
     moved_in_shape_keys: dict = field(default_factory=dict)  # name: (as many as `moved`, 3)
 
+    def has_lid(self):
+        """Whether the fill meets the mesh at sharp edges of the rim."""
+        rim = {frozenset(pair) for pair in pairs(self.fill.rim.tolist())}
+        return any(frozenset(edge) in rim for edge in self.fill.feature_edges.tolist())
+
 
 def obstacle(bm, planned):
     """A sentence if the new faces cannot be joined to the mesh without damage to it."""
@@ -207,15 +212,16 @@ def _write_one(bm, planned, shading, custom):
         tangent = [planned.tangent[on_side[k]] if planned.tangent else True for k in range(len(loop))]
         _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)
     _take_up_edges(bm, guides.values(), loop)
-    _change_rim(bm, planned, {v: loop[place[v]] for v in rows.numbers})
+    _change_rim(bm, planned, {v: everyone[k] for v, k in place.items()})
     if len(fill.feature_edges):
         marked = [[everyone[place[v]] for v in edge] for edge in fill.feature_edges.tolist()]
         features.mark(bm, marked, loop, new_faces)
+        features.sharpen_rim(bm, marked, loop)
     return new_faces
 
 
 def _change_rim(bm, planned, vertex):
-    """What a cage option changes outside the fill. vertex: BMVert by number."""
+    """What a cage option changes outside the fill, and creases in it. vertex: BMVert by number."""
     for k, (moved, co) in enumerate(planned.moved):
         by = co - np.array(moved.co)
         for name, layer in bm.verts.layers.shape.items():
@@ -300,6 +306,8 @@ def write(bm, mesh, all_planned, options):
             _write_deviation(bm, planned, made)
         records.keep(bm, mesh, planned, made, options.record)
         new_faces += made
+    if any(planned.has_lid() for planned in all_planned) and any(face.smooth for face in new_faces):
+        versions.show_sharp_edges(mesh)
     if custom is not None:  # edges that were split had corners in faces that are gone too
         normals.set_corner_normals(bm, mesh, {corner: normal for corner, normal in custom.items() if corner.is_valid})
     return new_faces

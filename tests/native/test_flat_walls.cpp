@@ -536,12 +536,32 @@ TEST_CASE("walls that lean under a flat rim by 150 degrees need not meet at crea
   CHECK_FALSE(walls_end(dish(149.5)));
 }
 
-TEST_CASE("faces beside a flat rim are of one wall up to a degree between them, from 25 on of two", "[flat_walls][thresholds]") {
-  const auto bent = [](double degrees) { return below_square({90, 90, 90, 90}, std::tan(degrees * std::numbers::pi / 360)); };
-  CHECK(walls_end(bent(0.95)));
-  CHECK_FALSE(walls_end(bent(1.05)));
-  CHECK_FALSE(walls_end(bent(24.5)));
-  CHECK(walls_end(bent(25.5)));
+TEST_CASE("walls of a straight tube end at its flat rim whatever the angles between them", "[flat_walls]") {
+  for (const double degrees : {0.95, 1.05, 24.5, 25.5})
+    CHECK(walls_end(below_square({90, 90, 90, 90}, std::tan(degrees * std::numbers::pi / 360))));
+}
+
+TEST_CASE("walls that bend by a tenth of a radian over the radius of a flat rim are no straight tube",
+          "[flat_walls][thresholds]") {
+  const auto tube = [](double narrower) {  // sixteen walls of two quads each, the lower ones leaning
+    std::vector<Vec3> points;
+    std::vector<std::vector<Index>> faces;
+    for (int ring = 0; ring < 3; ++ring)
+      for (Index k = 0; k < 16; ++k) {
+        const double angle = std::numbers::pi * static_cast<double>(k) / 8, radius = ring == 2 ? 1 - narrower : 1;
+        points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), -ring);
+      }
+    for (Index ring = 0; ring < 2; ++ring)
+      for (Index k = 0; k < 16; ++k) {
+        const Index a = 16 * ring + k, b = 16 * ring + (k + 1) % 16;
+        faces.push_back({b, a, a + 16, b + 16});
+      }
+    faces.emplace_back();
+    for (Index k = 48; k-- > 32;) faces.back().push_back(k);
+    return Solid(points, faces);
+  };
+  CHECK(walls_end(tube(0.09)));
+  CHECK_FALSE(walls_end(tube(0.115)));
 }
 
 TEST_CASE("a flat rim is a hole in a wall whose end is in the sixth ring around it or before", "[flat_walls][thresholds]") {

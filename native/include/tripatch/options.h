@@ -21,6 +21,15 @@ struct Fill;
 
 using Pair = std::array<double, 2>;
 
+/// How an open end is closed.
+enum class Cap { automatic, flat, dome };
+template <>
+inline constexpr std::array<Choice, 3> choices<Cap> = {{
+    {"auto", "Automatic", "Flat on a straight tube, else as the surrounding surface continues"},
+    {"flat", "", "A flat lid with sharp edges"},
+    {"dome", "", "A round end, tangent to the surrounding surface"},
+}};
+
 /// Documented in options.def.
 struct FillOptions {
 #define OPTION(type, name, value, ...) type name = value;

@@ -24,6 +24,7 @@ Continuity = Literal["auto", "Free", "G0", "G1", "G2"]
 CrossBoundary = Literal["given", "consistent", "as_printed"]
 Fairing = Literal["auto", "thin_plate", "third_derivative", "minimum_variation", "quadric_variation"]
 Output = Literal["triangles", "quads", "cage"]
+Cap = Literal["auto", "flat", "dome"]
 CageRim = Literal["smooth", "exact", "move"]
 Odd = Literal["split", "triangle"]
 Reading = Literal["corrected", "as_printed"]
@@ -266,6 +267,7 @@ def fill(
     output: Output = "triangles",
     resolution: int | None = None,
     features: bool = True,
+    cap: Cap = "auto",
     tolerance: float | None = None,
     cage_rim: CageRim = "smooth",
     odd: Odd = "split",
@@ -307,6 +309,7 @@ def fill_all(
     output: Output = "triangles",
     resolution: int | None = None,
     features: bool = True,
+    cap: Cap = "auto",
     tolerance: float | None = None,
     cage_rim: CageRim = "smooth",
     odd: Odd = "split",
@@ -345,6 +348,7 @@ def fill_holes(
     output: Output = "triangles",
     resolution: int | None = None,
     features: bool = True,
+    cap: Cap = "auto",
     tolerance: float | None = None,
     cage_rim: CageRim = "smooth",
     odd: Odd = "split",

@@ -30,6 +30,9 @@ constexpr double under_rim = 150 * std::numbers::pi / 180;
 constexpr double in_one_wall = 1 * std::numbers::pi / 180;
 /// Of the hole's diameter, from the nearest vertex of the rim: where walls meet farther off, the fill would leave the hole.
 constexpr double farthest_node = 1;
+/// Radians over half of the hole's diameter: walls that bend by less away from the rim are straight. The end of a spring whose wire is a fifth as
+/// thick as its coil bends by 0.17 there, a ball cut in half by 1.
+constexpr double least_bend = 0.1;
 /// Planes beside a rim, as a prism has them whose walls meet at least_crease_angle; and planes that may be those of walls without faces.
 constexpr std::size_t most_planes = 16, most_unseen = 8;
 /// Walls of a hole of which no face is left: what one vertex of a solid takes with it.
@@ -80,7 +83,7 @@ public:
     const Plane flat = plane_of_rim();
     if (n_ < 4 || !contains(flat, rim_)) return false;
     std::vector<Vec3> normal;
-    Index least = 0, clear = 0, under = 0;
+    Index least = 0, clear = 0, under = 0, upright = 0;
     for (Index k = 0; k < n_; ++k) {
       const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
       if (!corner) return false;
@@ -91,21 +94,22 @@ public:
       least += angle > least_end_angle;
       clear += angle > clear_end_angle;
       under += angle > under_rim;
+      upright += angle > clear_end_angle && angle < std::numbers::pi / 2 + in_one_wall;
     }
     if (least < n_ && 2 * clear < n_) return false;
     const double apart = under == n_ ? in_one_wall : least_crease_angle;
-    std::size_t walls = 0;
+    bool several = false, creased = true;
     for (Index k = 0; k < n_; ++k) {
       const Vec3 &here = normal[k], &before = normal[(k + n_ - 1) % n_];
       const double turn = angle_between(here, before);
-      if (turn > in_one_wall && turn < apart) return false;
-      walls += turn > in_one_wall;
+      several = several || angle_between(here, normal[0]) > in_one_wall;
+      creased = creased && (turn <= in_one_wall || turn >= apart);
       for (Connectivity::Corner c : around_.at(rim_[k])) {  // between two walls is nothing else, as in a ball of triangles
         const Vec3 own = area_vector(mesh_, around_.face(c));
         if (std::min(angle_between(own, here), angle_between(own, before)) > in_one_wall) return false;
       }
     }
-    return walls > 1 && walls <= most_planes;
+    return several && (creased || (upright == n_ && are_straight()));
   }
 
 private:
@@ -113,6 +117,31 @@ private:
     FlatWalls walls;
     double area = 0;
   };
+
+  /// Whether the faces at the rim go straight on away from it, or end at sharp edges there.
+  bool are_straight() const {
+    const auto on_rim = [&](Index v) { return std::ranges::find(rim_, v) != rim_.end(); };
+    for (const Index v : rim_)
+      for (const Connectivity::Corner c : around_.at(v)) {
+        const Index f = around_.face(c);
+        const std::span<const Index> face = mesh_.faces[f];
+        for (std::size_t k = 0; k < face.size(); ++k) {
+          const Index a = face[k], b = face[(k + 1) % face.size()];
+          const auto beyond = on_rim(a) || on_rim(b) ? std::nullopt : around_.edge(b, a);
+          if (!beyond) continue;
+          const Index g = around_.face(*beyond);
+          const double turn = angle_between(area_vector(mesh_, f), area_vector(mesh_, g));
+          if (turn < least_crease_angle && turn * across_ / 2 > least_bend * (middle(f) - middle(g)).norm()) return false;
+        }
+      }
+    return true;
+  }
+  Vec3 middle(Index face) const {
+    const std::span<const Index> corners = mesh_.faces[face];
+    Vec3 sum = Vec3::Zero();
+    for (const Index v : corners) sum += point(v);
+    return sum / static_cast<double>(corners.size());
+  }
 
   /// Where the planes that are seen meet with these, if they are fewer than those of `best`, or as many with less area.
   void take_better(const std::vector<Plane>& unseen, const std::vector<char>& taken, std::optional<Meeting>& best) {

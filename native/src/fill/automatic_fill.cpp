@@ -20,6 +20,7 @@
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
 
@@ -303,10 +304,8 @@ std::optional<Fill> rows_across(const Ground& ground, const std::vector<Index>& 
   }
 }
 
-}  // namespace
-
-Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
-                          const FillOptions& options) {
+/// As its surroundings have it.
+Fill fill_as_they_go_on(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options) {
   std::optional<Fill> rows = rows_across(ground, rim, corners, options);
   if (!rows) return fill_by_sides(ground, rim, corners, options);
   rows->report.method_reason = rows_reason;
@@ -324,6 +323,67 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   } catch (const Refusal&) {
     return std::move(*rows);
   }
+}
+
+/// A lid in the plane of the rim, or as near to it as the rim is, or a dome that is tangent to its surroundings.
+Fill fill_with_cap(const Ground& ground, const std::vector<Index>& rim, FillOptions options) {
+  const std::vector<Index> checked = check_topology(ground.left, rim);
+  check_finite(ground.mesh, ground.left, checked);
+  const std::string reason = std::string("a ") + name_of(options.cap) + " cap was asked for";
+  if (options.cap == Cap::flat) {
+    Fill lid = fill_flat(ground, checked, options);
+    lid.report.warnings.clear();
+    lid.report.method_reason = reason;
+    return lid;
+  }
+  if (is_continuity_open(options)) options.continuity = SideContinuity::g1;
+  options.cross_boundary = CrossBoundary::consistent;  // of three sides
+  try {
+    check_positions(ground.mesh, ground.left, checked);
+    PolygonFill made = fill_round(ground.mesh, ground.left, checked, options, false);
+    made.fill.report.method_reason = reason;
+    if (!made.crumpled && !runs_away(ground, made.fill, options)) return std::move(made.fill);
+  } catch (const Refusal&) {  // a rim of few edges, or with corners
+  }
+  return fill_any_rim(ground, checked, std::vector<Index>(), options, reason);
+}
+
+/// The edges of the rim at which a fill meets the mesh at an angle.
+std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fill& fill) {
+  const Index n = ground.mesh.vertices.rows();
+  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(ground.mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
+  std::vector<std::array<Index, 2>> edges;
+  for (Index f = 0; f < fill.faces.size(); ++f) {
+    const std::span<const Index> face = fill.faces[f];
+    Vec3 area = Vec3::Zero();
+    for (std::size_t k = 2; k < face.size(); ++k) area += (at(face[k - 1]) - at(face[0])).cross(at(face[k]) - at(face[0]));
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const Index a = face[k], b = face[(k + 1) % face.size()];
+      const auto beyond = a < n && b < n ? ground.left.edge(b, a) : std::nullopt;
+      if (beyond && angle_between(area, area_vector(ground.mesh, ground.left.face(*beyond))) > least_crease_angle)
+        edges.push_back({a, b});
+    }
+  }
+  return edges;
+}
+
+/// Whether nobody has asked for anything but that a wall that is lost comes back.
+bool is_lid(const Ground& ground, const Fill& fill, const FillOptions& options) {
+  if (options.cap != Cap::automatic || !options.islands.empty()) return options.cap == Cap::flat;
+  return is_continuity_open(options) &&
+         walls_end_at_flat_rim(ground.mesh, ground.left, fill.rim, diameter(ground.mesh, fill.rim));
+}
+
+}  // namespace
+
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+                          const FillOptions& options) {
+  const bool as_they_go_on = options.cap == Cap::automatic || !options.islands.empty();
+  Fill fill = as_they_go_on ? fill_as_they_go_on(ground, rim, corners, options) : fill_with_cap(ground, rim, options);
+  if (!is_lid(ground, fill, options)) return fill;
+  const std::vector<std::array<Index, 2>> edges = sharp_rim_edges(ground, fill);
+  fill.feature_edges.insert(fill.feature_edges.end(), edges.begin(), edges.end());
+  return fill;
 }
 
 }  // namespace tripatch

@@ -269,6 +269,8 @@ void check_for_holes(const FillOptions& options) {
     throw InvalidArgument("through is met by the methods auto, " + std::string(polygon_method) + " and " +
                           std::string(spline_method) + ", beside surroundings that are a mesh");
   check_taken(options);
+  if (options.cap != Cap::automatic && (options.method != automatic_method || options.surroundings != SurroundingsFrom::mesh))
+    throw InvalidArgument("cap is an option of the method auto, with surroundings that are a mesh");
   if ((options.method == spline_method || options.method == rows_method) && options.output == Output::cage)
     throw InvalidArgument(options.method + " makes no cages; choose another method, or triangles or quads");
 }

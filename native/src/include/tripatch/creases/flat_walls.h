@@ -34,8 +34,8 @@ struct FlatWalls {
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
                                     const std::vector<Index>& near);
 
-/// Whether the rim is flat, and the faces beside it are those of a few walls that end there at an angle, each with the next: what is lost
-/// is another wall of the solid.
+/// Whether the rim is flat, and the faces beside it are walls that end there at an angle, each with the next or round a straight tube: what is
+/// lost is another wall of the solid.
 bool walls_end_at_flat_rim(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across);
 
 }  // namespace tripatch
