@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from . import filling, library, panel, selection, sentences, waiting
+from . import filling, library, panel, properties, selection, sentences, waiting
 from .construction import Construction
 from .library import np, tripatch, words
+from .properties import OPTIONS
 from .selection import UnusableError
 
 
@@ -137,14 +138,12 @@ def _mesh_borders(ob):
     return found
 
 
-def _seam(patch, sides, kept):
-    """The largest angle in degrees between patch and surroundings, ends left out, on the sides that are kept, or else on all."""
-    t, largest = np.linspace(0.01, 0.99, 99), 0.0
-    for i, (side, _) in enumerate(sides):
-        if any(kept) and not kept[i]:
-            continue
-        largest = max(largest, tripatch.angles(patch.normal(patch.on_side(i, t)), side.evaluate(t)[3]).max())
-    return largest
+def _seam(report):
+    """What is said of the seam: of sides that are met in tangent planes, if there are such."""
+    angles = report.seam_angle_max_by_side
+    kept = [angle for angle, met in zip(angles, report.continuity, strict=True) if met not in ("Free", "G0")]
+    angle = words.degrees(max(kept or angles))
+    return f"seam within {angle}" if kept else f"met in position only, at angles up to {angle}"
 
 
 def _selected(context):
@@ -286,15 +285,18 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
             following.begin(new)
         names = list(dict.fromkeys(curve.name for curve in made.loop.curves))
         self.sides = len(made.sides)
-        kept = [continuity not in ("Free", "G0") for continuity in self.each_continuity(len(made.sides))]
-        seam = max(_seam(made.patch, made.sides, kept), 0.001)
         message = (
             f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(made.loop.gaps):.2g} "
-            f"(tolerance {self.tolerance:.2g}, scene units), seam within {words.degrees(seam)}"
+            f"(tolerance {self.tolerance:.2g}, scene units), {_seam(made.patch.report)}"
         )
         notes = [sentences.for_people(note) for note in made.notes]
         self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))
         return {"FINISHED"}
+
+
+if OPTIONS:
+    can = {"items": properties.method_items(lambda method: method.joins_sides)}
+    properties.declare(OBJECT_OT_fill_between_patches, {"method": properties.of(OPTIONS["method"], **can)})
 
 
 def register():

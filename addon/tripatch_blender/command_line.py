@@ -232,7 +232,10 @@ def _run(arguments):
             print("Nothing to fill: no mesh has a hole", file=sys.stderr)
         return EXIT_NONE
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
-    flawed = any(report.triangles_folded > report.rim_folded or report.crosses_itself for report in total.reports)
+    flawed = any(
+        report.triangles_folded > report.rim_folded or report.crosses_itself or "none" in report.continuity
+        for report in total.reports
+    )
     return EXIT_SOME if total.refused or flawed else EXIT_ALL
 
 

@@ -171,10 +171,6 @@ class Construction:
         """One, or a BySide."""
         return self._each("continuity") if self.individual else self.continuity
 
-    def each_continuity(self, count):
-        """For each of so many sides."""
-        return self._each("continuity")[:count] if self.individual else (self.continuity,) * count
-
     def _argument(self, option):
         """What the property of an option says to the library."""
         value = plain(getattr(self, option.name))

@@ -36,11 +36,16 @@ def seen(option):
     return option.seen or option.description
 
 
+def method_items(usable):
+    """Auto and the methods for which `usable` holds."""
+    methods = [m for m in library.tripatch.METHODS.values() if usable(m)]
+    items = [(m.name, method_label(m.name), m.description) for m in methods]
+    return [("auto", METHODS["auto"], "The method that fits the hole best"), *items]
+
+
 def _items(option):
     if option.name == "method":
-        methods = library.tripatch.METHODS.values()
-        items = [(m.name, method_label(m.name), m.description) for m in methods if m.fills_holes]
-        return [("auto", METHODS["auto"], "The method that fits the hole best"), *items]
+        return method_items(lambda method: method.fills_holes)
     items = [(c.name, c.label or words(c.name), c.description) for c in option.choices if not c.misprint]
     if option.none is not None:
         items.append((option.none.name, words(option.none.name), option.none.description))

@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "tripatch/boundary/bezier_rectangle.h"
 #include "tripatch/boundary/nurbs_surface.h"
+#include "tripatch/constructions/blend.h"
 #include "tripatch/constructions/coons_bezier.h"
 #include "tripatch/constructions/coons_rectangle.h"
 #include "tripatch/patch/bezier_triangle.h"
@@ -56,6 +57,14 @@ void bind_bezier(py::module_& m) {
       }))
       .def_property_readonly(
           "degrees", [](const NurbsSurface& s) { return py::make_tuple(s.degree_u(), s.degree_v()); }, "In u and in v.");
+
+  m.def("_rational_triangle", [](const Array& net, const std::vector<double>& weights) {
+    return std::const_pointer_cast<Surface>(rational_triangle(points_from(net), weights));
+  });
+  m.def("_triangle_on", [](const std::shared_ptr<RectangleSurface>& surface, const std::array<std::array<double, 2>, 3>& at) {
+    return std::const_pointer_cast<Surface>(
+        triangle_on(surface, {Vec2(at[0][0], at[0][1]), Vec2(at[1][0], at[1][1]), Vec2(at[2][0], at[2][1])}));
+  });
 
   py::reinterpret_borrow<py::class_<Side>>(m.attr("Side"))
       .def(py::init([](const BezierTriangle& surface, int edge, bool reversed) { return side_of(surface, edge, reversed); }))

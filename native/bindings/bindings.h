@@ -43,5 +43,5 @@ void interruptibly(const Work& work, const py::object& progress = py::none()) {
 /// A tripatch.Refusal.
 py::object refusal_object(const std::string& reason, const std::vector<tripatch::Index>& where);
 
-/// What there is to say of a patch made alone, without a fill's report.
-std::vector<std::string> told_of_patch(std::vector<std::string> warnings, tripatch::Index folds);
+/// The report of a patch made alone, and what there is to say of it. size: of the patch.
+tripatch::Report told_of_patch(tripatch::Report report, double size);

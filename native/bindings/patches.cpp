@@ -149,10 +149,16 @@ void bind_making(py::module_& m) {
     const FillOptions options = fill_options(given);
     check_taken(options);
     MadePatch made;
-    interruptibly([&] { made = patch_from_sides(sides, options); }, progress);
+    interruptibly(
+        [&] {
+          made = patch_from_sides(sides, options);
+          measure_seam(*made.patch, sides, made.report);
+        },
+        progress);
+    made.report.method = options.method == automatic_method ? patch_method : options.method;
     for (std::string& said : told_of_not_taken(options, patch_method)) made.report.warnings.push_back(std::move(said));
     return std::make_pair(std::const_pointer_cast<Surface>(made.patch),
-                          told_of_patch(std::move(made.report.warnings), made.report.folds));
+                          told_of_patch(std::move(made.report), size_of(*made.patch)));
   });
   m.def("_triangles", [](const std::shared_ptr<Surface>& patch, const std::array<std::vector<double>, 3>& parameters,
                          const std::optional<int>& resolution) {
@@ -165,6 +171,12 @@ void bind_making(py::module_& m) {
     py::gil_scoped_release release;
     const Method& chosen = find_method(method);
     if (!chosen.from_surfaces) throw InvalidArgument(method + " is made from three sides; use tripatch.patch");
-    return std::const_pointer_cast<Surface>(chosen.from_surfaces({surfaces[0], surfaces[1], surfaces[2]}, options));
+    const std::array<SurfacePtr, 3> constituents = {surfaces[0], surfaces[1], surfaces[2]};
+    const SurfacePtr patch = chosen.from_surfaces(constituents, options);
+    Report report;
+    report.method = method;
+    report.continuity.assign(3, chosen.continuity);
+    measure_seam(*patch, constituents, report);
+    return std::make_pair(std::const_pointer_cast<Surface>(patch), told_of_patch(std::move(report), size_of(*patch)));
   });
 }

@@ -29,9 +29,13 @@ PolygonPatchOptions asked_of_polygon(const FillOptions& asked) {
   return polygon_options(asked);
 }
 
-std::vector<std::string> told(const FillOptions& asked, std::vector<std::string> warnings, Index folds) {
-  for (std::string& said : told_of_not_taken(asked, polygon_method)) warnings.push_back(std::move(said));
-  return told_of_patch(std::move(warnings), folds);
+template <class Made>
+Report told(const FillOptions& asked, const Made& made, double size) {
+  Report report;
+  report_patch(made, report);
+  report.method = polygon_method;
+  for (std::string& said : told_of_not_taken(asked, polygon_method)) report.warnings.push_back(std::move(said));
+  return told_of_patch(std::move(report), size);
 }
 
 }  // namespace
@@ -74,8 +78,7 @@ void bind_polygon(py::module_& m) {
     const PolygonPatchOptions options = asked_of_polygon(asked);
     RoundPatch made;
     interruptibly([&] { made = round_patch(side, options); }, progress);
-    return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), told(asked, made.warnings, made.folds),
-                          made.seam_angle_max);
+    return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), told(asked, made, 0));
   });
   m.def("_polygon_triangles", [](const std::shared_ptr<OverPolygon>& patch, const std::vector<std::vector<double>>& parameters,
                                  const std::optional<int>& resolution) {
@@ -91,7 +94,7 @@ void bind_polygon(py::module_& m) {
     options.past_hooks = true;  // there is no spline to fall back to
     PolygonPatch made;
     interruptibly([&] { made = polygon_patch(sides, options); }, progress);
-    return py::make_tuple(std::const_pointer_cast<Surface>(made.patch), told(asked, made.warnings, made.folds),
-                          made.seam_angle_max);
+    return py::make_tuple(std::const_pointer_cast<Surface>(made.patch),
+                          told(asked, made, polygon_size(*made.patch, made.domain)));
   });
 }

@@ -9,12 +9,11 @@
 
 using namespace tripatch;
 
-std::vector<std::string> told_of_patch(std::vector<std::string> warnings, tripatch::Index folds) {
-  tripatch::Report told;
-  told.warnings = std::move(warnings);
-  told.folds = folds;
-  tripatch::tell_folds(told);
-  return std::move(told.warnings);
+tripatch::Report told_of_patch(tripatch::Report report, double size) {
+  tripatch::tell_corners(report);
+  tripatch::tell_gap(size, report);
+  tripatch::tell_folds(report);
+  return report;
 }
 
 namespace {
@@ -56,7 +55,16 @@ void bind_report(py::module_& m) {
       .def_readonly("seam_angle_rms", &Report::seam_angle_rms, "Root mean square of that angle, in degrees.")
       .def_readonly("seam_angle_max_by_side", &Report::seam_angle_max_by_side, "Largest angle on each side, in degrees.")
       .def_readonly("seam_angle_rms_by_side", &Report::seam_angle_rms_by_side, "Root mean square on each side, in degrees.")
-      .def_readonly("continuity", &Report::continuity, "On each side: Free, G0, G1 or G2, what was asked or what auto took.")
+      .def_readonly("continuity", &Report::continuity,
+                    "On each side: Free, G0, G1 or G2, what was asked or what auto took; none: the patch misses its boundary.")
+      .def_readonly("boundary_gap", &Report::boundary_gap,
+                    "Largest distance of the patch from the boundary that it is to meet, in units of the mesh.")
+      .def_readonly("corner_planes_angle", &Report::corner_planes_angle,
+                    "At each corner the angle between the tangent planes of its two sides, in degrees.")
+      .def_readonly(
+          "corner_normals_spread", &Report::corner_normals_spread,
+          "At each corner the largest angle between normals of the patch around it, in degrees: 0 where it has a tangent "
+          "plane.")
       .def_readonly("surroundings_error", &Report::surroundings_error,
                     "How well the mesh determines its own tangent planes, in degrees; 0 where they are known exactly.")
       .def_readonly("fairing", &Report::fairing, "Name of the energy that was made small; empty: none.")
@@ -109,6 +117,10 @@ void bind_methods(py::module_& m) {
       .def_readonly("description", &Method::description)
       .def_readonly("citation", &Method::citation)
       .def_readonly("fills_holes", &Method::fills_holes)
+      .def_property_readonly(
+          "joins_sides",
+          [](const Method& method) { return method.from_boundary != nullptr || method.name == std::string(polygon_method); },
+          "Whether `patch` makes it between given sides.")
       .def_readonly("continuity", &Method::continuity)
       .def_property_readonly(
           "sides",

@@ -34,19 +34,37 @@ void bind_smooth_triangles(py::module_& m) {
                                  std::copy_n(s.faces[f].data(), 3, a.mutable_data(f));
                                return a;
                              })
-      .def_property_readonly("edges", [](const SmoothMesh& s) {
-        IndexArray a({static_cast<Index>(s.edges.size()), Index{2}});
-        for (std::size_t e = 0; e < s.edges.size(); ++e) std::copy_n(s.edges[e].data(), 2, a.mutable_data(e));
-        return a;
-      });
+      .def_property_readonly("edges",
+                             [](const SmoothMesh& s) {
+                               IndexArray a({static_cast<Index>(s.edges.size()), Index{2}});
+                               for (std::size_t e = 0; e < s.edges.size(); ++e)
+                                 std::copy_n(s.edges[e].data(), 2, a.mutable_data(e));
+                               return a;
+                             })
+      .def_property_readonly(
+          "patches",
+          [](const SmoothMesh& s) {
+            py::list patches;
+            for (const SurfacePtr& patch : s.patches) patches.append(py::cast(std::const_pointer_cast<Surface>(patch)));
+            return patches;
+          },
+          "A Patch for every triangle, corners in its order; of `tripatch.network` only.");
+  m.def("_network", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+                       const std::vector<std::array<Index, 2>>& edges, const std::vector<Side>& sides, int resolution) {
+    const FacesRef faces = faces_from(offsets, corners);
+    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    SmoothMesh made;
+    interruptibly([&] { made = network({points, faces}, edges, sides, resolution); });
+    return made;
+  });
   m.def("_smooth_triangles", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                                const std::optional<Array>& normals, int resolution, NormalCurve curve) {
+                                const std::optional<Array>& normals, int resolution, NormalCurve curve, bool keep) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     std::optional<Points> given;
     if (normals) given = points_from(*normals);
     SmoothMesh smooth;
-    interruptibly([&] { smooth = smooth_triangles({points, faces}, given, resolution, curve); });
+    interruptibly([&] { smooth = smooth_triangles({points, faces}, given, resolution, curve, keep); });
     return smooth;
   });
 }

@@ -37,7 +37,6 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
   const RibbonOptions ribbons = {options.cross_boundary, of_three(options.bulge, "bulge"), continuity.tangent};
   const Boundary boundary = make_boundary(sides, ribbons);
   MadePatch made;
-  made.corner_mismatch_deg = boundary.corner_mismatch_deg;
   made.patch = construct(method, boundary, own, made.report);
   std::optional<Index> folds;  // of `made.patch`, where fairing has counted them
   const FairingBase base = {sides, boundary, made.patch};
@@ -113,7 +112,8 @@ MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const
                                                 : " joins three surfaces; use tripatch.blend"));
   const Continuity continuity = resolve_continuity(options.continuity, method, given);
   const bool keeps_tangent = std::string(method.continuity) != "G0";
-  const Sides sides = keeps_tangent ? told_by_rim(given, continuity.tangent) : given;
+  Sides sides = told_by_rim(given, continuity.tangent);
+  for (int i = 0; i < 3 && !keeps_tangent; ++i) sides[i].c = given[i].c;  // all that is met
   const std::array<bool, 3>& free = continuity.free;
   const bool alone = !keeps_tangent && !free[0] && !free[1] && !free[2] && options.tension == 0;
   const bool faired = options.fairing == Fairing::automatic ? !alone : options.fairing.has_value();

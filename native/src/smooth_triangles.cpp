@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <unordered_map>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/constructions/side_vertex.h"
+#include "tripatch/math/angle.h"
 #include "tripatch/mesh/vertex_normals.h"
+#include "tripatch/patch/seam.h"
 
 namespace tripatch {
 namespace {
@@ -122,8 +125,8 @@ void take_normals(const Points& given, bool estimated, const Lattice& lattice, P
   }
 }
 
-/// A curve with a normal field over each edge, and its points.
-std::vector<Side> smooth_edges(const Lattice& lattice, NormalCurve curve, SmoothMesh& out) {
+/// A curve with a normal field over each edge.
+std::vector<Side> smooth_edges(const Lattice& lattice, NormalCurve curve, const SmoothMesh& out) {
   const auto point = [&](Index v) -> Vec3 { return out.vertices.row(v); };
   const auto normal = [&](Index v) -> Vec3 { return out.normals.row(v); };
   std::vector<Side> sides(lattice.edges.size());
@@ -137,6 +140,13 @@ std::vector<Side> smooth_edges(const Lattice& lattice, NormalCurve curve, Smooth
       std::string at = " (vertex " + std::to_string(where[0]) + ", on the edge from ";
       throw Refusal(refusal.what() + at + std::to_string(a) + " to " + std::to_string(b) + ")", where);
     }
+  }
+  return sides;
+}
+
+/// The points on the edges.
+void cut_edges(const Lattice& lattice, const std::vector<Side>& sides, SmoothMesh& out) {
+  for (std::size_t e = 0; e < sides.size(); ++e)
     for (int k = 1; k < lattice.resolution; ++k) {
       const double t = static_cast<double>(k) / lattice.resolution;
       const Index row = lattice.on_edge(static_cast<Index>(e), k);
@@ -145,16 +155,14 @@ std::vector<Side> smooth_edges(const Lattice& lattice, NormalCurve curve, Smooth
       check_finite(out.vertices, row, lattice.edges[e]);
       check_finite(out.normals, row, lattice.edges[e]);
     }
-  }
-  return sides;
 }
 
-/// The points inside each face, on a side-vertex patch between the curves of its edges.
-void smooth_faces(const Lattice& lattice, const std::vector<Side>& sides, SmoothMesh& out) {
+/// The points inside each face, on a side-vertex patch between the curves of its edges; keep: the patches too.
+void smooth_faces(const Lattice& lattice, const std::vector<Side>& sides, bool keep, SmoothMesh& out) {
   const auto point = [&](Index v) -> Vec3 { return out.vertices.row(v); };
   const auto normal = [&](Index v) -> Vec3 { return out.normals.row(v); };
   const Points inside = inside_lattice(lattice.resolution);
-  if (inside.rows() == 0) return;
+  if (inside.rows() == 0 && !keep) return;
   std::vector<double> jets(inside.rows() * 9);
   for (std::size_t f = 0; f < lattice.triangles.size(); ++f) {
     const Triangle& t = lattice.triangles[f];
@@ -170,6 +178,7 @@ void smooth_faces(const Lattice& lattice, const std::vector<Side>& sides, Smooth
       around[i].r = (forwards ? outer : -outer) * (forwards ? side.r : side.r.reversed());
     }
     const SurfacePtr patch = side_vertex(make_boundary(around));
+    if (keep) out.patches.push_back(patch);
     patch->evaluate(inside.data(), inside.rows(), 1, jets.data());
     for (Index k = 0; k < inside.rows(); ++k) {
       const double* jet = &jets[9 * k];
@@ -196,27 +205,100 @@ std::vector<Triangle> small_triangles(const Lattice& lattice) {
   return faces;
 }
 
-}  // namespace
+/// Of each edge of the triangles the side that is given for it, from its lower vertex.
+std::vector<Side> sides_over(const Lattice& lattice, const std::vector<std::array<Index, 2>>& edges,
+                             const std::vector<Side>& given, const SmoothMesh& out) {
+  std::map<std::array<Index, 2>, std::size_t> known;
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    known[{std::min(edges[e][0], edges[e][1]), std::max(edges[e][0], edges[e][1])}] = e;
+  std::vector<Side> sides;
+  for (const std::array<Index, 2>& edge : lattice.edges) {
+    const std::string name = "the edge from " + std::to_string(edge[0]) + " to " + std::to_string(edge[1]);
+    const auto found = known.find(edge);
+    if (found == known.end()) throw Refusal("No curve is given over " + name, {edge[0], edge[1]});
+    const Side& own = given[found->second];
+    Side& side = sides.emplace_back(own);
+    if (edges[found->second][0] != edge[0]) side = {own.c.reversed(), -1.0 * own.r.reversed(), {}};
+    const Vec3 from = Vec3(out.vertices.row(edge[0])) - side.c(0), to = Vec3(out.vertices.row(edge[1])) - side.c(1);
+    const double gap = std::max(from.norm(), to.norm()), length = (out.vertices.row(edge[0]) - out.vertices.row(edge[1])).norm();
+    if (!(gap <= sides_meet * length))
+      throw Refusal("The curve over " + name + " does not run between its vertices: it is " + std::to_string(gap) + " off",
+                    {edge[0], edge[1]});
+    side = moved_ends(std::move(side), from, to);
+  }
+  return sides;
+}
 
-SmoothMesh smooth_triangles(const Mesh& mesh, const std::optional<Points>& normals, int resolution, NormalCurve curve) {
+/// Of each vertex the normal that all curves have there.
+void take_common_normals(const Lattice& lattice, const std::vector<Side>& sides, SmoothMesh& out) {
+  std::vector<std::vector<Vec3>> at(lattice.vertices);
+  for (std::size_t e = 0; e < sides.size(); ++e)
+    for (int end = 0; end < 2; ++end) at[lattice.edges[e][end]].push_back(sides[e].normal(end));
+  for (Index v = 0; v < lattice.vertices; ++v) {
+    if (at[v].empty()) continue;
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& n : at[v]) sum += n;
+    const Vec3 normal = sum.stableNormalized();
+    out.normals.row(v) = normal;
+    double off = 0;
+    for (const Vec3& n : at[v]) off = std::max(off, n.norm() > 0 ? degrees_between(n, normal) : 90);
+    if (off > same_plane)
+      throw Refusal("The planes of the curves at vertex " + std::to_string(v) + " are not one: they differ by " +
+                        std::to_string(off) + " degrees from their mean",
+                    {v});
+  }
+}
+
+/// The edges of the triangles of a mesh and its own vertices.
+Lattice begun(const Mesh& mesh, const std::vector<Triangle>& triangles, int resolution, SmoothMesh& out) {
   const Index n = mesh.vertices.rows();
+  Lattice lattice(triangles, n, resolution);
+  out.vertices.resize(lattice.total(), 3);
+  out.vertices.topRows(n) = mesh.vertices;
+  out.normals = Points::Zero(lattice.total(), 3);
+  return lattice;
+}
+
+void check_resolution(int resolution) {
   if (resolution < 1 || resolution > max_smooth_resolution)
     throw InvalidArgument("resolution must be from 1 to " + std::to_string(max_smooth_resolution));
+}
+
+/// The faces between curves over all edges.
+void complete(Lattice& lattice, const std::vector<Side>& sides, bool keep, SmoothMesh& out) {
+  cut_edges(lattice, sides, out);
+  smooth_faces(lattice, sides, keep, out);
+  out.faces = small_triangles(lattice);
+  out.edges = std::move(lattice.edges);
+}
+
+}  // namespace
+
+SmoothMesh network(const Mesh& mesh, const std::vector<std::array<Index, 2>>& edges, const std::vector<Side>& given,
+                   int resolution) {
+  check_resolution(resolution);
+  const std::vector<Triangle> triangles = checked_triangles(mesh);
+  SmoothMesh out;
+  Lattice lattice = begun(mesh, triangles, resolution, out);
+  const std::vector<Side> sides = sides_over(lattice, edges, given, out);
+  take_common_normals(lattice, sides, out);
+  complete(lattice, sides, true, out);
+  return out;
+}
+
+SmoothMesh smooth_triangles(const Mesh& mesh, const std::optional<Points>& normals, int resolution, NormalCurve curve,
+                            bool keep) {
+  const Index n = mesh.vertices.rows();
+  check_resolution(resolution);
   if (normals && normals->rows() != n)
     throw InvalidArgument("there must be a normal for each of the " + std::to_string(n) + " vertices, not " +
                           std::to_string(normals->rows()));
   const std::vector<Triangle> triangles = checked_triangles(mesh);
-  Lattice lattice(triangles, n, resolution);
-
   SmoothMesh out;
-  out.vertices.resize(lattice.total(), 3);
-  out.vertices.topRows(n) = mesh.vertices;
-  out.normals = Points::Zero(lattice.total(), 3);
+  Lattice lattice = begun(mesh, triangles, resolution, out);
   take_normals(normals ? *normals : vertex_normals(mesh), !normals, lattice, out.normals);
   const std::vector<Side> sides = smooth_edges(lattice, curve, out);
-  smooth_faces(lattice, sides, out);
-  out.faces = small_triangles(lattice);
-  out.edges = std::move(lattice.edges);
+  complete(lattice, sides, keep, out);
   return out;
 }
 

@@ -164,7 +164,9 @@ TEST_CASE("a corner has one plane up to a millionth of a degree, and beside one 
 TEST_CASE("angles are told to two digits, from 99.5 degrees on to three", "[thresholds]") {
   Report report;
   const std::array<Index, 2> corners = {0, 1};
-  report_corners({5, 7}, corners, {99.4, 99.6}, report);
+  take_corners({5, 7}, corners, report);
+  report.corner_planes_angle = report.corner_normals_spread = {99.4, 99.6};
+  tell_corners(report);
   REQUIRE(report.warnings.size() == 2);
   CHECK_THAT(report.warnings[0], Catch::Contains("differ by 99 degrees"));
   CHECK_THAT(report.warnings[1], Catch::Contains("differ by 99.6 degrees"));

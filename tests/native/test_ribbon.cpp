@@ -139,10 +139,11 @@ TEST_CASE("the printed slopes are those of equations (10) to (14)") {
   }
 }
 
-TEST_CASE("slopes as given are the surroundings' own") {
+TEST_CASE("slopes as given are the surroundings' own per unit of the equilateral domain's side, as equation (4) has them") {
   const Sides sides = skewed_sides(unrelated_surfaces(2));
   const Boundary boundary = boundary_of(sides, CrossBoundary::given);
-  for (int i = 0; i < 3; ++i) CHECK((boundary.ribbons[i].d(0.3) - sides[i].r(0.3)).norm() < 1e-14);
+  const double height = std::sqrt(0.75);
+  for (int i = 0; i < 3; ++i) CHECK((boundary.ribbons[i].d(0.3) - height * sides[i].r(0.3)).norm() < 1e-14);
 }
 
 TEST_CASE("every kind of slopes keeps the tangent plane, with alpha of one sign") {

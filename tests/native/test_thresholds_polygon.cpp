@@ -141,7 +141,9 @@ TEST_CASE("pieces are one side that meet within a millionth of its length and te
 TEST_CASE("two planes at a corner are told from one degree between them on", "[thresholds]") {
   Report report;
   const std::array<Index, 2> corners = {0, 1};
-  report_corners({5, 7, 9}, corners, {0.99, 1.01}, report);
+  take_corners({5, 7, 9}, corners, report);
+  report.corner_planes_angle = report.corner_normals_spread = {0.99, 1.01};
+  tell_corners(report);
   REQUIRE(report.warnings.size() == 1);
   CHECK_THAT(report.warnings[0], Catch::Contains("differ by 1 degrees at corner 1 (vertex 7)"));
 }

@@ -82,11 +82,11 @@ def side(f, a, b, across):
 
 def sides(f, corners, true_slopes=False):
     """Three sides over a triangle (3, 2). The slopes are the derivative along the outer normal times the side's length, as in
-    section 5 of the paper; true_slopes: the derivative that the triangle itself has."""
+    section 5 of the paper; true_slopes: the derivative that the patch itself has, per unit of the equilateral domain's side."""
     found = []
     for i in range(3):
         a, b = corners[(i + 1) % 3], corners[(i + 2) % 3]
-        outwards = (a + b) / 2 - corners[i] if true_slopes else np.array([b[1] - a[1], a[0] - b[0]])
+        outwards = (a + b - 2 * corners[i]) / np.sqrt(3) if true_slopes else np.array([b[1] - a[1], a[0] - b[0]])
         found.append(side(f, a, b, outwards))
     return found
 

@@ -147,7 +147,9 @@ def test_the_command_line_takes_them(arguments, options, tmp_path):
     for name, where in hole.items():
         common += [f"--{name}", ",".join(map(str, where))]
     report = tmp_path / "report.json"
-    assert cli.main(["fill", str(path), str(out), "--report", str(report), "--method", *arguments, *common]) == 0
+    misses = options.get("reading") == "as_printed"  # the printed formula does not meet its boundary
+    expected_status = cli.SOME if misses else cli.FILLED
+    assert cli.main(["fill", str(path), str(out), "--report", str(report), "--method", *arguments, *common]) == expected_status
     expected = filled(method=arguments[0], **options)
     new = files.read(out).vertices[len(vertices) :]
     assert np.abs(new - expected.vertices).max() < 1e-12
@@ -272,6 +274,7 @@ def test_ends_within_a_tolerance_are_moved_together():
         tripatch.patch(sides, tolerance="some")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "The tangent planes of the two sides differ")
         tripatch.patch(filled().sides, tolerance=0)
 
 

@@ -14,9 +14,8 @@ struct SurfacePoints;
 
 struct MadePatch {
   SurfacePtr patch;
-  std::array<double, 3> corner_mismatch_deg = {0, 0, 0};  ///< angle between the tangent planes of the two sides at corner i
-  Report report;                                          ///< of fairing, lambda and folds, and warnings
-  bool gave_up = false;                                   ///< no energy serves here, so that the patch is a plain one
+  Report report;         ///< of fairing, lambda and folds, and warnings
+  bool gave_up = false;  ///< no energy serves here, so that the patch is a plain one
 };
 
 /// By the options that concern a patch: method, continuity, cross_boundary, bulge, fairing ("auto" leaves the patches of G0 methods

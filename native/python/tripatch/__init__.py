@@ -13,6 +13,8 @@ from .files import FileError, MeshFile, read, write
 from .filling import Fill, Fills, fill, fill_all
 from .holes import SURROUNDING_RINGS, choose_holes, find_corners, find_holes, is_outer_border, outer_borders
 from .merging import HolesReport, fill_holes, merge
+from .networks import network
+from .nurbs import NurbsPatch, nurbs, write_step
 from .options import METHODS, OPTIONS
 from .patches import blend, patch
 from .surfaces import (
@@ -22,9 +24,12 @@ from .surfaces import (
     coons_bezier,
     coons_energy,
     coons_rectangle,
+    rational_triangle,
     sides_from_normals,
     smits_patch,
     smooth_triangles,
+    surface_of,
+    triangle_on,
 )
 
 __version__ = "0.1.0"
@@ -42,6 +47,7 @@ __all__ = [
     "Fills",
     "HolesReport",
     "MeshFile",
+    "NurbsPatch",
     "NurbsSurface",
     "Option",
     "Patch",
@@ -64,13 +70,19 @@ __all__ = [
     "find_holes",
     "is_outer_border",
     "merge",
+    "network",
+    "nurbs",
     "outer_borders",
     "patch",
+    "rational_triangle",
     "read",
     "set_threads",
     "sides_from_normals",
     "smits_patch",
     "smooth_triangles",
+    "surface_of",
+    "triangle_on",
     "vertex_normals",
     "write",
+    "write_step",
 ]

@@ -1,4 +1,5 @@
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
@@ -38,6 +39,7 @@ class Method:
     citation: str
     fills_holes: bool
     continuity: Literal["G0", "G1", "G2"]
+    joins_sides: bool
     sides: tuple[int, int | None]
     options: tuple[str, ...]
     def takes(self, name: str) -> bool: ...
@@ -79,6 +81,8 @@ OPTIONS: dict[str, Option]
 SURROUNDING_RINGS: int
 
 class Patch:
+    report: Report | None
+    _report: Report | None
     def evaluate(self, b: ArrayLike, derivatives: int = 0) -> Any: ...
     def normal(self, b: ArrayLike) -> Floats: ...
     def positions_and_normals(self, b: ArrayLike) -> tuple[Floats, Floats]: ...
@@ -154,7 +158,10 @@ class Report:
     seam_angle_rms: float
     seam_angle_max_by_side: list[float]
     seam_angle_rms_by_side: list[float]
-    continuity: list[Literal["Free", "G0", "G1", "G2"]]
+    continuity: list[Literal["Free", "G0", "G1", "G2", "none"]]
+    boundary_gap: float
+    corner_planes_angle: list[float]
+    corner_normals_spread: list[float]
     surroundings_error: float
     fairing: str
     energy_before: float
@@ -218,6 +225,15 @@ class SmoothMesh:
     faces: Indices
     normals: Floats
     edges: Indices
+    patches: list[Patch]
+
+class NurbsPatch:
+    surfaces: list[NurbsSurface]
+    points: list[Floats]
+    knots: list[tuple[list[float], list[float]]]
+    exact: bool
+    deviation: float
+    angle: float
 
 class CutWeights:
     edge: Floats
@@ -404,10 +420,16 @@ def patch(
     alpha: float | None = None,
     # end
 ) -> Patch: ...
+
+Constituent = Patch | tuple[BezierRectangle | NurbsSurface, ArrayLike] | Callable[[Floats], ArrayLike]
+
+def rational_triangle(net: ArrayLike, weights: ArrayLike) -> Patch: ...
+def triangle_on(surface: BezierRectangle | NurbsSurface, corners: ArrayLike) -> Patch: ...
+def surface_of(function: Callable[[Floats], ArrayLike], name: str = "function") -> BezierTriangle: ...
 def blend(
-    r0: Patch,
-    r1: Patch,
-    r2: Patch,
+    r0: Constituent,
+    r1: Constituent,
+    r2: Constituent,
     method: str = "szilvasi_nagy_c1",
     shape: Shape = (0.5, 0.5, 0.5),
     reading: Reading = "corrected",
@@ -421,6 +443,17 @@ def coons_bezier(
 ) -> BezierTriangle: ...
 def coons_rectangle(boundary: BezierRectangle, alpha: float | None = None) -> BezierRectangle: ...
 def coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool = False) -> float: ...
+def nurbs(patch: Patch, tolerance: float | None = None) -> NurbsPatch: ...
+def write_step(
+    path: str | PathLike[str], patches: Patch | Iterable[Patch], tolerance: float | None = None, unit: str = "MM"
+) -> list[NurbsPatch]: ...
+def network(
+    vertices: ArrayLike,
+    triangles: Faces,
+    curves: str | Mapping[tuple[int, int], Any] = "hermite",
+    normals: ArrayLike | Mapping[tuple[int, int], Any] | None = None,
+    resolution: int = 8,
+) -> SmoothMesh: ...
 def smooth_triangles(
     vertices: ArrayLike, faces: Faces, normals: ArrayLike | None = None, resolution: int = 8, curve: Curve = "hermite"
 ) -> SmoothMesh: ...

@@ -285,11 +285,11 @@ def _fill(args: argparse.Namespace) -> int:
     folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
     if folded:
         note(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")
-    crossed = sum(fill.report.crosses_itself for fill in fills)  # its warning says where
+    flawed = any(report.crosses_itself or "none" in report.continuity for report in reports)  # its warning says where
     through = [(min(fill.rim), fill.passes_through) for fill in fills if fill.passes_through]
     for vertex, where in through[:MOST_TOLD]:
         note(f"The fill through vertex {vertex} passes through the mesh near {words.place(where)}")
-    return FILLED if len(fills) == len(holes) and not folded and not crossed and not through else SOME
+    return FILLED if len(fills) == len(holes) and not folded and not flawed and not through else SOME
 
 
 def _smooth(args: argparse.Namespace) -> int:

@@ -15,6 +15,7 @@ from ._types import Array, ArrayLike
 from .errors import FillWarning
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 from .pickling import remade
+from .surfaces import surface_of, triangle_on
 
 #: Of the extent of a patch: ends that are no farther apart differ by rounding, which a curve leaves at 1e-15 of its coordinates.
 _ROUNDING = 1e-12
@@ -81,7 +82,8 @@ def patch(
 
     Returns:
         A `Patch`, for `evaluate` and `normal` at barycentric coordinates (k, 3); of four sides or more at places (k, 2) of its
-        `domain`, a polygon with these corners (n, 2); of a round rim in the unit disc.
+        `domain`, a polygon with these corners (n, 2); of a round rim in the unit disc. Its `report` holds the numbers that a
+        fill's report has of its patch: angles along the seam and round the corners, distance from the sides, folds.
 
     Raises:
         Refusal: the sides do not meet.
@@ -102,48 +104,73 @@ def patch(
     )  # constructions of papers go by the sides' own parameters
     given = {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, "through": through, **options}
     if len(sides) != 3 or len(through) > 0:
-        made, notes = _between_many(sides, given, progress)
-    else:
-        made, notes = _native._patch(sides, checked("patch", given), progress)
-        vars(made)["_recipe"] = remade, ("_patch", sides, checked("patch", given), None)
-    for note in notes:
-        warnings.warn(FillWarning(note), stacklevel=2)
+        return _told(_between_many(sides, given, progress))
+    return _told(_made("_patch", sides, checked("patch", given), progress))
+
+
+def _made(function: str, own: Any, given: dict[str, Any], progress: Any) -> Patch:
+    """A patch that knows how to be made again."""
+    made: Patch
+    made, made._report = getattr(_native, function)(own, given, progress)
+    vars(made)["_recipe"] = remade, (function, own, given, None)
     return made
 
 
-def _between_many(
-    sides: Sequence[Side], options: dict[str, Any], progress: Callable[[int, int], object] | None
-) -> tuple[Patch, list[str]]:
+def _told(made: Patch) -> Patch:
+    """The patch; the warnings of its report are given to the caller of what calls this."""
+    for note in made._report.warnings if made._report else ():
+        warnings.warn(FillWarning(note), stacklevel=3)
+    return made
+
+
+def _report(self: Patch) -> Report | None:
+    """Of a patch that `patch` or `blend` made: the numbers that the report of a fill has of its patch. None: of any other."""
+    return self._report
+
+
+def _between_many(sides: Sequence[Side], options: dict[str, Any], progress: Callable[[int, int], object] | None) -> Patch:
     """A patch of another number of sides than three: options by side have one value or one a side."""
     many = ("auto", "multi_sided", "side_vertex") if len(sides) == 3 else ("auto", "multi_sided")
     if options["method"] not in many:
         raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
     given = checked("patch", options)
-    function, own = ("_round_patch", sides[0]) if len(sides) == 1 else ("_polygon_patch", sides)
-    made, notes, _ = getattr(_native, function)(own, given, progress)
-    vars(made)["_recipe"] = remade, (function, own, given, None)
-    return made, notes
+    if len(sides) == 1:
+        return _made("_round_patch", sides[0], given, progress)
+    return _made("_polygon_patch", sides, given, progress)
+
+
+def _constituent(given: Any, name: str) -> Patch:
+    """A surface over the triangle from what `blend` takes."""
+    if isinstance(given, Patch):
+        return given
+    if isinstance(given, tuple) and len(given) == 2:
+        return triangle_on(*given)
+    if callable(given):
+        return surface_of(given, name)
+    raise TypeError(
+        f"{name} must be a patch, a surface and three places (3, 2) of its domain, or a function of barycentric coordinates"
+    )
 
 
 def blend(
-    r0: Patch, r1: Patch, r2: Patch, method: str = "szilvasi_nagy_c1", shape: Any = (0.5, 0.5, 0.5), reading: str = "corrected"
+    r0: Any, r1: Any, r2: Any, method: str = "szilvasi_nagy_c1", shape: Any = (0.5, 0.5, 0.5), reading: str = "corrected"
 ) -> Patch:
     """A patch from three surfaces over one triangle.
 
     Args:
-        r0, r1, r2: three `Patch` objects; r_i carries side i.
+        r0, r1, r2: r_i carries side i, and each two share a corner. A `Patch`, as a `BezierTriangle` or a `rational_triangle` is;
+            a `BezierRectangle` or `NurbsSurface` with the places (3, 2) of the corners in its domain (see `triangle_on`);
+            or a smooth function of barycentric coordinates (k, 3) -> (k, 3).
         method: a name in METHODS that blends surfaces.
-        shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal".
-        reading: "corrected", or "as_printed" for the paper's own formula.
+        shape: lambda of the Szilvasi-Nagy methods in (0, 1), by side; or "optimal", of least energy.
+        reading: "corrected", or "as_printed" for the paper's own formulas: feet, q, s and the energy, a sum over nine points.
 
     Returns:
-        A `Patch`; of the Szilvasi-Nagy methods a `SzilvasiNagyPatch`.
+        A `Patch`; of the Szilvasi-Nagy methods a `SzilvasiNagyPatch`. Its `report` compares it with the three surfaces.
     """
-    if not all(isinstance(r, Patch) for r in (r0, r1, r2)):
-        raise TypeError("a blend needs three patches")
+    surfaces = tuple(_constituent(r, f"r{i}") for i, r in enumerate((r0, r1, r2)))
     given = checked("blend", {"method": method, "shape": shape, "reading": reading})
-    made: Patch = remade("_blend", (r0, r1, r2), method, given)
-    return made
+    return _told(remade("_blend", surfaces, method, given))
 
 
 def _places(b: ArrayLike) -> Array:
@@ -181,14 +208,24 @@ def _positions_and_normals(self: Patch, b: ArrayLike) -> tuple[Array, Array]:
     return self._positions_and_normals(_places(b))
 
 
+#: The nine inner points of a square (s, t) cut in four each way, as (u, v) = (t - s t, s t), and t.
+_NINE = np.array([(t - s * t, s * t, t) for s in (0.25, 0.5, 0.75) for t in (0.25, 0.5, 0.75)])
+
+
 def _patch_energy(self: Patch, name: str) -> float:
     """A fairness energy, with weights that vanish at the corners.
 
     Args:
         name: "thin_plate", "third_derivative" (over the equilateral triangle of unit side; units of length squared),
-            "minimum_variation", "quadric_variation" or "auto" (over the surface, times its size squared; no units).
+            "minimum_variation", "quadric_variation" or "auto" (over the surface, times its size squared; no units);
+            "nine_points": equation (5) of Szilvasi-Nagy and Szabo (2006) by their sum over nine points, without a weight.
     """
-    return self._energy(choice(name, "energy", names(OPTIONS["fairing"])))
+    if name != "nine_points":
+        return self._energy(choice(name, "energy", names(OPTIONS["fairing"])))
+    if _sides_of(self) != 3:
+        raise ValueError("nine_points is an energy over the triangle; this patch has another domain")
+    second = self.evaluate(_NINE[:, :2], derivatives=2)[2]
+    return float(np.einsum("k,d,kdx->", _NINE[:, 2] / 9, [1.0, 2.0, 1.0], second**2))
 
 
 def _places_on_side(edges: Any, i: int) -> list[float]:
@@ -353,6 +390,8 @@ def _report_repr(self: Report) -> str:
 
 _METHODS: dict[type, dict[str, Any]] = {
     Patch: {
+        "_report": None,
+        "report": property(_report),
         "evaluate": _evaluate,
         "normal": _normal,
         "positions_and_normals": _positions_and_normals,

@@ -12,6 +12,8 @@ def remade(function: str, *arguments: Any) -> Any:
     """A patch made by a function of the core, which can be made so again."""
     made = getattr(_native, function)(*arguments)
     patch = made[0] if isinstance(made, tuple) else made
+    if isinstance(made, tuple) and isinstance(made[1], Report):
+        patch._report = made[1]
     patch._recipe = remade, (function, *arguments)
     return patch
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 import numbers
 import warnings
 from collections.abc import Callable, Sequence
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import _arrays, _native
-from ._native import BezierRectangle, BezierTriangle, NurbsSurface, Side
+from ._native import BezierRectangle, BezierTriangle, NurbsSurface, Patch, Side
 from ._types import Array, ArrayLike, Faces
 from .errors import FillWarning
 from .pickling import remade
@@ -162,6 +163,86 @@ BezierTriangle.side = _triangle_side  # type: ignore[method-assign]
 _native.RectangleSurface.evaluate = _evaluate
 
 
+def rational_triangle(net: ArrayLike, weights: ArrayLike) -> Patch:
+    """A rational Bezier triangle, for `blend`.
+
+    Args:
+        net: control points (k, 3) as of `BezierTriangle`.
+        weights: (k,), greater than 0.
+    """
+    made: Patch = remade("_rational_triangle", _arrays.points(net, "net"), _numbers(weights, "weights", 1).tolist())
+    return made
+
+
+def triangle_on(surface: BezierRectangle | NurbsSurface, corners: ArrayLike) -> Patch:
+    """The part of a surface between three places of its domain as a patch over the triangle, for `blend`.
+
+    Args:
+        surface: a `BezierRectangle` or `NurbsSurface`.
+        corners: (3, 2) the places (u, v) of corners 0, 1 and 2. Side i runs straight between two of them: along an edge of the
+            surface if both lie on it.
+    """
+    if not isinstance(surface, _native.RectangleSurface):
+        raise TypeError(f"surface must be a BezierRectangle or a NurbsSurface, not {type(surface).__name__}")
+    at = _numbers(corners, "corners", 2, 2)
+    if len(at) != 3:
+        raise ValueError(f"corners must have shape (3, 2), not {at.shape}")
+    made: Patch = remade("_triangle_on", surface, at.tolist())
+    return made
+
+
+#: Degrees of the polynomials that a function is taken for, one after another, until they are near enough: of its extent.
+_DEGREES, _NEAR = (4, 8, 12, 16, 20, 24), 1e-12
+#: A function that the last of them does not come so near to is none that a blend could take derivatives of.
+_FAR = 1e-6
+
+
+def _bernstein(degree: int, b: Array) -> Array:
+    """(k, (degree + 1)(degree + 2) / 2) Bernstein polynomials in the order of a net."""
+    indices = [(i, j, degree - i - j) for i in range(degree, -1, -1) for j in range(degree - i, -1, -1)]
+    powers = [b[:, [x]] ** np.arange(degree + 1) for x in range(3)]
+    factors = [math.comb(degree, i) * math.comb(degree - i, j) for i, j, _ in indices]
+    at = np.array(indices)
+    terms: Array = powers[0][:, at[:, 0]] * powers[1][:, at[:, 1]] * powers[2][:, at[:, 2]] * factors
+    return terms
+
+
+def surface_of(function: Callable[[Array], Any], name: str = "function") -> BezierTriangle:
+    """A smooth function of barycentric coordinates (k, 3) -> (k, 3) as a Bezier triangle, to 12 digits if degree 24 suffices.
+
+    Args:
+        function: called with arrays of shape (k, 3).
+        name: of the function, for messages.
+
+    Raises:
+        ValueError: the function is not smooth: no polynomial of degree 24 comes within a millionth of its extent.
+    """
+
+    def sampled(degree: int) -> tuple[Array, Array]:
+        # products of Chebyshev's points, drawn together at a corner; each corner in turn
+        x = 0.5 - 0.5 * np.cos(np.pi * (np.arange(degree + 3) + 0.5) / (degree + 3))
+        s, t = (each.ravel() for each in np.meshgrid(x, x))
+        own = np.column_stack([1 - s, s * (1 - t), s * t])
+        b = np.vstack([np.eye(3), own, own[:, [2, 0, 1]], own[:, [1, 2, 0]]])
+        return b, _numbers(function(b), f"{name}(b)", 2, 3)
+
+    for degree in _DEGREES:
+        b, values = sampled(degree)
+        if values.shape != b.shape:
+            raise ValueError(f"{name}(b) must return an array of shape (k, 3) for b of shape (k, 3)")
+        if not np.isfinite(values).all():
+            raise ValueError(f"{name}(b) is not finite everywhere")
+        net = np.linalg.lstsq(_bernstein(degree, b), values, rcond=None)[0]
+        between, expected = sampled(degree + 1)
+        extent = np.ptp(values, axis=0).max()
+        off = np.abs(_bernstein(degree, between) @ net - expected).max()
+        if off <= _NEAR * extent:
+            break
+    if not off <= _FAR * extent:
+        raise ValueError(f"{name} is no smooth function: a polynomial of degree {degree} is off by {off:.2g}")
+    return BezierTriangle(net)
+
+
 def _corners_and_normals(points: ArrayLike, normals: ArrayLike) -> tuple[Array, Array]:
     p, n = _numbers(points, "points", 2, 3), _numbers(normals, "normals", 2, 3)
     for name, a in (("points", p), ("normals", n)):
@@ -277,5 +358,5 @@ def smooth_triangles(
         if len(given) != len(v):
             raise ValueError(f"normals must have shape ({len(v)}, 3), not {given.shape}")
     return _native._smooth_triangles(
-        v, offsets, corners, given, _whole(resolution, "resolution"), _named(curve, "curve", _CURVES)
+        v, offsets, corners, given, _whole(resolution, "resolution"), _named(curve, "curve", _CURVES), False
     )

@@ -111,7 +111,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
   const Sides sides = closed(given);
   double length = 0;
   for (const Side& side : sides) length += arc_length(side.c) / 3;
-  const double height = 0.5 * std::sqrt(3.0) * length;
+  const double unit_height = 0.5 * std::sqrt(3.0), height = unit_height * length;  // of the equilateral triangle of unit side
 
   std::array<double, 3> share;
   for (int k = 0; k < 3; ++k) {
@@ -142,7 +142,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
     const Vec3 tau0 = sides[second].c.derivative_at(1) + 0.5 * c0;
     const Vec3 tau1 = -sides[first].c.derivative_at(0) - 0.5 * c1;
     if (options.cross_boundary == CrossBoundary::given) {
-      ribbon.alpha = PiecewisePolynomial::linear(1, 1);
+      ribbon.alpha = PiecewisePolynomial::linear(unit_height, unit_height);
       ribbon.beta = PiecewisePolynomial::linear(0, 0);
     } else if (options.cross_boundary == CrossBoundary::as_printed) {
       const double a = printed_alpha(r0, c0, tau0), b = printed_alpha(r1, c1, tau1);

@@ -1,10 +1,87 @@
 #include "tripatch/constructions/blend.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
+#include "tripatch/boundary/rectangle_surface.h"
 #include "tripatch/boundary/side.h"
+#include "tripatch/patch/bezier_triangle.h"
 
 namespace tripatch {
+namespace {
+
+class RationalTriangle final : public Surface {
+public:
+  RationalTriangle(Points weighted, Points weights) : weighted_(std::move(weighted)), weights_(std::move(weights)) {}
+
+  void evaluate(const double* b, Index n, int order, double* out) const override {
+    with_order<0, max_order>(order, [&](auto N) {
+      constexpr Index stride = 3 * jet_size(N.value);
+      std::vector<double> below(n * stride);
+      weighted_.evaluate(b, n, order, out);
+      weights_.evaluate(b, n, order, below.data());
+      for (Index k = 0; k < n; ++k)
+        store(reciprocal(load<N.value>(&below[k * stride]).x[0]) * load<N.value>(out + k * stride), out + k * stride);
+    });
+  }
+
+private:
+  BezierTriangle weighted_, weights_;
+};
+
+class TriangleOn final : public Surface {
+public:
+  TriangleOn(std::shared_ptr<const RectangleSurface> surface, const std::array<Vec2, 3>& corners)
+      : surface_(std::move(surface)), corners_(corners) {}
+
+  void evaluate(const double* b, Index n, int order, double* out) const override {
+    std::vector<double> uv;
+    const auto [from_u, to_u, from_v, to_v] = surface_->domain();
+    for (Index k = 0; k < n; ++k) {
+      const Vec2 at = b[3 * k] * corners_[0] + b[3 * k + 1] * corners_[1] + b[3 * k + 2] * corners_[2];
+      uv.insert(uv.end(), {std::clamp(at[0], from_u, to_u), std::clamp(at[1], from_v, to_v)});  // rounding leaves the domain
+    }
+    surface_->evaluate(uv.data(), n, order, out);
+    const Vec2 along0 = corners_[0] - corners_[2], along1 = corners_[1] - corners_[2];
+    with_order<0, max_order>(order, [&](auto N) {
+      const Substitution<N.value> substitution(along0[0], along1[0], along0[1], along1[1]);
+      for (Index k = 0; k < n; ++k) {
+        JetPoint<N.value> p = load<N.value>(out + k * 3 * jet_size(N.value));
+        for (int x = 0; x < 3; ++x) p.x[x] = substitution(p.x[x]);
+        store(p, out + k * 3 * jet_size(N.value));
+      }
+    });
+  }
+
+private:
+  std::shared_ptr<const RectangleSurface> surface_;
+  std::array<Vec2, 3> corners_;
+};
+
+}  // namespace
+
+SurfacePtr rational_triangle(const Points& net, const std::vector<double>& weights) {
+  if (static_cast<Index>(weights.size()) != net.rows())
+    throw InvalidArgument("There must be a weight for each of the " + std::to_string(net.rows()) + " points, not " +
+                          std::to_string(weights.size()));
+  Points weighted = net, below = Points::Zero(net.rows(), 3);
+  for (Index k = 0; k < net.rows(); ++k) {
+    if (!(weights[k] > 0) || !std::isfinite(weights[k]))
+      throw InvalidArgument("Weight " + std::to_string(k) + " must be a number above 0");
+    weighted.row(k) *= weights[k];
+    below(k, 0) = weights[k];
+  }
+  return std::make_shared<RationalTriangle>(std::move(weighted), std::move(below));
+}
+
+SurfacePtr triangle_on(std::shared_ptr<const RectangleSurface> surface, const std::array<Vec2, 3>& corners) {
+  const auto [from_u, to_u, from_v, to_v] = surface->domain();
+  for (const Vec2& corner : corners)
+    if (!(corner[0] >= from_u && corner[0] <= to_u && corner[1] >= from_v && corner[1] <= to_v))
+      throw InvalidArgument("A corner of the triangle lies outside the domain of the surface");
+  return std::make_shared<TriangleOn>(std::move(surface), corners);
+}
 std::vector<double> feet(const double* b, Index n, int i, const Vec3& direction) {
   std::vector<double> f(3 * n);
   for (Index k = 0; k < n; ++k)

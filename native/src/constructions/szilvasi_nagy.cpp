@@ -6,6 +6,7 @@
 
 #include "tripatch/constructions/shape_search.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
@@ -15,6 +16,21 @@ constexpr Index batch = 256;
 
 /// The printed feet: along lines on which v, u and again u are constant.
 FootDirections printed_feet() { return {Vec3(1, 0, -1), Vec3(0, 1, -1), Vec3(0, -1, 1)}; }
+
+/// The degree of a surface's homogeneous form: a Bezier triangle's own; any other is read as a function of the ratios u : v : w.
+double homogeneous_degree(const Surface& surface) {
+  const auto* const bezier = dynamic_cast<const BezierTriangle*>(&surface);
+  return bezier ? bezier->degree() : 0;
+}
+
+/// The partial derivative with respect to b_i of a homogeneous form f of this degree, by Euler's theorem from derivatives within the
+/// triangle: degree f + the derivative in the direction e_i - b.
+template <int M>
+Jet<M - 1> homogeneous_partial(const Jet<M>& f, const Barycentric<M>& b, int i, double degree) {
+  constexpr int N = M - 1;
+  const Jet<N> along0 = (i == 0 ? 1.0 : 0.0) - truncated<N>(b[0]), along1 = (i == 1 ? 1.0 : 0.0) - truncated<N>(b[1]);
+  return degree * truncated<N>(f) + along0 * directional(f, 1, 0) + along1 * directional(f, 0, 1);
+}
 
 /// mu_i or its first or second derivative with respect to lambda_i.
 template <int N>
@@ -47,7 +63,10 @@ public:
 
   Formula(const std::array<SurfacePtr, 3>& surfaces, bool as_printed)
       : surfaces_(surfaces), as_printed_(as_printed), directions_(as_printed ? printed_feet() : perpendicular_feet()) {
-    for (int i = 0; i < 3; ++i) to_foot_[i] = foot_substitution<N>(directions_[i], i);
+    for (int i = 0; i < 3; ++i) {
+      to_foot_[i] = foot_substitution<N>(directions_[i], i);
+      degree_[i] = homogeneous_degree(*surfaces[i]);
+    }
   }
 
   /// visit(k, point) for each of n points.
@@ -98,18 +117,12 @@ public:
   /// b_i W_i times the derivative of G_i across side i at foot_i(b), halved.
   JetPoint<N> slope_correction(const Point<N, C>& p, int i, double lambda, int derivative = 0) const {
     static_assert(C == 1);
-    const Vec3& v = directions_[i];
     const Jet<M> mu = mu_jet(p.foot[i], (i + 2) % 3, lambda, derivative);
+    const JetPoint<M> g = as_printed_ ? JetPoint<M>() : at_foot(p, i, mu, derivative);
     JetPoint<N> slope;
-    if (as_printed_) {  // eq. (9): mu itself is not differentiated
-      for (int x = 0; x < 3; ++x) {
-        slope.x[x] = truncated<N>(mu) * directional(p.difference_at_foot[i].x[x], v[0], v[1]);
-        if (!derivative) slope.x[x] += directional(p.base_at_foot[i].x[x], v[0], v[1]);
-      }
-    } else {
-      const JetPoint<M> g = at_foot(p, i, mu, derivative);
-      for (int x = 0; x < 3; ++x) slope.x[x] = directional(g.x[x], v[0], v[1]);
-    }
+    for (int x = 0; x < 3; ++x)
+      slope.x[x] = as_printed_ ? printed_slope(p, i, truncated<N>(mu), derivative, x)
+                               : directional(g.x[x], directions_[i][0], directions_[i][1]);
     const Jet<N> factor = 0.5 * (p.b[i] * p.weight[i]);
     for (int x = 0; x < 3; ++x) slope.x[x] = factor * to_foot_[i](slope.x[x]);
     return slope;
@@ -127,19 +140,42 @@ private:
     const JetPoint<M> varying = mu * p.difference_at_foot[i];
     return derivative ? varying : p.base_at_foot[i] + varying;
   }
+  /// Of eq. (9): mu of the partial derivatives with respect to b_i of both surfaces; mu itself is not differentiated.
+  Jet<N> printed_slope(const Point<N, C>& p, int i, const Jet<N>& mu, int derivative, int x) const {
+    const Jet<M>& base = p.base_at_foot[i].x[x];
+    const Jet<N> next = homogeneous_partial(base, p.foot[i], i, degree_[(i + 1) % 3]),
+                 last = homogeneous_partial(base + p.difference_at_foot[i].x[x], p.foot[i], i, degree_[(i + 2) % 3]);
+    const Jet<N> varying = mu * (last - next);
+    return derivative ? varying : next + varying;
+  }
 
   const std::array<SurfacePtr, 3>& surfaces_;
+  std::array<double, 3> degree_;  // of the surfaces' homogeneous forms
   bool as_printed_;
   FootDirections directions_;
   std::array<Substitution<N>, 3> to_foot_;
 };
 
-/// The thin-plate energy over the triangle as a function of lambda.
+/// The nine inner points of a square (s, t) cut in four each way, u = t - s t, v = s t: of the paper's integral sum of its energy (5).
+Quadrature printed_quadrature() {
+  Quadrature result;
+  result.b.resize(9, 3);
+  for (int k = 0; k < 9; ++k) {
+    const double s = (k / 3 + 1) / 4.0, t = (k % 3 + 1) / 4.0;
+    result.b.row(k) << t - s * t, s * t, 1 - t;
+    result.weights.push_back(t / 9);
+  }
+  return result;
+}
+
+/// The thin-plate energy over the triangle as a function of lambda; as printed, by u and v at nine points.
 template <int C>
 class FormulaEnergy final : public ShapeEnergy {
 public:
   FormulaEnergy(const std::array<SurfacePtr, 3>& surfaces, bool as_printed, int quadrature) : formula_(surfaces, as_printed) {
-    const Quadrature q = corner_quadrature(quadrature);
+    // second Taylor coefficients in (x, y) of the equilateral triangle: db0 = dx - dy / sqrt 3, db1 = 2 dy / sqrt 3
+    to_plane_ = as_printed ? Substitution<2>(1, 0, 0, 1) : Substitution<2>(1, -1 / std::sqrt(3.0), 0, 2 / std::sqrt(3.0));
+    const Quadrature q = as_printed ? printed_quadrature() : corner_quadrature(quadrature);
     root_weight_.resize(q.b.rows());
     for (Index k = 0; k < q.b.rows(); ++k) root_weight_[k] = std::sqrt(q.weights[k]);
     points_.reserve(q.b.rows());
@@ -148,12 +184,10 @@ public:
 
   Eigen::VectorXd stacked(int i, double lambda, int derivative) const override {
     Eigen::VectorXd v(9 * static_cast<Index>(points_.size()));
-    // second Taylor coefficients in (x, y) of the equilateral triangle: db0 = dx - dy / sqrt 3, db1 = 2 dy / sqrt 3
-    const Substitution<2> to_plane(1, -1 / std::sqrt(3.0), 0, 2 / std::sqrt(3.0));
     for (std::size_t k = 0; k < points_.size(); ++k) {
       const JetPoint<2> f = formula_.term(points_[k], (i + 1) % 3, lambda, derivative);  // mu_i is in G_{i+1}
       for (int x = 0; x < 3; ++x) {
-        const Jet<2> p = to_plane(f.x[x]);  // xx / 2, xy, yy / 2
+        const Jet<2> p = to_plane_(f.x[x]);  // xx / 2, xy, yy / 2
         v.segment<3>(9 * k + 3 * x) = root_weight_[k] * Vec3(2 * p.c[3], std::sqrt(2.0) * p.c[4], 2 * p.c[5]);
       }
     }
@@ -162,6 +196,7 @@ public:
 
 private:
   Formula<2, C> formula_;
+  Substitution<2> to_plane_;
   std::vector<Point<2, C>> points_;
   Eigen::VectorXd root_weight_;
 };

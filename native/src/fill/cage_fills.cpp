@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -23,6 +24,7 @@
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/output/doubled_edges.h"
+#include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
 
 namespace tripatch {
@@ -68,6 +70,9 @@ bool is_shaped(const FillOptions& options) {
          });
 }
 
+/// Whether a method between three sides is asked for by its name: then the cage is that one's or none.
+bool is_named(const FillOptions& options) { return options.method != automatic_method && options.method != polygon_method; }
+
 /// Which cages have their vertices where the mesh around would go on.
 enum class OnMeshWhere { nowhere, likelier, run_off, everywhere, untangled };
 
@@ -78,6 +83,17 @@ bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions
   const std::optional<Points> points = cage_in_rows(ground, cage.laid_out(0), options.replaced);
   if (points) cage.place(*points);
   return points.has_value();
+}
+
+/// Tells of a cage that is farther from the patch that was asked for than the tolerance, rms.
+void tell_distance(double tolerance, Report& report) {
+  if (!(report.cage_deviation_rms > tolerance)) return;
+  std::erase(report.warnings, too_few_rows);
+  std::ostringstream text;
+  text.precision(2);
+  text << "The cage is " << report.cage_deviation_rms << " from the patch of " << report.method
+       << " (rms, scene units), the tolerance is " << tolerance << ": choose another rim of the cage, or triangles or quads";
+  report.warnings.push_back(text.str());
 }
 
 /// Whether a cage was put there, stays where it is, or there is nowhere to put it.
@@ -147,6 +163,7 @@ public:
         holes_(std::move(holes)),
         options_(std::move(options)),
         no_harm_wanted_(seen != nullptr),
+        named_(is_named(options_)),
         cages_(ground.mesh, ground.left, holes_, options_.subdivision, options_.replaced, layout_options(options_),
                cage_options(options_)),
         fills_(holes_.size()) {
@@ -222,7 +239,7 @@ private:
 
   /// Where the mesh around would go on, if they are to be there, else as the fairest ones.
   void put(OnMeshWhere on_mesh) {
-    const bool alone = follows_ && holes_.size() == 1, by_itself = alone && on_mesh == OnMeshWhere::run_off;
+    const bool alone = follows_ && holes_.size() == 1 && !named_, by_itself = alone && on_mesh == OnMeshWhere::run_off;
     const auto place = [&](OnMeshWhere where) {
       const Placing found = place_on_mesh(ground_, holes_[0], options_, where, cages_);
       has_other_place_ = found != Placing::nowhere;
@@ -268,7 +285,7 @@ private:
     std::vector<bool> kept;
     std::vector<SurfacePtr> patches;
     for (std::size_t h = 0; h < holes_.size(); ++h) {
-      kept.push_back(placed_ || (fair_ && (!holes_[h].is_triangle() || (follows_ && fills_[h].report.folds > 0))));
+      kept.push_back(placed_ || (fair_ && !named_ && (!holes_[h].is_triangle() || (follows_ && fills_[h].report.folds > 0))));
       patches.push_back(fills_[h].patch);
     }
     if (!waits_) cages_.fit(patches, kept);
@@ -278,7 +295,8 @@ private:
       Report& report = fills_[h].report;
       if (follows_) cages_.report_energies(h, report);
       if (kept[h]) report.folds = 0;  // of a patch that the cage is not fitted to
-      complete_report(holes_[h], options_, {}, report);
+      complete_report(holes_[h], options_, report);
+      if (named_) tell_distance(cages_.tolerance(h), report);
       if (in_rows_)
         report.method_reason = rows_reason;
       else if (placed_ && !likelier_)
@@ -293,7 +311,7 @@ private:
   const Ground& ground_;
   const std::vector<SidedRim> holes_;
   const FillOptions options_;
-  const bool no_harm_wanted_;
+  const bool no_harm_wanted_, named_;
   CageFill cages_;
   std::vector<Fill> fills_;
   std::vector<std::string> warnings_;
@@ -459,7 +477,9 @@ std::vector<Fill> with_these_rows(const Ground& ground, const std::vector<SidedR
     const Fill faces = tried->faces();
     refuse_infinite(faces, first.rim);
     refuse_if_doubled(ground, first, faces);
-    if (std::optional<Fill> other = harmless_without_corners(ground, first, options, seen)) return {std::move(*other)};
+    std::optional<Fill> other;
+    if (!is_named(options)) other = harmless_without_corners(ground, first, options, seen);
+    if (other) return {std::move(*other)};
     refuse_if_harmful(first, tried->crosses_itself(), true);
   }
   std::vector<Fill> fills = tried->fills();

@@ -17,6 +17,7 @@
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/unjoined.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
@@ -238,6 +239,18 @@ void tell_odd(const FillOptions& options, Fill& fill) {
   if (triangles == 1) fill.report.warnings.push_back(one_triangle);
 }
 
+/// How far the patch is from the vertices of the border that it is to meet.
+void measure_gap(const Mesh& mesh, Fill& fill) {
+  const bool own = !fill.border.empty(), plane = fill.rim_barycentric.rows() == 0;
+  const Points met = own ? Points(fill.vertices(fill.border, Eigen::all)) : Points(mesh.vertices(fill.rim, Eigen::all));
+  const Points places = plane ? as_rows(own ? PlanePoints(fill.uv(fill.border, Eigen::all)) : fill.rim_uv)
+                        : own ? Points(fill.barycentric(fill.border, Eigen::all))
+                              : fill.rim_barycentric;
+  fill.report.boundary_gap = (fill.patch->positions(places) - met).rowwise().norm().maxCoeff();
+  if (!fill.sides.empty())
+    tell_gap(diameter(mesh, fill.rim), fill.report);  // a surface of the surroundings as a whole is told by its error
+}
+
 Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
   Fill fill = fill_as_asked(ground, rim, corners, options);
@@ -247,6 +260,7 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
     report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
   refuse_if_insisted(ground, fill, options);
   tell_odd(options, fill);
+  if (fill.patch) measure_gap(ground.mesh, fill);
   if (report.triangles_folded > 0) tell_turned_over(ground.mesh, ground.left, fill.rim, report);
   if (report.crosses_itself)
     if (const auto where = place_of_crossing(ground.mesh, fill.vertices, fill.faces))

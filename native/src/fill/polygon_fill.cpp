@@ -434,6 +434,32 @@ void in_order_of_triangles(std::vector<T>& values) {
 
 }  // namespace
 
+void report_patch(const PolygonPatch& made, Report& report) {
+  report_fairing(made, report);
+  report.continuity = made.continuity;
+  report.seam_angle_max_by_side = made.seam_angle_max;
+  report.seam_angle_rms_by_side = made.seam_angle_rms;
+  report.seam_angle_max = *std::max_element(made.seam_angle_max.begin(), made.seam_angle_max.end());
+  double squares = 0;
+  for (double a : made.seam_angle_rms) squares += a * a / static_cast<double>(made.seam_angle_rms.size());
+  report.seam_angle_rms = std::sqrt(squares);
+  report.corner_planes_angle = made.corner_planes_angle;
+  report.corner_normals_spread = made.corner_normals_spread;
+  report.boundary_gap = made.boundary_gap;
+  in_order_of_triangles(report.continuity);
+  in_order_of_triangles(report.seam_angle_max_by_side);
+  in_order_of_triangles(report.seam_angle_rms_by_side);
+}
+
+void report_patch(const RoundPatch& made, Report& report) {
+  report_fairing(made, report);
+  report.continuity = {made.continuity};
+  report.seam_angle_max_by_side = {made.seam_angle_max};
+  report.seam_angle_rms_by_side = {made.seam_angle_rms};
+  report.seam_angle_max = made.seam_angle_max;
+  report.seam_angle_rms = made.seam_angle_rms;
+}
+
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options, bool folded_too) {
   PolygonPatchOptions own = polygon_options(options);
@@ -467,22 +493,13 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   fill.sides = std::move(made.sides);
 
   Report& report = fill.report;
-  report_fairing(made, report);
-  report.continuity = made.continuity;
-  report.seam_angle_max_by_side = made.seam_angle_max;
-  report.seam_angle_rms_by_side = made.seam_angle_rms;
-  report.seam_angle_max = *std::max_element(made.seam_angle_max.begin(), made.seam_angle_max.end());
-  double squares = 0;
-  for (double a : made.seam_angle_rms) squares += a * a / static_cast<double>(made.seam_angle_rms.size());
-  report.seam_angle_rms = std::sqrt(squares);
+  report_patch(made, report);
   tell_sharp(angles, report.warnings);
   result.planes_apart_deg = *std::max_element(made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end());
   report_layout(cover, n, report);
-  report_corners(rim, corners, made.corner_mismatch_deg, report);
+  take_corners(rim, corners, report);
+  tell_corners(report);
   in_order_of_triangles(fill.sides);
-  in_order_of_triangles(report.continuity);
-  in_order_of_triangles(report.seam_angle_max_by_side);
-  in_order_of_triangles(report.seam_angle_rms_by_side);
   result.crumpled = complete(mesh, around, known.surroundings_error, made, result);
   return result;
 }
@@ -687,13 +704,8 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   deliver(cover, mesh.vertices.rows(), fill);
   Report& report = fill.report;
   result.of_revolution = made.of_revolution;
-  report_fairing(made, report);
+  report_patch(made, report);
   report_layout(cover, mesh.vertices.rows(), report);
-  report.continuity = {made.continuity};
-  report.seam_angle_max_by_side = {made.seam_angle_max};
-  report.seam_angle_rms_by_side = {made.seam_angle_rms};
-  report.seam_angle_max = made.seam_angle_max;
-  report.seam_angle_rms = made.seam_angle_rms;
   result.crumpled = complete(mesh, around, known.surroundings_error, made, result);
   return result;
 }

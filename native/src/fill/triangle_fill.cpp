@@ -19,14 +19,14 @@
 
 namespace tripatch {
 
-void complete_report(const SidedRim& hole, const FillOptions& options, const std::vector<double>& corner_mismatch_deg,
-                     Report& report) {
+void complete_report(const SidedRim& hole, const FillOptions& options, Report& report) {
   const bool automatic = options.method == automatic_method, three = hole.is_triangle();
   report.method = three ? find_method(automatic ? patch_method : options.method).name : polygon_method;
   report.method_reason = !automatic ? "it was asked for"
                          : three    ? "the rim has three smooth sides"
                                     : "the rim has " + std::to_string(hole.sides()) + " sides";
-  report_corners(hole.rim, hole.corners, corner_mismatch_deg, report);
+  take_corners(hole.rim, hole.corners, report);
+  tell_corners(report);
   tell_folds(report);
 }
 
@@ -157,7 +157,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
                 along_rim ? hole.rim : std::vector<Index>());
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
-  complete_report(hole, options, {made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end()}, report);
+  complete_report(hole, options, report);
   tell_sharp(angles, report.warnings);
   return fill;
 }

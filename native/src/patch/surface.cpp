@@ -129,6 +129,11 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
             [&](Index first, Index count) { evaluate_some(b + 3 * first, count, order, out + 3 * jet_size(order) * first); });
 }
 
+/// First derivatives at a vertex go on along the ray from four distances, each twice the one before, to none: what is left out is of the
+/// fourth order, and rounding of the nearest adds 1e-12.
+constexpr double cone_distance = 1e-4;
+constexpr std::array<double, 4> to_the_cone = {64.0 / 21, -56.0 / 21, 14.0 / 21, -1.0 / 21};
+
 void VertexSafeSurface::evaluate_some(const double* b, Index n, int order, double* out) const {
   std::vector<Index> near;
   for (Index k = 0; k < n; ++k)
@@ -154,15 +159,25 @@ void VertexSafeSurface::evaluate_some(const double* b, Index n, int order, doubl
       // at the vertex the mean of the two sides, where the weights are exact
       const std::vector<double> rays = exact ? std::vector<double>{0, 1} : std::vector<double>{p[l] / (p[j] + p[l])};
       std::fill_n(of_order, count, 0.0);
-      for (double t : rays) {
-        std::array<double, 3> at = {p[0], p[1], p[2]};
-        if (vertex_of(p, vertex_radius[m]) >= 0) {
-          at[i] = 1 - vertex_radius[m];
-          at[j] = vertex_radius[m] * (1 - t);
-          at[l] = vertex_radius[m] * t;
-        }
+      const auto add = [&](const std::array<double, 3>& at, double share) {
         evaluate_regular(at.data(), 1, m, series.data());
-        for (Index x = 0; x < count; ++x) of_order[x] += series[3 * jet_size(m - 1) + x] / static_cast<double>(rays.size());
+        for (Index x = 0; x < count; ++x)
+          of_order[x] += share * series[3 * jet_size(m - 1) + x] / static_cast<double>(rays.size());
+      };
+      for (double t : rays) {
+        const auto at_distance = [&](double d) {
+          std::array<double, 3> at;
+          at[i] = 1 - d;
+          at[j] = d * (1 - t);
+          at[l] = d * t;
+          return at;
+        };
+        if (vertex_of(p, vertex_radius[m]) < 0)
+          add({p[0], p[1], p[2]}, 1);
+        else if (m > 1)
+          add(at_distance(vertex_radius[m]), 1);
+        else
+          for (int k = 0; k < 4; ++k) add(at_distance(cone_distance * (1 << k)), to_the_cone[k]);
       }
     }
   }

@@ -103,28 +103,29 @@ PolygonBase base_of(const SideList& sides, const Asked& asked, const std::vector
 /// given: the sides as what surrounds the hole has them, of which those that are met in position only have been given other planes.
 void measure_seam(const SideList& given, PolygonPatch& made) {
   const int n = made.domain.sides();
+  const auto places = [&](int i, const std::vector<double>& t) {
+    Points uv = Points::Zero(static_cast<Index>(t.size()), 3);
+    for (std::size_t k = 0; k < t.size(); ++k) uv.row(static_cast<Index>(k)).head<2>() = made.domain.on_side(i, t[k]);
+    return uv;
+  };
   for (int i = 0; i < n; ++i) {
+    const int before = (i + n - 1) % n;
+    made.corner_planes_angle.push_back(degrees_between(given[before].normal(1), given[i].normal(0)));
+    made.corner_normals_spread.push_back(
+        normals_spread(*made.patch, places(before, {1 - around_corner}).row(0), places(i, {around_corner}).row(0)));
     const double first = made.corner_mismatch_deg[i] <= same_plane ? 0 : beside_corner,
                  last = made.corner_mismatch_deg[(i + 1) % n] <= same_plane ? 1 : 1 - beside_corner;
-    Points uv = Points::Zero(seam_samples, 3);
     std::vector<double> t;
+    Points points(seam_samples, 3), normals(seam_samples, 3);
     for (int k = 0; k < seam_samples; ++k) {
       t.push_back(first + (last - first) * k / (seam_samples - 1));
-      uv.row(k).head<2>() = made.domain.on_side(i, t.back());
+      points.row(k) = given[i].c(t.back());
+      normals.row(k) = given[i].normal(t.back());
     }
-    const Points normals = made.patch->normals(uv);
-    double most = 0, squares = 0;
-    Index used = 0;
-    for (int k = 0; k < seam_samples; ++k) {
-      const Vec3 theirs = given[i].normal(t[k]);
-      if (!(theirs.norm() > 0)) continue;
-      const double angle = normals.row(k).norm() > 0 ? degrees_between(normals.row(k), theirs) : 90;
-      most = std::max(most, angle);
-      squares += angle * angle;
-      ++used;
-    }
-    made.seam_angle_max.push_back(most);
-    made.seam_angle_rms.push_back(used ? std::sqrt(squares / static_cast<double>(used)) : 0);
+    const SeamOfSide seam = seam_of(*made.patch, places(i, t), points, normals);
+    made.seam_angle_max.push_back(seam.angle_max);
+    made.seam_angle_rms.push_back(seam.angle_rms);
+    made.boundary_gap = std::max(made.boundary_gap, seam.gap);
   }
 }
 

@@ -26,16 +26,46 @@ std::string degrees(double angle) {
   return text.str();
 }
 
+/// Barycentric coordinates of side i at parameters t.
+Points places_on_side(int i, const std::vector<double>& t) {
+  Points b = Points::Zero(static_cast<Index>(t.size()), 3);
+  for (Index k = 0; k < b.rows(); ++k) {
+    b(k, (i + 1) % 3) = 1 - t[k];
+    b(k, (i + 2) % 3) = t[k];
+  }
+  return b;
+}
+
 }  // namespace
 
-void report_corners(const std::vector<Index>& rim, std::span<const Index> corners, const std::vector<double>& mismatch_deg,
-                    Report& report) {
+void take_corners(const std::vector<Index>& rim, std::span<const Index> corners, Report& report) {
   report.corners.clear();
   for (Index place : corners) report.corners.push_back(rim[place]);
-  for (std::size_t k = 0; k < mismatch_deg.size(); ++k)
-    if (mismatch_deg[k] > corner_mismatch_warned)
-      report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(mismatch_deg[k]) + " at corner " +
-                                std::to_string(k) + " (vertex " + std::to_string(report.corners[k]) + ")");
+}
+
+void tell_corners(Report& report) {
+  const std::size_t n = report.corner_planes_angle.size();
+  const auto tangential = [&](std::size_t side) {
+    const std::string& continuity = report.continuity[side % n];
+    return continuity != "Free" && continuity != "G0";
+  };
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t after = n == 3 ? k + 2 : k, before = n == 3 ? k + 1 : k + n - 1;
+    if (!(report.corner_planes_angle[k] > corner_mismatch_warned) || !tangential(after) || !tangential(before)) continue;
+    const std::string vertex = k < report.corners.size() ? " (vertex " + std::to_string(report.corners[k]) + ")" : "";
+    report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(report.corner_planes_angle[k]) +
+                              " at corner " + std::to_string(k) + vertex + ": the normals of the fill turn by " +
+                              degrees(report.corner_normals_spread[k]) + " around it");
+  }
+}
+
+void tell_gap(double size, Report& report) {
+  if (!(report.boundary_gap > sides_meet * size)) return;
+  report.continuity.assign(report.continuity.size(), "none");
+  std::ostringstream text;
+  text.precision(2);
+  text << "The patch misses its boundary by " << report.boundary_gap << " (scene units); choose another method or reading";
+  report.warnings.push_back(text.str());
 }
 
 Index nearest_of(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where) {
@@ -95,41 +125,59 @@ std::optional<Vec3> place_of_crossing(const Mesh& mesh, const PointsRef& added, 
   return found.empty() ? std::nullopt : std::optional(found[0].where);
 }
 
-void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples) {
-  std::array<bool, 3> clear;  // corner: one tangent plane for both sides
-  for (int k = 0; k < 3; ++k)
-    clear[k] = degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)) <= same_plane;
+namespace {
 
+/// side(i, t): points and normals of side i at parameters t.
+template <class AlongSide>
+void measure(const Surface& patch, const AlongSide& side, Report& report, int samples) {
+  report.corner_planes_angle.clear();
+  report.corner_normals_spread.clear();
+  for (int k = 0; k < 3; ++k) {
+    const int before = (k + 1) % 3, after = (k + 2) % 3;
+    report.corner_planes_angle.push_back(
+        degrees_between(side(before, std::vector<double>{1}).second.row(0), side(after, std::vector<double>{0}).second.row(0)));
+    report.corner_normals_spread.push_back(
+        normals_spread(patch, places_on_side(before, {1 - around_corner}).row(0), places_on_side(after, {around_corner}).row(0)));
+  }
   double sum = 0;
   Index count = 0;
-  report.seam_angle_max = 0;
+  report.seam_angle_max = report.boundary_gap = 0;
   for (int i = 0; i < 3; ++i) {
-    const double first = clear[(i + 1) % 3] ? 0 : beside_corner, last = clear[(i + 2) % 3] ? 1 : 1 - beside_corner;
-    Points b = Points::Zero(samples, 3);
-    for (int k = 0; k < samples; ++k) {
-      const double t = samples > 1 ? first + (last - first) * k / (samples - 1) : 0.5;
-      b(k, (i + 1) % 3) = 1 - t;
-      b(k, (i + 2) % 3) = t;
-    }
-    const Points normals = patch.normals(b);
-    double largest = 0, squares = 0;
-    Index used = 0;
-    for (int k = 0; k < samples; ++k) {
-      const Vec3 n = sides[i].normal(b(k, (i + 2) % 3));
-      if (!(n.norm() > 0)) continue;  // the surroundings have no plane there
-      // no plane of the fill: as bad as at a right angle
-      const double a = normals.row(k).norm() > 0 ? degrees_between(normals.row(k), n) : 90;
-      largest = std::max(largest, a);
-      squares += a * a;
-      ++used;
-    }
-    report.seam_angle_max_by_side[i] = largest;
-    report.seam_angle_rms_by_side[i] = used ? std::sqrt(squares / static_cast<double>(used)) : 0;
-    report.seam_angle_max = std::max(report.seam_angle_max, largest);
-    sum += squares;
-    count += used;
+    const auto is_clear = [&](int k) { return report.corner_planes_angle[k % 3] <= same_plane; };
+    const double first = is_clear(i + 1) ? 0 : beside_corner, last = is_clear(i + 2) ? 1 : 1 - beside_corner;
+    std::vector<double> t;
+    for (int k = 0; k < samples; ++k) t.push_back(samples > 1 ? first + (last - first) * k / (samples - 1) : 0.5);
+    const auto [points, normals] = side(i, t);
+    const SeamOfSide seam = seam_of(patch, places_on_side(i, t), points, normals);
+    report.seam_angle_max_by_side[i] = seam.angle_max;
+    report.seam_angle_rms_by_side[i] = seam.angle_rms;
+    report.seam_angle_max = std::max(report.seam_angle_max, seam.angle_max);
+    report.boundary_gap = std::max(report.boundary_gap, seam.gap);
+    sum += seam.angle_rms * seam.angle_rms * static_cast<double>(seam.compared);
+    count += seam.compared;
   }
   report.seam_angle_rms = count ? std::sqrt(sum / static_cast<double>(count)) : 0;
+}
+
+}  // namespace
+
+void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples) {
+  const auto along = [&](int i, const std::vector<double>& t) {
+    std::pair<Points, Points> out(Points(t.size(), 3), Points(t.size(), 3));
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      out.first.row(static_cast<Index>(k)) = sides[i].c(t[k]);
+      out.second.row(static_cast<Index>(k)) = sides[i].normal(t[k]);
+    }
+    return out;
+  };
+  measure(patch, along, report, samples);
+}
+
+void measure_seam(const Surface& patch, const std::array<SurfacePtr, 3>& surfaces, Report& report, int samples) {
+  const auto along = [&](int i, const std::vector<double>& t) {
+    return surfaces[i]->positions_and_normals(places_on_side(i, t));
+  };
+  measure(patch, along, report, samples);
 }
 
 }  // namespace tripatch

@@ -22,10 +22,14 @@ struct Report {
   double seam_angle_rms = 0;
   std::vector<double> seam_angle_max_by_side = {0, 0, 0};
   std::vector<double> seam_angle_rms_by_side = {0, 0, 0};
-  std::vector<std::string> continuity = {"", "", ""};  ///< by side: Free, G0, G1 or G2, what was asked or what auto took
-  double surroundings_error = 0;                       ///< degrees; 0 where the surroundings are known exactly
-  std::string fairing;                                 ///< name of the energy that was made small, empty: none
-  double energy_before = 0;                            ///< of that energy, or of the one that was asked for where none serves
+  std::vector<std::string> continuity = {
+      "", "", ""};                          ///< by side: Free, G0, G1 or G2, what was asked or what auto took; none: see tell_gap
+  double boundary_gap = 0;                  ///< largest distance of the patch from its boundary, scene units
+  std::vector<double> corner_planes_angle;  ///< by corner, degrees: between the tangent planes of the two sides that meet there
+  std::vector<double> corner_normals_spread;  ///< by corner, degrees: the largest angle between normals of the patch around it
+  double surroundings_error = 0;              ///< degrees; 0 where the surroundings are known exactly
+  std::string fairing;                        ///< name of the energy that was made small, empty: none
+  double energy_before = 0;                   ///< of that energy, or of the one that was asked for where none serves
   double energy_after = 0;
   /// The optimiser's path where lambda of a Szilvasi-Nagy method was to be optimal: (lambda, thin-plate energy), the last was taken.
   std::vector<std::pair<std::array<double, 3>, double>> shape_path;
@@ -60,10 +64,12 @@ struct Report {
 inline std::pair<bool, Index> harm(const Report& report) { return {report.crosses_itself, report.triangles_folded}; }
 inline bool is_harmless(const Report& report) { return harm(report) == std::pair(false, Index{0}); }
 
-/// Takes the corners, places in the rim, and tells where the tangent planes of the two sides that meet there differ by a degree or more;
-/// mismatch_deg: by corner, or none.
-void report_corners(const std::vector<Index>& rim, std::span<const Index> corners, const std::vector<double>& mismatch_deg,
-                    Report& report);
+/// Takes the corners, places in the rim.
+void take_corners(const std::vector<Index>& rim, std::span<const Index> corners, Report& report);
+/// Tells of corners whose two sides are met tangentially though their planes differ by a degree or more: no patch has both.
+void tell_corners(Report& report);
+/// Tells of a patch of this size that misses its boundary by more than sides may be apart, and takes back that it has any continuity there.
+void tell_gap(double size, Report& report);
 /// What speaks against the faces that are delivered: vertices beyond those of the mesh are rows of `added`. border: of triangles which
 /// are known to make a disc, its vertices as they go along it.
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
@@ -80,8 +86,10 @@ void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::v
 /// Tells of a patch that folds.
 void tell_folds(Report& report);
 
-/// Seam angles of a patch against its sides, `samples` points a side, ends included where the two planes of the corner agree to
-/// 1e-6 degrees, else outside 1% of the side.
+/// Seam angles of a patch over the triangle, `samples` points a side, ends included where the two planes of the corner agree to 1e-6 degrees,
+/// else outside 1% of the side; its distance from the sides; its corners.
 void measure_seam(const Surface& patch, const Sides& sides, Report& report, int samples = 200);
+/// The same against surfaces over the triangle, surface i along side i.
+void measure_seam(const Surface& patch, const std::array<SurfacePtr, 3>& surfaces, Report& report, int samples = 200);
 
 }  // namespace tripatch

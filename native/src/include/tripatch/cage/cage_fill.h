@@ -34,6 +34,7 @@ public:
   /// The vertices inside the first layout of a hole, in its order, and the layout.
   Points inside(std::size_t hole) const { return fit_->inside(hole); }
   const CageHole& laid_out(std::size_t hole) const { return laid_out_[hole]; }
+  double tolerance(std::size_t hole) const { return tolerance_[hole]; }
   /// Puts the vertices of a hole that is alone where they shall be, in place of the fairest: no fit moves them. What its patch is to be
   /// made on it has from `take_sides`.
   void place(const Points& inside);

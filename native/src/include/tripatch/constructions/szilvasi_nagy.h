@@ -16,10 +16,11 @@ namespace tripatch {
 struct SzilvasiNagyOptions {
   int continuity = 1;                             ///< 0: Definition 1; 1: Definition 2
   std::array<double, 3> shape = {0.5, 0.5, 0.5};  ///< lambda_i in (0, 1)
-  bool optimal = false;                           ///< lambda of the least thin-plate energy (eq. 5) instead
-  int quadrature = 16;                            ///< corner_quadrature(n) of that energy
-  /// The formulas as printed: feet (0, v, 1 - v), (u, 0, 1 - u), (u, 1 - u, 0), so the result depends on the numbering, and in
-  /// Definition 2 q twice as large, so it does not interpolate.
+  bool optimal = false;  ///< lambda of the least thin-plate energy (eq. 5; as printed: at nine points) instead
+  int quadrature = 16;   ///< corner_quadrature(n) of that energy
+  /// The formulas as printed: feet (0, v, 1 - v), (u, 0, 1 - u), (u, 1 - u, 0), so the result depends on the numbering. In
+  /// Definition 2 q is twice as large, so it does not interpolate, and partial derivatives in u, v, w are those of homogeneous forms
+  /// (of a Bezier triangle its own, else of degree 0), so the result does not move along with its surfaces.
   bool as_printed = false;
 };
 

@@ -8,6 +8,7 @@
 #include "tripatch/output/fill_result.h"
 #include "tripatch/patch_from_sides.h"
 #include "tripatch/polygon/patch.h"
+#include "tripatch/polygon/round.h"
 
 namespace tripatch {
 
@@ -44,6 +45,10 @@ PolygonTriangles triangulate_disc(const Surface& patch, const std::vector<double
 /// As patch_from_sides, over a polygon: on sides of a cage. points: places (u, v, 0) where it is about to pass them.
 MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain, const FillOptions& options,
                              const SurfacePoints* points);
+
+/// What is reported of a patch, whatever is made of it; of three sides in the order of a triangle's.
+void report_patch(const PolygonPatch& made, Report& report);
+void report_patch(const RoundPatch& made, Report& report);
 
 struct PolygonFill {
   Fill fill;

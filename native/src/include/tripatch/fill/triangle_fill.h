@@ -13,7 +13,6 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
 std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole);
 
 /// What is said of every fill between corners, whatever it is made of.
-void complete_report(const SidedRim& hole, const FillOptions& options, const std::vector<double>& corner_mismatch_deg,
-                     Report& report);
+void complete_report(const SidedRim& hole, const FillOptions& options, Report& report);
 
 }  // namespace tripatch

@@ -39,6 +39,8 @@ struct PolygonPatch : Faired {
   PolygonDomain domain;
   SideList sides;  ///< closed
   std::vector<double> corner_mismatch_deg;
+  std::vector<double> corner_planes_angle, corner_normals_spread;  ///< as in a report, of the planes that are given
+  double boundary_gap = 0;
   std::vector<double> seam_angle_max,
       seam_angle_rms;                   ///< by side, degrees: against the sides, outside of 1% at corners of two planes
   std::vector<std::string> continuity;  ///< by side: Free, G0, G1 or G2

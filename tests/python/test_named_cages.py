@@ -1,0 +1,50 @@
+"""A cage by a method that is named is that method's, or there is none."""
+
+import numpy as np
+import pytest
+import tripatch
+from shapes import corner_removed, cube_sphere
+
+THREE = [m for m, about in tripatch.METHODS.items() if about.fills_holes and about.sides == (3, 3)]
+
+
+def hole(rings=2, n=8):
+    vertices, faces = cube_sphere(n)
+    left, gone = corner_removed(vertices, faces, rings)
+    rim = next(r for r in tripatch.find_holes(left) if len(r) == 6 * rings)
+    return vertices, faces, left, gone, rim, np.linalg.norm(vertices[rim][:, None] - vertices[rim], axis=-1).max()
+
+
+@pytest.mark.parametrize("cage_rim", ["smooth", "exact"])
+@pytest.mark.parametrize("region", [False, True])
+def test_each_method_makes_its_own_cage_and_states_its_distance_from_its_patch(cage_rim, region):
+    vertices, faces, left, gone, rim, diameter = hole()
+    made = {}
+    for method in THREE:
+        options = {"replaced": gone} if region else {}
+        try:
+            fill = tripatch.fill(
+                vertices, faces if region else left, rim=rim, method=method, output="cage", cage_rim=cage_rim, **options
+            )
+        except tripatch.Refusal as refusal:
+            assert method in str(refusal)
+            continue
+        report = fill.report
+        assert report.method == method
+        assert len(report.corners) == 3
+        far = report.cage_deviation_rms > 1e-3 * diameter
+        assert far == any(f"from the patch of {method}" in sentence for sentence in report.warnings)
+        made[method] = fill.limit(2)[0]
+    assert {"gordon_coons", "triangular_coons", "side_vertex", "szilvasi_nagy_c0"} <= set(made)
+    apart = [
+        np.abs(made[a] - made[b]).max()
+        for a, b in (("gordon_coons", "side_vertex"), ("triangular_coons", "side_vertex"), ("triangular_coons", "coons_mask"))
+        if a in made and b in made and made[a].shape == made[b].shape
+    ]
+    assert all(off > 1e-4 for off in apart)
+
+
+def test_auto_keeps_its_choices():
+    vertices, _, left, _, rim, _ = hole()
+    fill = tripatch.fill(vertices, left, rim=rim, output="cage")
+    assert not any("from the patch of" in sentence for sentence in fill.report.warnings)
