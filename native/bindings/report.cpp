@@ -10,9 +10,9 @@
 using namespace tripatch;
 
 tripatch::Report told_of_patch(tripatch::Report report, double size) {
-  tripatch::tell_corners(report);
+  tripatch::tell_folds(report);  // the worst first: a status line has room for two sentences
   tripatch::tell_gap(size, report);
-  tripatch::tell_folds(report);
+  tripatch::tell_corners(report);
   return report;
 }
 
