@@ -6,8 +6,10 @@ bl_info = {
     "author": "TriPatch contributors",
     "version": (0, 1, 0),
     "blender": (3, 4, 0),
-    "location": "Edit Mode > Face > Smooth Fill",
+    "location": "Edit Mode > Face > Fill Holes Smoothly",
     "description": "Fill holes so that the surface continues smoothly",
+    "doc_url": "https://tripatch.example/guide.html",
+    "tracker_url": "https://tripatch.example/issues",
     "category": "Mesh",
 }
 

@@ -19,8 +19,8 @@ from .properties import OPTIONS
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 
 _EPILOG = """\
-Exit status: 0 all filled; 3 some were refused, fold more than their rims do or cross themselves, OUT is written; 1 nothing
-filled, OUT is not written; 2 bad usage."""
+Exit status: 0 all filled, or nothing to fill (OUT is a copy); 3 some were refused, fold more than their rims do or cross
+themselves, OUT is written; 1 nothing filled, OUT is not written; 2 bad usage."""
 
 #: The options of the library's table; the modifier and the mesh say the others.
 _OPTIONS = {name: option for name, option in OPTIONS.items() if name not in ("subdivision", "level", "replaced")}
@@ -78,40 +78,43 @@ def _given(arguments, function):
 
 
 def _chosen(bm, matrix, arguments):
-    """The visible border loops that the library chooses."""
+    """The visible border loops that the library chooses, and the outer borders that it leaves open."""
     bm.verts.index_update()
-    points = selection.coordinates(bm.verts) @ matrix[:3, :3].T + matrix[:3, 3]
-    faces = [[v.index for v in f.verts] for f in bm.faces]
+    bm.faces.index_update()
+    mesh, chosen = filling.mesh_arrays(bm, matrix), _given(arguments, "choose_holes")
     try:
-        loops = tripatch.choose_holes(points, faces, **_given(arguments, "choose_holes"))
+        loops = tripatch.choose_holes(*mesh, **chosen)
     except tripatch.Refusal as refusal:
         raise selection.UnusableError(refusal.reason) from None
-    chosen = {frozenset(loop.tolist()) for loop in loops}
-    return [rim for rim in selection.all_rims(bm) if frozenset(v.index for v in rim.loop) in chosen]
+    outer = [] if chosen.get("outer") else tripatch.outer_borders(*mesh)
+    found = [{frozenset(loop.tolist()) for loop in each} for each in (loops, outer)]
+    every = selection.all_rims(bm)
+    rims, left = ([rim for rim in every if frozenset(v.index for v in rim.loop) in each] for each in found)
+    if not rims and len(left) < len(every):
+        raise selection.UnusableError("No hole is as it was asked for", code="filtered")
+    return rims, left
 
 
 def _rims(bm, matrix, arguments):
-    """The rims that the arguments mean in one mesh, round where they are to have no corners."""
-    rims = _rims_meant(bm, matrix, arguments)
+    """The rims that the arguments mean in one mesh, round where they are to have no corners, and the outer borders left open."""
+    rims, left = _rims_meant(bm, matrix, arguments)
     for rim in rims:
         rim.round = hasattr(arguments, "corners") and not arguments.corners
-    return rims
+    return rims, left
 
 
 def _rims_meant(bm, matrix, arguments):
     bm.verts.ensure_lookup_table()
     corners = _vertices(bm, getattr(arguments, "corners", []), "corners")
     if rim := getattr(arguments, "rim", []):
-        return [selection.Rim(_vertices(bm, rim, "rim"), corners=corners)]
+        return [selection.Rim(_vertices(bm, rim, "rim"), corners=corners)], []
     if corners:
         loops = selection.border_loops(v for v in corners if v.is_boundary)
         around = [loop for loop in loops if set(corners) <= set(loop)]
         if len(around) != 1:
             raise selection.UnusableError("The three corners do not lie on one border of the mesh")
-        return [selection.Rim(around[0], corners=corners)]
-    if arguments.all:
-        return _chosen(bm, matrix, arguments)
-    return filling.open_holes(bm, matrix) if arguments.object else filling.holes(bm, matrix)
+        return [selection.Rim(around[0], corners=corners)], []
+    return _chosen(bm, matrix, arguments) if arguments.all else filling.open_holes(bm, matrix)
 
 
 def _options(ob, arguments):
@@ -153,7 +156,10 @@ def _fill_mesh(ob, matrix, arguments, options):
 def _fill_rims(ob, bm, matrix, arguments, options):
     mesh = ob.data
     if options.arguments["surroundings"] == "limit":
-        return beside.fill_rims(ob, bm, matrix, _rims(bm, matrix, arguments), options)[0]
+        rims, left = _rims(bm, matrix, arguments)
+        outcome = beside.fill_rims(ob, bm, matrix, rims, options)[0]
+        outcome.left_open = [len(rim.loop) for rim in left]
+        return outcome
     keys = mesh.shape_keys
     cage = options.arguments["output"] == "cage"
     modifier = subdivision.usable(ob) if cage else None
@@ -164,18 +170,20 @@ def _fill_rims(ob, bm, matrix, arguments, options):
     outer = getattr(arguments, "outer", False)
     halves, new_faces, _ = mirrored.fill_halves(ob, bm, matrix, cut, options, outer, active, modifier)
     try:
-        given = _rims(bm, matrix, arguments)
-        rims = [rim for rim in given if not mirrored.is_joined(ob, rim)]
+        found = _rims(bm, matrix, arguments)
+        rims, left = ([rim for rim in each if not mirrored.is_joined(ob, rim)] for each in found)
         if named and not rims:
             raise selection.UnusableError(mirrored.JOINED)
     except selection.UnusableError:
         if not halves.reports and not halves.refused:
             raise
-        rims = []
+        rims = left = []
+    left = [len(rim.loop) for rim in left]
     if not rims and not halves.reports and not halves.refused:
-        raise selection.UnusableError(filling.NO_HOLE)
+        raise selection.NothingToFill(left)
     outcome, made = filling.fill_rims(bm, mesh, matrix, rims, options, active, modifier)
     outcome.add(halves)
+    outcome.left_open += left
     new_faces += made
     if new_faces:
         bm.to_mesh(mesh)
@@ -206,31 +214,37 @@ def _run(arguments):
     if bpy.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
 
-    total, reports = filling.Outcome(), []
+    total, reports, advice = filling.Outcome(), [], "use --outer" if arguments.all else "use --all --outer"
+    filtered = False
     for ob in objects:
         try:
             outcome = _fill(ob, arguments, _options(ob, arguments))
+        except selection.NothingToFill as reason:
+            total.left_open += reason.left
+            continue
         except selection.UnusableError as reason:
-            if str(reason) in (filling.NO_HOLE, filling.OUTER_ONLY) and not arguments.object:
+            filtered |= reason.code == "filtered"
+            if reason.code in ("hidden", "filtered") and not arguments.object:
                 continue
             outcome = filling.Outcome(refused=[filling.Refused(str(reason))])
         if outcome.reports:
-            print(f"{ob.name}: {outcome.sentence()}")
+            print(f"{ob.name}: {outcome.sentence(advice)}")
         for sentence in outcome.notes:
             print(f"{ob.name}: {sentence}")
         refused = [each.sentence for each in outcome.refused]
         for sentence in refused:
             print(f"{ob.name}: {sentence}", file=sys.stderr)
         holes = [report.as_dict() for report in outcome.reports]
-        reports.append({"object": ob.name, "filled": holes, "refused": refused})
+        borders = [{"code": "outer_border_left_open", "edges": edges} for edges in outcome.left_open]
+        reports.append({"object": ob.name, "filled": holes, "refused": refused, "outer_borders": borders})
         total.add(outcome, ob.name)
     if arguments.report:
         with open(arguments.report, "w", encoding="utf-8") as file:
             json.dump(reports, file, indent=1)
-    if not total.reports:
-        if not total.refused:
-            print("Nothing to fill: no mesh has a hole", file=sys.stderr)
+    if (total.refused or filtered) and not total.reports:
         return EXIT_NONE
+    if not total.reports:
+        print(selection.NothingToFill(total.left_open, advice=advice))
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
     flawed = any(
         report.triangles_folded > report.rim_folded or report.crosses_itself or "none" in report.continuity

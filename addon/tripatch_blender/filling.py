@@ -10,7 +10,7 @@ import bpy
 
 from . import seam, selection, sentences, subdivision, waiting, writeback
 from .library import ANY_RIM, index_lists, np, tripatch, words
-from .selection import OptionsError, Surroundings, UnusableError
+from .selection import NothingToFill, OptionsError, Surroundings, UnusableError
 
 
 @dataclass
@@ -84,6 +84,7 @@ class Outcome:
     beside: list = field(default_factory=list)  # names of objects made
     live: list = field(default_factory=list)  # names of live fills made
     instead: bool = False  # others than were asked for
+    left_open: list = field(default_factory=list)  # how many edges each outer border has that is left open
 
     def add(self, other, name=""):
         prefix = f"{name}: " if name else ""
@@ -98,6 +99,7 @@ class Outcome:
         self.beside += other.beside
         self.live += other.live
         self.instead = self.instead or other.instead
+        self.left_open += other.left_open
 
     def alarms(self):
         """Whether there is something that a person should look at, or can mend."""
@@ -117,9 +119,9 @@ class Outcome:
         sides = [(r.method == "multi_sided" and len(r.corners)) or 3 for r in self.reports]
         return max((max(1, round(n / k)) for n, k in zip(self.rim_edges, sides, strict=True)), default=None)
 
-    def sentence(self):
-        """'Filled 2 holes; seam within 0.3° (surroundings known to 0.3°)'"""
-        return words.filled(
+    def sentence(self, advice=selection.USE_OUTER):
+        """'Filled 2 holes; seam within 0.3°'"""
+        said = words.filled(
             self.reports,
             cage_rim=self.cage_rim,
             quads=self.faces,
@@ -127,6 +129,7 @@ class Outcome:
             limit=bool(self.beside),
             into=self.beside + self.live,
         )
+        return "; ".join(filter(None, (said, words.left_open(self.left_open, advice))))
 
 
 #: What is said of a rim of no extent.
@@ -534,7 +537,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     outcome.notes += _gathered(bm, said)
     outcome.count([face.verts for face in new_faces], options.arguments.get("output"))
     if loops:
-        seam.remember(bm, mesh.name, loops)
+        seam.remember(bm, mesh.name, loops, angle=None if cages else words.seam_angle(outcome.reports))
     return outcome, new_faces
 
 
@@ -546,60 +549,56 @@ def diameter(loop, matrix):
 
 NO_DEVIATION = "How well it is known cannot be told of a patch between smooth sides; with Method: Polyharmonic Spline it can"
 OTHERS_HIDDEN = "The mesh has no hole that is visible; others are hidden"
-NO_HOLE = "The mesh has no hole"
-OUTER_ONLY = "There is no hole here, only an outer border, whose fill would lie on the mesh; select all of its edges to close it"
 
 
-def holes(bm, matrix, outer=False):
-    """Every visible border loop, the shortest first; outer borders if `outer`, else those of bowls where there is no other."""
-    bm.verts.index_update()
-    bm.faces.index_update()
-    rims = selection.all_rims(bm)
-    return rims if outer else _but_outer(bm, matrix, rims, rims)
-
-
-def is_outer(bm, matrix, rim, around=None, of_sheet=False):
-    """Whether a rim is an outer border of the mesh; of_sheet: of one whose fill would lie on the mesh."""
-    around = around or Surroundings(bm, matrix)
-    return tripatch.is_outer_border(*around.around(rim)[:2], [v.index for v in rim.loop], of_sheet=of_sheet)
-
-
-def _but_outer(bm, matrix, rims, some):
-    """Rims without those of some that are outer borders; where all are, without those of sheets. What is wrong with single faces
-    the library says."""
-    around, asked = Surroundings(bm, matrix), set(map(id, some))
-
-    def is_left(rim, of_sheet):
-        single = of_sheet and len({f for e in selection.edges_of(bm, rim.loop) if e for f in e.link_faces}) == 1
-        return id(rim) not in asked or single or not is_outer(bm, matrix, rim, around, of_sheet)
-
-    return [rim for rim in rims if is_left(rim, False)] or [rim for rim in rims if is_left(rim, True)]
-
-
-def has_hole(ob, bm):
-    """Whether an object has a border that is no outer one. One that cannot be read has: what fills it says why."""
+def mesh_arrays(bm, matrix):
+    """Positions (n, 3) in the world and faces of all of a BMesh, for the library. Indices must be up to date."""
+    mesh = bpy.data.meshes.new("TriPatch")  # a copy is read ten times as fast as the BMesh
     try:
-        matrix = world_matrix(ob.name, ob.matrix_world)
-    except UnusableError:
-        return True
+        bm.to_mesh(mesh)
+        places, corners = np.empty(3 * len(mesh.vertices), np.float32), np.empty(len(mesh.loops), np.int32)
+        sizes = np.empty(len(mesh.polygons), np.int32)
+        mesh.vertices.foreach_get("co", places)
+        mesh.loops.foreach_get("vertex_index", corners)
+        mesh.polygons.foreach_get("loop_total", sizes)
+    finally:
+        bpy.data.meshes.remove(mesh)
+    same = len(sizes) and sizes[0] in (3, 4) and (sizes == sizes[0]).all()
+    faces = corners.reshape(-1, sizes[0]) if same else [face.tolist() for face in np.split(corners, np.cumsum(sizes)[:-1])]
+    return places.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3], faces
+
+
+def _numbers(rim):
+    return frozenset(v.index for v in rim.loop)
+
+
+def _outer(bm, matrix):
+    """The borders of a mesh that are left open as outer ones, as sets of vertex indices."""
     bm.verts.index_update()
     bm.faces.index_update()
-    return any(not is_outer(bm, matrix, rim) for rim in selection.all_rims(bm))
+    return {frozenset(loop.tolist()) for loop in tripatch.outer_borders(*mesh_arrays(bm, matrix))} if bm.faces else set()
+
+
+def is_outer(bm, matrix, rim):
+    """Whether a rim turns the other way than a hole, as an outer border does."""
+    return tripatch.is_outer_border(*Surroundings(bm, matrix).around(rim)[:2], [v.index for v in rim.loop])
 
 
 def without_outer(bm, matrix, rims):
-    """Those of some rims that are meant if only a vertex of each is selected, or the faces around: outer borders are left out if
-    there are others. Rims whose edges are selected by themselves are all meant."""
+    """Those of some rims that are meant if only a vertex of each is selected, or the faces around: no outer border. Rims whose
+    edges are selected by themselves are all meant. NothingToFill if none is left."""
 
     def is_pointed_at(rim):
         edges = [e for e in selection.edges_of(bm, rim.loop) if e]
         among_faces = all(f.select for e in edges for f in e.link_faces)
         return not (rim.replaced or rim.corners) and (among_faces or not all(e.select for e in edges))
 
-    left = _but_outer(bm, matrix, rims, [rim for rim in rims if is_pointed_at(rim)])
-    if rims and not left:
-        raise UnusableError(OUTER_ONLY, [v for rim in rims for v in rim.loop], "outer_border")
-    return left
+    asked = [rim for rim in rims if is_pointed_at(rim)]
+    outer = _outer(bm, matrix) if asked else set()
+    left = [rim for rim in asked if _numbers(rim) in outer]
+    if left and len(left) == len(rims):
+        raise NothingToFill([len(rim.loop) for rim in left], [v for rim in left for v in rim.loop])
+    return [rim for rim in rims if rim not in left]
 
 
 def filtered(bm, matrix, rims, filters):
@@ -614,22 +613,20 @@ def filtered(bm, matrix, rims, filters):
 
 
 def open_holes(bm, matrix, filters=None):
-    """Every hole, of which the library says where a method does not fill it; UnusableError if there is none. filters: arguments
-    of `tripatch.choose_holes`."""
+    """Every visible hole, of which the library says where a method does not fill it, and the outer borders that are left open.
+    UnusableError if there is no hole. filters: arguments of `tripatch.choose_holes`."""
     filters = filters or {}
-    rims = holes(bm, matrix, filters.get("outer", False))
-    hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
-    if not rims:
-        borders = [v for rim in selection.all_rims(bm) for v in rim.loop]
+    outer = set() if filters.get("outer", False) else _outer(bm, matrix)
+    visible = selection.all_rims(bm)
+    left = [rim for rim in visible if _numbers(rim) in outer]
+    every = [rim for rim in visible if rim not in left]
+    if not every:
+        hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
         if hidden:
-            raise UnusableError(OTHERS_HIDDEN if borders else "The rims of the mesh are hidden; reveal them first")
-        raise UnusableError(OUTER_ONLY if borders else NO_HOLE, borders)
-    every, rims = rims, filtered(bm, matrix, rims, filters)
+            raise UnusableError(OTHERS_HIDDEN if left else "The rims of the mesh are hidden; reveal them first", code="hidden")
+        raise NothingToFill([len(rim.loop) for rim in left], [v for rim in left for v in rim.loop])
+    rims = filtered(bm, matrix, every, filters)
     if not rims:
         none = f"None of the {len(every)} holes is as Holes asks for" if len(every) > 1 else "The hole is not as Holes asks for"
         raise UnusableError(none, [v for rim in every for v in rim.loop])
-    if hidden and not filters.get("outer", False):
-        rims = [rim for rim in rims if not is_outer(bm, matrix, rim)]
-        if not rims:
-            raise UnusableError(OTHERS_HIDDEN)
-    return rims
+    return rims, left

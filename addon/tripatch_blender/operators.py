@@ -240,7 +240,7 @@ class FillSmooth(Construction, waiting.Waiting):
         active = ob.active_shape_key.name if ob.active_shape_key else None
         outcome, new_faces, filled = mirrored.fill_halves(ob, bm, matrix, halves, options, outer, active, modifier)
         if filled:
-            seam.remember(bm, ob.data.name, [], filled[-1:])
+            seam.remember(bm, ob.data.name, [], filled[-1:], library.words.seam_angle(outcome.reports))
         return outcome, new_faces
 
     def _options(self):
@@ -300,14 +300,14 @@ class FillSmooth(Construction, waiting.Waiting):
             finally:
                 self._looked_at.clear()
 
-    def _choose_output(self, objects, meant):
-        """What nobody has chosen. objects: that are selected; meant: those of them that have what is to be filled."""
+    def _choose_output(self, ob):
+        """What nobody has chosen, for one object."""
         if self.output == "auto":
             # Who models under a Subdivision modifier wants a cage; an object of its own is asked for by name.
-            caged = self.surroundings == "mesh" and all(map(subdivision.modifier_of, objects))
+            caged = self.surroundings == "mesh" and subdivision.modifier_of(ob)
             # A script that says how many edges its triangles have has chosen them.
             counted = self.properties.is_property_set("resolution") and not self._is_computed("resolution", 0)
-            beside = Counter() if caged or counted else sum(map(self._beside_rims, meant), Counter())
+            beside = Counter() if caged or counted else self._beside_rims(ob)
             self.computed_output = "cage" if caged else filling.going_on(beside)["output"]
         if self._is_computed("odd", None):
             goes_on = self.output == "auto" and self.computed_output == "quads"
@@ -329,6 +329,11 @@ class FillSmooth(Construction, waiting.Waiting):
             rims += found[0]
         return selection.beside(bm, rims)
 
+    def _fill_as_chosen(self, ob):
+        """Each object by itself. Returns its Outcome, and the output that it was filled with."""
+        self._choose_output(ob)
+        return self._fill(ob), self.faces()
+
     def _execute(self, context):
         objects = context.objects_in_mode_unique_data
         selected = [ob for ob in objects if ob.data.total_vert_sel]
@@ -339,42 +344,57 @@ class FillSmooth(Construction, waiting.Waiting):
                 kept.enter_context(writeback.layers_of_fills(bmesh.from_edit_mesh(ob.data), self.deviation))
             return self._fill_objects(context, objects, selected, meant)
 
+    def _meant(self, objects):
+        """Those of some objects that may have what is to be filled."""
+        return objects
+
     def _fill_objects(self, context, objects, selected, meant):
-        self._choose_output(selected or objects, meant)
-        outcome, unusable = filling.Outcome(), []
+        outcomes: dict[str, filling.Outcome] = {}
+        nothing, unusable = filling.Outcome(), []
         refusals = selection.UnusableError, selection.OptionsError
-        waiting.ahead([partial(self._fill, ob) for ob in meant], *refusals)
+        waiting.ahead([partial(self._fill_as_chosen, ob) for ob in meant], *refusals)
         for ob in meant:
             name = ob.name if len(objects) > 1 else ""
             try:
-                outcome.add(self._fill(ob), name)
+                outcome, output = self._fill_as_chosen(ob)
+            except selection.NothingToFill as reason:
+                nothing.left_open += reason.left
             except refusals as reason:
                 unusable.append(filling.Refused.because(reason, ob).of(name))
-        self._show_computed(context, outcome)
-        refused = outcome.refused + (unusable if selected or not outcome.reports else [])
+            else:
+                nothing.left_open += outcome.left_open
+                outcomes.setdefault(output, filling.Outcome()).add(replace(outcome, left_open=[]), name)
+        if outcomes:  # the panel shows the first
+            if self.output == "auto":
+                self.computed_output = next(iter(outcomes))
+            self._show_computed(context, next(iter(outcomes.values())))
+        filled = [outcome for outcome in outcomes.values() if outcome.reports]
+        refused = [each for outcome in outcomes.values() for each in outcome.refused]
+        refused += unusable if selected or not filled else []
         in_words, of_filled = (
             (sentences.of_selected, sentences.of_filled) if self.by_hand else (sentences.for_people, sentences.for_people)
         )
         told = [in_words(each.sentence) for each in refused]
         self.reasons = "\n".join(told)
-        if not outcome.reports:
-            return self._refuse(context, refused, told)
-        message = outcome.sentence()
+        if not filled:
+            return self._refuse(context, refused, told) if refused else self._leave(nothing)
+        filled[-1].left_open = nothing.left_open
+        message = "; ".join(outcome.sentence() for outcome in filled)
         if refused:
             message += f"; {len(refused)} not filled: {'; '.join(told[:3])}{'; ...' if len(told) > 3 else ''}"
-        if outcome.notes:
-            message += f". {'. '.join(map(of_filled, outcome.notes[:2]))}"
-        self.report({"WARNING" if refused or outcome.alarms() else "INFO"}, message)
+        notes = [of_filled(note) for outcome in filled for note in outcome.notes]
+        if notes:
+            message += f". {'. '.join(notes[:2])}"
+        alarms = refused or any(outcome.alarms() for outcome in filled)
+        self.report({"WARNING" if alarms else "INFO"}, message)
         return {"FINISHED"}
 
-    def _meant(self, objects):
-        """Where all holes of several objects are meant, those that have one, if any has: others have outer borders at most."""
-        if len(objects) < 2 or self.outer:
-            return objects
-        bms = {ob: bmesh.from_edit_mesh(ob.data) for ob in objects}
-        if not all(not ob.data.total_vert_sel or selection.Selected(bm).is_all(bm) for ob, bm in bms.items()):
-            return objects
-        return [ob for ob, bm in bms.items() if filling.has_hole(ob, bm)] or objects
+    def _leave(self, nothing):
+        """There is no hole, which is no mistake. By hand the panel comes: it has what fills outer borders."""
+        self.reasons = str(selection.NothingToFill(nothing.left_open))
+        self.all_holes = True
+        self.report({"INFO"}, self.reasons)
+        return {"FINISHED" if self.by_hand else "CANCELLED"}
 
     def _refuse(self, context, refused, told):
         """Nothing could be filled. By hand the panel must come, which it does after what has changed something."""
@@ -391,23 +411,28 @@ class FillSmooth(Construction, waiting.Waiting):
         return mirrored.half_rims(ob, bm, [] if everything else selected.vertices)
 
     def _rims(self, ob, bm, matrix, selected, everything):
-        """The rims that the selection means, and an UnusableError for each part that means none."""
-        rims, refused = self._rims_meant(ob, bm, matrix, selected, everything)
+        """The rims that the selection means, an UnusableError for each part that means none, and how many edges each outer border
+        has that is left open."""
+        rims, refused, left = self._rims_meant(ob, bm, matrix, selected, everything)
         if self.surroundings != "limit":
-            found = [*rims, *(reason.rim for reason in refused if reason.rim)]
+            found = [*rims, *left, *(reason.rim for reason in refused if reason.rim)]
             joined = [rim for rim in found if mirrored.is_joined(ob, rim)]
-            rims = [rim for rim in rims if rim not in joined]
+            rims, left = ([rim for rim in each if rim not in joined] for each in (rims, left))
             refused = [reason for reason in refused if reason.rim not in joined]
             if joined and not rims and not refused:
                 raise selection.UnusableError(mirrored.JOINED, [v for rim in joined for v in rim.loop])
         if not (everything or self.outer):
             rims = filling.without_outer(bm, matrix, rims)
-        return rims, refused
+        return rims, refused, [len(rim.loop) for rim in left]
 
     def _rims_meant(self, ob, bm, matrix, selected, everything):
-        """Those that the selection means, those that a Mirror modifier joins among them."""
+        """Those that the selection means, those that a Mirror modifier joins among them, reasons for other parts of it, and outer
+        borders that are left open."""
         self.all_holes = everything or self.all_holes
-        return (filling.open_holes(bm, matrix, self._filters()), []) if everything else selection.selected_rims(bm, selected)
+        if everything:
+            rims, left = filling.open_holes(bm, matrix, self._filters())
+            return rims, [], left
+        return *selection.selected_rims(bm, selected), []
 
     def _fill_with_quads(self, bm, mesh, matrix, outcome, options):
         """Nobody asked for a cage by name: a hole that gets none, such as one of five corners, gets quads, which the modifier
@@ -450,22 +475,22 @@ class FillSmooth(Construction, waiting.Waiting):
             else:
                 halved, new_faces = self._fill_halves(ob, bm, matrix, options, halves, outer)
         try:
-            rims, refused = known or self._rims(ob, bm, matrix, selected, everything)
+            rims, refused, left = known or self._rims(ob, bm, matrix, selected, everything)
         except selection.UnusableError:
             if not halved.reports and not halved.refused:
                 raise
-            rims, refused = [], []
-        refused = [filling.Refused.because(reason, ob) for reason in refused]
+            rims, refused, left = [], [], []
+        rest = filling.Outcome(refused=[filling.Refused.because(reason, ob) for reason in refused], left_open=left)
         if options.arguments.get("surroundings") == "limit":
             outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)
-            outcome.refused += refused
+            outcome.add(rest)
             return outcome
         if self.keep_live:
             outcome = live.keep(ob, rims, options)
             outcome.add(halved)
             for name in outcome.live:
                 following.begin(bpy.data.objects.get((name, None)))
-            outcome.refused += refused
+            outcome.add(rest)
             return outcome
         cage = self.faces() == "cage"
         modifier = subdivision.usable(ob) if cage else None
@@ -477,7 +502,7 @@ class FillSmooth(Construction, waiting.Waiting):
         outcome.add(halved)
         for each in outcome.refused:
             each.ob = ob
-        outcome.refused += refused
+        outcome.add(rest)
         if new_faces:
             selected.replace(bm, new_faces)
             selection.finish_edit(bm, mesh)
@@ -491,18 +516,18 @@ if OPTIONS:
 
 
 class MESH_OT_fill_smooth(FillSmooth, bpy.types.Operator):
-    """Fill holes so that the surface goes on smoothly: the selected ones, or all where nothing or everything is selected"""
+    """Fill the selected holes so that the surface continues smoothly, or all holes if nothing or everything is selected"""
 
     bl_idname = "mesh.fill_smooth"
-    bl_label = "Smooth Fill"
+    bl_label = "Fill Holes Smoothly"
     bl_options = {"REGISTER", "UNDO"}
 
 
 class MESH_OT_fill_three_sided(FillSmooth, bpy.types.Operator):
-    """Smooth Fill, under its name of before"""
+    """Fill Holes Smoothly, under the name that scripts of before have"""
 
     bl_idname = "mesh.fill_three_sided"
-    bl_label = "Smooth Fill"
+    bl_label = "Fill Holes Smoothly"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}  # for scripts: not in the search
 
 
@@ -543,7 +568,7 @@ class MESH_OT_edit_fill(FillSmooth, bpy.types.Operator):
                 rims.append(selection.rim_of_fill(faces, number, record.get("corners", [])))
             except selection.UnusableError as reason:
                 refused.append(reason)
-        return rims, refused
+        return rims, refused, []
 
 
 _classes = (MESH_OT_fill_smooth, MESH_OT_fill_three_sided, MESH_OT_edit_fill)

@@ -239,7 +239,7 @@ def _draw_text():
                 place, angle = drawn.made.worst
                 at = location_3d_to_region_2d(region, context.region_data, ob.matrix_world.translation + Vector(place.tolist()))
                 if at is not None:
-                    _write(f"{angle:.3g} deg", at.x + 8, at.y + 8, 13 * scale)
+                    _write(library.words.degrees(angle), at.x + 8, at.y + 8, 13 * scale)
     except Exception:
         traceback.print_exc()
         stop()

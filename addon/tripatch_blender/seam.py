@@ -3,15 +3,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from . import selection
 from .library import np
 
-_last: dict = {}  # by name of the mesh: (k, 2) vertices of the edges
+
+@dataclass
+class _Seam:
+    """Of the last fills of a mesh."""
+
+    edges: np.ndarray  # (k, 2) their vertices
+    angle: float | None  # that the fills report, in degrees
+    near: np.ndarray  # the vertices of the faces at the seam,
+    places: np.ndarray  # and where these are, (n, 3) float32
 
 
-def remember(bm, name, loops, chains=()):
+_last: dict[str, _Seam] = {}  # by name of the mesh
+
+
+def remember(bm, name, loops, chains=(), angle=None):
     """After fills were written into a BMesh; loops: lists of BMVert, chains: such that are not closed. An edge that was split
-    counts as its two halves."""
+    counts as its two halves. angle: that the fills report."""
     bm.verts.index_update()
     found = []
     closed = [pair for loop in loops if all(v.is_valid for v in loop) for pair in selection.pairs(loop)]
@@ -24,14 +37,27 @@ def remember(bm, name, loops, chains=()):
         if both:
             new = max(v.index for v in both)  # the last that was made
             found += [(a.index, new), (new, b.index)]
-    _last[name] = np.array(found, dtype=np.int64).reshape(-1, 2)
+    rims = {v for loop in (*loops, *chains) for v in loop if v.is_valid}
+    near = selection.by_index({v for rim in rims for f in rim.link_faces for v in f.verts})
+    places = selection.coordinates(near).astype(np.float32)
+    edges = np.array(found, dtype=np.int64).reshape(-1, 2)
+    _last[name] = _Seam(edges, angle, np.array([v.index for v in near], dtype=np.int64), places)
+
+
+def reported(name, places):
+    """The angle that the last fills of a mesh report, as long as nothing at their seam has moved; else None. places: of the
+    vertices (n, 3) float32 as they are seen."""
+    last = _last.get(name)
+    if last is None or last.near.max(initial=-1) >= len(places) or not np.array_equal(places[last.near], last.places):
+        return None
+    return last.angle
 
 
 def edges(mesh, evaluated=None):
     """(k, 2) vertices of the last fill's rim, or of the selected edges where none is known. In edit mode only what was evaluated
     knows what is selected."""
     if mesh.name in _last:
-        return _last[mesh.name]
+        return _last[mesh.name].edges
     mesh = evaluated or mesh
     ends, selected = np.empty(2 * len(mesh.edges), np.int32), np.empty(len(mesh.edges), bool)
     mesh.edges.foreach_get("vertices", ends)

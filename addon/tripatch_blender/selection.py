@@ -11,11 +11,12 @@ from operator import attrgetter, itemgetter
 import bmesh
 from mathutils import Vector
 
-from .library import np, tripatch
+from .library import np, tripatch, words
 
 #: Of the extent of a rim: Blender's positions have seven digits.
 SAME_PLACE = 1e-5
-
+#: What fills outer borders, as the panel has it.
+USE_OUTER = "use Outer Borders"
 # Rings of faces around a rim that are handed to the library.
 RINGS = tripatch.SURROUNDING_RINGS if tripatch else 0
 
@@ -27,6 +28,15 @@ class UnusableError(ValueError):
     def __init__(self, message, vertices=(), code="", rim=None):
         super().__init__(message)
         self.vertices, self.code, self.rim = list(vertices), code, rim
+
+
+class NothingToFill(UnusableError):
+    """There are outer borders at most. left: how many edges each of them has."""
+
+    def __init__(self, left=(), vertices=(), advice=USE_OUTER):
+        self.left = list(left)
+        said = words.left_open(self.left, advice) or "the mesh has no border"
+        super().__init__(f"Nothing to fill: {said}", vertices, "nothing_to_fill")
 
 
 class OptionsError(ValueError):
@@ -338,7 +348,7 @@ def selected_rims(bm, selection):
     loops = border_loops(v for v in vertices if v.is_boundary)
     visible = [loop for loop in loops if not is_hidden(bm, loop)]
 
-    rims, touched, refused = [], [], []
+    rims, touched, parts, refused = [], [], [], []
     for loop in visible:
         given = [v for v in loop if v in selected]
         chosen = [e for e in edges_of(bm, loop) if e is not None and e.select]
@@ -349,7 +359,7 @@ def selected_rims(bm, selection):
         elif not chosen:
             touched.append(Rim(loop))
         elif not any(f.select for e in chosen for f in e.link_faces):  # else the region of these says it
-            refused.append(_part_of_border(len(chosen), loop, given))
+            parts.append(_part_of_border(len(chosen), loop, given))
     for region in _regions(faces):
         try:
             rim = _region_to_replace(region, rims, "FACE" in bm.select_mode)
@@ -358,9 +368,10 @@ def selected_rims(bm, selection):
         else:
             rims += [rim] if rim else []
     if not rims and not refused:
-        if not touched or not all(e.is_boundary for e in edges):
+        if not (touched or parts) or not all(e.is_boundary for e in edges):
             raise UnusableError("The rim is hidden; reveal it first") if loops and not visible else _no_hole(edges, vertices)
-        rims = touched
+        rims = [] if parts else touched
+    refused += parts
     for rim in rims:
         if active in rim.loop:
             rim.first = active

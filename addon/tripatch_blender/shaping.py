@@ -47,7 +47,7 @@ class Shaping:
         if rim.replaced:
             raise UnusableError("The tool shapes holes; delete the selected faces first")
         if mirrored.is_joined(ob, rim):
-            raise UnusableError("A Mirror modifier joins this border to its image: Smooth Fill fills such halves, the tool none")
+            raise UnusableError("A Mirror modifier joins this border to its image; use Fill Holes Smoothly for such halves")
         if filling.is_a_point(rim):
             raise UnusableError(filling.A_POINT, rim.loop)
         self.name = ob.name

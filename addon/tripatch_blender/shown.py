@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from . import seam, subdivision, versions
-from .library import np, quality
+from .library import np, quality, words
 
 
 @dataclass
@@ -86,7 +86,8 @@ def _surface_colors(made, mesh, vertices, triangles, settings):
     return None
 
 
-def _add_seam(made, vertices, triangles, edges, settings):
+def _add_seam(made, vertices, triangles, edges, reported, settings):
+    """reported: the angle that the fills there report, None where it is to be measured."""
     if len(edges):
         edges = edges[edges.max(axis=1) < len(vertices)]
     angles = quality.seam_angles(vertices.astype(np.float64), triangles.astype(np.int64), edges)
@@ -99,8 +100,9 @@ def _add_seam(made, vertices, triangles, edges, settings):
     made.lines = vertices[edges.ravel()].astype(np.float32)
     colors = quality.scale_colors(angles, settings.seam_most)
     made.line_colors = np.repeat(np.column_stack([colors, np.ones(len(colors))]), 2, axis=0).astype(np.float32)
-    made.worst = (vertices[edges[worst]].mean(axis=0), float(angles[worst]))
-    made.told.append(f"Seam within {angles[worst]:.3g} deg (red from {settings.seam_most:.3g} deg)")
+    angle = float(angles[worst]) if reported is None else reported
+    made.worst = (vertices[edges[worst]].mean(axis=0), angle)
+    made.told.append(f"Seam within {words.degrees(angle)} (red from {words.degrees(settings.seam_most)})")
 
 
 def of_evaluated(ob, mesh, turn, settings):
@@ -125,7 +127,8 @@ def of_evaluated(ob, mesh, turn, settings):
         made.colors = np.zeros((len(flat), 4), np.float32)
         made.colors[np.repeat(bad, 3)] = (*quality.FOLD_COLOR, 1)
     if settings.seam:
-        _add_seam(made, vertices, triangles, _seam_edges(ob, mesh), settings)
+        reported = seam.reported(ob.data.name, _got(mesh.vertices, "co", 3))
+        _add_seam(made, vertices, triangles, _seam_edges(ob, mesh), reported, settings)
     return made
 
 

@@ -3,6 +3,7 @@
 
 import textwrap
 import traceback
+from pathlib import Path
 from typing import Any
 
 import bmesh
@@ -514,7 +515,7 @@ class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
     bl_idname = "tripatch.shape_fill"
     bl_label = "Shape Fill"
     bl_description = "Fill a hole and shape the fill by hand.\n" + _HINT.replace("   ", ". ")
-    bl_icon = "ops.mesh.dupli_extrude_cursor"
+    bl_icon = str(Path(__file__).parent / "icons" / "shape_fill")  # drawn by scripts/tool_icon.py
     bl_widget = "VIEW3D_GGT_tripatch"
     bl_keymap = (
         ("mesh.shape_fill", {"type": "LEFTMOUSE", "value": "CLICK"}, {"properties": [("pick", True)]}),

@@ -470,7 +470,7 @@ def test_a_fill_over_a_plane_domain_takes_over_what_the_rim_has(addon):
         uv.uv = mesh.vertices[loop.vertex_index].co.xy
     bm = bmesh.new()
     bm.from_mesh(mesh)
-    rim = filling.holes(bm, np.eye(4))[0]
+    rim = filling.open_holes(bm, np.eye(4))[0][0]
     around = filling.Surroundings(bm, np.eye(4))
     arrays = around.around(rim)
     (fill,) = filling.fills([rim], arrays, filling.Options())

@@ -49,7 +49,7 @@ def test_a_mesh_without_a_hole(refusal):
     bpy.ops.mesh.primitive_cube_add()
     ob = bpy.context.object
     scenes.edit(ob)
-    assert "no hole" in refusal(ob)
+    assert "Nothing to fill: the mesh has no border" in refusal(ob)
 
 
 def test_nothing_selected_and_a_method_of_three_sides():
@@ -296,7 +296,7 @@ def test_a_selected_closed_surface_and_a_region_with_two_borders(refusal):
     ob = bpy.context.object
     scenes.edit(ob, mode="FACE")
     bpy.ops.mesh.select_all(action="SELECT")
-    assert "no hole" in refusal(ob)
+    assert "Nothing to fill: the mesh has no border" in refusal(ob)
     bm = bmesh.from_edit_mesh(ob.data)
     for f in bm.faces:
         f.select = abs(f.normal.z) < 0.5

@@ -145,12 +145,20 @@ def test_rims_may_be_called_round(run, arguments):
     assert any(found[()]) and found[("--corners", "none")] == [[]] * len(found[()])
 
 
-def test_nothing_to_fill(run):
+def test_nothing_to_fill_copies_the_file(run):
     bpy.ops.mesh.primitive_cube_add()
-    status, _, err = run()
-    assert status == 1
-    assert "Nothing to fill" in err
-    assert not run.out.exists()
+    status, out, _ = run()
+    assert status == 0 and run.out.exists()
+    assert "Nothing to fill: the mesh has no border" in out
+
+
+@pytest.mark.parametrize(("options", "advice"), [((), "--all --outer"), (("--all",), "--outer")])
+def test_a_sheet_with_outer_borders_only_is_copied_and_they_are_named(run, options, advice):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4)
+    report = run.out.with_suffix(".json")
+    status, out, _ = run(*options, "--report", str(report))
+    assert status == 0 and run.out.exists()
+    assert f"Nothing to fill: 1 outer border left open (16 edges); use {advice} to fill it" in out
 
 
 def test_all_refused(run):
@@ -393,5 +401,5 @@ def test_a_half_without_a_hole_is_left(run):
     from test_modifiers import add_half_with_holes
 
     add_half_with_holes()
-    status, _, said = run("--all")
-    assert status == 1 and "Nothing to fill" in said
+    status, said, _ = run("--all")
+    assert status == 0 and "Nothing to fill" in said

@@ -4,6 +4,7 @@ import re
 import sys
 from types import SimpleNamespace
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -213,3 +214,46 @@ def test_another_file_and_a_changed_setting_empty_the_card(overlay):
     overlay._on_load()
     assert not overlay._state.drawn
     bpy.context.window_manager.tripatch_overlay.surface = "ZEBRA"
+
+
+def sheet_with_a_ridge(hole):
+    """Quads over a roof; hole: of a face's middle. In edit mode with the hole's rim selected."""
+    bm = bmesh.new()
+    bmesh.ops.create_grid(bm, x_segments=16, y_segments=16, size=2)
+    for v in bm.verts:
+        v.co.z = -1.2 * abs(v.co.y)
+    bmesh.ops.delete(bm, geom=[f for f in bm.faces if hole(f.calc_center_median())], context="FACES")
+    mesh = bpy.data.meshes.new("Roof")
+    bm.to_mesh(mesh)
+    bm.free()
+    ob = scenes.object_of(mesh)
+    (bm,) = scenes.edit(ob, mode="EDGE")
+    scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    return ob
+
+
+def told_number(sentence):
+    return float(re.search(r"[Ss]eam within ([\d.]+)°", sentence)[1])
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_overlay_and_status_bar_tell_the_same_angle_until_the_seam_moves(shown, capfd, moved):
+    """A side of the hole lies on the ridge, where old and new faces meet at an angle as they did before."""
+    ob = sheet_with_a_ridge(lambda c: abs(c.x) < 0.8 and 0 < c.y < 1)
+    assert bpy.ops.mesh.fill_smooth() == {"FINISHED"}
+    status = told_number(capfd.readouterr().out)
+    if moved:
+        bm = bmesh.from_edit_mesh(ob.data)
+        max((v for v in bm.verts if v.select), key=lambda v: v.co.y).co.z += 0.3
+        bmesh.update_edit_mesh(ob.data)
+    made = seen(shown, ob)
+    overlay = told_number(made.told[0])
+    assert status < 0.1 and (overlay > 5 if moved else overlay == status)
+    assert made.worst[1] == pytest.approx(overlay, abs=0.001 + 0.05 * overlay)
+
+
+def test_a_ridge_along_a_seam_is_not_red_where_it_goes_on(shown):
+    ob = sheet_with_a_ridge(lambda c: abs(c.x) < 0.8 and 0 < c.y < 1)
+    bpy.ops.mesh.fill_smooth()
+    colors = seen(shown, ob).line_colors
+    assert (colors[:, 2] > colors[:, 0]).all(), "blue, as where there is no angle"

@@ -1,8 +1,10 @@
 """mesh.fill_smooth: where it is found, what its panel shows, and what becomes of a refusal by hand and from a script."""
 
+import fnmatch
 import importlib
 import sys
 import types
+from pathlib import Path
 
 import bmesh
 import bpy
@@ -12,6 +14,7 @@ import scenes
 import tripatch
 
 smooth = bpy.ops.mesh.fill_smooth
+ROOT = Path(__file__).parents[2]
 
 
 def module(addon, name):
@@ -39,42 +42,92 @@ def drawn(menu):
     return layout.operators
 
 
-def test_the_face_menu_has_it_behind_grid_fill():
-    scenes.edit(scenes.add_hole())
-    names = drawn("VIEW3D_MT_edit_mesh_faces")
-    assert names.count("mesh.fill_smooth") == 1
-    assert names.index("mesh.fill_smooth") == names.index("mesh.fill_grid") + 1
-    assert "mesh.fill_three_sided" not in names
+#: Menus of edit mode, and Blender's entry before ours where there is one that matters.
+MENUS = {
+    "VIEW3D_MT_edit_mesh_faces": None,
+    "VIEW3D_MT_edit_mesh_context_menu": None,
+    "VIEW3D_MT_edit_mesh_clean": "mesh.fill_holes",
+}
 
 
 @pytest.mark.parametrize("mode", ["VERT", "EDGE", "FACE"])
-def test_the_context_menu_has_it_once_and_not_at_its_end(mode):
+@pytest.mark.parametrize(("menu", "before"), MENUS.items())
+def test_menus_have_it_once_at_their_end(menu, before, mode):
     ob = scenes.add_hole()
     (bm,) = scenes.edit(ob, mode=mode)
-    if mode == "FACE":
-        bm.faces.ensure_lookup_table()
-        scenes.select(bm, faces=bm.faces[:3])
-    else:
-        scenes.select_rim(bm, scenes.border_loops(bm)[0])
+    bm.faces.ensure_lookup_table()
+    scenes.select(bm, faces=bm.faces[:3])
     bmesh.update_edit_mesh(ob.data)
     bpy.context.view_layer.update()
-    names = drawn("VIEW3D_MT_edit_mesh_context_menu")
-    assert names.count("mesh.fill_smooth") == 1
-    assert names[-1] != "mesh.smooth_triangles" and len(names) - names.index("mesh.fill_smooth") > 4
-    if mode == "EDGE":
-        assert names.index("mesh.fill_smooth") == names.index("mesh.fill") + 1
+    names = drawn(menu)
+    assert names.count("mesh.fill_smooth") == 1 and "mesh.fill_three_sided" not in names
+    at = names.index("mesh.fill_smooth")
+    assert names[at + 1 :] in ([], ["mesh.edit_fill", "mesh.smooth_triangles"])
+    assert before in (None, names[at - 1])
 
 
-def test_menus_are_blenders_own_again_without_the_add_on(addon):
+def test_menus_are_only_added_to(addon):
+    """Blender's own draw functions stay what they are, with the add-on and without it."""
     ui = module(addon, "ui")
+
+    def functions():
+        menus = [getattr(bpy.types, menu) for menu in MENUS]
+        return {f for menu in menus for f in menu._dyn_ui_initialize() if not f.__module__.startswith(addon.__name__)}
+
+    own = functions()
+    assert len(own) == 3 and {f.__module__ for f in own} == {"bl_ui.space_view3d"}
     ui.unregister()
     try:
-        for menu in ("VIEW3D_MT_edit_mesh_faces", "VIEW3D_MT_edit_mesh_context_menu"):
-            assert [f.__module__ for f in getattr(bpy.types, menu).draw._draw_funcs] == ["bl_ui.space_view3d"]
-        assert "mesh.fill_smooth" not in drawn("VIEW3D_MT_edit_mesh_faces")
+        assert functions() == own and not any("mesh.fill_smooth" in drawn(menu) for menu in MENUS)
     finally:
         ui.register()
-    assert "mesh.fill_smooth" in drawn("VIEW3D_MT_edit_mesh_faces")
+    assert all("mesh.fill_smooth" in drawn(menu) for menu in MENUS)
+
+
+@pytest.mark.parametrize("word", ["hole", "fill", "smooth"])
+def test_the_search_finds_it_by_what_one_would_type(word):
+    assert word in smooth.get_rna_type().name.lower()
+
+
+@pytest.mark.parametrize("operator", ["mesh.fill_smooth", "mesh.shape_fill", "mesh.smooth_triangles", "object.apply_live_fill"])
+def test_the_manual_has_a_page_on_every_operator(operator, addon):
+    prefix, pages = module(addon, "links").manual_map()
+    assert (prefix, pages) in [function() for function in bpy.utils._manual_map]
+    page = next(page for pattern, page in pages if fnmatch.fnmatchcase(f"bpy.ops.{operator}", pattern))
+    assert (ROOT / "docs" / page).with_suffix(".md").exists()
+
+
+def test_links_are_the_same_where_blender_reads_them(addon):
+    links, source = module(addon, "links"), Path(sys.modules[addon.__name__].__file__).read_text()
+    assert f'"doc_url": "{links.GUIDE}"' in source and f'"tracker_url": "{links.BUGS}"' in source
+
+
+def test_preferences_lead_to_the_documentation_and_to_reports_of_bugs(addon):
+    ui, asked = module(addon, "ui"), []
+
+    class Layout(Recorder):
+        def operator(self, *_arguments, text="", **_given):
+            button = types.SimpleNamespace()
+            asked.append((text, button))
+            return button
+
+        def row(self):
+            return self
+
+        def label(self, **_given):
+            pass
+
+    ui.TripatchPreferences.draw(types.SimpleNamespace(layout=Layout()), bpy.context)
+    links = module(addon, "links")
+    assert [(text, button.url) for text, button in asked] == [("Documentation", links.GUIDE), ("Report a Bug", links.BUGS)]
+
+
+def test_the_tool_has_an_icon_that_blender_can_read(addon):
+    """A file of triangles as Blender's own: eight bytes, then 18 for each triangle."""
+    path = Path(module(addon, "tool").TRIPATCH_TOOL_shape.bl_icon + ".dat")
+    content = path.read_bytes()
+    assert content[:4] == b"VCO\0" and len(content) > 8 and (len(content) - 8) % 18 == 0
+    assert bpy.app.icons.new_triangles_from_file(str(path))
 
 
 def test_the_name_of_before_is_the_same_operator():
@@ -656,9 +709,7 @@ def test_a_vertex_of_an_outer_border_does_not_close_it():
     ob = sheet_with_holes((0, 0))
     (bm,) = scenes.edit(ob)
     scenes.select(bm, scenes.border_loops(bm)[-1][:1])
-    with pytest.raises(RuntimeError, match="only an outer border"):
-        smooth()
-    assert borders(ob)[-1] == 80
+    assert smooth() == {"CANCELLED"} and borders(ob)[-1] == 80
 
 
 @pytest.mark.parametrize("selected", [False, True])
@@ -673,18 +724,57 @@ def test_of_several_objects_one_without_a_hole_keeps_its_outer_border(selected):
 
 @pytest.mark.parametrize("selected", [False, True])
 @pytest.mark.parametrize("bent", [0.0, 0.2])
-def test_a_sheet_without_a_hole_is_not_closed_onto_itself(selected, bent):
+def test_a_sheet_without_a_hole_is_not_closed_onto_itself(selected, bent, capfd):
     ob = sheet_with_holes()
     for v in ob.data.vertices:
         v.co.z = bent * (v.co.x**2 - v.co.y**2)
     scenes.edit(ob)
     bpy.ops.mesh.select_all(action="SELECT" if selected else "DESELECT")
     before = len(ob.data.polygons)
-    with pytest.raises(RuntimeError, match="no hole here, only an outer border"):
-        smooth()
+    capfd.readouterr()
+    assert smooth() == {"CANCELLED"}, "nothing to fill is no mistake"
+    sentence = "Info: Nothing to fill: 1 outer border left open (80 edges); use Outer Borders to fill it"
+    assert capfd.readouterr().out.strip() == sentence
     assert len(bmesh.from_edit_mesh(ob.data).faces) == before
     bpy.ops.mesh.select_all(action="DESELECT")
     assert smooth(outer=True) == {"FINISHED"} and borders(ob) == []
+
+
+def test_outer_borders_that_are_left_open_are_reported(capfd):
+    """Of two islands with a hole each."""
+    ob = sheet_with_holes((0, 0))
+    other = sheet_with_holes((0.5, 0.5), size=12)
+    other.location.x = 6
+    for each in (ob, other):
+        each.select_set(True)
+    bpy.context.view_layer.objects.active = ob
+    bpy.ops.object.join()
+    scenes.edit(ob)
+    capfd.readouterr()
+    assert smooth() == {"FINISHED"} and borders(ob) == [48, 80]
+    said = capfd.readouterr().out
+    assert "Info: " in said and "; 2 outer borders left open (48 and 80 edges); use Outer Borders to fill them" in said
+
+
+@pytest.mark.parametrize("selected", [False, True])
+def test_of_several_objects_each_is_filled_with_what_suits_it(selected, addon, capfd):
+    """One of quads, one of triangles, one under a Subdivision modifier, one without a hole."""
+    quads, triangles, caged, whole = (sheet_with_holes(*holes) for holes in (((0, 0),), ((0, 0),), ((0, 0),), ()))
+    scenes.edit(triangles)
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.quads_convert_to_tris()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    caged.modifiers.new("Subdivision", "SUBSURF")
+    bms = scenes.edit(quads, triangles, caged, whole)
+    sizes = [len(bm.faces) for bm in bms]
+    if selected:
+        bpy.ops.mesh.select_all(action="SELECT")
+    capfd.readouterr()
+    assert smooth() == {"FINISHED"}
+    corners = [[len(f.verts) for f in list(bm.faces)[size:]] for bm, size in zip(bms, sizes, strict=True)]
+    assert [set(each) for each in corners] == [{4}, {3}, {4}, set()]
+    said = capfd.readouterr().out
+    assert "with a cage of" in said and "seam within" in said and "4 outer borders left open" in said
 
 
 def test_a_bowl_without_another_border_is_closed():

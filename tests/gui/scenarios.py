@@ -2,12 +2,13 @@
 and ends with assertions on the mesh and a picture; pictures are of the window at rest (Window.picture)."""
 
 import importlib
+import sys
 import threading
 
 import bmesh
 import bpy
 import numpy as np
-from hands import ball, clear, counts, jagged_ball, last_operator, mesh, positions, rounded_corner, sheet
+from hands import FOLDER, ball, clear, counts, jagged_ball, last_operator, mesh, positions, rounded_corner, sheet
 from mathutils import Vector
 
 ADDON = "tripatch_blender"
@@ -54,7 +55,7 @@ def face_menu(w):
     place = FACE_MENU[0], header.y + header.height - FACE_MENU[1]
     yield from w.click_at(*place)
     yield from w.picture("blender-face-menu")
-    yield from w.click_at(590, 487)  # Smooth Fill
+    yield from w.click_at(590, 295)  # Fill Holes Smoothly, the third from below
     assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_smooth", "the entry of the Face menu fills"
     assert counts()[1] == 0 and _is_filled(before)
     yield from w.picture("filled-from-the-menu")
@@ -205,21 +206,75 @@ def shaded_at_once(w):
 
 
 def search(w):
-    """F3 finds it by its name."""
+    """F3 finds it by each word of its name, of which one or two are what one would type."""
     rounded_corner(w)
     before = counts()
     yield
-    w.home()
-    w.press("F3")
-    yield
-    w.text("smooth fill")
-    yield
-    yield
-    yield from w.picture("blender-search")
+    for words in ("hole", "fill", "smooth", "holes smoothly"):
+        w.home()
+        w.press("F3")
+        yield
+        w.text(words)
+        yield
+        yield
+        yield from w.picture(f"blender-search-{words.replace(' ', '-')}")
+        if words != "holes smoothly":
+            w.press("ESC")
+            yield
+            yield
     w.press("RET")
     yield
     yield
     assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
+
+
+def clean_up_menu(w):
+    """Mesh > Clean Up has it below Fill Holes."""
+    rounded_corner(w)
+    before = counts()
+    yield
+    w.home()
+    with w.override():
+        bpy.ops.wm.call_menu(name="VIEW3D_MT_edit_mesh_clean")
+    yield
+    yield
+    yield from w.picture("blender-clean-up-menu")
+    w.press("UP_ARROW")  # to the last entry
+    yield
+    w.press("RET")
+    yield
+    yield
+    assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
+
+
+def toolbar(w):
+    """The tool has an icon of its own."""
+    sheet(w, "Sheet")
+    with w.override():
+        bpy.ops.wm.tool_set_by_id(name="tripatch.shape_fill")
+    yield
+    yield
+    yield from w.picture("blender-toolbar")
+
+
+def preferences(w):
+    """The preferences lead to the documentation and to reports of bugs."""
+    import addon_utils
+
+    with w.override():
+        bpy.ops.screen.userpref_show("INVOKE_DEFAULT")
+    yield
+    bpy.context.preferences.active_section = "ADDONS"
+    bpy.context.window_manager.addon_search = "TriPatch"
+    addon_utils.module_bl_info(sys.modules[ADDON])["show_expanded"] = True
+    yield
+    yield
+    window = bpy.context.window_manager.windows[-1]
+    path = str(FOLDER / "blender-preferences.png")
+    with bpy.context.temp_override(window=window, screen=window.screen):
+        bpy.ops.screen.screenshot(filepath=path)
+        bpy.ops.wm.window_close()
+    yield
 
 
 def context_menu(w):
@@ -816,6 +871,9 @@ ALL = [
     undo_and_redo,
     shaded_at_once,
     search,
+    clean_up_menu,
+    toolbar,
+    preferences,
     context_menu,
     refusal_and_correction,
     repeated_elsewhere,

@@ -26,7 +26,10 @@ def enable_addon():
         bpy.ops.preferences.addon_install(filepath=archive, overwrite=True)
     else:
         root = HERE.parents[1]
-        sys.path[:0] = [os.environ.get("TRIPATCH_PACKAGES") or str(root / "native" / "python"), str(root / "addon")]
+        sys.path.insert(0, os.environ.get("TRIPATCH_PACKAGES") or str(root / "native" / "python"))
+        addons = Path(bpy.utils.user_resource("SCRIPTS", path="addons", create=True))  # where the preferences look
+        (addons / scenarios.ADDON).symlink_to(root / "addon" / scenarios.ADDON)
+        sys.path.append(str(addons))
         for folder in (root / "build" / "env" / "dev").glob("lib/python3.*/site-packages"):
             site.addsitedir(str(folder))  # what pip install -e . made there finds the compiled module
     assert addon_utils.enable(scenarios.ADDON), "the add-on could not be enabled"

@@ -240,8 +240,8 @@ def test_the_patch_is_evaluated_at_places_of_the_plane(noise):
 def test_the_seam_of_a_surface_for_any_rim_is_as_good_as_its_surroundings_are_known():
     vertices, faces = irregular(hill, noise=0.02)
     fill = tripatch.fill(vertices, faces, rim=inner_rim(faces), method="polyharmonic_spline")
-    known = words.degrees(fill.report.surroundings_error)
-    assert words.filled([fill.report]) == f"Filled 1 hole; seam within {known} (surroundings known to {known})"
+    seam, accuracy = words.degrees(fill.report.seam_angle_max), words.degrees(fill.report.surroundings_error)
+    assert words.filled([fill.report]) == f"Filled 1 hole; seam within {seam} (accuracy of the mesh: {accuracy})"
     assert fill.report.continuity == ["G1"] and len(fill.report.seam_angle_max_by_side) == 1
 
 

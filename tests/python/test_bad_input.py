@@ -194,11 +194,11 @@ def test_filled(name, tmp_path, capsys):
         assert out.startswith("Filled 1 hole; seam within ")
 
 
-def test_the_seam_is_never_said_to_be_better_than_the_surroundings_are_known():
+def test_a_coarse_mesh_is_said_to_be_coarse_and_its_seam_is_not():
     fill = tripatch.fill(OCTAHEDRON, EIGHT[1:])
     assert fill.report.seam_angle_max < 1e-4
-    known = f"{fill.report.surroundings_error:.2g}°"
-    assert words.filled([fill.report] * 2) == f"Filled 2 holes; seam within {known} (surroundings known to {known})"
+    seam, accuracy = words.degrees(fill.report.seam_angle_max), f"{fill.report.surroundings_error:.2g}°"
+    assert words.filled([fill.report] * 2) == f"Filled 2 holes; seam within {seam} (accuracy of the mesh: {accuracy})"
 
 
 def flat_with_a_hole(n=14):

@@ -117,7 +117,7 @@ def test_free_sides_follow_the_energy():
     assert max(angles[0][1:] + angles[1][1:]) < 1e-5
     known, bend = words.degrees(fixed.report.surroundings_error), words.degrees(angles[1][0])
     assert words.filled([fixed.report]) == (
-        f"Filled 1 hole; seam within {known} (surroundings known to {known}); bends by up to {bend} at sides met in position only"
+        f"Filled 1 hole; seam within 0.001° (accuracy of the mesh: {known}); bends by up to {bend} at sides met in position only"
     )
 
 

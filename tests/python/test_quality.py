@@ -79,6 +79,16 @@ def test_a_crease_has_its_angle_and_a_smooth_seam_none():
         assert quality.seam_angles(vertices, triangles, middle_row()).max() < 0.1
 
 
+def test_along_a_crease_that_goes_on_beyond_the_seam_the_angle_is_the_difference_to_it():
+    """A part of a ridge of 60 degrees, as it is and where the middle vertex has moved down."""
+    vertices, triangles = grid(lambda x, y: -np.tan(np.radians(30)) * np.abs(y))
+    part = middle_row()[3:-3]
+    assert quality.seam_angles(vertices, triangles, middle_row()) == pytest.approx(np.full(N, 60.0), abs=1e-6)
+    assert quality.seam_angles(vertices, triangles, part).max() < 1e-6
+    vertices[part[len(part) // 2][0], 2] -= 0.1
+    assert quality.seam_angles(vertices, triangles, part).max() > 5
+
+
 def test_a_small_angle_is_told_from_the_curvature():
     """Half a degree, where neighboring triangles turn by more."""
     vertices, triangles = grid(lambda x, y: 0.4 * y * y + np.where(y > 0, np.tan(np.radians(0.5)) * y, 0))

@@ -208,6 +208,35 @@ class _Around:
             front = ahead
         return sorted(found), least
 
+    def angle(self, vertices: Array, a: int, b: int) -> float:
+        """Degrees between the surfaces on both sides of an edge, at its middle; nan where it has not two triangles."""
+        beside = self.of_edge.get(frozenset((a, b)), [])
+        if len(beside) != 2:
+            return float("nan")
+        middle, along = (vertices[a] + vertices[b]) / 2, unit(vertices[b] - vertices[a])
+        angles = []  # with what lies past corners of the seam, and without: where it is jagged there is little else
+        for past_corners in (True, False):
+            sides = []
+            for f in beside:
+                near, least = self.side(f, past_corners)
+                sides.append(_normal_at(vertices[near], middle, along, self.normals[f], least))
+            angles.append(float(_between(*sides)))
+        return min(angles)
+
+    def sharp_beyond(self, vertices: Array, end: int, before: int) -> float | None:
+        """The angle of the sharp edge outside the seam that goes on straightest at the end of an edge of it; None without one."""
+        outside = [pair for pair in self.of_edge if end in pair and pair not in self._seam]
+        sharp = [
+            (vertices[other] - vertices[end], other)
+            for pair in outside
+            for other in pair - {end}
+            if len(self.of_edge[pair]) == 2 and _between(*self.normals[self.of_edge[pair]]) > _SHARP
+        ]
+        if not sharp:
+            return None
+        ahead = vertices[end] - vertices[before]
+        return self.angle(vertices, end, max(sharp, key=lambda each: float(unit(each[0]) @ ahead))[1])
+
 
 def _normal_at(points: Array, middle: Array, along: Array, normal: Array, least: float = -1.0) -> Array:
     """The normal at `middle` of the paraboloid over the plane of a triangle that fits points best, the near ones most; its own
@@ -236,27 +265,40 @@ def seam_angles(vertices: Array, triangles: Array, edges: Array) -> Array:
 
     Not the angle between the two triangles, which a round surface has everywhere: on each side a paraboloid is laid through the
     points near the edge, and its normal taken where the edge is. Round surfaces give zero up to the third power of the length of
-    the edges.
+    the edges. Along a crease that comes from outside the seam and leaves it again, it is the difference to that crease's angle.
     """
     edges = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
-    found = np.full(len(edges), np.nan)
     if not len(edges) or not len(triangles):
-        return found
+        return np.full(len(edges), np.nan)
     around = _Around(vertices, triangles, edges)
-    for k, (a, b) in enumerate(edges.tolist()):
-        beside = around.of_edge.get(frozenset((a, b)), [])
-        if len(beside) != 2:
+    found = np.array([around.angle(vertices, a, b) for a, b in edges.tolist()])
+    apart: Array = np.abs(found - _creases(vertices, edges, found, around))
+    return apart
+
+
+def _creases(vertices: Array, edges: Array, angles: Array, around: _Around) -> Array:
+    """For each edge (k,) of a seam the angle of the crease that runs along it from outside: at sharp edges between two vertices
+    where sharp edges go on that are none of the seam."""
+    had, at = np.zeros(len(edges)), dict[int, list[int]]()
+    for k in np.flatnonzero(angles > _SHARP).tolist():
+        for v in edges[k].tolist():
+            at.setdefault(v, []).append(k)
+    for start, own in at.items():
+        if len(own) != 1:
             continue
-        middle, along = (vertices[a] + vertices[b]) / 2, unit(vertices[b] - vertices[a])
-        angles = []  # with what lies past corners of the seam, and without: where it is jagged there is little else
-        for past_corners in (True, False):
-            sides = []
-            for f in beside:
-                near, least = around.side(f, past_corners)
-                sides.append(_normal_at(vertices[near], middle, along, around.normals[f], least))
-            angles.append(_between(*sides))
-        found[k] = min(angles)
-    return found
+        run, ends = [own[0]], [start]  # along the seam to where it is sharp no more
+        while True:
+            a, b = edges[run[-1]].tolist()
+            ends.append(a + b - ends[-1])
+            ahead = [k for k in at[ends[-1]] if k != run[-1]]
+            if len(ahead) != 1:
+                break
+            run.append(ahead[0])
+        beyond = [around.sharp_beyond(vertices, v, inside) for v, inside in ((ends[0], ends[1]), (ends[-1], ends[-2]))]
+        if None not in beyond:
+            length = np.linalg.norm(np.diff(vertices[ends], axis=0), axis=1)
+            had[run] = np.interp(np.cumsum(length) - length / 2, (0, length.sum()), np.array(beyond, float))
+    return had
 
 
 def _blend(table: Array, t: Array) -> Array:

@@ -25,6 +25,21 @@ def length(value: float) -> str:
     return f"{value:.2g}" if value > 1e-9 else "0"
 
 
+def _seams(reports: Sequence[Report]) -> tuple[list[float], list[float]]:
+    """The seam angles of sides that are tangent to their surroundings, and of the others."""
+    kept: list[float] = []
+    others: list[float] = []
+    for report in reports:
+        for angle, continuity in zip(report.seam_angle_max_by_side, report.continuity, strict=True):
+            (kept if continuity in ("G1", "G2") else others).append(angle)
+    return kept, others
+
+
+def seam_angle(reports: Sequence[Report]) -> float:
+    """The seam angle of some fills, in degrees: the one number that messages, reports and pictures give."""
+    return max(report.seam_angle_max for report in reports)
+
+
 def filled(
     reports: Sequence[Report],
     *,
@@ -35,10 +50,10 @@ def filled(
     into: Sequence[str] = (),
     bend: float = float("inf"),
 ) -> str:
-    """What became of holes: 'Filled 2 holes; seam within 0.3° (surroundings known to 0.3°)'.
+    """What became of holes: 'Filled 2 holes; seam within 0.3°'.
 
-    A plain mesh does not determine its own tangent planes, so the seam is never said to be better than the surroundings are
-    known.
+    A coarse mesh hardly defines its own tangent planes. If it defines them worse than the fill meets them, that is said too:
+    'seam within 0.001° (accuracy of the mesh: 4°)'.
 
     Args:
         reports: of the filled holes.
@@ -52,13 +67,9 @@ def filled(
     if not count:
         return "No hole filled"
     holes = "Filled 1 hole" if count == 1 else f"Filled {count} holes"
-    kept: list[float] = []
-    others: list[float] = []
-    for report in reports:
-        for angle, continuity in zip(report.seam_angle_max_by_side, report.continuity, strict=True):
-            (kept if continuity in ("G1", "G2") else others).append(angle)
+    kept, others = _seams(reports)
     if cage_rim:
-        seam = max(report.seam_angle_max for report in reports)
+        seam = seam_angle(reports)
         within = max(report.cage_deviation_max for report in reports)
         moved = max(report.surroundings_moved_max for report in reports)
         seam_said = f", seam within {degrees(seam)}" if cage_rim == "exact" else ""
@@ -71,7 +82,8 @@ def filled(
         said.append(f"seam with the limit surface within {degrees(max(kept))}")
     elif kept:
         known = min(max(report.surroundings_error for report in reports), bend)
-        said.append(f"seam within {degrees(max(*kept, known))} (surroundings known to {degrees(known)})")
+        coarse = known > max(kept) and degrees(known) != degrees(max(kept))
+        said.append(f"seam within {degrees(max(kept))}" + coarse * f" (accuracy of the mesh: {degrees(known)})")
     if others:
         said.append(f"bends by up to {degrees(max(others))} at sides met in position only")
     if triangles:
