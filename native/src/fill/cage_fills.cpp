@@ -25,6 +25,7 @@
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/quad_cover.h"
+#include "tripatch/output/shaped.h"
 #include "tripatch/patch_from_sides.h"
 
 namespace tripatch {
@@ -63,9 +64,8 @@ constexpr const char* guessed_reason = "the rim has no clear corners: the cage l
 constexpr const char* many_reason = "so many vertices lie where the faces around the hole would go on";
 
 /// Whether the patch's own shape is asked for.
-bool is_shaped(const FillOptions& options) {
-  return options.tension > 0 || options.center || options.center_offset != 0 || !options.through.empty() ||
-         !options.bulge.are_all(1) || std::ranges::any_of(options.continuity, [](SideContinuity c) {
+bool has_own_shape(const FillOptions& options) {
+  return is_shaped(options) || !options.through.empty() || std::ranges::any_of(options.continuity, [](SideContinuity c) {
            return c == SideContinuity::free || c == SideContinuity::g0;
          });
 }
@@ -171,7 +171,7 @@ public:
     // sharply behind it, and no cage follows. Elsewhere curvature shall vary least: in the cage, whose patch follows it, or where
     // the patch's own shape is asked for, in the patch.
     exact_ = options_.cage_rim == CageRim::exact;
-    fair_ = options_.fairing == Fairing::automatic && !is_shaped(options_);
+    fair_ = options_.fairing == Fairing::automatic && !has_own_shape(options_);
     follows_ = fair_ && !exact_;
     if (seen && !seen->add(holes_[0], options_, on_mesh, cages_.laid_out(0).layout)) {
       was_seen_ = true;

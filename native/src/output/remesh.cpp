@@ -18,7 +18,7 @@
 namespace tripatch {
 namespace {
 
-using Pair = std::array<int, 2>;
+using VertexPair = std::array<int, 2>;
 
 constexpr int most_sources = 200;  // of rim sizes: longer rims count by runs of edges
 constexpr int most_passes = 60;    // a rim of 10,000 edges needs 25
@@ -26,7 +26,7 @@ constexpr int careful_passes = 2;
 constexpr double beside_edge = 1e-6;  // of the domain's size: a place so near to an edge of a triangle is on it
 constexpr double least_move = 0.03;   // of the size: smaller moves are not worth an evaluation
 
-Pair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
+VertexPair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
 
 void check(const PlanePolygon& p, std::optional<int> resolution) {
   if (resolution && *resolution < 1) throw InvalidArgument("resolution must be 1 or more");
@@ -45,14 +45,14 @@ void check(const PlanePolygon& p, std::optional<int> resolution) {
 }
 
 /// Border edges in the order of their loops: edges of one triangle, from and to.
-std::vector<Pair> border_edges(const PlanePolygon& p) {
-  std::vector<Pair> edges, border;
+std::vector<VertexPair> border_edges(const PlanePolygon& p) {
+  std::vector<VertexPair> edges, border;
   for (const auto& t : p.triangles)
     for (int k = 0; k < 3; ++k) edges.push_back({static_cast<int>(t[k]), static_cast<int>(t[(k + 1) % 3])});
   std::sort(edges.begin(), edges.end());
   std::vector<int> next(p.uv.rows(), -1);
   for (const auto& [a, b] : edges)
-    if (!std::binary_search(edges.begin(), edges.end(), Pair{b, a})) next[a] = b;
+    if (!std::binary_search(edges.begin(), edges.end(), VertexPair{b, a})) next[a] = b;
   for (int start = 0; start < static_cast<int>(next.size()); ++start)
     for (int v = start; next[v] >= 0;) {
       border.push_back({v, next[v]});
@@ -116,14 +116,14 @@ public:
     return count;
   }
 
-  const std::vector<Pair>& border() const { return border_; }
+  const std::vector<VertexPair>& border() const { return border_; }
   const std::vector<double>& edges() const { return edge_; }
   double around() const { return around_; }
   const Vec2& middle() const { return middle_; }
   double scale() const { return scale_; }
 
 private:
-  std::vector<Pair> border_;
+  std::vector<VertexPair> border_;
   std::vector<double> edge_;                   // lengths in space
   double around_ = 0, scale_ = 1, space_ = 1;  // half the domain's size, and what it is in space
   Vec2 middle_;
@@ -213,7 +213,7 @@ private:
       const int number = static_cast<int>(triangles_.size());
       triangles_.push_back({{static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])}, {-1, -1, -1}});
       for (int k = 0; k < 3; ++k) {
-        const Pair e = ordered(t[(k + 1) % 3], t[(k + 2) % 3]);
+        const VertexPair e = ordered(t[(k + 1) % 3], t[(k + 2) % 3]);
         edges.push_back({e[0], e[1], 3 * number + k});
         triangle_of_[t[k]] = number;
       }
@@ -410,8 +410,8 @@ private:
   Sizes sizes_;
   bool inner_;  // vertices inside are wanted
   int given_;   // vertices 0 .. given_ - 1 are the polygon's
-  std::vector<Pair> joined_;
-  std::set<Pair> creases_;
+  std::vector<VertexPair> joined_;
+  std::set<VertexPair> creases_;
   std::vector<char> on_crease_;
   bool crease_halved_ = false;
 };
