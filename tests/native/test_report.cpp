@@ -6,6 +6,7 @@
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/folds.h"
 #include "tripatch/mesh/triangles.h"
+#include "tripatch/report/folded_triangles.h"
 #include "tripatch/report/report.h"
 
 using namespace tripatch;
