@@ -59,12 +59,13 @@ TEST_CASE("square holes of a sheet are chosen by edges, diameter and corners") {
   CHECK_THROWS_AS(edges(s, {.corner_count = CountRange{6, 2}}), InvalidArgument);
 }
 
-TEST_CASE("the outer border is chosen where it is asked for, or where there is no hole") {
+TEST_CASE("the outer border is chosen only if it is asked for") {
   const Sheet holed = sheet([](int i, int j) { return within(i, j, 2, 2, 2); });
   CHECK(edges(holed, {}) == Sizes{8});
   CHECK(edges(holed, {.outer = true}) == Sizes{8, 80});
   const Sheet whole = sheet([](int, int) { return false; });
-  CHECK(edges(whole, {}) == Sizes{80});
+  CHECK(edges(whole, {}).empty());  // a sheet without a hole has nothing to fill
+  CHECK(edges(whole, {.outer = true}) == Sizes{80});
   // filters come after: that no hole is small enough does not make the border one
   CHECK(edges(holed, {.max_edges = 7}).empty());
 }
