@@ -173,7 +173,8 @@ def test_a_tube_slit_along_a_seam_is_not_lined_with_its_own_back(edges):
     """Triangles on the back of the band would not cross; they would cover it, folded over at nearly every edge of the rim."""
     turn = np.linspace(0, 2 * np.pi, edges + 1)
     vertices = np.array([[np.cos(t), np.sin(t), height] for height in (0, 0.2) for t in turn])
-    fill = tripatch.fill(vertices, [[k, k + 1, edges + 2 + k, edges + 1 + k] for k in range(edges)])
+    faces = [[k, k + 1, edges + 2 + k, edges + 1 + k] for k in range(edges)]
+    fill = tripatch.fill(vertices, faces, rim=tripatch.find_holes(faces)[0])
     assert fill.report.triangles_folded == 0
     assert not crosses(np.concatenate([vertices, fill.vertices]), fill.faces)
 

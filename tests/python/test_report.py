@@ -56,7 +56,7 @@ def test_a_hole_that_leaves_no_other_way_may_fold_as_its_rim_does():
     for apex, folded in (([0.45, 0.4, 0.03], 3), ([0.45, 0.4, 0.9], 0)):
         vertices = np.array([[0, 0, 0], [1, 0, 0], [0.4, 1, 0], apex])
         faces = [[0, 1, 3], [1, 2, 3], [2, 0, 3]]
-        fill = tripatch.fill(vertices, faces, method="polyharmonic_spline")
+        fill = tripatch.fill(vertices, faces, rim=[0, 1, 2], method="polyharmonic_spline")
         assert fill.report.triangles_folded == fill.report.rim_folded == folded
 
 

@@ -6,7 +6,7 @@ of the input, angles in degrees.
 """
 
 from . import between
-from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch, set_threads
+from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch
 from .attributes import AttributeWeights, CutWeights, angles, attribute_weights, vertex_normals
 from .errors import FillWarning, Refusal
 from .files import FileError, MeshFile, read, write
@@ -31,6 +31,7 @@ from .surfaces import (
     surface_of,
     triangle_on,
 )
+from .threads import set_threads
 
 __version__ = "0.1.0"
 __all__ = [

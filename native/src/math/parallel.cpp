@@ -119,7 +119,8 @@ public:
     const auto done = [&] { return job.next_ >= job.count_ && job.helpers_ == 0; };
     if (looked_for(done)) return true;
     std::unique_lock lock(mutex_);
-    return left_.wait_for(lock, between_looks, done);
+    // by the system's clock: for the steady one the C++ library asks glibc for a function that 2.17 has not
+    return left_.wait_until(lock, std::chrono::system_clock::now() + between_looks, done);
   }
 
   std::mutex& mutex() { return mutex_; }

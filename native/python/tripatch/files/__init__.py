@@ -89,6 +89,8 @@ def check_output(path: Path) -> None:
     Raises:
         FileError: the format is not known, or the folder is not there.
     """
+    if path.is_dir():
+        raise FileError(f"{path} cannot be written: it is a folder")
     if not path.suffix:
         raise FileError(f"{path} has no suffix that names a format; call it, say, {path if path.name != '-' else 'out'}.obj")
     if path.suffix.lower() not in _OWN:
