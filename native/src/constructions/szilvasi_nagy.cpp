@@ -160,11 +160,12 @@ private:
 Quadrature printed_quadrature() {
   Quadrature result;
   result.b.resize(9, 3);
-  for (int k = 0; k < 9; ++k) {
-    const double s = (k / 3 + 1) / 4.0, t = (k % 3 + 1) / 4.0;
-    result.b.row(k) << t - s * t, s * t, 1 - t;
-    result.weights.push_back(t / 9);
-  }
+  Index row = 0;
+  for (const double s : {0.25, 0.5, 0.75})
+    for (const double t : {0.25, 0.5, 0.75}) {
+      result.b.row(row++) << t - s * t, s * t, 1 - t;
+      result.weights.push_back(t / 9);
+    }
   return result;
 }
 
