@@ -135,9 +135,9 @@ class Window:
                     return shown
 
     def view_of(self, shown):
-        """The part of a picture that is the 3D view, without its headers and its panel."""
+        """The part of a picture that is the 3D view, below its headers and beside its panel, however much of that is unfolded."""
         r = self.region("WINDOW")
-        return shown[r.y + 260 : r.y + r.height - 90, r.x + 60 : r.x + r.width - 80]
+        return shown[r.y + 20 : r.y + r.height - 90, r.x + 370 : r.x + r.width - 80]
 
 
 def give_focus():

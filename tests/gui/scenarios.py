@@ -2,7 +2,6 @@
 and ends with assertions on the mesh and a picture; pictures are of the window at rest (Window.picture)."""
 
 import importlib
-import sys
 import threading
 
 import bmesh
@@ -46,7 +45,7 @@ def _open_panel(w):
 
 
 def face_menu(w):
-    """The entry beside Grid Fill fills."""
+    """The entry at the end fills."""
     rounded_corner(w)
     before = counts()
     assert before[1] == 30, f"a rim of 30 edges, not {before[1]}"
@@ -153,12 +152,12 @@ def filters(w):
     yield from _open_panel(w)
     hud = w.region("HUD")
     folded = hud.height
-    yield from w.click_at(hud.x + 20, hud.y + 18 + 3 * 23)  # the fourth row from below
+    yield from w.click_at(hud.x + 20, hud.y + 18 + 4 * 23)  # the fifth row from below
     hud = w.region("HUD")
     assert hud.height > folded + 60 and (PANELS or last_operator().show_holes), "Holes unfolds"
     yield from w.picture("holes-unfolded")
     if not PANELS:  # the box beside Max Edges, the first row of the part
-        yield from w.click_at(hud.x + 131, hud.y + 18 + 7 * 23 - 3)
+        yield from w.click_at(hud.x + 131, hud.y + 18 + 8 * 23 - 3)
         yield from w.picture("holes-filtered")
         assert last_operator().use_max_edges, "the filter is on"
     with w.override():  # the operator keeps both for what follows
@@ -266,7 +265,8 @@ def preferences(w):
     yield
     bpy.context.preferences.active_section = "ADDONS"
     bpy.context.window_manager.addon_search = "TriPatch"
-    addon_utils.module_bl_info(sys.modules[ADDON])["show_expanded"] = True
+    listed = next(each for each in addon_utils.modules() if each.__name__ == ADDON)  # not the module that runs
+    addon_utils.module_bl_info(listed)["show_expanded"] = True
     yield
     yield
     window = bpy.context.window_manager.windows[-1]
@@ -278,7 +278,7 @@ def preferences(w):
 
 
 def context_menu(w):
-    """The right button's menu has it near Fill."""
+    """The right button's menu has it at the end."""
     sheet(w, "Sheet")
     before = counts()
     yield
@@ -287,7 +287,7 @@ def context_menu(w):
     yield
     yield
     yield from w.picture("blender-context-menu")
-    w.move(440, 539)  # Smooth Fill, below Fill
+    w.move(440, 68)  # Fill Holes Smoothly, the third from below
     yield
     w.click()
     yield

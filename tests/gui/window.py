@@ -32,7 +32,7 @@ def enable_addon():
         sys.path.append(str(addons))
         for folder in (root / "build" / "env" / "dev").glob("lib/python3.*/site-packages"):
             site.addsitedir(str(folder))  # what pip install -e . made there finds the compiled module
-    assert addon_utils.enable(scenarios.ADDON), "the add-on could not be enabled"
+    assert addon_utils.enable(scenarios.ADDON, default_set=True), "the add-on could not be enabled"
 
 
 def chosen():
