@@ -29,10 +29,20 @@ class Rows:
             made.prop(self._operator, name, **given)
 
     def choices(self, name, labels, heading=None, active=True):
-        """Buttons for some values of a choice. labels: {value: what the button says}; heading: none, each below the other."""
+        """Buttons for some values of a choice. labels: {value: what the button says}; heading: two in a row beside it; none: each
+        below the other."""
         if self._layout is None:
             return
-        made = self._layout.row(align=True, heading=heading) if heading else self._layout.column(align=True)
+        made = self._layout
+        if heading:  # not that of a row, of which Blender draws each button in two parts
+            made = made.split(factor=0.4)
+            title = made.row()
+            title.active, title.alignment = active, "RIGHT"
+            title.label(text=heading)
+            made = made.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
+        else:
+            made = made.column(align=True)
+        made.use_property_split = False
         made.active = active
         for value, label in labels.items():
             made.prop_enum(self._operator, name, value, text=label)

@@ -91,6 +91,8 @@ class Layout:
     def row(self, **_given):
         return Layout(self.shown)
 
+    split = grid_flow = row
+
     def panel(self, _name, default_closed):
         return self, self
 

@@ -88,7 +88,7 @@ class Layout:
     def row(self, **_given):
         return Layout(self.seen)
 
-    column = box = row
+    column = box = split = grid_flow = row
 
     def panel(self, _name, default_closed):
         return self, self

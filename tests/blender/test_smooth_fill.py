@@ -298,7 +298,7 @@ class Layout:
     def row(self, **_given):
         return Layout(self._panels, self.shown, self._inside)
 
-    column = box = row
+    column = box = split = grid_flow = row
 
     def label(self, text, icon=""):
         self.shown.append(text)
