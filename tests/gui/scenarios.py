@@ -303,6 +303,7 @@ def refusal_and_correction(w):
         assert bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, method="side_vertex", show_advanced=True) == {"FINISHED"}
     yield
     yield
+    yield from _open_panel(w)
     yield from w.picture("blender-refusal")
     assert counts() == before, "nothing but the selection has changed"
     assert "Rim has 4 corners" in last_operator().reasons
@@ -313,11 +314,8 @@ def refusal_and_correction(w):
         yield from w.click_at(*place)
         yield from w.picture("blender-refusal-unfolded")
     hud = w.region("HUD")
-    place = hud.x + 200, hud.y + 18 + (26 if PANELS else 23) * 6  # Method, the seventh row from below
+    place = hud.x + 160, hud.y + 18 + (26 if PANELS else 23) * 8  # Automatic, in the ninth row from below
     yield from w.click_at(*place)
-    w.press("A")  # Auto
-    yield
-    yield
     yield from w.picture("blender-corrected")
     assert last_operator().method == "auto" and last_operator().reasons == ""
     assert _is_filled(before)
