@@ -402,8 +402,27 @@ def _is_cage_in_rows(plan):
 
 def by_method(method, arguments):
     """The arguments of the method that auto took, which said of the others that it did not apply them."""
-    left_out = tripatch.options.not_taken(method, arguments)
+    left_out = {"cap", *tripatch.options.not_taken(method, arguments)}
     return {name: value for name, value in arguments.items() if name not in left_out} | {"method": method}
+
+
+def _asked_corners(plan, rim):
+    """The corners with which the same hole is filled in another shape, so that auto takes the same way."""
+    if _is_cage_in_rows(plan):
+        return None
+    if plan.fill.report.corners or plan.cage or rim.round:
+        return plan.fill.report.corners
+    return [v.index for v in rim.corners] or None
+
+
+def _is_alike(plan, fill, arguments):
+    """Whether the hole of a plan is filled in the same way in another shape, by these arguments."""
+    if isinstance(fill, tripatch.Refusal):
+        return False
+    if fill.report.method != plan.fill.report.method or list(fill.report.corners) != list(plan.fill.report.corners):
+        return False
+    # A flat cap meets walls that lean outward at no sharp edges.
+    return arguments.get("cap") == "flat" or writeback.has_lid(fill) == writeback.has_lid(plan.fill)
 
 
 def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
@@ -413,8 +432,8 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
         return
     *in_shape, arguments["replaced"] = shape.around(*rims)
     loops = {k: [v.index for v in rims[k].loop] for k in left}
-    same = {k: None if _is_cage_in_rows(plan) else plan.fill.report.corners for k, plan in left.items()}
-    method = {k: plan.fill.report.method for k, plan in left.items()}  # what auto takes may differ from shape to shape
+    same = {k: plan.fill.report.corners for k, plan in left.items()}
+    method = {k: plan.fill.report.method for k, plan in left.items()}
     made = {}
     for k, plan in left.items():
         if guides := writeback.guides_of(plan):
@@ -422,10 +441,21 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
             points = moved @ world[:3, :3].T + world[:3, 3]
             own = by_method(method[k], arguments)
             made[k] = _through(in_shape, loops[k], same[k], guides.values(), own, len(same[k] or ()) or 1, points)
-    for each in sorted(set(method.values())):
-        own = [k for k in left if k not in made and method[k] == each]
-        there = [loops[k] for k in own], [same[k] for k in own]
-        made |= zip(own, _shared_or_each(in_shape, *there, by_method(each, arguments)), strict=True)
+
+    def fill(keys, corners, given):
+        found = _shared_or_each(in_shape, [loops[k] for k in keys], [corners[k] for k in keys], given) if keys else []
+        return zip(keys, found, strict=True)
+
+    # What auto takes may differ from shape to shape: then the hole gets what it has in the mesh, by its name. Cages are compared
+    # by their faces, since one that auto puts where the faces around go on is no method's own.
+    asked = {k: _asked_corners(plan, rims[k]) for k, plan in left.items() if k not in made}
+    made |= {k: each for k, each in fill([*asked], asked, arguments) if left[k].cage or _is_alike(left[k], each, arguments)}
+    if arguments.get("method", "auto") == "auto":
+        lids = [k for k in left if k not in made and writeback.has_lid(left[k].fill)]
+        flat = arguments | {"cap": "flat"}
+        made |= {k: each for k, each in fill(lids, asked, flat) if _is_alike(left[k], each, flat)}
+    for each in sorted({method[k] for k in left if k not in made}):
+        made |= fill([k for k in left if k not in made and method[k] == each], same, by_method(each, arguments))
     for k, plan in left.items():
         results[k][1].extend(_in_shape_key(bm, plan, name, made[k], world))
 

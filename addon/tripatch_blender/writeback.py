@@ -33,10 +33,11 @@ class Planned:
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
     moved_in_shape_keys: dict = field(default_factory=dict)  # name: (as many as `moved`, 3)
 
-    def has_lid(self):
-        """Whether the fill meets the mesh at sharp edges of the rim."""
-        rim = {frozenset(pair) for pair in pairs(self.fill.rim.tolist())}
-        return any(frozenset(edge) in rim for edge in self.fill.feature_edges.tolist())
+
+def has_lid(fill):
+    """Whether a fill meets the mesh at sharp edges of the rim."""
+    rim = {frozenset(pair) for pair in pairs(fill.rim.tolist())}
+    return any(frozenset(edge) in rim for edge in fill.feature_edges.tolist())
 
 
 def obstacle(bm, planned):
@@ -306,7 +307,7 @@ def write(bm, mesh, all_planned, options):
             _write_deviation(bm, planned, made)
         records.keep(bm, mesh, planned, made, options.record)
         new_faces += made
-    if any(planned.has_lid() for planned in all_planned) and any(face.smooth for face in new_faces):
+    if any(has_lid(planned.fill) for planned in all_planned) and any(face.smooth for face in new_faces):
         versions.show_sharp_edges(mesh)
     if custom is not None:  # edges that were split had corners in faces that are gone too
         normals.set_corner_normals(bm, mesh, {corner: normal for corner, normal in custom.items() if corner.is_valid})

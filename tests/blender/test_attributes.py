@@ -1,5 +1,6 @@
 """What new faces take over from their surroundings."""
 
+import math
 import sys
 import types
 
@@ -360,20 +361,70 @@ def test_custom_normals_around_a_replaced_region_stay():
     assert found == len(outside)
 
 
-@pytest.mark.parametrize("options", [{"continuity": "Free"}, {"fairing": "thin_plate"}, {"bulge": 2.0}, {"center_offset": 0.1}])
-def test_options_that_auto_does_not_apply_hinder_no_shape_key(options):
-    points, faces = scenes.lattice()
-    points = scenes.bowl(points) + np.random.default_rng(0).normal(scale=0.02, size=(len(points), 3))
+def in_basis_and_key(points, faces, key, **options):
+    """The places in both shape keys of a mesh whose holes are filled. key: the points in the second one."""
     ob = scenes.add_mesh(points, faces)
     ob.shape_key_add(name="Basis")
-    ob.shape_key_add(name="Wide").data.foreach_set("co", (2 * points).astype(np.float32).ravel())
+    ob.shape_key_add(name="Key").data.foreach_set("co", key.astype(np.float32).ravel())
     scenes.edit(ob)
     ob.active_shape_key_index = 0
-    assert fill(output="triangles", all_holes=True, **options) == {"FINISHED"}
+    assert fill(**options) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
-    basis, wide = (np.array([p.co for p in key.data]) for key in ob.data.shape_keys.key_blocks)
+    basis, in_key = (np.array([p.co for p in each.data]) for each in ob.data.shape_keys.key_blocks)
     assert len(basis) > len(points)
+    return basis, in_key
+
+
+def in_basis_and_twice_as_large(points, faces, **options):
+    return in_basis_and_key(points, faces, 2 * points, **options)
+
+
+def noisy_bowl():
+    points, faces = scenes.lattice()
+    return scenes.bowl(points) + np.random.default_rng(0).normal(scale=0.02, size=(len(points), 3)), faces
+
+
+@pytest.mark.parametrize("options", [{"continuity": "Free"}, {"fairing": "thin_plate"}, {"bulge": 2.0}])
+def test_options_that_auto_does_not_apply_hinder_no_shape_key(options):
+    basis, wide = in_basis_and_twice_as_large(*noisy_bowl(), output="triangles", all_holes=True, **options)
     assert np.abs(wide - 2 * basis).max() < 1e-5
+
+
+def test_the_middle_is_lifted_as_far_in_a_shape_key():
+    """The offset is a length: twice as large with half of it is the same shape."""
+    _, wide = in_basis_and_twice_as_large(*noisy_bowl(), output="triangles", all_holes=True, center_offset=0.1)
+    basis, _ = in_basis_and_twice_as_large(*noisy_bowl(), output="triangles", all_holes=True, center_offset=0.05)
+    assert np.abs(wide - 2 * basis).max() < 1e-5
+
+
+def turned(radius):
+    """A tube without its ends, as a surface of revolution. radius: of the height, from 0 to 1."""
+    count, heights = 24, np.linspace(0, 1, 6)
+    t = np.arange(count) * 2 * np.pi / count
+    points = np.vstack([np.column_stack([radius(z) * np.cos(t), radius(z) * np.sin(t), np.full(count, z)]) for z in heights])
+    at = [[k * count + j for j in range(count)] for k in range(len(heights))]
+    faces = [(a[j - 1], a[j], b[j], b[j - 1]) for a, b in zip(at, at[1:]) for j in range(count)]
+    return points, faces
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+@pytest.mark.parametrize(
+    "options", [{}, {"bulge": 2.0}, {"tension": 0.5}, {"fairing": "thin_plate"}, {"cap": "dome"}, {"cap": "flat"}]
+)
+@pytest.mark.parametrize("radius", [lambda z: 1.0, lambda z: 1 - z / 2, lambda z: math.sqrt(1 - (z - 0.3) ** 2)])
+def test_ends_of_tubes_are_closed_alike_in_shape_keys(radius, options, output):
+    basis, wide = in_basis_and_twice_as_large(*turned(radius), output=output, all_holes=True, outer=True, **options)
+    assert np.abs(wide - 2 * basis).max() < 1e-5
+
+
+@pytest.mark.parametrize("output", ["triangles", "quads"])
+def test_a_flat_lid_stays_flat_where_the_tube_bulges_in_a_shape_key(output):
+    points, faces = turned(lambda z: 1.0)
+    bulging, _ = turned(lambda z: 1 + 4 * z * (1 - z))
+    basis, in_key = in_basis_and_key(points, faces, bulging, output=output, all_holes=True, outer=True)
+    for places in (basis, in_key):
+        z = places[len(points) :, 2]
+        assert np.minimum(np.abs(z), np.abs(z - 1)).max() < 1e-5
 
 
 def test_custom_normals_where_the_rim_of_a_replaced_region_is_split():
@@ -449,7 +500,8 @@ class InPlane:
 
     def __init__(self, fill):
         self.__dict__ |= {name: getattr(fill, name) for name in ("vertices", "faces", "normals", "rim", "rim_normals", "moved")}
-        self.split_edges, self.creases, self.feature_edges, self.patch = fill.split_edges, fill.creases, [], fill.patch
+        self.split_edges, self.creases, self.patch = fill.split_edges, fill.creases, fill.patch
+        self.feature_edges = fill.feature_edges
         self.barycentric = self.rim_barycentric = None
         self.uv, self.rim_uv = fill.vertices[:, :2], None
         self.report = types.SimpleNamespace(method="polyharmonic_spline", corners=[], continuity=(), warnings=[])
