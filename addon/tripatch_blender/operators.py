@@ -191,7 +191,6 @@ class FillSmooth(Construction, waiting.Waiting):
         row("output")
         if not self.reasons or getattr(self, self.density()) != self._no_density():
             row(self.density())
-        row("cap", active=self.faces() != "cage")
         self.shape_rows(row)
         if self.all_holes:
             with panel.folded(self, "holes", "Holes") as row:
@@ -204,6 +203,7 @@ class FillSmooth(Construction, waiting.Waiting):
             self._subdivision_rows(row, context)
         with panel.folded(self, "advanced", "Advanced") as row:
             self.construction_rows(row)
+            row("cap", active=self.faces() != "cage")
             row("features", active=self.faces() != "cage")
             row("shading")
             row("keep_live", active=self.surroundings != "limit")
