@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
@@ -156,7 +157,7 @@ class Between:
 
     loop: tripatch.between.Loop
     sides: list
-    patch: object
+    patch: Any
     notes: list[str]  # of the patch
     edges: int  # along the side of a surface that has the most
 
