@@ -164,14 +164,15 @@ def test_a_script_that_counts_the_edges_of_triangles_gets_them_and_so_does_the_p
 
 
 @pytest.mark.parametrize(
-    ("makes", "expected"), [((grid, grid, scenes.add_hole), [4]), ((grid, scenes.add_hole, scenes.add_hole), [3])]
+    ("makes", "expected"),
+    [((grid, grid, scenes.add_hole), [[4], [4], [3]]), ((grid, scenes.add_hole, scenes.add_hole), [[4], [3], [3]])],
 )
-def test_several_objects_are_filled_alike_as_most_of_what_lies_around_is(makes, expected):
+def test_each_of_several_objects_gets_the_faces_that_lie_around_its_own_hole(makes, expected):
     obs = [make() for make in makes]
     for bm in scenes.edit(*obs, mode="EDGE"):
         rim(bm)
     assert smooth() == {"FINISHED"}
-    assert [corners(ob) for ob in obs] == [expected] * 3
+    assert [corners(ob) for ob in obs] == expected
 
 
 def odd_hole():

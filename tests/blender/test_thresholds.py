@@ -205,37 +205,3 @@ def test_an_arrow_goes_down_to_a_bulge_of_a_twentieth(part):
     for value, taken in ((0.051, 0.051), (0.049, 0.05)):
         shaping.Shaping.set_bulge(shaped, 0, value)
         assert shaped.shape.bulges == [taken]
-    between = object.__new__(shaping._Between)
-    between._steps = [0.1, 0.05]
-    for known, blended in ((0.151, True), (0.149, False)):  # with one a step below, which must be a bulge too
-        between._known = {(known, 0.0): None}
-        assert (between._neighbors((0.1, 0.0), 0) is not None) == blended
-
-
-def test_a_preview_is_coarser_inside_of_more_than_72_rim_vertices(part, monkeypatch):
-    shaping = part("shaping")
-    seen = []
-
-    def fill(positions, faces, **given):
-        seen.append((len(faces), given.get("resolution")))
-        raise ValueError
-
-    monkeypatch.setattr(shaping.tripatch, "fill", fill)
-    for count in (72, 73):
-        points, faces = scenes.ring(count)
-        for ring in range(1, 5):  # more of the same around it
-            points = np.vstack([points, points[count : 2 * count] * (1 + ring)])
-            faces += [[v + ring * count for v in face] for face in faces[:count]]
-        ob = scenes.add_mesh(points, faces)
-        (bm,) = scenes.edit(ob)
-        bm.verts.ensure_lookup_table()
-        scenes.select_rim(bm, [bm.verts[k] for k in range(count)])
-        made = shaping.from_selection(ob, bm)
-        made._in_rows = False  # as where they do not serve
-        seen.clear()
-        made.preview(quick=True)
-        made.preview()
-        quick, whole = seen
-        assert whole[1] is None
-        assert quick == ((2 * count, 12) if count > 72 else whole)
-        bpy.ops.object.mode_set(mode="OBJECT")
