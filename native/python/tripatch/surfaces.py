@@ -319,7 +319,7 @@ def coons_rectangle(boundary: BezierRectangle, alpha: float | None = None) -> Be
 
 
 def coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool = False) -> float:
-    """Integral of |x_uv|^2 over the unit triangle or square, in units of length squared (Arnal and Lluch, eq. 4 and 1).
+    """Integral of ``|x_uv|^2`` over the unit triangle or square, in units of length squared (Arnal and Lluch, eq. 4 and 1).
 
     Args:
         surface: a `BezierTriangle` or `BezierRectangle`.
