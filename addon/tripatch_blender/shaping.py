@@ -7,6 +7,7 @@ Nothing here needs a window: the gizmos and the operators of the tool call what 
 from __future__ import annotations
 
 import copy
+import math
 import time
 from dataclasses import dataclass, field
 from typing import Any
@@ -20,6 +21,8 @@ REACH = 60
 #: Of the size of the hole: an arrow at bulge 1. The arrows of three sides do not meet in the middle.
 ARROW = 0.14
 LEAST_BULGE = 0.05
+#: Relative difference that is none.
+_SAME = 1e-6
 #: Of the way from a side to the middle: where the arrow of the side ends at the most, so that none meets another.
 _CLEAR = 0.8
 
@@ -140,13 +143,22 @@ class Shaping:
 
     # Bulge and middle.
 
+    # Blender sets an arrow again wherever it draws while the mouse rests, in single precision: that changes nothing.
+
     def set_bulge(self, k, value):
-        self.shape.bulges[k] = max(float(value), LEAST_BULGE)
-        self.is_shown = False
+        """Whether it is another one."""
+        value = max(float(value), LEAST_BULGE)
+        if math.isclose(value, self.shape.bulges[k], rel_tol=_SAME):
+            return False
+        self.shape.bulges[k], self.is_shown = value, False
+        return True
 
     def set_middle(self, value):
-        self.shape.middle = float(value)
-        self.is_shown = False
+        """Whether it is another one."""
+        if math.isclose(value, self.shape.middle, rel_tol=_SAME, abs_tol=_SAME * self.size):
+            return False
+        self.shape.middle, self.is_shown = float(value), False
+        return True
 
     # Drags.
 

@@ -467,8 +467,7 @@ def bulge_handlers(k):
 
     def put(value):
         made = current()
-        if made and k < len(made.shape.bulges):
-            made.set_bulge(k, value / (shaping.ARROW * made.size))
+        if made and k < len(made.shape.bulges) and made.set_bulge(k, value / (shaping.ARROW * made.size)):
             _pulled()
 
     return get, put
@@ -479,8 +478,7 @@ def middle_handlers():
         return current().shape.middle if current() else 0.0
 
     def put(value):
-        if current():
-            current().set_middle(value)
+        if current() and current().set_middle(value):
             _pulled()
 
     return get, put

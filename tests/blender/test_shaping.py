@@ -411,3 +411,17 @@ def test_a_fill_that_takes_long_is_made_when_the_handle_rests(shaping, tool, mon
     assert made.fill is not shown and made.is_shown
     tool.stop()
     assert not bpy.app.timers.is_registered(tool._settle)
+
+
+def test_a_handle_that_is_set_again_to_what_it_is_makes_nothing_anew(shaping, tool):
+    _, _, made = lattice_hole(shaping)
+    tool.start(made)
+    for _, put in (tool.bulge_handlers(0), tool.middle_handlers()):
+        put(0.2 * made.size)
+        tool._settle()
+        shown = made.fill
+        if bpy.app.timers.is_registered(tool._settle):
+            bpy.app.timers.unregister(tool._settle)
+        put(float(np.float32(0.2 * made.size)))  # as Blender does in each drawing
+        assert made.is_shown and made.fill is shown and not bpy.app.timers.is_registered(tool._settle)
+    tool.stop()
