@@ -156,7 +156,7 @@ std::vector<std::size_t> sizes_of(const std::vector<std::vector<Index>>& islands
 FillOptions choosing(const FillOptions& options) {
   static const FillOptions plain;
   FillOptions left = unshaped(options);
-  if (options.fairing) left.fairing = plain.fairing;  // none stays none: fairing takes ten times as long as all else
+  left.fairing = plain.fairing;
   left.cross_boundary = plain.cross_boundary;
   const auto is_all = [&](SideContinuity c) { return options.continuity.are_all(c); };
   if (!is_all(SideContinuity::g1) && !meets_position_only(options)) left.continuity = plain.continuity;
@@ -189,9 +189,14 @@ Fill patch_as_asked(const Ground& ground, const Fill& chosen, FillOptions option
 /// What the rim asks for, shaped as asked: shape changes nothing in what is chosen.
 Fill fill_and_shape(const Ground& ground, const std::vector<Index>& loop, const Corners& corners, const FillOptions& options) {
   if (corners) check_counts(options, std::max<std::size_t>(corners->size(), 1));
-  const FillOptions by = choosing(options);
+  FillOptions by = choosing(options);
+  if (!options.fairing) by.fairing.reset();  // between three sides it takes ten times as long as all else
   Fill fill = fill_as_the_rim_asks(ground, loop, corners, by);
   const bool of_three = fill.report.method == patch_method;
+  if (!options.fairing && !of_three) {
+    by.fairing = choosing(options).fairing;
+    fill = fill_as_the_rim_asks(ground, loop, corners, by);
+  }
   const bool as_chosen = options.fairing == by.fairing && options.continuity == by.continuity &&
                          (options.cross_boundary == by.cross_boundary || !of_three);
   // a round rim's patch is a surface of revolution where it can be, and stays one
