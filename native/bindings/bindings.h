@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/report/report.h"
 #include "tripatch/types.h"
 
 namespace py = pybind11;
