@@ -13,9 +13,21 @@ bl_info = {
     "category": "Mesh",
 }
 
-from . import between_patches, command_line, library, live_fills, operators, overlay, smooth, tool, ui, waiting  # noqa: E402
+from . import (  # noqa: E402
+    between_patches,
+    command_line,
+    library,
+    live_fills,
+    operators,
+    overlay,
+    smooth,
+    smooth_fill_node,
+    tool,
+    ui,
+    waiting,
+)
 
-_modules = (waiting, operators, between_patches, smooth, ui, overlay, live_fills, tool, command_line)
+_modules = (waiting, operators, between_patches, smooth, ui, overlay, live_fills, smooth_fill_node, tool, command_line)
 
 
 def register():

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When live fills are filled anew: after a change, ten times a second at most. Files without live fills cost nothing, and files
-with some nothing while nothing changes."""
+"""When live fills and Smooth Fill nodes are filled anew: after a change, ten times a second at most. Files without any cost
+nothing, and files with some nothing while nothing changes."""
 
 import time
 import traceback
@@ -8,7 +8,7 @@ import traceback
 import bpy
 from bpy.app.handlers import persistent
 
-from . import joining, library, live, sentences, versions
+from . import joining, library, live, node_fills, sentences, versions
 
 #: Seconds between a change and the fill, and between two fills.
 INTERVAL = 0.1
@@ -22,8 +22,11 @@ class _Following:
         self.names = []  # of the live fills of this file
         self.stale = False  # whether there are others
         self.pending = set()  # of those whose surroundings may have changed
+        self.trees = []  # names of the hidden trees of Smooth Fill nodes
+        self.pending_trees = set()  # of those whose input may have changed
         self.states = {}  # what each was last filled for
         self.wait = INTERVAL
+        self.looking = False  # what changes now is what a look at the input of a node does
 
 
 _following = _Following()
@@ -57,7 +60,7 @@ def _follows(fill, changed):
 @persistent
 def _on_change(_scene, depsgraph):
     """After an update, and after another frame was set."""
-    if depsgraph.mode != "VIEWPORT":  # a render has objects of its own, in a thread of its own
+    if _following.looking or depsgraph.mode != "VIEWPORT":  # a render has objects of its own, in a thread of its own
         return
     changed = {
         u.id.original
@@ -66,6 +69,9 @@ def _on_change(_scene, depsgraph):
     }
     if not changed:
         return
+    if _following.trees and (trees := node_fills.used_by(changed)):
+        _following.pending_trees |= trees
+        _look_soon()
     fills = {name: _fill(name) for name in _following.names}
     if any(fill is None or live.is_deleted(fill) for fill in fills.values()) or any(map(_is_new, changed)):
         _look_for_all()
@@ -100,7 +106,7 @@ def _tick():
 
 def _at_once():
     """What else would be done soon, where nothing would be done later: without a window there are no timers."""
-    if _following.stale or _following.pending:
+    if _following.stale or _following.pending or _following.pending_trees:
         _stop_timer()
         if _fill_pending() is not None:
             _look_soon()
@@ -113,12 +119,42 @@ def _fill_pending():
         _following.stale = False
         scan()
         joining.remove_empty(live.is_deleted)
-        _following.pending.update(_following.names)
+        _mark_all()
     pending, _following.pending = _following.pending, set()
     for name in sorted(pending):
         follow(name)
+    _fill_nodes()
     _following.wait = max(INTERVAL, _REST * (time.perf_counter() - began))
-    return _following.wait if _following.pending else None
+    return _following.wait if _following.pending or _following.pending_trees else None
+
+
+def _fill_nodes():
+    """To look at an input counts as a change in Blender, which must not come back as one."""
+    if not _following.pending_trees:
+        return
+    bpy.context.view_layer.update()  # what has changed before
+    pending, _following.pending_trees = _following.pending_trees, set()
+    _following.looking = True
+    try:
+        for name in sorted(pending.union(node_fills.part_copies())):
+            follow_node(name)
+        bpy.context.view_layer.update()
+    finally:
+        _following.looking = False
+
+
+def _mark_all():
+    _following.pending.update(_following.names)
+    _following.pending_trees.update(_following.trees)
+
+
+def follow_node(name):
+    """Fills what goes into a Smooth Fill node if that has changed; whether it did. name: of its hidden tree."""
+    try:
+        return node_fills.follow(name)
+    except Exception:  # the last fill stays
+        traceback.print_exc()
+        return False
 
 
 def follow(name):
@@ -151,13 +187,21 @@ def begin(fill):
     _following.states[fill.name] = live.state_of(fill)
 
 
+def begin_node(name):
+    """A Smooth Fill node that was just made is filled soon. name: of its hidden tree."""
+    scan()
+    _following.pending_trees.add(name)
+    _look_soon()
+
+
 def scan():
-    """Finds the live fills of the file, and listens to changes only if there are some."""
-    _following.names = [fill.name for fill in live.fills()]
+    """Finds the live fills and nodes of the file, and listens to changes only if there are some."""
+    _following.names, _following.trees = [fill.name for fill in live.fills()], node_fills.trees()
+    some = _following.names or _following.trees
     for handlers in _changes():
-        if _following.names and _on_change not in handlers:
+        if some and _on_change not in handlers:
             handlers.append(_on_change)
-        elif not _following.names and _on_change in handlers:
+        elif not some and _on_change in handlers:
             handlers.remove(_on_change)
 
 
@@ -177,9 +221,9 @@ def _on_load(*_):
 def _on_undo(*_):
     """A fill that was brought back may be of another moment than what lies around it."""
     _following.states.clear()
-    before = _following.names
+    before = _following.names or _following.trees
     scan()
-    if before or _following.names:
+    if before or _following.names or _following.trees:
         _look_for_all()
 
 
@@ -198,9 +242,9 @@ def _before_save(*_):
 def _before_render(scene, *_):
     """Before each frame that is rendered without a window. With one, Blender renders in a thread of its own, in which nothing of
     the file may be changed; and there is someone who has keyed not all that was changed."""
-    if bpy.app.background and _following.names:
+    if bpy.app.background and (_following.names or _following.trees):
         scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)
-        _following.pending.update(_following.names)
+        _mark_all()
         _at_once()
 
 

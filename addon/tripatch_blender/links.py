@@ -13,6 +13,7 @@ _PAGES = (
     ("bpy.ops.mesh.smooth_triangles*", "guide.html"),
     ("bpy.ops.mesh.shape_fill*", "hands.html"),
     ("bpy.ops.object.*_live_fill*", "hands.html"),
+    ("bpy.types.TriPatchSmoothFillNode*", "hands.html"),
     ("bpy.ops.object.fill_between_patches*", "guide.html"),
 )
 

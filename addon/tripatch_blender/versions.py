@@ -78,6 +78,13 @@ def input_names(group):
     return {s.name: s.identifier for s in group.inputs}
 
 
+def input_socket(group, name):
+    """An input of a group of nodes, which has its default value, limits and tooltip."""
+    if hasattr(group, "interface"):
+        return next(s for s in group.interface.items_tree if s.item_type == "SOCKET" and s.in_out == "INPUT" and s.name == name)
+    return group.inputs[name]
+
+
 def _input(modifier, name):
     """Of a Geometry Nodes modifier from Blender 5.2 on."""
     return getattr(modifier.properties.inputs, input_names(modifier.node_group)[name])

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node Smooth Fill of Geometry Nodes: it fills the holes of the mesh that goes into it."""
+
+import bpy
+
+from . import following, library, node_fills, panel
+
+
+class TriPatchSmoothFillNode(bpy.types.GeometryNodeCustomGroup):
+    """Fill the holes of a mesh so that the surface continues smoothly"""
+
+    bl_idname = node_fills.ID
+    bl_label = "Smooth Fill"
+
+    def init(self, _context):
+        self.node_tree = node_fills.new_tree()
+        if not library.missing:
+            following.begin_node(self.node_tree.name)
+
+    def draw_buttons(self, context, layout):
+        problem = library.missing or node_fills.problem_of(self)
+        if problem:
+            panel.sentence(layout, context, problem)
+
+
+def _draw(menu, context):
+    if getattr(context.space_data, "tree_type", "") == "GeometryNodeTree" and not library.missing:
+        menu.layout.separator()
+        made = menu.layout.operator("node.add_node", text=TriPatchSmoothFillNode.bl_label)
+        made.type, made.use_transform = node_fills.ID, True
+
+
+def register():
+    bpy.utils.register_class(TriPatchSmoothFillNode)
+    bpy.types.NODE_MT_add.append(_draw)
+
+
+def unregister():
+    bpy.types.NODE_MT_add.remove(_draw)
+    bpy.utils.unregister_class(TriPatchSmoothFillNode)
