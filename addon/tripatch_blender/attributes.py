@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections import Counter
 
 from . import versions
-from .library import np
+from .library import charts, np
 from .selection import coordinates, pairs
 
 # Layers of floats that are blended, by kind of element, and how a value is written.
@@ -18,8 +18,6 @@ _PICKED = ("int", "bool", "string")
 _OWN = (".", "custom_normal")
 # What Blender names with a dot and is the rim's to give: what a brush was painted with.
 _GIVEN = (".sculpt_mask",)
-# UVs of two faces at one vertex that differ by less, of the extent along the rim, are one.
-_SAME_UV = 1e-4
 # Creases and bevel weights are 0 inside a fill.
 _ZERO = ("crease_vert", "bevel_weight_vert")
 
@@ -144,65 +142,25 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
             corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
 
 
-class Shares:
-    """How much every vertex of a fill has of what differs from rim edge to rim edge: a border that meets the rim is continued to
-    where it leaves it."""
-
-    def __init__(self, values, blend):
-        """values: of each rim edge."""
-        self.kinds = list(dict.fromkeys(values))
-        self._of_edge = np.array([self.kinds.index(value) for value in values])
-        of_edges = np.eye(len(self.kinds))[self._of_edge]
-        self._shares = None
-        if len(self.kinds) > 1:
-            at_rim = 0.5 * (of_edges + np.roll(of_edges, 1, axis=0))
-            self._shares = np.vstack([at_rim, blend(np.repeat(of_edges, 2, axis=0))])
-
-    def of_face(self, at):
-        """The number of the kind that a face with these vertices has most of; those of the rim come first."""
-        return 0 if self._shares is None else int(self._shares[at].sum(axis=0).argmax())
-
-    def edge_near(self, edge, kind):
-        """The rim edge of that kind that is the fewest edges away."""
-        if self._of_edge[edge] == kind:
-            return edge
-        count = len(self._of_edge)
-        own = np.flatnonzero(self._of_edge == kind)
-        away = np.abs(own - edge)
-        return int(own[np.minimum(away, count - away).argmin()])
+def shares(values, blend):
+    """charts.Shares of values of each rim edge."""
+    return charts.Shares(values, blend, np.roll(np.arange(len(values)), -1))
 
 
 def uv_charts(bm, ends, blend, positions, faces):
     """UV maps that seams of the surroundings part at the rim: {name: UV of every corner of the new faces}.
 
-    Each part of the rim between two seams is continued by the affine map that its faces have, whose errors along the rim are
-    blended away inside. positions (r + k, 3): of the rim and the vertices inside; faces: of places in it.
+    positions (r + k, 3): of the rim and the vertices inside; faces: of places in it.
     """
-    count, found = len(ends) // 2, {}
-    flat = _Plane(positions[:count])
-    places = flat(positions)
+    found, beside, places = {}, [list(loop.face.loops) for loop in ends[::2]], None
     for kind, name, layer in _layers(bm.loops.layers, ("uv",)):
         at_ends = np.array([read(loop[layer], kind) for loop in ends], dtype=np.float64)
-        jumps = np.abs(np.roll(at_ends[1::2], 1, axis=0) - at_ends[::2]).max(axis=1)
-        parted = jumps > _SAME_UV * max(np.ptp(at_ends, axis=0).max(), 1e-12)
-        if parted.sum() < 2:
+        if charts.seams_at(at_ends, np.roll(np.arange(len(ends) // 2), -1)).sum() < 2:
             continue  # no seam, or one that ends here and has nowhere to go
-        part = np.cumsum(parted)
-        part[part == part[-1]] = 0  # the last goes on through the start of the loop
-        part = np.unique(part, return_inverse=True)[1]
-        shares = Shares(part.tolist(), blend)
-        of_faces = [shares.kinds[shares.of_face(at)] for at in faces]
-        maps = [_affine(flat, ends, np.repeat(part, 2) == p, layer) for p in range(part.max() + 1)]
-        everywhere = []
-        for p, own in enumerate(maps):
-            mine = np.repeat(part, 2) == p
-            at = np.stack([np.arange(count), np.roll(np.arange(count), -1)], axis=1).ravel()
-            left = np.where(mine[:, None], at_ends - places[at] @ own[:2] - own[2], 0)
-            at_rim = np.zeros((count, 2))
-            for end in np.flatnonzero(mine):
-                at_rim[at[end]] = left[end]
-            everywhere.append(places @ own[:2] + own[2] + np.vstack([at_rim, blend(left)]))
-        found[name] = [everywhere[p][k] for p, at in zip(of_faces, faces, strict=True) for k in at]
+        places = places or [coordinates([loop.vert for loop in loops]) for loops in beside]
+        uvs = [np.array([read(loop[layer], kind) for loop in loops], dtype=np.float64) for loops in beside]
+        values = charts.continue_corners(positions, faces, at_ends, list(zip(places, uvs, strict=True)), blend)
+        found[name] = [uv.tolist() for face in values or () for uv in face]
     return found
 
 
@@ -217,29 +175,9 @@ def uv_jumps(bm, faces):
             beyond = (b.link_loop_next, b) if a.vert != b.vert else (b, b.link_loop_next)
             own[k] = a[layer].uv, a.link_loop_next[layer].uv
             other[k] = beyond[0][layer].uv, beyond[1][layer].uv
-        within = _SAME_UV * max(np.ptp(own.reshape(-1, 2), axis=0).max(initial=0), 1e-12) if len(edges) else 0
+        within = charts.SAME * max(np.ptp(own.reshape(-1, 2), axis=0).max(initial=0), 1e-12) if len(edges) else 0
         jumping |= (np.abs(own - other) > within).any(axis=(1, 2))
     return [edge for edge, jumps in zip(edges, jumping, strict=True) if jumps]
-
-
-class _Plane:
-    """The plane that points lie nearest to."""
-
-    def __init__(self, points):
-        self._middle = points.mean(axis=0)
-        self._axes = np.linalg.svd(points - self._middle, full_matrices=False)[2][:2]
-
-    def __call__(self, points):
-        return (points - self._middle) @ self._axes.T
-
-
-def _affine(flat, ends, mine, layer):
-    """(3, 2) of least squares: UV from places in the plane, over the faces at some ends."""
-    faces = {ends[k].face for k in np.flatnonzero(mine)}
-    loops = [loop for face in faces for loop in face.loops]
-    places = flat(coordinates(loop.vert for loop in loops))
-    uv = np.array([loop[layer].uv for loop in loops], dtype=np.float64)
-    return np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), uv, rcond=None)[0]
 
 
 def model_faces(surrounding, on_side):

@@ -8,6 +8,7 @@ copies of an object do: the tree has a fill for each different input, and compar
 from __future__ import annotations
 
 import zlib
+from typing import Any
 
 import bmesh
 import bpy
@@ -37,15 +38,16 @@ def new_tree():
     tree = bpy.data.node_groups.new(NAME, "GeometryNodeTree")
     versions.new_sockets(tree, _KINDS)
     for name, (value, least, about) in _GIVEN.items():
-        socket = versions.input_socket(tree, name)
+        socket: Any = versions.input_socket(tree, name)
         socket.default_value, socket.min_value, socket.description = value, least, about
     tree[_STATE] = ""
     _show(tree, [])
     return tree
 
 
-def is_node(node):
-    return node.bl_idname == ID and node.node_tree is not None
+def _nodes(tree) -> list[Any]:
+    """The nodes Smooth Fill of a tree."""
+    return [node for node in tree.nodes if node.bl_idname == ID and node.node_tree is not None]
 
 
 def trees():
@@ -58,7 +60,7 @@ def part_copies():
     copies: users of data-blocks are not counted yet."""
     seen, made = set(), []
     for tree in bpy.data.node_groups:
-        for node in filter(is_node, tree.nodes) if tree.library is None else ():
+        for node in _nodes(tree) if tree.library is None else ():
             if node.node_tree.name in seen:
                 node.node_tree = new_tree()
                 made.append(node.node_tree.name)
@@ -76,7 +78,7 @@ def _modifiers(objects):
     for ob in objects:
         for modifier in getattr(ob, "modifiers", ()):
             if modifier.type == "NODES" and modifier.node_group:
-                for node in filter(is_node, modifier.node_group.nodes):
+                for node in _nodes(modifier.node_group):
                     yield ob, modifier, node
 
 
@@ -103,7 +105,7 @@ def _show(tree, fills):
             setattr(new, name, value)
         return new
 
-    def compared(value, wanted, within=None):
+    def compared(value: Any, wanted, within=None):
         kind = {"data_type": "INT", "operation": "EQUAL"} if within is None else {"data_type": "FLOAT", "operation": "EQUAL"}
         made = node("FunctionNodeCompare", -200, **kind)
         given = [socket for socket in made.inputs if socket.enabled]
@@ -124,9 +126,12 @@ def _show(tree, fills):
 
     start, end = node("NodeGroupInput", -600), node("NodeGroupOutput", 600)
     shown = start.outputs["Mesh"]
+    sizes: Any = None
+    mean_of = None
     if len(fills) > 1:
         size = node("GeometryNodeAttributeDomainSize", -400)
         tree.links.new(start.outputs["Mesh"], size.inputs[0])
+        sizes = size.outputs
         place = node("GeometryNodeInputPosition", -600)
         along = node("ShaderNodeVectorMath", -500, operation="DOT_PRODUCT")
         along.inputs[1].default_value = _ALONG
@@ -143,8 +148,8 @@ def _show(tree, fills):
             shown = joined.outputs[0]
             continue
         fits = [
-            compared(size.outputs["Point Count"], points),
-            compared(size.outputs["Face Count"], faces),
+            compared(sizes["Point Count"], points),
+            compared(sizes["Face Count"], faces),
             compared(mean_of, middle, tolerance),
         ]
         fits += [compared(start.outputs[name], v, 1e-6 if name == "Bulge" else None) for name, v in values.items()]

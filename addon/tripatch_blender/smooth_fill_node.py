@@ -13,7 +13,7 @@ class TriPatchSmoothFillNode(bpy.types.GeometryNodeCustomGroup):
     bl_label = "Smooth Fill"
 
     def init(self, _context):
-        self.node_tree = node_fills.new_tree()
+        self.node_tree = node_fills.new_tree()  # pyright: ignore[reportAttributeAccessIssue]
         if not library.missing:
             following.begin_node(self.node_tree.name)
 

@@ -162,7 +162,7 @@ def _write_one(bm, planned, shading, custom):
     ends = attributes.rim_loops(edges, around) if with_corners else []
     on_side = {k: i for i, places in enumerate(sides(rows.numbers, fill.report.corners)) for k in places}
     blend = tripatch.attribute_weights(rows.parameters, at_inside)
-    looks = attributes.Shares([(face.material_index, face.smooth) for face in around], blend)
+    looks = attributes.shares([(face.material_index, face.smooth) for face in around], blend)
     first_inside = planned.count + rows.split
     place = {v: k for k, v in enumerate([*rows.numbers, *range(first_inside, first_inside + len(positions))])}
     faces = [[place[v] for v in face] for face in index_lists(fill.faces)]

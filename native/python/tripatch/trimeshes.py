@@ -11,7 +11,8 @@ import numpy as np
 
 from . import _arrays, quality
 from ._types import Array
-from .files.continued import SAME_TEXTURE, Continued
+from .charts import SAME
+from .files.continued import Continued
 from .files.mesh_file import MeshFile
 from .filling import Fill
 
@@ -129,7 +130,7 @@ class _Filled:
             if uv is None:
                 return next((c for c in beside if c in copies), copies[0])
             near = np.abs(self._uv[copies] - uv).max(axis=1)
-            if near.min() <= SAME_TEXTURE * max(float(np.ptp(self._uv, axis=0).max()), 1e-12):
+            if near.min() <= SAME * max(float(np.ptp(self._uv, axis=0).max()), 1e-12):
                 return copies[int(near.argmin())]
         key = (k if v >= count else -1, v, b"" if uv is None else np.asarray(uv, np.float32).tobytes())
         if key not in self._numbers:

@@ -10,12 +10,8 @@ import numpy as np
 
 from .._types import Array
 from ..attributes import attribute_weights
+from ..charts import Blend, Shares, continue_corners
 from . import writing
-
-#: Of the range of texture coordinates at the rim: what differs by more at one vertex is parted by a seam.
-SAME_TEXTURE = 1e-5
-
-Blend = Callable[[Array], Array]
 
 
 class Continued:
@@ -46,7 +42,7 @@ class Continued:
         self._at = [[place.get(v, v - self._count + len(rim)) for v in face] for face in self._new]
         self.model: list[int] = []
         if rim and all(f >= 0 for f in self._around):
-            shares = _Shares([look(f) for f in self._around], self._blend, self._next)
+            shares = Shares([look(f) for f in self._around], self._blend, self._next)
             self.model = [self._around[self._edge_like(shares, at, nearest)] for at in self._at]
 
     @staticmethod
@@ -103,7 +99,7 @@ class Continued:
 
         return blend, square.argmin(axis=1) if len(self._rim) else np.zeros(len(points), int)
 
-    def _edge_like(self, shares: _Shares, at: list[int], nearest: Array) -> int:
+    def _edge_like(self, shares: Shares, at: list[int], nearest: Array) -> int:
         count = len(self._rim)
         edge = int(nearest[max(at) - count]) if max(at) >= count else min(at)
         return shares.edge_near(edge, shares.of_face(at))
@@ -147,78 +143,24 @@ class Continued:
         for e, f in enumerate(self._around):
             face = list(self._faces[f])
             ends += [of_face[f][face.index(v)] for v in (self._rim[e], self._rim[self._next[e]])]
-        return self._charts(np.array(ends, float), of_face)
+        return self._corners(np.array(ends, float), of_face)
 
-    def _charts(self, at_ends: Array, of_face: dict[int, Array]) -> list[Array]:
-        """Each part of the rim between two seams is continued by the affine map that its faces have, whose errors along the rim
-        are blended away inside."""
-        count = len(self._rim)
+    def _corners(self, at_ends: Array, of_face: dict[int, Array]) -> list[Array]:
+        """Seams that end at the rim are continued, else all is blended."""
         start, end = at_ends[::2], at_ends[1::2]
-        parted = np.abs(end - start[self._next]).max(axis=1) > SAME_TEXTURE * max(np.ptp(at_ends, axis=0).max(), 1e-12)
-        if parted.sum() < 2 or len(self._loop_starts) > 1:
-            everywhere = [np.concatenate([start, self._blend(at_ends)])]
-            shares = None
-        else:
-            part = np.cumsum(np.roll(parted, 1))
-            part[part == part[-1]] = 0  # the last goes on through the start of the loop
-            part = np.unique(part, return_inverse=True)[1]
-            shares = _Shares(part.tolist(), self._blend, self._next)
-            everywhere = [self._chart(at_ends, np.repeat(part == p, 2), of_face) for p in range(part.max() + 1)]
+        if len(self._loop_starts) == 1:
+            around = [(self._vertices[list(self._faces[f])], of_face[f]) for f in self._around]
+            charts = continue_corners(self._places, self._at, at_ends, around, self._blend)
+            if charts is not None:
+                return charts
+        count, everywhere = len(self._rim), np.concatenate([start, self._blend(at_ends)])
         made = []
         for at in self._at:
-            own = everywhere[shares.kinds[shares.of_face(at)] if shares else 0][at]
-            if shares is None:
-                for c, k in enumerate(at):
-                    if k < count and at[(c + 1) % len(at)] == self._next[k]:
-                        own[c] = start[k]
-                    elif k < count and at[c - 1] < count and self._next[at[c - 1]] == k:
-                        own[c] = end[at[c - 1]]
+            own = everywhere[at]
+            for c, k in enumerate(at):
+                if k < count and at[(c + 1) % len(at)] == self._next[k]:
+                    own[c] = start[k]
+                elif k < count and at[c - 1] < count and self._next[at[c - 1]] == k:
+                    own[c] = end[at[c - 1]]
             made.append(own)
         return made
-
-    def _chart(self, at_ends: Array, mine: Array, of_face: dict[int, Array]) -> Array:
-        count = len(self._rim)
-        middle = self._places[:count].mean(axis=0)
-        axes = np.linalg.svd(self._places[:count] - middle, full_matrices=False)[2][:2].T
-        flat = (self._places - middle) @ axes
-        where = np.column_stack([flat, np.ones(len(flat))])
-        place = np.stack([np.arange(count), self._next], axis=1).ravel()
-        faces = {f for e, f in enumerate(self._around) if mine[2 * e]}
-        pairs = [pair for f in faces for pair in zip(self._faces[f], of_face[f], strict=True)]
-        corners = [(v, value) for v, value in pairs if v < len(self._vertices)]
-        beside = (self._vertices[[v for v, _ in corners]] - middle) @ axes
-        values = np.array([value for _, value in corners])
-        own = np.linalg.lstsq(np.column_stack([beside, np.ones(len(beside))]), values, rcond=None)[0]
-        left = np.where(mine[:, None], at_ends - where[place] @ own, 0)
-        at_rim = np.zeros((count, at_ends.shape[1]))
-        at_rim[place[mine]] = left[mine]
-        return np.asarray(where @ own + np.concatenate([at_rim, self._blend(left)]))
-
-
-class _Shares:
-    """How much every vertex of a fill has of what differs from rim edge to rim edge: a border that meets the rim is continued to
-    where it leaves it."""
-
-    def __init__(self, values: Sequence[Any], blend: Blend, following: Array) -> None:
-        self.kinds = list(dict.fromkeys(values))
-        number = {kind: k for k, kind in enumerate(self.kinds)}
-        self._of_edge = np.array([number[value] for value in values])
-        self._shares = None
-        if len(self.kinds) > 1:
-            of_edges = np.eye(len(self.kinds))[self._of_edge]
-            before = np.empty_like(of_edges)
-            before[following] = of_edges
-            self._shares = np.vstack([0.5 * (of_edges + before), blend(np.repeat(of_edges, 2, axis=0))])
-
-    def of_face(self, at: list[int]) -> int:
-        """The number of the kind that a face with these vertices has most of; those of the rim come first."""
-        return 0 if self._shares is None else int(self._shares[at].sum(axis=0).argmax())
-
-    def edge_near(self, edge: int, kind: int) -> int:
-        """The rim edge of that kind that is the fewest edges away."""
-        if self._of_edge[edge] == kind:
-            return edge
-        count = len(self._of_edge)
-        own = np.flatnonzero(self._of_edge == kind)
-        away = np.abs(own - edge)
-        return int(own[np.minimum(away, count - away).argmin()])
