@@ -212,7 +212,7 @@ def test_the_status_bar_counts_the_triangles_among_quads(addon):
         assert state.execute(bpy.context) == {"FINISHED"} and state.faces() == "quads"
         new = [len(f.verts) for f in bmesh.from_edit_mesh(ob.data).faces if f.select]
         ((_, said),) = state.said
-        assert (f"; {new.count(3)} of {len(new)} new faces are triangles" in said) == (3 in new) == ("triangles" in said)
+        assert (f"; {new.count(3)} of {len(new)} new faces " in said) == (3 in new) == ("triangles" in said)
         assert inside or 3 not in new
         bpy.ops.object.mode_set(mode="OBJECT")
 

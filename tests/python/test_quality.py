@@ -355,7 +355,7 @@ def test_a_rim_that_is_a_crease_is_red_and_named(tmp_path, capsys):
         cli.main(["view", str(mesh), "--seam", str(tmp_path / "o.png"), "--rim", rim, "--from", "0,0,1", "--size", "320,240"])
         == 0
     )
-    assert f"seam within {2 * np.degrees(np.arctan(0.3)):.3g} deg" in capsys.readouterr().out
+    assert f"seam within {2 * np.degrees(np.arctan(0.3)):.3g}°" in capsys.readouterr().out
     image = read_png(tmp_path / "o.png")
     reddish = (image[:, :, 0] > 1.6 * image[:, :, 2]).sum(axis=1)
     assert reddish.argmax() == pytest.approx(image.shape[0] / 2, abs=5) and reddish.max() > 100

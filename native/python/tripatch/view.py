@@ -136,7 +136,7 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
     np.maximum.at(at, found[known].ravel(), np.repeat(angles[known], 2))
     largest = float(angles[known].max(initial=0.0))
     most = settings.get("most") or (1.0 if len(edges) else max(largest, 1e-9))
-    told = f"{'seam' if len(edges) else 'edges'} within {largest:.3g} deg (red from {most:.3g} deg)"
+    told = f"{'seam' if len(edges) else 'edges'} within {largest:.3g}° (red from {most:.3g}°)"
     colors = quality.scale_colors(at, most)
     if len(edges):
         colors[np.setdiff1d(np.arange(len(vertices)), edges)] = quality.GREY

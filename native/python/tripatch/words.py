@@ -74,7 +74,7 @@ def filled(
         moved = max(report.surroundings_moved_max for report in reports)
         seam_said = f", seam within {degrees(seam)}" if cage_rim == "exact" else ""
         return (
-            f"{holes} with a cage of {quads} quads{seam_said}; within {length(within)} of the patch, "
+            f"{holes} with a cage of {counted(quads, 'quad')}{seam_said}; within {length(within)} of the patch, "
             f"surroundings moved {length(moved)} (scene units)"
         )
     said = [f"{holes}{' in ' * bool(into)}{', '.join(into)}"]
@@ -87,7 +87,7 @@ def filled(
     if others:
         said.append(f"bends by up to {degrees(max(others))} at sides met in position only")
     if triangles:
-        said.append(f"{triangles} of {quads} new faces are triangles")
+        said.append(f"{triangles} of {counted(quads, 'new face')} {'is a triangle' if triangles == 1 else 'are triangles'}")
     return "; ".join(said)
 
 
