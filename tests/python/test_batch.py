@@ -610,7 +610,8 @@ def test_no_file_at_all_is_said(tmp_path, capsys):
     (tmp_path / "in").mkdir()
     code, out, err = run(capsys, tmp_path / "in", "--out", tmp_path / "out")
     assert (code, out) == (1, "")
-    assert "There is no file to fill; folders are searched for .obj, .ply, .stl, .off and .blend" in err
+    searched = ".obj, .ply, .stl, .off, .glb, .gltf, .3mf, .usd, .usda, .usdc and .blend"
+    assert f"There is no file to fill; folders are searched for {searched}" in err
     assert not (tmp_path / "out").exists()
 
 

@@ -31,8 +31,8 @@ examples:
   tripatch batch scans/ -o filled/               fill the holes of every file in a folder
   tripatch COMMAND --help                        list the options of a command"""
 _DESCRIPTION = """\
-Fills a hole of the mesh in IN, or with --all every hole, and writes the mesh to OUT. OBJ, OFF, PLY and STL files keep all
-that is in them; other formats need meshio.
+Fills a hole of the mesh in IN, or with --all every hole, and writes the mesh to OUT. OBJ, OFF, PLY, STL,
+glTF, 3MF and USD files keep all that is in them. USD needs tripatch[usd], other formats tripatch[files].
 
 examples:
   tripatch fill scan.ply -o filled.ply           fill the only hole
@@ -93,7 +93,7 @@ def parser() -> argparse.ArgumentParser:
         usage="tripatch strip IN [-o] OUT [options]",
         help="remove the fills from a file",
         description="Removes every fill that TriPatch made and gives back the file as it was before, byte for byte.\n"
-        "OBJ and PLY files say themselves what was filled; STL and OFF files need the report.\n\nexamples:\n"
+        "OBJ, PLY, glTF and 3MF files say themselves what was filled; STL and OFF files need the report.\n\nexamples:\n"
         "  tripatch strip filled.ply -o original.ply\n"
         "  tripatch strip filled.stl -o original.stl --report report.json",
     )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, pairwise
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -31,8 +31,52 @@ def points(value: Any, name: str = "vertices", finite: bool = False) -> Array:
     return a
 
 
+class Rows(Sequence[list[int]]):
+    """Faces as index lists that are made when they are asked for; NumPy takes faces of one size as an (m, 3) or (m, 4) array.
+
+    Attributes:
+        offsets: (m + 1,) where each face begins.
+        corners: of all faces, one after another.
+    """
+
+    def __init__(self, offsets: Array, corners: Array) -> None:
+        self.offsets, self.corners = offsets, corners
+
+    def __len__(self) -> int:
+        return len(self.offsets) - 1
+
+    @overload
+    def __getitem__(self, f: int) -> list[int]: ...
+    @overload
+    def __getitem__(self, f: slice) -> list[list[int]]: ...
+    def __getitem__(self, f: Any) -> Any:
+        if isinstance(f, slice):
+            return [self[k] for k in range(*f.indices(len(self)))]
+        if not -len(self) <= f < len(self):
+            raise IndexError(f"there are {len(self)} faces")
+        f = int(f) % len(self)
+        return self.corners[self.offsets[f] : self.offsets[f + 1]].tolist()
+
+    def __iter__(self) -> Iterator[list[int]]:
+        return iter(index_lists(rows(self.offsets, self.corners)))
+
+    def __eq__(self, other: object) -> bool:
+        return list(self) == list(other) if isinstance(other, Sequence) else NotImplemented
+
+    def __add__(self, other: Iterable[Any]) -> list[Any]:
+        return [*self, *other]
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
+        return np.asarray(rows(self.offsets, self.corners), dtype)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} faces>"
+
+
 def faces(value: Any) -> tuple[Array, Array]:
     """Offsets (m + 1,) and corners of an (m, 3), (m, 4), ... index array or of lists of index lists."""
+    if isinstance(value, Rows):
+        return value.offsets, value.corners
     if isinstance(value, np.ndarray) and value.dtype != object:
         if value.size == 0:
             return np.zeros(1, np.int64), np.zeros(0, np.int64)
@@ -74,6 +118,30 @@ def index_lists(value: Any) -> list[list[int]]:
     """Faces as lists of Python's own numbers, which are quicker to go through one by one."""
     found: list[list[int]] = value.tolist() if isinstance(value, np.ndarray) else value
     return found
+
+
+def same_places(points: Array) -> tuple[Array, Array]:
+    """Rows (n, 3) that are equal as one. Returns the first row of each place, ascending, and for each row its place."""
+    bits = np.ascontiguousarray(points + 0.0, np.float64).view(np.uint64).reshape(-1, 3)  # -0 is 0
+    key = bits[:, 0].copy()
+    for column in (1, 2):  # a hash, whose collisions are seen below
+        key ^= key >> np.uint64(32)
+        key *= np.uint64(0x9E3779B97F4A7C15)
+        key += bits[:, column]
+    key ^= key >> np.uint64(32)
+    key *= np.uint64(0x9E3779B97F4A7C15)
+    order = np.argsort(key)
+    key = key[order]
+    begins = np.concatenate([[True], key[1:] != key[:-1]])[: len(key)]
+    place = np.empty(len(order), np.int64)
+    place[order] = np.cumsum(begins) - 1
+    first = np.minimum.reduceat(order, np.flatnonzero(begins)) if len(order) else order
+    if not np.array_equal(bits[first[place]], bits):
+        _, first, place = np.unique(bits, axis=0, return_index=True, return_inverse=True)
+    by_use = np.argsort(first)
+    rank = np.empty_like(by_use)
+    rank[by_use] = np.arange(len(by_use))
+    return first[by_use], rank[place.reshape(-1)]
 
 
 def mesh(vertices: ArrayLike, face_list: Faces) -> tuple[Array, Array, Array]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from . import _native
+from . import _arrays, _native
 from ._types import Array, ArrayLike
 
 #: Degrees between the triangles of an edge from which on the surface counts as folded there, as in `Report.triangles_folded`.
@@ -34,13 +34,13 @@ def triangulated(faces: Any, vertices: ArrayLike | None = None) -> tuple[Array, 
     A fan in every face; with the vertices (n, 3), quads are cut along the shorter diagonal, and concave faces and those with
     corners in a line so that no triangle is turned over.
     """
-    if isinstance(faces, np.ndarray):
-        sizes = np.full(len(faces), faces.shape[1], dtype=np.int64)
-        flat = np.asarray(faces, dtype=np.int64).ravel()
-    else:
+    if isinstance(faces, np.ndarray | _arrays.Rows):
+        offsets, flat = _arrays.faces(faces)
+        sizes = np.diff(offsets)
+    else:  # of any size
         sizes = np.array([len(f) for f in faces], dtype=np.int64)
         flat = np.fromiter((v for f in faces for v in f), dtype=np.int64, count=int(sizes.sum()))
-    offsets = np.concatenate([[0], np.cumsum(sizes)])
+        offsets = np.concatenate([[0], np.cumsum(sizes)])
     if vertices is not None and sizes.max(initial=0) > 3:
         corners, of_face = _native._triangles_of(np.asarray(vertices, dtype=np.float64), offsets, flat)
         return corners.reshape(-1, 3), of_face

@@ -76,7 +76,7 @@ class _Filled:
             looks.append(visual.face_colors)
         elif self.kind == "texture" and visual.face_materials is not None:
             looks.append(np.asarray(visual.face_materials))
-        self._old = MeshFile(welded.vertices, welded.faces.tolist())
+        self._old = MeshFile(welded.vertices, welded.faces)
         self._copies: dict[int, list[int]] = {}
         for fill in fills:
             used = np.unique(fill._flat_faces()[1])
@@ -93,7 +93,7 @@ class _Filled:
         for k, fill in enumerate(fills):
             look = Continued(
                 self._old.vertices,
-                self._old.faces,
+                self._old.faces.__getitem__,
                 fill,
                 lambda f: tuple(each[welded.kept[f]].tobytes() for each in looks),
                 self._old._faces_at,

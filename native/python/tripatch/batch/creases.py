@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from .. import _arrays
 from .._types import Array
-
-
-def _flat(faces: Any) -> tuple[Array, Array]:
-    """Offsets and corners of faces."""
-    if isinstance(faces, np.ndarray):
-        return np.arange(0, faces.size + 1, faces.shape[1]), faces.ravel()
-    sizes = np.fromiter(map(len, faces), np.int64, len(faces))
-    return np.concatenate([[0], np.cumsum(sizes)]), np.fromiter(itertools.chain.from_iterable(faces), np.int64, int(sizes.sum()))
 
 
 def _next(offsets: Array, corners: Array) -> Array:
@@ -42,7 +34,7 @@ def _normals(vertices: Array, offsets: Array, corners: Array, wanted: Array) -> 
 
 def _at(vertices: Array, faces: Any, keys: Array, n: int) -> dict[int, Array]:
     """The normal of a face at each of some edges."""
-    offsets, corners = _flat(faces)
+    offsets, corners = _arrays.faces(faces)
     if not len(corners):
         return {}
     following = _next(offsets, corners)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import _arrays
 from .._types import Array, ArrayLike
 from ..errors import Refusal
 
@@ -17,18 +18,14 @@ def around(faces: Any, rim: ArrayLike, count: int) -> list[Any]:
     """The faces within some rings of the rim, of a mesh with `count` vertices."""
     near = np.zeros(count, bool)
     near[np.asarray(rim)] = True
-    if isinstance(faces, np.ndarray):
-        for _ in range(_RINGS):
-            chosen = near[faces].any(axis=1)
-            near[faces[chosen]] = True
-        found: list[Any] = faces[chosen].tolist()
-        return found
-    chosen = []
+    offsets, corners = _arrays.faces(faces)
+    if not len(corners):
+        return []
     for _ in range(_RINGS):
-        chosen = [face for face in faces if near[face].any()]
-        for face in chosen:
-            near[face] = True
-    return chosen
+        chosen = np.logical_or.reduceat(near[corners], offsets[:-1])
+        near[corners[np.repeat(chosen, np.diff(offsets))]] = True
+    rows = _arrays.Rows(offsets, corners)
+    return [rows[f] for f in np.flatnonzero(chosen)]
 
 
 def of_parts(vertices: Array, shown: list[Any], filled: list[Any]) -> dict[str, Any]:

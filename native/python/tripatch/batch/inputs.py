@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 #: What is looked for in folders. Files that are named may have any format that `tripatch fill` reads.
-SUFFIXES = (".obj", ".ply", ".stl", ".off", ".blend")
+SUFFIXES = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf", ".3mf", ".usd", ".usda", ".usdc", ".blend")
 
 #: A portion is about this much to read: some seconds of work, so that little is lost with a worker and the milliseconds that a
 #: scheduler takes for a task do not count.

@@ -91,12 +91,6 @@ def entry(settings: Settings, name: str, sha256: str | None, lines: list[dict[st
     }
 
 
-def _faces(mesh: files.MeshFile) -> Any:
-    """As an array where all have the same number of corners: read once for all questions."""
-    sizes = {len(face) for face in mesh.faces}
-    return np.array(mesh.faces, np.int64) if len(sizes) == 1 and sizes <= {3, 4} else mesh.faces
-
-
 def _left(holes: borders.Holes, loops: list[Any], settings: Settings) -> dict[int, str]:
     """Why loops are not filled: lowest vertex -> sentence."""
     choosing = settings.choosing()
@@ -121,7 +115,7 @@ def _diameter(points: Array) -> float:
 
 def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, wanted: tuple[Any, ...]) -> dict[str, Any]:
     mesh = files.read(file)
-    vertices, faces = mesh.vertices, _faces(mesh)
+    vertices, faces = mesh.vertices, mesh.faces
     holes = borders.find(vertices, faces, **settings.choosing())
     meant = {loop[0]: k for k, loop in enumerate(holes.rims)}
     inside = {loop[0] for islands in holes.islands for loop in islands}  # filled with the hole around them

@@ -1,8 +1,10 @@
 """Mesh files: read, add fills, write. Nothing of the user's file is lost.
 
 OBJ, OFF, PLY and STL are read by small passes of our own that keep the file's bytes and add to them: comments, groups, materials,
-texture coordinates, colors, other elements and the header stay as they are. All other formats (VTK, VTU, ...) go through meshio,
-which keeps points, cells, and the data of both, but not what it does not read: comments, the title line, VTK's POLYDATA.
+texture coordinates, colors, other elements and the header stay as they are. So do nodes, materials and all else in glTF and 3MF
+files, and in USD layers by usd-core: their meshes are filled where they are in the scene. All other formats (VTK, VTU, ...) go
+through meshio, which keeps points, cells, and the data of both, but not what it does not read: comments, the title line, VTK's
+POLYDATA.
 
 A vertex that a fill moves keeps its line or row but for the three numbers. A face whose edge a fill splits keeps all that the
 file says of it, texture coordinates by corner are interpolated; in OBJ it goes to the end, after its new vertex. A new vertex
@@ -18,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import _arrays
+from .gltf import GltfFile
 from .mesh_file import MeshFile
 from .obj import ObjFile
 from .off import OffFile
@@ -25,16 +28,21 @@ from .off_binary import BinaryOffFile
 from .others import MeshioFile
 from .ply import PlyFile
 from .stl import StlFile
+from .threemf import ThreemfFile
+from .usd import UsdFile
 from .writing import FileError, write_over
 
 __all__ = ["FileError", "MeshFile", "check_folder", "check_output", "converted", "read", "write", "write_over"]
 
 _BINARY = rb"(?:\xef\xbb\xbf)?[A-Zn4]*OFF[ \t]+BINARY\b"
 _OWN: dict[str, Any] = {".obj": ObjFile, ".off": OffFile, ".ply": PlyFile, ".stl": StlFile}
+_SCENES: dict[str, Any] = {".glb": GltfFile, ".gltf": GltfFile, ".3mf": ThreemfFile}
+_SCENES |= dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), UsdFile)
 
 
 def read(path: str | os.PathLike[str]) -> MeshFile:
-    """Reads a mesh file, the format by its suffix: OBJ, OFF, PLY and STL by itself, all others through meshio.
+    """Reads a mesh file, the format by its suffix: OBJ, OFF, PLY, STL, glTF and 3MF by itself, USD by usd-core, all others
+    through meshio.
 
     Args:
         path: of the file.
@@ -55,7 +63,8 @@ def read(path: str | os.PathLike[str]) -> MeshFile:
 
 
 def _class_for(path: Path) -> type[MeshFile]:
-    own: type[MeshFile] = _OWN.get(path.suffix.lower(), MeshioFile)
+    suffix = path.suffix.lower()
+    own: type[MeshFile] = _OWN.get(suffix) or _SCENES.get(suffix, MeshioFile)
     if own is OffFile:
         with path.open("rb") as file:
             return BinaryOffFile if re.match(_BINARY, file.read(100)) else own
@@ -79,7 +88,7 @@ def write(path: str | os.PathLike[str], mesh: Any) -> None:
         if not isinstance(pair, tuple) or len(pair) != 2:
             raise TypeError(f"write needs a mesh with .vertices and .faces, or a pair of both, not {type(mesh).__name__}")
         vertices, offsets, corners = _arrays.mesh(*pair)
-        mesh = MeshFile(vertices.copy(), _arrays.index_lists(_arrays.rows(offsets, corners)))
+        mesh = MeshFile(vertices.copy(), (offsets, corners))
     (mesh if mesh.suffix.lower() == path.suffix.lower() else converted(mesh, path.suffix)).write(path)
 
 
@@ -94,7 +103,7 @@ def check_output(path: Path) -> None:
     if not path.suffix:
         raise FileError(f"{path} has no suffix that names a format; call it, say, {path if path.name != '-' else 'out'}.obj")
     if path.suffix.lower() not in _OWN:
-        MeshioFile.check_suffix(path.suffix)
+        _SCENES.get(path.suffix.lower(), MeshioFile).check_suffix(path.suffix)
     check_folder(path)
 
 
@@ -107,6 +116,7 @@ def check_folder(path: Path) -> None:
 def converted(mesh: MeshFile, suffix: str) -> MeshFile:
     """The same vertices and faces in the format of another suffix; all else stays behind."""
     own = _OWN.get(suffix.lower())
-    made: MeshFile = own.of_mesh(mesh.vertices, mesh.faces) if own else MeshioFile.of_mesh(mesh.vertices, mesh.faces, suffix)
+    other = _SCENES.get(suffix.lower(), MeshioFile)
+    made: MeshFile = own.of_mesh(mesh.vertices, mesh.faces) if own else other.of_mesh(mesh.vertices, mesh.faces, suffix)
     made.suffix = suffix
     return made

@@ -23,10 +23,11 @@ class Continued:
     """
 
     def __init__(
-        self, vertices: Array, faces: Sequence[Sequence[int]], fill: Any, look: Callable[[int], Hashable], at: Any
+        self, vertices: Array, face: Callable[[int], Sequence[int]], fill: Any, look: Callable[[int], Hashable], at: Any
     ) -> None:
-        """look: of an old face what shall not change within a part of the fill; at: the old faces at a vertex."""
-        self._vertices, self._faces, self._count = vertices, faces, len(vertices)
+        """face: the corners of an old face; look: what of it shall not change within a part of the fill; at: the old faces at a
+        vertex."""
+        self._vertices, self._face, self._count = vertices, face, len(vertices)
         self._new = [list(map(int, face)) for face in fill.faces]
         rim, loops = self._loops(list(map(int, fill.rim)), at)
         self._rim, self._loop_starts = rim, loops
@@ -56,7 +57,7 @@ class Continued:
 
     def _face_at(self, a: int, b: int, at: Any) -> int:
         for f in at(a):
-            face = self._faces[f]
+            face = self._face(f)
             k = face.index(b) if b in face else -1
             if k >= 0 and a in (face[(k + 1) % len(face)], face[k - 1]):
                 return int(f)
@@ -136,12 +137,12 @@ class Continued:
         if not self.model:
             return None
         found = {f: values(f) for f in set(self._around)}
-        of_face = {f: own for f, own in found.items() if own is not None and len(own) == len(self._faces[f])}
+        of_face = {f: own for f, own in found.items() if own is not None and len(own) == len(self._face(f))}
         if len(of_face) < len(found) or len({own.shape[1] for own in of_face.values()}) != 1:
             return None
         ends = []
         for e, f in enumerate(self._around):
-            face = list(self._faces[f])
+            face = list(self._face(f))
             ends += [of_face[f][face.index(v)] for v in (self._rim[e], self._rim[self._next[e]])]
         return self._corners(np.array(ends, float), of_face)
 
@@ -149,7 +150,7 @@ class Continued:
         """Seams that end at the rim are continued, else all is blended."""
         start, end = at_ends[::2], at_ends[1::2]
         if len(self._loop_starts) == 1:
-            around = [(self._vertices[list(self._faces[f])], of_face[f]) for f in self._around]
+            around = [(self._vertices[list(self._face(f))], of_face[f]) for f in self._around]
             charts = continue_corners(self._places, self._at, at_ends, around, self._blend)
             if charts is not None:
                 return charts

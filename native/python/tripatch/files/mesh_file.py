@@ -27,30 +27,31 @@ class MeshFile:
 
     Attributes:
         vertices: (n, 3) float64, read-only: to change a mesh, write other vertices and faces.
-        faces: index lists of three corners or more. What has fewer stays in the file, unread.
+        faces: index lists of three corners or more, made when they are asked for; NumPy takes faces of one size as an array.
+            What has fewer corners stays in the file, unread.
         deviation: (n,) standard deviation of the vertices, below 0 where it is not known; None: the file does not say.
         suffix: of the format, such as ".ply".
     """
 
     suffix = ""
 
-    def __init__(self, vertices: Array, faces: list[Any]) -> None:
+    def __init__(self, vertices: Array, faces: Any) -> None:
+        """faces: an (m, 3) or (m, 4) array, index lists, or offsets and corners."""
         self.vertices = vertices.view()
         self.vertices.flags.writeable = False
-        self.faces = faces
-        self._added = 0  # vertices
-        self._marks, self._number = False, 0  # whether fills are told apart, and how many there are
-        self._about: list[dict[str, Any]] = []  # of each that was added
-        sizes = np.fromiter(map(len, faces), np.int64, len(faces))
         try:
-            corners = np.fromiter((v for face in faces for v in face), np.int64, int(sizes.sum()))
-        except OverflowError:
+            offsets, corners = faces if isinstance(faces, tuple) else _arrays.faces(faces)
+        except (OverflowError, TypeError):
             raise FileError(f"A face names a vertex far beyond those that exist; there are {len(vertices)}") from None
         if corners.size and (corners.min() < 0 or corners.max() >= len(vertices)):
             place = int(np.argmax((corners < 0) | (corners >= len(vertices))))
-            face = int(np.searchsorted(np.cumsum(sizes), place, "right"))
+            face = int(np.searchsorted(offsets, place, "right")) - 1
             raise FileError(f"Face {face} names a vertex that does not exist; there are {len(vertices)}")
-        self._sizes, self._corners = sizes, corners
+        self.faces = _arrays.Rows(offsets, corners)
+        self._added = 0  # vertices
+        self._marks, self._number = False, 0  # whether fills are told apart, and how many there are
+        self._about: list[dict[str, Any]] = []  # of each that was added
+        self._split_faces: dict[int, list[int]] = {}
         self._by_vertex: tuple[Array, Array] | None = None
 
     @property
@@ -67,14 +68,15 @@ class MeshFile:
         faces = [[v if v < n else v + self._added for v in face] for face in _arrays.index_lists(fill.faces)]
         for v, place in zip(*fill.moved):
             self._move(int(v), place)
-        self._append(fill, faces, Continued(self.vertices, self.faces, fill, self._look, self._faces_at))
+        self._append(fill, faces, Continued(self.vertices, self._face_by_now, fill, self._look, self._faces_at))
         for k, ((a, b), t) in enumerate(zip(*fill.split_edges)):
             for f in set(self._faces_at(a)) & set(self._faces_at(b)):
-                face = self.faces[f]
+                face = self._face_by_now(f)
                 for place, ends in enumerate(zip(face, face[1:] + face[:1])):
                     if set(ends) == {a, b}:
                         self._split(int(f), place, n + self._added + k, t if ends[0] == a else 1 - t)
                         face.insert(place + 1, n + self._added + k)
+                        self._split_faces[int(f)] = face
                         break
         self._added += len(fill.vertices)
 
@@ -158,12 +160,17 @@ class MeshFile:
         with path.open("wb") as out:
             out.writelines(new for new, _ in self._pieces() or ())
 
+    def _face_by_now(self, f: int) -> list[int]:
+        """The corners of the file's own face f, with those that split its edges."""
+        return self._split_faces.get(int(f)) or self.faces[f]
+
     def _faces_at(self, v: int) -> list[int]:
         """The file's own faces at its own vertex v."""
         if self._by_vertex is None:
-            order = np.argsort(self._corners, kind="stable")
-            starts = np.searchsorted(self._corners[order], np.arange(len(self.vertices) + 1))
-            self._by_vertex = starts, np.repeat(np.arange(len(self.faces)), self._sizes)[order]
+            corners = self.faces.corners
+            order = np.argsort(corners, kind="stable")
+            starts = np.concatenate([[0], np.cumsum(np.bincount(corners, minlength=len(self.vertices)))])
+            self._by_vertex = starts, np.repeat(np.arange(len(self.faces)), np.diff(self.faces.offsets))[order]
         starts, faces = self._by_vertex
         found: list[int] = faces[starts[v] : starts[v + 1]].tolist()
         return found

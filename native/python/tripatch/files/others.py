@@ -51,7 +51,8 @@ class MeshioFile(MeshFile):
     def check_suffix(suffix: str) -> None:
         """Raises FileError for a format that meshio does not write."""
         if suffix.lower() not in _meshio(suffix).extension_to_filetypes:
-            raise FileError(f"{suffix} files cannot be written; .obj, .ply, .stl and .off can, and what meshio knows")
+            known = ".obj, .ply, .stl, .off, .glb, .gltf, .3mf and .usd"
+            raise FileError(f"{suffix} files cannot be written; {known} can, and what meshio knows")
 
     @classmethod
     def of_path(cls, path: Path) -> MeshioFile:
@@ -90,7 +91,7 @@ class MeshioFile(MeshFile):
 
     def _split(self, f: int, place: int, v: int, t: float) -> None:
         meshio, mesh = _meshio(self._suffix), self._mesh
-        (block, row), face = self._cell_of[f], list(self.faces[f])
+        (block, row), face = self._cell_of[f], list(self._face_by_now(f))
         face.insert(place + 1, v)
         cells = [(b.type, np.asarray(b.data)) for b in mesh.cells]
         data = {name: [np.asarray(x) for x in values] for name, values in mesh.cell_data.items()}

@@ -428,7 +428,7 @@ class PlyFile(MeshFile):
             self._lines[start] = writing.with_numbers(self._lines[start], first, [words[first]])
 
     def _split(self, f: int, place: int, v: int, t: float) -> None:
-        k, size = self._row_of[f], len(self.faces[f])
+        k, size = self._row_of[f], len(self._face_by_now(f))
         row = self._changed.get(k) or self._row(self._face, k)
         for p, (_, kind, list_kind) in enumerate(self._face.properties):
             values = list(row[p]) if list_kind else []
@@ -467,7 +467,7 @@ class PlyFile(MeshFile):
 
     def _by_corner(self, f: int, p: int) -> Array | None:
         """The values of a list of a face by its corners, if it has as many for each."""
-        size, values = len(self.faces[f]), self._row(self._face, self._row_of[f])[p]
+        size, values = len(self._face_by_now(f)), self._row(self._face, self._row_of[f])[p]
         return np.reshape(values, (size, -1)) if len(values) and len(values) % size == 0 else None
 
     def _append_vertices(self, fill: Any, continued: Continued) -> None:

@@ -1,0 +1,217 @@
+"""Files of scenes: several meshes, each with its place in the world, whose vertices may have copies along seams."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Hashable, Sequence
+from typing import Any
+
+import numpy as np
+
+from .. import _arrays
+from .._types import Array
+from . import evidence
+from .continued import Continued
+from .mesh_file import MeshFile
+from .writing import FileError
+
+
+@dataclasses.dataclass
+class Part:
+    """A mesh of a scene.
+
+    Attributes:
+        points: (n, 3) in its own coordinates.
+        offsets, corners: its faces.
+        matrix: (4, 4) from its own to the world's coordinates, for columns; None: they are the same.
+        flipped: whether its faces run the other way round.
+    """
+
+    points: Array
+    offsets: Array
+    corners: Array
+    matrix: Array | None = None
+    flipped: bool = False
+
+    def __post_init__(self) -> None:
+        if self.matrix is not None and np.array_equal(self.matrix, np.eye(4)):
+            self.matrix = None
+        if self.matrix is not None:
+            turn = np.linalg.det(self.matrix[:3, :3])
+            if not abs(turn) > 1e-12 * np.linalg.norm(self.matrix[:3, :3]) ** 3:
+                raise FileError("A mesh is scaled to zero in the scene, so its holes have no shape; give it another scale")
+            self.flipped ^= bool(turn < 0)
+
+    def in_world(self) -> Array:
+        """(n, 3) its points there."""
+        points = self.points.astype(float)
+        return points if self.matrix is None else points @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+
+    def from_world(self, points: Array) -> Array:
+        """Points (k, 3) of the world in its own coordinates."""
+        return points if self.matrix is None else np.linalg.solve(self.matrix[:3, :3], (points - self.matrix[:3, 3]).T).T
+
+    def normals_from_world(self, normals: Array) -> Array:
+        """Unit normals (k, 3) of the world in its own coordinates."""
+        if self.matrix is None:
+            return normals
+        own = normals @ self.matrix[:3, :3]
+        return np.asarray(own / np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-300))
+
+    def world_corners(self) -> Array:
+        """Its corners in the order in which its faces run in the world."""
+        if not self.flipped:
+            return self.corners
+        sizes = np.diff(self.offsets)
+        of_face = np.repeat(np.arange(len(sizes)), sizes)
+        turned: Array = self.corners[self.offsets[of_face] + self.offsets[of_face + 1] - 1 - np.arange(len(of_face))]
+        return turned
+
+
+class SceneFile(MeshFile):
+    """The meshes of a scene as one, in the world's coordinates. Vertices of a mesh at the same place are one: along seams of
+    texture coordinates and normals files have a copy for each side."""
+
+    def __init__(self, parts: Sequence[Part], given: tuple[Array, Any] | None = None) -> None:
+        """given: vertices and faces that are numbered as they are, of one part."""
+        self._parts = list(parts)
+        counts = [len(part.points) for part in parts]
+        self._first_own = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+        if given:
+            offsets, own = _arrays.faces(given[1])
+            self._part_of_face = np.zeros(len(offsets) - 1, np.int64)
+            self._number_in_part = np.arange(len(offsets) - 1)
+            self._own_corners = own
+            super().__init__(*given)
+            return
+        places, corners, sizes, count = [], [], [], 0
+        vertices = []
+        for part, base in zip(parts, self._first_own.tolist(), strict=False):
+            points = part.in_world()
+            first, to = _arrays.same_places(points)
+            vertices.append(points[first])
+            places.append(to + count)
+            count += len(first)
+            corners.append(part.world_corners() + base)
+            sizes.append(np.diff(part.offsets))
+        own = np.concatenate([np.zeros(0, np.int64), *corners])
+        place = np.concatenate([np.zeros(0, np.int64), *places])
+        size = np.concatenate([np.zeros(0, np.int64), *sizes])
+        if own.size and not 0 <= own.min() <= own.max() < len(place):
+            raise FileError("A face names a vertex that does not exist")
+        joined = place[own]
+        # faces without area since vertices at one place are one
+        starts = np.concatenate([[0], np.cumsum(size)]).astype(np.int64)
+        before = np.arange(-1, len(joined) - 1)
+        before[starts[:-1]] = starts[1:] - 1
+        whole = np.ones(len(size), bool)
+        whole[np.repeat(np.arange(len(size)), size)[joined == joined[before]]] = False
+        kept = np.repeat(whole, size)
+        self._own_corners = own[kept]
+        self._part_of_face = np.repeat(np.arange(len(parts)), [len(each) for each in sizes])[whole]
+        self._number_in_part = np.concatenate([np.zeros(0, np.int64), *(np.arange(len(each)) for each in sizes)])[whole]
+        starts = np.concatenate([[0], np.cumsum(size[whole])]).astype(np.int64)
+        super().__init__(np.concatenate([np.zeros((0, 3)), *vertices]), (starts, joined[kept]))
+
+    @staticmethod
+    def check_suffix(suffix: str) -> None:
+        """Raises FileError for a format that cannot be written."""
+
+    def _move(self, v: int, place: Array) -> None:
+        raise FileError(f"Vertices of {self.suffix} files are not moved; write another format, or leave out --faces cage")
+
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
+        raise FileError(f"Edges of {self.suffix} files are not split; write another format, or leave out --faces cage")
+
+    def _own_face(self, f: int) -> list[int]:
+        """The corners of a face by its part's own vertices."""
+        base = int(self._first_own[self._part_of_face[f]])
+        first, end = self.faces.offsets[f : f + 2]
+        return [v - base for v in self._own_corners[first:end].tolist()]
+
+    def _copies(self, v: int) -> dict[int, int]:
+        """Of a vertex its copies: for each face there the part's own vertex."""
+        return {f: self._own_face(f)[self.faces[f].index(v)] for f in self._faces_at(v)}
+
+    def _home(self, continued: Continued, fill: Any) -> list[int]:
+        """For each new face the old one beside which it lies."""
+        if continued.model:
+            return continued.model
+        beside = next((f for v in fill.rim for f in self._faces_at(int(v))), 0)
+        return [beside] * len(fill.faces)
+
+    def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
+        groups: dict[Hashable, list[int]] = {}
+        home = self._home(continued, fill)
+        for k, f in enumerate(home):
+            groups.setdefault((int(self._part_of_face[f]), self._look(f)), []).append(k)
+        n, lists = len(self.vertices), _arrays.index_lists(fill.faces)
+        for number, chosen in groups.items():
+            part = self._parts[number[0]]  # type: ignore[index]
+            rows = [[int(v) for v in lists[k]][:: -1 if part.flipped else 1] for k in chosen]
+            self._add(Addition(self, part, number[0], fill, continued, chosen, rows, [home[k] for k in chosen], n))  # type: ignore[index]
+
+    def _add(self, new: Addition) -> None:
+        """Adds new faces to a part."""
+        raise NotImplementedError
+
+
+@dataclasses.dataclass
+class Addition:
+    """New faces of one fill that go to one part.
+
+    Attributes:
+        chosen: their numbers in the fill.
+        faces: their corners, as the part's faces run: below n vertices of the scene, from there on new ones of the fill.
+        models: the old face beside each.
+    """
+
+    scene: SceneFile
+    part: Part
+    number: int
+    fill: Any
+    continued: Continued
+    chosen: list[int]
+    faces: list[list[int]]
+    models: list[int]
+    n: int
+
+    def triangles(self) -> list[tuple[int, list[int]]]:
+        """The faces as triangles, each with its place in `faces`, as places of corners."""
+        return [(k, [0, c, c + 1]) for k, face in enumerate(self.faces) for c in range(1, len(face) - 1)]
+
+    def at_corners(self, values: Any) -> list[Array] | None:
+        """As `Continued.at_corners`, of these faces."""
+        made = self.continued.at_corners(values)
+        step = -1 if self.part.flipped else 1
+        return made and [made[k][::step] for k in self.chosen]
+
+    def copy_of(self, v: int) -> int:
+        """A vertex of the scene as the part's own, preferably of a face of the kind beside; -1: the part has none there."""
+        copies = {f: own for f, own in self.scene._copies(v).items() if self.scene._part_of_face[f] == self.number}
+        kind = self.scene._look(self.models[0])
+        return next((own for f, own in copies.items() if self.scene._look(f) == kind), next(iter(copies.values()), -1))
+
+    def place_of(self, v: int) -> Array:
+        """In the part's own coordinates."""
+        if v >= self.n:
+            return np.asarray(self._new_places[v - self.n])
+        own = self.copy_of(v)
+        return np.asarray(self.part.points[own] if own >= 0 else self.part.from_world(self.scene.vertices[v][None])[0])
+
+    @functools.cached_property
+    def _new_places(self) -> Array:
+        return self.part.from_world(np.reshape(self.fill.vertices, (-1, 3)))
+
+    def normals(self) -> dict[int, Array]:
+        """Of all vertices of the fill, in the part's own coordinates."""
+        rim = {int(v): k for k, v in enumerate(self.fill.rim)}
+        of_all = np.concatenate([np.reshape(self.fill.rim_normals, (-1, 3)), np.reshape(self.fill.normals, (-1, 3))])
+        own = self.part.normals_from_world(of_all)
+        made = {v: own[k] for v, k in rim.items() if k < len(self.fill.rim_normals)}
+        return made | {self.n + k: own[len(self.fill.rim_normals) + k] for k in range(len(self.fill.normals))}
+
+    def said(self) -> dict[str, Any]:
+        """What the file says of the fill."""
+        return self.scene._about[-1] if self.scene._marks else {"fill": 0, **evidence.about(self.fill)}
