@@ -53,11 +53,18 @@ def _models(rim, fill, first):
     return [models[on_side[ends[max(face) - first] // 2]] for face in index_lists(fill.faces)]
 
 
+def take_materials(mesh, like):
+    """Gives a mesh the materials of another, before it has faces: to clear materials clears what faces have."""
+    if list(mesh.materials) != list(like.materials):
+        mesh.materials.clear()
+        for material in like.materials:
+            mesh.materials.append(material)
+
+
 def _new_object(ob, vertices, faces, materials, smooth):
     mesh = bpy.data.meshes.new(f"{ob.data.name} Fill")
+    take_materials(mesh, ob.data)
     mesh.from_pydata(vertices.tolist(), [], faces)
-    for material in ob.data.materials:
-        mesh.materials.append(material)
     mesh.polygons.foreach_set("material_index", materials)
     mesh.polygons.foreach_set("use_smooth", smooth)
     mesh.update()

@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from . import filling, library, panel, properties, selection, sentences, waiting
+from . import beside, filling, library, panel, properties, selection, sentences, waiting
 from .construction import Construction
 from .library import np, tripatch, words
 from .properties import OPTIONS
@@ -172,8 +172,9 @@ def _patch_and_triangles(sides, drawn, arguments, progress=None):
     return patch, patch.evaluate(barycentric), faces, [str(each.message) for each in told]
 
 
-def mesh_between(objects, tolerance, resolution, construction):
-    """A new mesh that fills the hole between objects, and its `Between`; UnusableError or ValueError if there is none."""
+def mesh_between(objects, tolerance, resolution, construction, mesh=None):
+    """A mesh that fills the hole between objects, and its `Between`; UnusableError or ValueError if there is none. mesh: gets
+    the fill instead of a new one."""
     curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
     loop = tripatch.between.find_loop(curves, tolerance)
     sides = loop.joined_sides()
@@ -182,11 +183,11 @@ def mesh_between(objects, tolerance, resolution, construction):
     drawn = [resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)]
     own = filling.for_sides(construction, len(sides))
     patch, points, faces, notes = waiting.make(_patch_and_triangles, [side for side, _ in sides], drawn, own)
-    mesh = bpy.data.meshes.new("Fill")
+    mesh = mesh or bpy.data.meshes.new("Fill")
+    mesh.clear_geometry()
+    beside.take_materials(mesh, objects[0].data)
     mesh.from_pydata(points.tolist(), [], faces.tolist())
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
-    for material in objects[0].data.materials:
-        mesh.materials.append(material)
     edges = max(
         (resolution or len(t) - 1 for group, (_, t) in zip(loop.groups, sides, strict=True) if exact[group[0]]), default=0
     )

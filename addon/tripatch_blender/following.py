@@ -54,7 +54,7 @@ def _follows(fill, changed):
     except live.UnusableError as reason:
         return live.problem_of(fill) != sentences.for_people(str(reason))
     keys = {ob.data.shape_keys for ob in objects if ob.type == "MESH"}
-    return not changed.isdisjoint({*objects, *(ob.data for ob in objects), *keys})
+    return not changed.isdisjoint({fill, *objects, *(ob.data for ob in objects), *keys})
 
 
 @persistent
@@ -163,7 +163,7 @@ def follow(name):
     if fill is None:
         return False
     try:
-        if any(ob.mode not in _MODES for ob in live.around(fill)):
+        if fill.mode == "EDIT" or any(ob.mode not in _MODES for ob in live.around(fill)):
             return False  # leaving the mode is a change
         state = live.state_of(fill)
         if _following.states.get(name) == state:

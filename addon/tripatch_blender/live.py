@@ -276,47 +276,43 @@ def _filled(ob, bm, mesh, settings, options, active=None):
 
 
 def _fill_hole(fill, settings):
-    """A new mesh for a live fill of a hole, and its report."""
+    """Fills the mesh of a live fill of a hole anew; returns the filling.Outcome."""
     (ob,) = around(fill)
     (bm, stand_ins), options = _copy(ob), _options(settings)
     try:
         with writeback.layers_of_fills(bm, options.deviation):
             outcome, new = _filled(ob, bm, fill.data, settings, options)
-            mesh = _only(bm, set(new), ob.data)
-        layers.restore(mesh, stand_ins)
-        return mesh, outcome
+            _keep_only(bm, set(new))
+        fill.vertex_groups.clear()
+        beside.take_materials(fill.data, ob.data)
+        bm.to_mesh(fill.data)
+        selection.name_groups(fill, ob)
+        layers.restore(fill.data, stand_ins)
+        return outcome
     finally:
         bm.free()
 
 
-def _only(bm, faces, like):
-    """A mesh of some faces of a BMesh, with the materials of another."""
+def _keep_only(bm, faces):
+    """Deletes all but some faces of a BMesh, and hides and selects none of them."""
     bmesh.ops.delete(bm, geom=[f for f in bm.faces if f not in faces], context="FACES")
     bmesh.ops.delete(bm, geom=[v for v in bm.verts if not v.link_faces], context="VERTS")
     for element in (*bm.verts, *bm.edges, *bm.faces):
         element.hide = element.select = False
-    mesh = bpy.data.meshes.new("Fill")
-    bm.to_mesh(mesh)
-    for material in like.materials:
-        mesh.materials.append(material)
-    return mesh
-
-
-def _fill_patches(fill, settings):
-    """A new mesh for a live fill between objects."""
-    mesh, _ = between_patches.mesh_between(around(fill), **settings["between"])
-    return mesh, None
 
 
 def _follow(fill):
-    """Fills anew; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed."""
-    settings = settings_of(fill)
-    of_hole = settings["kind"] == "hole"
-    mesh, outcome = (_fill_hole if of_hole else _fill_patches)(fill, settings)
+    """Fills anew; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed.
+
+    The mesh stays the same data-block. This happens between undo steps, and undo frees a block that no step knows, while an
+    object that is the same in all steps keeps its pointer to it; Blender 5.2 follows that pointer and crashes.
+    """
+    settings, outcome = settings_of(fill), None
+    if settings["kind"] == "hole":
+        outcome = _fill_hole(fill, settings)
+    else:
+        between_patches.mesh_between(around(fill), **settings["between"], mesh=fill.data)
     fill[_SETTINGS], fill[_PROBLEM] = json.dumps(settings), ""
-    _replace(fill, mesh)
-    if of_hole:
-        selection.name_groups(fill, *around(fill))
     return outcome
 
 
@@ -327,15 +323,6 @@ def refill(fill):
     except (UnusableError, ValueError) as reason:  # Refusal, InvalidArgument
         say(fill, reason)
     return problem_of(fill)
-
-
-def _replace(fill, mesh):
-    """Gives an object another mesh under the old one's name."""
-    old, fill.data = fill.data, mesh
-    name = old.name
-    if old.users == 0:
-        bpy.data.meshes.remove(old)
-    mesh.name = name
 
 
 # Making and ending.

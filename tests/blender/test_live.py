@@ -440,6 +440,32 @@ def test_undo_and_redo(live, following):
     assert points(bpy.data.objects["Hole Fill"])[:, 2].min() > 0.4
 
 
+def test_the_mesh_of_a_fill_stays_the_same_block(live, following):
+    """Undo frees a block that is made between its steps, though the object, which no step has changed, still points to it."""
+    ob, fill = kept()
+    mesh, meshes, place = fill.data, set(bpy.data.meshes), points(fill)
+    move(ob, 0.5)
+    assert after_a_change(following) and points(fill) == pytest.approx(place + [0, 0, 0.5], abs=1e-5)
+    assert fill.data == mesh and set(bpy.data.meshes) == meshes
+
+
+def test_a_fill_that_is_edited_by_hand_is_filled_anew_afterwards(live, following):
+    ob, fill = kept()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after_a_change(following)
+    place = points(fill)
+    scenes.edit(fill)
+    for v in ob.data.vertices:
+        v.co.z += 0.5
+    ob.data.update()
+    after_a_change(following)
+    assert live.problem_of(fill) == ""
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert points(fill) == pytest.approx(place, abs=1e-6)
+    assert after_a_change(following)
+    assert points(fill) == pytest.approx(place + [0, 0, 0.5], abs=1e-5)
+
+
 def test_saved_it_follows_again_and_without_the_addon_it_is_a_mesh(live, following, addon, tmp_path):
     ob, fill = kept()
     bpy.ops.object.mode_set(mode="OBJECT")
