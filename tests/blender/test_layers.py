@@ -11,41 +11,37 @@ import scenes
 fill = bpy.ops.mesh.fill_three_sided
 
 TYPES = [item.identifier for item in bpy.types.Attribute.bl_rna.properties["data_type"].enum_items]
-FIELD = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector", "FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
-WIDTH = {
-    "FLOAT_VECTOR": 3,
-    "FLOAT_COLOR": 4,
-    "BYTE_COLOR": 4,
-    "FLOAT2": 2,
-    "INT16_2D": 2,
-    "INT32_2D": 2,
-    "QUATERNION": 4,
-    "FLOAT4X4": 16,
-}
+
+
+def field_of(layer):
+    """The property of an element that holds its value."""
+    return next(name for name in ("value", "vector", "color") if hasattr(layer.data[0], name))
 
 
 def give(mesh, kind, domain):
     """A new attribute with a value of its own on every element."""
     layer = mesh.attributes.new("Own", kind, domain)
-    count, width = len(layer.data), WIDTH.get(kind, 1)
+    count, field = len(layer.data), field_of(layer)
     if kind == "STRING":
         for k, item in enumerate(layer.data):
             item.value = f"s{k}".encode() if isinstance(item.value, bytes) else f"s{k}"
         return
+    width = np.size(getattr(layer.data[0], field))
     whole = np.arange(count * width)
     values = {"BOOLEAN": whole % 2 == 0, "INT8": whole % 120, "INT": whole}.get(kind)
     if kind.startswith(("INT16", "INT32")):
         values = whole % 3000
     if values is None:
         values = np.random.default_rng(1).random(count * width, np.float32)
-    layer.data.foreach_set(FIELD.get(kind, "value"), values)
+    layer.data.foreach_set(field, values)
 
 
 def values_of(mesh, kind):
     """(elements, width) of what `give` gave, in bytes that can be compared."""
     layer = mesh.attributes["Own"]
     assert layer.data_type == kind
-    return [np.ravel(getattr(item, FIELD.get(kind, "value"))).tolist() if kind != "STRING" else item.value for item in layer.data]
+    values = [getattr(item, field_of(layer)) for item in layer.data]
+    return values if kind == "STRING" else [np.ravel(value).tolist() for value in values]
 
 
 def hole(custom):
