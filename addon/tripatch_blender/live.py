@@ -282,31 +282,31 @@ def _fill_hole(fill, settings):
     try:
         with writeback.layers_of_fills(bm, options.deviation):
             outcome, new = _filled(ob, bm, fill.data, settings, options)
-            _keep_only(bm, set(new))
-        fill.vertex_groups.clear()
-        beside.take_materials(fill.data, ob.data)
-        bm.to_mesh(fill.data)
-        selection.name_groups(fill, ob)
+            write(fill, bm, set(new), ob.data)
         layers.restore(fill.data, stand_ins)
+        selection.name_groups(fill, ob)
         return outcome
     finally:
         bm.free()
 
 
-def _keep_only(bm, faces):
-    """Deletes all but some faces of a BMesh, and hides and selects none of them."""
+def write(fill, bm, faces, like):
+    """Makes some faces of a BMesh, which loses all others, the mesh of an object, with the materials of another mesh.
+
+    It stays the same data-block. This happens between undo steps, and undo frees a block that no step knows, while an object that
+    is the same in all steps keeps its pointer to it; Blender 5.2 follows that pointer and crashes.
+    """
     bmesh.ops.delete(bm, geom=[f for f in bm.faces if f not in faces], context="FACES")
     bmesh.ops.delete(bm, geom=[v for v in bm.verts if not v.link_faces], context="VERTS")
     for element in (*bm.verts, *bm.edges, *bm.faces):
         element.hide = element.select = False
+    fill.vertex_groups.clear()
+    beside.take_materials(fill.data, like)
+    bm.to_mesh(fill.data)
 
 
 def _follow(fill):
-    """Fills anew; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed.
-
-    The mesh stays the same data-block. This happens between undo steps, and undo frees a block that no step knows, while an
-    object that is the same in all steps keeps its pointer to it; Blender 5.2 follows that pointer and crashes.
-    """
+    """Fills anew; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed."""
     settings, outcome = settings_of(fill), None
     if settings["kind"] == "hole":
         outcome = _fill_hole(fill, settings)

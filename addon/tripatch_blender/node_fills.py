@@ -258,8 +258,8 @@ def _arguments(bm, rims, values):
     return given | {"resolution": values["Density"] if values["Density"] > 0 else None}
 
 
-def _fill_mesh(ob, mesh, values):
-    """(mesh of the fills of all holes, distance to merge within, sentences on holes that are not filled)"""
+def _fill_mesh(fill, ob, mesh, values):
+    """Gives an object the fills of all holes; returns (distance to merge within, sentences on holes that are not filled)."""
     stand_ins = layers.replaced(mesh)
     bm = bmesh.new()
     try:
@@ -279,11 +279,11 @@ def _fill_mesh(ob, mesh, values):
             with writeback.layers_of_fills(bm):
                 outcome, new = filling.fill_rims(bm, mesh, matrix, rims, filling.Options(_arguments(bm, rims, values)))
             refused = [sentences.of_filled(each.sentence) for each in outcome.refused]
-        made = live._only(bm, set(new), mesh)
+        live.write(fill, bm, set(new), mesh)
     finally:
         bm.free()
-    layers.restore(made, stand_ins)
-    return made, joining.WITHIN * shortest, refused
+    layers.restore(fill.data, stand_ins)
+    return joining.WITHIN * shortest, refused
 
 
 def follow(name):
@@ -326,11 +326,9 @@ def follow(name):
 def _fill(tree, inputs):
     objects, fills, problems = _fills_of(tree), [], []
     for k, (ob, mesh, values, signature) in enumerate(inputs):
-        made, distance, refused = _fill_mesh(ob, mesh, values)
-        if k < len(objects):
-            live._replace(objects[k], made)
-        else:
-            objects.append(bpy.data.objects.new(NAME, made))
+        if k == len(objects):
+            objects.append(bpy.data.objects.new(NAME, bpy.data.meshes.new(NAME)))
+        distance, refused = _fill_mesh(objects[k], ob, mesh, values)
         fills.append((objects[k], distance, signature, values))
         problems += refused
     if len(fills) == 1 and _fills_of(tree) == objects[:1]:

@@ -64,6 +64,6 @@ def empty_scene(addon):
     """Nothing is left of the test before."""
     if bpy.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    for data in (bpy.data.objects, bpy.data.meshes, bpy.data.materials, bpy.data.libraries):
+    for data in (bpy.data.objects, bpy.data.meshes, bpy.data.materials, bpy.data.node_groups, bpy.data.libraries):
         for block in list(data):
             data.remove(block)
