@@ -23,6 +23,8 @@ ARROW = 0.14
 LEAST_BULGE = 0.05
 #: Relative difference that is none.
 _SAME = 1e-6
+#: What a click on the label of a side goes through.
+CONTINUITIES = ("G0", "G1", "G2")
 #: Of the way from a side to the middle: where the arrow of the side ends at the most, so that none meets another.
 _CLEAR = 0.8
 
@@ -35,6 +37,14 @@ class Shape:
     bulges: list = field(default_factory=list)  # for the part of the rim from each corner on; one where there are no corners
     middle: float = 0.0  # of the fill, along its normal, in scene units
     round: bool = False  # no corners are wanted
+    continuity: list = field(default_factory=list)  # of the same parts as bulges; "auto" where nobody has chosen
+
+    def __post_init__(self):
+        self.continuity = self.continuity or ["auto"] * len(self.bulges)
+
+
+def _same_or_each(values):
+    return tuple(values) if len(set(values)) > 1 else values[0]
 
 
 def _bulge(bulges):
@@ -125,7 +135,8 @@ class Shaping:
         self.shape.round = on
         if not on and not self.shape.corners:
             self.shape.corners = self._thirds()
-        self.shape.bulges = [1.0] * (1 if on else len(self.shape.corners))
+        count = 1 if on else len(self.shape.corners)
+        self.shape.bulges, self.shape.continuity = [1.0] * count, ["auto"] * count
 
     def _thirds(self):
         steps = np.linalg.norm(np.roll(self.points, -1, axis=0) - self.points, axis=1)
@@ -177,16 +188,45 @@ class Shaping:
 
     # The fill.
 
-    def _by_side(self):
-        """Bulges in the order of sides: of three, side i is opposite corner i."""
-        bulges = self.shape.bulges
-        if len(bulges) == 3 and not self.shape.round:
-            return bulges[1:] + bulges[:1]
-        return bulges
+    def _by_side(self, values):
+        """Values of the parts of the rim in the order of sides: of three, side i is opposite corner i."""
+        return values[1:] + values[:1] if len(values) == 3 and not self.shape.round else values
 
     def options(self):
         """The arguments of tripatch.fill that the shape makes."""
-        return dict(self.arguments, center_offset=self.shape.middle, bulge=_bulge(self._by_side()))
+        made = dict(self.arguments, center_offset=self.shape.middle, bulge=_bulge(self._by_side(self.shape.bulges)))
+        if set(self.shape.continuity) != {"auto"}:
+            made["continuity"] = _same_or_each(self._by_side(self.shape.continuity))
+        return made
+
+    # Continuity.
+
+    def continuities(self):
+        """What each part of the rim is met with, "G0", "G1" or "G2"; one for all if the fill has no sides, none if there is no
+        choice."""
+        if not self.honors("continuity"):
+            return []
+        kept = ["G0" if each == "Free" else each for each in self.fill.report.continuity]
+        if len(kept) != len(self.shape.bulges):
+            return kept[:1] if len(set(kept)) == 1 else []
+        return kept[-1:] + kept[:-1] if len(kept) == 3 and not self.shape.round else kept
+
+    def next_continuity(self, k):
+        """Meets a part of the rim with the next continuity that the fill can keep there. Whether there is another."""
+        shown, before = self.continuities(), list(self.shape.continuity)
+        if k >= len(shown):
+            return False
+        start = CONTINUITIES.index(shown[k])
+        for wanted in (*CONTINUITIES[start + 1 :], *CONTINUITIES[:start]):
+            parts = [k] if len(shown) == len(before) else range(len(before))
+            self.shape.continuity = [wanted if part in parts else each for part, each in enumerate(before)]
+            self.preview()
+            now = self.continuities()
+            if self.refusal is None and k < len(now) and now[k] == wanted:
+                return True
+        self.shape.continuity = before
+        self.preview()
+        return False
 
     def corners(self):
         """Places of the corners, none on a round rim."""

@@ -4,8 +4,9 @@
 import textwrap
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import blf
 import bmesh
 import bpy
 import gpu
@@ -14,16 +15,21 @@ from bpy.props import BoolProperty, EnumProperty, PointerProperty, StringPropert
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Matrix, Vector
 
-from . import layers, library, overlay, panel, sentences, shaping, shown, waiting
+from . import layers, library, overlay, panel, sentences, shaping, shown, versions, waiting
 from .library import np, quality
 
 # Seconds without a change after which a handle rests; a fill that takes longer than so many waits until then.
 _RESTS, _PROMPT = 0.25, 0.15
 # Characters of a problem that a header shows, and how wide its whole sentence is, in Blender's units.
 _BEGINNING, _WIDE = 48, 20
+# Of a gizmo: how far outside the hole the label of a side is. Its text is so many pixels high.
+_LABEL, _TEXT = 0.4, 11
 _COLOR = (0.16, 0.36, 0.62)
 _RIM, _EDGE = (1.0, 0.75, 0.2, 1.0), (0.05, 0.08, 0.12, 1.0)
-_HINT = "Drag corners, arrows for bulge and the middle   Click: another hole   Ctrl Click: corner   Enter: fill   Esc: leave it"
+_HINT = (
+    "Drag corners, arrows for bulge and the middle   Click G1: other continuity   Click: another hole   Ctrl Click: corner   "
+    "Enter: fill   Esc: leave it"
+)
 
 
 class _State:
@@ -34,6 +40,7 @@ class _State:
         self.handle: Any = None
         self.drawn: Any = None
         self.problem = ""
+        self.label_handle: Any = None
 
 
 _state = _State()
@@ -55,13 +62,14 @@ def start(made):
     _state.shaping = made
     made.preview()
     _state.handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+    _state.label_handle = bpy.types.SpaceView3D.draw_handler_add(_draw_labels, (), "WINDOW", "POST_PIXEL")
     changed()
 
 
 def stop():
     """Ends it, and leaves nothing behind."""
-    if _state.handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_state.handle, "WINDOW")
+    for handle in filter(None, (_state.handle, _state.label_handle)):
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
     if bpy.app.timers.is_registered(_settle):
         bpy.app.timers.unregister(_settle)
     _state.__init__()
@@ -127,6 +135,42 @@ def _draw():
     except Exception:  # one that leaves a callback would come again with every frame
         traceback.print_exc()
         stop()
+
+
+def label_places(context):
+    """[(point in the world, "G0", "G1" or "G2")] beside the parts of the rim, outside the hole."""
+    made = current()
+    shown = made.continuities() if made else []
+    sides = made.side_handles() if made else []
+    return [
+        (Vector(point) - _LABEL * _pixel(context, point) * _gizmo_size() * Vector(direction), text)
+        for (_, point, direction), text in zip(sides, shown, strict=False)
+    ]
+
+
+def _draw_labels():
+    """Over the gizmos, which are what is clicked."""
+    try:
+        context = bpy.context
+        if _object() is None or not _shows_gizmos(context):
+            return
+        size = round(_TEXT * bpy.context.preferences.system.ui_scale)
+        versions.set_font_size(size)
+        blf.color(0, 1, 1, 1, 1)
+        for point, text in label_places(context):
+            x, y = on_screen(context, point)
+            wide, high = blf.dimensions(0, text)
+            if x == x:  # not behind the eye
+                blf.position(0, x - wide / 2, y - high / 2, 0)
+                blf.draw(0, text)
+    except Exception:
+        traceback.print_exc()
+        stop()
+
+
+def _shows_gizmos(context):
+    tool = context.workspace.tools.from_space_view3d_mode(context.mode)
+    return context.space_data.show_gizmo and tool is not None and tool.idname == TRIPATCH_TOOL_shape.bl_idname
 
 
 @persistent
@@ -337,12 +381,14 @@ for _k in range(0, len(_DISC), 3):
     _DISC[_k] = (0.0, 0.0, 0.0)
 
 
-class VIEW3D_GT_tripatch_corner(bpy.types.Gizmo):
-    """A corner that is dragged along the rim."""
+class _Dot:
+    """A disc that faces the eye, some pixels large."""
 
-    bl_idname = "VIEW3D_GT_tripatch_corner"
+    __slots__ = ()
 
-    __slots__ = ("number", "seen", "shape")
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
 
     def setup(self):
         if not hasattr(self, "shape"):
@@ -365,6 +411,33 @@ class VIEW3D_GT_tripatch_corner(bpy.types.Gizmo):
     def draw_select(self, _context, select_id):
         # As it was drawn: while Blender picks, the view's matrices are those of a few pixels round the mouse.
         self.draw_custom_shape(self.shape, matrix=self.seen, select_id=select_id)
+
+
+class VIEW3D_GT_tripatch_side(_Dot, bpy.types.Gizmo):
+    """The label of a side: a click takes the next continuity."""
+
+    bl_idname = "VIEW3D_GT_tripatch_side"
+
+    __slots__ = ("number", "seen", "shape")
+
+    def invoke(self, _context, _event):
+        return {"RUNNING_MODAL"}
+
+    def modal(self, _context, _event, _tweak):
+        return {"RUNNING_MODAL"}  # until the button is let go
+
+    def exit(self, _context, cancel):
+        if current() is not None and not cancel:
+            current().next_continuity(self.number)
+            changed()
+
+
+class VIEW3D_GT_tripatch_corner(_Dot, bpy.types.Gizmo):
+    """A corner that is dragged along the rim."""
+
+    bl_idname = "VIEW3D_GT_tripatch_corner"
+
+    __slots__ = ("number", "seen", "shape")
 
     def invoke(self, _context, _event):
         current().begin_drag()
@@ -408,13 +481,13 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         return context.mode == "EDIT_MESH"
 
     def setup(self, _context):
-        self.corners, self.arrows, self.middle = [], [], None
+        self.corners, self.arrows, self.middle, self.labels = [], [], None, []
 
-    def _corner(self, k):
-        gizmo = self.gizmos.new(VIEW3D_GT_tripatch_corner.bl_idname)
-        gizmo.color, gizmo.alpha = (0.95, 0.3, 0.15), 0.9
-        gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
-        gizmo.scale_basis, gizmo.use_draw_scale, gizmo.number = 8.0, False, k  # pyright: ignore[reportAttributeAccessIssue]
+    def _dot(self, kind, k, color, size, highlight=(1, 1, 1)):
+        gizmo: Any = self.gizmos.new(kind.bl_idname)
+        gizmo.color, gizmo.alpha = color, 0.9
+        gizmo.color_highlight, gizmo.alpha_highlight = highlight, 1.0
+        gizmo.scale_basis, gizmo.use_draw_scale, gizmo.number = size, False, k
         return gizmo
 
     def _arrow(self, get, put, color):
@@ -428,10 +501,13 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
 
     def _make(self, made):
         """As many handles as the hole has corners and sides; those that the fill does not follow are not there."""
-        count, sides = len(made.corners()), len(made.shape.bulges)
-        if len(self.corners) != count or len(self.arrows) != sides or self.middle is None:
+        count, sides, labels = len(made.corners()), len(made.shape.bulges), len(made.continuities())
+        known = len(self.corners), len(self.arrows), len(self.labels)
+        if known != (count, sides, labels) or self.middle is None:
             self.gizmos.clear()
-            self.corners = [self._corner(k) for k in range(count)]
+            self.corners = [self._dot(VIEW3D_GT_tripatch_corner, k, (0.95, 0.3, 0.15), 8.0) for k in range(count)]
+            blue = (0.1, 0.3, 0.6), 13.0, (0.2, 0.5, 0.95)
+            self.labels = [self._dot(VIEW3D_GT_tripatch_side, k, *blue) for k in range(labels)]
             self.arrows = [self._arrow(*bulge_handlers(k), (0.3, 0.8, 0.4)) for k in range(sides)]
             self.middle = self._arrow(*middle_handlers(), (0.35, 0.6, 1.0))
         for arrow in self.arrows:
@@ -445,11 +521,13 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         made = current()
         if made is None or _object() is None:
             self.gizmos.clear()
-            self.corners, self.arrows, self.middle = [], [], None
+            self.corners, self.arrows, self.middle, self.labels = [], [], None, []
             return
         self._make(made)
         for gizmo, place in zip(self.corners, made.corners()):
             gizmo.matrix_basis = Matrix.Translation(Vector(made.points[place]))
+        for gizmo, (point, _) in zip(self.labels, label_places(context), strict=False):
+            gizmo.matrix_basis = Matrix.Translation(point)
         handles = [(point, direction) for _, point, direction in made.side_handles()] + [made.middle_handle()]
         for k, (gizmo, handle) in enumerate(zip(self.arrows, made.side_handles())):
             gizmo.scale_basis = shaping.arrow_scale(made.room(k, handle) / max(_pixel(context, handle[1]), 1e-30), _gizmo_size())
@@ -540,6 +618,7 @@ _classes = (
     MESH_OT_shape_fill,
     MESH_OT_shape_fill_confirm,
     MESH_OT_shape_fill_cancel,
+    VIEW3D_GT_tripatch_side,
     VIEW3D_GT_tripatch_corner,
     VIEW3D_GGT_tripatch,
     VIEW3D_PT_tripatch_problem,

@@ -425,3 +425,45 @@ def test_a_handle_that_is_set_again_to_what_it_is_makes_nothing_anew(shaping, to
         put(float(np.float32(0.2 * made.size)))  # as Blender does in each drawing
         assert made.is_shown and made.fill is shown and not bpy.app.timers.is_registered(tool._settle)
     tool.stop()
+
+
+@pytest.mark.parametrize("part", [0, 1, 2])
+def test_a_click_on_the_label_of_a_side_changes_its_continuity_alone(shaping, part):
+    _, _, made = lattice_hole(shaping)
+    made.preview()
+    assert made.continuities() == ["G1"] * 3
+    seen = []
+    for _ in shaping.CONTINUITIES:
+        assert made.next_continuity(part)
+        seen.append(made.continuities()[part])
+        assert [each for k, each in enumerate(made.continuities()) if k != part] == ["G1", "G1"]
+    assert seen[-1] == "G1" and "G0" in seen, "once around"
+
+
+def test_a_side_without_tangency_has_a_kink_where_its_label_stands(shaping):
+    _, _, made = lattice_hole(shaping)
+    before = made.preview().rim_normals
+    made.next_continuity(0)
+    while made.continuities()[0] != "G0":
+        assert made.next_continuity(0)
+    turned = np.linalg.norm(made.fill.rim_normals - before, axis=1)
+    rim = [made._positions[v] for v in made.fill.rim]
+    at = [int(np.linalg.norm(rim - point, axis=1).argmin()) for _, point, _ in made.side_handles()]
+    assert turned[at[0]] > 1e-5 > 1e-6 > max(turned[at[1:]])
+
+
+def test_the_chosen_continuity_is_written_and_remembered(shaping, tool):
+    ob, _, made = lattice_hole(shaping)
+    tool.start(made)
+    made.next_continuity(1)
+    kept = made.continuities()
+    assert bpy.ops.mesh.shape_fill_confirm() == {"FINISHED"}
+    records = sys.modules[shaping.__name__.replace("shaping", "records")]
+    properties = records.of_fill(ob.data, 1)["properties"]
+    assert kept[1] in [properties[f"continuity_{k}"] for k in range(3)]
+
+
+def test_a_round_hole_has_one_label(shaping):
+    _, made = begun(shaping, scenes.add_mesh(*scenes.ring()), *range(24))
+    made.preview()
+    assert len(made.continuities()) <= 1

@@ -475,6 +475,102 @@ def gizmos(w):
     assert counts() == before, "one undo step"
 
 
+def continuity_labels(w):
+    """A click on the label of a side takes the next continuity there; Enter inserts that fill."""
+    rounded_corner(w)
+    tool, shaping = _tool(w), importlib.import_module(f"{ADDON}.shaping")
+    with w.override():
+        bpy.ops.mesh.shape_fill()
+    yield
+    yield
+    made = tool.current()
+    before = made.continuities()
+    assert len(before) == 3, before
+    yield from w.picture("labels")
+    with w.override():
+        place, text = tool.label_places(bpy.context)[0]
+    assert text == before[0]
+    w.move(*w.on_screen(place))
+    yield
+    yield
+    w.event("LEFTMOUSE", "PRESS")
+    yield
+    w.event("LEFTMOUSE", "RELEASE")
+    yield
+    yield
+    assert tool.current() is made, "no other hole was chosen"
+    now = made.continuities()
+    assert now[0] != before[0] and now[0] in shaping.CONTINUITIES and now[1:] == before[1:], (before, now)
+    yield from w.picture("label-clicked")
+    shown = made.surface()
+    w.home()
+    w.press("RET")
+    yield
+    yield
+    assert tool.current() is None
+    found, expected = _inserted(shown)
+    assert np.abs(found.mean(axis=1) - expected.mean(axis=1)).max() < 1e-5 * made.size
+    yield from w.picture("filled-with-label")
+
+
+def smooth_fill_node(w):
+    """The node is in the Add menu, fills the hole of the modifier's input, and follows when a number is changed."""
+    ball(w)
+    with w.override():
+        bpy.ops.object.mode_set(mode="OBJECT")
+    ob = bpy.context.view_layer.objects.active
+    versions = importlib.import_module(f"{ADDON}.versions")
+    tree = bpy.data.node_groups.new("Fill", "GeometryNodeTree")
+    versions.new_sockets(tree, {"Geometry": "Geometry"})
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    start.location, end.location = (-250, 0), (250, 0)
+    tree.links.new(start.outputs[0], end.inputs[0])
+    ob.modifiers.new("Fill", "NODES").node_group = tree
+    area = w.window.screen.areas[-1]
+    was, area.type = area.ui_type, "NODE_EDITOR"
+    area.ui_type = "GeometryNodeTree"
+    area.spaces.active.node_tree = tree
+    yield
+    region = next(r for r in area.regions if r.type == "WINDOW")
+    with bpy.context.temp_override(window=w.window, area=area, region=region):
+        bpy.ops.node.view_all()
+        bpy.ops.node.add_node(type="TriPatchSmoothFillNode", use_transform=False)
+    yield
+    node = next(n for n in tree.nodes if n.bl_idname == "TriPatchSmoothFillNode")
+    tree.links.new(start.outputs[0], node.inputs[0])
+    tree.links.new(node.outputs[0], end.inputs[0])
+    node.location = (0, 0)
+
+    def faces():
+        return len(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons)
+
+    for _ in range(8):
+        yield
+        if faces() > len(ob.data.polygons):
+            break
+    plain = faces()
+    assert plain > len(ob.data.polygons), "the hole is filled"
+    with bpy.context.temp_override(window=w.window, area=area, region=region):
+        bpy.ops.node.view_all()
+    yield from w.picture("smooth-fill-node")
+    node.inputs["Density"].default_value = 6
+    for _ in range(8):
+        yield
+        if faces() != plain:
+            break
+    assert faces() > plain, "it follows its numbers"
+    yield from w.picture("smooth-fill-node-denser")
+    with bpy.context.temp_override(window=w.window, area=area, region=region):
+        bpy.ops.wm.call_menu(name="NODE_MT_add")
+    yield
+    yield
+    yield from w.picture("smooth-fill-node-menu")
+    w.press("ESC")
+    yield
+    area.ui_type = was
+    yield
+
+
 def _inserted(made):
     """Ends of the edges of the faces that Enter has inserted, and of those that were shown, in one order."""
     vertices, _, edges = made
@@ -879,6 +975,8 @@ ALL = [
     points_inside,
     cage,
     gizmos,
+    continuity_labels,
+    smooth_fill_node,
     preview_is_the_result,
     tool_left,
     overlay_on_and_off,
