@@ -21,7 +21,7 @@ from test_cli import sphere_hole, square, unjoined, write_obj
 from test_crossings import trefoil
 from tripatch import __main__ as cli
 from tripatch import files
-from tripatch.batch import command, creases, inputs, job, journal, keeper, local, pictures, record, scheduling
+from tripatch.batch import command, creases, inputs, job, journal, keeper, local, memory, pictures, record, scheduling
 from tripatch.batch.settings import Settings
 
 distributed = pytest.importorskip("distributed")
@@ -333,6 +333,24 @@ def test_a_crash_and_limits_cost_that_file_only(tmp_path, capsys, monkeypatch):
     assert made["d-once.obj"]["status"] == made["m004.obj"]["status"] == "filled"  # tried again
     again = run(capsys, source, "--out", tmp_path / "out", *options)[2]
     assert "2 done before" in again  # what failed is tried again
+
+
+def test_the_end_of_a_process_is_told_where_there_are_no_signals(tmp_path, capsys, monkeypatch):
+    in_child(monkeypatch, tmp_path, _BAD)
+    source = spheres(tmp_path / "in", 1)
+    (source / "m000.obj").rename(source / "once.obj")
+    monkeypatch.delattr(signal, "SIGKILL")  # as on Windows
+    monkeypatch.setattr(keeper, "_kill_group", lambda process: None)
+    assert run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, "--retries", 0)[0] == 1
+    assert heads(tmp_path / "out")["once.obj"]["reason"] == "The process that filled it ended with code 7"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the limit is set by the system's own call")
+def test_a_memory_limit_without_effect_is_told(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(memory, "LIMITS", False)
+    source = spheres(tmp_path / "in", 1)
+    err = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, "--memory-limit", 800)[2]
+    assert "--memory-limit has no effect on this system" in err
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="Linux says how much memory a process has")

@@ -47,6 +47,14 @@ def test_commands_do_the_whole_in_any_order(source, capsys):
     assert heads(alone)["m000.obj"]["options"] == {"bulge": 1.5}
 
 
+def test_commands_are_quoted_for_the_shell_of_windows(source, capsys, monkeypatch):
+    monkeypatch.setattr("sys.platform", "win32")
+    out, _ = emitted(capsys, source, "commands")
+    assert f'--out "{source.parent / "out"}"' in out or f"--out {source.parent / 'out'}" in out
+    assert "in put" in out and "'" not in out
+    assert 'root="' in out or '"--root=' in out
+
+
 def test_what_writes_nothing_and_what_writes_a_list_do_not_go_together(source, capsys):
     out = source.parent / "never"
     code, said, told = run(capsys, source, "--out", out, "--emit", "commands", "--dry-run")

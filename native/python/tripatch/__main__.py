@@ -151,7 +151,7 @@ def _report(holes: list[Any], left: Sequence[Any], out: files.MeshFile) -> str:
 def _tell(args: argparse.Namespace, holes: list[Any], left: Sequence[Any], out: files.MeshFile) -> None:
     """Writes and prints what is asked for of all holes."""
     if args.report:
-        files.write_over(args.report, lambda part: part.write_text(_report(holes, left, out)))
+        files.write_over(args.report, lambda part: part.write_bytes(_report(holes, left, out).encode()))
     if args.json:
         print(_report(holes, left, out), end="")
         if left:
@@ -308,7 +308,7 @@ def _strip(args: argparse.Namespace) -> int:
     mesh = files.read(args.input)
     try:
         if args.report:
-            data = evidence.undone(args.input.read_bytes(), json.loads(args.report.read_text()))
+            data = evidence.undone(args.input.read_bytes(), json.loads(args.report.read_bytes()))
         else:
             data = mesh.stripped()
     except (files.FileError, OSError, ValueError) as error:

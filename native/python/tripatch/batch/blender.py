@@ -40,7 +40,7 @@ def _run(asked: dict[str, Any], program: str, memory_limit: int | None) -> dict[
     """What the script in Blender answers; else a status and a reason, None where the memory is short."""
     with tempfile.TemporaryDirectory(prefix="tripatch-") as folder:
         question, answer = Path(folder, "question.json"), Path(folder, "answer.json")
-        question.write_text(json.dumps({**asked, "answer": os.fspath(answer)}))
+        question.write_text(json.dumps({**asked, "answer": os.fspath(answer)}), encoding="utf-8")
         command = [program, "--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python-exit-code", "9"]
         command += ["--python", os.fspath(_SCRIPT), "--", os.fspath(question)]
         streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
@@ -55,7 +55,7 @@ def _run(asked: dict[str, Any], program: str, memory_limit: int | None) -> dict[
             return {"status": record.MEMORY_LIMIT, "reason": None}
         # a Blender that crashes after its answer has done what it was asked for
         if answer.exists():
-            told: dict[str, Any] = json.loads(answer.read_text())
+            told: dict[str, Any] = json.loads(answer.read_bytes())
             return told
         said = out.decode(errors="replace").strip().splitlines()
     # Blender's own last word, that the script has failed, says nothing of why

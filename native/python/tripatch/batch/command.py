@@ -19,7 +19,7 @@ from .. import __version__, _native, arguments, words
 from ..filling import fill_all
 from ..holes import choose_holes
 from ..words import counted
-from . import emit, inputs, journal, local, pictures, record, scheduling
+from . import emit, inputs, journal, local, memory, pictures, record, scheduling
 from .in_words import given
 from .progress import Progress
 from .settings import BATCH_OPTIONS, FILL, LIST, Settings
@@ -103,7 +103,9 @@ def add(commands: Any) -> None:
     where.add_argument("--chunk", type=_whole(1), default=50, metavar="N", help="files in each of these commands (default: 50)")
     limits = batch.add_argument_group("limits")
     limits.add_argument("--time-limit", type=_seconds, metavar="SECONDS", help="for each file")
-    limits.add_argument("--memory-limit", type=_whole(200, sys.maxsize >> 20), metavar="MB", help="for the process of a file")
+    limits.add_argument(
+        "--memory-limit", type=_whole(200, sys.maxsize >> 20), metavar="MB", help="for the process of a file (Linux)"
+    )
     limits.add_argument(
         "--retries", type=_whole(0), default=1, metavar="N", help="try a file again whose process crashed (default: 1)"
     )
@@ -297,6 +299,8 @@ def run(args: argparse.Namespace) -> int:
         print(text, end="")
         _say(told)
         return DONE
+    if args.memory_limit and not memory.LIMITS:
+        _say("--memory-limit has no effect on this system")
     _stops()
     try:
         entries, stopped = _run(args, found, settings)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -35,8 +36,9 @@ def _ranges(count: int, chunk: int) -> list[str]:
     return [f"{first}-{min(first + chunk - 1, count)}" for first in range(1, count + 1, chunk)]
 
 
-def _words(command: list[str]) -> str:
-    return " ".join(shlex.quote(word) for word in command)
+def _line(command: list[str]) -> str:
+    """The command for a shell of this system."""
+    return subprocess.list2cmdline(command) if sys.platform == "win32" else shlex.join(command)
 
 
 def _command(listed: Path, out: Path, words: list[str], range_: str | None) -> list[str]:
@@ -46,7 +48,9 @@ def _command(listed: Path, out: Path, words: list[str], range_: str | None) -> l
 
 def _slurm(count: int, chunk: int, listed: Path, out: Path, words: list[str], memory: int | None) -> str:
     tasks = len(_ranges(count, chunk))
-    portion = _words(_command(listed, out, words, "RANGE")).replace("--range RANGE", f'--range "$first-$((first + {chunk - 1}))"')
+    portion = shlex.join(_command(listed, out, words, "RANGE")).replace(
+        "--range RANGE", f'--range "$first-$((first + {chunk - 1}))"'
+    )
     return f"""\
 #!/bin/bash
 # {NOT_TRIED}.
@@ -59,7 +63,7 @@ def _slurm(count: int, chunk: int, listed: Path, out: Path, words: list[str], me
 #SBATCH --mem={(memory or 2000) + 500}M
 set -eu
 if [ "${{1:-}}" = gather ]; then
-  exec {_words(_command(listed, out, words, None))}
+  exec {shlex.join(_command(listed, out, words, None))}
 fi
 first=$((SLURM_ARRAY_TASK_ID * {chunk} + 1))
 exec {portion}
@@ -99,8 +103,8 @@ def emitted(kind: str, files: Sequence[Path], out: Path, words: list[str], chunk
     listed, count = written_list(files, out), len(files)
     chunk = max(chunk, -(-count // _MOST_TASKS))
     if kind == "commands":
-        text = "".join(_words(_command(listed, out, words, range_)) + "\n" for range_ in _ranges(count, chunk))
-        return text, f"When all are done, this gathers their lines: {_words(_command(listed, out, words, None))}"
+        text = "".join(_line(_command(listed, out, words, range_)) + "\n" for range_ in _ranges(count, chunk))
+        return text, f"When all are done, this gathers their lines: {_line(_command(listed, out, words, None))}"
     if kind == "slurm":
         return _slurm(count, chunk, listed, out, words, memory), f"The script says how it is submitted. {NOT_TRIED}"
     if kind == "openjd":

@@ -198,6 +198,7 @@ class Keeper:
         if late:
             return _Ended(record.TIME_LIMIT, f"It took longer than the {self._settings.time_limit:g} s that a file may take")
         said = f" ({lines[-1][:200]})" if lines and code >= 0 else ""
-        by = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}{said}"
-        memory = ", as by a system that is short of memory" if code == -signal.SIGKILL else ""
+        name = signal.Signals(-code).name if code < 0 else ""  # Windows has no signals, not even their numbers
+        by = f"was ended by {name}" if name else f"ended with code {code}{said}"
+        memory = ", as by a system that is short of memory" if name == "SIGKILL" else ""
         return _Ended(record.CRASHED, f"The process that filled it {by}{memory}")

@@ -12,14 +12,16 @@ from pathlib import Path
 _LOOK = 1.0
 
 
+#: Whether the system lets a process be limited: Windows has no call for it, and macOS ignores it.
+LIMITS = sys.platform not in ("win32", "darwin")
+
+
 def limit(megabytes: int | None) -> None:
-    """This process asks for no more than so much: what it asks for then fails as MemoryError. No effect on Windows."""
-    if not megabytes:
+    """This process asks for no more than so much: what it asks for then fails as MemoryError. No effect without `LIMITS`."""
+    if not megabytes or not LIMITS:
         return
-    try:
-        import resource
-    except ImportError:
-        return
+    import resource
+
     for kind in (resource.RLIMIT_DATA, resource.RLIMIT_AS) if sys.platform != "linux" else (resource.RLIMIT_DATA,):
         _, hard = resource.getrlimit(kind)
         wanted = megabytes * 2**20
