@@ -12,12 +12,12 @@ import sys
 
 import addon_utils
 
-NAME = "tripatch_blender"
+NAME, EXTENSION = "tripatch_blender", "tripatch"  # its folder, and its id among extensions
 
 
 def command_line():
     """The add-on's command line: of the installed add-on, else of the source tree."""
-    installed = [module.__name__ for module in addon_utils.modules() if module.__name__.split(".")[-1] == NAME]
+    installed = [module.__name__ for module in addon_utils.modules() if module.__name__.split(".")[-1] in (NAME, EXTENSION)]
     if installed:
         addon_utils.enable(installed[0])
         return importlib.import_module(installed[0] + ".command_line")

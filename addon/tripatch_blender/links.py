@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where to read and ask. scripts/package puts TRIPATCH_WEBSITE in place of the website."""
+"""Where to read and ask. scripts/package puts the homepage of pyproject.toml in place of the website."""
 
 WEBSITE = "https://tripatch.example"
 GUIDE = f"{WEBSITE}/guide.html"

@@ -28,7 +28,7 @@ def _install(archive: str) -> str:
     """Installs and enables a packaged add-on; returns the name of its Python module."""
     if bpy.app.version >= (4, 2):
         bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
-        return "bl_ext.user_default.tripatch_blender"
+        return "bl_ext.user_default.tripatch"
     bpy.ops.preferences.addon_install(filepath=archive, overwrite=True)
     bpy.ops.preferences.addon_enable(module="tripatch_blender")
     return "tripatch_blender"

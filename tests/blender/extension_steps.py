@@ -8,7 +8,7 @@ import bpy
 
 import addon_utils  # isort: skip
 
-MODULE = "bl_ext.user_default.tripatch_blender"
+MODULE = "bl_ext.user_default.tripatch"
 
 
 def install(archive):
@@ -67,7 +67,7 @@ def disable():
 def remove():
     repositories = bpy.context.preferences.extensions.repos
     index = next(k for k, r in enumerate(repositories) if r.module == "user_default")
-    assert bpy.ops.extensions.package_uninstall(repo_index=index, pkg_id="tripatch_blender") == {"FINISHED"}
+    assert bpy.ops.extensions.package_uninstall(repo_index=index, pkg_id="tripatch") == {"FINISHED"}
     assert not traces(), traces()
 
 

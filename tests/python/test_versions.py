@@ -27,6 +27,7 @@ def test_the_version_is_the_same_everywhere():
         "tripatch.__version__": tripatch.__version__,
         "CMakeLists.txt": re.search(r"project\(tripatch VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text())[1],
         "blender_manifest.toml": tomllib.loads((addon / "blender_manifest.toml").read_text())["version"],
+        "CITATION.cff": re.search(r"^version: (\S+)", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)[1],
         "bl_info": ".".join(map(str, bl_info["version"])),
     }
     assert found == dict.fromkeys(found, expected)

@@ -13,7 +13,7 @@ from typing import Any
 import addon_utils
 import bpy
 
-NAME = "tripatch_blender"
+NAME, EXTENSION = "tripatch_blender", "tripatch"  # its folder, and its id among extensions
 # as record.py names them, which needs the library
 UNREADABLE, CRASHED, NOT_WRITTEN, MEMORY_LIMIT = "unreadable", "crashed", "not written", "memory limit"
 
@@ -28,7 +28,7 @@ class Stop(Exception):
 
 def command_line(asked: dict[str, Any]) -> Any:
     """The add-on's command line: of the installed add-on, else of the folder that was named."""
-    installed = [module.__name__ for module in addon_utils.modules() if module.__name__.split(".")[-1] == NAME]
+    installed = [module.__name__ for module in addon_utils.modules() if module.__name__.split(".")[-1] in (NAME, EXTENSION)]
     if installed and not asked["addon"]:
         addon_utils.enable(installed[0])
         name = installed[0]

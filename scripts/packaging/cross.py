@@ -1,0 +1,152 @@
+"""Compiles the Python module for another system with zig: the core once, the bindings once per Python."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pybind11
+import ziglang
+from platforms import PLATFORMS, PYTHONS, Platform  # noqa: F401
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build"
+EIGEN = Path("/usr/share/eigen3/cmake")  # Debian's, which has headers only
+ZIG = Path(ziglang.__file__).with_name("zig")
+
+# Python's configuration where long and pointers have 64 bits: Linux and macOS on x86-64 and arm64.
+UNIX_CONFIG = {
+    **{
+        f"SIZEOF_{name}": 8
+        for name in ("LONG", "LONG_LONG", "VOID_P", "SIZE_T", "UINTPTR_T", "TIME_T", "OFF_T", "FPOS_T", "DOUBLE")
+    },
+    **{f"SIZEOF_{name}": 4 for name in ("INT", "WCHAR_T", "PID_T", "FLOAT")},
+    **{
+        "SIZEOF_SHORT": 2,
+        "SIZEOF__BOOL": 1,
+        "SIZEOF_PTHREAD_T": 8,
+        "ALIGNOF_LONG": 8,
+        "ALIGNOF_SIZE_T": 8,
+        "ALIGNOF_MAX_ALIGN_T": 16,
+    },
+    **{
+        f"HAVE_{name}": 1
+        for name in (
+            *(
+                "INTTYPES_H",
+                "LANGINFO_H",
+                "PTHREAD_H",
+                "STDDEF_H",
+                "STDINT_H",
+                "SYS_SELECT_H",
+                "SYS_STAT_H",
+                "SYS_TIME_H",
+                "SYS_TYPES_H",
+            ),
+            *("UNISTD_H", "WCHAR_H", "CLOCK_GETTIME", "FORK", "SSIZE_T"),
+        )
+    },
+    **{"DOUBLE_IS_LITTLE_ENDIAN_IEEE754": 1, "WITH_DOC_STRINGS": 1, "WITH_PYMALLOC": 1},
+}
+
+
+def headers(python: str, platform: Platform) -> Path:
+    """The folder with Python's headers and their configuration for a platform, made from a source tree of Python."""
+    source = BUILD / "python-source" / python
+    folder = BUILD / "cross" / "python" / f"{python}-{platform.system}"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(source / "Include", folder)
+    if platform.system == "Windows":
+        config = next(p for p in (source / "PC" / "pyconfig.h", source / "PC" / "pyconfig.h.in") if p.exists()).read_text()
+    else:
+        config = "".join(f"#define {name} {value}\n" for name, value in UNIX_CONFIG.items())
+        config = f"#pragma once\n{config}#ifndef _POSIX_THREADS\n#define _POSIX_THREADS 1\n#endif\n"
+    (folder / "pyconfig.h").write_text(config)
+    return folder
+
+
+def import_library(python: str, include: Path) -> Path:
+    """What a module links for Windows: names of all that the headers declare, to be found in pythonXY.dll."""
+    names: dict[str, str] = {}
+    for header in sorted([*include.glob("*.h"), *include.glob("cpython/*.h")]):
+        for kind, name in re.findall(
+            r"PyAPI_(FUNC|DATA)\([^()]*(?:\([^()]*\)[^()]*)*\)\s*(\w+)", header.read_text(encoding="utf-8")
+        ):
+            names[name] = " DATA" if kind == "DATA" else ""
+    definition = include / f"python{python}.def"
+    lines = "".join(f"    {name}{data}\n" for name, data in sorted(names.items()))
+    definition.write_text(f"LIBRARY python{python}.dll\nEXPORTS\n{lines}")
+    library = include / f"libpython{python}.a"
+    run([ZIG, "dlltool", "-m", "i386:x86-64", "-d", definition, "-l", library])
+    return library
+
+
+def run(command: list[str | Path]) -> None:
+    done = subprocess.run(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode:
+        sys.exit(f"{done.stdout[-6000:]}\nerror: {' '.join(map(str, command))[:300]} failed")
+
+
+def toolchain(platform: Platform) -> Path:
+    """A CMake toolchain file with zig's compilers for a platform."""
+    folder = BUILD / "cross" / platform.name
+    folder.mkdir(parents=True, exist_ok=True)
+    # its runtime compiled in one mode, no checks of debug builds, and the same bytes wherever the source tree lies
+    compiled = f"-target {platform.target} -O2 -g0 -fno-sanitize=undefined -ffile-prefix-map={ROOT}=."
+    tools = {"cc": f"cc {compiled}", "c++": f"c++ {compiled}", "ar": "ar", "ranlib": "ranlib"}
+    caches = f"ZIG_GLOBAL_CACHE_DIR={BUILD}/zig-cache ZIG_LOCAL_CACHE_DIR={BUILD}/zig-cache"
+    for name, command in tools.items():
+        tool = folder / name
+        more = " $TRIPATCH_CROSS_FLAGS" if command.startswith("c") else ""  # -O1, for a trial
+        content = f'#!/bin/sh\n{caches} exec {ZIG} {command} "$@"{more}\n'
+        if not tool.exists() or tool.read_text() != content:
+            tool.write_text(content)
+            tool.chmod(0o755)
+    lines = {
+        "CMAKE_SYSTEM_NAME": platform.system,
+        "CMAKE_SYSTEM_PROCESSOR": platform.processor,
+        "CMAKE_C_COMPILER": folder / "cc",
+        "CMAKE_CXX_COMPILER": folder / "c++",
+        "CMAKE_AR": folder / "ar",
+        "CMAKE_RANLIB": folder / "ranlib",
+        "CMAKE_FIND_ROOT_PATH_MODE_PROGRAM": "NEVER",
+    }
+    if platform.system == "Darwin":
+        lines |= {"CMAKE_INSTALL_NAME_TOOL": "/bin/true", "CMAKE_OSX_SYSROOT": '""', "CMAKE_LINKER_TYPE": "DEFAULT"}
+    file = folder / "toolchain.cmake"
+    file.write_text("".join(f"set({name} {value})\n" for name, value in lines.items()))
+    return file
+
+
+def modules(platform: Platform, opensubdiv: Path) -> dict[str, Path]:
+    """The compiled module for each Python."""
+    folder = BUILD / "cross" / platform.name / "build"
+    made = {}
+    for python in PYTHONS:
+        include = headers(python, platform)
+        suffix = platform.module_suffix.format(python=python)
+        options = {
+            "CMAKE_BUILD_TYPE": "Release",
+            "CMAKE_TOOLCHAIN_FILE": toolchain(platform),
+            "CMAKE_DISABLE_PRECOMPILE_HEADERS": "ON",
+            "TRIPATCH_CCACHE": "OFF",  # zig has a cache of its own
+            "TRIPATCH_PYTHON": "ON",
+            "TRIPATCH_UNITY": "ON",
+            "TRIPATCH_OPENSUBDIV": "static",
+            "TRIPATCH_OPENSUBDIV_SOURCE": opensubdiv.resolve(),
+            "Eigen3_DIR": EIGEN,
+            "pybind11_DIR": pybind11.get_cmake_dir(),
+            "PYBIND11_USE_CROSSCOMPILING": "ON",
+            "PYTHON_MODULE_EXTENSION": suffix,
+            "Python_INCLUDE_DIR": include,
+        }
+        if platform.system == "Windows":
+            options["Python_LIBRARY"] = import_library(python, include)
+        run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *(f"-D{name}={value}" for name, value in options.items())])
+        run(["cmake", "--build", folder, "--target", "_native", *os.environ.get("TRIPATCH_BUILD_OPTIONS", "").split()])
+        made[python] = folder / f"_native{suffix}"
+    return made
