@@ -114,7 +114,10 @@ def toolchain(platform: Platform) -> Path:
         "CMAKE_AR": folder / "ar",
         "CMAKE_RANLIB": folder / "ranlib",
         "CMAKE_FIND_ROOT_PATH_MODE_PROGRAM": "NEVER",
+        "CMAKE_MODULE_LINKER_FLAGS_INIT": "-s",
     }
+    if platform.system == "Windows":  # else CMake links uuid and others, which zig would have to compile: minutes for nothing
+        lines["CMAKE_CXX_STANDARD_LIBRARIES"] = '"" CACHE STRING "" FORCE'
     if platform.system == "Darwin":
         lines |= {"CMAKE_INSTALL_NAME_TOOL": "/bin/true", "CMAKE_OSX_SYSROOT": '""', "CMAKE_LINKER_TYPE": "DEFAULT"}
     file = folder / "toolchain.cmake"
