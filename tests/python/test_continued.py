@@ -71,7 +71,7 @@ def test_obj_texture_coordinates_are_continued(tmp_path, output):
 def test_obj_colors_of_vertices_are_blended(tmp_path):
     mesh = filled(obj(tmp_path / "in.obj"), tmp_path / "out.obj")[1]
     new = range(81, len(mesh.vertices))
-    colors = np.array([[float(word) for word in mesh._extras[v]] for v in new])
+    colors = np.array([[float(word) for word in mesh._extra(v)] for v in new])
     assert len(colors)
     x, y = mesh.vertices[81:, :2].T
     np.testing.assert_allclose(colors, np.column_stack([x, 0 * x + 0.5, y]), atol=1e-9)

@@ -35,15 +35,27 @@ class Rows(Sequence[list[int]]):
     """Faces as index lists that are made when they are asked for; NumPy takes faces of one size as an (m, 3) or (m, 4) array.
 
     Attributes:
-        offsets: (m + 1,) where each face begins.
         corners: of all faces, one after another.
     """
 
-    def __init__(self, offsets: Array, corners: Array) -> None:
-        self.offsets, self.corners = offsets, corners
+    def __init__(self, offsets: Array | int, corners: Array) -> None:
+        """offsets: or the number of corners that every face has."""
+        self._offsets, self.corners = offsets, corners
+
+    @property
+    def offsets(self) -> Array:
+        """(m + 1,) where each face begins."""
+        if isinstance(self._offsets, int):
+            return np.arange(0, len(self.corners) + 1, self._offsets)
+        return self._offsets
+
+    @property
+    def sizes(self) -> Array:
+        """(m,) how many corners each has."""
+        return np.diff(self.offsets)
 
     def __len__(self) -> int:
-        return len(self.offsets) - 1
+        return len(self.corners) // self._offsets if isinstance(self._offsets, int) else len(self._offsets) - 1
 
     @overload
     def __getitem__(self, f: int) -> list[int]: ...
@@ -55,7 +67,9 @@ class Rows(Sequence[list[int]]):
         if not -len(self) <= f < len(self):
             raise IndexError(f"there are {len(self)} faces")
         f = int(f) % len(self)
-        return self.corners[self.offsets[f] : self.offsets[f + 1]].tolist()
+        if isinstance(self._offsets, int):
+            return self.corners[f * self._offsets : (f + 1) * self._offsets].tolist()
+        return self.corners[self._offsets[f] : self._offsets[f + 1]].tolist()
 
     def __iter__(self) -> Iterator[list[int]]:
         return iter(index_lists(rows(self.offsets, self.corners)))
@@ -120,28 +134,40 @@ def index_lists(value: Any) -> list[list[int]]:
     return found
 
 
+#: Odd numbers whose products spread over 64 bits: the golden ratio's and another's.
+_SPREADING = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F)
+
+
 def same_places(points: Array) -> tuple[Array, Array]:
     """Rows (n, 3) that are equal as one. Returns the first row of each place, ascending, and for each row its place."""
-    bits = np.ascontiguousarray(points + 0.0, np.float64).view(np.uint64).reshape(-1, 3)  # -0 is 0
-    key = bits[:, 0].copy()
-    for column in (1, 2):  # a hash, whose collisions are seen below
-        key ^= key >> np.uint64(32)
-        key *= np.uint64(0x9E3779B97F4A7C15)
-        key += bits[:, column]
-    key ^= key >> np.uint64(32)
-    key *= np.uint64(0x9E3779B97F4A7C15)
-    order = np.argsort(key)
-    key = key[order]
-    begins = np.concatenate([[True], key[1:] != key[:-1]])[: len(key)]
-    place = np.empty(len(order), np.int64)
-    place[order] = np.cumsum(begins) - 1
-    first = np.minimum.reduceat(order, np.flatnonzero(begins)) if len(order) else order
-    if not np.array_equal(bits[first[place]], bits):
+    points = np.ascontiguousarray(points + points.dtype.type(0))  # -0 is 0
+    bits: Array = points.view(np.uint32 if points.dtype == np.float32 else np.uint64).reshape(-1, 3)
+    low = np.uint64(max(len(bits) - 1, 1).bit_length())  # of a number: which row it is; above them a hash
+    mask = (np.uint64(1) << low) - np.uint64(1)
+    for factor in _SPREADING:
+        key: Array = bits[:, 0] * np.uint64(factor)
+        for column in (1, 2):
+            key ^= key >> np.uint64(32)
+            key += bits[:, column]
+            key *= np.uint64(factor)
+        key &= ~mask
+        key |= np.arange(len(bits), dtype=np.uint64)
+        key.sort()
+        order = (key & mask).astype(np.int64)
+        key >>= low
+        begins = np.ones(len(key), bool)
+        np.not_equal(key[1:], key[:-1], out=begins[1:])
+        first, place = order[begins], np.empty(len(order), np.int64)
+        place[order] = np.cumsum(begins) - 1
+        if all(np.array_equal(bits[:, k][first][place], bits[:, k]) for k in range(3)):
+            break
+    else:  # what is not equal has one hash
         _, first, place = np.unique(bits, axis=0, return_index=True, return_inverse=True)
+        place = place.reshape(-1)
     by_use = np.argsort(first)
     rank = np.empty_like(by_use)
     rank[by_use] = np.arange(len(by_use))
-    return first[by_use], rank[place.reshape(-1)]
+    return first[by_use], rank[place]
 
 
 def mesh(vertices: ArrayLike, face_list: Faces) -> tuple[Array, Array, Array]:

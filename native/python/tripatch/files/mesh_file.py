@@ -36,18 +36,20 @@ class MeshFile:
     suffix = ""
 
     def __init__(self, vertices: Array, faces: Any) -> None:
-        """faces: an (m, 3) or (m, 4) array, index lists, or offsets and corners."""
+        """faces: an (m, 3) or (m, 4) array, index lists, or corners after their offsets or the size of all faces."""
         self.vertices = vertices.view()
         self.vertices.flags.writeable = False
         try:
+            if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.dtype.kind in "iu":
+                faces = faces.shape[1], faces.astype(np.int64, copy=False).reshape(-1)
             offsets, corners = faces if isinstance(faces, tuple) else _arrays.faces(faces)
         except (OverflowError, TypeError):
             raise FileError(f"A face names a vertex far beyond those that exist; there are {len(vertices)}") from None
+        self.faces = _arrays.Rows(offsets, corners)
         if corners.size and (corners.min() < 0 or corners.max() >= len(vertices)):
             place = int(np.argmax((corners < 0) | (corners >= len(vertices))))
-            face = int(np.searchsorted(offsets, place, "right")) - 1
+            face = int(np.searchsorted(self.faces.offsets, place, "right")) - 1
             raise FileError(f"Face {face} names a vertex that does not exist; there are {len(vertices)}")
-        self.faces = _arrays.Rows(offsets, corners)
         self._added = 0  # vertices
         self._marks, self._number = False, 0  # whether fills are told apart, and how many there are
         self._about: list[dict[str, Any]] = []  # of each that was added

@@ -6,6 +6,7 @@ import itertools
 import json
 import re
 import struct
+from array import array
 from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any
@@ -50,7 +51,13 @@ class _PlyElement:
         self.head_end = 0  # byte of the header where its last line ends
         self.properties: list[tuple[str, str, str | None]] = []  # name, type, type of the count of a list
         self.starts: Sequence[int] = ()  # of every row and of the end: bytes, or lines of a text
+        self.block: Array | None = None  # all rows, where they are alike
+        self.list_sizes = np.zeros((0, 0), np.int64)  # else of each row how long its lists are
         self.new: list[bytes] = []
+
+    def lists(self) -> list[int]:
+        """The properties that are lists."""
+        return [k for k, p in enumerate(self.properties) if p[2]]
 
     def index(self, name: str) -> int:
         return next((k for k, p in enumerate(self.properties) if p[0] == name), -1)
@@ -100,17 +107,21 @@ class PlyFile(MeshFile):
         if min(self._xyz) < 0 or self._index < 0 or self._face.properties[self._index][2] is None:
             raise FileError("The PLY file has vertices without x, y, z or faces without vertex indices")
         try:
-            columns = self._read_text() if form == "ascii" else self._read_binary()
+            vertices, sizes, corners = self._read_text() if form == "ascii" else self._read_binary()
         except (ValueError, IndexError, OverflowError, MemoryError, struct.error):
             raise FileError("The PLY file is damaged: it ends early or holds what is no number") from None
-        vertices = np.column_stack([np.asarray(columns[0][k], float) for k in self._xyz]).reshape(-1, 3)
-        rows = columns[1][self._index]
-        faces = (rows if isinstance(rows, np.ndarray) else np.array(rows, object)).tolist() if len(rows) else []
-        keep = [f for f, face in enumerate(faces) if len(face) >= 3]
-        self._row_of = keep
         self._changed: dict[int, list[Any]] = {}  # rows of faces that were split
         self._deviation_at = -1  # property of new vertices that is their fill's; -1: all are as those of the rim
-        super().__init__(vertices, [[int(v) for v in faces[f]] for f in keep])
+        self._row_of: Sequence[int] = range(self._face.count)
+        if isinstance(sizes, int) and sizes >= 3:
+            super().__init__(vertices, (sizes, corners))
+            return
+        sizes = np.full(self._face.count, sizes) if isinstance(sizes, int) else sizes
+        kept = sizes >= 3
+        if not kept.all():
+            self._row_of = np.flatnonzero(kept).tolist()
+            corners, sizes = corners[np.repeat(kept, sizes)], sizes[kept]
+        super().__init__(vertices, (np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), corners))
 
     @classmethod
     def of_mesh(cls, vertices: Array, faces: list[list[int]]) -> PlyFile:
@@ -129,9 +140,7 @@ class PlyFile(MeshFile):
         vertex, k = self._vertex, self._vertex.index(DEVIATION)
         if k < 0 or vertex.properties[k][2]:
             return None
-        if self._order:
-            return np.asarray(self._binary_rows(vertex, vertex.starts[0])[1][k], float)
-        return np.array([self._text_row(vertex, row)[k] for row in range(vertex.count)], float)
+        return self._column(vertex, k).astype(float)
 
     def with_deviation(self) -> PlyFile:
         """The same file with a number `deviation` at every vertex, 0 where it had none; fills write theirs there."""
@@ -270,7 +279,8 @@ class PlyFile(MeshFile):
         word, text = self._last_word(element, k), self._lines[first]
         return text[: word.start() - 1] + text[word.end() :] + b"".join(self._lines[first + 1 : after])
 
-    # Both readers set where the rows of all elements start, and return the columns of vertices and faces by place.
+    # Both readers set where the rows of all elements start, and return vertices (n, 3), the number of corners of each face, or
+    # one for all, and the corners.
 
     def _read_text(self) -> Any:
         self._lines = writing.lines(bytes(self._data[self._body :]))
@@ -298,7 +308,7 @@ class PlyFile(MeshFile):
 
     def _text_columns(self) -> Any:
         filled = [k for k, line in enumerate(self._lines) if line.strip()]
-        columns: dict[str, Any] = {}
+        vertices, faces = np.zeros((0, 3)), []
         first = 0
         for element in self._elements:
             places = filled[first : first + element.count]
@@ -312,10 +322,11 @@ class PlyFile(MeshFile):
                 else:
                     text = [self._lines[k].decode() for k in places]
                     table = np.loadtxt(text, usecols=self._xyz, ndmin=2, comments=None) if text else []
-                columns["vertex"] = dict(zip(self._xyz, np.array(table, float).reshape(-1, 3).T))
+                vertices = np.array(table, float).reshape(-1, 3)
             elif element is self._face:
-                columns["face"] = {self._index: [self._text_row(element, k)[self._index] for k in range(element.count)]}
-        return columns["vertex"], columns["face"]
+                faces = [self._text_row(element, k)[self._index] for k in range(element.count)]
+        sizes = np.fromiter(map(len, faces), np.int64, len(faces))
+        return vertices, sizes, np.fromiter(itertools.chain.from_iterable(faces), np.int64, int(sizes.sum()))
 
     def _text_row(self, element: _PlyElement, k: int) -> list[Any]:
         line = self._lines[element.starts[k]]
@@ -339,18 +350,22 @@ class PlyFile(MeshFile):
         return row
 
     def _read_binary(self) -> Any:
-        at, columns = self._body, {}
+        at = self._body
         for element in self._elements:
-            at, rows = self._binary_rows(element, at)
-            if element in (self._vertex, self._face):
-                columns[element.name] = rows
-        return columns["vertex"], columns["face"]
+            at = self._find_rows(element, at)
+        vertices = np.column_stack([self._column(self._vertex, k) for k in self._xyz]).astype(float, copy=False).reshape(-1, 3)
+        face, k = self._face, self._index
+        if face.block is not None or not face.count:
+            rows = face.block[f"p{k}"] if face.block is not None else np.zeros((0, 3))
+            return vertices, rows.shape[1], rows.astype(np.int64).reshape(-1)
+        return vertices, face.list_sizes[:, face.lists().index(k)], self._corners_of_rows()
 
-    def _binary_rows(self, element: _PlyElement, at: int) -> Any:
+    def _find_rows(self, element: _PlyElement, at: int) -> int:
+        """Sets where the rows of an element start, which begins at a byte; returns where it ends."""
         data, order = self._data, self._order
+        element.starts, element.block = [at], None
         if element.count == 0:
-            element.starts = [at]
-            return at, [[]] * len(element.properties)
+            return at
         # all rows as long as the first, as where all faces are triangles: one block
         first, _ = self._binary_row(element, at)
         fields: list[Any] = []
@@ -362,17 +377,63 @@ class PlyFile(MeshFile):
         end = at + block.itemsize * element.count
         if end <= len(data):
             table = np.frombuffer(data, block, element.count, at)
-            lists = [k for k, p in enumerate(element.properties) if p[2]]
-            if all((table[f"n{k}"] == len(first[k])).all() for k in lists):
-                element.starts = range(at, end + 1, block.itemsize)
-                return end, [table[f"p{k}"] for k in range(len(element.properties))]
-        starts, rows = [at], []
+            if all((table[f"n{k}"] == len(first[k])).all() for k in element.lists()):
+                element.starts, element.block = range(at, end + 1, block.itemsize), table
+                return end
+        return self._follow_rows(element, at)
+
+    def _follow_rows(self, element: _PlyElement, at: int) -> int:
+        """As `_find_rows`, of rows that differ in length."""
+        data, between, sizes = self._data, 0, []
+        steps: list[tuple[int, struct.Struct, int]] = []  # for each list: bytes before its count, that, and bytes of an entry
+        for _, kind, list_kind in element.properties:
+            if list_kind:
+                steps.append((between, struct.Struct(self._order + list_kind), struct.calcsize(f"<{kind}")))
+                between = 0
+            else:
+                between += struct.calcsize(f"<{kind}")
+        starts = array("q", [at])
         for _ in range(element.count):
-            row, at = self._binary_row(element, at)
-            rows.append(row)
+            for before, count, each in steps:
+                at += before
+                (size,) = count.unpack_from(data, at)
+                if size < 0:
+                    raise ValueError
+                sizes.append(size)
+                at += count.size + size * each
+            at += between
+            if at > len(data):
+                raise ValueError
             starts.append(at)
-        element.starts = starts
-        return at, list(zip(*rows))
+        element.starts, element.list_sizes = starts, np.array(sizes, np.int64).reshape(element.count, -1)
+        return at
+
+    def _corners_of_rows(self) -> Array:
+        """Of faces whose rows differ in length."""
+        face, k = self._face, self._index
+        before = np.array(face.starts[:-1])
+        for p, (_, kind, list_kind) in enumerate(face.properties[: k + 1]):
+            if list_kind:
+                before += struct.calcsize(f"<{list_kind}")
+            if p < k:
+                sizes = face.list_sizes[:, face.lists().index(p)] if list_kind else 1
+                before += sizes * struct.calcsize(f"<{kind}")
+        number = np.dtype(self._order + face.properties[k][1])
+        sizes = face.list_sizes[:, face.lists().index(k)]
+        offsets = np.cumsum(sizes) - sizes
+        corners = np.empty(int(sizes.sum()), np.int64)
+        raw = np.frombuffer(self._data, np.uint8)
+        for size in np.unique(sizes[sizes > 0]).tolist():
+            mine = np.flatnonzero(sizes == size)
+            bytes_ = raw[before[mine][:, None] + np.arange(size * number.itemsize)]
+            corners[offsets[mine][:, None] + np.arange(size)] = bytes_.view(number)
+        return corners
+
+    def _column(self, element: _PlyElement, k: int) -> Array:
+        """A number of every row."""
+        if element.block is not None:
+            return np.asarray(element.block[f"p{k}"])
+        return np.array([self._row(element, row)[k] for row in range(element.count)], float)
 
     def _binary_row(self, element: _PlyElement, at: int) -> tuple[list[Any], int]:
         row = []

@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from .. import _arrays
 from .._types import Array
 from . import writing
 from .continued import Continued
+from .lines import Lines
 from .mesh_file import MeshFile
 from .writing import FileError
 
@@ -20,6 +22,7 @@ def _corner_triangles(faces: list[list[int]]) -> Any:
     return [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)]
 
 
+_VERTEX = rb"(?im)^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)"
 _STL_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -31,42 +34,45 @@ class StlFile(MeshFile):
         self._new: list[tuple[Array, Array, int]] = []  # normal, corners, attribute or solid
         self._ends: list[int] = []  # of a text: where its solids end
         count = int.from_bytes(data[80:84], "little")
-        found = re.findall(rb"(?im)^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", data)
         # many binary files start with "solid", too; some writers leave bytes behind the last triangle
-        self._binary = len(data) >= 84 and (len(data) == 84 + 50 * count or (not found and count > 0))
+        exact = len(data) >= 84 and len(data) == 84 + 50 * count
+        self._binary = exact or (len(data) >= 84 and count > 0 and not re.search(_VERTEX, data))
         if self._binary:
             if len(data) < 84 + 50 * count:
                 held = (len(data) - 84) // 50
                 raise FileError(f"The file is no STL file, or it ends early: it announces {count} triangles and holds {held}")
             records = np.frombuffer(data, _STL_RECORD, count, 84)
-            corners = records["corners"].reshape(-1, 3).astype(float)
+            corners = records["corners"].reshape(-1, 3)
             self._part_of = records["attribute"]
         else:
-            corners = self._read_text(found)
-        # in the order of their first use
-        _, first, inverse = np.unique(corners, axis=0, return_index=True, return_inverse=True)
-        order = np.argsort(first)
-        rank = np.empty_like(order)
-        rank[order] = np.arange(len(order))
-        super().__init__(corners[first[order]].reshape(-1, 3), rank[inverse.reshape(-1)].reshape(-1, 3).tolist())
+            corners = self._read_text()
+        first, place = _arrays.same_places(corners)  # in the order of their first use
+        super().__init__(corners[first].astype(float), place.reshape(-1, 3))
 
-    def _read_text(self, found: list[tuple[bytes, ...]]) -> Array:
+    def _read_text(self) -> Array:
         data = self._data
-        self._ends = [match.start() for match in re.finditer(rb"(?im)^[ \t]*endsolid", data)]
         if not re.match(rb"(?i)\s*solid", data):
             raise FileError("The file is no STL file: it neither starts with 'solid' nor holds as many triangles as it announces")
+        lines = Lines(data)
+        self._ends = lines.starts[lines.beginning_with(b"endsolid")].tolist()
+        chosen = lines.beginning_with(b"vertex")
         if not self._ends:
-            raise FileError(f"The STL file ends early: it has {len(found) // 3} triangles and no 'endsolid'")
-        if len(found) % 3:
-            raise FileError(f"The STL file is damaged: it has {len(found)} vertices, which are no whole triangles")
-        starts = np.zeros(len(found) // 3, int)
-        if len(self._ends) > 1:
-            starts = np.array([m.start() for m in re.finditer(rb"(?im)^[ \t]*vertex[ \t]", data)][::3], int)
-        self._part_of = np.searchsorted(self._ends[:-1], starts)
+            raise FileError(f"The STL file ends early: it has {len(chosen) // 3} triangles and no 'endsolid'")
+        if len(chosen) % 3:
+            raise FileError(f"The STL file is damaged: it has {len(chosen)} vertices, which are no whole triangles")
+        self._part_of = np.searchsorted(self._ends[:-1], lines.starts[chosen[::3]])
+        corners = np.full((len(chosen), 3), np.nan)
+        left = np.ones(len(chosen), bool)
+        for some, numbers, _ in lines.table(chosen, b"", keyword=b"vertex"):
+            if numbers.shape[1] >= 3:
+                at = np.searchsorted(chosen, some)
+                corners[at], left[at] = numbers[:, :3, 0], False
         try:
-            return np.array(found, dtype="S").astype(float).reshape(-1, 3)
+            for k in np.flatnonzero(left).tolist():
+                corners[k] = [float(word) for word in lines.words(chosen[k])[1:4]]
         except ValueError:
             raise FileError("The STL file has a vertex that is no three numbers") from None
+        return corners
 
     @classmethod
     def of_mesh(cls, vertices: Array, faces: list[list[int]]) -> StlFile:
