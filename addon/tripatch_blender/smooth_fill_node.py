@@ -6,7 +6,7 @@ import bpy
 from . import following, library, node_fills, panel
 
 
-class TriPatchSmoothFillNode(bpy.types.GeometryNodeCustomGroup):
+class _SmoothFill:
     """Fill the holes of a mesh so that the surface continues smoothly"""
 
     bl_idname = node_fills.ID
@@ -26,15 +26,21 @@ class TriPatchSmoothFillNode(bpy.types.GeometryNodeCustomGroup):
 def _draw(menu, context):
     if getattr(context.space_data, "tree_type", "") == "GeometryNodeTree" and not library.missing:
         menu.layout.separator()
-        made = menu.layout.operator("node.add_node", text=TriPatchSmoothFillNode.bl_label)
+        made = menu.layout.operator("node.add_node", text=_SmoothFill.bl_label)
         made.type, made.use_transform = node_fills.ID, True
 
 
+_registered: list[type] = []
+
+
 def register():
-    bpy.utils.register_class(TriPatchSmoothFillNode)
+    # anew each time: Blender 5.2 makes another type of a node's base when a class of it is unregistered
+    node = type(node_fills.ID, (_SmoothFill, bpy.types.GeometryNodeCustomGroup), {"__doc__": _SmoothFill.__doc__})
+    bpy.utils.register_class(node)
+    _registered.append(node)
     bpy.types.NODE_MT_add.append(_draw)
 
 
 def unregister():
     bpy.types.NODE_MT_add.remove(_draw)
-    bpy.utils.unregister_class(TriPatchSmoothFillNode)
+    bpy.utils.unregister_class(_registered.pop())

@@ -250,6 +250,8 @@ def test_the_node_bake_keeps_the_fill(fills, following, tmp_path):
     usual = filled(ob, following)
     tree = node.id_data
     bake, end = tree.nodes.new("GeometryNodeBake"), next(n for n in tree.nodes if n.bl_idname == "NodeGroupOutput")
+    if not bake.bake_items:  # from Blender 5.2 on
+        bake.bake_items.new("GEOMETRY", "Geometry")
     tree.links.new(node.outputs[0], bake.inputs[0])
     tree.links.new(bake.outputs[0], end.inputs[0])
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bake.blend"))
