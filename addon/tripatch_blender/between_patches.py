@@ -266,7 +266,7 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
         self.reasons = ""
         try:
             mesh, made = mesh_between(objects, **between)
-        except ValueError as reason:  # Refusal, UnusableError, InvalidArgument
+        except (tripatch.Refusal, ValueError) as reason:  # and UnusableError, InvalidArgument
             self.reasons = sentences.for_people(str(reason))
             self.report({"WARNING" if self.by_hand else "ERROR"}, self.reasons)
             return {"FINISHED" if self.by_hand else "CANCELLED"}

@@ -15,7 +15,7 @@ import bmesh
 import bpy
 
 from . import beside, between_patches, filling, joining, layers, mirrored, selection, sentences, waiting, writeback
-from .library import np
+from .library import np, tripatch
 from .selection import Rim, UnusableError
 
 _SETTINGS, _PROBLEM, _AROUND = "tripatch_live", "tripatch_problem", "tripatch_around_"
@@ -320,7 +320,7 @@ def refill(fill):
     """Fills anew. A fill that fails leaves the last good one. Returns the sentence of a failure, or nothing."""
     try:
         _follow(fill)
-    except (UnusableError, ValueError) as reason:  # Refusal, InvalidArgument
+    except (UnusableError, tripatch.Refusal, ValueError) as reason:  # and InvalidArgument
         say(fill, reason)
     return problem_of(fill)
 
@@ -383,7 +383,7 @@ def _keep_hole(ob, loop, how, options):
         waiting.goes_on()
         fill.parent, fill.display_type, fill.hide_render = ob, "WIRE", True
         joining.join(ob, fill, joining.WITHIN * min((a.co - b.co).length for a, b in selection.pairs(loop)))
-    except (UnusableError, ValueError, waiting.Ends) as reason:
+    except (UnusableError, tripatch.Refusal, ValueError, waiting.Ends) as reason:
         bpy.data.meshes.remove(fill.data)  # and the object with it
         if isinstance(reason, (_LeftOut, waiting.Ends)):
             raise

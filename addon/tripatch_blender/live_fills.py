@@ -52,7 +52,7 @@ class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
             name = fill.name
             try:
                 live.apply(fill)
-            except (live.UnusableError, ValueError) as reason:
+            except (live.UnusableError, library.tripatch.Refusal, ValueError) as reason:
                 refused.append(f"{name}: {sentences.for_people(str(reason))}")
             else:
                 applied.append(name)

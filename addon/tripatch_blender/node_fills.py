@@ -14,7 +14,7 @@ import bmesh
 import bpy
 
 from . import filling, joining, layers, live, selection, sentences, versions, writeback
-from .library import np
+from .library import np, tripatch
 from .selection import NothingToFill, UnusableError
 
 ID = "TriPatchSmoothFillNode"
@@ -315,7 +315,7 @@ def follow(name):
         tree[_STATE] = state
         _fill(tree, inputs)
         return True
-    except (UnusableError, ValueError) as reason:
+    except (UnusableError, tripatch.Refusal, ValueError) as reason:
         tree[_PROBLEM] = sentences.for_people(str(reason))
         return False
     finally:
