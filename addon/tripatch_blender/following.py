@@ -218,6 +218,11 @@ def _on_load(*_):
 
 
 @persistent
+def _before_undo(*_):
+    node_fills.before_undo()
+
+
+@persistent
 def _on_undo(*_):
     """A fill that was brought back may be of another moment than what lies around it."""
     _following.states.clear()
@@ -249,6 +254,7 @@ def _before_render(scene, *_):
 
 
 _HANDLERS = [("load_post", _on_load), ("undo_post", _on_undo), ("redo_post", _on_undo)]
+_HANDLERS += [("undo_pre", _before_undo), ("redo_pre", _before_undo)]
 _HANDLERS += [("save_pre", _before_save), ("render_pre", _before_render)]
 if versions.TELLS_OF_IMPORTS:
     _HANDLERS.append(("blend_import_post", _on_import))

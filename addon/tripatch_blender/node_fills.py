@@ -41,6 +41,7 @@ def new_tree():
         socket: Any = versions.input_socket(tree, name)
         socket.default_value, socket.min_value, socket.description = value, least, about
     tree[_STATE] = ""
+    joining.group()  # now, in the step of undo that adds the node
     _show(tree, [])
     return tree
 
@@ -323,11 +324,29 @@ def follow(name):
             bpy.data.meshes.remove(mesh)
 
 
+#: {name of a hidden tree: names of its objects that were made between steps of undo}
+_made: dict[str, list[str]] = {}
+
+
+def before_undo():
+    """Removes the objects that were made between steps: undo would free them, and the trees would keep their pointers to them
+    (`live.write`). They are made again afterwards."""
+    for name, objects in _made.items():
+        tree = bpy.data.node_groups.get((name, None))
+        if tree is not None and _STATE in tree:
+            for ob in _fills_of(tree):
+                if ob.name in objects:
+                    bpy.data.meshes.remove(ob.data)  # and the object with it
+            tree[_STATE] = ""
+    _made.clear()
+
+
 def _fill(tree, inputs):
     objects, fills, problems = _fills_of(tree), [], []
     for k, (ob, mesh, values, signature) in enumerate(inputs):
         if k == len(objects):
             objects.append(bpy.data.objects.new(NAME, bpy.data.meshes.new(NAME)))
+            _made.setdefault(tree.name, []).append(objects[k].name)
         distance, refused = _fill_mesh(objects[k], ob, mesh, values)
         fills.append((objects[k], distance, signature, values))
         problems += refused

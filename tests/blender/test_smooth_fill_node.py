@@ -201,6 +201,28 @@ def test_in_a_group_it_says_where_it_works(fills, following):
     assert fills.problem_of(node) == "Works in the node tree of a modifier, not in a group inside it"
 
 
+def test_undo_after_a_fill_that_no_step_knows(fills, following):
+    """The first fill comes after the last step, and what it made is freed by undo: Blender 5.2 crashed at the second one."""
+    bpy.ops.ed.undo_push(message="empty")
+    ob, _ = with_node()
+    bpy.ops.ed.undo_push(message="node")
+    (bm,) = scenes.edit(ob)
+    bpy.ops.ed.undo_push(message="edit")
+    for v in bm.verts:
+        v.co.z += 0.1
+    bmesh.update_edit_mesh(ob.data)
+    bpy.ops.ed.undo_push(message="moved")
+    filled(ob, following)
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        filled(bpy.data.objects["Hole"], following)
+    bpy.ops.ed.undo()
+    assert "Hole" not in bpy.data.objects
+    for _ in range(3):
+        bpy.ops.ed.redo()
+        filled(bpy.data.objects["Hole"], following)
+
+
 def test_undo_brings_back_the_fill_of_before(fills, following):
     ob, node = with_node()
     usual = filled(ob, following)
