@@ -404,74 +404,6 @@ TEST_CASE("a single row is no fill where the mesh joins what it would join") {
   CHECK_FALSE(fill_with_rows(ground, grid.rim, Output::quads));
 }
 
-namespace {
-
-/// A hole of size 5, and rows of quads that miss one new vertex by 0.04.
-struct MissedByRows {
-  Points ends = (Points(2, 3) << 0, 0, 0, 3, 4, 0).finished();
-  Mesh mesh{ends, {}};
-  Fill rows, other;
-  MissedByRows() {
-    rows.rim = {0, 1};
-    rows.vertices = Points::Zero(1, 3);
-    rows.deviation = Eigen::VectorXd::Constant(1, 0.04);
-  }
-};
-
-}  // namespace
-
-TEST_CASE("rows are taken where they are off by less than a quarter of what they miss", "[thresholds]") {
-  MissedByRows hole;
-  auto& [ends, mesh, rows, other] = hole;
-  other.deviation = Eigen::VectorXd::Constant(5, 0.0101);
-  CHECK(rows_are_nearer(mesh, rows, other));
-  other.deviation.setConstant(0.0099);
-  CHECK_FALSE(rows_are_nearer(mesh, rows, other));
-  other.report.triangles_folded = 1;
-  CHECK(rows_are_nearer(mesh, rows, other));
-  rows.report.triangles_folded = 2;
-  CHECK_FALSE(rows_are_nearer(mesh, rows, other));
-}
-
-TEST_CASE("rows are nearer than plain triangles, which know of nothing beyond the rim, not than a surface without new vertices") {
-  MissedByRows hole;
-  auto& [ends, mesh, rows, other] = hole;
-  CHECK(rows_are_nearer(mesh, rows, other));
-  other.patch = std::make_shared<PlanePatch>(nullptr, PlanePoints(0, 2));
-  CHECK_FALSE(rows_are_nearer(mesh, rows, other));
-}
-
-TEST_CASE("of rows that are off by a billionth of the hole and a fill that says it is off by less the rows are taken",
-          "[thresholds]") {
-  const Points ends = (Points(2, 3) << 0, 0, 0, 3, 4, 0).finished();
-  const Mesh mesh{ends, {}};
-  Fill rows, other;
-  rows.rim = {0, 1};
-  rows.vertices = Points::Zero(1, 3);
-  other.deviation = Eigen::VectorXd::Constant(5, 1e-15);
-  rows.deviation = Eigen::VectorXd::Constant(1, 4 * 4.9e-9);
-  CHECK(rows_are_nearer(mesh, rows, other));
-  rows.deviation.setConstant(4 * 5.1e-9);
-  CHECK_FALSE(rows_are_nearer(mesh, rows, other));
-}
-
-TEST_CASE("sides tell more than rows that miss the rim by 1.2 degrees and five times what is not known of the sides",
-          "[thresholds]") {
-  Fill rows, patch;
-  patch.sides.resize(3);
-  const auto tell = [&](double made, double known) {
-    rows.report.surroundings_error = made;
-    patch.report.surroundings_error = known;
-    return sides_tell_more(rows, patch);
-  };
-  CHECK_FALSE(tell(1.19, 0.01));
-  CHECK(tell(1.21, 0.01));
-  CHECK(tell(10, 1.99));
-  CHECK_FALSE(tell(10, 2.01));
-  patch.sides.clear();
-  CHECK_FALSE(tell(10, 0.01));
-}
-
 TEST_CASE("what is missed is said as of the middle, alike in small blocks and in large ones", "[thresholds]") {
   const At waves = [](double i, double j) { return Vec3(i, j, std::sin(0.25 * i + 0.4) * std::cos(0.25 * j)); };
   std::vector<double> ratios;
@@ -495,20 +427,6 @@ TEST_CASE("of more than 200 edges a side no rows are continued", "[thresholds]")
   }
 }
 
-TEST_CASE("rows are sure that miss the rim by a millionth of the hole and neither fold nor cross", "[thresholds]") {
-  const Grid grid(3, 4, 1, flat);  // five across
-  Fill rows;
-  rows.rim = grid.rim;
-  CHECK(are_sure({grid.vertices, grid.faces}, rows));  // nothing new
-  for (const double missed : {0.97e-6, 1.03e-6}) {
-    rows.deviation = Eigen::VectorXd::Constant(6, 5 * missed);
-    CHECK(are_sure({grid.vertices, grid.faces}, rows) == (missed < 1e-6));
-  }
-  rows.deviation.setZero();
-  rows.report.triangles_folded = 1;
-  CHECK_FALSE(are_sure({grid.vertices, grid.faces}, rows));
-}
-
 TEST_CASE("three rows are looked at beyond a side", "[thresholds]") {
   for (const Index rows : {2, 3, 4, 6}) {
     const Index seen = std::min<Index>(rows, 3);
@@ -521,19 +439,6 @@ TEST_CASE("in the middle of many steps cubics miss as much as the square of a qu
   CHECK(middle_over_first(10) == Approx(6.25));
   const double exact = std::pow(50.0, 4) / std::pow(1.0 * 99, 2);  // of x^2 (100 - x)^2
   CHECK(middle_over_first(100) == Approx(exact).epsilon(0.03));
-}
-
-TEST_CASE("rows that miss the rim by less than a millionth of the hole are taken without a look at others", "[thresholds]") {
-  for (const double jitter : {1e-8, 1e-4}) {  // in a plane, of which a spline knows all
-    std::mt19937 random(4);
-    std::uniform_real_distribution<double> some(-jitter, jitter);
-    const Grid grid(4, 4, 3, [&](double i, double j) { return Vec3(i + some(random), j + some(random), 0); });
-    FillOptions options;
-    options.rim = grid.rim;
-    options.output = Output::quads;
-    const Fill made = fill({grid.vertices, grid.faces}, options);
-    CHECK((made.report.method == "quad_rows") == (jitter < 1e-6));
-  }
 }
 
 TEST_CASE("the surface goes through two rows beyond the rim", "[thresholds]") {

@@ -1,4 +1,4 @@
-// Which of two fills of a hole is taken, on both sides of each threshold.
+// What is read of a hole before its fills are made, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -52,12 +52,6 @@ struct Skirts {
     }
   }
   Mesh mesh() const { return {vertices, faces}; }
-  /// Whether it is filled by a surface for the reason that the planes of its sides differ.
-  bool planes_differ() const {
-    FillOptions options;
-    options.rim = rim;
-    return fill(mesh(), options).report.method_reason.find("differ at the corners") != std::string::npos;
-  }
 };
 
 /// Where a hole begins to be filled otherwise, between two values of what it is made from.
@@ -73,18 +67,6 @@ std::array<double, 2> flip(double low, double high, const std::function<bool(dou
 
 }  // namespace
 
-TEST_CASE("between sides whose planes are ten degrees apart at the corners there is no one surface", "[thresholds]") {
-  const auto made = [](double degrees) { return Skirts({8, 8, 8, 8}, [=](double) { return degrees; }); };
-  const auto apart = [&](double degrees) {
-    const Skirts hole = made(degrees);
-    return fill_with_polygon(hole.mesh(), Connectivity(hole.mesh()), hole.rim, hole.corners, {}).planes_apart_deg;
-  };
-  const auto [below, above] = flip(4, 12, [&](double degrees) { return made(degrees).planes_differ(); });
-  CHECK(apart(below) <= 10);
-  CHECK(apart(above) > 10);
-  CHECK(apart(above) < 10.1);
-}
-
 TEST_CASE("a patch that folds between given corners has no faces made where a surface takes its place") {
   const Skirts hole({8, 8, 8, 8}, [](double t) { return 20 * t; });
   const Mesh mesh = hole.mesh();
@@ -95,7 +77,7 @@ TEST_CASE("a patch that folds between given corners has no faces made where a su
   REQUIRE(whole.fill.report.folds > 0);
   CHECK(whole.fill.faces.size() > 0);
   CHECK(alone.fill.faces.size() == 0);
-  CHECK((alone.crumpled && alone.fill.report.folds == whole.fill.report.folds));
+  CHECK(alone.fill.report.folds == whole.fill.report.folds);
   CHECK(alone.fill.rim_normals == whole.fill.rim_normals);
   FillOptions options;
   options.rim = hole.rim;
@@ -116,20 +98,6 @@ double planes_apart(const Skirts& hole) {
   double most = 0;
   for (int k = 0; k < 3; ++k) most = std::max(most, degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)));
   return most;
-}
-
-TEST_CASE("three sides whose planes are 45 degrees apart make no surface, where the rim has nine edges", "[thresholds]") {
-  // each leans from its beginning to its end ever more: no side is sharp at both of its corners
-  const auto made = [](double degrees, const std::vector<int>& edges = {4, 4, 4}) {
-    return Skirts(edges, [=](double t) { return degrees * t; });
-  };
-  const auto [below, above] = flip(20, 75, [&](double degrees) { return made(degrees).planes_differ(); });
-  CHECK(planes_apart(made(below)) <= 45);
-  CHECK(planes_apart(made(above)) > 45);
-  CHECK(planes_apart(made(above)) < 45.2);
-  CHECK(made(75, {3, 3, 3}).planes_differ());
-  CHECK(planes_apart(made(75, {3, 3, 2})) > 50);
-  CHECK_FALSE(made(75, {3, 3, 2}).planes_differ());
 }
 
 TEST_CASE("two sides that are known without noise keep planes of their own from five degrees on", "[thresholds]") {

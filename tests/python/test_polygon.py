@@ -119,9 +119,8 @@ def test_clear_corners_are_found(n):
     vertices, faces, corners = around(n)
     rim = np.roll(np.arange(8 * n), 5)
     assert sorted(tripatch.find_corners(vertices, faces, rim, any_number=True)) == corners
-    given = tripatch.fill(vertices, faces, rim=rim, corners=corners)
     found = tripatch.fill(vertices, faces, rim=rim)
-    assert sorted(found.report.corners) == corners and found.report.method == given.report.method
+    assert sorted(found.report.corners) == corners
     # about other first corners, which the patch does not know of
     assert np.abs(np.linalg.norm(found.vertices, axis=1) - 1).max() < 3e-3
 

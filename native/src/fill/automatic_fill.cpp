@@ -1,17 +1,19 @@
 #include "tripatch/fill/automatic_fill.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
 
+#include "tripatch/constructions/methods.h"
 #include "tripatch/creases/features.h"
 #include "tripatch/creases/flat_walls.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"
+#include "tripatch/fill/select.h"
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/grid/continued_quads.h"
 #include "tripatch/hole/clear_corners.h"
@@ -21,155 +23,13 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/vertex_normals.h"
+#include "tripatch/spline/plane_fill.h"
 
 namespace tripatch {
 
 namespace {
 
-/// Degrees between the tangent planes of two sides at a corner that nobody has given, from which on the surroundings are no one surface
-/// there: as far as twelve edges a side are from telling those of a smooth one (2 degrees), several times over.
-constexpr double one_surface = 10;
-
-/// Where a patch folds, a spline that misses the planes of its sides by so many degrees, known so many times better there, is made to keep
-/// them: between fillets of boxes and a prism that meet at cusps it is 2 to 10 times nearer then; where it missed them by 1 degree, 4 times
-/// farther.
-constexpr double far_off_planes = 2, worth_their_planes = 4;
-/// But where the planes are not known to so many degrees the mesh is rough, and the spline knows it.
-constexpr double well_known_planes = 1.5;
-
-/// Of the hole's diameter: a patch that is known no better by its energy tells nothing, and whether it folds is rounding. Of four sides less is
-/// asked: of 63 corners between fillets of three radii 14 are known no better, up to 0.04 of the diameter off, three times as far as the spline;
-/// of 400 holes in smooth surfaces, stretched up to 1000 times and not, three are filled otherwise, 280 and 5 times nearer and 1.3 times
-/// farther. Between more sides a patch may bend as much and be right, as where three half pipes meet (0.72), which the spline's triangles
-/// do with an edge of 80 degrees.
-double knows_nothing(std::size_t sides) { return sides <= 4 ? 0.12 : 1; }
-
-/// Whether a patch leaves the hole although nobody has pulled at it.
-bool runs_away(const Ground& ground, const Fill& patch, const FillOptions& options) {
-  return !is_shaped_by_hand(options) && leaves_hole(ground.mesh, patch.rim, patch.vertices);
-}
-
-/// The spline of a rim, which nearly every patch is compared with: made beside the patch where a core is free for it.
-class SplineBeside {
-public:
-  SplineBeside(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, const FillOptions& options)
-      : ground_(ground), rim_(rim), corners_(corners), options_(options) {
-    if (may_share() && !is_shaped_by_hand(options))
-      begun_ = std::make_unique<AsyncTask<Fill>>([this] { return made(std::string()); });
-  }
-  Fill operator()(const std::string& reason) {
-    const std::unique_ptr<AsyncTask<Fill>> begun = std::move(begun_);
-    if (!begun) return made(reason);
-    Fill fill = begun->get();
-    fill.report.method_reason = reason;
-    return fill;
-  }
-
-private:
-  Fill made(const std::string& reason) const { return fill_any_rim(ground_, rim_, corners_, options_, reason); }
-
-  const Ground& ground_;
-  const std::vector<Index>& rim_;
-  const std::vector<Index>& corners_;
-  const FillOptions& options_;
-  std::unique_ptr<AsyncTask<Fill>> begun_;  // the last: it ends before what it reads
-};
-
-/// The exact patch between two sides or four and more where they are smooth, else the surface over a plane. given: the corners are a person's.
-Fill fill_between_many(const Ground& ground, const std::vector<Index>& rim, const std::vector<Index>& corners, bool given,
-                       FillOptions options) {
-  options.cross_boundary = CrossBoundary::consistent;  // of three sides
-  check_counts(options, corners.size());
-  SplineBeside any_rim(ground, rim, corners, options);
-  const std::string smooth = "the rim has " + std::to_string(corners.size()) + " smooth sides";
-  CorneredRim found;
-  std::string reason;
-  std::optional<Fill> patch;
-  try {
-    found = cornered(ground, rim, corners);
-    if (zigzag(ground.mesh, found.rim, found.places) > smooth_sides) return any_rim("the sides between the corners zigzag");
-    PolygonFill made = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options, false);
-    made.fill.report.method_reason = smooth;
-    const std::vector<std::string>& kept = made.fill.report.continuity;
-    const bool beside_sharp = std::find(kept.begin(), kept.end(), "Free") != kept.end();
-    if (!given && beside_sharp && corners.size() == 2 && !is_shaped_by_hand(options))
-      return any_rim("two sides that are not continued tell less than the rim as a whole");
-    if (!given && !beside_sharp && made.planes_apart_deg > one_surface)
-      return any_rim("the tangent planes of the " + std::to_string(corners.size()) + " sides differ at the corners");
-    const double size = diameter(ground.mesh, rim);
-    const bool unknown =
-        !given && !is_shaped_by_hand(options) && off_by_energy(made.fill, size) > knows_nothing(corners.size()) * size;
-    if (!unknown && !made.crumpled && !runs_away(ground, made.fill, options)) {
-      if (is_shaped_by_hand(options) || beside_sharp) return std::move(made.fill);
-      Fill spline = any_rim("the surroundings as a whole tell of another surface than their " + std::to_string(corners.size()) +
-                            " sides alone");
-      return excluded_by(made.fill, spline, size) ? spline : std::move(made.fill);
-    }
-    reason = "a patch between " + std::to_string(corners.size()) +
-             (unknown ? " corners would bend too much to tell of a surface" : " corners would fold, crumple or leave the hole");
-    patch = std::move(made.fill);
-  } catch (const Refusal& refusal) {
-    reason = "no patch fits between " + std::to_string(corners.size()) + " sides: " + refusal.what();
-  }
-  Fill other = any_rim(reason);
-  if (patch && !asks_for_sides(options) && keeps_better_planes(*patch, other)) {
-    Fill planar = fill_with_planes_of(ground, *patch, options, reason);
-    if (planar.patch && harm(planar.report) <= harm(other.report)) return planar;
-  }
-  if (!patch || is_harmless(other.report)) return other;
-  if (patch->report.folds > 0) {  // its mesh too is needed now
-    patch = fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill;
-    patch->report.method_reason = smooth;
-  }
-  return runs_away(ground, *patch, options) || harm(other.report) <= harm(patch->report) ? other : std::move(*patch);
-}
-
 const std::string round_of_revolution = "the rim is round, and what surrounds it of revolution";
-
-/// Where a cap of revolution that goes on as its surroundings bend leaves the hole: one that is tangent to them only or, where that one does
-/// too, a flat one.
-std::optional<Fill> lower_cap(const Ground& ground, const std::vector<Index>& rim, FillOptions options) {
-  if (!is_continuity_open(options)) return {};
-  for (const SideContinuity less : {SideContinuity::g1, SideContinuity::free}) {
-    options.continuity = less;
-    PolygonFill made = fill_round(ground.mesh, ground.left, rim, options, false);
-    if (!made.of_revolution || made.crumpled || leaves_hole(ground.mesh, rim, made.fill.vertices)) continue;
-    made.fill.report.method_reason = round_of_revolution + "; as these bend it would leave the hole";
-    if (less == SideContinuity::free) made.fill.report.warnings.push_back(flat_all_around);
-    return std::move(made.fill);
-  }
-  return {};
-}
-
-/// The patch over a disc where the rim is smooth all around, else the surface over a plane. rim: as new faces take it.
-Fill fill_round_rim(const Ground& ground, const std::vector<Index>& rim, FillOptions options, const std::string& otherwise) {
-  options.cross_boundary = CrossBoundary::consistent;  // of three sides
-  const auto any_rim = [&](const std::string& reason) {
-    return fill_any_rim(ground, rim, std::vector<Index>(), options, reason);
-  };
-  if (!is_round(ground.mesh, ground.left, rim)) return any_rim(otherwise);
-  check_counts(options, 1);
-  try {
-    check_positions(ground.mesh, ground.left, rim);
-    PolygonFill made = fill_round(ground.mesh, ground.left, rim, options, false);
-    made.fill.report.method_reason = made.of_revolution ? round_of_revolution : "the rim is round";
-    if (made.of_revolution && runs_away(ground, made.fill, options))
-      if (std::optional<Fill> lower = lower_cap(ground, rim, options)) return std::move(*lower);
-    if (made.crumpled || runs_away(ground, made.fill, options))
-      return any_rim("a patch over the round rim would fold, crumple or leave the hole");
-    if (made.of_revolution || is_shaped_by_hand(options)) return std::move(made.fill);
-    Fill spline = any_rim("the surroundings as a whole tell of another surface than the round rim alone");
-    return excluded_by(made.fill, spline, diameter(ground.mesh, rim)) ? spline : std::move(made.fill);
-  } catch (const Refusal& refusal) {
-    return any_rim(std::string("no patch fits the round rim: ") + refusal.what());
-  }
-}
-
-/// The same between three sides, whose patch takes more: in Suzanne, holes of 10 to 16 edges, the spline was the nearer one from here on,
-/// 1.3 times in the geometric mean of nine, and neither was with less.
-constexpr double no_surface = 45;
-/// Of fewer edges no rim was looked at: they tell nothing of a surface but their planes.
-constexpr std::size_t least_edges_apart = 9;
 
 /// What a refusal says, as part of a sentence, without what to do about it, which a fill that was made does not ask for.
 std::string without_advice(std::string said) {
@@ -188,22 +48,6 @@ bool lost_a_wall(const Ground& ground, const std::vector<Index>& rim, std::vecto
   return !std::ranges::all_of(angles, [](double angle) { return angle > 0; });
 }
 
-/// Degrees between the tangent planes of three sides at their corners, the most.
-double planes_apart_at_corners(const SideList& sides) {
-  double most = 0;
-  for (int k = 0; k < 3; ++k) most = std::max(most, degrees_between(sides[(k + 1) % 3].normal(1), sides[(k + 2) % 3].normal(0)));
-  return most;
-}
-
-}  // namespace
-
-bool keeps_better_planes(const Fill& patch, const Fill& spline) {
-  return patch.report.surroundings_error < well_known_planes &&
-         misses_known_planes(patch, spline, far_off_planes, worth_their_planes);
-}
-
-namespace {
-
 /// Whether all that is asked for by hand is that the sides meet the mesh in position only.
 bool asks_for_positions_only(FillOptions options) {
   const bool all = std::ranges::all_of(options.continuity,
@@ -212,141 +56,374 @@ bool asks_for_positions_only(FillOptions options) {
   return all && !is_shaped_by_hand(options);
 }
 
-/// Without a look at rows of quads.
-Fill fill_by_sides(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, FillOptions options) {
-  const auto any_rim = [&](const std::string& reason) { return fill_any_rim(ground, rim, corners, options, reason); };
-  if (!options.islands.empty()) return any_rim("the hole has islands");
-  std::vector<Index> checked = check_topology(ground.left, rim);
-  if (corners && corners->empty())
-    return fill_round_rim(ground, checked, options, "a round rim was asked for, and this one is not smooth");
-  if (corners && lost_a_wall(ground, checked, *corners, options)) {
-    options.continuity = SideContinuity::free;
-    Fill fill = fill_by_sides(ground, rim, corners, options);
-    fill.report.warnings.push_back(flat_all_around);
-    return fill;
-  }
-  const bool inner = !options.through.empty();  // the patch of three sides meets none: one over a polygon is made
-  if (corners && (makes_polygon(*corners) || (inner && corners->size() == 3)))
-    return fill_between_many(ground, rim, *corners, true, options);
-  if (corners && corners->size() != 3) return any_rim(std::to_string(corners->size()) + " corners are given");
-  Hole hole;
-  if (!corners)  // wherever the rim is begun, the same corners are found, in the same order
-    std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
-  check_finite(ground.mesh, ground.left, checked);
-  std::vector<Index> found;
-  if (!corners) found = at_places(checked, corners_between_sides(ground.mesh, ground.left, checked));
-  if (options.features) {
-    const Features near = find_features(ground.mesh, ground.left, checked);
-    const auto goes_on = [&](const Connectivity& around) { return find_features(ground.mesh, around, checked).found(); };
-    if (near.found() && (!ground.is_part() || goes_on(Connectivity(ground.mesh, options.replaced))))
-      return any_rim(near.walls && near.walls->first.size() == 1 ? "a flat wall goes on over the hole"
-                     : near.walls                                ? "flat walls around the hole meet in it"
-                                                                 : "a crease of the surroundings goes on across the hole");
-    const auto is_known = [&](Index v) { return ground.left.knows(v); };
-    // what is not there need not be sought again
-    options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
-  }
-  if (!corners && lost_a_wall(ground, checked, found, options)) return fill_flat(ground, checked, options);
-  if (makes_polygon(found) || (inner && found.size() == 3)) return fill_between_many(ground, rim, found, false, options);
-  try {
-    hole = make_hole(ground.mesh, ground.left, rim, three(corners));
-  } catch (const Refusal& refusal) {
-    if (corners) throw;
-    const std::string otherwise = "no smooth sides were found: " + without_advice(refusal.what());
-    const std::vector<Index> sharp = at_places(checked, corners_between_sharp(ground.mesh, ground.left, checked));
-    if (sharp.empty()) return fill_round_rim(ground, checked, options, otherwise);
-    const bool sided = makes_polygon(sharp) && (!asks_for_sides(options) || asks_for_positions_only(options));
-    return sided ? fill_between_many(ground, rim, sharp, false, options) : any_rim(otherwise);
-  }
-  check_counts(options, 3);
-  if (zigzag(ground.mesh, hole.rim, hole.corners) > smooth_sides) return any_rim("the sides between the corners zigzag");
-  std::string reason;
-  std::optional<Fill> patch;
-  bool apart = false, away = false;
-  try {
-    patch = fill_with_patch(ground, hole, options);
-    const bool own_choice = !corners && hole.rim.size() >= least_edges_apart && !asks_for_sides(options);
-    const double planes_apart = own_choice ? planes_apart_at_corners(patch->sides) : 0;
-    const bool no_one_surface = planes_apart > one_surface && !any_sharp(sharp_sides_of(ground, hole));
-    apart = no_one_surface && planes_apart > no_surface;
-    const bool folds = patch->report.folds > 0 || folds_in_vain(ground.mesh, ground.left, *patch),
-               crosses = patch->report.crosses_itself;
-    away = runs_away(ground, *patch, options);
-    if (!folds && !crosses && !apart && !away) {
-      if (!no_one_surface || is_shaped_by_hand(options)) return std::move(*patch);
-      Fill spline = any_rim("the surroundings as a whole tell of another surface than their three sides alone");
-      return excluded_by(*patch, spline, diameter(ground.mesh, hole.rim)) ? spline : std::move(*patch);
-    }
-    reason = folds     ? "a patch between three corners would fold"
-             : crosses ? "a patch between three corners would cross itself"
-             : away    ? "a patch between three corners would leave the hole"
-                       : "the tangent planes of the three sides differ at the corners";
-  } catch (const Refusal& refusal) {
-    reason = std::string("no patch fits between three sides: ") + refusal.what();
-  }
-  Fill other = any_rim(reason);
-  const bool better = !patch || harm(other.report) < harm(patch->report) ||
-                      (harm(other.report) == harm(patch->report) && (patch->report.folds > 0 || apart || away));
-  return better ? other : std::move(*patch);
+/// What an exact patch of the hole lies over.
+enum class Domain { none, triangle, polygon, disc };
+
+/// The sides of a hole, and what follows from them.
+struct SidesFound {
+  Domain domain = Domain::none;
+  std::string reason;               ///< why there is no patch, or of the domain
+  Hole hole = {};                   ///< of a triangle
+  std::vector<Index> corners = {};  ///< of a polygon
+  Corners of_spline = {};
+  FillOptions options = {};    ///< with what the sides change in them
+  bool has_lost_wall = false;  ///< which closes the hole
+  bool is_flat = false;        ///< given corners, of a hole that has lost a wall
+};
+
+std::string smooth_sides_of(std::size_t count) {
+  return "the rim has " + (count == 3 ? "three" : std::to_string(count)) + " smooth sides";
 }
 
-/// Rows of quads, where faces are asked for as they come, quads or in a mesh of quads, and such rows end at the hole.
-std::optional<Fill> rows_across(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
-                                const FillOptions& options) {
-  const bool as_they_come = !corners && options.resolution.value_or(0) == 0;
-  if (!as_they_come || !options.islands.empty() || !options.through.empty() || meets_position_only(options)) return {};
-  try {
-    const std::vector<Index> checked = check_topology(ground.left, rim);
-    if (options.output == Output::triangles && !is_among_quads(ground.left, checked)) return {};
-    return fill_with_rows(ground, checked, options.output, options.features);
-  } catch (const Refusal&) {  // another way may be open
+/// Finds the sides of a hole.
+class SideFinder {
+public:
+  SideFinder(const Ground& ground, const std::vector<Index>& rim, const Corners& given, const FillOptions& options)
+      : ground_(ground), loop_(rim), given_(given) {
+    out_.of_spline = given;
+    out_.options = options;
+  }
+
+  SidesFound found() {
+    FillOptions& options = out_.options;
+    if (options.cap != Cap::automatic && options.islands.empty()) return cap();
+    if (!options.islands.empty()) return none("the hole has islands");
+    if (!given_) return detected();
+    if (given_->empty()) return round_or("a round rim was asked for, and this one is not smooth");
+    out_.is_flat = lost_a_wall(ground_, loop_, *given_, options);
+    if (out_.is_flat) options.continuity = SideContinuity::free;
+    if (makes_polygon(*given_) || (given_->size() == 3 && !options.through.empty())) return polygon(*given_);
+    if (given_->size() != 3) return none(std::to_string(given_->size()) + " corners are given");
+    check_finite(ground_.mesh, ground_.left, loop_);
+    if (const std::string crease = crease_across(); !crease.empty()) return none(crease);
+    return triangle(make_hole(ground_.mesh, ground_.left, loop_, three(given_)));
+  }
+
+private:
+  SidesFound detected() {
+    // wherever the rim is begun, the same corners are found, in the same order
+    std::rotate(loop_.begin(), std::min_element(loop_.begin(), loop_.end()), loop_.end());
+    check_finite(ground_.mesh, ground_.left, loop_);
+    const std::vector<Index> corners = at_places(loop_, corners_between_sides(ground_.mesh, ground_.left, loop_));
+    if (const std::string crease = crease_across(); !crease.empty()) return none(crease);
+    if (lost_a_wall(ground_, loop_, corners, out_.options)) {
+      out_.has_lost_wall = true;
+      return none("the hole has lost a flat wall");
+    }
+    if (makes_polygon(corners) || (corners.size() == 3 && !out_.options.through.empty())) return polygon(corners);
+    try {
+      return triangle(make_hole(ground_.mesh, ground_.left, loop_, std::nullopt));
+    } catch (const Refusal& refusal) {
+      return between_sharp("no smooth sides were found: " + without_advice(refusal.what()));
+    }
+  }
+
+  SidesFound between_sharp(const std::string& otherwise) {
+    const std::vector<Index> sharp = at_places(loop_, corners_between_sharp(ground_.mesh, ground_.left, loop_));
+    if (sharp.empty()) return round_or(otherwise);
+    const bool sided = makes_polygon(sharp) && (!asks_for_sides(out_.options) || asks_for_positions_only(out_.options));
+    return sided ? polygon(sharp) : none(otherwise);
+  }
+
+  /// Which crease of the surroundings goes on across the hole; empty: none.
+  std::string crease_across() {
+    if (!out_.options.features) return {};
+    const Features near = find_features(ground_.mesh, ground_.left, loop_);
+    const auto goes_on = [&](const Connectivity& around) { return find_features(ground_.mesh, around, loop_).found(); };
+    if (near.found() && (!ground_.is_part() || goes_on(Connectivity(ground_.mesh, out_.options.replaced))))
+      return near.walls && near.walls->first.size() == 1 ? "a flat wall goes on over the hole"
+             : near.walls                                ? "flat walls around the hole meet in it"
+                                                         : "a crease of the surroundings goes on across the hole";
+    const auto is_known = [&](Index v) { return ground_.left.knows(v); };
+    // what is not there need not be sought again
+    out_.options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
     return {};
   }
+
+  SidesFound cap() {
+    out_.has_lost_wall = out_.options.cap == Cap::flat;
+    out_.of_spline.emplace();
+    out_.reason = std::string("a ") + name_of(out_.options.cap) + " cap was asked for";
+    if (out_.options.cap == Cap::flat) {
+      check_finite(ground_.mesh, ground_.left, loop_);
+      return std::move(out_);
+    }
+    if (is_continuity_open(out_.options)) out_.options.continuity = SideContinuity::g1;
+    out_.domain = Domain::disc;
+    return std::move(out_);
+  }
+  SidesFound round_or(const std::string& otherwise) {
+    out_.of_spline.emplace();
+    if (!is_round(ground_.mesh, ground_.left, loop_)) return none(otherwise);
+    out_.domain = Domain::disc;
+    out_.reason = "the rim is round";
+    return std::move(out_);
+  }
+  SidesFound polygon(const std::vector<Index>& corners) {
+    out_.domain = Domain::polygon;
+    out_.reason = smooth_sides_of(corners.size());
+    out_.of_spline = out_.corners = corners;
+    return std::move(out_);
+  }
+  SidesFound triangle(Hole hole) {
+    out_.domain = Domain::triangle;
+    out_.reason = smooth_sides_of(3);
+    out_.hole = std::move(hole);
+    return std::move(out_);
+  }
+  SidesFound none(const std::string& reason) {
+    out_.reason = reason;
+    return std::move(out_);
+  }
+
+  const Ground& ground_;
+  std::vector<Index> loop_;
+  const Corners& given_;
+  SidesFound out_;
+};
+
+}  // namespace
+
+/// Of one hole.
+struct FillProblem {
+  FillProblem(const Ground& g, const std::vector<Index>& given_rim, const Corners& given, const FillOptions& asked)
+      : ground(g), rim(given_rim), loop(check_topology(g.left, given_rim)), corners(given), options(asked) {}
+
+  const SidesFound& sides() {
+    if (!sides_) sides_ = SideFinder(ground, loop, corners, options).found();
+    return *sides_;
+  }
+  bool is_flat() const { return sides_ && sides_->is_flat; }
+  /// Begins the spline on another thread, where one is free.
+  void begin_spline() {
+    if (may_share()) begun_ = std::make_unique<AsyncTask<Fill>>([this] { return spline_anew(); });
+  }
+  Fill spline() {
+    const std::unique_ptr<AsyncTask<Fill>> begun = std::move(begun_);
+    return begun ? begun->get() : spline_anew();
+  }
+
+  const Ground& ground;
+  const std::vector<Index>& rim;
+  const std::vector<Index> loop;  ///< checked
+  const Corners& corners;         ///< as given
+  const FillOptions& options;
+  const double size = diameter(ground.mesh, loop);
+  bool is_of_revolution = false;  ///< the surroundings of a round rim
+
+private:
+  Fill spline_anew() const { return fill_any_rim(ground, rim, sides_->of_spline, sides_->options, {}); }
+
+  std::optional<SidesFound> sides_;
+  std::unique_ptr<AsyncTask<Fill>> begun_;  // the last: it ends before what it reads
+};
+
+namespace {
+
+Quality judged(FillProblem& problem, const Fill& fill) {
+  const Ground& ground = problem.ground;
+  const Report& report = fill.report;
+  Quality quality;
+  quality.crosses = report.crosses_itself;
+  if (fill.faces.size() == 0) quality.folds = report.folds;  // was not laid out for that
+  if (report.triangles_folded > 0) {
+    const bool of_spline = report.method == spline_method;
+    const Index forced = of_spline ? report.rim_folded : folds_of_rim(ground.mesh, ground.left, {fill.rim});
+    quality.folds = std::max<Index>(report.triangles_folded - forced, 0);
+  }
+  quality.folds = std::max<Index>(quality.folds, report.folds > 0 ? 1 : 0);
+  quality.leaves_hole = !is_shaped_by_hand(problem.options) && leaves_hole(ground.mesh, fill.rim, fill.vertices);
+  quality.expected_error = expected_error(fill, problem.size);
+  quality.seam_deg = report.seam_angle_max;
+  return quality;
 }
 
-/// As its surroundings have it.
-Fill fill_as_they_go_on(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options) {
-  std::optional<Fill> rows = rows_across(ground, rim, corners, options);
-  if (!rows) return fill_by_sides(ground, rim, corners, options);
-  rows->report.method_reason = rows_reason;
-  const bool quads = options.output == Output::quads;
-  if (quads && are_sure(ground.mesh, *rows)) return std::move(*rows);
-  try {
-    Fill other = fill_by_sides(ground, rim, corners, options);
-    if (!quads && other.patch && other.deviation.size() == 0) return other;  // exact, and as fine as triangles can be
-    if (other.deviation.size() > 0 || rows->vertices.rows() == 0)
-      return rows_are_nearer(ground.mesh, *rows, other) ? std::move(*rows) : std::move(other);
-    if (sides_tell_more(*rows, other)) return other;
-    const Fill spline = fill_any_rim(ground, rim, corners, options, "");
-    const bool by_energy = other.sides.empty() || off_by_rows(*rows) < off_by_energy(other, diameter(ground.mesh, rim));
-    return by_energy && rows_are_nearer(ground.mesh, *rows, spline) ? std::move(*rows) : std::move(other);
-  } catch (const Refusal&) {
-    return std::move(*rows);
-  }
+/// Whether the patch between the sides is used if it is valid, whatever else would be more accurate.
+bool wants_patch(FillProblem& problem) {
+  // without fairing nothing tells how accurate a patch between three sides is, and fairing takes ten times as long as all else
+  const bool unknown = !problem.options.fairing && problem.sides().domain == Domain::triangle;
+  const bool given = problem.corners && !problem.corners->empty();
+  return given || unknown || is_shaped_by_hand(problem.options) || problem.options.cap != Cap::automatic;
 }
 
-/// A lid in the plane of the rim, or as near to it as the rim is, or a dome that is tangent to its surroundings.
-Fill fill_with_cap(const Ground& ground, const std::vector<Index>& rim, FillOptions options) {
-  const std::vector<Index> checked = check_topology(ground.left, rim);
-  check_finite(ground.mesh, ground.left, checked);
-  const std::string reason = std::string("a ") + name_of(options.cap) + " cap was asked for";
-  if (options.cap == Cap::flat) {
-    Fill lid = fill_flat(ground, checked, options);
-    lid.report.warnings.clear();
-    lid.report.method_reason = reason;
-    return lid;
-  }
-  if (is_continuity_open(options)) options.continuity = SideContinuity::g1;
+const Tried& patch_in(const TriedFills& tried) { return tried[1]; }
+
+std::string skip_rows(FillProblem& problem, const TriedFills&) {
+  const FillOptions& options = problem.options;
+  const bool as_they_come = !problem.corners && options.resolution.value_or(0) == 0;
+  if (!as_they_come || !options.islands.empty() || !options.through.empty() || meets_position_only(options) ||
+      options.cap != Cap::automatic)
+    return "the options ask for what rows have not";
+  const bool among_quads = options.output != Output::triangles || is_among_quads(problem.ground.left, problem.loop);
+  return among_quads ? "" : "the faces around the hole are no quads";
+}
+
+Fill make_rows(FillProblem& problem, const TriedFills&) {
+  std::optional<Fill> fill = fill_with_rows(problem.ground, problem.loop, problem.options.output, problem.options.features);
+  if (!fill) throw Refusal("no rows of quads go on across the hole", problem.loop);
+  fill->report.method_reason = rows_reason;
+  return std::move(*fill);
+}
+
+std::string skip_patch(FillProblem& problem, const TriedFills&) {
+  const SidesFound& sides = problem.sides();
+  return sides.domain == Domain::none ? sides.reason : "";
+}
+
+void check_sides(const Ground& ground, const std::vector<Index>& rim, std::span<const Index> corners) {
+  if (zigzag(ground.mesh, rim, corners) > smooth_sides) throw Refusal("the sides between the corners zigzag", rim);
+}
+
+Fill make_triangle(FillProblem& problem) {
+  const SidesFound& sides = problem.sides();
+  check_counts(sides.options, 3);
+  check_sides(problem.ground, sides.hole.rim, sides.hole.corners);
+  return fill_with_patch(problem.ground, sides.hole, sides.options);
+}
+
+bool is_beside_sharp(const Fill& patch) { return std::ranges::count(patch.report.continuity, "Free") > 0; }
+
+Fill unless_given_up(const FillProblem& problem, PolygonFill made) {
+  if (made.gave_up && !is_shaped_by_hand(problem.options))
+    throw Refusal("the surroundings vary too rapidly over the length of the hole to be continued fairly", problem.loop);
+  return std::move(made.fill);
+}
+
+/// Between two sides or four and more. laid_out: also if it folds.
+Fill make_polygon(FillProblem& problem, bool laid_out) {
+  const SidesFound& sides = problem.sides();
+  FillOptions options = sides.options;
   options.cross_boundary = CrossBoundary::consistent;  // of three sides
-  try {
-    check_positions(ground.mesh, ground.left, checked);
-    PolygonFill made = fill_round(ground.mesh, ground.left, checked, options, false);
-    made.fill.report.method_reason = reason;
-    if (!made.crumpled && !runs_away(ground, made.fill, options)) return std::move(made.fill);
-  } catch (const Refusal&) {  // a rim of few edges, or with corners
-  }
-  return fill_any_rim(ground, checked, std::vector<Index>(), options, reason);
+  check_counts(options, sides.corners.size());
+  const CorneredRim found = cornered(problem.ground, problem.rim, sides.corners);
+  check_sides(problem.ground, found.rim, found.places);
+  if (!wants_patch(problem)) problem.begin_spline();
+  Fill fill = unless_given_up(
+      problem, fill_with_polygon(problem.ground.mesh, problem.ground.left, found.rim, found.places, options, laid_out));
+  if (sides.corners.size() == 2 && is_beside_sharp(fill) && !wants_patch(problem))
+    throw Refusal("two sides that are not continued tell less than the rim as a whole", problem.loop);
+  return fill;
 }
+
+Fill make_disc(FillProblem& problem, const SideContinuity* continuity = nullptr) {
+  FillOptions options = problem.sides().options;
+  options.cross_boundary = CrossBoundary::consistent;  // of three sides
+  if (continuity) options.continuity = *continuity;
+  check_counts(options, 1);
+  check_positions(problem.ground.mesh, problem.ground.left, problem.loop);
+  PolygonFill made = fill_round(problem.ground.mesh, problem.ground.left, problem.loop, options, false);
+  problem.is_of_revolution = made.of_revolution;
+  return unless_given_up(problem, std::move(made));
+}
+
+Fill make_patch(FillProblem& problem, const TriedFills&) {
+  const Domain domain = problem.sides().domain;
+  Fill fill = domain == Domain::triangle ? make_triangle(problem)
+              : domain == Domain::disc   ? make_disc(problem)
+                                         : make_polygon(problem, false);
+  const bool revolved = problem.is_of_revolution && problem.options.cap == Cap::automatic;
+  fill.report.method_reason = revolved ? round_of_revolution : problem.sides().reason;
+  return fill;
+}
+
+/// A cap of revolution that goes on as its surroundings bend, and leaves the hole: one that is tangent to them only or, if that one does
+/// too, a flat one.
+std::string skip_lower_cap(FillProblem& problem, const TriedFills& tried) {
+  if (!problem.is_of_revolution) return "the surroundings are not of revolution";
+  const bool leaves = patch_in(tried).row.quality.leaves_hole && is_continuity_open(problem.sides().options);
+  return leaves ? "" : "the cap may go on as its surroundings bend";
+}
+
+Fill make_lower_cap(FillProblem& problem, const TriedFills&) {
+  for (const SideContinuity less : {SideContinuity::g1, SideContinuity::free}) {
+    Fill fill = make_disc(problem, &less);
+    if (!problem.is_of_revolution || !is_valid(judged(problem, fill))) continue;
+    fill.report.method_reason = round_of_revolution + "; as these bend it would leave the hole";
+    if (less == SideContinuity::free) fill.report.warnings.push_back(flat_all_around);
+    return fill;
+  }
+  throw Refusal("a lower cap too would fold or leave the hole", problem.loop);
+}
+
+std::string skip_lid(FillProblem& problem, const TriedFills&) {
+  return problem.sides().has_lost_wall ? "" : "the hole has lost no flat wall";
+}
+
+Fill make_lid(FillProblem& problem, const TriedFills&) {
+  const SidesFound& sides = problem.sides();
+  Fill fill = fill_flat(problem.ground, problem.loop, sides.options);
+  fill.report.method_reason = sides.reason;
+  if (problem.options.cap == Cap::flat) fill.report.warnings.clear();
+  return fill;
+}
+
+/// Why the surroundings as a whole are continued.
+std::string why_spline(FillProblem& problem, const TriedFills& tried) {
+  const SidesFound& sides = problem.sides();
+  if (sides.domain == Domain::none || problem.options.cap != Cap::automatic) return sides.reason;
+  const std::size_t count = sides.domain == Domain::triangle ? 3 : sides.corners.size();
+  const std::string between =
+      sides.domain == Domain::disc ? "over the round rim" : "between " + std::to_string(count) + " corners";
+  const Candidate& patch = patch_in(tried).row;
+  if (patch.status == CandidateStatus::refused) return "no patch fits " + between + ": " + patch.why;
+  if (patch.quality.crosses) return "a patch " + between + " would cross itself";
+  if (patch.quality.folds > 0) return "a patch " + between + " would fold";
+  if (patch.quality.leaves_hole) return "a patch " + between + " would leave the hole";
+  return "the surroundings as a whole tell more than " +
+         (sides.domain == Domain::disc ? "the round rim alone" : "their " + std::to_string(count) + " sides alone");
+}
+
+std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
+  if (problem.sides().has_lost_wall) return problem.sides().reason;
+  const Tried* const best = best_of(tried);
+  if (!best || !is_valid(best->row.quality)) return "";
+  if (wants_patch(problem)) return "a patch between the sides is asked for";
+  if (problem.is_of_revolution) return "the surroundings are of revolution, as the patch is";
+  return is_beside_sharp(*best->fill) ? "the patch knows which sides the mesh meets at an angle" : "";
+}
+
+Fill make_spline(FillProblem& problem, const TriedFills& tried) {
+  Fill fill = problem.spline();
+  fill.report.method_reason = why_spline(problem, tried);
+  return fill;
+}
+
+/// The spline with the tangent planes of a patch that is not valid itself, if they are known better.
+std::string skip_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
+  const Tried &patch = patch_in(tried), &spline = tried.back();
+  if (!patch.fill || is_valid(patch.row.quality)) return "a patch has these tangent planes";
+  if (asks_for_sides(problem.sides().options)) return "sides are asked for";
+  const bool better = spline.fill && patch.fill->report.surroundings_error < spline.fill->report.surroundings_error;
+  return better ? "" : "the sides do not know their tangent planes better";
+}
+
+Fill make_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
+  return fill_with_planes_of(problem.ground, *patch_in(tried).fill, problem.sides().options, why_spline(problem, tried));
+}
+
+std::string skip_folded(FillProblem&, const TriedFills& tried) {
+  const Tried* const best = best_of(tried);
+  const bool laid_out = !patch_in(tried).fill || patch_in(tried).fill->faces.size() > 0;
+  return laid_out || (best && is_valid(best->row.quality)) ? "another fill does not fold" : "";
+}
+
+Fill make_folded(FillProblem& problem, const TriedFills&) {
+  if (problem.sides().domain != Domain::polygon) throw Refusal("the patch folds", problem.loop);
+  Fill fill = make_polygon(problem, true);
+  fill.report.method_reason = problem.sides().reason;
+  return fill;
+}
+
+/// All ways to fill a hole, the cheapest first. The patch is the second: the others ask for it (see patch_in).
+constexpr std::array strategies = {
+    Strategy{rows_method, skip_rows, make_rows},
+    Strategy{polygon_method, skip_patch, make_patch},
+    Strategy{polygon_method, skip_lower_cap, make_lower_cap},
+    Strategy{spline_method, skip_lid, make_lid},
+    Strategy{spline_method, skip_spline, make_spline},
+    Strategy{spline_method, skip_spline_with_planes, make_spline_with_planes},
+    Strategy{polygon_method, skip_folded, make_folded},
+};
 
 /// The edges of the rim at which a fill meets the mesh at an angle.
 std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fill& fill) {
@@ -378,8 +455,9 @@ bool is_lid(const Ground& ground, const Fill& fill, const FillOptions& options) 
 
 Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options) {
-  const bool as_they_go_on = options.cap == Cap::automatic || !options.islands.empty();
-  Fill fill = as_they_go_on ? fill_as_they_go_on(ground, rim, corners, options) : fill_with_cap(ground, rim, options);
+  FillProblem problem(ground, rim, corners, options);
+  Fill fill = selected(try_all(problem, strategies, problem.size, judged));
+  if (problem.is_flat()) fill.report.warnings.emplace_back(flat_all_around);
   if (!is_lid(ground, fill, options)) return fill;
   const std::vector<std::array<Index, 2>> edges = sharp_rim_edges(ground, fill);
   fill.feature_edges.insert(fill.feature_edges.end(), edges.begin(), edges.end());

@@ -12,8 +12,7 @@
 #include <utility>
 
 #include "tripatch/cage/cage_fill.h"
-#include "tripatch/fill/cage_in_rows.h"
-#include "tripatch/fill/cage_on_mesh.h"
+#include "tripatch/fill/cage_inside.h"
 #include "tripatch/fill/insisted.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"

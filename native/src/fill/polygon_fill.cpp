@@ -28,33 +28,7 @@
 
 namespace tripatch {
 
-bool folds_in_vain(const Mesh& mesh, const Connectivity& around, const Fill& fill) {
-  const Report& report = fill.report;
-  if (report.triangles_folded == 0) return false;
-  const bool at_angles = std::ranges::any_of(report.continuity, [](const std::string& c) { return c == "Free" || c == "G0"; });
-  return !at_angles || report.triangles_folded > folds_of_rim(mesh, around, {fill.rim});
-}
-
 namespace {
-
-/// Where the patch lies farther from the spline than this many of the standard deviations that the spline states of itself, the spline
-/// is the nearer one;
-constexpr double clearly_off = 4;
-/// or where its own energy, nothing on spheres and quadrics, tells that its inside is not known better than this share of the diameter
-/// times the energy, unless the two agree within half of what the spline states. Of 132 holes of 4 to 6 sides in eleven kinds of surfaces
-/// what this chooses is 1.33 times as far off as the nearer one in the geometric mean, of 66 others, of 4 to 8, 1.19 times (twice the
-/// share, whether they agree or not: 1.47 and 1.41; always the spline: 1.95 and 2.3; always the patch: 2.6 and 2).
-constexpr double unknown_by_energy = 1e-3;
-constexpr double they_agree = 0.5;
-/// But not where it misses the planes along the rim by so many degrees, which are known so many times better: across the ends of fillets
-/// of different radii curvature jumps, and a field that is smooth everywhere is 10 to 200 times as far off there as the patch.
-constexpr double misses_planes = 0.5;
-constexpr double known_better = 20;
-/// Nor where it misses them by less, so many times more than the patch: of 128 holes seven were so, and in one the patch is farther, by 2%;
-/// round a smooth rim of 7,000 edges it is 40 times nearer.
-constexpr double misses_slightly = 0.01;
-constexpr double known_far_better = 1000;
-constexpr Index compared_points = 300;  ///< about, of the fill's own: a choice
 
 PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vector<double>>& parameters) {
   std::vector<Vec2> places;
@@ -245,64 +219,15 @@ void report_layout(const PlaneCover& cover, Index vertices, Report& report) {
 }
 
 /// The rest of a report, once the fill is there.
-bool complete(const Mesh& mesh, const Connectivity& around, double surroundings_error, const Faired& faired,
+void complete(const Mesh& mesh, const Connectivity& around, double surroundings_error, const Faired& faired,
               PolygonFill& result) {
   Report& report = result.fill.report;
   report.method = polygon_method;
   report.surroundings_error = surroundings_error;
   measure_faces(mesh, result.fill.vertices, result.fill.faces, faces_beyond(mesh, around, {result.fill.rim}), report);
   tell_folds(report);
-  return faired.gave_up || report.folds > 0 || report.crosses_itself || folds_in_vain(mesh, around, result.fill);
+  result.gave_up = faired.gave_up;
 }
-
-/// Root mean square distance of some of the points from a surface over a plane, by Gauss-Newton from the places of other points of it.
-double distance_from(const Surface& surface, const Points& known, const PlanePoints& places, const Points& points) {
-  const Index step = std::max<Index>(1, points.rows() / compared_points), count = (points.rows() + step - 1) / step;
-  Points at = Points::Zero(count, 3);
-  std::vector<double> best(count);
-  std::vector<char> stopped(count, 0);
-  for (Index k = 0; k < count; ++k) {
-    Index nearest = 0;
-    best[k] = (known.rowwise() - points.row(k * step)).rowwise().squaredNorm().minCoeff(&nearest);
-    at.row(k).head<2>() = places.row(nearest);
-  }
-  std::vector<double> jets(9 * count);
-  for (int round = 0; round < 5; ++round) {
-    surface.evaluate(at.data(), count, 1, jets.data());
-    for (Index k = 0; k < count; ++k) {
-      if (stopped[k]) continue;
-      const double* const jet = jets.data() + 9 * k;
-      const Vec3 off = Vec3(points.row(k * step)) - Vec3::Map(jet);
-      best[k] = std::min(best[k], off.squaredNorm());
-      const Vec2 way = in_frame(Vec3::Map(jet + 3), Vec3::Map(jet + 6), off);
-      stopped[k] = !way.allFinite();
-      if (!stopped[k]) at.row(k).head<2>() += way;
-    }
-  }
-  return std::sqrt(std::accumulate(best.begin(), best.end(), 0.0) / static_cast<double>(std::max<Index>(count, 1)));
-}
-
-}  // namespace
-
-bool misses_known_planes(const Fill& patch, const Fill& spline, double degrees, double times) {
-  const double spline_error = spline.report.surroundings_error;
-  return spline_error > degrees && patch.report.surroundings_error * times < spline_error;
-}
-
-double off_by_energy(const Fill& patch, double diameter) { return unknown_by_energy * patch.report.energy_after * diameter; }
-
-bool excluded_by(const Fill& patch, const Fill& spline, double diameter) {
-  if (!spline.patch || spline.deviation.size() == 0 || patch.vertices.rows() == 0) return false;
-  if (!is_harmless(spline.report)) return false;
-  if (misses_known_planes(patch, spline, misses_planes, known_better)) return false;
-  if (misses_known_planes(patch, spline, misses_slightly, known_far_better)) return false;
-  const double said = spline.deviation.norm() / std::sqrt(static_cast<double>(spline.deviation.size()));
-  const double apart = distance_from(*spline.patch, spline.vertices, spline.uv, patch.vertices);
-  const bool unknown = off_by_energy(patch, diameter) > said;
-  return apart > (unknown ? they_agree : clearly_off) * said;
-}
-
-namespace {
 
 /// Sides that are read together as those of a hole of three corners, which begins at a corner of the polygon.
 struct ReadTogether {
@@ -495,12 +420,11 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   Report& report = fill.report;
   report_patch(made, report);
   tell_sharp(angles, report.warnings);
-  result.planes_apart_deg = *std::max_element(made.corner_mismatch_deg.begin(), made.corner_mismatch_deg.end());
   report_layout(cover, n, report);
   take_corners(rim, corners, report);
   tell_corners(report);
   in_order_of_triangles(fill.sides);
-  result.crumpled = complete(mesh, around, known.surroundings_error, made, result);
+  complete(mesh, around, known.surroundings_error, made, result);
   return result;
 }
 
@@ -706,7 +630,7 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   result.of_revolution = made.of_revolution;
   report_patch(made, report);
   report_layout(cover, mesh.vertices.rows(), report);
-  result.crumpled = complete(mesh, around, known.surroundings_error, made, result);
+  complete(mesh, around, known.surroundings_error, made, result);
   return result;
 }
 

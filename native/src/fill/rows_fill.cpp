@@ -34,24 +34,6 @@ constexpr Index right_angles_of_grid = 4;
 constexpr Index rows_of_surface = 2;
 /// Of the mean distance of rows: no two are nearer to each other in the surface's domain, whose cubics would be divided by less. A choice.
 constexpr double least_step = 1e-3;
-/// Of the hole's diameter: so nearly the rim itself comes out where it is continued in the same way, that nothing else need be tried.
-/// A choice.
-constexpr double surely_rows = 1e-6;
-/// Of that diameter: rows that are off by less lie where the mesh goes on, as in a plane, and are taken whatever another fill says of itself:
-/// both numbers would be rounding.
-constexpr double exact_rows = 1e-9;
-/// The rows' new vertices are off by so much of what the rim itself is missed by: .23 in the median of 352 blocks in thirty kinds of
-/// meshes, among them bevels, tubes, tori, subdivided heads and balls, metaballs. Where a spline says that it is off by less it is taken:
-/// then the choice is 1.02 times as far off as the nearer of the two, in the geometric mean; always the rows 1.07 times, always the spline
-/// 6 times, beside bevels 17 times.
-constexpr double off_by_missed = 0.25;
-/// Rows that make the rim to so many degrees tell of their block, whatever its sides do: of 41 holes in bevels, tubes, heads and subdivided
-/// boxes that have both, rows were nearer in 23 of the 25 whose rim they make to 0.8 degrees.
-constexpr double rim_is_made = 1.2;
-/// Of the other 16, beside sides that are known so many times better the patch was nearer (7.7 times or more, 14 holes, the rows 1.8 times as
-/// far off in the geometric mean and bent by half more), else the rows (2.2 times or less, 2 holes).
-constexpr double sides_known_better = 5;
-
 /// Positions of a block with its rows around.
 class Block {
 public:
@@ -281,25 +263,6 @@ Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, co
         rim);
   fill->report.method_reason = "it was asked for";
   return std::move(*fill);
-}
-
-bool are_sure(const Mesh& mesh, const Fill& rows) {
-  return is_harmless(rows.report) && (rows.deviation.size() == 0 || rows.deviation[0] < surely_rows * diameter(mesh, rows.rim));
-}
-
-double off_by_rows(const Fill& rows) { return off_by_missed * rows.deviation[0]; }
-
-bool rows_are_nearer(const Mesh& mesh, const Fill& rows, const Fill& other) {
-  if (harm(rows.report) != harm(other.report)) return harm(rows.report) < harm(other.report);
-  if (rows.vertices.rows() == 0) return true;
-  if (other.deviation.size() == 0) return !other.patch;  // plain triangles know of nothing beyond the rim
-  const double said = other.deviation.norm() / std::sqrt(static_cast<double>(other.deviation.size()));
-  return off_by_rows(rows) < std::max(said, exact_rows * diameter(mesh, rows.rim));
-}
-
-bool sides_tell_more(const Fill& rows, const Fill& patch) {
-  const double made = rows.report.surroundings_error, known = patch.report.surroundings_error;
-  return !patch.sides.empty() && is_harmless(patch.report) && made > rim_is_made && made > sides_known_better * known;
 }
 
 }  // namespace tripatch

@@ -1,5 +1,4 @@
-// Which path a hole takes: rows of quads that go on where it was a block of them, the exact patch where its sides are smooth, else the
-// surface over a plane.
+// The fill of method auto: all ways to fill a hole are tried, cheapest first, and the best one is used (see select.h).
 #pragma once
 
 #include "tripatch/fill/ground.h"
@@ -7,10 +6,7 @@
 
 namespace tripatch {
 
-/// Whether a spline in place of a patch that folds is made again such that it keeps the planes of the patch's sides: they are well known,
-/// and it misses them.
-bool keeps_better_planes(const Fill& patch, const Fill& spline);
-
+/// The most accurate valid fill that is found, with all candidates in its report.
 Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options);
 

@@ -52,18 +52,9 @@ void report_patch(const RoundPatch& made, Report& report);
 
 struct PolygonFill {
   Fill fill;
-  bool crumpled = false;        ///< folds, or no energy serves: another kind of fill may do better
-  bool of_revolution = false;   ///< as its surroundings are
-  double planes_apart_deg = 0;  ///< the most by which the tangent planes of two sides differ at their corner
+  bool gave_up = false;        ///< no energy serves: another kind of fill may do better
+  bool of_revolution = false;  ///< as its surroundings are
 };
-/// How far a patch is known, scene units: so far off it may be by its energy, which is nothing on spheres and quadrics.
-double off_by_energy(const Fill& patch, double diameter);
-/// Whether a fill from the surroundings as a whole, which states how well it is known, tells of another surface than the patch between
-/// the sides; diameter: of the hole.
-bool excluded_by(const Fill& patch, const Fill& spline, double diameter);
-/// Whether the spline misses planes along the rim by so many degrees which the sides of the patch know so many times better.
-bool misses_known_planes(const Fill& patch, const Fill& spline, double degrees, double times);
-
 /// folded_too: else a patch that folds has no faces, which take most of the time.
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options, bool folded_too = true);
@@ -73,9 +64,5 @@ constexpr Index least_round = 6;
 /// The patch over a disc whose rim has no corners. rim: in the direction of new faces, least_round edges or more. folded_too: as above.
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
                        bool folded_too = true);
-
-/// Whether triangles fold that need not. A side that is met in position only may meet the mesh at however sharp an angle: there as many may
-/// as the rim itself folds.
-bool folds_in_vain(const Mesh& mesh, const Connectivity& around, const Fill& fill);
 
 }  // namespace tripatch

@@ -26,13 +26,4 @@ std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<
 /// The same, insisted on; a Refusal says what it needs. corners: none, or those of the block.
 Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options);
 
-/// Whether the rim tells so well how rows go on that nothing else need be tried.
-bool are_sure(const Mesh& mesh, const Fill& rows);
-/// How far their new vertices are off, scene units, as far as the rim tells.
-double off_by_rows(const Fill& rows);
-/// Whether rows are the better fill, beside what is made without them.
-bool rows_are_nearer(const Mesh& mesh, const Fill& rows, const Fill& other);
-/// Whether the sides of an exact patch are known so much better than rows make the rim that its energy says nothing, as between fillets.
-bool sides_tell_more(const Fill& rows, const Fill& patch);
-
 }  // namespace tripatch

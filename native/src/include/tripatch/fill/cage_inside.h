@@ -1,4 +1,4 @@
-// The vertices of a cage where the mesh around would go on, as triangles of any rim do.
+// The vertices of a cage inside its hole: on the surface that continues the mesh around it, or in rows of quads that go on.
 #pragma once
 
 #include <optional>
@@ -18,5 +18,9 @@ struct OnMesh {
 enum class Smoothed { no, on_surface, in_plane };
 std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, const CageHole& laid_out,
                                    const FillOptions& options, Smoothed smoothed);
+
+/// Places of the vertices inside a layout that is such rows, in its order: what continues the cage's own points continues the limit surface
+/// that they carry. replaced: faces that count as not there. None where rows do not go on in it, or where the surface around it tells more.
+std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out, const std::vector<Index>& replaced);
 
 }  // namespace tripatch

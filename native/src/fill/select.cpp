@@ -1,0 +1,123 @@
+#include "tripatch/fill/select.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "tripatch/constructions/methods.h"
+#include "tripatch/math/ties.h"
+
+namespace tripatch {
+namespace {
+
+// What scripts/calibrate fits to holes whose truth is known. Errors are shares of the hole's diameter.
+/// Error of a patch per square root of its energy, which is 0 on spheres and cylinders.
+constexpr double error_by_energy = 5e-4;
+/// Error per radian by which the tangent planes along the boundary are unknown.
+constexpr double error_by_planes = 0.125;
+/// Error of a spline per root mean square of the standard deviation that it states.
+constexpr double error_by_deviation = 0.1;
+/// Error of rows of quads per distance by which they miss the boundary's own vertices.
+constexpr double error_by_missed = 0.25;
+/// Error of plain triangles, which know nothing of the surroundings.
+constexpr double error_of_triangles = 0.1;
+/// Nobody sees less.
+constexpr double negligible = 1e-5;
+
+double root_mean_square(const Eigen::VectorXd& values) {
+  return values.size() == 0 ? 0 : values.norm() / std::sqrt(static_cast<double>(values.size()));
+}
+
+double stated_error(const Fill& fill, double size) {
+  const Report& report = fill.report;
+  const double planes = report.surroundings_error * std::numbers::pi / 180;
+  if (report.method == rows_method) return error_by_missed * root_mean_square(fill.deviation);
+  if (!fill.patch) return error_of_triangles * size;
+  if (report.method == spline_method)
+    return std::hypot(error_by_deviation * root_mean_square(fill.deviation), error_by_planes * planes * size);
+  if (fill.vertices.rows() == 0) return 0;
+  return size * std::hypot(error_by_energy * std::sqrt(report.energy_after), error_by_planes * planes);
+}
+
+auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.leaves_hole); }
+
+/// Why a candidate is not used.
+std::string why_not(const Quality& quality, const Quality& used) {
+  if (quality.crosses != used.crosses) return "crosses itself";
+  if (quality.folds != used.folds) return "folds";
+  if (quality.leaves_hole != used.leaves_hole) return "leaves the hole";
+  return "is expected to be less accurate";
+}
+
+}  // namespace
+
+double expected_error(const Fill& fill, double size) {
+  const double error = stated_error(fill, size);
+  return error < size ? error : size;  // a number, too
+}
+
+bool is_negligible(double error, double size) { return error <= negligible * size; }
+
+bool is_valid(const Quality& quality) { return compared(quality) == compared({}); }
+
+bool is_better(const Quality& a, const Quality& b) {
+  if (compared(a) != compared(b)) return compared(a) < compared(b);
+  return clearly_less(a.expected_error, b.expected_error);
+}
+
+const Tried* best_of(const TriedFills& tried) {
+  const Tried* best = nullptr;
+  for (const Tried& each : tried)
+    if (each.fill && (!best || is_better(each.row.quality, best->row.quality))) best = &each;
+  return best;
+}
+
+TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, double size,
+                   Quality (*judged)(FillProblem&, const Fill&)) {
+  TriedFills tried;
+  for (const Strategy& strategy : strategies) {
+    Tried now;
+    now.row.method = strategy.method;
+    try {
+      now.row.why = strategy.skips(problem, tried);
+      const Tried* const best = best_of(tried);
+      if (now.row.why.empty() && best && is_valid(best->row.quality) && is_negligible(best->row.quality.expected_error, size))
+        now.row.why = "nothing can be visibly more accurate than " + best->row.method;
+      if (now.row.why.empty()) {
+        now.fill = strategy.make(problem, tried);
+        now.row.method = now.fill->report.method;
+        now.row.status = CandidateStatus::made;
+        now.row.quality = judged(problem, *now.fill);
+      }
+    } catch (const Refusal& refusal) {
+      now.row.status = CandidateStatus::refused;
+      now.row.why = refusal.what();
+      now.refusal = refusal;
+    }
+    tried.push_back(std::move(now));
+  }
+  return tried;
+}
+
+std::vector<Candidate> ranked(const TriedFills& tried) {
+  const Tried* const best = best_of(tried);
+  std::vector<Candidate> rows;
+  for (const Tried& each : tried) {
+    rows.push_back(each.row);
+    if (each.row.status != CandidateStatus::made) continue;
+    const bool used = &each == best;
+    rows.back().why = used ? each.fill->report.method_reason : why_not(each.row.quality, best->row.quality);
+    if (used) rows.back().status = CandidateStatus::used;
+  }
+  std::ranges::stable_sort(rows, {}, [](const Candidate& row) { return row.status; });
+  return rows;
+}
+
+Fill selected(TriedFills tried) {
+  if (const Tried* const best = best_of(tried)) return std::move(*tried[static_cast<std::size_t>(best - tried.data())].fill);
+  const auto last = std::find_if(tried.rbegin(), tried.rend(), [](const Tried& each) { return each.refusal.has_value(); });
+  throw Refusal(*last->refusal);
+}
+
+}  // namespace tripatch

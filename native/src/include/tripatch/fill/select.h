@@ -1,0 +1,73 @@
+// Chooses between ways to fill one hole: each is a candidate, all are judged by the same Quality, and the least one is used.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tripatch/output/fill_result.h"
+
+namespace tripatch {
+
+/// What fills of one hole are compared by, in this order; less is better.
+struct Quality {
+  bool crosses = false;       ///< itself
+  Index folds = 0;            ///< folded edges beyond those that the boundary forces
+  bool leaves_hole = false;   ///< farther from the boundary than its diameter
+  double expected_error = 0;  ///< how far off the new vertices are expected to be, scene units
+  double seam_deg = 0;        ///< largest seam angle: not compared
+};
+
+enum class CandidateStatus { used, made, skipped, refused };
+
+/// One way to fill a hole, and what became of it.
+struct Candidate {
+  std::string method;
+  CandidateStatus status = CandidateStatus::skipped;
+  Quality quality;  ///< of fills that were made
+  std::string why;
+};
+
+/// How far the new vertices of a fill are expected to be off, scene units. size: the diameter of the hole.
+double expected_error(const Fill& fill, double size);
+/// Whether nobody sees so small an error.
+bool is_negligible(double error, double size);
+
+/// Whether a fill neither crosses itself nor folds nor leaves the hole.
+bool is_valid(const Quality& quality);
+/// Whether a is clearly the better one.
+bool is_better(const Quality& a, const Quality& b);
+
+/// A candidate with its fill if it was made, or its refusal.
+struct Tried {
+  Candidate row;
+  std::optional<Fill> fill;
+  std::optional<Refusal> refusal;
+};
+using TriedFills = std::vector<Tried>;
+
+/// The best of those that are made, of equal ones the first; null: none is.
+const Tried* best_of(const TriedFills& tried);
+
+/// Facts of a hole and the options of its fill.
+struct FillProblem;
+
+/// One way to fill a hole. tried: the candidates of the strategies before it.
+struct Strategy {
+  const char* method;
+  /// Why it is not tried; empty: it is.
+  std::string (*skips)(FillProblem&, const TriedFills& tried);
+  Fill (*make)(FillProblem&, const TriedFills& tried);
+};
+
+/// Tries the strategies in their order, cheapest first, until the expected error is negligible. size: the diameter of the hole.
+TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, double size,
+                   Quality (*judged)(FillProblem&, const Fill&));
+
+/// All candidates, the best one first.
+std::vector<Candidate> ranked(const TriedFills& tried);
+/// The best fill. Throws the last refusal if none is made.
+Fill selected(TriedFills tried);
+
+}  // namespace tripatch
