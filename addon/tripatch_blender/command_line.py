@@ -11,7 +11,7 @@ import sys
 import bmesh
 import bpy
 
-from . import beside, filling, layers, library, mirrored, records, selection, subdivision, writeback
+from . import beside, filling, layers, library, mirrored, records, selection, subdivision, versions, writeback
 from .library import arguments as by_table
 from .library import tripatch
 from .properties import OPTIONS
@@ -272,7 +272,7 @@ _command = None
 
 def register():
     global _command
-    if hasattr(bpy.utils, "register_cli_command"):
+    if versions.HAS_COMMANDS:
         _command = bpy.utils.register_cli_command("tripatch", main)
 
 

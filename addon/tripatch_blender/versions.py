@@ -17,6 +17,8 @@ READS_STRINGS = bpy.app.version >= (4, 0)
 UV_MAPS_ARE_ATTRIBUTES = bpy.app.version >= (3, 5)
 #: Whether a BMesh has layers of booleans.
 HAS_BOOLEAN_LAYERS = hasattr(bmesh.types.BMLayerAccessLoop, "bool")
+#: Whether Blender has commands of add-ons (blender --command NAME).
+HAS_COMMANDS = hasattr(bpy.utils, "register_cli_command")
 #: Whether Blender says that objects have come from another file.
 TELLS_OF_IMPORTS = hasattr(bpy.app.handlers, "blend_import_post")
 
