@@ -255,8 +255,7 @@ def _fill(args: argparse.Namespace) -> int:
     note = _unheard if args.quiet else _say
 
     fills: list[tripatch.Fill] = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
-    for fill in fills:
-        out.append(fill)
+    out.append_all(fills)
     _tell(args, holes, left, out)
     if not fills:
         return NOTHING

@@ -59,18 +59,29 @@ def largest(vertices: Array, faces: Any, fills: Sequence[tuple[Array, Any, Array
     Args:
         fills: new vertices, new faces counted on from `vertices`, and the rim.
     """
-    n = len(vertices) + max((len(new) for new, _, _ in fills), default=0) + 1
+    points = np.concatenate([vertices, *(new for new, _, _ in fills)])
+    n = len(points) + 1
     rims = [np.column_stack([rim, np.roll(rim, -1)]) for _, _, rim in fills]
     keys = [rim.min(axis=1) * n + rim.max(axis=1) for rim in rims]
-    outside = _at(vertices, faces, np.concatenate(keys), n) if keys else {}
-    found: list[float | None] = []
-    for (new, own, _), edges in zip(fills, keys, strict=True):
-        inside = _at(np.concatenate([vertices, new]), own, edges, n)
-        shared = [e for e in edges.tolist() if e in inside and e in outside]
-        if not shared:
-            found.append(None)
-            continue
-        a, b = np.array([inside[e] for e in shared]), np.array([outside[e] for e in shared])
-        angles = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1))
-        found.append(float(np.degrees(angles.max())))
-    return found
+    if not keys:
+        return []
+    wanted = np.concatenate(keys)
+    outside = _at(vertices, faces, wanted, n)
+    inside = _at(points, _together(len(vertices), fills), wanted, n)
+    shared = [[e for e in edges.tolist() if e in inside and e in outside] for edges in keys]
+    counts = [len(each) for each in shared]
+    a, b = (np.array([found[e] for each in shared for e in each]).reshape(-1, 3) for found in (inside, outside))
+    angles = np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1)))
+    parts = np.split(angles, np.cumsum(counts)[:-1])
+    return [float(part.max()) if len(part) else None for part in parts]
+
+
+def _together(count: int, fills: Sequence[tuple[Array, Any, Array]]) -> _arrays.Rows:
+    """The faces of all fills, with new vertices one after another behind `count`."""
+    sizes, corners, first = [np.zeros(1, np.int64)], [], count
+    for new, own, _ in fills:
+        offsets, flat = _arrays.faces(own)
+        sizes.append(np.diff(offsets))
+        corners.append(np.where(flat >= count, flat + (first - count), flat))
+        first += len(new)
+    return _arrays.Rows(np.cumsum(np.concatenate(sizes)), np.concatenate(corners))

@@ -168,8 +168,7 @@ def _obstacle(mesh: files.MeshFile, fills: list[Any], name: str, settings: Setti
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         mesh = mesh.marked()
-        for fill in fills:
-            mesh.append(fill)
+        mesh.append_all(fills)
         mesh.write(out)
     except (files.FileError, OSError) as error:
         return str(error).replace(os.fspath(out), name)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,13 +24,21 @@ class Continued:
     """
 
     def __init__(
-        self, vertices: Array, face: Callable[[int], Sequence[int]], fill: Any, look: Callable[[int], Hashable], at: Any
+        self,
+        vertices: Array,
+        face: Callable[[int], Sequence[int]],
+        fill: Any,
+        look: Callable[[int], Hashable],
+        at: Any,
+        edges: Mapping[tuple[int, int], int] | None = None,
     ) -> None:
         """face: the corners of an old face; look: what of it shall not change within a part of the fill; at: the old faces at a
-        vertex."""
+        vertex; edges: the face at some edges, whose lower end comes first."""
+        self._edges = edges or {}
         self._vertices, self._face, self._count = vertices, face, len(vertices)
         self._new = [list(map(int, face)) for face in fill.faces]
-        rim, loops = self._loops(list(map(int, fill.rim)), at)
+        rim = list(map(int, fill.rim))
+        loops = self._loops(rim, at)
         self._rim, self._loop_starts = rim, loops
         self._next = np.arange(1, len(rim) + 1)
         for first, end in zip(loops, [*loops[1:], len(rim)], strict=True):
@@ -46,16 +55,18 @@ class Continued:
             shares = Shares([look(f) for f in self._around], self._blend, self._next)
             self.model = [self._around[self._edge_like(shares, at, nearest)] for at in self._at]
 
-    @staticmethod
-    def _loops(rim: list[int], at: Any) -> tuple[list[int], list[int]]:
-        """The rim, and where its loops start: islands follow the outer one."""
+    def _loops(self, rim: list[int], at: Any) -> list[int]:
+        """Where the loops of a rim start: islands follow the outer one."""
         starts = [0] if rim else []
-        for k in range(len(rim) - 1):
-            if not set(at(rim[k])) & set(at(rim[k + 1])):
-                starts.append(k + 1)
-        return rim, starts
+        for k, (a, b) in enumerate(itertools.pairwise(rim), 1):
+            if (min(a, b), max(a, b)) not in self._edges and not set(at(a)) & set(at(b)):
+                starts.append(k)
+        return starts
 
     def _face_at(self, a: int, b: int, at: Any) -> int:
+        found = self._edges.get((min(a, b), max(a, b)))
+        if found is not None:
+            return found
         for f in at(a):
             face = self._face(f)
             k = face.index(b) if b in face else -1
@@ -65,6 +76,8 @@ class Continued:
 
     def _blend_of(self, fill: Any, vertices: Array) -> tuple[Blend, Array]:
         """From values at both ends of each rim edge to those of all new vertices; and for each the nearest rim edge."""
+        if not len(fill.vertices):
+            return lambda ends: np.zeros((0, ends.shape[1])), np.zeros(0, int)
         count, split = len(self._rim), len(self._split)
         names = ("rim_barycentric", "barycentric") if getattr(fill, "uv", None) is None else ("rim_uv", "uv")
         at_rim, inside = (getattr(fill, name, ()) for name in names)

@@ -16,17 +16,24 @@ FILL = "tripatch_fill"
 _CHANGED = "The fills moved vertices or split edges, or the file was changed since: the original cannot be restored"
 
 
-def about(fill: Any) -> dict[str, Any]:
+def about(fill: Any, hashes: dict[int, tuple[Any, str]] | None = None) -> dict[str, Any]:
     """What a file says of a fill: the method, the error estimate (in units of the mesh; None: not known), a hash of the options,
-    the version, and how many vertices and faces it added."""
+    the version, and how many vertices and faces it added.
+
+    Args:
+        hashes: keeps those of options that many fills share, by their place in memory, with the options.
+    """
     from .. import __version__
     from ..batch.record import plain
 
-    options = json.dumps(plain(fill.options), sort_keys=True, separators=(",", ":"))
+    given, known = fill.options, {} if hashes is None else hashes
+    if id(given) not in known:
+        options = json.dumps(plain(given), sort_keys=True, separators=(",", ":"))
+        known[id(given)] = given, hashlib.sha256(options.encode()).hexdigest()
     return {
         "method": fill.report.method,
         "error_estimate": plain(fill.report.deviation_max),
-        "options_sha256": hashlib.sha256(options.encode()).hexdigest(),
+        "options_sha256": known[id(given)][1],
         "tripatch": __version__,
         "vertices": len(fill.vertices),
         "faces": len(fill.faces),

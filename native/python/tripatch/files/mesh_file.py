@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import tempfile
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +53,9 @@ class MeshFile:
         self._added = 0  # vertices
         self._marks, self._number = False, 0  # whether fills are told apart, and how many there are
         self._about: list[dict[str, Any]] = []  # of each that was added
+        self._hashes: dict[int, tuple[Any, str]] = {}
         self._split_faces: dict[int, list[int]] = {}
+        self._face_of_edge: dict[tuple[int, int], int] = {}
         self._by_vertex: tuple[Array, Array] | None = None
 
     @property
@@ -61,16 +63,43 @@ class MeshFile:
         """(n,) standard deviation of the vertices, below 0 where it is not known; None: the file does not say."""
         return None
 
+    def append_all(self, fills: Sequence[Any]) -> None:
+        """Adds `tripatch.Fill` objects of this mesh."""
+        self._find_edges([fill.rim for fill in fills])
+        for fill in fills:
+            self.append(fill)
+
+    def _find_edges(self, rims: Sequence[Array]) -> None:
+        """Looks up the faces at the edges of many rims at once."""
+        if not rims or not len(self.faces):
+            return
+        at_rim = np.zeros(len(self.vertices), bool)
+        at_rim[np.concatenate([np.asarray(rim, np.int64) for rim in rims])] = True
+        offsets, corners = self.faces.offsets, self.faces.corners
+        places = np.flatnonzero(at_rim[corners])
+        owner = np.searchsorted(offsets, places, "right") - 1
+        after = places + 1
+        last = after == offsets[owner + 1]
+        after[last] = offsets[owner[last]]
+        a, b = corners[places], corners[after]
+        both = at_rim[b]
+        ends = np.sort(np.column_stack([a, b])[both], axis=1).tolist()
+        faces = owner[both].tolist()
+        for k in range(len(faces) - 1, -1, -1):  # of several the first
+            self._face_of_edge[ends[k][0], ends[k][1]] = faces[k]
+
     def append(self, fill: Any) -> None:
         """Adds a `tripatch.Fill` of this mesh (one of several, in any order)."""
         n = len(self.vertices)
         if self._marks:
             self._number += 1
-            self._about.append({"fill": self._number, **evidence.about(fill)})
+            self._about.append({"fill": self._number, **evidence.about(fill, self._hashes)})
         faces = [[v if v < n else v + self._added for v in face] for face in _arrays.index_lists(fill.faces)]
         for v, place in zip(*fill.moved):
             self._move(int(v), place)
-        self._append(fill, faces, Continued(self.vertices, self._face_by_now, fill, self._look, self._faces_at))
+        self._append(
+            fill, faces, Continued(self.vertices, self._face_by_now, fill, self._look, self._faces_at, self._face_of_edge)
+        )
         for k, ((a, b), t) in enumerate(zip(*fill.split_edges)):
             for f in set(self._faces_at(a)) & set(self._faces_at(b)):
                 face = self._face_by_now(f)
@@ -85,8 +114,7 @@ class MeshFile:
     def filled(self, fills: Iterable[Any]) -> MeshFile:
         """The file as it is once these `tripatch.Fill` objects of its mesh are in it."""
         made = copy.deepcopy(self).marked()
-        for fill in fills:
-            made.append(fill)
+        made.append_all(list(fills))
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, f"mesh{self.suffix}")
             made._save(path)

@@ -54,6 +54,7 @@ class _PlyElement:
         self.block: Array | None = None  # all rows, where they are alike
         self.list_sizes = np.zeros((0, 0), np.int64)  # else of each row how long its lists are
         self.new: list[bytes] = []
+        self.added = 0  # rows in `new`
 
     def lists(self) -> list[int]:
         """The properties that are lists."""
@@ -505,18 +506,30 @@ class PlyFile(MeshFile):
         self._changed[k] = row
 
     def _look(self, f: int) -> Hashable:
+        told = [p for p, (name, _, list_kind) in enumerate(self._face.properties) if not list_kind and name != evidence.FILL]
+        if not told:
+            return ()
         row = self._row(self._face, self._row_of[f])
-        return tuple(value for p, value in zip(self._face.properties, row) if not p[2])
+        return tuple(row[p] for p in told)
 
     def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
         self._append_vertices(fill, continued)
         face = self._face
-        like = [self._row(face, self._row_of[f]) for f in continued.model]
         mark = face.index(evidence.FILL) if self._marks else -1
         by_corner = {}  # such as texture coordinates
         for p, (_, kind, list_kind) in enumerate(face.properties):
             if list_kind and p != self._index and kind in "fd":
                 by_corner[p] = continued.at_corners(lambda f, p=p: self._by_corner(f, p))  # type: ignore[misc]
+        if face.block is not None and continued.model and not by_corner and self._fits(faces):
+            rows = face.block[[self._row_of[f] for f in continued.model]]
+            rows[f"p{self._index}"] = faces
+            if mark >= 0:
+                rows[f"p{mark}"] = self._number
+            face.new.append(rows.tobytes())
+            face.added += len(faces)
+            return
+        face.added += len(faces)
+        like = [self._row(face, self._row_of[f]) for f in continued.model]
         for k, corners in enumerate(faces):
             row: list[Any] = [[] if p[2] else like[k][at] if like else 0 for at, p in enumerate(face.properties)]
             for p, values in by_corner.items():
@@ -526,6 +539,12 @@ class PlyFile(MeshFile):
                 row[mark] = self._number
             face.new.append(self._encode(face, row))
 
+    def _fits(self, faces: list[list[int]]) -> bool:
+        """Whether rows of these faces are as those of the block, with no other list in them."""
+        table = self._face.block[f"p{self._index}"]  # type: ignore[index]
+        largest = np.iinfo(table.dtype).max if table.dtype.kind in "iu" else -1
+        return len(self._face.lists()) == 1 and all(len(f) == table.shape[1] and max(f) <= largest for f in faces)
+
     def _by_corner(self, f: int, p: int) -> Array | None:
         """The values of a list of a face by its corners, if it has as many for each."""
         size, values = len(self._face_by_now(f)), self._row(self._face, self._row_of[f])[p]
@@ -533,6 +552,8 @@ class PlyFile(MeshFile):
 
     def _append_vertices(self, fill: Any, continued: Continued) -> None:
         vertex = self._vertex
+        if not len(fill.vertices):
+            return
         normal = [vertex.index(c) for c in _PLY_NORMAL]
         blended = [p for p, (name, kind, list_kind) in enumerate(vertex.properties) if not list_kind and _is_blended(name, kind)]
         values = continued.at_vertices(lambda rim: np.array([[self._row(vertex, v)[p] for p in blended] for v in rim.tolist()]))
@@ -550,15 +571,16 @@ class PlyFile(MeshFile):
             if self._deviation_at >= 0:
                 row[self._deviation_at] = float(deviation)
             vertex.new.append(self._encode(vertex, row))
+        vertex.added += len(fill.vertices)
 
     def _save(self, path: Path) -> None:
         head, pieces = bytes(self._data[: self._body]), list[bytes]()
-        for said in self._about:
-            head = self._with_comment(head, _FILL + evidence.line(said))
+        if self._about:
+            head = self._with_comment(head, self._eol.join(_FILL + evidence.line(said) for said in self._about))
         body = bytes(self._data[self._body :]) if self._order else b""
         for element in reversed(self._elements):
             first, end = element.count_at
-            head = head[:first] + b"%d" % (element.count + len(element.new)) + head[end:]
+            head = head[:first] + b"%d" % (element.count + element.added) + head[end:]
         at = 0
         for element in self._elements:
             end = element.starts[-1] - (self._body if self._order else 0) if element.count else at
