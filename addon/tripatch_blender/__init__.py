@@ -15,6 +15,7 @@ bl_info = {
 
 from . import (  # noqa: E402
     between_patches,
+    blending,
     command_line,
     library,
     live_fills,
@@ -27,7 +28,7 @@ from . import (  # noqa: E402
     waiting,
 )
 
-_modules = (waiting, operators, between_patches, smooth, ui, overlay, live_fills, smooth_fill_node, tool, command_line)
+_modules = (waiting, operators, between_patches, blending, smooth, ui, overlay, live_fills, smooth_fill_node, tool, command_line)
 
 
 def register():

@@ -97,7 +97,8 @@ def _surface_edges(ob):
                 continue
             try:
                 t = drawn[edge % 2] if edge < 2 else 1 - drawn[edge % 2][::-1]
-                found.append(tripatch.between.SurfaceEdge(ob.name, tripatch.Side(surface, edge), t, not mirrored))
+                side = tripatch.Side(surface, edge)
+                found.append(tripatch.between.SurfaceEdge(ob.name, side, t, not mirrored, (surface, edge)))
             except tripatch.Refusal as refusal:  # a single point: a corner of the surface; or flat to a line
                 refused.append(refusal.reason)
     if not found:
@@ -139,7 +140,7 @@ def _mesh_borders(ob):
     return found
 
 
-def _seam(report):
+def seam(report):
     """What is said of the seam: of sides that are met in tangent planes, if there are such."""
     angles = report.seam_angle_max_by_side
     kept = [angle for angle, met in zip(angles, report.continuity, strict=True) if met not in ("Free", "G0")]
@@ -147,7 +148,8 @@ def _seam(report):
     return f"seam within {angle}" if kept else f"met in position only, at angles up to {angle}"
 
 
-def _selected(context):
+def selected(context):
+    """The selected objects that have edges or borders, by name."""
     return sorted((ob for ob in context.selected_objects if ob.type in ("SURFACE", "MESH")), key=lambda ob: ob.name)
 
 
@@ -172,11 +174,23 @@ def _patch_and_triangles(sides, drawn, arguments, progress=None):
     return patch, patch.evaluate(barycentric), faces, [str(each.message) for each in told]
 
 
+def curves_of(objects):
+    """The curves of each object that may hold a side of the hole; UnusableError where one has none."""
+    return [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
+
+
+def put(mesh, points, faces, like):
+    """Makes a mesh these smooth triangles, with the materials of another."""
+    mesh.clear_geometry()
+    beside.take_materials(mesh, like)
+    mesh.from_pydata(points.tolist(), [], faces.tolist())
+    mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
+
+
 def mesh_between(objects, tolerance, resolution, construction, mesh=None):
     """A mesh that fills the hole between objects, and its `Between`; UnusableError or ValueError if there is none. mesh: gets
     the fill instead of a new one."""
-    curves = [_mesh_borders(ob) if ob.type == "MESH" else _surface_edges(ob) for ob in objects]
-    loop = tripatch.between.find_loop(curves, tolerance)
+    loop = tripatch.between.find_loop(curves_of(objects), tolerance)
     sides = loop.joined_sides()
     exact = [isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
     by_number = [resolution and all(exact[k] for k in group) for group in loop.groups]
@@ -184,10 +198,7 @@ def mesh_between(objects, tolerance, resolution, construction, mesh=None):
     own = filling.for_sides(construction, len(sides))
     patch, points, faces, notes = waiting.make(_patch_and_triangles, [side for side, _ in sides], drawn, own)
     mesh = mesh or bpy.data.meshes.new("Fill")
-    mesh.clear_geometry()
-    beside.take_materials(mesh, objects[0].data)
-    mesh.from_pydata(points.tolist(), [], faces.tolist())
-    mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
+    put(mesh, points, faces, objects[0].data)
     edges = max(
         (resolution or len(t) - 1 for group, (_, t) in zip(loop.groups, sides, strict=True) if exact[group[0]]), default=0
     )
@@ -234,7 +245,7 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
     def poll(cls, context):
         if not library.poll(cls, context, "OBJECT", "Works in object mode"):
             return False
-        objects = _selected(context)
+        objects = selected(context)
         if not 2 <= len(objects) <= filling.MOST_SIDES:
             cls.poll_message_set("Select two to twelve surface or mesh objects, with an edge of each around the hole")
             return False
@@ -260,7 +271,7 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
         return self.run_and_wait(context)
 
     def perform(self, context):
-        objects = _selected(context)
+        objects = selected(context)
         resolution = 0 if self.resolution == self.computed_resolution else self.resolution
         between = {"tolerance": self.tolerance, "resolution": resolution, "construction": self.construction()}
         self.reasons = ""
@@ -289,7 +300,7 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
         self.sides = len(made.sides)
         message = (
             f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(made.loop.gaps):.2g} "
-            f"(tolerance {self.tolerance:.2g}, scene units), {_seam(made.patch.report)}"
+            f"(tolerance {self.tolerance:.2g}, scene units), {seam(made.patch.report)}"
         )
         notes = [sentences.for_people(note) for note in made.notes]
         self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))

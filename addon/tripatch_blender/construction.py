@@ -153,6 +153,8 @@ class Construction:
                 switch, on, _, _ = _SWITCHES[name]
                 row(switch)
                 row(name, active=getattr(self, switch) == on)
+                if name == "shape" and self.fairing != "none":
+                    row.reasons(["With Fairing, Lambda moves the fill by 0.3% of its size at most. Set Fairing: Off to see it"])
             elif name == "cross_boundary":
                 tangent = self.individual or self.continuity not in ("Free", "G0")
                 row(name, active=tangent and not self.why_not(name))

@@ -8,7 +8,7 @@ with contextlib.suppress(ImportError):
 
 #: One sentence for the user, empty when all is there.
 missing = ""
-np = tripatch = arguments = charts = quality = words = index_lists = None
+np = tripatch = arguments = charts = constituents = quality = words = index_lists = None
 try:
     import numpy as np  # noqa: F401
 except ImportError:
@@ -16,7 +16,7 @@ except ImportError:
 else:
     try:
         import tripatch.options  # noqa: F401
-        from tripatch import arguments, charts, quality, words  # noqa: F401
+        from tripatch import arguments, charts, constituents, quality, words  # noqa: F401
         from tripatch._arrays import index_lists  # noqa: F401
     except ImportError as error:
         missing = f"TriPatch cannot load its library: {error}"

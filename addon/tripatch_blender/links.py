@@ -15,6 +15,7 @@ _PAGES = (
     ("bpy.ops.object.*_live_fill*", "hands.html"),
     ("bpy.types.TriPatchSmoothFillNode*", "hands.html"),
     ("bpy.ops.object.fill_between_patches*", "guide.html"),
+    ("bpy.ops.object.blend_three_patches*", "hands.html"),
 )
 
 

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 import bmesh
 import bpy
 
-from . import beside, between_patches, filling, joining, layers, mirrored, selection, sentences, waiting, writeback
+from . import beside, between_patches, blends, filling, joining, layers, mirrored, selection, sentences, waiting, writeback
 from .library import np, tripatch
 from .selection import Rim, UnusableError
 
@@ -160,7 +160,7 @@ def state_of(fill):
 
     for ob in around(fill):
         matrix = np.array(ob.matrix_world, np.float64)
-        take(matrix if settings["kind"] == "patches" else matrix[:3, :3])
+        take(matrix[:3, :3] if settings["kind"] == "hole" else matrix)
         if ob.type == "SURFACE":
             for spline in ob.data.splines:
                 take(np.array([tuple(p.co) for p in spline.points], np.float64))
@@ -310,8 +310,11 @@ def _follow(fill):
     settings, outcome = settings_of(fill), None
     if settings["kind"] == "hole":
         outcome = _fill_hole(fill, settings)
-    else:
+    elif settings["kind"] == "patches":
         between_patches.mesh_between(around(fill), **settings["between"], mesh=fill.data)
+    else:
+        made = blends.mesh_of(around(fill), **settings["blend"], mesh=fill.data)[1]
+        settings |= {"middles": made.middles, "names": made.names}
     fill[_SETTINGS], fill[_PROBLEM] = json.dumps(settings), ""
     return outcome
 
@@ -397,6 +400,23 @@ def keep_patches(fill, objects, **between):
     _remember(fill, {"kind": "patches", "between": json.loads(json.dumps(between, default=list))}, objects)
 
 
+def keep_blend(fill, objects, made, **blend):
+    """Makes a blend of three objects live. made: blends.Blended; blend: of blends.mesh_of."""
+    _remember(fill, {"kind": "blend", "blend": blend, "middles": made.middles, "names": made.names}, objects)
+
+
+def is_blend(ob):
+    return ob is not None and is_live(ob) and settings_of(ob)["kind"] == "blend"
+
+
+def reshape(fill, shape):
+    """Gives a blend other weights lambda, by side, and makes it anew; the sentence of a failure, or nothing."""
+    settings = settings_of(fill)
+    settings["blend"]["shape"] = list(shape)
+    fill[_SETTINGS] = json.dumps(settings)
+    return refill(fill)
+
+
 def _check_is_shown(ob):
     """UnusableError if Blender would not edit an object here."""
     what = f"{ob.name}, whose hole it fills,"
@@ -451,7 +471,7 @@ def apply(fill):
         objects = around(fill)
     except UnusableError:
         objects = []
-    if settings["kind"] == "patches" or not objects:
+    if settings["kind"] != "hole" or not objects:
         forget(fill)
         return fill
     (ob,) = objects

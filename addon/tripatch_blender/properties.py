@@ -54,7 +54,7 @@ def _items(option):
     return items
 
 
-def _limits(option, whole=False):
+def limits(option, whole=False):
     """The ranges; an infinite end is left to Blender."""
     shift = _CLOSE if option.range.open else 0
     ends = {"min": option.range.least + shift, "max": option.range.most - shift}
@@ -73,18 +73,18 @@ def of(option, **given):
         return EnumProperty(**({"items": _items(option)} | common | given))
     if option.kind == "whole":
         sized = {"size": option.count} if option.count > 1 else {}
-        return (IntVectorProperty if sized else IntProperty)(**(sized | common | _limits(option, whole=True) | given))
+        return (IntVectorProperty if sized else IntProperty)(**(sized | common | limits(option, whole=True) | given))
     if option.unit == "scene units":
         common["precision"] = 4
     if option.count > 1:
-        return FloatVectorProperty(**({"size": option.count} | common | _limits(option) | given))
-    return FloatProperty(**(common | _limits(option) | given))
+        return FloatVectorProperty(**({"size": option.count} | common | limits(option) | given))
+    return FloatProperty(**(common | limits(option) | given))
 
 
 def by_side(option, **given):
     """Three numbers, one a side."""
     common = {"name": option.label or words(option.name), "description": seen(option) + ", by side"}
-    return FloatVectorProperty(**({"size": 3, "default": (option.default,) * 3} | common | _limits(option) | given))
+    return FloatVectorProperty(**({"size": 3, "default": (option.default,) * 3} | common | limits(option) | given))
 
 
 def declare(cls, properties):

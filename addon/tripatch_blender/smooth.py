@@ -36,7 +36,8 @@ class _Planned:
 
     bm: bmesh.types.BMesh
     mesh: bpy.types.Mesh
-    faces: list  # BMFace
+    faces: list  # BMFace by triangle
+    corners: list  # their face corners: all three, or of a face with more, which is cut
     triangles: list  # their vertices' indices
     smooth: object  # tripatch.SmoothMesh in world space, in the vertex numbers of the BMesh
     positions: np.ndarray  # (k, 3) of the new vertices in object space
@@ -48,21 +49,22 @@ class _Planned:
 
 
 def _triangles(bm):
-    """The selected faces and the indices of their vertices."""
-    faces = [f for f in bm.faces if f.select]
-    for face in faces:
-        if len(face.verts) != 3:
-            raise UnusableError(f"Face {face.index} is not a triangle; triangulate first")
-    return faces, [[corner.vert.index for corner in f.loops] for f in faces]
+    """The selected faces as triangles, as Blender draws those with more corners: the corners of each, by face."""
+    found = [tuple(f.loops) for f in bm.faces if f.select and len(f.verts) == 3]
+    if any(f.select and len(f.verts) > 3 for f in bm.faces):
+        found += [corners for corners in bm.calc_loop_triangles() if corners[0].face.select and len(corners[0].face.verts) > 3]
+    return sorted(found, key=lambda corners: corners[0].face.index)
 
 
-def _check_backs(faces):
+def _check_backs(bm, faces, corners):
     """Two triangles between the same three vertices would be cut into some that are one."""
     first: dict = {}
-    for face in faces:
-        other = first.setdefault(frozenset(face.verts), face)
-        if other != face:
-            raise UnusableError(f"Faces {other.index} and {face.index} have the same vertices; delete one of them")
+    for face, three in zip(faces, corners, strict=True):
+        verts = [corner.vert for corner in three]
+        other = first.setdefault(frozenset(verts), face)
+        there = bm.faces.get(verts) if len(face.verts) > 3 else None
+        if other != face or there is not None:
+            raise UnusableError(f"Faces {(there or other).index} and {face.index} have the same vertices; delete one of them")
 
 
 def _check_positions(faces, triangles, positions):
@@ -76,19 +78,19 @@ def _check_positions(faces, triangles, positions):
         raise UnusableError(f"Face {faces[int(np.argmax(flat))].index} has no area")
 
 
-def _plan(ob, resolution, curve):
-    """A `_Planned`, or None where no face is selected."""
+def plan(ob, bm, resolution, curve):
+    """What becomes of the selected faces of a BMesh with the mesh of an object, or None where none is selected. UnusableError."""
     mesh = ob.data
-    bm = bmesh.from_edit_mesh(mesh)
     bm.verts.index_update()
     bm.faces.index_update()
-    faces, triangles = _triangles(bm)
+    loops = _triangles(bm)
+    faces, triangles = [three[0].face for three in loops], [[corner.vert.index for corner in three] for three in loops]
     if not faces:
         return None
     world = filling.world_matrix(ob.name, ob.matrix_world)
     linear, inverse = world[:3, :3], np.linalg.inv(world[:3, :3])
     outer = np.sign(np.linalg.det(linear))
-    around = selection.by_index({f for face in faces for v in face.verts for f in v.link_faces})
+    around = selection.by_index({f for face in {*faces} for v in face.verts for f in v.link_faces})
     near = list({v for f in around for v in f.verts})
     count = len(bm.verts)
 
@@ -105,16 +107,17 @@ def _plan(ob, resolution, curve):
 
     custom, given = None, {}
     if normals.has_custom_normals(bm, mesh):
-        changed = {f for face in faces for e in face.edges for f in e.link_faces}
+        changed = {f for face in {*faces} for e in face.edges for f in e.link_faces}
         custom = normals.corner_normals(bm, mesh, {v for f in changed for v in f.verts})
         given = dict(zip(custom, _unit(np.array(list(custom.values())) @ inverse), strict=True))
     try:
         smooth = smoothed(None, given)
     except tripatch.Refusal as refusal:
         raise UnusableError(refusal.reason) from None
-    _check_backs(faces)
+    _check_backs(bm, faces, loops)
     weights = tripatch.CutWeights(smooth, triangles, count)
-    planned = _Planned(bm, mesh, faces, triangles, smooth, to_object(smooth), _unit(smooth.normals @ linear), weights, custom)
+    at_all = _unit(smooth.normals @ linear)
+    planned = _Planned(bm, mesh, faces, loops, triangles, smooth, to_object(smooth), at_all, weights, custom)
 
     active = ob.active_shape_key
     for name, layer in bm.verts.layers.shape.items():
@@ -156,9 +159,29 @@ def _neighbor_normals(custom, faces, start, end, edge, exact, weights):
     return found
 
 
-def _write(planned):
+def _cut_faces(planned):
+    """Cuts the faces that have more corners than three into their triangles. Returns all triangles."""
+    made, cut = [], []
+    for face, corners in zip(planned.faces, planned.corners, strict=True):
+        if len(face.verts) == 3:
+            made.append(face)
+            continue
+        made.append(planned.bm.faces.new([corner.vert for corner in corners], face))
+        made[-1].smooth = face.smooth
+        for new, old in zip(list(made[-1].loops), corners, strict=True):
+            new.copy_from(old)
+        cut.append(face)
+    if planned.custom is not None:
+        gone = set(cut)
+        planned.custom = {corner: normal for corner, normal in planned.custom.items() if corner.face not in gone}
+    for face in dict.fromkeys(cut):
+        planned.bm.faces.remove(face)
+    return made
+
+
+def write(planned):
     """Puts the smoothed triangles into the BMesh in place of the flat ones. Returns the new faces."""
-    bm, faces, weights, custom = planned.bm, planned.faces, planned.weights, planned.custom
+    bm, faces, weights, custom = planned.bm, _cut_faces(planned), planned.weights, planned.custom
     old, gone, cuts = list(bm.verts), set(faces), len(weights.edge)
     ends = [corner for f in faces for corner in f.loops]
     if custom is not None:
@@ -209,14 +232,14 @@ def _write(planned):
 
 
 class MESH_OT_smooth_triangles(bpy.types.Operator):
-    """Turn the selected triangles into a smooth surface through their vertices, with the mesh's normals there"""
+    """Turn the selected faces into a smooth surface through their vertices, with the mesh's normals there"""
 
     bl_idname = "mesh.smooth_triangles"
     bl_label = "Smooth Triangles"
     bl_options = {"REGISTER", "UNDO"}
 
     resolution: IntProperty(
-        name="Resolution", description="Edges that every edge is cut into", min=2, max=256, soft_max=32, default=8
+        name="Density", description="Edges that every edge is cut into", min=2, max=256, soft_max=32, default=3
     )
     curve: EnumProperty(
         name="Curve",
@@ -248,24 +271,25 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
         plans = {}
         for ob in objects:
             try:
-                planned = _plan(ob, self.resolution, self.curve)
+                planned = plan(ob, bmesh.from_edit_mesh(ob.data), self.resolution, self.curve)
             except UnusableError as reason:
                 self.report({"ERROR"}, f"{ob.name}: {reason}" if len(objects) > 1 else str(reason))
                 return {"CANCELLED"}
             if planned:
                 plans[ob] = planned
         if not plans:
-            self.report({"ERROR"}, "No face is selected; select the triangles to be smoothed")
+            self.report({"ERROR"}, "No face is selected; select the faces to be smoothed")
             return {"CANCELLED"}
         before = after = 0
         for ob, planned in plans.items():
             selected = selection.Selected(planned.bm)
-            new_faces = _write(planned)
+            count = len(set(planned.faces))
+            new_faces = write(planned)
             selected.replace(planned.bm, new_faces)
             selection.finish_edit(planned.bm, ob.data)
-            before, after = before + len(planned.faces), after + len(new_faces)
+            before, after = before + count, after + len(new_faces)
         notes = [note for planned in plans.values() for note in planned.notes]
-        message = f"Smoothed {before} triangle{'s' if before != 1 else ''} into {after}"
+        message = f"Smoothed {before} face{'s' if before != 1 else ''} into {after} triangles"
         self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))
         return {"FINISHED"}
 

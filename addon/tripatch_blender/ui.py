@@ -5,6 +5,7 @@ import bpy
 
 from . import library, links
 from .between_patches import OBJECT_OT_fill_between_patches
+from .blending import OBJECT_OT_blend_three_patches
 from .operators import MESH_OT_edit_fill, MESH_OT_fill_smooth
 from .smooth import MESH_OT_smooth_triangles
 
@@ -23,6 +24,7 @@ def _draw_both(menu, context):
 def _draw_between(menu, _context):
     menu.layout.separator()
     menu.layout.operator(OBJECT_OT_fill_between_patches.bl_idname)
+    menu.layout.operator(OBJECT_OT_blend_three_patches.bl_idname)
 
 
 #: What is added at the end of Blender's menus; in Mesh > Clean Up that is below Fill Holes.

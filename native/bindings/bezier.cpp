@@ -61,9 +61,12 @@ void bind_bezier(py::module_& m) {
   m.def("_rational_triangle", [](const Array& net, const std::vector<double>& weights) {
     return std::const_pointer_cast<Surface>(rational_triangle(points_from(net), weights));
   });
-  m.def("_triangle_on", [](const std::shared_ptr<RectangleSurface>& surface, const std::array<std::array<double, 2>, 3>& at) {
-    return std::const_pointer_cast<Surface>(
-        triangle_on(surface, {Vec2(at[0][0], at[0][1]), Vec2(at[1][0], at[1][1]), Vec2(at[2][0], at[2][1])}));
+  m.def("_triangle_on", [](const std::shared_ptr<RectangleSurface>& surface, const std::array<std::array<double, 2>, 3>& at,
+                           const std::array<std::array<double, 3>, 3>& by) {
+    std::array<Vec2, 3> corners;
+    std::array<Vec3, 3> moved;
+    for (int i = 0; i < 3; ++i) corners[i] = {at[i][0], at[i][1]}, moved[i] = {by[i][0], by[i][1], by[i][2]};
+    return std::const_pointer_cast<Surface>(triangle_on(surface, corners, moved));
   });
 
   py::reinterpret_borrow<py::class_<Side>>(m.attr("Side"))

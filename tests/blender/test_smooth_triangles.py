@@ -299,14 +299,40 @@ def refusal(ob, words):
 def test_nothing_selected_is_refused():
     ob = add_blob()
     scenes.edit(ob)
-    refusal(ob, "No face is selected; select the triangles to be smoothed")
+    refusal(ob, "No face is selected; select the faces to be smoothed")
 
 
-def test_a_quad_is_refused_by_its_number():
+def test_quads_and_polygons_are_cut_into_the_triangles_that_blender_draws():
     ob = scenes.add_mesh(*scenes.square_hole())
+    layer = ob.data.uv_layers.new(name="UV")
+    for k, corner in enumerate(layer.data):
+        corner.uv = tuple(ob.data.vertices[ob.data.loops[k].vertex_index].co.xy)
     (bm,) = scenes.edit(ob, mode="FACE")
-    scenes.select(bm, faces=[f for f in bm.faces if f.index in (12, 20)])
-    refusal(ob, "Face 12 is not a triangle; triangulate first")
+    scenes.select(bm, faces=[f for f in bm.faces if f.index in (12, 13, 20)])
+    chosen = [f for f in bm.faces if f.select]
+    cut = [[v.vert.index for v in three] for three in bm.calc_loop_triangles() if three[0].face in chosen]
+    count, vertices = len(bm.faces), positions(ob)
+    assert smooth(resolution=3) == {"FINISHED"}
+    bm = finished(ob)
+    assert len(bm.faces) == count - len(chosen) + 9 * len(cut)
+    bm.free()
+    assert positions(ob)[: len(vertices)].tobytes() == vertices.tobytes()
+    whole = library_surface(vertices, cut, resolution=3)
+    assert len(ob.data.vertices) == len(whole.vertices)
+    uv = ob.data.uv_layers["UV"].data
+    apart = [
+        np.linalg.norm(np.array(uv[k].uv) - np.array(ob.data.vertices[loop.vertex_index].co.xy))
+        for k, loop in enumerate(ob.data.loops)
+    ]
+    assert max(apart) < 0.1, "texture coordinates go along"
+
+
+def test_a_triangle_between_the_corners_of_a_quad_is_refused():
+    points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    ob = scenes.add_mesh(points, [[0, 1, 2, 3], [2, 1, 0], [1, 2, 3]])
+    (bm,) = scenes.edit(ob, mode="FACE")
+    scenes.select(bm, faces=[f for f in bm.faces if f.index == 0])
+    refusal(ob, "have the same vertices; delete one of them")
 
 
 def test_a_face_with_another_on_its_back_is_refused_by_their_numbers():

@@ -94,7 +94,7 @@ def test_blended_quaternions_have_a_length_from_a_millionth_on(part):
 def test_an_end_that_a_range_excludes_is_a_thousandth_away_in_the_panel(part):
     ends = SimpleNamespace(open=True, least=0.0, most=math.inf)
     option = SimpleNamespace(range=ends, soft=SimpleNamespace(least=0.0, most=5.0))
-    assert part("properties")._limits(option) == {"min": 0.001, "soft_min": 0.001, "soft_max": 5.0}
+    assert part("properties").limits(option) == {"min": 0.001, "soft_min": 0.001, "soft_max": 5.0}
 
 
 def test_a_hole_that_has_moved_by_half_of_its_extent_is_gone(part, monkeypatch):

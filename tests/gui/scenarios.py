@@ -800,6 +800,70 @@ def _heights(name):
     return np.array([v.co.z for v in bpy.data.objects[name].data.vertices])
 
 
+def _constituents():
+    """Three surfaces over one hole, of different heights, in object mode."""
+    corners = [Vector((1.2 * np.cos(a), 1.2 * np.sin(a), 0)) for a in np.radians((90, 210, 330))]
+    made = []
+    for i, high in enumerate((1.6, 0.2, 0.2)):
+        a, b, opposite = corners[(i + 1) % 3], corners[(i + 2) % 3], corners[i]
+        curve = bpy.data.curves.new("ABC"[i], "SURFACE")
+        ob = bpy.data.objects.new("ABC"[i], curve)
+        bpy.context.collection.objects.link(ob)
+        for k in range(4):
+            spline = curve.splines.new("NURBS")
+            spline.points.add(3)
+            for j, point in enumerate(spline.points):
+                co = a + (b - a) * j / 3 + (opposite - (a + b) / 2) * k / 3 + Vector((0, 0, high * min(k, 1)))
+                point.co, point.select = (*co, 1), True
+        bpy.ops.object.select_all(action="DESELECT")
+        bpy.context.view_layer.objects.active = ob
+        ob.select_set(True)
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.curve.make_segment()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        for spline in curve.splines:
+            spline.use_endpoint_u = spline.use_endpoint_v = True
+            spline.order_u = spline.order_v = 4
+        made.append(ob)
+    return made
+
+
+def blended_patches(w):
+    """Three surfaces are blended; a handle is dragged, and letting it go is one step of undo."""
+    blending = importlib.import_module(f"{ADDON}.blending")
+    with w.override():
+        surfaces = _constituents()
+        bpy.ops.ed.undo_push(message="Surfaces")
+        for ob in surfaces:
+            ob.select_set(True)
+        bpy.ops.object.blend_three_patches("INVOKE_DEFAULT", True)
+        for ob in surfaces:
+            ob.hide_set(True)
+        bpy.context.space_data.show_region_ui = True
+        bpy.ops.view3d.view_all()
+    yield
+    yield
+    name = bpy.context.view_layer.objects.active.name
+    before = _heights(name)
+    yield from w.picture("blend")
+    start, end = blending.tracks(bpy.data.objects[name])[0]
+    yield from _drag(w, w.on_screen(start.lerp(end, 0.5)), w.on_screen(start.lerp(end, 0.15)))
+    yield
+    yield from w.picture("blend-weighed")
+    weight = bpy.data.objects[name].tripatch_lambda[0]
+    assert weight < 0.4, f"the handle moves its weight: {weight:.2f}"
+    assert np.abs(_heights(name) - before).max() > 0.02, "the surface follows"
+    w.home()
+    w.press("Z", ctrl=True)
+    yield
+    yield
+    yield
+    assert np.abs(_heights(name) - before).max() < 1e-5, "one undo step"
+    assert list(bpy.data.objects[name].tripatch_lambda) == [0.5] * 3
+    with w.override():
+        bpy.context.space_data.show_region_ui = False
+
+
 def live_fill(w):
     """Vertices are moved by hand, and the fill follows."""
     fill = _live(w)
@@ -984,6 +1048,7 @@ ALL = [
     status_bar,
     long_fill,
     long_redo,
+    blended_patches,
     switched_off,
     live_fill_played,
     live_fill,  # the operator keeps Keep Live for what follows

@@ -3,18 +3,11 @@
 import numpy as np
 import pytest
 import tripatch
+from test_papers import three_quadratics
 
 
-def three_patches(seed=2):
-    """Three quadratic Bezier triangles with common corners."""
-    rng = np.random.default_rng(seed)
-    corners = np.array([[0, 0, 0], [1, 0, 0.2], [0.3, 0.9, 0.1]])
-    nets = []
-    for _ in range(3):
-        a, b, c = corners
-        middle = np.array([(a + b) / 2, (a + c) / 2, (b + c) / 2]) + 0.2 * rng.normal(size=(3, 3))
-        nets.append(tripatch.BezierTriangle([a, middle[0], middle[1], b, middle[2], c]))
-    return nets
+def three_patches():
+    return list(map(tripatch.BezierTriangle, three_quadratics()))
 
 
 @pytest.mark.parametrize("method", ["szilvasi_nagy_c0", "szilvasi_nagy_c1"])

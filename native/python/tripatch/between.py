@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import _arrays, _native
-from ._native import Side
+from ._native import RectangleSurface, Side
 from ._types import Array, ArrayLike, Faces
 from .errors import Refusal
 
@@ -73,10 +73,13 @@ class SurfaceEdge(Curve):
     Args:
         edges: into how many edges it is drawn, or the parameters at which it is, from 0 to 1.
         own: see `Curve`.
+        origin: the surface and the number of its edge, as `Side` takes them, where they are known.
     """
 
-    def __init__(self, name: str, side: Side, edges: int | Array, own: bool) -> None:
-        self.name, self.side, self.own = name, side, own
+    def __init__(
+        self, name: str, side: Side, edges: int | Array, own: bool, origin: tuple[RectangleSurface, int] | None = None
+    ) -> None:
+        self.name, self.side, self.own, self.origin = name, side, own, origin
         drawn = np.linspace(0, 1, edges + 1) if np.ndim(edges) == 0 else np.asarray(edges, float)
         edges = len(drawn) - 1
         dense = np.linspace(0, 1, max(257, 8 * edges + 1))
@@ -363,7 +366,7 @@ def _steps_between(curve: MeshBorder, way: tuple[float, float]) -> Array:
 
 
 def _search(objects: Any, joints: Any, limit: float, cost: Any, least: float) -> tuple[float, Loop] | None:
-    """The loop of least cost(gaps, whole, length) whose joints are within the limit; pieces are longer than `least`."""
+    """The loop of least finite cost(gaps, whole, length) whose joints are within the limit; pieces are longer than `least`."""
     best, lengths = None, {}
 
     def ways(curve: Any, start: float, end: float) -> Any:
@@ -381,7 +384,7 @@ def _search(objects: Any, joints: Any, limit: float, cost: Any, least: float) ->
                 if any(x is y and not _follow(v, w) for (x, v), (y, w) in itertools.combinations(taken, 2)):
                     continue
                 value = cost([ab.gap, bc.gap, ca.gap], [ab.whole, bc.whole, ca.whole], la + lb + lc)
-                if best is None or value < best[0] - 1e-9 * abs(best[0]):  # of equals the first
+                if value < (np.inf if best is None else best[0] - 1e-9 * abs(best[0])):  # of equals the first
                     best = (value, Loop([a, b, c], [wa, wb, wc], [ab.gap, bc.gap, ca.gap]))
     return best
 
@@ -391,9 +394,11 @@ def _follow(v: tuple[float, float], w: tuple[float, float]) -> bool:
     return (v[1] > v[0]) == (w[1] > w[0]) and abs(v[1] - v[0]) + abs(w[1] - w[0]) <= 1 + 1e-9
 
 
-def _facing(loop: Loop) -> Loop:
-    """The loop in the direction in which most of its curves have the normals of their objects."""
-    own = sum(curve.own == (way[1] > way[0]) for curve, way in zip(loop.curves, loop.ends, strict=True))
+def facing(loop: Loop, over: Sequence[bool] | None = None) -> Loop:
+    """The loop in the direction in which most of its curves have the normals of their objects. over: whose objects lie over the
+    hole, not beside it."""
+    over = over or [False] * len(loop.curves)
+    own = sum((curve.own == (way[1] > way[0])) != above for curve, way, above in zip(loop.curves, loop.ends, over, strict=True))
     if 2 * own >= len(loop.curves):
         return loop
     gaps = loop.gaps[:-1][::-1] + loop.gaps[-1:]
@@ -442,7 +447,7 @@ def _loop_of_many(objects: Any, tolerance: float, size: float) -> Loop:
             joints[id(y), id(x)] = [Joint(j.b, j.a, j.gap, j.whole) for j in found]
     loop = _around(objects, joints, tolerance, max(2 * tolerance, 1e-6 * size))
     if loop:
-        return _facing(loop)
+        return facing(loop)
     # who is met by fewer than two others stands apart; of those the farthest
     apart = (-1.0, "", "")
     for own in objects:
@@ -477,13 +482,15 @@ def _loop_of_two(objects: Sequence[Sequence[Curve]], tolerance: float, least: fl
     return best
 
 
-def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float) -> Loop:
+def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float, whole: bool = False) -> Loop:
     """The smallest loop of pieces of curves whose ends meet.
 
     Args:
         objects: the curves of each of two to twelve objects, which give a side each; or of two, of which a mesh gives two
             sides.
         tolerance: largest gap between ends that still meet.
+        whole: of three objects, pieces that meet in ends of both edges are taken first: edges of surfaces that lie over each
+            other cross too.
 
     Raises:
         Refusal: no such pieces meet; names the two objects of the widest gap, and the gap.
@@ -510,12 +517,14 @@ def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float) -> Loop:
         return min(found, key=lambda best: best[0], default=None)
 
     shortest = max(2 * tolerance, 1e-6 * size)
-    best = least(tolerance, lambda gaps, whole, length: length, shortest)
+    best = least(tolerance, lambda _, ends, length: length if all(ends) else np.inf, shortest) if whole else None
+    if best is None:
+        best = least(tolerance, lambda _, ends, length: length, shortest)
     if len(objects) == 2:
         lens = _loop_of_two(objects, tolerance, shortest)
         best = min((found for found in (best, lens) if found), key=lambda found: found[0], default=None)
     if best:
-        return _facing(best[1])
+        return facing(best[1])
     names = list(dict.fromkeys(curve.name for curve in curves))
     nearly = least(np.inf, lambda gaps, whole, _: max(g if w else 10 * g for g, w in zip(gaps, whole)), 1e-3 * size)
     if nearly is None or max(nearly[1].gaps) <= tolerance:

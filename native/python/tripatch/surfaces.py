@@ -174,20 +174,24 @@ def rational_triangle(net: ArrayLike, weights: ArrayLike) -> Patch:
     return made
 
 
-def triangle_on(surface: BezierRectangle | NurbsSurface, corners: ArrayLike) -> Patch:
+def triangle_on(surface: BezierRectangle | NurbsSurface, corners: ArrayLike, moved: ArrayLike | None = None) -> Patch:
     """The part of a surface between three places of its domain as a patch over the triangle, for `blend`.
 
     Args:
         surface: a `BezierRectangle` or `NurbsSurface`.
         corners: (3, 2) the places (u, v) of corners 0, 1 and 2. Side i runs straight between two of them: along an edge of the
             surface if both lie on it.
+        moved: (3, 3) by how much each corner is moved, and linearly what lies between; None: not at all.
     """
     if not isinstance(surface, _native.RectangleSurface):
         raise TypeError(f"surface must be a BezierRectangle or a NurbsSurface, not {type(surface).__name__}")
     at = _numbers(corners, "corners", 2, 2)
     if len(at) != 3:
         raise ValueError(f"corners must have shape (3, 2), not {at.shape}")
-    made: Patch = remade("_triangle_on", surface, at.tolist())
+    by = np.zeros((3, 3)) if moved is None else _arrays.points(moved, "moved", finite=True)
+    if len(by) != 3:
+        raise ValueError(f"moved must have shape (3, 3), not {by.shape}")
+    made: Patch = remade("_triangle_on", surface, at.tolist(), by.tolist())
     return made
 
 

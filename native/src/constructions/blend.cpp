@@ -32,8 +32,9 @@ private:
 
 class TriangleOn final : public Surface {
 public:
-  TriangleOn(std::shared_ptr<const RectangleSurface> surface, const std::array<Vec2, 3>& corners)
-      : surface_(std::move(surface)), corners_(corners) {}
+  TriangleOn(std::shared_ptr<const RectangleSurface> surface, const std::array<Vec2, 3>& corners,
+             const std::array<Vec3, 3>& moved)
+      : surface_(std::move(surface)), corners_(corners), moved_(moved) {}
 
   void evaluate(const double* b, Index n, int order, double* out) const override {
     std::vector<double> uv;
@@ -48,7 +49,11 @@ public:
       const Substitution<N.value> substitution(along0[0], along1[0], along0[1], along1[1]);
       for (Index k = 0; k < n; ++k) {
         JetPoint<N.value> p = load<N.value>(out + k * 3 * jet_size(N.value));
-        for (int x = 0; x < 3; ++x) p.x[x] = substitution(p.x[x]);
+        const Barycentric<N.value> at(&b[3 * k]);
+        for (int x = 0; x < 3; ++x) {
+          p.x[x] = substitution(p.x[x]);
+          for (int i = 0; i < 3; ++i) p.x[x] += moved_[i][x] * at[i];
+        }
         store(p, out + k * 3 * jet_size(N.value));
       }
     });
@@ -57,6 +62,7 @@ public:
 private:
   std::shared_ptr<const RectangleSurface> surface_;
   std::array<Vec2, 3> corners_;
+  std::array<Vec3, 3> moved_;
 };
 
 }  // namespace
@@ -75,12 +81,13 @@ SurfacePtr rational_triangle(const Points& net, const std::vector<double>& weigh
   return std::make_shared<RationalTriangle>(std::move(weighted), std::move(below));
 }
 
-SurfacePtr triangle_on(std::shared_ptr<const RectangleSurface> surface, const std::array<Vec2, 3>& corners) {
+SurfacePtr triangle_on(std::shared_ptr<const RectangleSurface> surface, const std::array<Vec2, 3>& corners,
+                       const std::array<Vec3, 3>& moved) {
   const auto [from_u, to_u, from_v, to_v] = surface->domain();
   for (const Vec2& corner : corners)
     if (!(corner[0] >= from_u && corner[0] <= to_u && corner[1] >= from_v && corner[1] <= to_v))
       throw InvalidArgument("A corner of the triangle lies outside the domain of the surface");
-  return std::make_shared<TriangleOn>(std::move(surface), corners);
+  return std::make_shared<TriangleOn>(std::move(surface), corners, moved);
 }
 std::vector<double> feet(const double* b, Index n, int i, const Vec3& direction) {
   std::vector<double> f(3 * n);

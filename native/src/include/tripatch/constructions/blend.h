@@ -87,7 +87,9 @@ std::vector<double> feet(const double* b, Index n, int i, const Vec3& direction)
 /// A rational Bezier triangle: a net as of BezierTriangle, and a weight above 0 for each of its points.
 SurfacePtr rational_triangle(const Points& net, const std::vector<double>& weights);
 /// A surface over a rectangle between three places (u, v) of its domain, as a surface over the triangle whose corners these are.
-SurfacePtr triangle_on(std::shared_ptr<const RectangleSurface> surface, const std::array<Vec2, 3>& corners);
+/// moved: by how much the corners are moved; linear between.
+SurfacePtr triangle_on(std::shared_ptr<const RectangleSurface> surface, const std::array<Vec2, 3>& corners,
+                       const std::array<Vec3, 3>& moved);
 
 /// Three surfaces over one triangle, surface i carries side i: checks that they share the three corners, to 1e-6 of their size
 /// (InvalidArgument names the corner and the surfaces otherwise), and returns these.
