@@ -44,6 +44,22 @@ def test_each_method_makes_its_own_cage_and_states_its_distance_from_its_patch(c
     assert all(off > 1e-4 for off in apart)
 
 
+@pytest.mark.parametrize("rings", [1, 3])
+def test_a_cage_that_runs_off_a_ball_says_how_far(rings):
+    vertices, _, left, _, rim, diameter = hole(rings, 4 * rings)
+    seen = 0
+    for method in THREE:
+        try:
+            fill = tripatch.fill(vertices, left, rim=rim, method=method, output="cage", cage_rim="exact")
+        except tripatch.Refusal:
+            continue
+        off = np.abs(np.linalg.norm(fill.limit(2)[0], axis=1) - 1).max()
+        told = [s for s in fill.report.warnings if "where the faces around the hole would go on" in s]
+        assert off < 0.1 * diameter or told, (method, off)
+        seen += len(told)
+    assert seen
+
+
 def test_auto_keeps_its_choices():
     vertices, _, left, _, rim, _ = hole()
     fill = tripatch.fill(vertices, left, rim=rim, output="cage")

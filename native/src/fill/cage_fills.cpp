@@ -95,6 +95,29 @@ void tell_distance(double tolerance, Report& report) {
   report.warnings.push_back(text.str());
 }
 
+/// How far the vertices inside a cage are from where the mesh around would go on, if they have run off: by a share of the hole's
+/// diameter, and farther than is likely.
+std::optional<double> runs_off(const Points& inside, const OnMesh& on_mesh, double size, double share) {
+  const double off = (inside - on_mesh.points).cwiseProduct(on_mesh.normals).rowwise().sum().cwiseAbs().maxCoeff();
+  const double least = std::max(share * size, std::min(likely * on_mesh.deviation, far_off * size));
+  return off > least ? std::optional(off) : std::nullopt;
+}
+
+/// Tells of a cage by a method that was asked for, which nothing keeps near to where the mesh around would go on.
+void tell_run_off(const Ground& ground, const SidedRim& hole, const CageHole& laid_out, const Points& inside,
+                  const FillOptions& options, Report& report) {
+  if (inside.rows() == 0 || options.subdivision.loop) return;
+  const std::optional<OnMesh> on_mesh = cage_on_mesh(ground, hole, laid_out, options, Smoothed::no);
+  if (!on_mesh) return;
+  const std::optional<double> off = runs_off(inside, *on_mesh, diameter(ground.mesh, hole.rim), run_off);
+  if (!off) return;
+  std::ostringstream text;
+  text.precision(2);
+  text << "Vertices of the cage of " << report.method << " lie up to " << *off
+       << " (scene units) from where the faces around the hole would go on: choose another method, or another rim of the cage";
+  report.warnings.push_back(text.str());
+}
+
 /// Whether a cage was put there, stays where it is, or there is nowhere to put it.
 enum class Placing { placed, stays, nowhere };
 
@@ -112,11 +135,9 @@ Placing place_on_mesh(const Ground& ground, const SidedRim& hole, const FillOpti
   if (!on_mesh) return Placing::nowhere;
   const double size = diameter(ground.mesh, hole.rim);
   if (where == OnMeshWhere::likelier && !(on_mesh->deviation > well_known * size)) return Placing::stays;
-  const Eigen::VectorXd across = (inside - on_mesh->points).cwiseProduct(on_mesh->normals).rowwise().sum();
   const bool goes_on = !hole.guessed || cage.laid_out(0).layout.grown;
-  const double least =
-      std::max((goes_on ? run_off : run_off_of_guess) * size, std::min(likely * on_mesh->deviation, far_off * size));
-  if (where == OnMeshWhere::run_off && !(across.cwiseAbs().maxCoeff() > least)) return Placing::stays;
+  if (where == OnMeshWhere::run_off && !runs_off(inside, *on_mesh, size, goes_on ? run_off : run_off_of_guess))
+    return Placing::stays;
   cage.place(on_mesh->points);
   return Placing::placed;
 }
@@ -295,7 +316,10 @@ private:
       if (follows_) cages_.report_energies(h, report);
       if (kept[h]) report.folds = 0;  // of a patch that the cage is not fitted to
       complete_report(holes_[h], options_, report);
-      if (named_) tell_distance(cages_.tolerance(h), report);
+      if (named_) {
+        tell_distance(cages_.tolerance(h), report);
+        tell_run_off(ground_, holes_[h], cages_.laid_out(h), cages_.inside(h), options_, report);
+      }
       if (in_rows_)
         report.method_reason = rows_reason;
       else if (placed_ && !likelier_)
