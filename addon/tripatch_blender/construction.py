@@ -22,6 +22,19 @@ def options(function="patch"):
     return [option for option in OPTIONS.values() if option.panel and function in option.functions]
 
 
+def _shape_options():
+    """The options that pull at a fill."""
+    return [OPTIONS["bulge"], *(o for o in options() if o.kind == "number" and not _of_methods(o) and o.name != "bulge")]
+
+
+def without_shape(arguments):
+    """(arguments without what pulls at the fill, {name: label} of what did)"""
+    pulled = {
+        o.name: o.label or properties.words(o.name) for o in _shape_options() if arguments.get(o.name, o.default) != o.default
+    }
+    return {name: value for name, value in arguments.items() if name not in pulled}, pulled
+
+
 def _about(method):
     """What the library says of a method; of auto, what it says of the one whose options auto has."""
     return library.tripatch.METHODS[_EXACT if method == "auto" else method]
@@ -40,6 +53,7 @@ _WHY = {
     "position": "only where a side is met tangentially",
     "fairing": "only with Fairing: On",
     "vertices": "this fill has no vertices to move",
+    "cage": "the cage of this hole would fold or cross itself",
 }
 
 
@@ -99,11 +113,12 @@ class Construction:
         """The code for why the last fills follow no such option; empty: they do, or nothing has been filled."""
         return dict(each.split(":") for each in self.not_applied.split()).get(name, "")
 
-    def take_not_applied(self, reports):
-        """Of several fills: what none of them follows."""
+    def take_not_applied(self, reports, left_out=()):
+        """Of several fills: what none of them follows. left_out: names of options that cages were made without."""
         each = [report.not_applied for report in reports]
         common = set(each[0]).intersection(*each) if each else set()
-        self.not_applied = " ".join(f"{name}:{each[0][name]}" for name in sorted(common))
+        codes = {name: each[0][name] for name in common} | dict.fromkeys(left_out, "cage")
+        self.not_applied = " ".join(f"{name}:{codes[name]}" for name in sorted(codes))
 
     def why_rows(self, row, labels):
         """Why rows above are greyed. labels: {option: what its row is called}"""

@@ -84,6 +84,7 @@ class Outcome:
     beside: list = field(default_factory=list)  # names of objects made
     live: list = field(default_factory=list)  # names of live fills made
     instead: bool = False  # others than were asked for
+    left_out: list = field(default_factory=list)  # names of options that were set, and that cages were made without
     left_open: list = field(default_factory=list)  # how many edges each outer border has that is left open
 
     def add(self, other, name=""):
@@ -99,6 +100,7 @@ class Outcome:
         self.beside += other.beside
         self.live += other.live
         self.instead = self.instead or other.instead
+        self.left_out += other.left_out
         self.left_open += other.left_open
 
     def alarms(self):

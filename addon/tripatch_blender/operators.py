@@ -28,7 +28,7 @@ from . import (
     waiting,
     writeback,
 )
-from .construction import Construction, plain
+from .construction import Construction, plain, without_shape
 from .properties import OPTIONS
 
 _HIDDEN = {"HIDDEN", "SKIP_SAVE"}
@@ -101,6 +101,13 @@ def _selected(bm, mesh):
     """What is, and whether all holes are meant."""
     selected = selection.Selected(bm, mesh)
     return selected, not selected.vertices or selected.is_all(bm)
+
+
+def _refused_rims(outcome):
+    """(rims that were refused and can be filled otherwise, the other refusals, why the first was)"""
+    rims = [each.rim for each in outcome.refused if each.rim and all(v.is_valid for v in each.rim.loop)]
+    kept = [each for each in outcome.refused if each.rim not in rims]
+    return rims, kept, next((each.sentence for each in outcome.refused if each.rim in rims), "")
 
 
 #: What filters begin with.
@@ -278,7 +285,7 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _show_computed(self, context, outcome):
         """The panel shows the numbers that were taken."""
-        self.take_not_applied(outcome.reports)
+        self.take_not_applied(outcome.reports, outcome.left_out)
         if outcome.reports:
             self.sides = max(len(report.corners) for report in outcome.reports)
             density = self.density()
@@ -434,14 +441,27 @@ class FillSmooth(Construction, waiting.Waiting):
             return rims, [], left
         return *selection.selected_rims(bm, selected), []
 
+    def _fill_unshaped(self, bm, mesh, matrix, outcome, options, active, modifier):
+        """Cages that would fold if they are pulled at stay as they are. Returns the new faces; the outcome takes theirs."""
+        arguments, pulled = without_shape(options.arguments)
+        rims, kept, reason = _refused_rims(outcome)
+        if not rims or not pulled:
+            return []
+        plain_options = replace(options, arguments=arguments)
+        made, new_faces = filling.fill_rims(bm, mesh, matrix, rims, plain_options, active, modifier)
+        if made.reports:
+            made.notes.insert(0, f"Filled without {' and '.join(pulled.values())}: {reason}")
+            made.left_out += pulled
+        outcome.refused = kept
+        outcome.add(made)
+        return new_faces
+
     def _fill_with_quads(self, bm, mesh, matrix, outcome, options):
         """Nobody asked for a cage by name: a hole that gets none, such as one of five corners, gets quads, which the modifier
         smooths too. Returns the new faces; the outcome takes theirs."""
-        rims = [each.rim for each in outcome.refused if each.rim and all(v.is_valid for v in each.rim.loop)]
-        kept = [each for each in outcome.refused if each.rim not in rims]
+        rims, kept, reason = _refused_rims(outcome)
         if not rims:
             return []
-        reason = next(each.sentence for each in outcome.refused if each.rim in rims)
         applying = {o.name for o in _of_output() if library.tripatch.options.applies(o, {"output": "quads"})}
         arguments = {name: value for name, value in options.arguments.items() if name in applying or name not in _of_cages_only()}
         quads = replace(options, arguments=arguments | {"output": "quads"})
@@ -497,6 +517,9 @@ class FillSmooth(Construction, waiting.Waiting):
         active = ob.active_shape_key
         outcome, made = filling.fill_rims(bm, mesh, matrix, rims, options, active.name if active else None, modifier)
         new_faces += made
+        if cage and outcome.refused:
+            name = active.name if active else None
+            new_faces += self._fill_unshaped(bm, mesh, matrix, outcome, options, name, modifier)
         if cage and outcome.refused and self.output == "auto":
             new_faces += self._fill_with_quads(bm, mesh, matrix, outcome, options)
         outcome.add(halved)

@@ -204,3 +204,39 @@ def test_a_fill_up_to_sharp_edges_says_how_they_are_rounded(addon):
 def test_angles_have_the_sign_for_degrees(addon):
     state, _ = filled(addon, jagged_ball)
     assert "°" in state.said[0][1] and " deg" not in state.said[0][1]
+
+
+def ear():
+    """The inside of an ear: a cage of it that is pulled at would fold."""
+    ob = _cut(bpy.ops.mesh.primitive_monkey_add, lambda c: False)
+    bm = bmesh.from_edit_mesh(ob.data)
+    gone = [f for f in bm.faces if f.calc_center_median().x > 1 and f.normal.y < -0.3 and 0 < f.calc_center_median().z < 0.5]
+    bmesh.ops.delete(bm, geom=gone, context="FACES")
+    scenes.select(bm, edges=[e for e in bm.edges if e.is_boundary and e.verts[0].co.x > 0.9])
+    bmesh.update_edit_mesh(ob.data)
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    return ob
+
+
+@pytest.mark.parametrize("name, value", [("bulge", 1.5), ("tension", 0.4), ("center_offset", 0.1)])
+def test_a_cage_without_corners_is_not_shaped(addon, name, value):
+    before, (plain, faces) = filled(addon, ear)
+    active, said = rows(before)
+    assert active[name] is False and "only between smooth sides" in said
+    after, (points, other) = filled(addon, ear, **{name: value})
+    assert faces == other and np.abs(plain - points).max() < 1e-12
+    assert "bulge, tension and center are not applied" in after.said[-1][1].lower()
+
+
+def test_a_cage_between_corners_that_would_fold_if_pulled_at_stays_a_cage(addon):
+    def sheet():
+        ob = four_sides()
+        ob.modifiers.new("Subdivision", "SUBSURF")
+        return ob
+
+    _, (plain, faces) = filled(addon, sheet)
+    after, (points, other) = filled(addon, sheet, bulge=30.0)
+    assert faces == other and np.abs(plain - points).max() < 1e-12
+    active, said = rows(after)
+    assert active["bulge"] is False and "the cage of this hole would fold or cross itself" in said
+    assert "Filled without Bulge" in after.said[-1][1]

@@ -536,10 +536,30 @@ std::vector<Fill> with_rows_or_fewer(const Ground& ground, const std::vector<Sid
   return {std::move(*best)};
 }
 
+/// Between guessed corners there is no patch to be shaped: that of the guess leaves the mesh, folds or crosses itself.
+FillOptions without_shape(FillOptions options) {
+  const FillOptions plain;
+  options.bulge = plain.bulge;
+  options.tension = plain.tension;
+  options.center = plain.center;
+  options.center_offset = plain.center_offset;
+  return options;
+}
+
+void tell_not_shaped(const FillOptions& options, Report& report) {
+  for (const char* name : {"bulge", "tension", "center", "center_offset"}) report.not_applied.emplace(name, "sides");
+  if (is_shaped(options))
+    report.warnings.emplace_back(
+        "A cage of a hole without clear corners is not shaped: bulge, tension and center are not applied");
+}
+
 }  // namespace
 
 std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
-  std::vector<Fill> fills = with_rows_or_fewer(ground, holes, options);
+  const bool guessed = std::ranges::all_of(holes, [](const SidedRim& hole) { return hole.guessed; });
+  std::vector<Fill> fills = with_rows_or_fewer(ground, holes, guessed ? without_shape(options) : options);
+  for (Fill& fill : fills)
+    if (guessed) tell_not_shaped(options, fill.report);
   for (const Fill& fill : fills) refuse_if_insisted(ground, fill, options);
   return fills;
 }

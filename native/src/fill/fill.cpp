@@ -16,6 +16,7 @@
 #include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/clear_corners.h"
+#include "tripatch/hole/extra_face.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/unjoined.h"
@@ -464,21 +465,30 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
 void tell_not_taken(const FillOptions& options, Fill& fill) {
   Report& report = fill.report;
   for (std::string& said : told_of_not_taken(options, report.method)) report.warnings.push_back(std::move(said));
-  report.not_applied = not_applied(options, fill);
+  report.not_applied.merge(not_applied(options, fill));
+}
+
+/// For each rim what is wrong with the mesh there; else nothing.
+std::vector<std::string> told_of_rims(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
+  std::vector<std::string> told = told_of_unjoined(mesh, rims), extra = told_of_extra_faces(mesh, rims);
+  for (std::size_t k = 0; k < rims.size(); ++k)
+    if (told[k].empty()) told[k] = std::move(extra[k]);
+  return told;
 }
 
 }  // namespace
 
 Fill fill(const Mesh& mesh, const FillOptions& options) {
   check_creases(mesh, options.subdivision.crease_edges);
-  const auto unjoined = [&](const std::vector<Index>& rim) { return told_of_unjoined(mesh, {&rim, 1})[0]; };
   try {
     Fill result = fill_one_hole(mesh, options);
     tell_not_taken(options, result);
-    if (std::string told = unjoined(result.rim); !told.empty()) result.report.warnings.push_back(std::move(told));
+    if (std::string told = told_of_rims(mesh, {&result.rim, 1})[0]; !told.empty())
+      result.report.warnings.push_back(std::move(told));
     return result;
   } catch (const Refusal& refusal) {
-    const std::string told = unjoined(options.rim ? *options.rim : refusal.where());
+    const std::vector<Index> rim = options.rim ? *options.rim : refusal.where();
+    const std::string told = told_of_rims(mesh, {&rim, 1})[0];
     if (told.empty()) throw;
     throw Refusal(refusal.what() + (". " + told), refusal.where());
   }
@@ -491,15 +501,15 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   check_creases(mesh, options.subdivision.crease_edges);
   for (const Corners& each : corners) check_corners(each);
   Results results = fill_every_hole(mesh, rims, options, corners, progress);
-  const std::vector<std::string> unjoined = told_of_unjoined(mesh, rims);
+  const std::vector<std::string> told = told_of_rims(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {
     Fill* const fill = std::get_if<Fill>(&results[k]);
     if (fill) tell_not_taken(options, *fill);
-    if (unjoined[k].empty()) continue;
+    if (told[k].empty()) continue;
     if (fill)
-      fill->report.warnings.push_back(unjoined[k]);
+      fill->report.warnings.push_back(told[k]);
     else
-      std::get<Refused>(results[k]).reason += ". " + unjoined[k];
+      std::get<Refused>(results[k]).reason += ". " + told[k];
   }
   return results;
 }

@@ -249,7 +249,7 @@ std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around
 /// The same with `rows` extra rows, or half as many and so on where these do not fit; says how many there are.
 std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, int& rows,
                                     PlaneFill& made) {
-  if (!made.field || !made.plainer.empty()) return {};
+  if (!made.field) return {};
   for (;; rows /= 2) {
     for (const QuadsIn which : {QuadsIn::as_faces, QuadsIn::as_angles, QuadsIn::disc})
       if (std::optional<PlaneLayout> layout = quads_of(mesh, around, rim, which, rows, made)) return layout;
