@@ -179,7 +179,8 @@ def test_filled(name, tmp_path, capsys):
     assert vertices.tobytes() == before
     assert corners is None or set(fill.report.corners) == corners
     assert fill.report.folds == 0
-    assert fill.report.seam_angle_max < 1e-4
+    one_triangle = len(fill.rim) == 3  # it has no patch, and its seam is that of triangles
+    assert one_triangle or fill.report.seam_angle_max < 1e-4
     assert np.isfinite(fill.vertices).all() and np.isfinite(fill.normals).all()
     loops = [set(loop) for loop in tripatch.find_holes([*faces, *fill.faces])]
     assert set(fill.rim.tolist()) not in loops
@@ -191,11 +192,11 @@ def test_filled(name, tmp_path, capsys):
     if len(vertices) < 1000:
         code, out, _, written = on_command_line(tmp_path, capsys, vertices, faces, options)
         assert (code, written) == (0, True)
-        assert out.startswith("Filled 1 hole; seam within ")
+        assert out.startswith("Filled 1 hole" if one_triangle else "Filled 1 hole; seam within ")
 
 
 def test_a_coarse_mesh_is_said_to_be_coarse_and_its_seam_is_not():
-    fill = tripatch.fill(OCTAHEDRON, EIGHT[1:])
+    fill = tripatch.fill(OCTAHEDRON, EIGHT[1:], method="side_vertex")
     assert fill.report.seam_angle_max < 1e-4
     seam, accuracy = words.degrees(fill.report.seam_angle_max), f"{fill.report.surroundings_error:.2g}°"
     assert words.filled([fill.report] * 2) == f"Filled 2 holes; seam within {seam} (accuracy of the mesh: {accuracy})"

@@ -1,0 +1,492 @@
+#include "tripatch/spline/small_fill.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "tripatch/constructions/methods.h"
+#include "tripatch/creases/flat_walls.h"
+#include "tripatch/math/angle.h"
+#include "tripatch/report/folded_triangles.h"
+
+namespace tripatch {
+namespace {
+
+/// Samples of the spline: two rings around eight edges have about forty vertices. The time grows with the cube.
+constexpr std::size_t most_samples_of_small = 56;
+/// Free polynomials of the spline of order 5/2, to degree 2.
+constexpr int free_terms = 6;
+/// Of the error at samples of the rim that are predicted by the others, from one side: that at the new vertices, which lie amid the rim.
+constexpr double share_of_error = 0.75;
+
+using Triangle = std::array<int, 3>;
+
+/// The rim, then the other vertices of the faces of two rings around it; and these faces.
+struct TwoRings {
+  std::vector<Index> vertices, faces;
+};
+
+TwoRings two_rings(const Connectivity& around, const std::vector<Index>& rim) {
+  TwoRings near{rim, {}};
+  std::vector<Index> known = rim;
+  std::sort(known.begin(), known.end());
+  std::size_t first = 0;
+  for (int ring = 0; ring < 2; ++ring) {
+    const std::size_t end = near.vertices.size();
+    for (std::size_t k = first; k < end; ++k)
+      for (const Connectivity::Corner c : around.at(near.vertices[k])) near.faces.push_back(around.face(c));
+    std::sort(near.faces.begin(), near.faces.end());
+    near.faces.erase(std::unique(near.faces.begin(), near.faces.end()), near.faces.end());
+    std::vector<Index> found;
+    for (const Index f : near.faces) {
+      const std::span<const Index> face = around.faces()[f];
+      found.insert(found.end(), face.begin(), face.end());
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    std::set_difference(found.begin(), found.end(), known.begin(), known.end(), std::back_inserter(near.vertices));
+    known = std::move(found);
+    first = end;
+  }
+  return near;
+}
+
+double square(double x) { return x * x; }
+double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
+double turn(const Vec2& a, const Vec2& b, const Vec2& c) { return cross(b - a, c - a); }
+
+/// The plane of the faces around, and what lies over it in units of the rim's mean edge.
+struct Frame {
+  Vec3 origin, u, v, normal;
+  double unit = 1;
+
+  Vec3 to(const Vec3& p) const {
+    const Vec3 d = (p - origin) / unit;
+    return {d.dot(u), d.dot(v), d.dot(normal)};
+  }
+  Vec3 from(const Vec2& place, double height) const { return origin + unit * (place[0] * u + place[1] * v + height * normal); }
+  Vec3 normal_of(const Vec2& slope) const { return (normal - slope[0] * u - slope[1] * v).normalized(); }
+};
+
+/// Nothing where a face is turned from the plane, or from one beside it, as far as at a crease.
+std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, const TwoRings& near, std::size_t edges) {
+  static const double least_cosine = std::cos(least_crease_angle);
+  std::vector<Vec3> areas;
+  Vec3 sum = Vec3::Zero();
+  for (const Index f : near.faces) {
+    const std::span<const Index> face = mesh.faces[f];
+    const Vec3 first = mesh.vertices.row(face[0]);
+    Vec3 area = Vec3::Zero();
+    for (std::size_t k = 2; k < face.size(); ++k)
+      area += (Vec3(mesh.vertices.row(face[k - 1])) - first).cross(Vec3(mesh.vertices.row(face[k])) - first);
+    areas.push_back(area);
+    sum += area;
+  }
+  Frame frame;
+  frame.normal = sum.normalized();
+  const auto is_within = [&](const Vec3& a, const Vec3& b) { return a.dot(b) >= least_cosine * a.norm() * b.norm(); };
+  for (std::size_t k = 0; k < areas.size(); ++k) {
+    if (!is_within(areas[k], frame.normal)) return {};
+    const std::span<const Index> face = mesh.faces[near.faces[k]];
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const auto beyond = around.edge(face[(i + 1) % face.size()], face[i]);
+      if (!beyond) continue;
+      const auto other = std::lower_bound(near.faces.begin(), near.faces.end(), around.face(*beyond)) - near.faces.begin();
+      if (other < static_cast<std::ptrdiff_t>(k) && near.faces[other] == around.face(*beyond) &&
+          !is_within(areas[k], areas[other]))
+        return {};
+    }
+  }
+  frame.u = frame.normal.unitOrthogonal();
+  frame.v = frame.normal.cross(frame.u);
+  frame.origin.setZero();
+  double length = 0;
+  for (std::size_t k = 0; k < edges; ++k) {
+    const Vec3 a = mesh.vertices.row(near.vertices[k]), b = mesh.vertices.row(near.vertices[(k + 1) % edges]);
+    frame.origin += a / static_cast<double>(edges);
+    length += (b - a).norm();
+  }
+  frame.unit = length / static_cast<double>(edges);
+  if (!(frame.unit > 0) || !frame.origin.allFinite()) return {};
+  return frame;
+}
+
+bool crosses_itself(const std::vector<Vec2>& rim) {
+  const std::size_t n = rim.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 2; j < n; ++j) {
+      if (i == 0 && j + 1 == n) continue;
+      const Vec2 &a = rim[i], &b = rim[i + 1], &c = rim[j], &d = rim[(j + 1) % n];
+      if (turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0) return true;
+    }
+  return false;
+}
+
+/// Triangles in the plane: rows of `places`, the rim's first.
+class SmallTriangulation {
+public:
+  SmallTriangulation(const Connectivity& around, const std::vector<Index>& rim, std::vector<Vec2> places)
+      : around_(around), rim_(rim), places_(std::move(places)) {
+    const std::size_t n = rim_.size();
+    for (std::size_t k = 0; k < n; ++k)
+      size_.push_back(0.5 * ((places_[(k + 1) % n] - places_[k]).norm() + (places_[(k + n - 1) % n] - places_[k]).norm()));
+  }
+
+  /// False where an edge of the mesh would be doubled, or rounding leaves no ear.
+  bool make() {
+    if (!cut_ears()) return false;
+    flip();
+    for (int added = 0; added < most_added && insert(); ++added) flip();
+    for (int round = 0; round < smoothing_rounds; ++round) smooth();
+    flip();
+    return true;
+  }
+  const std::vector<Vec2>& places() const { return places_; }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+
+private:
+  static constexpr int most_added = 2 * static_cast<int>(most_edges_of_small), smoothing_rounds = 3;
+  /// Over what its ends ask for: between the diagonals of a square and of a regular pentagon, which gets a vertex inside.
+  static constexpr double longest_edge = 1.5;
+  /// Twice an area, squared edges of the rim's mean: less is none.
+  static constexpr double no_area = 1e-9;
+
+  bool in_rim(int v) const { return static_cast<std::size_t>(v) < rim_.size(); }
+  double area(const Triangle& t) const { return turn(places_[t[0]], places_[t[1]], places_[t[2]]); }
+  bool is_in_mesh(int a, int b) const {
+    if (!in_rim(a) || !in_rim(b)) return false;
+    return around_.edge(rim_[a], rim_[b]).has_value() || around_.edge(rim_[b], rim_[a]).has_value();
+  }
+
+  bool cut_ears() {
+    std::vector<int> left(rim_.size());
+    for (std::size_t k = 0; k < left.size(); ++k) left[k] = static_cast<int>(k);
+    while (left.size() > 3) {
+      std::size_t best = left.size();
+      double shortest = 0;
+      const std::size_t n = left.size();
+      for (std::size_t k = 0; k < n; ++k) {
+        const Triangle ear = {left[(k + n - 1) % n], left[k], left[(k + 1) % n]};
+        const double chord = (places_[ear[0]] - places_[ear[2]]).squaredNorm();
+        if ((best < n && chord >= shortest) || !is_ear(ear, left) || is_in_mesh(ear[0], ear[2])) continue;
+        best = k, shortest = chord;
+      }
+      if (best == n) return false;
+      triangles_.push_back({left[(best + n - 1) % n], left[best], left[(best + 1) % n]});
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+    }
+    triangles_.push_back({left[0], left[1], left[2]});
+    return area(triangles_.back()) > no_area;
+  }
+  bool is_ear(const Triangle& ear, const std::vector<int>& left) const {
+    if (!(area(ear) > no_area)) return false;
+    for (const int v : left) {
+      if (v == ear[0] || v == ear[1] || v == ear[2]) continue;
+      const Vec2& p = places_[v];
+      bool inside = true;
+      for (int k = 0; k < 3; ++k) inside = inside && turn(places_[ear[k]], places_[ear[(k + 1) % 3]], p) >= 0;
+      if (inside) return false;
+    }
+    return true;
+  }
+
+  /// To Delaunay's triangles, as far as the edges of the mesh allow.
+  void flip() {
+    bool again = true;
+    for (int round = 0; again && round < 50; ++round) {
+      again = false;
+      for (std::size_t s = 0; s < triangles_.size(); ++s)
+        for (std::size_t t = s + 1; t < triangles_.size(); ++t) again = flip(triangles_[s], triangles_[t]) || again;
+    }
+  }
+  bool flip(Triangle& s, Triangle& t) const {
+    const auto shared = shared_edge(s, t);
+    if (!shared) return false;
+    const auto [a, b] = *shared;
+    const int c = s[0] + s[1] + s[2] - a - b, d = t[0] + t[1] + t[2] - a - b;
+    const Triangle one = {c, d, b}, other = {d, c, a};
+    if (!(area(one) > no_area && area(other) > no_area) || !is_nearer(a, b, c, d) || is_in_mesh(c, d)) return false;
+    s = one, t = other;
+    return true;
+  }
+  /// Whether d is inside the circle around a, b and c, by the sum of the angles across the edge from a to b.
+  bool is_nearer(int a, int b, int c, int d) const {
+    const Vec2 ca = places_[a] - places_[c], cb = places_[b] - places_[c], da = places_[a] - places_[d],
+               db = places_[b] - places_[d];
+    const double sine_c = cross(ca, cb), cosine_c = ca.dot(cb), sine_d = cross(db, da), cosine_d = da.dot(db);
+    return sine_c * cosine_d + cosine_c * sine_d <
+           -no_area * std::sqrt(ca.squaredNorm() * cb.squaredNorm() * da.squaredNorm() * db.squaredNorm());
+  }
+
+  /// A vertex in the middle of the inner edge that is longest beside what its ends ask for, where that is too long.
+  bool insert() {
+    double most = longest_edge;
+    std::array<std::size_t, 2> at{};
+    std::array<int, 2> edge{};
+    for (std::size_t s = 0; s < triangles_.size(); ++s)
+      for (std::size_t t = s + 1; t < triangles_.size(); ++t)
+        if (const auto shared = shared_edge(triangles_[s], triangles_[t])) {
+          const auto [a, b] = *shared;
+          const double length = 2 * (places_[a] - places_[b]).norm() / (size_[a] + size_[b]);
+          if (length > most) most = length, at = {s, t}, edge = *shared;
+        }
+    if (most <= longest_edge) return false;
+    const int added = static_cast<int>(places_.size());
+    places_.emplace_back((places_[edge[0]] + places_[edge[1]]) / 2);
+    size_.push_back((size_[edge[0]] + size_[edge[1]]) / 2);
+    for (const std::size_t t : at) {
+      Triangle other = triangles_[t];
+      std::ranges::replace(triangles_[t], edge[0], added);
+      std::ranges::replace(other, edge[1], added);
+      triangles_.push_back(other);
+    }
+    return true;
+  }
+  /// The edge from a to b of s that is one from b to a of t.
+  static std::optional<std::array<int, 2>> shared_edge(const Triangle& s, const Triangle& t) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        if (s[i] == t[(j + 1) % 3] && s[(i + 1) % 3] == t[j]) return std::array{s[i], s[(i + 1) % 3]};
+    return {};
+  }
+
+  /// Each new vertex amid those beside it, where that turns no triangle over.
+  void smooth() {
+    std::vector<Vec2> sum(places_.size(), Vec2::Zero());
+    std::vector<int> count(places_.size(), 0);
+    for (const Triangle& t : triangles_)
+      for (int k = 0; k < 3; ++k) {
+        sum[t[k]] += places_[t[(k + 1) % 3]];
+        ++count[t[k]];
+      }
+    const std::vector<Vec2> before = places_;
+    for (std::size_t v = rim_.size(); v < places_.size(); ++v) places_[v] = sum[v] / count[v];
+    if (!std::ranges::all_of(triangles_, [&](const Triangle& t) { return area(t) > no_area; })) places_ = before;
+  }
+
+  const Connectivity& around_;
+  const std::vector<Index>& rim_;
+  std::vector<Vec2> places_;
+  std::vector<double> size_;
+  std::vector<Triangle> triangles_;
+};
+
+/// Values and slopes of the terms of a quadric.
+using Terms = Eigen::Matrix<double, free_terms, 1>;
+Terms terms_at(const Vec2& p) {
+  Terms row;
+  row << 1, p[0], p[1], p[0] * p[0], p[0] * p[1], p[1] * p[1];
+  return row;
+}
+/// Height, and its slopes by the two axes.
+Vec3 quadric_at(const Terms& c, const Vec2& p) {
+  return {c.dot(terms_at(p)), c[1] + 2 * c[3] * p[0] + c[4] * p[1], c[2] + c[4] * p[0] + 2 * c[5] * p[1]};
+}
+
+/// Heights over the plane, estimated from samples of which the first are the rim's.
+class SmallModel {
+public:
+  virtual ~SmallModel() = default;
+  virtual Vec3 at(const Vec2& place) const = 0;
+  /// Root mean square by which samples of the rim are missed by what all others tell.
+  virtual double error() const = 0;
+};
+
+/// The quadric of least squares.
+class SmallQuadric final : public SmallModel {
+public:
+  SmallQuadric(const std::vector<Vec3>& samples, std::size_t rim) {
+    Eigen::Matrix<double, free_terms, free_terms> normal = Eigen::Matrix<double, free_terms, free_terms>::Zero();
+    Terms right = Terms::Zero();
+    for (const Vec3& p : samples) {
+      const Terms terms = terms_at(p.head<2>());
+      normal += terms * terms.transpose();
+      right += p[2] * terms;
+    }
+    const Eigen::LDLT<Eigen::Matrix<double, free_terms, free_terms>> solver(normal);
+    fit_ = solver.solve(right);
+    for (std::size_t k = 0; k < rim; ++k) {
+      const Terms terms = terms_at(samples[k].head<2>());
+      const double missed = (samples[k][2] - fit_.dot(terms)) / (1 - terms.dot(solver.solve(terms)));
+      error_ += missed * missed / static_cast<double>(rim);
+    }
+    error_ = std::sqrt(error_);
+  }
+  Vec3 at(const Vec2& place) const override { return quadric_at(fit_, place); }
+  double error() const override { return error_; }
+
+private:
+  Terms fit_;
+  double error_ = 0;
+};
+
+/// The polyharmonic spline of order 5/2, whose kernel is the cube of the distance. Its error by Rippa 1999, "An algorithm for selecting a good
+/// value for the parameter c in radial basis function interpolation".
+class SmallSpline final : public SmallModel {
+public:
+  SmallSpline(const std::vector<Vec3>& samples, std::size_t rim) : samples_(samples) {
+    const auto n = static_cast<Index>(samples.size());
+    Matrix matrix = Matrix::Zero(n + free_terms, n + free_terms);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, 1 + static_cast<int>(most_edges_of_small)> right =
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, 1 + static_cast<int>(most_edges_of_small)>::Zero(
+            n + free_terms, 1 + static_cast<Index>(rim));
+    for (Index i = 0; i < n; ++i) {
+      const Vec3& p = samples[static_cast<std::size_t>(i)];
+      right(i, 0) = p[2];
+      for (Index j = 0; j < i; ++j) {
+        const double square = (p - samples[static_cast<std::size_t>(j)]).head<2>().squaredNorm();
+        matrix(i, j) = matrix(j, i) = square * std::sqrt(square);
+      }
+      const Terms terms = terms_at(p.head<2>());
+      matrix.block<1, free_terms>(i, n) = terms.transpose();
+      matrix.block<free_terms, 1>(n, i) = terms;
+    }
+    for (Index k = 0; k < static_cast<Index>(rim); ++k) right(k, 1 + k) = 1;
+    const auto solved = matrix.partialPivLu().solve(right).eval();
+    weights_ = solved.col(0);
+    for (Index k = 0; k < static_cast<Index>(rim); ++k) {
+      const double missed = weights_[k] / solved(k, 1 + k);
+      error_ += missed * missed / static_cast<double>(rim);
+    }
+    error_ = std::sqrt(error_);
+  }
+  Vec3 at(const Vec2& place) const override {
+    const auto n = static_cast<Index>(samples_.size());
+    Vec3 out = quadric_at(weights_.tail<free_terms>(), place);
+    for (Index k = 0; k < n; ++k) {
+      const Vec2 d = place - samples_[static_cast<std::size_t>(k)].head<2>();
+      const double distance = d.norm();
+      out[0] += weights_[k] * distance * distance * distance;
+      out.tail<2>() += 3 * weights_[k] * distance * d;
+    }
+    return out;
+  }
+  double error() const override { return error_; }
+
+private:
+  static constexpr int most = static_cast<int>(most_samples_of_small) + free_terms;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
+
+  const std::vector<Vec3>& samples_;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1> weights_;
+  double error_ = 0;
+};
+
+/// The vertices beside the rim first, as many as there may be.
+void keep_nearest(std::vector<Vec3>& samples, std::size_t rim) {
+  if (samples.size() <= most_samples_of_small) return;
+  const auto nearer = [](const Vec3& a, const Vec3& b) { return a.head<2>().squaredNorm() < b.head<2>().squaredNorm(); };
+  std::nth_element(samples.begin() + static_cast<std::ptrdiff_t>(rim), samples.begin() + most_samples_of_small, samples.end(),
+                   nearer);
+  samples.resize(most_samples_of_small);
+}
+
+/// Degrees by which the new faces are turned from those beyond the rim: the most, and root mean square.
+void measure_dihedrals(const Mesh& mesh, const Connectivity& around, Fill& fill) {
+  const Index n = mesh.vertices.rows();
+  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
+  const auto normal = [&](std::span<const Index> f) -> Vec3 { return (at(f[1]) - at(f[0])).cross(at(f[2]) - at(f[0])); };
+  double sum = 0;
+  for (Index f = 0; f < fill.faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index a = fill.faces[f][k], b = fill.faces[f][(k + 1) % 3];
+      if (a >= n || b >= n) continue;
+      const auto beyond = around.edge(b, a);
+      if (!beyond) continue;
+      const double angle = degrees_between(normal(fill.faces[f]), normal(around.faces()[around.face(*beyond)]));
+      fill.report.seam_angle_max = std::max(fill.report.seam_angle_max, angle);
+      sum += angle * angle;
+    }
+  fill.report.seam_angle_rms = std::sqrt(sum / static_cast<double>(fill.rim.size()));
+}
+
+/// What is reported of a fill without a patch.
+void complete(const Mesh& mesh, const Connectivity& around, const std::string& reason, Fill& fill) {
+  Report& report = fill.report;
+  report.method = spline_method;
+  report.method_reason = reason;
+  report.seam_angle_max_by_side.clear();
+  report.seam_angle_rms_by_side.clear();
+  report.continuity.clear();
+  measure_dihedrals(mesh, around, fill);
+}
+
+}  // namespace
+
+std::optional<Fill> fill_small(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const std::size_t r = rim.size();
+  const TwoRings near = two_rings(around, rim);
+  const std::optional<Frame> frame = frame_of(mesh, around, near, r);
+  if (!frame) return {};
+  std::vector<Vec3> samples;
+  for (const Index v : near.vertices) samples.push_back(frame->to(mesh.vertices.row(v)));
+  std::vector<Vec2> places;
+  for (std::size_t k = 0; k < r; ++k) places.emplace_back(samples[k].head<2>());
+  if (crosses_itself(places)) return {};
+  SmallTriangulation made(around, rim, std::move(places));
+  if (!made.make()) return {};
+
+  Fill fill;
+  const auto added = static_cast<Index>(made.places().size() - r);
+  fill.rim = rim;
+  fill.vertices.resize(added, 3);
+  fill.normals.resize(added, 3);
+  fill.uv.resize(added, 2);
+  fill.rim_uv.resize(static_cast<Index>(r), 2);
+  fill.rim_normals.resize(static_cast<Index>(r), 3);
+  keep_nearest(samples, r);
+  if (samples.size() < 2 * free_terms) return {};
+  const SmallQuadric quadric(samples, r);
+  double share = 0, error = quadric.error();  // of the spline; of both
+  std::optional<SmallSpline> spline;
+  if (added > 0) {
+    spline.emplace(samples, r);
+    const double q = square(quadric.error()), p = square(spline->error());
+    share = q + p > 0 ? q / (q + p) : 1;
+    error = std::sqrt(share * p);
+  }
+  if (!std::isfinite(error)) return {};
+  const auto height_at = [&](const Vec2& place) -> Vec3 {
+    return share > 0 ? Vec3((1 - share) * quadric.at(place) + share * spline->at(place)) : quadric.at(place);
+  };
+  for (std::size_t k = 0; k < r; ++k) {
+    fill.rim_uv.row(static_cast<Index>(k)) = frame->unit * made.places()[k];
+    fill.rim_normals.row(static_cast<Index>(k)) = frame->normal_of(height_at(made.places()[k]).tail<2>());
+  }
+  for (Index k = 0; k < added; ++k) {
+    const Vec2& place = made.places()[r + static_cast<std::size_t>(k)];
+    const Vec3 jet = height_at(place);
+    fill.vertices.row(k) = frame->from(place, jet[0]);
+    fill.normals.row(k) = frame->normal_of(jet.tail<2>());
+    fill.uv.row(k) = frame->unit * place;
+  }
+  const Index n = mesh.vertices.rows();
+  for (const Triangle& t : made.triangles()) {
+    std::array<Index, 3> face;
+    for (int k = 0; k < 3; ++k) face[k] = t[k] < static_cast<int>(r) ? rim[t[k]] : n + t[k] - static_cast<Index>(r);
+    fill.faces.add(face);
+  }
+  fill.deviation = Eigen::VectorXd::Constant(added, share_of_error * frame->unit * error);
+  if (added > 0) fill.report.deviation_max = fill.deviation.maxCoeff();
+  complete(mesh, around, "the hole is small and its surroundings are smooth", fill);
+  return fill;
+}
+
+std::optional<Fill> fill_with_one_triangle(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  Fill fill;
+  fill.rim = rim;
+  fill.faces.add(rim);
+  fill.report.corners = rim;
+  complete(mesh, around, "the rim has three edges", fill);
+  if (!(fill.report.seam_angle_max < folded_degrees)) return {};
+  const Vec3 a = mesh.vertices.row(rim[0]), b = mesh.vertices.row(rim[1]), c = mesh.vertices.row(rim[2]);
+  fill.rim_normals = (b - a).cross(c - a).normalized().transpose().replicate(3, 1);
+  fill.rim_uv.resize(3, 2);
+  const Vec3 along = (b - a).normalized(), across = fill.rim_normals.row(0).transpose().cross(along);
+  fill.rim_uv << 0, 0, (b - a).norm(), 0, along.dot(c - a), across.dot(c - a);
+  return fill;
+}
+
+}  // namespace tripatch
