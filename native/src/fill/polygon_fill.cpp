@@ -22,6 +22,7 @@
 #include "tripatch/output/remesh.h"
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/follow.h"
+#include "tripatch/polygon/of_three.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_fill.h"
@@ -385,15 +386,65 @@ void report_patch(const RoundPatch& made, Report& report) {
   report.seam_angle_rms = made.seam_angle_rms;
 }
 
+namespace {
+
+/// Between three sides: the triangle's own patch, with the points that it meets inside. three: as of
+/// triangles, where side 2 begins at corner 0.
+PolygonPatch patch_of_three(const Sides& three, const SideTerms& terms, const FillOptions& options) {
+  FillOptions own = options;
+  own.method = patch_method;
+  own.through.clear();
+  own.continuity = BySide<SideContinuity>({terms.continuity[1], terms.continuity[2], terms.continuity[0]});
+  MadePatch made = patch_from_sides(three, own);
+  PolygonPatch out;
+  out.patch = made.patch;
+  out.fairing = made.report.fairing;
+  out.energy_before = made.report.energy_before;
+  out.energy_after = made.report.energy_after;
+  out.folds = made.report.folds;
+  out.gave_up = made.gave_up;
+  out.warnings = std::move(made.report.warnings);
+  const std::vector<std::string>& continuity = made.report.continuity;
+  out.continuity = {continuity[2], continuity[0], continuity[1]};
+  complete_patch({three[2], three[0], three[1]}, options.through, out);
+  return out;
+}
+
+/// What surrounds a rim of three corners, in the order of polygons, and the patch.
+std::pair<MeshPolygon, PolygonPatch> read_three(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                                const std::vector<Index>& corners, const SideTerms& terms,
+                                                const FillOptions& options) {
+  Hole hole;
+  hole.rim = rim;
+  hole.corners = {corners[0], corners[1], corners[2]};
+  hole.alone = {terms.alone[1], terms.alone[2], terms.alone[0]};
+  MeshSides sides = mesh_sides(mesh, around, hole);
+  MeshPolygon known;
+  known.surroundings_error = sides.surroundings_error;
+  for (const int i : {2, 0, 1}) {
+    known.sides.push_back(sides.sides[i]);
+    known.parameters.push_back(sides.parameters[i]);
+  }
+  return {std::move(known), patch_of_three(sides.sides, terms, options)};
+}
+
+}  // namespace
+
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options, bool folded_too) {
   PolygonPatchOptions own = polygon_options(options);
   std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
   SideTerms terms = terms_of_sides(BySide<SideContinuity>(from_first_corner(options.continuity.values())), angles);
-  own.continuity = std::move(terms.continuity);
+  own.continuity = terms.continuity;
   own.bulge = from_first_corner(std::move(own.bulge));
-  MeshPolygon known = mesh_polygon(mesh, around, rim, corners, terms.alone);
-  PolygonPatch made = polygon_patch(known.sides, own);
+  MeshPolygon known;
+  PolygonPatch made;
+  if (corners.size() == 3) {
+    std::tie(known, made) = read_three(mesh, around, rim, corners, terms, options);
+  } else {
+    known = mesh_polygon(mesh, around, rim, corners, terms.alone);
+    made = polygon_patch(known.sides, own);
+  }
   PolygonFill result;
   Fill& fill = result.fill;
   const Index r = static_cast<Index>(rim.size()), n = mesh.vertices.rows();

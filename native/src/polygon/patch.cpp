@@ -11,6 +11,7 @@
 #include "tripatch/math/linear.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/polygon/joined.h"
+#include "tripatch/polygon/of_three.h"
 #include "tripatch/polygon/space.h"
 
 namespace tripatch {
@@ -288,6 +289,25 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
   made.continuity = wanted.names;
   measure_seam(surroundings, made);
   return made;
+}
+
+void complete_patch(const SideList& sides, const std::vector<Through>& through, PolygonPatch& made) {
+  const PolygonBoundary boundary = polygon_boundary(sides);
+  made.sides = sides;
+  made.domain = boundary.domain;
+  made.corner_mismatch_deg = boundary.corner_mismatch_deg;
+  SurfacePtr patch = over_domain(made.domain, made.patch);
+  std::vector<InnerPoint> points;
+  for (const Through& t : through) {
+    points.push_back({nearest_place(*patch, made.domain, t.point), t.point, t.normal});
+    made.met.push_back(points.back().uv);
+  }
+  if (!points.empty()) {
+    patch = with_points(patch, made.domain, points, boundary.size);
+    made.folds = count_polygon_folds(*patch, made.domain, sides);
+  }
+  made.patch = std::make_shared<OverPolygon>(made.domain, patch);
+  measure_seam(sides, made);
 }
 
 }  // namespace tripatch
