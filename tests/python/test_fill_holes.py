@@ -57,8 +57,9 @@ def test_faces_of_a_fill_are_an_array_if_uniform():
     vertices, faces, rim = octant(5)
     fill = tripatch.fill(vertices, faces, rim=rim)
     assert isinstance(fill.faces, np.ndarray) and fill.faces.shape[1] == 3
-    assert tripatch.fill(vertices, faces, rim=rim, output="quads", resolution=0).faces.shape[1] == 4
-    mixed = tripatch.fill(vertices, faces, rim=rim, output="quads", odd="triangle", resolution=0)
+    quads = {"rim": rim, "method": "side_vertex", "output": "quads", "resolution": 0}
+    assert tripatch.fill(vertices, faces, **quads).faces.shape[1] == 4
+    mixed = tripatch.fill(vertices, faces, odd="triangle", **quads)
     assert isinstance(mixed.faces, list) and {len(face) for face in mixed.faces} == {3, 4}
 
 
@@ -78,7 +79,7 @@ def test_merge_numbers_several_fills_one_after_another_and_skips_refusals():
 
 def test_merge_splits_edges_and_leaves_replaced_faces_out():
     vertices, faces, rim = octant(5)
-    fill = tripatch.fill(vertices, faces, rim=rim, output="quads", resolution=0)
+    fill = tripatch.fill(vertices, faces, rim=rim, method="side_vertex", output="quads", resolution=0)
     assert len(fill.split_edges[0]) == 1
     points, whole = tripatch.merge(vertices, faces, [fill])
     assert not any(set(loop) & set(rim) for loop in tripatch.find_holes(whole))

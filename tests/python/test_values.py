@@ -131,7 +131,7 @@ def test_a_mesh_that_has_changed_is_noticed_when_its_patch_is_made_again():
 
 
 def test_each_is_one_line_that_says_what_it_is():
-    fill = tripatch.fill(*octant(6)[:2], rim=octant(6)[2])
+    fill = tripatch.fill(*octant(8)[:2], rim=octant(8)[2])
     said = [repr(each) for each in (fill, fill.report, fill.patch, *fill.sides, *PATCHES.values())]
     assert all(line.startswith("<tripatch.") and "\n" not in line and " at 0x" not in line for line in said)
     assert said[0].startswith(f"<tripatch.Fill: {len(fill.vertices)} new vertices, {len(fill.faces)} faces by side_vertex, seam")
