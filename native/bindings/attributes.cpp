@@ -10,9 +10,9 @@ using namespace tripatch;
 
 namespace {
 
-AttributeWeights weights_from(const Array& rim, const Array& inside) {
+AttributeWeights weights_from(const Array& rim, const Array& inside, const std::vector<Index>& loops) {
   const auto values = [](const Array& a) -> Values { return Eigen::Map<const Values>(a.data(), a.shape(0), a.shape(1)); };
-  return AttributeWeights(values(rim), values(inside));
+  return AttributeWeights(values(rim), values(inside), loops);
 }
 
 /// (k, terms) ends, or weights, of all points.

@@ -61,12 +61,12 @@ void bind_borders(py::module_& m) {
     return found;
   });
   m.def("_islands", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                       const std::vector<std::vector<Index>>& loops) {
+                       const std::vector<std::vector<Index>>& loops, bool parts) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     py::gil_scoped_release release;
     const Mesh mesh{points, faces};
-    return islands_of(mesh, Connectivity(mesh), loops);
+    return islands_of(mesh, Connectivity(mesh), loops, parts);
   });
 }
 

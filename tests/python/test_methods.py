@@ -20,8 +20,9 @@ VALUES = {
     "alpha": 0.1,
 }
 OF_ONE_METHOD = ("symmetric", "alpha")
-#: the constructions; the method for any rim and that for rows of quads read no sides
-BETWEEN_SIDES = [m for m in tripatch.METHODS if m not in ("polyharmonic_spline", "quad_rows")]
+#: the constructions; the methods for any rim, for rows of quads and for two boundaries read no sides
+OTHERS = ("polyharmonic_spline", "quad_rows", "annulus")
+BETWEEN_SIDES = [m for m in tripatch.METHODS if m not in OTHERS]
 
 
 def uneven_hole(n=5):
@@ -204,9 +205,11 @@ def test_every_method_says_between_how_many_sides_it_fills():
     for name, about in tripatch.METHODS.items():
         least, most = about.sides
         assert (least, most) == (
-            {"multi_sided": (2, 12), "polyharmonic_spline": (0, None), "quad_rows": (4, 4)}.get(name, (3, 3))
+            {"multi_sided": (2, 12), "polyharmonic_spline": (0, None), "quad_rows": (4, 4), "annulus": (0, None)}.get(
+                name, (3, 3)
+            )
         )
-        if about.fills_holes and name != "quad_rows":  # which looks at faces, see test_quad_rows
+        if about.fills_holes and name not in ("quad_rows", "annulus"):  # see test_quad_rows and test_annulus
             for count in {max(least, 2), most or 13}:
                 corners = [int(k) for k in np.arange(count) * 36 // count]
                 fill = tripatch.fill(vertices, faces, rim=range(36), corners=corners, method=name)

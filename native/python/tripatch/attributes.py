@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import operator
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -24,7 +26,7 @@ def _parameters(value: Any, name: str) -> Array:
     return a
 
 
-def attribute_weights(rim: Any, inside: ArrayLike | None = None) -> AttributeWeights:
+def attribute_weights(rim: Any, inside: ArrayLike | None = None, loops: Sequence[int] = ()) -> AttributeWeights:
     """How values that are given along the rim are continued to the points inside: the weights of UVs, colors, vertex groups.
 
     Values are given at both ends of every rim edge, since two edges may disagree at their common vertex, as at a UV seam: end
@@ -35,6 +37,7 @@ def attribute_weights(rim: Any, inside: ArrayLike | None = None) -> AttributeWei
         rim: a `Fill`; or parameters of the rim's vertices from corner 0 on: barycentric (r, 3), or places in a plane domain
             (r, 2).
         inside: with the latter, the parameters (k, 3) or (k, 2) of the points.
+        loops: of a rim with islands, how many vertices each of its loops has; none: it is one loop.
 
     Returns:
         An `AttributeWeights` w: w(values) is (k, d) from values (2 r, d); w.ends and w.weights (k, m), w.nearest (k,). Over a
@@ -44,7 +47,8 @@ def attribute_weights(rim: Any, inside: ArrayLike | None = None) -> AttributeWei
     if inside is None:
         fill = rim
         rim, inside = (fill.rim_barycentric, fill.barycentric) if fill.uv is None else (fill.rim_uv, fill.uv)
-    return AttributeWeights(_parameters(rim, "rim"), _parameters(inside, "inside"))
+        loops = fill.loops if len(fill.loops) > 1 else ()
+    return AttributeWeights(_parameters(rim, "rim"), _parameters(inside, "inside"), [operator.index(n) for n in loops])
 
 
 def _call(self: AttributeWeights, values: ArrayLike) -> Array:

@@ -48,7 +48,7 @@ class Holes:
     def _gather_islands(self, mesh: tuple[Array, Array, Array]) -> None:
         free = [k for k in range(len(self.rims)) if k not in self.refused]
         loops = [*(self.rims[k] for k in free), *self.outer]  # a piece that floats in a hole has an outer border
-        inside = _native._islands(*mesh, loops)[: len(free)]
+        inside = _native._islands(*mesh, loops, True)[: len(free)]
         gone = {loops[i][0] for each in inside for i in each}
         for k, each in zip(free, inside, strict=True):
             self.islands[k] = [loops[i] for i in each]
@@ -110,6 +110,11 @@ class Holes:
 def find(vertices: Any, faces: Any, islands: str = "auto", join: float | None = None, **choosing: Any) -> Holes:
     """The holes of a mesh. choosing: options of `choose_holes`; islands, join: of `fill_all`."""
     return Holes(*_arrays.mesh(vertices, faces), checked("choose_holes", choosing), islands, join)
+
+
+def islands_of(vertices: Any, faces: Any, loops: Any, parts: bool = True) -> list[list[int]]:
+    """For each of some border loops the numbers of those that lie in it. parts: those of other parts of the mesh alone."""
+    return _native._islands(*_arrays.mesh(vertices, faces), loops, parts)
 
 
 class _Renumbered:

@@ -32,7 +32,8 @@ class Fill:
         deviation: (k,) standard deviation of `vertices`, in units of the mesh; None where the method does not know it.
         feature_edges: (k, 2) edges of the fill, numbered as in `faces`, on which creases of the surroundings go on, and those
             of the rim where a lid meets the mesh at an angle.
-        rim: (r,) vertex indices from corner 0 on, no repeat.
+        rim: (r,) vertex indices from corner 0 on, no repeat; those of islands follow.
+        loops: how many of them each loop has, that around the islands first.
         rim_normals: (r, 3) exact one-sided normals of the fill at the rim.
         rim_barycentric: (r, 3).
         moved, split_edges, creases: what a cage option changed outside the fill, as (indices, positions), (edges, t),
@@ -57,6 +58,9 @@ class Fill:
         self.uv, self.rim_uv = native.uv, native.rim_uv
         self.deviation = native.deviation
         self.rim = native.rim
+        islands = source.options.get("islands") or ()
+        inside = [len(loop) for loop in islands] if not isinstance(islands, str) else []
+        self.loops = [len(self.rim) - sum(inside), *inside]
         self.rim_normals = native.rim_normals
         self.rim_barycentric = native.rim_barycentric
         self.moved = (native.moved, native.moved_to)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "tripatch/annulus/annulus_patch.h"
 #include "tripatch/constructions/barnhill_birkhoff_gordon.h"
 #include "tripatch/constructions/coons_bezier.h"
 #include "tripatch/constructions/gordon_coons.h"
@@ -167,6 +168,16 @@ const std::vector<Method> all = {
      {},
      {0, 0},
      of_sides},
+    {annulus_method,
+     "A ring between two boundaries, tangent to both: ribs as circular arcs",
+     "Hermite ribs; motions after Pottmann and Randrup 1998",
+     true,
+     "G1",
+     {"bulge"},
+     {},
+     {},
+     {0, 0},
+     with(of_sides, {"through"})},
     {rows_method,
      "Rows of quads around a rectangular hole go on across it: their mixed differences are least",
      "Birkhoff and Gordon 1968",

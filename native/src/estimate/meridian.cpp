@@ -91,6 +91,20 @@ Vec2 leads_away(const LocalMesh& w, const RimCircle& circle) {
   return sum.normalized();
 }
 
+/// How far the farthest face beside the rim reaches with its nearest vertex: nearer ones need not lie all around, as on a bent tube, whose inner
+/// side is shorter.
+double reach_all_around(const LocalMesh& w, const RimCircle& circle) {
+  double reach = 0;
+  for (int f : w.beside) {
+    double nearest = INFINITY;
+    for (int v : w.part[f])
+      if (std::ranges::find(w.rim, v) == w.rim.end())
+        nearest = std::min(nearest, (circle.radius_and_height(w.position[v]) - Vec2(circle.radius, 0)).norm());
+    if (std::isfinite(nearest)) reach = std::max(reach, nearest);
+  }
+  return reach;
+}
+
 /// All vertices that smooth edges connect with the rim, nearest first, without the rim's own.
 std::vector<OnMeridian> points_around(const LocalMesh& w, const RimCircle& circle) {
   std::vector<char> taken(w.area.size(), 0), met(w.position.size(), 0);
@@ -181,8 +195,8 @@ MeridianReading read_by(const Conic& conic, const std::vector<OnMeridian>& point
   return out;
 }
 
-/// What points apart by so much tell best.
-MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian>& all, double apart) {
+/// What points apart by so much tell best, where they reach so far.
+MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian>& all, double apart, double all_around) {
   std::vector<OnMeridian> points;
   for (const OnMeridian& p : all)
     if (static_cast<int>(points.size()) < most_on_meridian && p.distance >= apart + (points.empty() ? 0 : points.back().distance))
@@ -204,7 +218,8 @@ MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian
                                         counts > 0 ? counts * angle_in_plane(taken.along, other.along) : 0});
       taken.curvature_deviation = std::max({taken.curvature_deviation, std::abs(taken.curvature - before[c].curvature),
                                             counts > 0 ? counts * std::abs(taken.curvature - other.curvature) : 0});
-      if (!best.valid || taken.curvature_deviation < best.curvature_deviation) best = taken;
+      const bool reaches = points[count - 1].distance >= (1 - circle_within) * all_around;
+      if (reaches && (!best.valid || taken.curvature_deviation < best.curvature_deviation)) best = taken;
     }
     before = now;
   }
@@ -219,9 +234,10 @@ std::optional<Meridian> meridian_at(const LocalMesh& w) {
   std::optional<std::vector<double>> turns = turns_of(w, *circle);
   if (!turns) return {};
   const std::vector<OnMeridian> points = points_around(w, *circle);
+  const double all_around = reach_all_around(w, *circle);
   MeridianReading best;
   for (double apart : apart_by) {
-    const MeridianReading read = read_apart(*circle, points, apart);
+    const MeridianReading read = read_apart(*circle, points, apart, all_around);
     if (read.valid && (!best.valid || read.curvature_deviation < best.curvature_deviation)) best = read;
   }
   if (!best.valid || !(best.along.dot(leads_away(w, *circle)) > same_sheet)) return {};

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
+#include "tripatch/annulus/annulus_fill.h"
 #include "tripatch/constructions/methods.h"
+#include "tripatch/fill/select.h"
 #include "tripatch/fill/spline_fill.h"
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/polygon/domain.h"
+#include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
 
@@ -153,6 +158,96 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);
   return fill;
+}
+
+Fill fill_ring(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason) {
+  if (options.islands.size() != 1)
+    throw Refusal("The method annulus joins two boundaries; " + std::to_string(options.islands.size() + 1) +
+                  " are given. The method auto fills the hole");
+  const auto ordered = [&](const std::vector<Index>& loop) {
+    std::vector<Index> checked = check_topology(ground.left, loop);
+    std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
+    check_positions(ground.mesh, ground.left, checked);
+    return checked;
+  };
+  const std::vector<Index> loop = ordered(rim), island = ordered(options.islands[0]);
+  check_apart(loop, {island});
+  Fill fill = fill_with_annulus(ground.mesh, ground.left, loop, island, options);
+  fill.report.method_reason = reason;
+  return fill;
+}
+
+namespace {
+
+/// Newton's steps from the nearest vertex of a fill to the foot of a point on its surface: they settle within five.
+constexpr int most_foot_steps = 10;
+
+/// The faces of a ring on the surface of another fill between the same boundaries; nothing where they do worse there.
+std::optional<Fill> ring_on_surface(const Ground& ground, const std::vector<std::vector<Index>>& loops, const Fill& ring,
+                                    Fill fill) {
+  if (!fill.patch || fill.vertices.rows() == 0 || fill.rim != ring.rim) return {};
+  const Index count = ring.vertices.rows();
+  PlanePoints uv(count, 2);
+  Eigen::VectorXd deviation(fill.deviation.size() > 0 ? count : 0);
+  for (Index k = 0; k < count; ++k) {
+    Index nearest = 0;
+    (fill.vertices.rowwise() - ring.vertices.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
+    Vec2 place = fill.uv.row(nearest);
+    for (int step = 0; step < most_foot_steps; ++step) {
+      const Foot foot = foot_at(*fill.patch, place, ring.vertices.row(k));
+      if (!foot.step.allFinite()) return {};
+      place += foot.step;
+    }
+    uv.row(k) = place;
+    if (deviation.size() > 0) deviation[k] = fill.deviation[nearest];
+  }
+  const auto before = harm(fill.report);
+  fill.uv = std::move(uv);
+  fill.deviation = std::move(deviation);
+  std::tie(fill.vertices, fill.normals) = fill.patch->positions_and_normals(as_rows(fill.uv));
+  if (!is_finite(fill)) return {};
+  fill.faces = ring.faces;
+  fill.report.rows = ring.report.rows;
+  fill.report.poles = ring.report.poles;
+  measure_faces(ground.mesh, fill.vertices, fill.faces, faces_beyond(ground.mesh, ground.left, loops), fill.report);
+  if (harm(fill.report) > before) return {};
+  return fill;
+}
+
+}  // namespace
+
+Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
+  std::optional<Fill> ring;
+  std::string reason = "the hole has islands";
+  if (options.islands.size() == 1 && options.through.empty()) {
+    try {
+      ring = fill_ring(ground, rim, options, "the fill joins two boundaries");
+      reason = "the surroundings as a whole tell of another surface than the two boundaries";
+    } catch (const Refusal& refusal) {
+      reason = std::string("no ring joins the two boundaries: ") + refusal.what();
+    }
+  }
+  std::optional<Fill> spline;
+  try {
+    spline = fill_any_rim(ground, rim, std::vector<Index>(), options, reason);
+  } catch (const Refusal&) {
+    if (!ring) throw;
+  }
+  if (ring && (!spline || harm(ring->report) < harm(spline->report))) return std::move(*ring);
+  const double size = diameter(ground.mesh, rim);
+  if (ring && harm(ring->report) == harm(spline->report) && !(expected_error(*spline, size) < expected_error(*ring, size)))
+    return std::move(*ring);
+  if (options.islands.size() > 1 && (!spline->patch || !is_harmless(spline->report)))
+    throw Refusal("No one surface joins these " + std::to_string(options.islands.size() + 1) +
+                      " boundaries without folds; join them two at a time",
+                  rim);
+  if (ring && options.output == Output::quads && is_harmless(ring->report)) {
+    const auto island = ring->rim.end() - static_cast<std::ptrdiff_t>(options.islands[0].size());
+    if (std::optional<Fill> rows =
+            ring_on_surface(ground, {{ring->rim.begin(), island}, {island, ring->rim.end()}}, *ring, *spline))
+      return std::move(*rows);
+  }
+  return std::move(*spline);
 }
 
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {

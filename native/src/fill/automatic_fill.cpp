@@ -455,6 +455,7 @@ bool is_lid(const Ground& ground, const Fill& fill, const FillOptions& options) 
 
 Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options) {
+  if (!options.islands.empty()) return fill_around_islands(ground, rim, options);
   FillProblem problem(ground, rim, corners, options);
   Fill fill = selected(try_all(problem, strategies, problem.size, judged));
   if (problem.is_flat()) fill.report.warnings.emplace_back(flat_all_around);

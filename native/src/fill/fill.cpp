@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "tripatch/annulus/annulus_patch.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/automatic_fill.h"
@@ -221,7 +222,7 @@ Fill fill_and_shape(const Ground& ground, const std::vector<Index>& loop, const 
   const bool as_chosen = options.fairing == by.fairing && options.continuity == by.continuity &&
                          (options.cross_boundary == by.cross_boundary || !of_three);
   // a round rim's patch is a surface of revolution where it can be, and stays one
-  if (!fill.sides.empty() && ((is_shaped(options) && !fill.report.corners.empty()) || !as_chosen)) {
+  if (!fill.sides.empty() && options.islands.empty() && ((is_shaped(options) && !fill.report.corners.empty()) || !as_chosen)) {
     try {
       return patch_as_asked(ground, fill, options);
     } catch (const Refusal& refusal) {  // of what is asked for
@@ -236,7 +237,7 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
                    const FillOptions& options) {
   const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
   const bool automatic = options.method == automatic_method && of_mesh;
-  const bool any_rim = options.method == spline_method || options.method == rows_method;
+  const bool any_rim = options.method == spline_method || options.method == rows_method || options.method == annulus_method;
   if (!automatic && !any_rim) {
     check_three(options, corners);
     if (of_mesh && (options.method == polygon_method || !options.through.empty()))
@@ -250,8 +251,9 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
     return fill_one_hole(ground.mesh, with_rim);
   }
   if (automatic) return fill_and_shape(ground, loop, corners, options);
-  Fill fill = options.method == rows_method ? fill_with_rows_only(ground, loop, corners, options)
-                                            : fill_any_rim(ground, loop, corners, options, "it was asked for");
+  Fill fill = options.method == rows_method      ? fill_with_rows_only(ground, loop, corners, options)
+              : options.method == annulus_method ? fill_ring(ground, loop, options, "it was asked for")
+                                                 : fill_any_rim(ground, loop, corners, options, "it was asked for");
   shape(ground.mesh, ground.left, sizes_of(options.islands), options, fill);
   return fill;
 }
@@ -311,7 +313,8 @@ void check_for_holes(const FillOptions& options) {
   check_taken(options);
   if (options.cap != Cap::automatic && (options.method != automatic_method || options.surroundings != SurroundingsFrom::mesh))
     throw InvalidArgument("cap is an option of the method auto, with surroundings that are a mesh");
-  if ((options.method == spline_method || options.method == rows_method) && options.output == Output::cage)
+  if ((options.method == spline_method || options.method == rows_method || options.method == annulus_method) &&
+      options.output == Output::cage)
     throw InvalidArgument(options.method + " makes no cages; choose another method, or triangles or quads");
 }
 
@@ -346,7 +349,8 @@ void check_creases(const Mesh& mesh, const std::vector<std::array<Index, 2>>& cr
 
 /// Whether a rim is taken as it comes, its edges of no length too: cages, and single methods that are insisted on, ask for a clean one.
 bool takes_any_rim(const FillOptions& options) {
-  const bool any_rim = options.method == automatic_method || options.method == spline_method || options.method == rows_method;
+  const bool any_rim = options.method == automatic_method || options.method == spline_method || options.method == rows_method ||
+                       options.method == annulus_method;
   return any_rim && options.output != Output::cage && options.surroundings == SurroundingsFrom::mesh;
 }
 

@@ -81,8 +81,8 @@ double distance_between(const HoleBorder& a, const HoleBorder& b) {
 }
 
 /// The distance between a hole and a border that is an island in it.
-std::optional<double> island_at(const HoleBorder& hole, const HoleBorder& island) {
-  if (hole.part == island.part || hole.part < 0 || island.part < 0) return {};
+std::optional<double> island_at(const HoleBorder& hole, const HoleBorder& island, bool parts) {
+  if ((parts && hole.part == island.part) || hole.part < 0 || island.part < 0) return {};
   // the balls around both are nearer to each other than the hole is wide
   if (!((hole.middle - island.middle).norm() <= 3 * hole.reach + island.reach)) return {};
   if (!(hole.area.dot(island.area) < 0) || !(winding(hole, island.middle) > 0.5)) return {};
@@ -93,10 +93,10 @@ std::optional<double> island_at(const HoleBorder& hole, const HoleBorder& island
 }  // namespace
 
 std::vector<std::vector<std::size_t>> islands_of(const Mesh& mesh, const Connectivity& around,
-                                                 const std::vector<std::vector<Index>>& loops) {
+                                                 const std::vector<std::vector<Index>>& loops, bool parts) {
   std::vector<std::vector<std::size_t>> islands(loops.size());
   const std::vector<Index> part = components_of(around);
-  if (std::ranges::all_of(part, [](Index p) { return p == 0; })) return islands;
+  if (parts && std::ranges::all_of(part, [](Index p) { return p == 0; })) return islands;
   std::vector<HoleBorder> borders;
   for (const std::vector<Index>& loop : loops) borders.push_back(read_border(mesh, around, part, loop));
   struct Pair {
@@ -109,7 +109,7 @@ std::vector<std::vector<std::size_t>> islands_of(const Mesh& mesh, const Connect
       const bool first_is_larger =
           borders[a].reach > borders[b].reach || (borders[a].reach == borders[b].reach && loops[a] < loops[b]);
       const std::size_t hole = first_is_larger ? a : b, island = first_is_larger ? b : a;
-      if (const std::optional<double> distance = island_at(borders[hole], borders[island]))
+      if (const std::optional<double> distance = island_at(borders[hole], borders[island], parts))
         pairs.push_back({*distance, hole, island});
     }
   std::ranges::stable_sort(pairs, {}, &Pair::distance);

@@ -20,13 +20,25 @@ constexpr double on_edge = 1e-14;
 
 }  // namespace
 
-AttributeWeights::AttributeWeights(const Values& rim, const Values& inside)
+AttributeWeights::AttributeWeights(const Values& rim, const Values& inside, const std::vector<Index>& loops)
     : plane_(rim.cols() == 2), rim_(rim.rows()), points_(inside.rows()), rim_parameters_(rim), parameters_(inside) {
   if (rim_ < 3) throw InvalidArgument("a rim has three vertices or more, not " + std::to_string(rim_));
   if ((rim.cols() != 2 && rim.cols() != 3) || rim.cols() != inside.cols())
     throw InvalidArgument(
         "parameters must be barycentric coordinates (3) or places in a plane domain (2), the same inside and at the rim");
-  if (plane_) return;
+  if (plane_) {
+    std::vector<Index> counts = loops.empty() ? std::vector<Index>{rim_} : loops;
+    if (std::accumulate(counts.begin(), counts.end(), Index{0}) != rim_ || *std::ranges::min_element(counts) < 3)
+      throw InvalidArgument("loops must count the " + std::to_string(rim_) + " vertices of the rim, three or more each");
+    before_.resize(rim_);
+    for (const Index count : counts) {
+      const Index first = static_cast<Index>(next_.size());
+      for (Index k = 0; k < count; ++k) next_.push_back(first + (k + 1) % count);
+    }
+    for (Index v = 0; v < rim_; ++v) before_[next_[v]] = v;
+    return;
+  }
+  if (!loops.empty()) throw InvalidArgument("loops are those of a rim in a plane domain");
   for (int i = 0; i < 3; ++i) rim_parameters_.col(i).maxCoeff(&corner_[i]);
   for (int i = 0; i < 3; ++i) {
     const Index first = corner_[(i + 1) % 3], last = corner_[(i + 2) % 3] == 0 ? rim_ : corner_[(i + 2) % 3];
@@ -69,15 +81,14 @@ void AttributeWeights::triangle_row(Index k, Index* ends, double* weights) const
 void AttributeWeights::plane_row(Index k, Index* ends, double* weights) const {
   std::iota(ends, ends + 2 * rim_, Index{0});
   std::fill_n(weights, 2 * rim_, 0.0);
-  const auto away = [&](Index v) -> Eigen::Vector2d { return (rim_parameters_.row(v % rim_) - parameters_.row(k)).transpose(); };
+  const auto away = [&](Index v) -> Eigen::Vector2d { return (rim_parameters_.row(v) - parameters_.row(k)).transpose(); };
   double sum = 0;
-  Eigen::Vector2d here = away(0);
   for (Index e = 0; e < rim_; ++e) {
-    const Eigen::Vector2d next = away(e + 1);
+    const Eigen::Vector2d here = away(e), next = away(next_[e]);
     const double r = here.norm(), s = next.norm(), across = here.x() * next.y() - here.y() * next.x();
     if (r == 0) {  // at a vertex: half of it from either edge
       std::fill_n(weights, 2 * rim_, 0.0);
-      weights[2 * e] = weights[(2 * e + 2 * rim_ - 1) % (2 * rim_)] = 0.5;
+      weights[2 * e] = weights[2 * before_[e] + 1] = 0.5;
       return;
     }
     const double below = r * s + here.dot(next);
@@ -93,7 +104,6 @@ void AttributeWeights::plane_row(Index k, Index* ends, double* weights) const {
       weights[2 * e + 1] = half_tangent / s;
       sum += weights[2 * e] + weights[2 * e + 1];
     }
-    here = next;
   }
   for (Index e = 0; e < 2 * rim_; ++e) weights[e] /= sum;
 }

@@ -23,8 +23,8 @@ public:
   /// interpolant: with S_i the segment from corner i through the point to side i, the value is the mean of the three linear
   /// interpolants on S_0, S_1, S_2 weighted by (b_j b_k)^2 (Nielson 1979).
   /// rim (r x 2) and inside (k x 2): of a plane domain. Mean value coordinates in the polygon of the rim (Floater 2003); where it is
-  /// not convex, weights may be negative.
-  AttributeWeights(const Values& rim, const Values& inside);
+  /// not convex, weights may be negative. loops: of a rim with islands how many vertices each loop has, that around the others first.
+  AttributeWeights(const Values& rim, const Values& inside, const std::vector<Index>& loops = {});
 
   Index points() const { return points_; }
   Index ends() const { return 2 * rim_; }
@@ -45,6 +45,7 @@ private:
   bool plane_ = false;
   Index rim_ = 0, points_ = 0;
   Values rim_parameters_, parameters_;
+  std::vector<Index> next_, before_;  // vertices along the loops
   std::array<Index, 3> corner_ = {0, 0, 0};
   /// Of side i the parameter along it at its rim vertices, both corners included.
   std::array<std::vector<double>, 3> along_;

@@ -81,11 +81,13 @@ class Continued:
         count, split = len(self._rim), len(self._split)
         names = ("rim_barycentric", "barycentric") if getattr(fill, "uv", None) is None else ("rim_uv", "uv")
         at_rim, inside = (getattr(fill, name, ()) for name in names)
-        whole = len(self._loop_starts) == 1 and len(at_rim) == count and len(inside) == len(fill.vertices)
+        loops = np.diff([*self._loop_starts, count]).tolist() if len(self._loop_starts) > 1 else []
+        # only in a plane domain are there islands
+        whole = len(at_rim) == count and len(inside) == len(fill.vertices) and (not loops or np.shape(at_rim)[1] == 2)
         place = {v: k for k, v in enumerate(self._rim)}
         on_edges = [(place[int(a)], float(t)) for a, _, t in self._split.values()]
         if whole and len(fill.vertices) > split:
-            blend: Blend = attribute_weights(at_rim, inside[split:])
+            blend: Blend = attribute_weights(at_rim, inside[split:], loops)
             nearest = np.asarray(blend.nearest) // 2  # type: ignore[attr-defined]
         else:
             blend, nearest = self._by_distance(vertices, fill.vertices[split:])

@@ -22,6 +22,11 @@ Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOpti
 Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
                   const std::string& reason);
 
+/// The ring between the rim and its only island; a Refusal else.
+Fill fill_ring(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason);
+/// A hole with islands: a ring where there is one island, unless the surroundings as a whole tell of another surface.
+Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
+
 /// What is told of fills in the plane of a rim that the mesh meets at an angle.
 inline const std::string flat_all_around =
     "The mesh meets the flat rim of the hole at an angle all around: the fill is flat; continuity G1 continues it all the same";
