@@ -7,7 +7,7 @@ from collections import Counter
 
 from . import versions
 from .library import charts, np
-from .selection import coordinates, pairs
+from .selection import coordinates
 
 # Layers of floats that are blended, by kind of element, and how a value is written.
 _VERTEX_LAYERS = ("float", "float_vector", "float_color", "color", "paint_mask")
@@ -54,12 +54,11 @@ def edge_layers(bm):
                 yield kind, layer, blended
 
 
-def blend_vertices(bm, rim, inside, blend, kept=()):
-    """Gives the new vertices `inside` the vertex data of the rim (vertices from corner 0 on).
+def blend_vertices(bm, ends, inside, blend, kept=()):
+    """Gives the new vertices `inside` the vertex data of the rim. ends: the vertices at both ends of each of its edges.
 
     kept: rows of those that were in the mesh before, which keep what they have; groups only where they have weights.
     """
-    ends = [v for pair in pairs(rim) for v in pair]
     layers, new = bm.verts.layers, [k for k in range(len(inside)) if k not in kept]
     for kind, name, layer in _layers(layers, _VERTEX_LAYERS):
         values = blend(np.array([read(v[layer], kind) for v in ends], dtype=np.float64)).tolist()
@@ -103,12 +102,12 @@ def rim_loops(edges, faces):
     return ends
 
 
-def ends_of_corner(place, count, owned):
+def ends_of_corner(place, before, owned):
     """The ends of rim edges, as `rim_loops` counts them, that a new face's corner at rim vertex `place` continues.
 
-    count: of rim vertices; owned: places of the rim edges that belong to the new face.
+    before: place of the vertex before; owned: places of the rim edges that belong to the new face.
     """
-    before, after = (place - 1) % count, place
+    after = place
     if before in owned and after not in owned:
         return (2 * before + 1,)
     if after in owned and before not in owned:
@@ -142,9 +141,17 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
             corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
 
 
-def shares(values, blend):
-    """charts.Shares of values of each rim edge."""
-    return charts.Shares(values, blend, np.roll(np.arange(len(values)), -1))
+def between_corners(bm, corner, ends, share):
+    """Gives a face corner the corner data between two others."""
+    corner.copy_from(ends[int(share > 0.5)])
+    for kind, _, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
+        pairs = zip(*(read(end[layer], kind) for end in ends), strict=True)
+        write(corner, layer, kind, [(1 - share) * a + share * b for a, b in pairs])
+
+
+def shares(values, blend, after):
+    """charts.Shares of values of each rim edge. after: places of the next vertices."""
+    return charts.Shares(values, blend, np.array(after))
 
 
 def uv_charts(bm, ends, blend, positions, faces):

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 
@@ -207,7 +207,7 @@ def _tangent(report):
 
 def _planned(bm, rim, world, fill, count):
     """A `Planned` fill; Refusal if its faces cannot be joined to the mesh. count: vertices that the fill counts as the mesh's."""
-    own, vertex = _ToObject(world), {v.index: v for v in rim.loop}
+    own, vertex = _ToObject(world), {v.index: v for v in rim.vertices}
     planned = writeback.Planned(
         rim,
         fill,
@@ -229,8 +229,8 @@ def _at_same_places(fill, in_key):
     """Where the vertices of a fill over a plane domain lie on the surface of the same hole in another shape, of another domain:
     at the places that have the same mean value coordinates in it."""
     first = in_key.rim.tolist().index(int(fill.rim[0]))
-    rim = np.roll(in_key.rim_uv, -first, axis=0)
-    ends = np.stack([rim, np.roll(rim, -1, axis=0)], axis=1).reshape(-1, 2)
+    rim = np.roll(in_key.rim_uv, -first, axis=0) if len(fill.loops) == 1 else in_key.rim_uv
+    ends = np.stack([rim, rim[selection.following(fill.loops)]], axis=1).reshape(-1, 2)
     return in_key.patch.evaluate(tripatch.attribute_weights(fill)(ends))
 
 
@@ -297,7 +297,8 @@ def fills(rims, arrays, options, progress=None, **arguments):
     if _is_by_side(options.arguments):
         counts = {k: _sides(corners[k], loops[k], positions, faces, replaced) for k in found}
     given = options.arguments | {"replaced": replaced, "progress": progress} | arguments
-    shared = [k for k in found if not rims[k].inside]
+    alone = [k for k in found if rims[k].inside or rims[k].islands]
+    shared = [k for k in found if k not in alone]
     own = [counts[k] for k in shared if k in counts]
     made = _shared_or_each((positions, faces), [loops[k] for k in shared], [corners[k] for k in shared], given, own)
     if options.corner_offset:
@@ -311,23 +312,25 @@ def fills(rims, arrays, options, progress=None, **arguments):
         )
     for k, fill in zip(shared, made, strict=True):
         results[k] = fill
-    for k in found:
-        if rims[k].inside:
-            results[k] = _through((positions, faces), loops[k], corners[k], rims[k].inside, given, counts.get(k))
+    for k in alone:
+        results[k] = _alone((positions, faces), rims[k], corners[k], given, counts.get(k))
     return results
 
 
-def _through(mesh, loop, corners, inside, arguments, count, points=None):
-    """A tripatch.Fill or Refusal that goes through vertices. points: where they are, if not where the mesh has them."""
+def _alone(mesh, rim, corners, arguments, count, points=None):
+    """A tripatch.Fill or Refusal that goes through vertices, or joins several boundaries. points: where the vertices are, if not
+    where the mesh has them."""
+    loop, *islands = [[v.index for v in each] for each in rim.loops]
     if count:
-        arguments = for_sides(arguments, count)
-    points = [mesh[0][v.index] for v in inside] if points is None else points
+        arguments = for_sides(arguments, 2 if len(islands) == 1 else count)
+    points = [mesh[0][v.index] for v in rim.inside] if points is None else points
+    corners = None if islands else corners
     try:
-        return waiting.make(tripatch.fill, *mesh, rim=loop, corners=corners, through=points, **arguments)
+        return waiting.make(tripatch.fill, *mesh, rim=loop, corners=corners, islands=islands, through=list(points), **arguments)
     except tripatch.Refusal as refusal:
         return refusal
-    except ValueError as reason:  # a method that meets no points
-        return tripatch.Refusal(str(reason), [v.index for v in inside])
+    except ValueError as reason:  # a method that meets no points, or joins no boundaries
+        return tripatch.Refusal(str(reason), [v.index for v in rim.inside or rim.loop])
 
 
 def _is_by_side(arguments):
@@ -442,7 +445,9 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
             moved = _moved_with_rim(plan, bm.verts.layers.shape[name])[list(guides)]
             points = moved @ world[:3, :3].T + world[:3, 3]
             own = by_method(method[k], arguments)
-            made[k] = _through(in_shape, loops[k], same[k], guides.values(), own, len(same[k] or ()) or 1, points)
+            made[k] = _alone(in_shape, replace(rims[k], inside=[*guides.values()]), same[k], own, len(same[k] or ()) or 1, points)
+        elif rims[k].islands:
+            made[k] = _alone(in_shape, rims[k], None, by_method(method[k], arguments), 1)
 
     def fill(keys, corners, given):
         found = _shared_or_each(in_shape, [loops[k] for k in keys], [corners[k] for k in keys], given) if keys else []
@@ -466,7 +471,7 @@ def _moved_with_rim(planned, layer):
     """The new vertices, moved as the rim is in a shape."""
     moved = selection.coordinates(planned.loop, layer) - selection.coordinates(planned.loop)
     blend = tripatch.attribute_weights(planned.fill)
-    ends = np.stack([moved, np.roll(moved, -1, axis=0)], axis=1).reshape(-1, 3)
+    ends = np.stack([moved, moved[selection.following(planned.fill.loops)]], axis=1).reshape(-1, 3)
     return planned.positions + blend(ends)
 
 
@@ -480,7 +485,7 @@ def _clear_of_each_other(rims):
     """The rims in groups that can be filled at once: no rim of a group has a vertex on another or on what another replaces."""
     groups = []
     for rim in rims:
-        own = set(rim.loop) | {v for f in rim.replaced for v in f.verts}
+        own = set(rim.vertices) | {v for f in rim.replaced for v in f.verts}
         for taken, group in groups:
             if not taken & own:
                 taken |= own
@@ -519,6 +524,14 @@ def _plan_group(bm, rims, matrix, options, active_shape, cages, modifier):
             made.free()
 
 
+def refusals(bm, rims, matrix, options):
+    """What would be said of rims that cannot be filled; nothing is changed."""
+    plans = [
+        plan for group in _clear_of_each_other(rims) for plan, _ in _plan_group(bm, group, matrix, options, None, False, None)
+    ]
+    return [words.refused(plan) for plan in plans if isinstance(plan, tripatch.Refusal)]
+
+
 def _gathered(bm, said):
     """Sentences on holes, each once: of several with vertices of those that it is said of. said: [(loop, sentences)]."""
     if len(said) > 1 and any(sentences for _, sentences in said):
@@ -541,7 +554,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     apart = cages or any(rim.replaced for rim in rims)
     planned, loops, said = [], [], []
     for group in _clear_of_each_other(rims) if apart else [rims]:
-        usable = [rim for rim in group if all(element.is_valid for element in (*rim.loop, *rim.replaced))]
+        usable = [rim for rim in group if all(element.is_valid for element in (*rim.vertices, *rim.replaced))]
         outcome.refused += [Refused("A fill before has replaced a part of this rim")] * (len(group) - len(usable))
         if not usable:
             continue
@@ -553,8 +566,8 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
                 said.append((rim.loop, []))
                 continue
             planned.append(plan)
-            loops.append(plan.loop)
-            outcome.rim_edges.append(len(rim.loop))
+            loops += plan.loops
+            outcome.rim_edges.append(len(rim.vertices))
             if options.arguments.get("output", "triangles") != "triangles":
                 outcome.diameters.append(diameter(rim.loop, matrix))
             outcome.reports.append(plan.fill.report)
@@ -652,6 +665,9 @@ def open_holes(bm, matrix, filters=None):
     visible = selection.all_rims(bm)
     left = [rim for rim in visible if _numbers(rim) in outer]
     every = [rim for rim in visible if rim not in left]
+    if every and len(visible) > 1:
+        every, outside = selection.join_islands(every, *mesh_arrays(bm, matrix), [rim.loop for rim in left], parts=True)
+        left = [rim for rim in left if rim.loop in outside]
     if not every:
         hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
         if hidden:

@@ -342,7 +342,10 @@ def keep(ob, rims, options, halves=(), outer=True):
     for rim in rims:
         if rim.replaced:
             refuse(rim.loop, "A live fill follows the rim of a hole; delete the selected faces first")
-    given = [(rim.loop, {"corners": [rim.loop.index(v) for v in rim.corners] or None}) for rim in rims if not rim.replaced]
+        elif rim.islands:
+            refuse(rim.loop, "A live fill follows one boundary; turn off Keep Live to join several")
+    plain = [rim for rim in rims if not (rim.replaced or rim.islands)]
+    given = [(rim.loop, {"corners": [rim.loop.index(v) for v in rim.corners] or None}) for rim in plain]
     given += [(chain, {"corners": None, "half": True, "outer": outer}) for _, chain in halves]
     for loop, how in given:
         try:

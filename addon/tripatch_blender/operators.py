@@ -18,6 +18,7 @@ from . import (
     library,
     live,
     mirrored,
+    notches,
     panel,
     properties,
     records,
@@ -25,6 +26,7 @@ from . import (
     selection,
     sentences,
     subdivision,
+    trimming,
     waiting,
     writeback,
 )
@@ -150,6 +152,14 @@ class FillSmooth(Construction, waiting.Waiting):
         description="The fill is an object of its own that follows when the mesh around it changes, until it is applied",
         default=False,
     )
+    width: FloatProperty(
+        name="Width",
+        description="Blend the sharp edges among the selected faces over this distance on both sides (default: the faces)",
+        unit="LENGTH",
+        min=0.0,
+        default=0.0,
+        options={"SKIP_SAVE"},
+    )
     deviation: BoolProperty(
         name="Deviation",
         description="Write how well each new vertex is known (one standard deviation in scene units) as the vertex attribute "
@@ -212,6 +222,7 @@ class FillSmooth(Construction, waiting.Waiting):
             self.construction_rows(row)
             row("cap", active=self.faces() != "cage")
             row("features", active=self.faces() != "cage")
+            row("width")
             row("shading")
             row("keep_live", active=self.surroundings != "limit")
             row("deviation", active=self.faces() != "cage")
@@ -333,7 +344,7 @@ class FillSmooth(Construction, waiting.Waiting):
             found = self._rims(ob, bm, filling.world_matrix(ob.name, ob.matrix_world), selected, everything)
             if not halves:
                 self._looked_at[ob.name] = bm, selected, everything, found
-            rims += found[0]
+            rims += [*found[0], *(reason.rim for reason in found[1] if reason.rim)]
         return selection.beside(bm, rims)
 
     def _fill_as_chosen(self, ob):
@@ -439,7 +450,10 @@ class FillSmooth(Construction, waiting.Waiting):
         if everything:
             rims, left = filling.open_holes(bm, matrix, self._filters())
             return rims, [], left
-        return *selection.selected_rims(bm, selected), []
+        rims, refused = selection.selected_rims(bm, selected)
+        if len(rims) > 1 and self.surroundings != "limit":
+            rims, _ = selection.join_islands(rims, *selection.Surroundings(bm, matrix).around(*rims)[:2])
+        return rims, refused, []
 
     def _fill_unshaped(self, bm, mesh, matrix, outcome, options, active, modifier):
         """Cages that would fold if they are pulled at stay as they are. Returns the new faces; the outcome takes theirs."""
@@ -500,6 +514,25 @@ class FillSmooth(Construction, waiting.Waiting):
             if not halved.reports and not halved.refused:
                 raise
             rims, refused, left = [], [], []
+        if self.width > 0:
+            rims, refused = trimming.rims(bm, matrix, selected.faces, self.width, options), []
+        notch = notches.close(bm, refused) if self._closes_notches() else None
+        if notch:
+            rims, refused = [*rims, notch.rim], []
+        try:
+            return self._fill_found(ob, bm, rims, refused, left, options, selected, halved, new_faces)
+        finally:
+            if notch:
+                notches.end(bm, notch)
+                records.find_again(bm, mesh)
+                selection.finish_edit(bm, mesh)
+
+    def _closes_notches(self):
+        """Whether a part of an open border may be filled up to new edges."""
+        return self.faces() != "cage" and self.surroundings == "mesh" and not self.keep_live
+
+    def _fill_found(self, ob, bm, rims, refused, left, options, selected, halved, new_faces):
+        mesh, matrix = ob.data, filling.world_matrix(ob.name, ob.matrix_world)
         rest = filling.Outcome(refused=[filling.Refused.because(reason, ob) for reason in refused], left_open=left)
         if options.arguments.get("surroundings") == "limit":
             outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)

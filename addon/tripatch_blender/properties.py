@@ -19,7 +19,13 @@ def words(name):
 
 
 #: Methods that are no paper's construction, by their names in a panel.
-METHODS = {"auto": "Automatic", "multi_sided": "Patch", "polyharmonic_spline": "Spline", "quad_rows": "Quad Rows"}
+METHODS = {
+    "auto": "Automatic",
+    "multi_sided": "Patch",
+    "polyharmonic_spline": "Spline",
+    "quad_rows": "Quad Rows",
+    "annulus": "Ring",
+}
 
 
 def method_label(name):

@@ -58,6 +58,17 @@ def keep(bm, mesh, planned, new_faces, record):
     mesh[_RECORDS] = json.dumps(known)
 
 
+def find_again(bm, mesh):
+    """After faces that were no fill's are gone: the others have other numbers."""
+    layer = bm.faces.layers.int.get(FILL)
+    if layer is None or mesh.name not in _made:
+        return
+    first: dict[int, int] = {}
+    for face in bm.faces:
+        first.setdefault(face[layer], face.index)
+    _made[mesh.name] = {number: first.get(number, len(bm.faces)) for number in _made[mesh.name]}
+
+
 def of_arguments(arguments):
     """A record of arguments of tripatch.fill, as properties of the operator."""
     found = {}

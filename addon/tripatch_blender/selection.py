@@ -56,11 +56,26 @@ class Rim:
     round: bool = False  # it is to have no corners
     inside: list = field(default_factory=list)  # BMVert without faces that the fill goes through
     fill: int = 0  # the number of the earlier fill that is replaced, which says nothing of the surface
+    islands: list = field(default_factory=list)  # further loops, of boundaries that one surface joins to the first
+
+    @property
+    def loops(self):
+        return [self.loop, *self.islands]
+
+    @property
+    def vertices(self):
+        return [v for loop in self.loops for v in loop]
 
 
 def pairs(loop):
     """Each element of a closed list with the next."""
     return zip(loop, loop[1:] + loop[:1], strict=True)
+
+
+def following(counts):
+    """Of the elements of several closed lists, one after the other, the places of the next ones. counts: their lengths."""
+    starts = [sum(counts[:k]) for k in range(len(counts))]
+    return [first + (k + 1) % count for first, count in zip(starts, counts, strict=True) for k in range(count)]
 
 
 def edges_of(bm, loop):
@@ -70,7 +85,7 @@ def edges_of(bm, loop):
 
 def beside(bm, rims):
     """Counter of the numbers of corners of the faces that rims run along, but those that are replaced: one for each edge."""
-    edges = [(edge, rim) for rim in rims for edge in edges_of(bm, rim.loop) if edge]
+    edges = [(edge, rim) for rim in rims for loop in rim.loops for edge in edges_of(bm, loop) if edge]
     return Counter(len(face.verts) for edge, rim in edges for face in edge.link_faces if face not in rim.replaced)
 
 
@@ -149,7 +164,7 @@ def _regions(faces):
 
 def _region_to_replace(region, holes, by_faces):
     """The rim of a region that is to be replaced, or None for one that only lies around selected holes."""
-    held = {v for hole in holes for v in hole.loop}
+    held = {v for hole in holes for v in hole.vertices}
     border = [e for f in region for e in f.edges if e.is_boundary]
     if border and all(v in held for e in border for v in e.verts):
         return None
@@ -160,28 +175,64 @@ def _region_to_replace(region, holes, by_faces):
     if border:
         vertices = [v for e in border for v in e.verts]
         raise UnusableError(f"The selected faces {place} reach the border of the mesh without going round a hole", vertices)
-    loops = _loops(region)
-    if len(loops) != 1:
-        count = "no border" if not loops else f"{len(loops)} borders"
-        vertices = [v for loop in loops for v in loop] or [v for f in region for v in f.verts]
-        raise UnusableError(f"The selected faces {place} have {count}; a region to be replaced has one", vertices)
-    return Rim(loops[0][::-1], replaced=set(region))
+    loops = [loop[::-1] for loop in _loops(region)]
+    vertices = [v for loop in loops for v in loop]
+    if not loops or len(vertices) > len(set(vertices)):
+        said = "no border" if not loops else "borders that touch each other"
+        raise UnusableError(f"The selected faces {place} have {said}", vertices or [v for f in region for v in f.verts])
+    loop, *islands = sorted(loops, key=_extent, reverse=True)
+    return Rim(loop, replaced=set(region), islands=islands)
+
+
+def rims_of_faces(faces):
+    """The rims of regions that are to be replaced."""
+    return [_region_to_replace(region, [], True) for region in _regions(by_index(faces))]
+
+
+def _extent(loop):
+    return np.ptp(coordinates(loop), axis=0).max()
+
+
+def join_islands(rims, positions, faces, others=(), parts=False):
+    """Rims, of which those that lie in another one belong to it: one surface joins them. Indices must be up to date.
+
+    positions, faces: of the mesh around them; others: loops of outer borders that may belong to a rim too; parts: only borders of
+    different parts of the mesh do. Returns the rims, and the others that are left.
+    """
+    plain = [rim for rim in rims if not (rim.corners or rim.replaced or rim.round)]
+    loops = [*(rim.loop for rim in plain), *others]
+    if len(loops) < 2 or not plain:
+        return rims, list(others)
+    inside = tripatch.borders.islands_of(positions, faces, [[v.index for v in loop] for loop in loops], parts)
+    joined, gone = {}, set()
+    for k, held in enumerate(inside):
+        if not held:
+            continue
+        outer, *islands = [loops[k], *(loops[i] for i in held)]
+        rim = next((rim for rim in plain if rim.loop in (outer, *islands)), None)
+        if rim is None:
+            continue
+        gone.update(i for i in (k, *held))
+        joined[id(rim)] = Rim(outer, first=rim.first, inside=[v for i in (k, *held) if i < len(plain) for v in plain[i].inside])
+        joined[id(rim)].islands = islands
+    away = {id(plain[i]) for i in gone if i < len(plain)} - set(joined)
+    left = [loop for i, loop in enumerate(others, len(plain)) if i not in gone]
+    return [joined.get(id(rim), rim) for rim in rims if id(rim) not in away], left
 
 
 def rim_of_fill(faces, number, corners):
     """The rim of an earlier fill, which is to be replaced. corners: the places of those that a person gave it."""
-    loops, region = _loops(faces), set(faces)
-    if len(loops) != 1:
-        raise UnusableError(
-            f"This fill has {len(loops)} boundaries; delete its faces and fill again", [v for f in faces for v in f.verts]
-        )
-    loop = loops[0][::-1]
+    loops, region = [loop[::-1] for loop in _loops(faces)], set(faces)
+    if not loops:
+        raise UnusableError("This fill has no boundary; delete its faces and fill again", [v for f in faces for v in f.verts])
+    loop, *islands = sorted(loops, key=_extent, reverse=True)
     if any(len(e.link_faces) != 2 for f in faces for e in f.edges):
         raise UnusableError("Faces around this fill are gone or were added; delete its faces and fill again", loop)
     within = SAME_PLACE * np.ptp(coordinates(loop), axis=0).max()
     nearest = [min(loop, key=lambda v, at=at: (v.co - Vector(at)).length) for at in corners]
     kept = [v for v, at in zip(nearest, corners, strict=True) if (v.co - Vector(at)).length <= within]
-    return Rim(loop, corners=kept if len(kept) == len(corners) else [], replaced=region, fill=number)
+    given = kept if len(kept) == len(corners) else []
+    return Rim(loop, corners=given, replaced=region, fill=number, islands=islands)
 
 
 def _no_hole(edges, vertices):
@@ -390,7 +441,7 @@ class Surroundings:
 
     def around(self, *rims):
         """(positions (n, 3), faces as index lists, indices of the replaced ones) for the faces around rims."""
-        front = [v for rim in rims for v in rim.loop]
+        front = [v for rim in rims for v in rim.vertices]
         seen, faces = set(front), set()
         filled = set().union(*(rim.replaced for rim in rims if rim.fill))
         for _ in range(RINGS):

@@ -195,7 +195,7 @@ def write(planned):
         if custom is not None:
             beside = _neighbor_normals(custom, gone, start, end, edge, planned.normals, weights.edge)
         made = _cut(edge, start, end, points[first - len(old) : first - len(old) + cuts])
-        attributes.blend_vertices(bm, [start, end], made, lambda values: weights.edge @ values[::2])
+        attributes.blend_vertices(bm, [start, end], made, lambda values: weights.edge @ values)
         vertices += made
         for k, vertex in enumerate(made if beside else []):
             for corner in vertex.link_loops:
@@ -206,7 +206,7 @@ def write(planned):
         first = len(vertices) - len(old)
         # A vertex made without an example would pass for the first of the mesh in shape keys.
         made = [bm.verts.new(co, old[corners[0]]) for co in points[first : first + len(weights.inside)]]
-        attributes.blend_vertices(bm, [old[v] for v in corners], made, lambda values: weights.inside @ values[::2])
+        attributes.blend_vertices(bm, [old[v] for v in corners], made, lambda values: weights.inside @ values)
         vertices += made
     for name, layer in bm.verts.layers.shape.items():
         for vertex, co in zip(vertices[len(old) :], planned.in_shape_keys.get(name, planned.positions).tolist(), strict=True):

@@ -10,7 +10,7 @@ import bmesh
 
 from . import attributes, features, normals, records, subdivision, versions, waiting
 from .library import index_lists, np, tripatch
-from .selection import SAME_PLACE, Rim, coordinates, edges_of, pairs
+from .selection import SAME_PLACE, Rim, coordinates, following, pairs
 
 # Cosine of 0.5 degrees; Blender parts a fan of face corners by a sharp edge from 0.8 degrees on.
 SAME_NORMAL = 0.99996
@@ -33,17 +33,23 @@ class Planned:
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
     moved_in_shape_keys: dict = field(default_factory=dict)  # name: (as many as `moved`, 3)
 
+    @property
+    def loops(self):
+        """The vertices of each boundary."""
+        return [self.loop[end - count : end] for count, end in zip(self.fill.loops, np.cumsum(self.fill.loops), strict=True)]
+
 
 def has_lid(fill):
     """Whether a fill meets the mesh at sharp edges of the rim."""
-    rim = {frozenset(pair) for pair in pairs(fill.rim.tolist())}
+    rim = fill.rim.tolist()
+    rim = {frozenset((v, rim[k])) for v, k in zip(rim, following(fill.loops), strict=True)}
     return any(frozenset(edge) in rim for edge in fill.feature_edges.tolist())
 
 
 def obstacle(bm, planned):
     """A sentence if the new faces cannot be joined to the mesh without damage to it."""
     rim = {v.index: v for v in planned.loop}
-    edges, count = {frozenset((a.index, b.index)) for a, b in pairs(planned.loop)}, planned.count
+    edges, count = {frozenset((a.index, b.index)) for loop in planned.loops for a, b in pairs(loop)}, planned.count
     for face in index_lists(planned.fill.faces):
         if sorted(face)[1] >= count:  # most: at the rim is one of its vertices, or none
             continue
@@ -100,6 +106,11 @@ class _Rows:
     parameters: np.ndarray  # (r, 3) barycentric, or (r, 2) in a plane domain
     normals: np.ndarray
     split: int = 0  # so many of the fill's vertices are on the rim
+    counts: list = field(default_factory=list)  # of the vertices of each loop
+
+    @property
+    def next(self):
+        return following(self.counts)
 
 
 def parameters(fill):
@@ -111,7 +122,7 @@ def _split_edges(bm, planned, custom):
     """Splits the rim edges that the fill asks for. custom: as in `_write_one`."""
     fill = planned.fill
     at_rim, inside = parameters(fill)
-    rows = _Rows(list(planned.loop), fill.rim.tolist(), at_rim, planned.rim_normals)
+    rows = _Rows(list(planned.loop), fill.rim.tolist(), at_rim, planned.rim_normals, counts=list(fill.loops))
     for k, ((a, b), t) in enumerate(zip(fill.split_edges[0].tolist(), fill.split_edges[1].tolist(), strict=True)):
         place = rows.numbers.index(a)
         start, end = rows.loop[place], rows.loop[rows.numbers.index(b)]
@@ -127,6 +138,7 @@ def _split_edges(bm, planned, custom):
         rows.parameters = np.insert(rows.parameters, place + 1, inside[k], axis=0)
         rows.normals = np.insert(rows.normals, place + 1, planned.normals[k], axis=0)
         rows.split += 1
+        rows.counts[0] += 1  # with islands no edge is split
     return rows
 
 
@@ -156,39 +168,41 @@ def _write_one(bm, planned, shading, custom):
     rows = _split_edges(bm, planned, custom)
     loop = rows.loop
     positions, own_normals, at_inside = (a[rows.split :] for a in (planned.positions, planned.normals, parameters(fill)[1]))
-    edges = edges_of(bm, loop)
+    after = rows.next
+    before = [after.index(k) for k in range(len(loop))]
+    edges = [bm.edges.get((v, loop[k])) for v, k in zip(loop, after, strict=True)]
     around = attributes.rim_faces(edges, rim.replaced)
     with_corners = custom is not None or attributes.has_corner_data(bm)
     ends = attributes.rim_loops(edges, around) if with_corners else []
     on_side = {k: i for i, places in enumerate(sides(rows.numbers, fill.report.corners)) for k in places}
-    blend = tripatch.attribute_weights(rows.parameters, at_inside)
-    looks = attributes.shares([(face.material_index, face.smooth) for face in around], blend)
+    blend = tripatch.attribute_weights(rows.parameters, at_inside, rows.counts if len(rows.counts) > 1 else ())
+    looks = attributes.shares([(face.material_index, face.smooth) for face in around], blend, after)
     first_inside = planned.count + rows.split
     place = {v: k for k, v in enumerate([*rows.numbers, *range(first_inside, first_inside + len(positions))])}
     faces = [[place[v] for v in face] for face in index_lists(fill.faces)]
     everywhere = np.vstack([coordinates(loop), positions])
-    charts = attributes.uv_charts(bm, ends, blend, everywhere, faces) if ends else {}
+    charts = attributes.uv_charts(bm, ends, blend, everywhere, faces) if ends and len(rows.counts) == 1 else {}
 
     nearest = blend.nearest.tolist()
     nearest_edge = [end // 2 for end in nearest]
     models = _models(faces, around, looks, nearest_edge)
     if rim.replaced:
         bmesh.ops.delete(bm, geom=list(rim.replaced), context="FACES")
-    ends_at = [loop[(k + 1) // 2 % len(loop)] for k in range(2 * len(loop))]
+    ends_at = [v for pair in zip(loop, (loop[k] for k in after), strict=True) for v in pair]
     guides = {row - rows.split: v for row, v in guides_of(planned).items()}
     # A vertex made from an example has no place in any shape key yet; one made without would pass for the first of the mesh.
     inside = [
         guides.get(k) or bm.verts.new(co, ends_at[near])
         for k, (co, near) in enumerate(zip(positions.tolist(), nearest, strict=True))
     ]
-    attributes.blend_vertices(bm, loop, inside, blend, guides)
+    attributes.blend_vertices(bm, ends_at, inside, blend, guides)
     for name, layer in bm.verts.layers.shape.items():
         shape = planned.in_shape_keys.get(name, planned.positions)[rows.split :]
         for vertex, co in zip(inside, shape.tolist(), strict=True):
             vertex[layer] = co
 
     everyone = [*loop, *inside]
-    place_of_edge = {frozenset(pair): k for k, pair in enumerate(pairs(list(range(len(loop)))))}
+    place_of_edge = {frozenset(pair): pair[0] for pair in enumerate(after)}
     new_faces, corners = [], []
     for at, model in zip(faces, models, strict=True):
         made = bm.faces.new([everyone[k] for k in at], model)
@@ -204,14 +218,15 @@ def _write_one(bm, planned, shading, custom):
             continue
         own = {place_of_edge.get(frozenset(pair)) for pair in pairs(at)}
         for corner, k in zip(made.loops, at, strict=True):
-            continued = attributes.ends_of_corner(k, len(loop), own) if k < len(loop) else ()
+            continued = attributes.ends_of_corner(k, before[k], own) if k < len(loop) else ()
             corners.append((corner, k - len(loop), continued))
     attributes.blend_corners(bm, ends, corners, blend, nearest, charts)
     if with_corners:
         _continue_seams(bm, new_faces, loop)
     if custom is not None:
         tangent = [planned.tangent[on_side[k]] if planned.tangent else True for k in range(len(loop))]
-        _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=rows.normals), tangent, custom, ends, corners)
+        at_rim = rows.normals[[place for pair in enumerate(after) for place in pair]]
+        _give_normals(replace(planned, loop=loop, normals=own_normals, rim_normals=at_rim), tangent, custom, ends, corners)
     _take_up_edges(bm, guides.values(), loop)
     _change_rim(bm, planned, {v: everyone[k] for v, k in place.items()})
     if len(fill.feature_edges):
@@ -238,16 +253,16 @@ def _change_rim(bm, planned, vertex):
 
 
 def _give_normals(planned, tangent, custom, ends, corners):
-    """Adds the normals of the new face corners to `custom`: the exact ones of the fill. Where fill and surroundings are tangent
-    (tangent: by rim edge), a seam has the normal that the surroundings have there, which Blender keeps for both while no sharp
-    edge parts them."""
+    """Adds the normals of the new face corners to `custom`, the exact ones of the fill; `rim_normals`: at the ends of rim edges.
+    Where fill and surroundings are tangent (tangent: by rim edge), a seam has the normal that the surroundings have there, which
+    Blender keeps for both while no sharp edge parts them."""
     for corner, number, continued in corners:
         if not continued:
             custom[corner] = planned.normals[number]
             continue
         around = [custom[ends[end]] for end in continued]
         agree = all(normal @ around[0] > SAME_NORMAL for normal in around) and all(tangent[end // 2] for end in continued)
-        exact = planned.rim_normals[(continued[-1] + 1) // 2 % len(planned.loop)]
+        exact = planned.rim_normals[continued[-1]]
         custom[corner] = around[0] if agree else exact
 
 

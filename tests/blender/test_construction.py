@@ -29,7 +29,12 @@ CONTROLS = {
     ),
 }
 VALUES |= CONTROLS
-CASES = [(method, name) for method, about in tripatch.METHODS.items() if method != "quad_rows" for name in about.options] + [
+CASES = [
+    (method, name)
+    for method, about in tripatch.METHODS.items()
+    if method not in ("quad_rows", "annulus")
+    for name in about.options
+] + [
     ("szilvasi_nagy_c0", "optimal"),
     ("szilvasi_nagy_c1", "optimal"),
     *(("side_vertex", name) for name in CONTROLS),
