@@ -21,7 +21,8 @@ BETWEEN_LOOKS = 0.15
 #: Rows of the status bar, in which the text of a report is blended in and out for ten seconds.
 STATUS_BAR = 24
 
-_KEYS = {" ": "SPACE", "0": "ZERO", "5": "FIVE", ".": "PERIOD"}
+_DIGITS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
+_KEYS = {" ": "SPACE", ".": "PERIOD"} | {str(k): name for k, name in enumerate(_DIGITS)}
 
 
 def screen():

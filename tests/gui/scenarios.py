@@ -526,7 +526,7 @@ def smooth_fill_node(w):
     start.location, end.location = (-250, 0), (250, 0)
     tree.links.new(start.outputs[0], end.inputs[0])
     ob.modifiers.new("Fill", "NODES").node_group = tree
-    area = w.window.screen.areas[-1]
+    area = next(a for a in w.window.screen.areas if a.type == "PROPERTIES")
     was, area.type = area.ui_type, "NODE_EDITOR"
     area.ui_type = "GeometryNodeTree"
     area.spaces.active.node_tree = tree
@@ -1020,6 +1020,44 @@ def switched_off(w):
         assert keys() == before, keys()
 
 
+def moving_picture(w):
+    """The pictures of which scripts/moving_picture makes the animation of the README: a hole is filled by the menu, and its Bulge
+    is changed. The file `frames` has their names, where the mouse is, and for how many hundredths of a second each is shown."""
+    rounded_corner(w)
+    frames = []
+
+    def frame(name, at, shown=25):
+        yield from w.picture(name)
+        frames.append((f"{name}.png", *map(round, at), shown))
+
+    rest = 760, 330
+    w.move(*rest)
+    yield from frame("frame-hole", rest, 130)
+    header = w.region("HEADER")
+    face = FACE_MENU[0], header.y + header.height - FACE_MENU[1]
+    yield from w.click_at(*face)
+    entry = 590, 295
+    w.move(*entry)
+    yield
+    yield from frame("frame-menu", entry, 150)
+    yield from w.click_at(*entry)
+    yield from _open_panel(w)
+    hud = w.region("HUD")
+    bulge = hud.x + 0.69 * hud.width, hud.y + hud.height - 112
+    yield from frame("frame-filled", entry, 130)
+    values = ("1.3", "1.6", "2", "2.5", "1.6", "1", "0.5", "0.1", "0.5", "1")
+    for k, value in enumerate(values):
+        yield from w.click_at(*bulge)
+        w.text(value)
+        w.press("RET")
+        yield
+        assert abs(last_operator().bulge - float(value)) < 1e-6, (last_operator().bulge, value)
+        yield from frame(f"frame-bulge-{k}", bulge, 80 if value in ("2.5", "0.1", "1") else 22)
+    (FOLDER / "frames").write_text("\n".join(" ".join(map(str, each)) for each in frames) + "\n")
+
+
+#: Made by name only.
+PICTURES = [moving_picture]
 ALL = [
     face_menu,
     filters,  # before others unfold more of the panel

@@ -37,7 +37,7 @@ def enable_addon():
 
 def chosen():
     names = sys.argv[sys.argv.index(str(FOLDER)) + 1 :] if str(FOLDER) in sys.argv else []
-    return [s for s in scenarios.ALL if not names or s.__name__ in names]
+    return [s for s in scenarios.ALL + scenarios.PICTURES if s.__name__ in names] or scenarios.ALL
 
 
 class Run:
