@@ -171,6 +171,61 @@ class Lines:
         return first
 
 
+class EditedLines(Lines):
+    """Lines that may be changed one by one."""
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__(data)
+        self._edited: dict[int, bytes] = {}
+
+    def __getitem__(self, k: int) -> bytes:
+        return self._edited.get(int(k)) or self.text(k)
+
+    def __setitem__(self, k: int, line: bytes) -> None:
+        self._edited[int(k)] = line
+
+    def between(self, first: int, end: int) -> bytes:
+        """Lines as they are by now, one after another."""
+        pieces, at = [], first
+        for k in [*sorted(k for k in self._edited if first <= k < end), end]:
+            pieces += [self.data[self.starts[at] : self.starts[k]], self._edited[k] if k < end else b""]
+            at = k + 1
+        return b"".join(pieces)
+
+    def filled(self) -> Array:
+        """The lines that hold a word."""
+        first, _, _ = self.heads()
+        held = ~SPACE[first]
+        for k in np.flatnonzero(~held).tolist():
+            held[k] = bool(self.text(k).strip())
+        return np.flatnonzero(held)
+
+    def _last_letters(self, chosen: Array) -> Array:
+        """Of lines the byte where their last word ends."""
+        at, starts = self.starts[chosen + 1] - 1, self.starts[chosen]
+        while (blank := SPACE[self._bytes[at]] & (at > starts)).any():
+            at = at - blank
+        return np.asarray(at)
+
+    def with_word(self, chosen: Array, word: bytes) -> bytes:
+        """The text with one more word at the end of some lines."""
+        added, at = np.frombuffer(b" " + word, np.uint8), self._last_letters(chosen)
+        return np.insert(self._bytes, np.repeat(at + 1, len(added)), np.tile(added, len(at))).tobytes()
+
+    def without_words(self, first: int, end: int, chosen: Array) -> bytes:
+        """Lines without the last word of some of them, and the space before it."""
+        last, starts = self._last_letters(chosen), self.starts[chosen]
+        at = last
+        while (inside := ~SPACE[self._bytes[at]] & (at > starts)).any():
+            at = at - inside
+        gone = np.zeros(len(self.data) + 1, np.int8)
+        gone[at] = 1
+        gone[last + 1] -= 1
+        part = slice(self.starts[first], self.starts[end])
+        kept: Array = self._bytes[part][np.cumsum(gone, dtype=np.int8)[part] == 0]
+        return kept.tobytes()
+
+
 def _chosen(text: bytes, starts: Array, lengths: Array, mine: Array) -> bytes:
     places = np.flatnonzero(mine)
     cuts = np.flatnonzero(np.diff(places) != 1)

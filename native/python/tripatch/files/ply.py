@@ -16,6 +16,7 @@ import numpy as np
 from .._types import Array
 from . import evidence, writing
 from .continued import Continued
+from .lines import EditedLines, rows_of
 from .mesh_file import DEVIATION, NOT_KNOWN, MeshFile
 from .writing import FileError
 
@@ -50,11 +51,12 @@ class _PlyElement:
         self.count_at = (0, 0)  # bytes of the header that say it
         self.head_end = 0  # byte of the header where its last line ends
         self.properties: list[tuple[str, str, str | None]] = []  # name, type, type of the count of a list
-        self.starts: Sequence[int] = ()  # of every row and of the end: bytes, or lines of a text
+        self.starts: Any = ()  # of every row and of the end: bytes, or lines of a text
         self.block: Array | None = None  # all rows, where they are alike
         self.list_sizes = np.zeros((0, 0), np.int64)  # else of each row how long its lists are
         self.new: list[bytes] = []
         self.added = 0  # rows in `new`
+        self.plain = False  # whether every line of a text holds its row and nothing else
 
     def lists(self) -> list[int]:
         """The properties that are lists."""
@@ -169,7 +171,9 @@ class PlyFile(MeshFile):
             else:
                 rows = np.concatenate([even, np.zeros((len(even), 4), np.uint8)], axis=1).tobytes()
             return head + data[self._body : element.starts[0]] + rows + data[element.starts[-1] :]
-        lines = list(self._lines)
+        if element.plain:
+            return head + self._lines.with_word(np.asarray(element.starts[:-1]), b"0")
+        lines = [self._lines[k] for k in range(len(self._lines))]
         for k in range(element.count):
             at = element.starts[k]
             end = self._last_word(element, k).end()
@@ -259,6 +263,10 @@ class PlyFile(MeshFile):
             if even is not None:
                 body += [self._bytes(at, element.starts[0]), even[: max(kept, 0), : -4 if name else None].tobytes()]
                 at, kept = end, 0
+            if name and element.plain and kept > 0:
+                last = int(element.starts[kept])
+                body.append(self._lines.without_words(at, last, np.asarray(element.starts[:kept])))
+                at, kept = last, 0
             for k in range(max(kept, 0)):
                 first, after = element.starts[k], element.starts[k + 1]
                 body.append(self._bytes(at, first))
@@ -270,7 +278,7 @@ class PlyFile(MeshFile):
 
     def _bytes(self, first: int, end: int) -> bytes:
         """From one place of rows to another."""
-        return bytes(self._data[first:end]) if self._order else b"".join(self._lines[first:end])
+        return bytes(self._data[first:end]) if self._order else self._lines.between(first, end)
 
     def _shortened(self, element: _PlyElement, k: int) -> bytes:
         """A row without its last number, of four bytes."""
@@ -278,18 +286,18 @@ class PlyFile(MeshFile):
         if self._order:
             return bytes(self._data[first : after - 4])
         word, text = self._last_word(element, k), self._lines[first]
-        return text[: word.start() - 1] + text[word.end() :] + b"".join(self._lines[first + 1 : after])
+        return text[: word.start() - 1] + text[word.end() :] + self._lines.between(first + 1, after)
 
     # Both readers set where the rows of all elements start, and return vertices (n, 3), the number of corners of each face, or
     # one for all, and the corners.
 
     def _read_text(self) -> Any:
-        self._lines = writing.lines(bytes(self._data[self._body :]))
+        self._lines = EditedLines(bytes(self._data[self._body :]))
         try:
             return self._text_columns()
         except (FileError, ValueError, IndexError) as error:
             try:
-                self._lines = self._a_line_for_each_row()
+                self._lines = EditedLines(b"".join(self._a_line_for_each_row()))
             except (ValueError, IndexError):
                 raise error from None
             return self._text_columns()
@@ -308,26 +316,61 @@ class PlyFile(MeshFile):
         return lines
 
     def _text_columns(self) -> Any:
-        filled = [k for k, line in enumerate(self._lines) if line.strip()]
-        vertices, faces = np.zeros((0, 3)), []
-        first = 0
+        filled = self._lines.filled()
+        vertices, faces, first = np.zeros((0, 3)), (np.zeros(0, np.int64), np.zeros(0, np.int64)), 0
         for element in self._elements:
             places = filled[first : first + element.count]
             if len(places) < element.count:
                 raise ValueError
-            element.starts = [*places, places[-1] + 1 if places else 0]
+            element.starts = np.append(places, places[-1] + 1 if len(places) else 0)
             first += element.count
             if element is self._vertex:
-                if any(p[2] for p in element.properties):
-                    table: Any = [[self._text_row(element, k)[c] for c in self._xyz] for k in range(element.count)]
-                else:
-                    text = [self._lines[k].decode() for k in places]
-                    table = np.loadtxt(text, usecols=self._xyz, ndmin=2, comments=None) if text else []
-                vertices = np.array(table, float).reshape(-1, 3)
+                vertices = self._text_vertices(places)
             elif element is self._face:
-                faces = [self._text_row(element, k)[self._index] for k in range(element.count)]
-        sizes = np.fromiter(map(len, faces), np.int64, len(faces))
-        return vertices, sizes, np.fromiter(itertools.chain.from_iterable(faces), np.int64, int(sizes.sum()))
+                faces = self._text_faces(places)
+        return vertices, *faces
+
+    def _text_vertices(self, places: Array) -> Array:
+        vertex = self._vertex
+        made, left, widths = np.empty((len(places), 3)), np.ones(len(places), bool), set[int]()
+        for chosen, numbers, _ in [] if vertex.lists() else self._lines.table(places, b""):
+            if numbers.shape[1] > max(self._xyz):
+                at = np.searchsorted(places, chosen)
+                made[at], left[at] = numbers[:, self._xyz, 0], False
+                widths.add(numbers.shape[1])
+        for k in np.flatnonzero(left).tolist():
+            if vertex.lists():
+                row = self._text_row(vertex, k)
+                made[k] = [row[c] for c in self._xyz]
+            else:
+                words = self._lines[places[k]].split()
+                made[k] = [float(words[c]) for c in self._xyz]
+        vertex.plain = not left.any() and widths == {len(vertex.properties)}
+        return made
+
+    def _text_faces(self, places: Array) -> Any:
+        """The number of corners of each, or of all, and the corners."""
+        face, k, count = self._face, self._index, len(self._face.properties)
+        sizes, left, found = np.zeros(len(places), np.int64), np.ones(len(places), bool), []
+        face.plain = True
+        for chosen, table, _ in self._lines.table(places, b"") if len(face.lists()) == 1 else []:
+            numbers = table[:, :, 0]
+            at = np.searchsorted(places, chosen)
+            for size in np.unique(numbers[:, k]).tolist() if numbers.shape[1] > k else []:
+                mine = numbers[:, k] == size
+                corners = numbers[mine, k + 1 : k + 1 + int(max(size, 0))]
+                whole = (corners == np.floor(corners)) & (np.abs(corners) < 2**53)
+                if size == corners.shape[1] and numbers.shape[1] >= count + size and whole.all():
+                    found.append((at[mine], corners.astype(np.int64)))
+                    sizes[at[mine]], left[at[mine]] = size, False
+                    face.plain &= numbers.shape[1] == count + size
+        for f in np.flatnonzero(left).tolist():
+            own = self._text_row(face, f)[k]
+            found.append((np.array([f]), np.array([own], np.int64).reshape(1, -1)))
+            sizes[f] = len(own)
+            face.plain = False
+        size, corners = rows_of(sizes, found)
+        return (size if isinstance(size, int) else sizes), corners
 
     def _text_row(self, element: _PlyElement, k: int) -> list[Any]:
         line = self._lines[element.starts[k]]
@@ -589,14 +632,14 @@ class PlyFile(MeshFile):
                 first, after = (
                     (end, end) if k is None else (x - (self._body if self._order else 0) for x in element.starts[k : k + 2])
                 )
-                pieces.append(body[at:first] if self._order else b"".join(self._lines[at:first]))
+                pieces.append(body[at:first] if self._order else self._lines.between(at, first))
                 pieces += [] if k is None else [self._encode(element, rows[k])]
                 at = after
             last = next((piece for piece in reversed(pieces) if piece), b"\n")
             if element.new and not self._order and not last.endswith((b"\n", b"\r")):
                 pieces.append(self._eol)
             pieces += element.new
-        pieces.append(body[at:] if self._order else b"".join(self._lines[at:]))
+        pieces.append(body[at:] if self._order else self._lines.between(at, len(self._lines)))
         with path.open("wb") as out:
             out.write(head)
             out.writelines(pieces)
