@@ -345,21 +345,21 @@ private:
   bool was_seen_ = false;  ///< and does harm
 };
 
-using Tried = std::unique_ptr<TriedCages>;
+using TriedOnes = std::unique_ptr<TriedCages>;
 
-Tried try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
-                OnMeshWhere on_mesh = OnMeshWhere::run_off);
+TriedOnes try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
+                    OnMeshWhere on_mesh = OnMeshWhere::run_off);
 
 /// A vertex on an edge of an odd rim leaves the face beside it an n-gon, whose limit goes no way along a strip as that of its neighbors
 /// does: beside long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
-Tried with_triangle_if_that_folds_less(const Ground& ground, Tried tried, SeenWays* seen) {
+TriedOnes with_triangle_if_that_folds_less(const Ground& ground, TriedOnes tried, SeenWays* seen) {
   const std::vector<SidedRim>& holes = tried->holes();
   if (tried->options().odd != Odd::split || holes[0].rim.size() % 2 == 0) return tried;
   const Harm before = tried->harm_and_folds();
   if (before == Harm(false, 0) || !may_fold_by_splitting(ground, holes[0])) return tried;
   FillOptions triangle = tried->options();
   triangle.odd = Odd::triangle;
-  Tried other = try_cages(ground, holes, triangle, seen);
+  TriedOnes other = try_cages(ground, holes, triangle, seen);
   if (other->harm_and_folds() >= before) return tried;
   other->warn("The rim is odd, and with an edge of it split the fill would " +
               std::string(before.first ? "cross itself" : "fold") + ": it has a triangle instead");
@@ -367,19 +367,19 @@ Tried with_triangle_if_that_folds_less(const Ground& ground, Tried tried, SeenWa
 }
 
 /// Rows that a tolerance has asked for may turn quads over where there is no room for them.
-Tried without_rows_if_that_folds_less(const Ground& ground, Tried tried, FillOptions options, SeenWays* seen) {
+TriedOnes without_rows_if_that_folds_less(const Ground& ground, TriedOnes tried, FillOptions options, SeenWays* seen) {
   if (options.resolution || tried->rows() == 0 || tried->is_harmless()) return tried;
   options.resolution = 0;
-  Tried other = try_cages(ground, tried->holes(), options, seen);
+  TriedOnes other = try_cages(ground, tried->holes(), options, seen);
   if (other->harm() >= tried->harm()) return tried;
   other->warn(crossing_rows);
   return other;
 }
 
 /// Of a hole that is alone other ways are tried where one does harm.
-Tried try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
-                OnMeshWhere on_mesh) {
-  Tried tried = std::make_unique<TriedCages>(ground, holes, options, on_mesh, seen);
+TriedOnes try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
+                    OnMeshWhere on_mesh) {
+  TriedOnes tried = std::make_unique<TriedCages>(ground, holes, options, on_mesh, seen);
   if (holes.size() != 1 || on_mesh == OnMeshWhere::everywhere || on_mesh == OnMeshWhere::untangled) return tried;
   const bool placed = tried->is_placed(), has_other_place = tried->has_other_place(), of_many = tried->is_one_of_many();
   if (on_mesh != OnMeshWhere::nowhere) tried = with_triangle_if_that_folds_less(ground, std::move(tried), seen);
@@ -388,7 +388,7 @@ Tried try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const 
   // its vertices elsewhere, where the mesh around would go on or as the fairest one's
   const bool too_many = of_many && tried->faces().vertices.rows() > most_fair;
   const OnMeshWhere elsewhere = too_many ? OnMeshWhere::untangled : placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere;
-  Tried other = try_cages(ground, holes, options, seen, elsewhere);
+  TriedOnes other = try_cages(ground, holes, options, seen, elsewhere);
   return other->harm() < tried->harm() ? std::move(other) : std::move(tried);
 }
 
@@ -464,7 +464,7 @@ std::optional<Fill> harmless_without_corners(const Ground& ground, const SidedRi
   for (const bool by_angle : {false, true}) {
     if (!guess || (hole.guessed && !by_angle)) continue;
     guess->by_angle = by_angle;
-    const Tried other = try_cages(ground, {*guess}, options, &seen);
+    const TriedOnes other = try_cages(ground, {*guess}, options, &seen);
     if (!other->is_harmless()) continue;
     Fill fill = std::move(other->fills()[0]);
     if (is_finite(fill)) return fill;
@@ -495,7 +495,7 @@ std::vector<Fill> with_these_rows(const Ground& ground, const std::vector<SidedR
   const SidedRim& first = holes[0];
   const bool alone = holes.size() == 1;
   SeenWays seen;
-  const Tried tried = try_cages(ground, holes, options, alone && first.guessed ? &seen : nullptr);
+  const TriedOnes tried = try_cages(ground, holes, options, alone && first.guessed ? &seen : nullptr);
   if (alone && !first.given && !tried->is_harmless()) {
     const Fill faces = tried->faces();
     refuse_infinite(faces, first.rim);

@@ -54,8 +54,8 @@ TwoRings two_rings(const Connectivity& around, const std::vector<Index>& rim) {
 }
 
 double square(double x) { return x * x; }
-double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
-double turn(const Vec2& a, const Vec2& b, const Vec2& c) { return cross(b - a, c - a); }
+double cross_in_plane(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
+double turn(const Vec2& a, const Vec2& b, const Vec2& c) { return cross_in_plane(b - a, c - a); }
 
 /// The plane of the faces around, and what lies over it in units of the rim's mean edge.
 struct Frame {
@@ -215,7 +215,7 @@ private:
   bool is_nearer(int a, int b, int c, int d) const {
     const Vec2 ca = places_[a] - places_[c], cb = places_[b] - places_[c], da = places_[a] - places_[d],
                db = places_[b] - places_[d];
-    const double sine_c = cross(ca, cb), cosine_c = ca.dot(cb), sine_d = cross(db, da), cosine_d = da.dot(db);
+    const double sine_c = cross_in_plane(ca, cb), cosine_c = ca.dot(cb), sine_d = cross_in_plane(db, da), cosine_d = da.dot(db);
     return sine_c * cosine_d + cosine_c * sine_d <
            -no_area * std::sqrt(ca.squaredNorm() * cb.squaredNorm() * da.squaredNorm() * db.squaredNorm());
   }
