@@ -45,7 +45,7 @@ def _of_methods(option):
 
 
 #: The folded parts of panels, where Blender cannot fold them itself.
-_FOLDED = ("holes", "sides", "subdivision", "advanced", "papers", "candidates")
+_FOLDED = ("holes", "sides", "subdivision", "advanced", "papers", "candidates", "choice")
 #: Why the fill follows no such option, by the library's codes.
 _WHY = {
     "sides": "only between smooth sides, and this hole has none",

@@ -117,7 +117,7 @@ _FILTERS = {"max_edges": 64, "max_diameter": 1.0, "corner_count": (2, 6)}
 
 
 #: Properties that say how the last run went.
-_OF_A_RUN = ("by_hand", "reasons", "all_holes", "sides", "keep_live")
+_OF_A_RUN = ("by_hand", "reasons", "candidates", "all_holes", "sides", "keep_live")
 
 #: What the properties computed_... are where nothing was.
 _NEVER = {"odd": "", "resolution": 0, "rows": -1, "tolerance": 0}
@@ -175,6 +175,7 @@ class FillSmooth(Construction, waiting.Waiting):
     # Of the last run.
     by_hand: BoolProperty(options=_HIDDEN, description="Called from a menu or by a key: a refusal can be corrected in the panel")
     reasons: StringProperty(options=_HIDDEN)
+    candidates: StringProperty(options=_HIDDEN)  # lines, of the only hole that was filled
     all_holes: BoolProperty(options=_HIDDEN)
     sides: IntProperty(default=3, options=_HIDDEN)
 
@@ -228,6 +229,9 @@ class FillSmooth(Construction, waiting.Waiting):
             row("deviation", active=self.faces() != "cage")
         with panel.folded(self, "papers", "Paper Methods") as row:
             self.papers_rows(row)
+        if self.candidates:
+            with panel.folded(self, "choice", "Candidates") as row:
+                row.reasons(self.candidates.split("\n"))
 
     def _holes_rows(self, row):
         for option in _of_holes():
@@ -355,7 +359,7 @@ class FillSmooth(Construction, waiting.Waiting):
     def _execute(self, context):
         objects = context.objects_in_mode_unique_data
         selected = [ob for ob in objects if ob.data.total_vert_sel]
-        self.reasons, self.all_holes = "", False
+        self.reasons, self.candidates, self.all_holes = "", "", False
         meant = self._meant(selected or objects)
         with ExitStack() as kept:
             for ob in [] if self.keep_live or self.surroundings == "limit" else meant:
@@ -396,6 +400,8 @@ class FillSmooth(Construction, waiting.Waiting):
         self.reasons = "\n".join(told)
         if not filled:
             return self._refuse(context, refused, told) if refused else self._leave(nothing)
+        reports = [report for outcome in filled for report in outcome.reports]
+        self.candidates = "\n".join(library.words.candidates(reports[0])) if len(reports) == 1 else ""
         filled[-1].left_open = nothing.left_open
         message = "; ".join(outcome.sentence() for outcome in filled)
         if refused:

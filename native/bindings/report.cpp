@@ -38,6 +38,22 @@ std::array<std::vector<Index>, 2> triangles_of(const Eigen::Map<const Points>& v
   return {std::move(corners), std::move(of_face)};
 }
 
+/// As tripatch.candidates.Candidate, in the order of its fields.
+py::list candidates_of(const Report& report) {
+  const py::object type = py::module_::import("tripatch.candidates").attr("Candidate");
+  py::list out;
+  for (const FillCandidate& each : report.candidates) {
+    static constexpr std::array names = {"used", "made", "skipped", "refused"};
+    const char* const status = names[static_cast<std::size_t>(each.status)];
+    const Quality& q = each.quality;
+    if (each.status == CandidateStatus::used || each.status == CandidateStatus::made)
+      out.append(type(each.method, status, q.expected_error, q.folds, q.crosses, q.leaves_hole, q.seam_deg, each.why));
+    else
+      out.append(type(each.method, status, py::none(), py::none(), py::none(), py::none(), py::none(), each.why));
+  }
+  return out;
+}
+
 }  // namespace
 
 void bind_report(py::module_& m) {
@@ -75,6 +91,8 @@ void bind_report(py::module_& m) {
                     R"(With shape="optimal": a list of (lambda by side, energy), the last of which was taken.)")
       .def_readonly("method", &Report::method, "Name of the method used.")
       .def_readonly("method_reason", &Report::method_reason, "Why that method was used.")
+      .def_property_readonly("candidates", candidates_of,
+                             "With method auto: the ways to fill the hole, the one that is used first, each a `Candidate`.")
       .def_readonly("deviation_max", &Report::deviation_max,
                     "Largest standard deviation of a new vertex, in units of the mesh; None: the method does not know it.")
       .def_readonly(

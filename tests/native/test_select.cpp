@@ -57,13 +57,13 @@ TEST_CASE("errors that differ by rounding only -> the first candidate is used") 
   CHECK(selected(std::move(tried)).report.method == "first");
 }
 
-TEST_CASE("candidates are ranked: the used one first, skipped and refused ones last") {
+TEST_CASE("the report lists all candidates, the used one first, skipped and refused ones last") {
   TriedFills tried(2);
   tried[0].row = {"skipped", CandidateStatus::skipped, {}, "needs quads"};
   tried[1].row = {"refused", CandidateStatus::refused, {}, "no"};
   tried.push_back(made("worse", with_error(2)));
   tried.push_back(made("best", with_error(1)));
-  const std::vector<Candidate> rows = ranked(tried);
+  const std::vector<FillCandidate> rows = selected(std::move(tried)).report.candidates;
   REQUIRE(rows.size() == 4);
   CHECK((rows[0].method == "best" && rows[0].status == CandidateStatus::used && rows[0].why == "of best"));
   CHECK((rows[1].method == "worse" && rows[1].why == "is expected to be less accurate"));

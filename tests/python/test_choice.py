@@ -1,10 +1,89 @@
-"""What the choice of `auto` costs."""
+"""What `auto` chooses, and what it says of its choice."""
 
+import json
+import pickle
 from pathlib import Path
 
+import numpy as np
 import pytest
+import tripatch
+from shapes import octant
+from tripatch import __main__ as cli
+from tripatch import files
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+
+
+def candidates(*args, **options):
+    return tripatch.fill(*args, **options).report.candidates
+
+
+def test_the_used_candidate_comes_first_and_is_the_fill():
+    vertices, faces, rim = octant()
+    report = tripatch.fill(vertices, faces, rim=rim).report
+    first, *others = report.candidates
+    assert (first.status, first.method, first.why) == ("used", report.method, report.method_reason)
+    assert {each.status for each in others} <= {"made", "skipped", "refused"}
+    assert (first.folds, first.crosses, first.leaves_hole) == (0, False, False)
+    assert first.seam_deg == report.seam_angle_max
+
+
+def test_of_valid_candidates_the_one_with_the_least_expected_error_is_used():
+    rng = np.random.default_rng(3)
+    vertices, faces, rim = octant(12)
+    rough = vertices + 0.01 * rng.normal(size=vertices.shape)
+    first, *others = candidates(rough, faces, rim=rim)
+    made = [each for each in others if each.status == "made" and not each.folds and not each.crosses and not each.leaves_hole]
+    assert made and all(first.expected_error <= each.expected_error for each in made)
+
+
+def test_a_spline_is_skipped_if_the_patch_is_exact_and_tried_between_three_sides_if_not():
+    vertices, faces, rim = octant(24)
+    ways = {each.method: each.status for each in candidates(vertices, faces, rim=rim) if each.status != "refused"}
+    assert ways["side_vertex"] == "used" and ways["polyharmonic_spline"] == "skipped"
+    stretched = vertices * [1, 1.7, 0.6] + 0.1 * np.sin(3 * vertices[:, [1, 2, 0]])
+    assert [each for each in candidates(stretched, faces, rim=rim) if each.method == "polyharmonic_spline" and each.folds == 0]
+
+
+def test_candidates_that_are_not_made_say_why_and_have_no_numbers():
+    vertices, faces, rim = octant(24)
+    others = [each for each in candidates(vertices, faces, rim=rim) if each.status in ("skipped", "refused")]
+    assert others
+    for each in others:
+        assert each.why and each.expected_error is each.folds is each.crosses is each.leaves_hole is each.seam_deg is None
+
+
+def test_expected_errors_are_lengths():
+    vertices, faces, rim = octant()
+    one, large = (candidates(size * vertices, faces, rim=rim)[0] for size in (1, 1000))
+    assert large.expected_error == pytest.approx(1000 * one.expected_error, rel=1e-3)
+
+
+def test_a_method_that_is_asked_for_has_no_candidates():
+    vertices, faces, rim = octant()
+    assert candidates(vertices, faces, rim=rim, method="side_vertex") == []
+
+
+def test_candidates_are_pickled_and_plain_in_json():
+    vertices, faces, rim = octant()
+    report = tripatch.fill(vertices, faces, rim=rim).report
+    assert pickle.loads(pickle.dumps(report)).candidates == report.candidates
+    told = json.loads(json.dumps(report.as_dict()["candidates"]))
+    assert told[0]["method"] == report.method and told[0]["expected_error"] == report.candidates[0].expected_error
+
+
+def test_why_prints_a_row_for_each_candidate_the_used_one_first(tmp_path, capsys):
+    vertices, faces, _ = octant(4)
+    files.write(tmp_path / "in.obj", (vertices, faces))
+    assert cli.main(["fill", str(tmp_path / "in.obj"), str(tmp_path / "out.obj"), "--why", "--rim", "0,1"]) == 1
+    capsys.readouterr()
+    rim = ",".join(map(str, octant(4)[2]))
+    assert cli.main(["fill", str(tmp_path / "in.obj"), str(tmp_path / "out.obj"), "--why", "--rim", rim]) == 0
+    rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
+    report = tripatch.fill(vertices, faces, rim=octant(4)[2]).report
+    assert len(rows) == len(report.candidates)
+    assert rows[0].split()[:2] == ["used", report.method] and "expected error" in rows[0]
+    assert any("skipped" in row for row in rows)
 
 
 @pytest.mark.skipif(not SCRIPTS.exists(), reason="the scripts are not here")

@@ -8,6 +8,7 @@ of the input, angles in degrees.
 from . import between
 from ._native import Option, Patch, Report, Side, SzilvasiNagyPatch
 from .attributes import AttributeWeights, CutWeights, angles, attribute_weights, vertex_normals
+from .candidates import Candidate
 from .errors import FillWarning, Refusal
 from .files import FileError, MeshFile, read, write
 from .filling import Fill, Fills, fill, fill_all
@@ -41,6 +42,7 @@ __all__ = [
     "AttributeWeights",
     "BezierRectangle",
     "BezierTriangle",
+    "Candidate",
     "CutWeights",
     "FileError",
     "Fill",

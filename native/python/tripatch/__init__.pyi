@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import between as between
+from .candidates import Candidate as Candidate
 from .errors import FillWarning as FillWarning
 from .errors import Refusal as Refusal
 from .files import FileError as FileError
@@ -169,6 +170,7 @@ class Report:
     shape_path: list[tuple[list[float], float]]
     method: str
     method_reason: str
+    candidates: list[Candidate]
     deviation_max: float | None
     triangles_folded: int
     rim_folded: int

@@ -156,12 +156,12 @@ def _tell(args: argparse.Namespace, holes: list[Any], left: Sequence[Any], out: 
         print(_report(holes, left, out), end="")
         if left:
             _say(_left_open(args, left))
-    elif args.verbose:
-        print("".join(f"{line}\n" for line in _lines(holes)), end="")
+    elif args.verbose or args.why:
+        print("".join(f"{line}\n" for line in _lines(holes, args.why)), end="")
 
 
-def _lines(holes: list[Any]) -> list[str]:
-    """Of each hole what became of it."""
+def _lines(holes: list[Any], why: bool) -> list[str]:
+    """Of each hole what became of it; why: and all candidates for its fill."""
     said = []
     for rim, result in holes:
         if isinstance(result, tripatch.Refusal):
@@ -169,6 +169,7 @@ def _lines(holes: list[Any]) -> list[str]:
         else:
             new, report = words.counted(len(result.faces), "new face"), result.report
             said.append(f"Hole through vertex {min(result.rim)}: {new} by {report.method} ({report.method_reason})")
+            said += [f"  {row}" for row in words.candidates(report)] if why else []
     return said
 
 

@@ -207,6 +207,7 @@ def add_talk(parser: argparse.ArgumentParser, *, json: bool = False) -> None:
     group.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     if json:
         group.add_argument("-v", "--verbose", action="store_true", help="print a line for each hole")
+        group.add_argument("--why", action="store_true", help="print what each fill was chosen from")
 
 
 class Parser(argparse.ArgumentParser):

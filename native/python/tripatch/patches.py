@@ -365,7 +365,8 @@ def _part(self: Side, start: float, end: float) -> Side:
 
 def _as_dict(self: Report) -> dict[str, Any]:
     """The report as plain values, ready for JSON."""
-    return {name: getattr(self, name) for name, member in vars(Report).items() if isinstance(member, property)}
+    values = {name: getattr(self, name) for name, member in vars(Report).items() if isinstance(member, property)}
+    return {**values, "candidates": [each._asdict() for each in self.candidates]}
 
 
 def _patch_repr(self: Patch) -> str:

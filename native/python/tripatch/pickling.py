@@ -49,7 +49,7 @@ def _saved(name: str, described: str | None) -> property:
 for _name, _member in list(vars(Report).items()):
     if isinstance(_member, property):
         setattr(SavedReport, _name, _saved(_name, _member.__doc__))
-setattr(Report, "__reduce__", lambda self: (SavedReport, (self.as_dict(),)))  # noqa: B010
+setattr(Report, "__reduce__", lambda self: (SavedReport, ({**self.as_dict(), "candidates": self.candidates},)))  # noqa: B010
 _VALUES: tuple[type, ...] = (Patch, RectangleSurface, Report, Side)
 for _class in _VALUES[:2]:
     setattr(_class, "__reduce__", _reduce)  # noqa: B010

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 
 from ._native import Report
+from .candidates import Candidate
 from .errors import Refusal
 
 
@@ -23,6 +24,24 @@ def degrees(angle: float) -> str:
 def length(value: float) -> str:
     """A length in scene units, to two digits."""
     return f"{value:.2g}" if value > 1e-9 else "0"
+
+
+def _candidate(candidate: Candidate) -> str:
+    if candidate.expected_error is None:
+        return candidate.why
+    flaws = [
+        "crosses itself" if candidate.crosses else "",
+        counted(candidate.folds or 0, "fold") if candidate.folds else "",
+        "leaves the hole" if candidate.leaves_hole else "",
+    ]
+    error = f"expected error {length(candidate.expected_error)}"
+    return ", ".join([error, *filter(None, flaws)]) + f" ({candidate.why})"
+
+
+def candidates(report: Report) -> list[str]:
+    """A line for each way to fill the hole, the one that is used first: 'used     side_vertex  expected error 0.002 (...)'."""
+    width = max((len(each.method) for each in report.candidates), default=0)
+    return [f"{each.status:8} {each.method:{width}} {_candidate(each)}" for each in report.candidates]
 
 
 def _seams(reports: Sequence[Report]) -> tuple[list[float], list[float]]:

@@ -364,7 +364,7 @@ std::string why_spline(FillProblem& problem, const TriedFills& tried) {
   const std::size_t count = sides.domain == Domain::triangle ? 3 : sides.corners.size();
   const std::string between =
       sides.domain == Domain::disc ? "over the round rim" : "between " + std::to_string(count) + " corners";
-  const Candidate& patch = patch_in(tried).row;
+  const FillCandidate& patch = patch_in(tried).row;
   if (patch.status == CandidateStatus::refused) return "no patch fits " + between + ": " + patch.why;
   if (patch.quality.crosses) return "a patch " + between + " would cross itself";
   if (patch.quality.folds > 0) return "a patch " + between + " would fold";

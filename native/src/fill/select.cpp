@@ -100,24 +100,24 @@ TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, d
   return tried;
 }
 
-std::vector<Candidate> ranked(const TriedFills& tried) {
-  const Tried* const best = best_of(tried);
-  std::vector<Candidate> rows;
-  for (const Tried& each : tried) {
-    rows.push_back(each.row);
-    if (each.row.status != CandidateStatus::made) continue;
-    const bool used = &each == best;
-    rows.back().why = used ? each.fill->report.method_reason : why_not(each.row.quality, best->row.quality);
-    if (used) rows.back().status = CandidateStatus::used;
-  }
-  std::ranges::stable_sort(rows, {}, [](const Candidate& row) { return row.status; });
-  return rows;
-}
-
 Fill selected(TriedFills tried) {
-  if (const Tried* const best = best_of(tried)) return std::move(*tried[static_cast<std::size_t>(best - tried.data())].fill);
-  const auto last = std::find_if(tried.rbegin(), tried.rend(), [](const Tried& each) { return each.refusal.has_value(); });
-  throw Refusal(*last->refusal);
+  const Tried* const best = best_of(tried);
+  if (!best) {
+    const auto last = std::find_if(tried.rbegin(), tried.rend(), [](const Tried& each) { return each.refusal.has_value(); });
+    throw *last->refusal;
+  }
+  const auto used = static_cast<std::size_t>(best - tried.data());
+  std::vector<FillCandidate> rows;
+  for (Tried& each : tried) {
+    if (each.row.status == CandidateStatus::made) each.row.why = why_not(each.row.quality, best->row.quality);
+    rows.push_back(each.row);
+  }
+  Fill fill = std::move(*tried[used].fill);
+  rows[used].status = CandidateStatus::used;
+  rows[used].why = fill.report.method_reason;
+  std::ranges::stable_sort(rows, {}, [](const FillCandidate& row) { return row.status; });
+  fill.report.candidates = std::move(rows);
+  return fill;
 }
 
 }  // namespace tripatch

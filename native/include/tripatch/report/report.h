@@ -17,6 +17,25 @@ namespace tripatch {
 
 struct FaceBeyond;
 
+/// What fills of one hole are compared by, in this order; less is better.
+struct Quality {
+  bool crosses = false;       ///< itself
+  Index folds = 0;            ///< folded edges beyond those that the boundary forces
+  bool leaves_hole = false;   ///< farther from the boundary than its diameter
+  double expected_error = 0;  ///< how far off the new vertices are expected to be, scene units
+  double seam_deg = 0;        ///< largest seam angle: reported, not compared
+};
+
+enum class CandidateStatus { used, made, skipped, refused };
+
+/// One way to fill a hole, and what became of it.
+struct FillCandidate {
+  std::string method;
+  CandidateStatus status = CandidateStatus::skipped;
+  Quality quality;  ///< of fills that were made
+  std::string why;
+};
+
 struct Report {
   double seam_angle_max = 0;  ///< degrees, fill against the surroundings used
   double seam_angle_rms = 0;
@@ -33,9 +52,10 @@ struct Report {
   double energy_after = 0;
   /// The optimiser's path where lambda of a Szilvasi-Nagy method was to be optimal: (lambda, thin-plate energy), the last was taken.
   std::vector<std::pair<std::array<double, 3>, double>> shape_path;
-  std::string method;                   ///< name of the method used
-  std::string method_reason;            ///< and why it was
-  std::optional<double> deviation_max;  ///< largest of Fill::deviation, scene units; none: unknown
+  std::string method;                     ///< name of the method used
+  std::string method_reason;              ///< and why it was
+  std::vector<FillCandidate> candidates;  ///< of method auto: the one that is used, then the others
+  std::optional<double> deviation_max;    ///< largest of Fill::deviation, scene units; none: unknown
   /// Edges of the new faces that are folded, those of the rim over the faces beyond it too; of a cage those of its limit surface.
   Index triangles_folded = 0;
   /// The same of the rim's own triangulation, and of faces beyond that are turned over: such a rim leaves no other way.

@@ -10,25 +10,6 @@
 
 namespace tripatch {
 
-/// What fills of one hole are compared by, in this order; less is better.
-struct Quality {
-  bool crosses = false;       ///< itself
-  Index folds = 0;            ///< folded edges beyond those that the boundary forces
-  bool leaves_hole = false;   ///< farther from the boundary than its diameter
-  double expected_error = 0;  ///< how far off the new vertices are expected to be, scene units
-  double seam_deg = 0;        ///< largest seam angle: not compared
-};
-
-enum class CandidateStatus { used, made, skipped, refused };
-
-/// One way to fill a hole, and what became of it.
-struct Candidate {
-  std::string method;
-  CandidateStatus status = CandidateStatus::skipped;
-  Quality quality;  ///< of fills that were made
-  std::string why;
-};
-
 /// How far the new vertices of a fill are expected to be off, scene units. size: the diameter of the hole.
 double expected_error(const Fill& fill, double size);
 /// Whether nobody sees so small an error.
@@ -41,7 +22,7 @@ bool is_better(const Quality& a, const Quality& b);
 
 /// A candidate with its fill if it was made, or its refusal.
 struct Tried {
-  Candidate row;
+  FillCandidate row;
   std::optional<Fill> fill;
   std::optional<Refusal> refusal;
 };
@@ -65,9 +46,7 @@ struct Strategy {
 TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, double size,
                    Quality (*judged)(FillProblem&, const Fill&));
 
-/// All candidates, the best one first.
-std::vector<Candidate> ranked(const TriedFills& tried);
-/// The best fill. Throws the last refusal if none is made.
+/// The best fill; its report lists all candidates, this one first. Throws the last refusal if none is made.
 Fill selected(TriedFills tried);
 
 }  // namespace tripatch
