@@ -91,7 +91,7 @@ class OBJECT_OT_blend_three_patches(bpy.types.Operator):
     def execute(self, context):
         objects = between_patches.selected(context)
         resolution = 0 if self.resolution == self.computed_resolution else self.resolution
-        given = {"tolerance": self.tolerance, "resolution": resolution, "method": self.method}
+        given = {"tolerance": self.tolerance, "resolution": resolution, "method": self.method}  # pyright: ignore
         self.reasons = self.names = ""
         try:
             mesh, made = blends.mesh_of(objects, shape="optimal" if self.optimal_shape else list(self.shape), **given)

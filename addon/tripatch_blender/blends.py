@@ -44,7 +44,7 @@ def mesh_of(objects, tolerance, resolution, method, shape, mesh=None):
         names=[curve.name for curve in loop.curves],
         gap=max(loop.gaps),
         edges=max((resolution or len(t) - 1 for known, (_, t) in zip(exact, made, strict=True) if known), default=0),
-        shape=list(patch.shape),
+        shape=list(patch.shape),  # pyright: ignore[reportAttributeAccessIssue]
         middles=patch.evaluate((1 - np.eye(3)) / 2).tolist(),
         report=patch.report,
         notes=[str(each.message) for each in told],

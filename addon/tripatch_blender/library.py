@@ -15,6 +15,7 @@ except ImportError:
     missing = "TriPatch needs NumPy: install the package python3-numpy (apt install python3-numpy) and restart Blender"
 else:
     try:
+        import tripatch.borders
         import tripatch.options  # noqa: F401
         from tripatch import arguments, charts, constituents, quality, words  # noqa: F401
         from tripatch._arrays import index_lists  # noqa: F401

@@ -49,8 +49,8 @@ def chains(bm, refused):
 
 
 def _normal(vertex):
-    total = sum((f.normal * f.calc_area() for f in vertex.link_faces), vertex.normal * 0)
-    return np.array(total) / max(total.length, 1e-30)
+    total = np.sum([f.normal * f.calc_area() for f in vertex.link_faces], axis=0)
+    return total / max(np.linalg.norm(total), 1e-30)
 
 
 def _curve(start, end, edge):

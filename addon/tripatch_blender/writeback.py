@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import bmesh
 
@@ -21,7 +22,7 @@ class Planned:
     """A fill that is ready to be written: nothing in the BMesh has changed yet."""
 
     rim: Rim
-    fill: object  # tripatch.Fill in world space, in the vertex numbers of the BMesh
+    fill: Any  # tripatch.Fill in world space, in the vertex numbers of the BMesh
     count: int  # from this number on the fill's vertices are new
     loop: list  # BMVert from corner 0 on
     positions: np.ndarray  # (k, 3) of the new vertices in object space
