@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any
@@ -38,7 +37,8 @@ class Continued:
         self._vertices, self._face, self._count = vertices, face, len(vertices)
         self._new = [list(map(int, face)) for face in fill.faces]
         rim = list(map(int, fill.rim))
-        loops = self._loops(rim, at)
+        counts = getattr(fill, "loops", None) or [len(rim)]  # islands follow the outer loop
+        loops = [sum(counts[:k]) for k in range(len(counts))] if rim else []
         self._rim, self._loop_starts = rim, loops
         self._next = np.arange(1, len(rim) + 1)
         for first, end in zip(loops, [*loops[1:], len(rim)], strict=True):
@@ -54,14 +54,6 @@ class Continued:
         if rim and all(f >= 0 for f in self._around):
             shares = Shares([look(f) for f in self._around], self._blend, self._next)
             self.model = [self._around[self._edge_like(shares, at, nearest)] for at in self._at]
-
-    def _loops(self, rim: list[int], at: Any) -> list[int]:
-        """Where the loops of a rim start: islands follow the outer one."""
-        starts = [0] if rim else []
-        for k, (a, b) in enumerate(itertools.pairwise(rim), 1):
-            if (min(a, b), max(a, b)) not in self._edges and not set(at(a)) & set(at(b)):
-                starts.append(k)
-        return starts
 
     def _face_at(self, a: int, b: int, at: Any) -> int:
         found = self._edges.get((min(a, b), max(a, b)))
