@@ -325,7 +325,8 @@ def test_a_rim_that_noise_throws_about_is_filled_with_vertices_inside(noise, see
     """The field through all rings would fold over the mesh at the rim; plain triangles would cut the top of the hill off."""
     vertices, faces = irregular(hill, noise=noise, seed=seed)
     fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
-    plainer = [warning for warning in fill.report.warnings if "folded over those around" not in warning]
+    of_the_mesh = ("folded over those around", "extra face")
+    plainer = [warning for warning in fill.report.warnings if not any(words in warning for words in of_the_mesh)]
     assert len(fill.vertices) > 10 and fill.report.warnings and len(plainer) <= 1
     assert any("bend as little as they can" in warning for warning in plainer) == (seed == 11)
     assert fill.report.triangles_folded <= fill.report.rim_folded

@@ -71,7 +71,7 @@ def borders(path):
 
 def test_fills_the_only_hole(one, tmp_path, capsys):
     out = tmp_path / "out.obj"
-    code, text, err = run(capsys, "fill", one, out, "--report", tmp_path / "r.json")
+    code, text, err = run(capsys, "fill", one, out, "--method", "side_vertex", "--report", tmp_path / "r.json")
     assert (code, err) == (0, "")
     assert text.startswith("Filled 1 hole; seam within ")
     assert text.endswith("°)\n1 outer border left open (18 edges); use --all --outer to fill it\n")
@@ -133,7 +133,7 @@ def test_two_holes(two, tmp_path, capsys):
     assert code == 1
     assert "The mesh has 2 holes: rims starting at vertex 0 and 72; choose one, or fill all" in err
     assert not out.exists()
-    code, text, err = run(capsys, "fill", two, out, "--all", "--report", tmp_path / "r.json")
+    code, text, err = run(capsys, "fill", two, out, "--all", "--method", "side_vertex", "--report", tmp_path / "r.json")
     assert (code, err) == (0, "")
     assert text.startswith("Filled 2 holes; seam within ")
     assert sorted(len(loop) for loop in borders(out)) == [15, 18]
@@ -303,7 +303,7 @@ def test_deviation_is_the_fills(one, every, tmp_path, capsys):
     told = files.read(out).deviation
     assert (told[: len(mesh.vertices)] == 0).all() and fill.deviation.max() > 0
     assert np.array_equal(told[len(mesh.vertices) :], fill.deviation.astype(np.float32))
-    code, _, err = run(capsys, "fill", one, out, "--deviation", *every)  # an exact patch
+    code, _, err = run(capsys, "fill", one, out, "--deviation", *every, "--method", "side_vertex")  # an exact patch
     assert code == 0 and "How well it is known cannot be told of 1 of 1 fills" in err
     told = files.read(out).deviation
     assert (told[: len(mesh.vertices)] == 0).all() and (told[len(mesh.vertices) :] == -1).all()

@@ -123,7 +123,7 @@ def test_quiet_prints_errors_only_and_verbose_a_line_for_each_hole(one, tmp_path
     assert run(capsys, "fill", one, out, *more)[2]
     assert run(capsys, "fill", one, out, "-q", *more) == (0, "", "")
     code, said, _ = run(capsys, "fill", one, out, "-v")
-    assert code == 0 and re.search(r"^Hole through vertex 0: \d+ new faces by side_vertex", said, re.M)
+    assert code == 0 and re.search(r"^Hole through vertex 0: \d+ new faces by \w+", said, re.M)
     assert "Filled 1 hole" in said
     path = write_obj(tmp_path / "square.obj", square())
     assert "select three" in run(capsys, "fill", path, out, "-q", "--method", "side_vertex")[2]

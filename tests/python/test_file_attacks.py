@@ -121,7 +121,7 @@ def test_a_vertex_that_the_header_does_not_describe_is_named(red, tmp_path, caps
     """Found by fuzzing: positions were read, and it ended without a word when a new vertex was to have the color of an old."""
     path, out = tmp_path / "a.ply", tmp_path / "out.ply"
     path.write_bytes(octahedron_ply(red=red))
-    assert main(["fill", str(path), str(out), "--resolution", "3"]) == 2
+    assert main(["fill", str(path), str(out), "--method", "side_vertex", "--resolution", "3"]) == 2
     assert "vertex elements is not what the PLY header says" in capsys.readouterr().err
     assert not out.exists()
 
