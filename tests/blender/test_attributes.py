@@ -76,7 +76,7 @@ def test_uvs_of_a_side_are_those_of_the_faces_beside_it():
     for p in ob.data.polygons:
         for k in p.loop_indices:
             layer.data[k].uv = (5, 5) if p.center.y < low else (0, 0)
-    _, old = fill_in_edit_mode(ob)
+    _, old = fill_in_edit_mode(ob, method="side_vertex")
     mesh, seen = ob.data, 0
     for p in list(mesh.polygons)[old:]:
         at_low = [k for k in p.loop_indices if mesh.vertices[mesh.loops[k].vertex_index].co.y < low + 1e-6]
@@ -502,7 +502,7 @@ class InPlane:
         self.__dict__ |= {name: getattr(fill, name) for name in ("vertices", "faces", "normals", "rim", "rim_normals", "moved")}
         self.split_edges, self.creases, self.patch = fill.split_edges, fill.creases, fill.patch
         self.feature_edges = fill.feature_edges
-        self.barycentric = self.rim_barycentric = None
+        self.loops, self.barycentric, self.rim_barycentric = fill.loops, None, None
         self.uv, self.rim_uv = fill.vertices[:, :2], None
         self.report = types.SimpleNamespace(method="polyharmonic_spline", corners=[], continuity=(), warnings=[])
 

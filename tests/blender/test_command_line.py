@@ -134,7 +134,7 @@ def test_deviation_is_written_where_asked(run):
 
 @pytest.mark.parametrize("arguments", [("--all",), ("--object", "A"), ()])
 def test_rims_may_be_called_round(run, arguments):
-    scenes.add_hole().name = "A"
+    scenes.add_hole(size=24, holes=((6, 6, 8),)).name = "A"
     scenes.add_mesh(*scenes.ring()).name = "B"
     report = run.out.with_suffix(".json")
     found = {}

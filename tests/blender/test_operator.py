@@ -271,7 +271,7 @@ def test_geometry_is_that_of_the_world(addon):
     plain = scenes.add_mesh(bent, faces)
     for each in (ob, plain):
         scenes.edit(each)
-        assert fill() == {"FINISHED"}
+        assert fill(method="side_vertex") == {"FINISHED"}
         assert rims(each) == [36]
     np.testing.assert_allclose(world_points(ob), world_points(plain), atol=2e-5)
 

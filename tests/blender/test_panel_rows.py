@@ -33,7 +33,7 @@ def open_tube():
 
 
 def three_sides():
-    ob = scenes.add_hole(size=18, holes=((5, 5, 6),))
+    ob = scenes.add_hole(size=24, holes=((6, 6, 8),))
     scenes.edit(ob)
     return ob
 

@@ -108,7 +108,7 @@ def test_its_numbers_change_the_fill(fills, following):
     node.inputs["Density"].default_value = 0
     node.inputs["Bulge"].default_value = 2.0
     bulged = filled(ob, following)
-    assert len(bulged) == len(usual) and np.abs(bulged - usual).max() > 0.01
+    assert len(bulged) == len(usual) and np.abs(bulged - usual).max() > 1e-3
     node.inputs["Max Edges"].default_value = 5
     after_a_change(following)
     assert shown(ob)[2] > 36, "the hole has more edges"

@@ -80,9 +80,7 @@ def test_a_choice_takes_the_words_of_the_panel_too():
     vertices, faces, rim = octant(4)
     assert options.value(tripatch.OPTIONS["continuity"], ("Position", "tangent", "G1")) == ["G0", "G1", "G1"]
     for name, word in (("G0", "position"), ("G1", "Tangent")):
-        one, other = (
-            tripatch.fill(vertices, faces, rim=rim, method="side_vertex", continuity=each) for each in (name, word)
-        )
+        one, other = (tripatch.fill(vertices, faces, rim=rim, method="side_vertex", continuity=each) for each in (name, word))
         assert one.report.continuity == other.report.continuity == [name] * 3 and (one.vertices == other.vertices).all()
 
 
