@@ -123,7 +123,7 @@ TEST_CASE("what a cage is refused for names vertices of the mesh only") {
   const auto results = fill_all({points, faces}, {{3, 8, 6, 4, 7}}, options);
   const Refused* refused = std::get_if<Refused>(&results[0]);
   REQUIRE(refused);
-  CHECK(refused->reason == "The cage cannot be subdivided: a face passes vertex 3 twice");
+  CHECK(refused->reason.starts_with("The cage cannot be subdivided: a face passes vertex 3 twice"));
   CHECK(refused->where == std::vector<Index>{3});
   for (Index v : refused->where) CHECK(v < points.rows());
 }

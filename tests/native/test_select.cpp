@@ -71,6 +71,17 @@ TEST_CASE("the report lists all candidates, the used one first, skipped and refu
   CHECK((rows[3].method == "refused" && rows[3].why == "no"));
 }
 
+TEST_CASE("a fill without faces is used only if no other was made") {
+  Quality crosses = with_error(1);
+  crosses.crosses = true;
+  TriedFills tried;
+  tried.push_back(made("without faces", with_error(0)));
+  tried.push_back(made("crossing", crosses));
+  tried.back().fill->faces.offsets = {0, 3};
+  tried.back().fill->faces.corners = {0, 1, 2};
+  CHECK(selected(std::move(tried)).report.method == "crossing");
+}
+
 TEST_CASE("if every candidate refuses, the last refusal is thrown") {
   TriedFills tried(2);
   tried[0].refusal = Refusal("first");

@@ -44,9 +44,9 @@ auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.leaves
 
 /// Why a candidate is not used.
 std::string why_not(const Quality& quality, const Quality& used) {
-  if (quality.crosses != used.crosses) return "crosses itself";
-  if (quality.folds != used.folds) return "folds";
-  if (quality.leaves_hole != used.leaves_hole) return "leaves the hole";
+  if (quality.crosses > used.crosses) return "crosses itself";
+  if (quality.folds > used.folds) return "folds";
+  if (quality.leaves_hole > used.leaves_hole) return "leaves the hole";
   return "is expected to be less accurate";
 }
 
@@ -68,8 +68,12 @@ bool is_better(const Quality& a, const Quality& b) {
 
 const Tried* best_of(const TriedFills& tried) {
   const Tried* best = nullptr;
-  for (const Tried& each : tried)
-    if (each.fill && (!best || is_better(each.row.quality, best->row.quality))) best = &each;
+  for (const Tried& each : tried) {
+    if (!each.fill) continue;
+    // a patch that folds has no faces yet: it is laid out last, if nothing else is valid
+    const bool has_faces = each.fill->faces.size() > 0, best_has = best && best->fill->faces.size() > 0;
+    if (!best || (has_faces == best_has ? is_better(each.row.quality, best->row.quality) : has_faces)) best = &each;
+  }
   return best;
 }
 
