@@ -81,7 +81,7 @@ def panel_rows(w):
     assert last_operator().rows == 1, f"rows are {last_operator().rows} after a click on their arrow"
     assert last_operator().computed_output == "quads" and counts()[1] == 0 and counts()[0] != filled[0], "filled anew"
     hud = w.region("HUD")
-    folded, place = hud.height, (hud.x + 20, hud.y + 18 + 3 * 23)  # the fourth row from below
+    folded, place = hud.height, (hud.x + 20, hud.y + 18 + 4 * 23)  # the fifth row from below
     yield from w.click_at(*place)
     assert w.region("HUD").height > folded + 20 and (PANELS or last_operator().show_sides)
     yield from w.picture("sides-unfolded")
@@ -152,12 +152,12 @@ def filters(w):
     yield from _open_panel(w)
     hud = w.region("HUD")
     folded = hud.height
-    yield from w.click_at(hud.x + 20, hud.y + 18 + 4 * 23)  # the fifth row from below
+    yield from w.click_at(hud.x + 20, hud.y + 18 + 5 * 23)  # the sixth row from below
     hud = w.region("HUD")
     assert hud.height > folded + 60 and (PANELS or last_operator().show_holes), "Holes unfolds"
     yield from w.picture("holes-unfolded")
     if not PANELS:  # the box beside Max Edges, the first row of the part
-        yield from w.click_at(hud.x + 131, hud.y + 18 + 8 * 23 - 3)
+        yield from w.click_at(hud.x + 131, hud.y + 18 + 9 * 23 - 3)
         yield from w.picture("holes-filtered")
         assert last_operator().use_max_edges, "the filter is on"
     with w.override():  # the operator keeps both for what follows
