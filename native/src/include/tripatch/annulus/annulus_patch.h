@@ -25,7 +25,7 @@ constexpr const char* annulus_method = "annulus";
 class AnnulusSurface final : public Surface {
 public:
   /// ribs: by u, position and first and second derivative by v at v = 0, then those at v = 1.
-  AnnulusSurface(PiecewisePolynomial ribs, double inner) : ribs_(std::move(ribs)), inner_(inner) {}
+  AnnulusSurface(const PiecewisePolynomial& ribs, double inner) : ribs_(ribs), inner_(inner) {}
   void evaluate(const double* b, Index n, int order, double* out) const override;
   Vec2 place(double u, double v) const;
 
