@@ -56,10 +56,11 @@ const Connectivity& around() {
   return all;
 }
 
-Fill filled(std::optional<Fairing> fairing) {
+Fill filled(std::optional<Fairing> fairing, const std::string& method = "auto") {
   FillOptions options;
   options.rim = waves().rim;
   options.fairing = fairing;
+  options.method = method;
   return fill(waves().mesh(), options);
 }
 
@@ -71,7 +72,7 @@ void spline() {
 }
 
 void normals() {
-  static const SurfacePtr patch = filled(Fairing::automatic).patch;
+  static const SurfacePtr patch = filled(Fairing::automatic, "side_vertex").patch;
   constexpr Index rows = 140;  // of a grid of some 10,000 points
   Points b((rows + 1) * (rows + 2) / 2, 3);
   Index k = 0;
