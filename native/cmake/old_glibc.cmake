@@ -4,7 +4,7 @@
 # names the old ones; where the module runs, glibc's library of the same name is loaded, and glibc has kept them. It is libpthread, which
 # threads need before glibc 2.34. Those of libm may be in it too: the loader looks for a name with its version in every library.
 set(names __pthread_key_create pthread_create pthread_detach pthread_getspecific pthread_join pthread_key_create pthread_key_delete
-          pthread_once pthread_setspecific exp lgamma log pow)
+          pthread_once pthread_setspecific exp hypot lgamma log pow)
 set(folder ${PROJECT_BINARY_DIR}/old_glibc)
 list(TRANSFORM names REPLACE "(.+)" "extern \"C\" void \\1() {}\n")
 list(JOIN names "" names)

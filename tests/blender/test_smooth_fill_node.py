@@ -5,6 +5,7 @@ import sys
 
 import bmesh
 import bpy
+import conftest
 import numpy as np
 import pytest
 import scenes
@@ -31,7 +32,7 @@ def following(addon):
 def new_tree(before=()):
     """A node tree with the node, and nodes of some kinds before it."""
     tree = bpy.data.node_groups.new("Geometry Nodes", "GeometryNodeTree")
-    sys.modules["tripatch_blender.versions"].new_sockets(tree, {"Geometry": "Geometry"})
+    sys.modules[conftest.ADDON + ".versions"].new_sockets(tree, {"Geometry": "Geometry"})
     last = tree.nodes.new("NodeGroupInput").outputs[0]
     for kind in (*before, NODE):
         node = tree.nodes.new(kind)
@@ -117,7 +118,7 @@ def test_its_numbers_change_the_fill(fills, following):
 def test_numbers_may_come_from_the_modifier(fills, following):
     ob, node = with_node()
     usual = filled(ob, following)
-    versions = sys.modules["tripatch_blender.versions"]
+    versions = sys.modules[conftest.ADDON + ".versions"]
     tree = node.id_data
     if hasattr(tree, "interface"):
         tree.interface.new_socket(name="Fineness", in_out="INPUT", socket_type="NodeSocketInt")
