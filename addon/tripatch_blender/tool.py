@@ -502,14 +502,16 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
     def _make(self, made):
         """As many handles as the hole has corners and sides; those that the fill does not follow are not there."""
         count, sides, labels = len(made.corners()), len(made.shape.bulges), len(made.continuities())
-        known = len(self.corners), len(self.arrows), len(self.labels)
-        if known != (count, sides, labels) or self.middle is None:
+        # not by labels, of which a drag changes the number: Blender crashes when the gizmo that is dragged is removed
+        if (len(self.corners), len(self.arrows)) != (count, sides) or self.middle is None:
             self.gizmos.clear()
             self.corners = [self._dot(VIEW3D_GT_tripatch_corner, k, (0.95, 0.3, 0.15), 8.0) for k in range(count)]
             blue = (0.1, 0.3, 0.6), 13.0, (0.2, 0.5, 0.95)
-            self.labels = [self._dot(VIEW3D_GT_tripatch_side, k, *blue) for k in range(labels)]
+            self.labels = [self._dot(VIEW3D_GT_tripatch_side, k, *blue) for k in range(sides)]
             self.arrows = [self._arrow(*bulge_handlers(k), (0.3, 0.8, 0.4)) for k in range(sides)]
             self.middle = self._arrow(*middle_handlers(), (0.35, 0.6, 1.0))
+        for k, label in enumerate(self.labels):
+            label.hide = k >= labels
         for arrow in self.arrows:
             arrow.hide = not made.honors("bulge")
         self.middle.hide = not made.honors("center_offset")
