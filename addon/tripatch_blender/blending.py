@@ -13,7 +13,7 @@ from . import between_patches, blends, following, library, live, panel, properti
 from .properties import OPTIONS
 
 #: Seconds without a change after which a handle rests, of which Blender does not tell.
-_RESTS = 0.25
+_RESTS = 1.0
 #: Blender sets a handle again, in single precision, wherever it draws while the mouse rests: that changes nothing.
 _SAME = 1e-6
 _METHODS = ("szilvasi_nagy_c1", "szilvasi_nagy_c0")
