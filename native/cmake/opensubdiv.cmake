@@ -45,4 +45,5 @@ else()
   message(FATAL_ERROR "TRIPATCH_OPENSUBDIV must be 'system' or 'static', not '${TRIPATCH_OPENSUBDIV}'")
 endif()
 add_library(tripatch_opensubdiv UNKNOWN IMPORTED GLOBAL)
-set_target_properties(tripatch_opensubdiv PROPERTIES IMPORTED_LOCATION ${OPENSUBDIV_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${include_dir})
+set_target_properties(tripatch_opensubdiv PROPERTIES IMPORTED_LOCATION ${OPENSUBDIV_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${include_dir}
+  INTERFACE_COMPILE_DEFINITIONS $<$<PLATFORM_ID:Windows>:_USE_MATH_DEFINES>)  # its headers use M_PI
