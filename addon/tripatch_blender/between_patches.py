@@ -100,9 +100,9 @@ def _surface_edges(ob):
                 side = tripatch.Side(surface, edge)
                 found.append(tripatch.between.SurfaceEdge(ob.name, side, t, not mirrored, (surface, edge)))
             except tripatch.Refusal as refusal:  # a single point: a corner of the surface; or flat to a line
-                refused.append(refusal)
+                refused.append(refusal.reason)
     if not found:
-        flat = next((refusal for refusal in refused if refusal.code == "surface_flat_to_line"), None)
+        flat = next((reason for reason in refused if "flat" in reason), None)
         raise UnusableError(flat or f"{ob.name} is closed: it has no edge that could be a side of a hole")
     return found
 
@@ -171,7 +171,7 @@ def _patch_and_triangles(sides, drawn, arguments, progress=None):
         warnings.simplefilter("always")
         patch = tripatch.patch(sides, **arguments, progress=progress)
     barycentric, faces = patch.triangles(drawn)
-    return patch, patch.evaluate(barycentric), faces, [each.message.args[0] for each in told]
+    return patch, patch.evaluate(barycentric), faces, [str(each.message) for each in told]
 
 
 def curves_of(objects):
@@ -278,7 +278,7 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
         try:
             mesh, made = mesh_between(objects, **between)
         except (tripatch.Refusal, ValueError) as reason:  # and UnusableError, InvalidArgument
-            self.reasons = sentences.for_people(reason)
+            self.reasons = sentences.for_people(str(reason))
             self.report({"WARNING" if self.by_hand else "ERROR"}, self.reasons)
             return {"FINISHED" if self.by_hand else "CANCELLED"}
         waiting.goes_on()

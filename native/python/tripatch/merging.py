@@ -14,7 +14,6 @@ from ._types import Array, ArrayLike, Faces
 from .errors import FillWarning, Refusal
 from .files.mesh_file import MeshFile
 from .filling import Fill, Fills, fill_all
-from .messages import Message
 from .options import takes_options
 
 
@@ -46,7 +45,7 @@ class HolesReport:
         return [each for each in self.results if isinstance(each, Refusal)]
 
     @property
-    def warnings(self) -> list[Message]:
+    def warnings(self) -> list[str]:
         """The warnings of all fills."""
         return [each for fill in self.fills for each in fill.report.warnings]
 
@@ -55,8 +54,7 @@ class HolesReport:
 
         def plain(each: Fill | Refusal) -> dict[str, Any]:
             if isinstance(each, Refusal):
-                codes = [said.code for said in each.messages]
-                return {"refused": each.reason, "codes": codes, "where": each.where}
+                return {"refused": each.reason, "where": each.where}
             added = {"rim": each.rim.tolist(), "new_vertices": len(each.vertices), "new_faces": len(each.faces)}
             return {**added, **each.report.as_dict()}
 
@@ -183,7 +181,7 @@ def fill_holes(
         if report.refusals and not report.fills:
             raise report.refusals[0]
         for refusal in report.refusals:
-            warnings.warn(FillWarning(Message("hole_not_filled", {"reason": refusal.messages[0]}, refusal.where)), stacklevel=2)
+            warnings.warn(FillWarning(f"A hole was not filled: {refusal.reason}"), stacklevel=2)
         for said in report.warnings:
             warnings.warn(FillWarning(said), stacklevel=2)
     made = trimeshes.filled(mesh, welded, report.fills) if welded else _filled(mesh, vertices, own, report, faces is not None)

@@ -14,7 +14,6 @@
 #include "tripatch/constructions/szilvasi_nagy.h"
 #include "tripatch/constructions/triangular_coons.h"
 #include "tripatch/fairing/fairing.h"
-#include "tripatch/messages.h"
 #include "tripatch/polygon/domain.h"
 
 namespace tripatch {
@@ -58,7 +57,7 @@ const std::vector<Method> all = {
      "Boolean sum of linear lofts between the curves",
      "Barnhill, Birkhoff and Gordon 1973; Szilvasi-Nagy and Szabo 2006",
      true,
-     SeamContinuity::g0,
+     "G0",
      {},
      from_curves<gordon_coons>,
      {}},
@@ -66,7 +65,7 @@ const std::vector<Method> all = {
      "Sums of the two curves at each corner, mixed linearly",
      "Nielson, Thomas and Wixom 1978",
      true,
-     SeamContinuity::g0,
+     "G0",
      {},
      from_curves<triangular_coons>,
      {}},
@@ -74,22 +73,22 @@ const std::vector<Method> all = {
      "Boolean sum of cubic lofts with slopes",
      "Barnhill, Birkhoff and Gordon 1973",
      true,
-     SeamContinuity::g1,
+     "G1",
      slopes,
      plain<barnhill_birkhoff_gordon>,
      {}},
     {"nielson_blend", "Three surfaces, one for each side, blended by the side weights", "Nielson 1979; Szilvasi-Nagy 2003", true,
-     SeamContinuity::g1, slopes, [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
+     "G1", slopes, [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
      [](const Surfaces& surfaces, const MethodOptions&) { return nielson_blend(surfaces); }},
     {"szilvasi_nagy_c0", "Coons-type blend of three surfaces with shape parameters, position",
-     "Szilvasi-Nagy and Szabo 2006, Definition 1", true, SeamContinuity::g0, lambda,
+     "Szilvasi-Nagy and Szabo 2006, Definition 1", true, "G0", lambda,
      [](const Boundary& boundary, const MethodOptions& options) { return szilvasi_nagy(hole_surfaces(boundary, 0), 0, options); },
      [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 0, options); }},
     {"szilvasi_nagy_c1",
      "Coons-type blend of three surfaces with shape parameters, position and tangent plane",
      "Szilvasi-Nagy and Szabo 2006, Definition 2",
      true,
-     SeamContinuity::g1,
+     "G1",
      {"cross_boundary", "bulge", "shape", "reading"},
      [](const Boundary& boundary, const MethodOptions& options) { return szilvasi_nagy(hole_surfaces(boundary, 1), 1, options); },
      [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 1, options); }},
@@ -97,7 +96,7 @@ const std::vector<Method> all = {
      "Three rays from the corners to the opposite sides, blended",
      "Nielson 1979; Hagen 1986",
      true,
-     SeamContinuity::g1,
+     "G1",
      slopes,
      [](const Boundary& boundary, const MethodOptions& options) {
        return options.to_be_faired ? curved_side_vertex(boundary) : side_vertex(boundary);
@@ -109,7 +108,7 @@ const std::vector<Method> all = {
      "A quintic fitted to the boundary, plus the side-vertex patch of what it misses",
      "Zhang, Ji and Yang 2005",
      true,
-     SeamContinuity::g1,
+     "G1",
      slopes,
      plain<quintic>,
      {}},
@@ -117,7 +116,7 @@ const std::vector<Method> all = {
      "Three interpolants to two sides each, blended, without twist constraints",
      "Gregory 1974",
      true,
-     SeamContinuity::g1,
+     "G1",
      slopes,
      plain<gregory>,
      {}},
@@ -125,7 +124,7 @@ const std::vector<Method> all = {
      "Discrete Coons net: a Bezier triangle that is the Coons patch of the three sides",
      "Arnal and Lluch, Definition 1",
      true,
-     SeamContinuity::g0,
+     "G0",
      {"alpha"},
      [](const Boundary& boundary, const MethodOptions& options) {
        return coons_fill(boundary, options.alpha ? CoonsKind::permanence : CoonsKind::discrete, options.alpha, options.warnings);
@@ -135,7 +134,7 @@ const std::vector<Method> all = {
      "Bezier triangle with the least integral of |x_uv|^2 between the three sides",
      "Arnal and Lluch, Propositions 2 and 3",
      true,
-     SeamContinuity::g0,
+     "G0",
      {"symmetric"},
      [](const Boundary& boundary, const MethodOptions& options) {
        return coons_fill(boundary, options.symmetric ? CoonsKind::extremal_symmetric : CoonsKind::extremal);
@@ -145,7 +144,7 @@ const std::vector<Method> all = {
      "Bezier triangle whose net satisfies the mask of the cubic extremals",
      "Arnal and Lluch, eq. 11",
      true,
-     SeamContinuity::g0,
+     "G0",
      {},
      [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::mask); },
      {}},
@@ -153,7 +152,7 @@ const std::vector<Method> all = {
      "Between two to twelve sides: what neighboring sides give at their corner, blended over a polygon",
      "Charrot and Gregory 1984",
      true,
-     SeamContinuity::g1,
+     "G1",
      slopes,
      {},
      {},
@@ -163,7 +162,7 @@ const std::vector<Method> all = {
      "The surface of the surroundings as a Gaussian field over a plane, for any rim; knows how well it is known",
      "Duchon 1977; Wahba 1990",
      true,
-     SeamContinuity::g1,
+     "G1",
      {"bulge"},
      {},
      {},
@@ -173,7 +172,7 @@ const std::vector<Method> all = {
      "A ring between two boundaries, tangent to both: ribs as circular arcs",
      "Hermite ribs; motions after Pottmann and Randrup 1998",
      true,
-     SeamContinuity::g1,
+     "G1",
      {"bulge"},
      {},
      {},
@@ -183,7 +182,7 @@ const std::vector<Method> all = {
      "Rows of quads around a rectangular hole go on across it: their mixed differences are least",
      "Birkhoff and Gordon 1968",
      true,
-     SeamContinuity::g1,
+     "G1",
      {"bulge"},
      {},
      {},
@@ -196,15 +195,17 @@ const std::vector<Method> all = {
 std::span<const Method> methods() { return all; }
 
 Continuity resolve_continuity(const BySide<SideContinuity>& asked, const Method& method, const Sides& sides) {
-  const bool keeps_tangent = method.continuity != SeamContinuity::g0;
+  const bool keeps_tangent = std::string(method.continuity) != "G0";
   check_count(asked, 3, "continuity");
   Continuity result;
   for (int i = 0; i < 3; ++i) {
     const bool exact = asked[i] == SideContinuity::g2;
     if (!keeps_tangent && (exact || asked[i] == SideContinuity::g1))
-      throw CodedRefusal(Code::continuity_above_method,
-                         {{"method", method.name}, {"kept", name_of(method.continuity)}, {"asked", name_of(asked[i])}});
-    if (exact && sides[i].q.empty()) throw CodedRefusal(Code::curvature_unknown, {{"side", i}});
+      throw Refusal(std::string("The method ") + method.name + " keeps " + method.continuity + " along the rim, not " +
+                    name_of(asked[i]));
+    if (exact && sides[i].q.empty())
+      throw Refusal("The curvature of the surroundings along side " + std::to_string(i) +
+                    " is not known: G2 cannot be met there");
     result.free[i] = asked[i] == SideContinuity::free;
     result.tangent[i] = keeps_tangent && !result.free[i] && asked[i] != SideContinuity::g0;
     result.curvature[i] = exact;
@@ -213,13 +214,9 @@ Continuity resolve_continuity(const BySide<SideContinuity>& asked, const Method&
   return result;
 }
 
-std::array<SeamContinuity, 3> Continuity::kept() const {
-  std::array<SeamContinuity, 3> out;
-  for (int i = 0; i < 3; ++i)
-    out[i] = free[i]        ? SeamContinuity::free
-             : curvature[i] ? SeamContinuity::g2
-             : tangent[i]   ? SeamContinuity::g1
-                            : SeamContinuity::g0;
+std::array<std::string, 3> Continuity::names() const {
+  std::array<std::string, 3> out;
+  for (int i = 0; i < 3; ++i) out[i] = free[i] ? "Free" : curvature[i] ? "G2" : tangent[i] ? "G1" : "G0";
   return out;
 }
 

@@ -11,7 +11,6 @@
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/fairing/fold_removal.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -45,7 +44,7 @@ public:
       if (now.result.folds.value_or(0) == 0) return now.result;
       if (!best.result.folds) best.result.folds = (*folds_)(*start_);  // counted only when needed
       if (without_folds(now) ? now.result.after <= now.result.before : *now.result.folds <= *best.result.folds) return now.result;
-      best.result.warnings = {{Code::fairest_folds}};
+      best.result.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
     }
     without_folds(best);
     return best.result;
@@ -119,7 +118,8 @@ FairResult fair(const FairingBase& base, const FairingBase& given_measured, cons
   }
   FairResult plain = choice.best_of({});
   plain.gave_up = true;
-  plain.warnings = {{Code::surroundings_vary}};
+  plain.warnings = {
+      "The surroundings vary too rapidly over the length of the hole to be continued fairly; the plain patch is used"};
   if (plain.folds.value_or(0) == 0) return plain;
   if (candidates.beyond) fairest = choice.best_of(candidates.best_first);
   return fairest.folds == Index{0} ? fairest : plain;

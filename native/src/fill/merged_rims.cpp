@@ -4,8 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "tripatch/messages.h"
-
 namespace tripatch {
 
 namespace {
@@ -223,7 +221,11 @@ bool MergedRims::bring_back(Fill& fill) const {
   repeat_rows(fill.rim_normals, row);
   repeat_rows(fill.rim_barycentric, row);
   repeat_rows(fill.rim_uv, row);
-  fill.report.warnings.push_back({Code::edges_without_length, {{"edges", flat.size()}}, {flat[0][0], flat[0][1]}});
+  const bool many = flat.size() > 1;
+  fill.report.warnings.push_back((many ? std::to_string(flat.size()) + " edges" : std::string("1 edge")) +
+                                 " of the rim, as that between vertices " + std::to_string(flat[0][0]) + " and " +
+                                 std::to_string(flat[0][1]) + ", " + (many ? "have" : "has") + " no length: the fill joins " +
+                                 (many ? "them" : "it") + " by triangles without area; Merge by Distance rids the mesh of both");
   return true;
 }
 

@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "tripatch/math/linear.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -261,7 +260,7 @@ PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<
     }
     f(t, values);
     for (double v : values) {
-      if (!std::isfinite(v)) throw CodedRefusal(Code::numbers_overflow);
+      if (!std::isfinite(v)) throw Refusal(beyond_measure);
       scale = std::max(scale, std::abs(v));
     }
     std::vector<Piece> next;

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "tripatch/messages.h"
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {
@@ -25,7 +24,7 @@ bool is_better(const Quality& a, const Quality& b);
 struct Tried {
   FillCandidate row;
   std::optional<Fill> fill;
-  std::optional<CodedRefusal> refusal;
+  std::optional<Refusal> refusal;
 };
 using TriedFills = std::vector<Tried>;
 

@@ -12,7 +12,6 @@
 #include <string>
 
 #include "tripatch/mesh/connectivity.h"
-#include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/spline/field.h"
 
@@ -50,7 +49,7 @@ struct PlaneFill {
   double fed_back = 0;            ///< share of an error that the layout hands on to the fill; `deviation` has it
   double surroundings_error = 0;  ///< degrees, root mean square: how well the samples determine the slope at the rim
   int rings = 0;
-  std::optional<Message> plainer;  ///< why not the likeliest field through as many rings as there are
+  std::string plainer;  ///< why not the likeliest field through as many rings as there are: a sentence, or empty
   bool doubles_edges = false;
 };
 
