@@ -205,12 +205,8 @@ def mesh_between(objects, tolerance, resolution, construction, mesh=None):
     return mesh, Between(loop, sides, patch, notes, edges)
 
 
-class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Operator):
-    """Fill the hole between selected surface and mesh objects by a new mesh that continues them"""
-
-    bl_idname = "object.fill_between_patches"
-    bl_label = "Fill Between Patches"
-    bl_options = {"REGISTER", "UNDO"}
+class FromEdges:
+    """Mixed into operators that fill the hole between edges of objects."""
 
     tolerance: FloatProperty(
         name="Tolerance",
@@ -229,17 +225,35 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
         max=10000,
         default=0,
     )
-    keep_live: BoolProperty(
-        name="Keep Live",
-        description="The fill follows when the objects around it are moved or edited, until it is applied",
-        default=False,
-    )
-
     computed_resolution: IntProperty(default=0, options={"HIDDEN"})  # -1: of no surface; still the same, nobody chose it
     by_hand: BoolProperty(
         options={"HIDDEN", "SKIP_SAVE"}, description="Called from a menu: a refusal can be corrected in the panel"
     )
     reasons: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
+
+    def asked(self):
+        """The tolerance and the resolution that somebody chose, else 0."""
+        return {"tolerance": self.tolerance, "resolution": 0 if self.resolution == self.computed_resolution else self.resolution}
+
+    def refuse(self, reason):
+        """What the operator returns for a refusal, which the panel shows to who can correct it there."""
+        self.reasons = sentences.for_people(str(reason))
+        self.report({"WARNING" if self.by_hand else "ERROR"}, self.reasons)  # pyright: ignore
+        return {"FINISHED" if self.by_hand else "CANCELLED"}
+
+
+class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, bpy.types.Operator):
+    """Fill the hole between selected surface and mesh objects by a new mesh that continues them"""
+
+    bl_idname = "object.fill_between_patches"
+    bl_label = "Fill Between Patches"
+    bl_options = {"REGISTER", "UNDO"}
+
+    keep_live: BoolProperty(
+        name="Keep Live",
+        description="The fill follows when the objects around it are moved or edited, until it is applied",
+        default=False,
+    )
 
     @classmethod
     def poll(cls, context):
@@ -272,17 +286,14 @@ class OBJECT_OT_fill_between_patches(Construction, waiting.Waiting, bpy.types.Op
 
     def perform(self, context):
         objects = selected(context)
-        resolution = 0 if self.resolution == self.computed_resolution else self.resolution
-        between = {"tolerance": self.tolerance, "resolution": resolution, "construction": self.construction()}
+        between = {**self.asked(), "construction": self.construction()}
         self.reasons = ""
         try:
             mesh, made = mesh_between(objects, **between)
         except (tripatch.Refusal, ValueError) as reason:  # and UnusableError, InvalidArgument
-            self.reasons = sentences.for_people(str(reason))
-            self.report({"WARNING" if self.by_hand else "ERROR"}, self.reasons)
-            return {"FINISHED" if self.by_hand else "CANCELLED"}
+            return self.refuse(reason)
         waiting.goes_on()
-        if not resolution:
+        if not between["resolution"]:
             self.resolution, self.computed_resolution = made.edges, made.edges or -1
         new = bpy.data.objects.new("Fill", mesh)
         context.collection.objects.link(new)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import traceback
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 from mathutils import Matrix, Vector
 
 from . import between_patches, blends, following, library, live, panel, properties, sentences
@@ -24,7 +24,7 @@ def _between(names, i):
     return f"{names[i]} - {names[(i + 2) % 3]}"
 
 
-class OBJECT_OT_blend_three_patches(bpy.types.Operator):
+class OBJECT_OT_blend_three_patches(between_patches.FromEdges, bpy.types.Operator):
     """Blend three selected surface or mesh objects over the hole between their edges; drag the handles to weigh them"""
 
     bl_idname = "object.blend_three_patches"
@@ -34,30 +34,8 @@ class OBJECT_OT_blend_three_patches(bpy.types.Operator):
     optimal_shape: BoolProperty(
         name="Optimal Shape", description="The weights of the surfaces with which the blend bends least", default=False
     )
-    tolerance: FloatProperty(
-        name="Tolerance",
-        description="Largest gap between the ends of two edges that still meet",
-        unit="LENGTH",
-        min=0.0,
-        precision=5,
-        default=0.001,
-    )
-    resolution: IntProperty(
-        name="Resolution",
-        description="Edges along the sides of surfaces, as Blender draws them until it is changed; meshes keep their vertices",
-        min=0,
-        soft_min=1,
-        soft_max=128,
-        max=10000,
-        default=0,
-    )
 
-    computed_resolution: IntProperty(default=0, options={"HIDDEN"})  # still the same: nobody chose it
     names: StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # of the objects, by side
-    by_hand: BoolProperty(
-        options={"HIDDEN", "SKIP_SAVE"}, description="Called from a menu: a refusal can be corrected in the panel"
-    )
-    reasons: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
@@ -90,16 +68,13 @@ class OBJECT_OT_blend_three_patches(bpy.types.Operator):
 
     def execute(self, context):
         objects = between_patches.selected(context)
-        resolution = 0 if self.resolution == self.computed_resolution else self.resolution
-        given = {"tolerance": self.tolerance, "resolution": resolution, "method": self.method}  # pyright: ignore
+        given = {**self.asked(), "method": self.method}  # pyright: ignore
         self.reasons = self.names = ""
         try:
             mesh, made = blends.mesh_of(objects, shape="optimal" if self.optimal_shape else list(self.shape), **given)
         except ValueError as reason:  # Refusal, UnusableError, InvalidArgument
-            self.reasons = sentences.for_people(str(reason))
-            self.report({"WARNING" if self.by_hand else "ERROR"}, self.reasons)
-            return {"FINISHED" if self.by_hand else "CANCELLED"}
-        if not resolution:
+            return self.refuse(reason)
+        if not given["resolution"]:
             self.resolution = self.computed_resolution = made.edges
         self.names, self.shape = "\n".join(made.names), made.shape
         new = bpy.data.objects.new("Blend", mesh)
