@@ -195,3 +195,16 @@ def test_a_seam_is_not_said_to_bend_more_than_the_faces_do():
     coarse = types.SimpleNamespace(seam_angle_max_by_side=[0.1], continuity=["G1"], surroundings_error=55.0)
     assert "seam within 0.1° (accuracy of the mesh: 55°)" in words.filled([coarse])
     assert "seam within 0.1° (accuracy of the mesh: 33°)" in words.filled([coarse], bend=33.0)
+
+
+def test_holes_that_touch_at_a_vertex_are_no_islands_of_each_other():
+    """A spiral strip is cut out of a vase, three quads a row: each part touches the next at a corner."""
+    n, m = 48, 80
+    j, i = np.divmod(np.arange(n * (m + 1)), n)
+    radius, turn = 0.6 + 0.25 * np.sin(3 * j / m), 2 * np.pi * i / n
+    vertices = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), 2 * j / m - 1])
+    gone = {(10 + k) * n + k // 3 for k in range(60)}
+    quads = [[v, v - v % n + (v + 1) % n, v - v % n + (v + 1) % n + n, v + n] for v in range(n * m) if v not in gone]
+    loops = [loop.tolist() for loop in tripatch.find_holes(quads) if len(loop) < n]
+    assert len(loops) > 10
+    assert not any(tripatch.borders.islands_of(vertices, quads, loops, parts=False))
